@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the library: what is remembered of pairs, in a table of fixed size.
+// Private to the library: what is remembered of pairs or places, in a table of fixed size.
 
 #include <algorithm>
 #include <cstddef>

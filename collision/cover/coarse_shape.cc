@@ -34,6 +34,9 @@ AxisBox boxOf(const Shape& shape) {
   if (shape.type() == ShapeType::kMesh) {
     low = shape.mesh()->tree().node(0).low;
     high = shape.mesh()->tree().node(0).high;
+  } else if (shape.type() == ShapeType::kDeformable) {
+    low = shape.deformable()->low();
+    high = shape.deformable()->high();
   } else {
     for (const Eigen::Vector3d& v : cornersOf(shape)) {
       low = low.cwiseMin(v);

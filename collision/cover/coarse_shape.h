@@ -19,7 +19,8 @@ struct AxisBox {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Vector3d half = Eigen::Vector3d::Zero();
 };
-/// The box around a hull (with its excess) or mesh, rounded outwards. O(vertices).
+/// The box around a hull (with its excess) or mesh, rounded outwards. O(vertices) of a hull, else
+/// O(1).
 AxisBox boxOf(const Shape& hull_or_mesh);
 
 /// A stand-in for a placed shape that bounds the distance of a point in a few nanoseconds, which

@@ -17,7 +17,7 @@
 namespace leeway::collision {
 
 /// Pairs of pieces with obstacles that are too many to be listed: told from their numbers. Rows are
-/// pieces, places are obstacles. Constant.
+/// pieces, places are things that stand still. Constant.
 class LaneRuns {
  public:
   virtual ~LaneRuns() = default;
@@ -71,14 +71,16 @@ class LaneSweep {
   int addPiece(const Piece& piece);
   /// A shape that stands still: spheres, capsules, boxes, cylinders and half-spaces as they are, a
   /// cone as a cylinder, all else as a box around it. O(vertices).
-  /// `place`: where it stands in runs, -1 in none; then its shape is asked of LaneRuns.
+  /// `place`: its place in runs, whose shape is asked of LaneRuns; -1: it is in none.
   int addObstacle(const Shape& shape, const Pose& X_WG, int place = -1);
   /// Around such a shape in the world, rounding included.
   static ObstacleBoxes::Box boxAround(const Shape& shape, const Pose& X_WG);
-  /// Whether a shape in runs must be added as an obstacle: it has balls or parts besides its box.
-  /// All others are made from LaneRuns when they are near.
+  /// Whether a shape in runs must be added as an obstacle: it has balls or parts besides its box,
+  /// or deforms, and then is near everything. All others are made from LaneRuns when they are near.
   static bool needsObstacle(const Shape& shape) {
-    return shape.type() == ShapeType::kMesh || shape.type() == ShapeType::kConvexHull;
+    const ShapeType type = shape.type();
+    return type == ShapeType::kMesh || type == ShapeType::kConvexHull ||
+           type == ShapeType::kDeformable;
   }
   /// What rounding of such an obstacle is relative to, as it stands in the world [m].
   static double scaleOf(const Shape& shape, const Pose& X_WG);

@@ -110,20 +110,20 @@ double scaleOf(const Shape& shape, const Pose& X_WG, const Ball& outer) {
 Scene::Still Scene::stillOf(const Things& things, int first, std::size_t count) {
   std::vector<ObstacleBoxes::Box> boxes;
   boxes.reserve(count);
-  std::vector<std::int32_t> covered;
+  std::vector<std::int32_t> added;
   Still still;
   const auto* bounds = things.bounds.data() + things.first_geometry[at(first)];
   for (const Body& body : std::span(things.bodies).subspan(at(first))) {
     for (const Geometry& g : body.geometries) {
       const Pose X_WG = body.X_WB * g.X_BG;
       if (LaneSweep::needsObstacle(g.shape))
-        covered.push_back(static_cast<std::int32_t>(boxes.size()));
+        added.push_back(static_cast<std::int32_t>(boxes.size()));
       boxes.push_back(boxOf(g.shape, X_WG));
       still.scale = greatest(still.scale, scaleOf(g.shape, X_WG, (bounds++)->outer));
     }
   }
   still.boxes = std::make_shared<const ObstacleBoxes>(boxes);
-  still.covered = std::make_shared<const std::vector<std::int32_t>>(std::move(covered));
+  still.added = std::make_shared<const std::vector<std::int32_t>>(std::move(added));
   return still;
 }
 

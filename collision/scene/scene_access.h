@@ -47,8 +47,8 @@ struct SceneAccess {
   static const std::shared_ptr<const ObstacleBoxes>& sharedBoxes(const Scene& scene) {
     return scene.still_.boxes;
   }
-  /// The places of hulls and meshes, ascending; there are runs.
-  static std::span<const std::int32_t> covered(const Scene& scene) { return *scene.still_.covered; }
+  /// The places of what LaneSweep::needsObstacle(), ascending; there are runs.
+  static std::span<const std::int32_t> added(const Scene& scene) { return *scene.still_.added; }
   /// Of everything in a place at most [m]: the coordinates of its pose's inverse and of its ball's
   /// centre, added up; LaneSweep::scaleOf().
   static double scaleOfStill(const Scene& scene) { return scene.still_.scale; }

@@ -308,11 +308,13 @@ constexpr double kConnectRange = 0.08;
 /// Connect starts again with another seed after this many iterations, times a term of Luby's
 /// series; and looks at the clock after so many iterations, or edges.
 constexpr std::uint64_t kConnectRun = 20000;
-/// The first run goes on, to so many times its length at most, until its edges have cost this
-/// [units of collision::Work], about 0.1 s. Arms gain: fetch's slowest problems of twenty take half
-/// as long as without it, baxter's a tenth less. A body among triangles costs more before.
+/// An arm's first run goes on, to so many times its length at most, until it has asked so many
+/// edges or has searched among so many nodes, all iterations taken together: 0.1 s or two. The
+/// slowest of twenty problems of fetch take a third of the time that they take without, baxter's a
+/// tenth less.
 constexpr std::uint64_t kLongestFirstRun = 5;
-constexpr std::int64_t kFirstRunWork = 100'000'000;
+constexpr std::uint64_t kFirstRunEdges = 50'000;
+constexpr std::uint64_t kFirstRunScans = 100'000'000;
 constexpr std::uint64_t kConnectTurn = 16;
 
 /// Connect's range when a problem names none: this share of the space's extent over the squared

@@ -101,8 +101,10 @@ EdgeClearance ContactSlide::nearestBefore(std::span<const double> from, std::spa
 /// Adds what is met between two points, where `check` says; false where nothing is learnt of it.
 bool ContactSlide::meet(std::span<const double> from, std::span<const double> to,
                         const EdgeCheck& check) {
-  const EdgeClearance found = check.pair < 0 ? nearestBefore(from, to, check.t)
-                                             : nearestOfPair(from, to, check.t, check.pair);
+  // An undecided check names a pair that is in no one's way.
+  const bool is_known = check.verdict == Verdict::kNotFree && check.pair >= 0;
+  const EdgeClearance found =
+      is_known ? nearestOfPair(from, to, check.t, check.pair) : nearestBefore(from, to, check.t);
   if (found.pair < 0) return false;
   const std::span<const double> gradient = gradients_.find(place_, found, scene_);
   double squared = 0;

@@ -17,7 +17,7 @@ namespace leeway::planner {
 /// Manocha, "An efficient retraction-based RRT planner", 2008, move samples to the surface for the
 /// same reason).
 ///
-/// It asks nothing but its certifier, and that in the same order for the same calls: with a
+/// It asks its certifier and a workspace of its own, in the same order for the same calls: with a
 /// certifier that nobody else asks, its answers depend on the calls made here alone.
 class ContactSlide {
  public:
@@ -42,9 +42,9 @@ class ContactSlide {
   };
   void project(std::span<double> step) const;
   bool meet(std::span<const double> from, std::span<const double> to, const EdgeCheck& check);
-  /// What is nearest at the last place before a meeting that is free, which place_ is then. By one
-  /// pair: of that pair alone, which is asked far sooner than all.
+  /// The nearest pair at the last free place before t, which it writes to place_.
   EdgeClearance nearestBefore(std::span<const double> from, std::span<const double> to, double t);
+  /// The same of one pair, which is far cheaper; other pairs may meet at place_.
   EdgeClearance nearestOfPair(std::span<const double> from, std::span<const double> to, double t,
                               int pair);
   /// Between the pair's bodies at place_.

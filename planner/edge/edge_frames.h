@@ -26,8 +26,8 @@ struct Piece {
   const collision::GeometryBounds* bounds = nullptr;  ///< in the link's frame, or the world's
   bool at_origin = false;                             ///< X_BG is the identity
   bool is_free_mesh = false;  ///< a mesh that a planned floating or planar joint carries
-  /// Of pieces of the world: coordinates of the inverse of their pose and of their ball's centre,
-  /// added up [m].
+  /// Of pieces of the world that are in no run: coordinates of the inverse of their pose and of
+  /// their ball's centre, added up [m].
   double scale = 0;
 };
 

@@ -123,13 +123,13 @@ std::vector<RobotLanes::Piece> SceneLanes::addPieces(const CompiledScene& scene,
     is_bounded = is_bounded && robot.is_bounded[at(of_world[i])] != 0;
     moving.push_back({static_cast<int>(i), lane_pieces[i].piece});
   }
-  if (edges.pairs.hasRuns()) addCovered(scene, edges);
+  if (edges.pairs.hasRuns()) addPlaced(scene, edges);
   usable = is_bounded && longest < kLargestReach;
   return lane_pieces;
 }
 
-void SceneLanes::addCovered(const CompiledScene& scene, const EdgeScene& edges) {
-  for (const std::int32_t place : collision::SceneAccess::covered(scene.scene())) {
+void SceneLanes::addPlaced(const CompiledScene& scene, const EdgeScene& edges) {
+  for (const std::int32_t place : collision::SceneAccess::added(scene.scene())) {
     const Piece piece = edges.pieces[at(edges.pairs.pieceIn(at(place)))];
     const RobotLanes::Piece added =
         addStill(*piece.geometry, scene.scene().bodies()[at(piece.body)].X_WB, piece.bounds->outer,

@@ -54,8 +54,8 @@ double roundingOf(const EdgeModel& model, const Piece& a, const Piece& b) {
          collision::kTransferRounding * scale;
 }
 
-/// The geometry of number `index` in the scene. Of what moves, without what is known of pieces that
-/// move alone.
+/// The geometry of number `index` in the scene, without what only pieces that move or only those of
+/// the world have.
 Piece pieceOf(const CompiledScene& scene, int body, const collision::Geometry& g, int index) {
   Piece piece;
   piece.body = body;
@@ -64,16 +64,22 @@ Piece pieceOf(const CompiledScene& scene, int body, const collision::Geometry& g
   piece.bounds = &collision::SceneAccess::bounds(scene.scene(), index);
   piece.at_origin = g.X_BG.rotation == Eigen::Matrix3d::Identity() &&
                     g.X_BG.translation == Eigen::Vector3d::Zero();
-  if (piece.link >= 0) return piece;
-  const collision::Pose X_GW = (scene.scene().bodies()[at(body)].X_WB * g.X_BG).inverse();
-  piece.scale = X_GW.translation.lpNorm<1>() + piece.bounds->outer.center.lpNorm<1>();
   return piece;
+}
+
+/// Piece::scale of a piece of the world.
+double scaleOf(const CompiledScene& scene, const Piece& piece) {
+  const collision::Pose& X_WB = scene.scene().bodies()[at(piece.body)].X_WB;
+  return (X_WB * piece.geometry->X_BG).inverse().translation.lpNorm<1>() +
+         piece.bounds->outer.center.lpNorm<1>();
 }
 
 /// Of a piece that moves with one that stands still, which is in the world.
 EdgePair pairWithWorld(const CompiledScene& scene, const EdgeScene& edges, int a, int b,
                        double margin) {
-  const Piece of_a = edges.pieces[at(a)], of_b = edges.pieces[at(b)];
+  const Piece of_a = edges.pieces[at(a)];
+  Piece of_b = edges.pieces[at(b)];
+  if (at(b) >= edges.pieces.listed().size()) of_b.scale = scaleOf(scene, of_b);
   EdgePair e{};
   e.a = a;
   e.b = b;
@@ -127,6 +133,8 @@ class EdgeSceneBuilder {
           g.shape.type() == collision::ShapeType::kMesh && isCarriedFreely(compiled_, piece.link);
       piece.moving = static_cast<int>(edges_.moving.size());
       edges_.moving.push_back(index);
+    } else {
+      piece.scale = scaleOf(compiled_, piece);
     }
     edges_.pieces.listed_.push_back(piece);
   }
@@ -175,8 +183,8 @@ class EdgeSceneBuilder {
     pairs_.edges_ = &edges_;
     if (!all.hasRuns()) return;
     pairs_.first_still_ = collision::SceneAccess::geometryIndex(scene_, all.firstStill(), 0);
-    const std::span<const std::int32_t> covered = collision::SceneAccess::covered(scene_);
-    const bool has_mesh = std::any_of(covered.begin(), covered.end(), [&](std::int32_t place) {
+    const std::span<const std::int32_t> added = collision::SceneAccess::added(scene_);
+    const bool has_mesh = std::any_of(added.begin(), added.end(), [&](std::int32_t place) {
       const Piece still = piece(pairs_.pieceIn(at(place)));
       return still.geometry->shape.type() == collision::ShapeType::kMesh;
     });

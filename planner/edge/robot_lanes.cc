@@ -284,7 +284,9 @@ RobotLanes::Piece addStill(const collision::Geometry& geometry, const Pose& X_WB
   RobotLanes::Piece result;
   result.obstacle = sweep.addObstacle(shape, X_WG, place);
   // Of these two an obstacle is only their box: balls say more.
-  if (!LaneSweep::needsObstacle(shape)) return result;
+  if (shape.type() != collision::ShapeType::kMesh &&
+      shape.type() != collision::ShapeType::kConvexHull)
+    return result;
   LaneSweep::Piece lane;
   lane.outer = placed(Pose{}, outer);
   addCover(*collision::coverOf(shape), X_WG, lane);

@@ -67,9 +67,9 @@ class Worker {
         is_free_([this](std::span<const double> a, std::span<const double> b) {
           return check_(a, b).verdict == Verdict::kFree;
         }),
-        slide_(
-            [this](std::span<const double> from, std::span<const double> target,
-                   std::vector<double>& points) { narrow_->slide.slide(from, target, points); }) {}
+        slide_([this](std::span<const double> from, std::span<const double> target,
+                      std::vector<double>& points) { narrow_->slide.slide(from, target, points); }),
+        is_body_(isBody(query.scene->space())) {}
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
@@ -83,6 +83,7 @@ class Worker {
         ++goal_batches_;
         trees_->takeGoals();
       }
+      scanned_ += trees_->nodes();
       const bool met = trees_->iterate();
       // Slides ask their edges from the tree's root on, which is backwards in the goals' tree.
       const bool is_certified = !narrow_;
@@ -131,15 +132,15 @@ class Worker {
         task, settings,
         runSeed(query_.seed, index_ * kRunsApart + (is_narrow ? kToNarrowRuns : 0) + runs));
     left_ = query_.run * luby(++runs);
-    work_before_ = certifier_.statistics.work;
   }
 
-  /// Whether the first run has more iterations: its edges have cost little so far. Narrow ones, of
-  /// which each costs as much as hundreds of such edges, come no sooner than they must.
+  /// Whether the first run has more iterations. A slide costs as much as hundreds of an arm's
+  /// edges, so narrow runs wait while these are few. All is counted, nothing timed, and nothing
+  /// depends on what the certifier was asked before.
   bool goesOn() {
     const bool is_first = runs_ == 1 && !narrow_ && std::isinf(query_.bound);
-    if (!is_first || iterations_ >= kLongestFirstRun * query_.run ||
-        certifier_.statistics.work - work_before_ >= kFirstRunWork)
+    if (!is_first || is_body_ || iterations_ >= kLongestFirstRun * query_.run ||
+        asked_ >= kFirstRunEdges || scanned_ >= kFirstRunScans)
       return false;
     left_ = kConnectTurn;
     return true;
@@ -165,8 +166,9 @@ class Worker {
   std::optional<ConnectTrees> trees_;
   EdgeCertifier::Statistics narrow_work_;  ///< of runs that have ended
   std::uint64_t runs_ = 0, narrow_runs_ = 0, left_ = 0, iterations_ = 0;
-  std::int64_t work_before_ = 0;  ///< the present run
-  unsigned asked_ = 0;
+  bool is_body_;
+  std::uint64_t asked_ = 0;    ///< edges
+  std::uint64_t scanned_ = 0;  ///< nodes that were there, iteration by iteration
   bool over_ = false;
   Waypoints path_;
 };

@@ -44,7 +44,7 @@ struct ConnectQuery {
   /// Told of the free edges of the first worker, from one thread at a time; may be empty.
   const std::function<void(std::span<const double>, std::span<const double>)>& on_edge;
   double bound = std::numeric_limits<double>::infinity();  ///< of the path's length
-  std::uint64_t run = kConnectRun;                         ///< iterations of a first run
+  std::uint64_t run = kConnectRun;                         ///< iterations of a first run, at least
   /// Appends batch k = 0, 1, ... of further goals to a worker's own; false when there is none. May
   /// be empty. Called by several threads.
   std::function<bool(std::size_t k, Waypoints& goals)> more_goals = {};
@@ -58,9 +58,9 @@ struct ConnectResult {
 
 /// Runs with rising budgets: most problems are solved soon or by luck, so a run that is late is
 /// started again with another seed (Luby, Sinclair, Zuckerman, "Optimal speedup of Las Vegas
-/// algorithms", 1993). After the first, which finds most paths, each other run is narrow: where an
-/// edge meets something, it slides along it. One worker searches with `certifier`, narrow runs with
-/// one of their own.
+/// algorithms", 1993). After the first, which finds most paths and goes on while an arm's edges are
+/// few, each other run is narrow: where an edge meets something, it slides along it. One worker
+/// searches with `certifier`, narrow runs with one of their own.
 ///
 /// Several have certifiers, seeds and, where the choice leaves them open, settings of their own;
 /// the first is what one worker would be. The path that took its worker the fewest iterations

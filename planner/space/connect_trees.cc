@@ -67,6 +67,8 @@ double defaultRange(const ConfigurationSpace& space) {
   return turn > 0 ? std::min(range, std::max(turn, extent * kLeastBodyRange)) : range;
 }
 
+bool isBody(const ConfigurationSpace& space) { return bodyTurn(space) > 0; }
+
 ConnectTrees::ConnectTrees(const ConnectTask& task, const ConnectSettings& settings,
                            std::uint64_t seed)
     : task_(task),

@@ -41,6 +41,9 @@ double usefulExtent(const ConfigurationSpace& space);
 /// O(parts).
 double defaultRange(const ConfigurationSpace& space);
 
+/// Whether all that is planned is one planar or floating joint. O(variables).
+bool isBody(const ConfigurationSpace& space);
+
 struct ConnectSettings {
   /// The longest edge, in the space's distance; at least kShortestRange of its extent.
   double range = 1;
@@ -68,6 +71,8 @@ class ConnectTrees {
   /// One sample, and what follows from it: an edge towards it and the connection to the other tree.
   /// True when the trees have met; then it must not be called again. O(nodes), and its edges.
   bool iterate();
+  /// Of both trees. O(1).
+  std::size_t nodes() const { return trees_[0].nearest.size() + trees_[1].nearest.size(); }
   /// Adds the goals that were appended to the task's since the last call. O(goals).
   void takeGoals();
   /// After iterate() was true: from the start to a goal, every edge as isFree() was asked about it;

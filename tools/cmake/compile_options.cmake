@@ -11,9 +11,6 @@ set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
 # Not in the cache, where project() has put an empty entry for a build type that CMake does not know.
 set(CMAKE_CXX_FLAGS_RELWITHASSERTS "-O2 -g1")
 
-# For what is large and calls libraries for all that takes time (tests, the command's verbs, Python's bindings): a quarter less to compile.
-set(leeway_light_options $<$<CONFIG:Release>:-O1>)
-
 # g++ 12 finds copies past the end in <string> where there are none, once the header is precompiled: these stay warnings.
 # g++ collects its garbage only above half a gigabyte a process: a file takes up to 18 % less time and 20 % more memory, and the objects are the same.
 # Nobody reads errno after sqrt: without it there is no branch, and answers are the same.

@@ -83,7 +83,7 @@ class Scene {
   // Where pairs have runs: what is known of the geometries in places.
   struct Still {
     std::shared_ptr<const ObstacleBoxes> boxes;  // around each; a deforming one may be anywhere
-    std::shared_ptr<const std::vector<std::int32_t>> covered;  // places of hulls and meshes
+    std::shared_ptr<const std::vector<std::int32_t>> added;  // see SceneAccess::added()
     double scale = 0;  // sums of their coordinates are at most this, see SceneAccess [m]
   };
   // Of the bodies from `first` on, which have `count` geometries. O(n log n).
