@@ -308,6 +308,8 @@ constexpr double kConnectRange = 0.08;
 /// Connect starts again with another seed after this many iterations, times a term of Luby's
 /// series; and looks at the clock after so many iterations, or edges.
 constexpr std::uint64_t kConnectRun = 20000;
+constexpr std::uint64_t kConnectTurn = 16;
+
 /// An arm's first run goes on, to so many times its length at most, until it has asked so many
 /// edges or has searched among so many nodes, all iterations taken together: 0.1 s or two. The
 /// slowest of twenty problems of fetch take a third of the time that they take without, baxter's a
@@ -315,7 +317,6 @@ constexpr std::uint64_t kConnectRun = 20000;
 constexpr std::uint64_t kLongestFirstRun = 5;
 constexpr std::uint64_t kFirstRunEdges = 50'000;
 constexpr std::uint64_t kFirstRunScans = 100'000'000;
-constexpr std::uint64_t kConnectTurn = 16;
 
 /// Connect's range when a problem names none: this share of the space's extent over the squared
 /// degrees of freedom, and at most the second. Measured on arms: 0.12 to 0.16 of the extent suit
