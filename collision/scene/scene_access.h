@@ -47,10 +47,10 @@ struct SceneAccess {
   static const std::shared_ptr<const ObstacleBoxes>& sharedBoxes(const Scene& scene) {
     return scene.still_.boxes;
   }
-  /// The places of what LaneSweep::needsObstacle(), ascending; there are runs.
+  /// The places of things that LaneSweep::needsObstacle() names, ascending. The scene has runs.
   static std::span<const std::int32_t> added(const Scene& scene) { return *scene.still_.added; }
-  /// Of everything in a place at most [m]: the coordinates of its pose's inverse and of its ball's
-  /// centre, added up; LaneSweep::scaleOf().
+  /// At least these two, for everything in a place [m]: the coordinates of its pose's inverse and
+  /// of its ball's centre, added up, and LaneSweep::scaleOf().
   static double scaleOfStill(const Scene& scene) { return scene.still_.scale; }
 
   static Scratch& scratch(Workspace& workspace);

@@ -101,7 +101,7 @@ EdgeClearance ContactSlide::nearestBefore(std::span<const double> from, std::spa
 /// Adds what is met between two points, where `check` says; false where nothing is learnt of it.
 bool ContactSlide::meet(std::span<const double> from, std::span<const double> to,
                         const EdgeCheck& check) {
-  // An undecided check names a pair that is in no one's way.
+  // The pair that an undecided check names may be in no one's way.
   const bool is_known = check.verdict == Verdict::kNotFree && check.pair >= 0;
   const EdgeClearance found =
       is_known ? nearestOfPair(from, to, check.t, check.pair) : nearestBefore(from, to, check.t);

@@ -32,7 +32,8 @@ struct SceneLanes {
   /// Adds the pieces of the world that pairs use, and sets what depends on all pieces in use.
   /// Returns one for each of EdgeScene::pieces that is in no run.
   std::vector<RobotLanes::Piece> addPieces(const CompiledScene& scene, const EdgeScene& edges);
-  /// Of what is in runs, what LaneSweep::needsObstacle(); lanes make the rest when it is near.
+  /// The things in runs that LaneSweep::needsObstacle() names. Lanes make the others when they are
+  /// near.
   void addPlaced(const CompiledScene& scene, const EdgeScene& edges);
   void addPairs(const EdgeScene& edges, std::span<const RobotLanes::Piece> lane_pieces);
   void setRuns(const CompiledScene& scene, const EdgeScene& edges,
