@@ -374,10 +374,12 @@ TEST_F(Plan, AnInterruptEndsReading) {
   for (int i = 0; i < 200'000; ++i)
     objects += "  - {name: b" + std::to_string(i) + ", position: [9, 9, 9], sphere: {radius: 1}}\n";
   write("big.yaml", text.replace(text.find("objects:\n"), 9, objects));
-  // As soon as the process catches SIGINT (2, the second bit of the mask).
+  // As soon as the command catches SIGINT (2, the second bit of the mask). Before it begins, the
+  // process is a copy of the shell, and a signal ends it.
   const Answer answer = shell("'" + leeway::commandFile() +
                               "' plan big.yaml --output out.json --json & pid=$!; "
                               "for i in $(seq 1000); do "
+                              "grep -qx leeway /proc/$pid/comm && "
                               "grep -q '^SigCgt:.*[2367abef]$' /proc/$pid/status && break; "
                               "sleep 0.01; done; kill -INT $pid; wait $pid");
   EXPECT_EQ(answer.status, 1) << answer.out << answer.err;
