@@ -47,6 +47,18 @@ void ContactSlide::project(std::span<double> step) const {
     }
 }
 
+template <class IsFree>
+void ContactSlide::placeBefore(std::span<const double> from, std::span<const double> to, double t,
+                               const IsFree& is_free) {
+  double free = 0, met = t;
+  for (int i = 0; i < kSlideHalvings; ++i) {
+    const double middle = (free + met) / 2;
+    space_.interpolate(from, to, middle, place_);
+    (is_free() ? free : met) = middle;
+  }
+  space_.interpolate(from, to, free, place_);
+}
+
 collision::DistanceResult ContactSlide::distanceOf(int pair,
                                                    const collision::DistanceRequest& request) {
   scene_.expand(place_, q_);
@@ -65,13 +77,7 @@ EdgeClearance ContactSlide::nearestOfPair(std::span<const double> from, std::spa
   collision::DistanceRequest request;
   request.threshold = margin;
   request.depth = margin < 0;
-  double free = 0, met = t;
-  for (int i = 0; i < kSlideHalvings; ++i) {
-    const double middle = (free + met) / 2;
-    space_.interpolate(from, to, middle, place_);
-    (distanceOf(pair, request).distance.lower > margin ? free : met) = middle;
-  }
-  space_.interpolate(from, to, free, place_);
+  placeBefore(from, to, t, [&] { return distanceOf(pair, request).distance.lower > margin; });
   EdgeClearance found;
   found.pair = pair;
   request = {};
@@ -83,13 +89,7 @@ EdgeClearance ContactSlide::nearestOfPair(std::span<const double> from, std::spa
 
 EdgeClearance ContactSlide::nearestBefore(std::span<const double> from, std::span<const double> to,
                                           double t) {
-  double free = 0, met = t;
-  for (int i = 0; i < kSlideHalvings; ++i) {
-    const double middle = (free + met) / 2;
-    space_.interpolate(from, to, middle, place_);
-    (certifier_.decide(place_) == Verdict::kFree ? free : met) = middle;
-  }
-  space_.interpolate(from, to, free, place_);
+  placeBefore(from, to, t, [&] { return certifier_.decide(place_) == Verdict::kFree; });
   const StateCheck state = certifier_.clearance(place_, kClearanceTolerance);
   EdgeClearance found;
   found.clearance = state.clearance;

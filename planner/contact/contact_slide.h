@@ -42,7 +42,12 @@ class ContactSlide {
   };
   void project(std::span<double> step) const;
   bool meet(std::span<const double> from, std::span<const double> to, const EdgeCheck& check);
-  /// The nearest pair at the last free place before t, which it writes to place_.
+  /// Halves the way from `from`, which is free, to t: place_ is the last place that is_free(),
+  /// which is asked about place_.
+  template <class IsFree>
+  void placeBefore(std::span<const double> from, std::span<const double> to, double t,
+                   const IsFree& is_free);
+  /// The nearest pair at the last free place before t, which is place_ then.
   EdgeClearance nearestBefore(std::span<const double> from, std::span<const double> to, double t);
   /// The same of one pair, which is far cheaper; other pairs may meet at place_.
   EdgeClearance nearestOfPair(std::span<const double> from, std::span<const double> to, double t,
