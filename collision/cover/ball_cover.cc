@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/cover/face_parts.h"
 #include "leeway/collision/convex_hull.h"
@@ -23,8 +24,6 @@ namespace leeway::collision {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void addPrism(Polygons& faces, std::span<const Vector3d> base, const Vector3d& up) {
   std::vector<Vector3d> top(base.begin(), base.end());

@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/mesh/mesh_tree.h"
 #include "leeway/collision/convex_hull.h"
@@ -15,8 +16,6 @@
 
 namespace leeway::collision {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The shape's vertices; of a mesh only those of its hull. A mesh is placed in many scenes, and its
 /// other vertices change nothing that is made of these.

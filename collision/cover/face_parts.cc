@@ -5,15 +5,12 @@
 #include <cstdint>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 
 namespace leeway::collision {
 
 using Eigen::Vector3d;
-
-namespace {
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-}  // namespace
 
 namespace {
 

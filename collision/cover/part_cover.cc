@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
 #include "collision/cover/ball_cover.h"
@@ -24,8 +25,6 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// Slices of a part across an axis: it may be cut at their boundaries; and directions around the
 /// axis in which their widths are measured [count].
 constexpr int kSlices = 16;
@@ -36,8 +35,6 @@ constexpr double kLeastSaving = 0.02;
 
 /// Faces of a part that are measured at most [count]. Only the choice of cuts depends on it.
 constexpr std::size_t kMeasuredFaces = 4000;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// Supports of a part's slices across an axis, in each direction.
 class Profile {
@@ -125,7 +122,7 @@ struct Cut {
   double place = 0;
 };
 
-struct Part {
+struct SolidPart {
   Polygons faces;
   std::array<Cut, 3> cuts;  ///< across each axis
 };
@@ -141,20 +138,20 @@ Cut bestCut(const Polygons& faces, Index axis) {
   return best;
 }
 
-Part partOf(Polygons faces) {
-  Part part;
+SolidPart partOf(Polygons faces) {
+  SolidPart part;
   part.faces = std::move(faces);
   for (Index axis = 0; axis < 3; ++axis)
     part.cuts[static_cast<std::size_t>(axis)] = bestCut(part.faces, axis);
   return part;
 }
 
-std::pair<Part, Part> divide(const Part& part, const Cut& cut) {
+std::pair<SolidPart, SolidPart> divide(const SolidPart& part, const Cut& cut) {
   return {partOf(clipped(part.faces, cut.axis, cut.place, -1)),
           partOf(clipped(part.faces, cut.axis, cut.place, 1))};
 }
 
-CoverPart coverOfPart(const Part& part, double extent) {
+CoverPart coverOfPart(const SolidPart& part, double extent) {
   CoverPart cover;
   cover.ball = ballAround(part.faces.corners());
   const std::shared_ptr<const ConvexHull> hull = hullOfPart(part.faces.corners());
@@ -183,7 +180,7 @@ std::vector<CoverPart> coverWithParts(const Shape& shape, int count) {
     return cover;
   Polygons faces = polygonsOf(*shape.mesh());
   const double least = kLeastSaving * Profile(faces, 0).measure(0, kSlices);
-  std::vector<Part> parts;
+  std::vector<SolidPart> parts;
   parts.push_back(partOf(std::move(faces)));
   std::array<bool, 3> axes = {true, true, true}, used = {};
   while (static_cast<int>(parts.size()) < count) {
@@ -198,12 +195,12 @@ std::vector<CoverPart> coverWithParts(const Shape& shape, int count) {
     if (!(best.saved > least)) break;
     used[static_cast<std::size_t>(best.axis)] = true;
     if (std::count(used.begin(), used.end(), true) == 2) axes = used;
-    std::pair<Part, Part> sides = divide(parts[divided], best);
+    std::pair<SolidPart, SolidPart> sides = divide(parts[divided], best);
     parts[divided] = std::move(sides.first);
     parts.push_back(std::move(sides.second));
   }
   if (parts.size() == 1) return cover;
-  for (const Part& part : parts) cover.push_back(coverOfPart(part, shape.extent()));
+  for (const SolidPart& part : parts) cover.push_back(coverOfPart(part, shape.extent()));
   return cover;
 }
 

@@ -1,13 +1,8 @@
+#include "collision/base/numbers.h"
 #include "collision/base/scratch.h"
 #include "collision/deform/snapshot.h"
 
 namespace leeway::collision {
-
-namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
 
 void prepare(Scratch& scratch, const DeformableSnapshot& snapshot) {
   const DeformableSnapshotImpl& s = snapshot.impl();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/convex/convex_distance.h"
 #include "collision/convex/gjk/convex_view.h"
@@ -13,8 +14,6 @@
 
 namespace leeway::collision {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// How far a body reaches along a direction of its own frame.
 double reachAlong(const ConvexView& view, const Eigen::Vector3d& direction) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/prefetch.h"
 #include "collision/base/scratch.h"
 #include "collision/base/status.h"
@@ -16,12 +17,6 @@
 #include "leeway/collision/deformable_mesh.h"
 
 namespace leeway::collision {
-
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                    const DistanceRequest& request, Scratch& scratch, PairCache& cache, bool swapped,

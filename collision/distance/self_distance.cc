@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/base/scratch.h"
 #include "collision/base/status.h"
 #include "collision/base/tolerances.h"
@@ -19,8 +20,6 @@ namespace leeway::collision {
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Two nodes of one tree, or a node with itself.
 struct SelfPair {

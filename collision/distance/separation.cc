@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/convex/gjk/convex_view.h"
 #include "collision/convex/gjk/support.h"
@@ -16,7 +17,6 @@
 namespace leeway::collision {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kPlanes = 8;  // planes of a choice; its point is on three of them at most
 
 // Support of a shape (of a mesh its hull, of a deforming one its bounding ball) along a unit
@@ -40,10 +40,10 @@ struct Plane {
   double length;  // of `point`
 };
 
-class TranslationSearch {
+class BodyTranslationSearch {
  public:
-  TranslationSearch(std::span<const PlacedShape> body, std::span<const PlacedShape> obstacles,
-                    const SeparationRequest& request, Scratch& scratch)
+  BodyTranslationSearch(std::span<const PlacedShape> body, std::span<const PlacedShape> obstacles,
+                        const SeparationRequest& request, Scratch& scratch)
       : body_(body), obstacles_(obstacles), request_(request), scratch_(scratch) {
     query_.threshold = request.clearance;
     query_.tolerance = std::min(kDefaultTolerance, request.tolerance);
@@ -356,7 +356,7 @@ SeparationResult separation(std::span<const PlacedShape> body,
     apart.clearance = kInfinity;
     return apart;
   }
-  return TranslationSearch(body, obstacles, request, scratch).run();
+  return BodyTranslationSearch(body, obstacles, request, scratch).run();
 }
 
 SeparationResult separation(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,

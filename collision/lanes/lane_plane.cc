@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/convex/convex_distance.h"
@@ -13,8 +14,6 @@
 
 namespace leeway::collision {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The frame in the middle of a lane's interval.
 Pose poseOf(const LaneFrame& frame, int lane) {

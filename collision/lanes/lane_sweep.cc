@@ -10,14 +10,13 @@
 #include <memory>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/lanes/lane_sweep_impl.h"
 
 namespace leeway::collision {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The gap that a plane must leave besides radius, growth and slack; its rounding is derived in
 /// lane_planes-inl.h.

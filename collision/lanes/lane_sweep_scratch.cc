@@ -3,13 +3,12 @@
 #include <memory>
 #include <new>
 
+#include "collision/base/numbers.h"
 #include "collision/lanes/lane_sweep.h"
 #include "collision/lanes/lane_sweep_impl.h"
 
 namespace leeway::collision {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Obstacles that are made when they are near and kept [count].
 constexpr std::size_t kMostMade = std::size_t{1} << 8U;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "collision/base/parallel.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
@@ -25,8 +26,6 @@ namespace {
 constexpr int kFreeDepth = BoxTree::kMaxDepth - 17;
 // Above convex pieces, so that the triangles below them get as many levels.
 constexpr int kFreePieceDepth = kFreeDepth - 17;
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
@@ -50,25 +49,25 @@ struct BoxTree::Input {
   std::int32_t pieces = 0;
 
   std::int32_t firstPiece() const { return static_cast<std::int32_t>(triangles.size()); }
-  std::int32_t unitAt(std::int32_t at) const { return unit[index(order[index(at)])]; }
+  std::int32_t unitAt(std::int32_t place) const { return unit[at(order[at(place)])]; }
   bool isOneUnit(const Cluster& cluster) const {
     return unitAt(cluster.begin) == unitAt(cluster.end - 1);
   }
   std::int32_t unitsIn(const Cluster& cluster) const {
     std::int32_t count = 1;
-    for (std::int32_t at = cluster.begin + 1; at < cluster.end; ++at) {
-      count += unitAt(at) != unitAt(at - 1) ? 1 : 0;
+    for (std::int32_t place = cluster.begin + 1; place < cluster.end; ++place) {
+      count += unitAt(place) != unitAt(place - 1) ? 1 : 0;
     }
     return count;
   }
   Vector3d middleOf(std::int32_t t) const {
-    const Triangle& c = triangles[index(t)];
-    return (vertices[index(c[0])] + vertices[index(c[1])] + vertices[index(c[2])]) / 3;
+    const Triangle& c = triangles[at(t)];
+    return (vertices[at(c[0])] + vertices[at(c[1])] + vertices[at(c[2])]) / 3;
   }
 
   // Corner k of the triangle at a place in `order`.
-  const Vector3d& corner(std::int32_t at, std::size_t k) const {
-    return vertices[index(triangles[index(order[index(at)])][k])];
+  const Vector3d& corner(std::int32_t place, std::size_t k) const {
+    return vertices[at(triangles[at(order[at(place)])][k])];
   }
 };
 
@@ -83,9 +82,9 @@ struct BoxTree::Builder {
   ObbFit obb;
 
   void fit(Cluster& cluster) {
-    obb.start(index(cluster.end - cluster.begin));
-    for (std::int32_t at = cluster.begin; at < cluster.end; ++at) {
-      for (std::size_t k = 0; k < 3; ++k) obb.add(input.corner(at, k));
+    obb.start(at(cluster.end - cluster.begin));
+    for (std::int32_t place = cluster.begin; place < cluster.end; ++place) {
+      for (std::size_t k = 0; k < 3; ++k) obb.add(input.corner(place, k));
     }
     cluster.box = obb.fit();
   }
@@ -100,23 +99,22 @@ struct BoxTree::Builder {
     auto middle = first;
     if (!by_count) {
       double mean = 0;
-      for (auto at = first; at != last; ++at) mean += along.dot(input.centroid[index(*at)]);
+      for (auto t = first; t != last; ++t) mean += along.dot(input.centroid[at(*t)]);
       mean /= static_cast<double>(cluster.end - cluster.begin);
       // Stable, so that the order depends on the mesh alone.
       middle = std::stable_partition(
-          first, last, [&](std::int32_t t) { return along.dot(input.centroid[index(t)]) < mean; });
+          first, last, [&](std::int32_t t) { return along.dot(input.centroid[at(t)]) < mean; });
     }
     if (middle == first || middle == last) {
       std::sort(first, last, [&](std::int32_t l, std::int32_t r) {
-        const double cl = along.dot(input.centroid[index(l)]),
-                     cr = along.dot(input.centroid[index(r)]);
+        const double cl = along.dot(input.centroid[at(l)]), cr = along.dot(input.centroid[at(r)]);
         if (cl != cr) return cl < cr;
-        return std::pair(input.unit[index(l)], l) < std::pair(input.unit[index(r)], r);
+        return std::pair(input.unit[at(l)], l) < std::pair(input.unit[at(r)], r);
       });
       middle = first;
       for (std::int32_t left_units = input.unitsIn(cluster) / 2; left_units > 0; --left_units) {
-        const std::int32_t one = input.unit[index(*middle)];
-        while (input.unit[index(*middle)] == one) ++middle;
+        const std::int32_t one = input.unit[at(*middle)];
+        while (input.unit[at(*middle)] == one) ++middle;
       }
     }
     left.begin = cluster.begin;
@@ -128,15 +126,14 @@ struct BoxTree::Builder {
 
   // The `child` of the cluster's box: a leaf, or a node that is built.
   std::int32_t childFor(const Cluster& cluster, int depth, bool in_piece) {
-    if (cluster.end - cluster.begin == 1)
-      return ~input.slot_of[index(input.order[index(cluster.begin)])];
+    if (cluster.end - cluster.begin == 1) return ~input.slot_of[at(input.order[at(cluster.begin)])];
     if (in_piece || !input.isOneUnit(cluster)) return build(cluster, depth, in_piece);
     const std::int32_t number = input.unitAt(cluster.begin);
     // Below it each triangle is a unit.
-    for (std::int32_t at = cluster.begin; at < cluster.end; ++at) {
-      const std::int32_t t = input.order[index(at)];
-      input.unit[index(t)] = input.pieces + t;
-      input.centroid[index(t)] = input.middleOf(t);
+    for (std::int32_t place = cluster.begin; place < cluster.end; ++place) {
+      const std::int32_t t = input.order[at(place)];
+      input.unit[at(t)] = input.pieces + t;
+      input.centroid[at(t)] = input.middleOf(t);
     }
     const std::int32_t node = build(cluster, depth, true);
     piece_nodes.push_back({number, node});
@@ -149,9 +146,9 @@ struct BoxTree::Builder {
     const bool by_count = depth >= (in_piece || input.pieces == 0 ? kFreeDepth : kFreePieceDepth);
     std::vector<Cluster> clusters = parts(whole, by_count);
     for (std::size_t i = 0; i < clusters.size(); ++i) {
-      setLane(nodes[index(id)], static_cast<int>(i), clusters[i], input);
+      setLane(nodes[at(id)], static_cast<int>(i), clusters[i], input);
     }
-    nodes[index(id)].count = static_cast<std::int32_t>(clusters.size());
+    nodes[at(id)].count = static_cast<std::int32_t>(clusters.size());
     const auto children = [&](Builder& builder, std::size_t from, std::size_t to) {
       std::vector<std::int32_t> result;
       for (std::size_t i = from; i < to; ++i)
@@ -159,21 +156,20 @@ struct BoxTree::Builder {
       return result;
     };
     // Large parts are built in threads of their own and put in their places.
-    const auto count = index(whole.end - whole.begin);
+    const auto count = at(whole.end - whole.begin);
     std::size_t middle = clusters.size();
     if (count >= std::max(kWorthAThread, input.triangles.size() / 8)) {
       middle = 0;
-      while (index(clusters[middle].begin - whole.begin) < count / 2 &&
-             middle + 1 < clusters.size())
+      while (at(clusters[middle].begin - whole.begin) < count / 2 && middle + 1 < clusters.size())
         ++middle;
     }
-    Builder other(input, middle < clusters.size() ? index(whole.end - clusters[middle].begin) : 0);
+    Builder other(input, middle < clusters.size() ? at(whole.end - clusters[middle].begin) : 0);
     std::vector<std::int32_t> first, second;
     inParallel(
         middle < clusters.size(), [&] { first = children(*this, 0, middle); },
         [&] { second = children(other, middle, clusters.size()); });
-    std::copy(first.begin(), first.end(), nodes[index(id)].child);
-    std::transform(second.begin(), second.end(), nodes[index(id)].child + middle,
+    std::copy(first.begin(), first.end(), nodes[at(id)].child);
+    std::transform(second.begin(), second.end(), nodes[at(id)].child + middle,
                    [&](std::int32_t child) { return shifted(child); });
     append(other);
     return id;
@@ -229,23 +225,23 @@ BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> t
               {},       {},        pieces};
   input.centroid.reserve(triangles.size());
   input.unit.reserve(triangles.size());
-  std::vector<Vector3d> sum(index(pieces), Vector3d::Zero());
-  std::vector<double> count(index(pieces), 0);
+  std::vector<Vector3d> sum(at(pieces), Vector3d::Zero());
+  std::vector<double> count(at(pieces), 0);
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     input.centroid.push_back(input.middleOf(static_cast<std::int32_t>(t)));
     input.unit.push_back(piece_of[t] >= 0 ? piece_of[t]
-                                          : static_cast<std::int32_t>(index(pieces) + t));
+                                          : static_cast<std::int32_t>(at(pieces) + t));
     if (piece_of[t] < 0) continue;
-    sum[index(piece_of[t])] += input.centroid[t];
-    ++count[index(piece_of[t])];
+    sum[at(piece_of[t])] += input.centroid[t];
+    ++count[at(piece_of[t])];
   }
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (piece_of[t] >= 0) input.centroid[t] = sum[index(piece_of[t])] / count[index(piece_of[t])];
+    if (piece_of[t] >= 0) input.centroid[t] = sum[at(piece_of[t])] / count[at(piece_of[t])];
   }
   input.order.resize(triangles.size());
   std::iota(input.order.begin(), input.order.end(), 0);
   std::stable_sort(input.order.begin(), input.order.end(), [&](std::int32_t l, std::int32_t r) {
-    return input.unit[index(l)] < input.unit[index(r)];
+    return input.unit[at(l)] < input.unit[at(r)];
   });
   Builder builder(input, triangles.size());
   builder.nodes.emplace_back();
@@ -257,7 +253,7 @@ BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> t
   builder.nodes[0].child[0] = child;
   builder.nodes[0].count = 1;
   nodes_ = std::move(builder.nodes);
-  for (const auto& [piece, node] : builder.piece_nodes) piece_node_[index(piece)] = node;
+  for (const auto& [piece, node] : builder.piece_nodes) piece_node_[at(piece)] = node;
 }
 
 // The box in single precision: along the rounded axes, around the rounded centre, and as large as
@@ -273,9 +269,9 @@ void BoxTree::setLane(BoxNode& node, int lane, const Cluster& cluster, const Inp
       axes(i, k) = static_cast<double>(node.axis[k][i][lane]);
     }
   }
-  for (std::int32_t at = cluster.begin; at < cluster.end; ++at) {
+  for (std::int32_t place = cluster.begin; place < cluster.end; ++place) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vector3d p = axes.transpose() * (input.corner(at, k) - center);
+      const Vector3d p = axes.transpose() * (input.corner(place, k) - center);
       half = half.cwiseMax(p.cwiseAbs());
     }
   }
@@ -304,8 +300,8 @@ struct BoxTree::Check {
   }
 
   bool child(std::int32_t child, int depth, bool in_piece) {
-    if (child >= 0) return index(child) == next && node(depth + 1, in_piece);
-    const std::size_t slot = index(~child);
+    if (child >= 0) return at(child) == next && node(depth + 1, in_piece);
+    const std::size_t slot = at(~child);
     if (slot < met.size()) {
       if (met[slot] != 0) return false;
       met[slot] = 1;
@@ -335,7 +331,7 @@ std::unique_ptr<const BoxTree> BoxTree::fromNodes(std::pmr::vector<BoxNode> node
                                                   std::size_t triangles, int pieces) {
   std::unique_ptr<BoxTree> tree(new BoxTree);
   tree->nodes_ = std::move(nodes);
-  tree->piece_node_.assign(index(pieces), -1);
+  tree->piece_node_.assign(at(pieces), -1);
   tree->first_piece_ = static_cast<std::int32_t>(triangles);
   if (tree->nodes_.empty()) return tree;
   Check check{*tree, std::vector<std::uint8_t>(triangles, 0)};

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <numeric>
 
+#include "collision/base/numbers.h"
+
 namespace leeway::collision {
 namespace {
 
 using Eigen::Vector3d;
 using Triangle = std::array<std::int32_t, 3>;
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 bool collapsed(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
@@ -43,14 +43,14 @@ class Components {
   };
 
   std::int32_t root(std::int32_t t) {
-    while (parent_[index(t)] != t) t = parent_[index(t)] = parent_[index(parent_[index(t)])];
+    while (parent_[at(t)] != t) t = parent_[at(t)] = parent_[at(parent_[at(t)])];
     return t;
   }
 
   void unite(std::int32_t a, std::int32_t b) {
     a = root(a);
     b = root(b);
-    if (a != b) parent_[index(std::max(a, b))] = std::min(a, b);
+    if (a != b) parent_[at(std::max(a, b))] = std::min(a, b);
   }
 
   void connect(const std::vector<EdgeUse>& edges) {
@@ -63,12 +63,12 @@ class Components {
         ++end;
       for (std::size_t k = i; k < end; ++k) {
         unite(edges[i].triangle, edges[k].triangle);
-        if (end - i != 2) broken_[index(edges[k].triangle)] = 1;
+        if (end - i != 2) broken_[at(edges[k].triangle)] = 1;
       }
       if (end - i == 2) {
         const bool same = edges[i].forward == edges[i + 1].forward;
-        links_[index(edges[i].triangle)].add({edges[i + 1].triangle, same});
-        links_[index(edges[i + 1].triangle)].add({edges[i].triangle, same});
+        links_[at(edges[i].triangle)].add({edges[i + 1].triangle, same});
+        links_[at(edges[i + 1].triangle)].add({edges[i].triangle, same});
       }
       i = end;
     }
@@ -78,12 +78,12 @@ class Components {
     component.assign(triangles_.size(), -1);
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       const std::int32_t r = root(static_cast<std::int32_t>(i));
-      if (index(r) == i) {
+      if (at(r) == i) {
         component[i] = static_cast<std::int32_t>(closed.size());
         closed.push_back(collapsed(triangles_[i]) ? 0 : 1);
       }
-      component[i] = component[index(r)];  // the root, its lowest triangle, has its number already
-      if (broken_[i] != 0) closed[index(component[i])] = 0;
+      component[i] = component[at(r)];  // the root, its lowest triangle, has its number already
+      if (broken_[i] != 0) closed[at(component[i])] = 0;
     }
   }
 
@@ -94,15 +94,15 @@ class Components {
     std::vector<std::int32_t> queue;
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       const std::int32_t c = component[i];
-      if (closed[index(c)] == 0 || turned[i] >= 0) continue;
+      if (closed[at(c)] == 0 || turned[i] >= 0) continue;
       turned[i] = 0;
       queue.assign(1, static_cast<std::int32_t>(i));
       bool consistent = true;
       for (std::size_t k = 0; k < queue.size(); ++k) {
-        for (const Link& link : links_[index(queue[k])].all()) {
+        for (const Link& link : links_[at(queue[k])].all()) {
           const auto wanted =
-              static_cast<signed char>(turned[index(queue[k])] ^ (link.same_direction ? 1 : 0));
-          signed char& other = turned[index(link.triangle)];
+              static_cast<signed char>(turned[at(queue[k])] ^ (link.same_direction ? 1 : 0));
+          signed char& other = turned[at(link.triangle)];
           if (other >= 0) {
             consistent = consistent && other == wanted;
             continue;
@@ -112,7 +112,7 @@ class Components {
         }
       }
       if (!consistent) {
-        closed[index(c)] = 0;
+        closed[at(c)] = 0;
         continue;
       }
       turn(queue, turned);
@@ -121,18 +121,17 @@ class Components {
 
   void turn(const std::vector<std::int32_t>& triangles, const std::vector<signed char>& turned) {
     for (const std::int32_t t : triangles) {
-      if (turned[index(t)] == 1) std::swap(triangles_[index(t)][1], triangles_[index(t)][2]);
+      if (turned[at(t)] == 1) std::swap(triangles_[at(t)][1], triangles_[at(t)][2]);
     }
-    const Vector3d origin = vertices_[index(triangles_[index(triangles[0])][0])];
+    const Vector3d origin = vertices_[at(triangles_[at(triangles[0])][0])];
     double volume = 0;  // only its sign is used, and what is inside does not depend on that
     for (const std::int32_t t : triangles) {
-      const Triangle& v = triangles_[index(t)];
-      volume += (vertices_[index(v[0])] - origin)
-                    .dot((vertices_[index(v[1])] - origin).cross(vertices_[index(v[2])] - origin));
+      const Triangle& v = triangles_[at(t)];
+      volume += (vertices_[at(v[0])] - origin)
+                    .dot((vertices_[at(v[1])] - origin).cross(vertices_[at(v[2])] - origin));
     }
     if (volume >= 0) return;
-    for (const std::int32_t t : triangles)
-      std::swap(triangles_[index(t)][1], triangles_[index(t)][2]);
+    for (const std::int32_t t : triangles) std::swap(triangles_[at(t)][1], triangles_[at(t)][2]);
   }
 
   // A triangle with a repeated corner joins a component that has one of its corners, if any.
@@ -141,24 +140,24 @@ class Components {
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       if (collapsed(triangles_[i])) continue;
       for (const std::int32_t v : triangles_[i]) {
-        if (of_vertex[index(v)] < 0) of_vertex[index(v)] = component[i];
+        if (of_vertex[at(v)] < 0) of_vertex[at(v)] = component[i];
       }
     }
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       if (!collapsed(triangles_[i])) continue;
       for (const std::int32_t v : triangles_[i]) {
-        if (of_vertex[index(v)] >= 0) component[i] = of_vertex[index(v)];
+        if (of_vertex[at(v)] >= 0) component[i] = of_vertex[at(v)];
       }
     }
     // Renumber the components that are left.
     std::vector<std::int32_t> renumbered(closed.size(), -1);
     std::vector<std::uint8_t> kept;
     for (std::int32_t& c : component) {
-      if (renumbered[index(c)] < 0) {
-        renumbered[index(c)] = static_cast<std::int32_t>(kept.size());
-        kept.push_back(closed[index(c)]);
+      if (renumbered[at(c)] < 0) {
+        renumbered[at(c)] = static_cast<std::int32_t>(kept.size());
+        kept.push_back(closed[at(c)]);
       }
-      c = renumbered[index(c)];
+      c = renumbered[at(c)];
     }
     closed = std::move(kept);
   }
@@ -182,15 +181,15 @@ std::vector<EdgeUse> sortedEdges(std::span<const Triangle> triangles, std::size_
     }
   };
   forEachEdge([&](std::size_t, std::size_t, std::int32_t from, std::int32_t to) {
-    ++begin[index(std::min(from, to)) + 1];
+    ++begin[at(std::min(from, to)) + 1];
   });
   for (std::size_t v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
-  std::vector<EdgeUse> edges(index(begin.back()));
+  std::vector<EdgeUse> edges(at(begin.back()));
   std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
   forEachEdge([&](std::size_t i, std::size_t k, std::int32_t from, std::int32_t to) {
     const std::int32_t low = std::min(from, to);
-    edges[index(next[index(low)]++)] = {low, std::max(from, to), static_cast<std::int32_t>(i),
-                                        static_cast<std::int32_t>(k), from < to};
+    edges[at(next[at(low)]++)] = {low, std::max(from, to), static_cast<std::int32_t>(i),
+                                  static_cast<std::int32_t>(k), from < to};
   });
   for (std::size_t v = 0; v < vertices; ++v) {
     std::sort(edges.begin() + begin[v], edges.begin() + begin[v + 1],

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
 #include "collision/mesh/components.h"
@@ -15,8 +16,6 @@
 
 namespace leeway::collision {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Meshes of fewer triangles are left alone: their hierarchy is one or two nodes deep.
 constexpr std::size_t kLeastDecomposed = 24;
@@ -33,8 +32,6 @@ constexpr double kHeadStart = 64;
 // Smaller patches are left to triangles.
 constexpr std::size_t kLeastPatch = 4;
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 // For each triangle of a closed component the triangles across its edges, edge k from corner k to
 // corner k + 1; -1 where the component is open or the triangle names a vertex twice.
 std::vector<std::array<std::int32_t, 3>> neighboursOf(const TriangleMesh& mesh) {
@@ -44,8 +41,8 @@ std::vector<std::array<std::int32_t, 3>> neighboursOf(const TriangleMesh& mesh) 
   std::vector<std::array<std::int32_t, 3>> neighbours(mesh.triangles().size(), {-1, -1, -1});
   for (std::size_t i = 0; i + 1 < edges.size(); i += 2) {
     const EdgeUse &e = edges[i], &f = edges[i + 1];
-    neighbours[index(e.triangle)][index(e.side)] = f.triangle;
-    neighbours[index(f.triangle)][index(f.side)] = e.triangle;
+    neighbours[at(e.triangle)][at(e.side)] = f.triangle;
+    neighbours[at(f.triangle)][at(f.side)] = e.triangle;
   }
   return neighbours;
 }
@@ -140,12 +137,12 @@ class Decomposition {
     const auto closed = static_cast<double>(order.size());
     double units = count - closed, done = units, held = 0;
     for (const std::int32_t seed : order) {
-      if (taken_[index(seed)] != 0) continue;
+      if (taken_[at(seed)] != 0) continue;
       if (work_left_ < 0 || isHopeless(done / count)) return unused(PieceSummary::Use::kLaborious);
       ConvexPiece piece;
       grow(seed, piece);
       const auto size = static_cast<double>(patch_.size());
-      for (const std::int32_t t : patch_.triangles()) taken_[index(t)] = 1;
+      for (const std::int32_t t : patch_.triangles()) taken_[at(t)] = 1;
       done += size;
       units += piece.hull != nullptr ? 1 : size;
       if (kPieceTriangles * units > std::min(done + kPieceTriangles * kHeadStart, count))
@@ -191,19 +188,19 @@ class Decomposition {
   // Triangles of closed components, those farthest from reflex edges (in steps across edges) first.
   std::vector<std::int32_t> seeds() const {
     const std::int32_t count = surface_.triangleCount();
-    std::vector<std::int32_t> depth(index(count), -1), queue;
+    std::vector<std::int32_t> depth(at(count), -1), queue;
     for (std::int32_t t = 0; t < count; ++t) {
       if (!surface_.isInClosedComponent(t)) continue;
-      for (const std::int32_t other : neighbours_[index(t)]) {
-        if (other < 0 || depth[index(t)] >= 0 || !isReflex(t, other)) continue;
-        depth[index(t)] = 0;
+      for (const std::int32_t other : neighbours_[at(t)]) {
+        if (other < 0 || depth[at(t)] >= 0 || !isReflex(t, other)) continue;
+        depth[at(t)] = 0;
         queue.push_back(t);
       }
     }
     for (std::size_t head = 0; head < queue.size(); ++head) {
-      for (const std::int32_t other : neighbours_[index(queue[head])]) {
-        if (other < 0 || depth[index(other)] >= 0) continue;
-        depth[index(other)] = depth[index(queue[head])] + 1;
+      for (const std::int32_t other : neighbours_[at(queue[head])]) {
+        if (other < 0 || depth[at(other)] >= 0) continue;
+        depth[at(other)] = depth[at(queue[head])] + 1;
         queue.push_back(other);
       }
     }
@@ -213,9 +210,7 @@ class Decomposition {
     }
     // (Convex components have no reflex edge: they come first.)
     std::stable_sort(order.begin(), order.end(), [&](std::int32_t l, std::int32_t r) {
-      const auto key = [&](std::int32_t t) {
-        return depth[index(t)] < 0 ? count : depth[index(t)];
-      };
+      const auto key = [&](std::int32_t t) { return depth[at(t)] < 0 ? count : depth[at(t)]; };
       return key(l) > key(r);
     });
     return order;
@@ -277,8 +272,8 @@ class Decomposition {
   }
 
   void enqueueNeighbours(std::int32_t from) {
-    for (const std::int32_t t : neighbours_[index(from)]) {
-      if (t < 0 || taken_[index(t)] != 0 || patch_.has(t) || queued_.has(t) || rejected_.has(t))
+    for (const std::int32_t t : neighbours_[at(from)]) {
+      if (t < 0 || taken_[at(t)] != 0 || patch_.has(t) || queued_.has(t) || rejected_.has(t))
         continue;
       if (isReflex(from, t)) continue;
       queued_.add(t);

@@ -6,14 +6,13 @@
 #include <limits>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/convex/convex_distance.h"
 #include "collision/mesh/point_in_solid.h"
 
 namespace leeway::collision {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A hull is flat where the largest ball in it is smaller than this share of its reach.
 constexpr double kThin = 0.02;

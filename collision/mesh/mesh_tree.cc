@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/parallel.h"
 #include "collision/base/tolerances.h"
 #include "collision/mesh/convex_pieces.h"
@@ -16,8 +17,6 @@ namespace leeway::collision {
 using Eigen::Vector3d;
 
 namespace {
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // Visits the nodes of a plan in preorder: visit(node, begin, end, parent) with its slots, and its
 // parent where it is a right child, else -1. False, having stopped, where this is no binary tree
@@ -54,19 +53,19 @@ bool isPlan(const MeshTreePlanView& plan, std::size_t vertices, std::size_t tria
   if (plan.order.size() != triangles || triangles == 0) return false;
   std::vector<std::uint8_t> met(triangles, 0);
   for (const std::int32_t t : plan.order) {
-    if (t < 0 || index(t) >= triangles || met[index(t)] != 0) return false;
-    met[index(t)] = 1;
+    if (t < 0 || at(t) >= triangles || met[at(t)] != 0) return false;
+    met[at(t)] = 1;
   }
   std::size_t core = 0;
   for (const MeshTreePlan::Node& node : plan.nodes) {
     if (node.core_count < 1 || node.core_count > MeshTree::kCoreVertices) return false;
     if (!(node.radius >= 0) || !std::isfinite(node.radius)) return false;
     if (!(node.excess >= 0) || !std::isfinite(node.excess)) return false;
-    core += index(node.core_count);
+    core += at(node.core_count);
   }
   if (core != plan.core.size()) return false;
   for (const std::int32_t v : plan.core) {
-    if (v < 0 || index(v) >= vertices) return false;
+    if (v < 0 || at(v) >= vertices) return false;
   }
   return walk(plan, [](std::size_t, std::int32_t, std::int32_t, std::int32_t) {});
 }
@@ -94,25 +93,25 @@ void MeshTree::placeTriangles(std::span<const Vector3d> vertices,
   corners_.reserve(3 * count);
   double squared = 0;
   for (std::size_t slot = 0; slot < count; ++slot) {
-    slot_of_[index(triangle_of_[slot])] = static_cast<std::int32_t>(slot);
-    for (const std::int32_t v : triangles[index(triangle_of_[slot])]) {
-      corners_.push_back(vertices[index(v)]);
+    slot_of_[at(triangle_of_[slot])] = static_cast<std::int32_t>(slot);
+    for (const std::int32_t v : triangles[at(triangle_of_[slot])]) {
+      corners_.push_back(vertices[at(v)]);
       squared = std::max(squared, corners_.back().squaredNorm());
     }
   }
   extent_ = std::sqrt(squared) * (1 + kRelativeRounding);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t c = index(triangle_component[i]);
+    const std::size_t c = at(triangle_component[i]);
     if (c >= components_.size()) {
       components_.resize(
           c + 1, {Vector3d::Constant(std::numeric_limits<double>::infinity()),
                   Vector3d::Constant(-std::numeric_limits<double>::infinity()), Vector3d::Zero()});
     }
     for (const std::int32_t v : triangles[i]) {
-      components_[c].low = components_[c].low.cwiseMin(vertices[index(v)]);
-      components_[c].high = components_[c].high.cwiseMax(vertices[index(v)]);
+      components_[c].low = components_[c].low.cwiseMin(vertices[at(v)]);
+      components_[c].high = components_[c].high.cwiseMax(vertices[at(v)]);
     }
-    components_[c].point = vertices[index(triangles[i][0])];
+    components_[c].point = vertices[at(triangles[i][0])];
   }
 }
 
@@ -131,7 +130,7 @@ void MeshTree::makeNodes(const MeshTreePlanView& plan,
     node.right = -1;
     node.triangle_begin = begin;
     node.triangle_end = end;
-    if (parent >= 0) nodes_[index(parent)].right = static_cast<std::int32_t>(id);
+    if (parent >= 0) nodes_[at(parent)].right = static_cast<std::int32_t>(id);
   });
   // Children before parents.
   for (std::size_t id = nodes_.size(); id-- > 0;) {
@@ -139,16 +138,16 @@ void MeshTree::makeNodes(const MeshTreePlanView& plan,
     if (node.isLeaf()) {
       const Vector3d* const first = corners(node.triangle_begin);
       node.low = node.high = first[0];
-      node.component = triangle_component[index(triangleOf(node.triangle_begin))];
+      node.component = triangle_component[at(triangleOf(node.triangle_begin))];
       for (std::int32_t slot = node.triangle_begin; slot < node.triangle_end; ++slot) {
         for (int k = 0; k < 3; ++k) {
           node.low = node.low.cwiseMin(corners(slot)[k]);
           node.high = node.high.cwiseMax(corners(slot)[k]);
         }
-        if (triangle_component[index(triangleOf(slot))] != node.component) node.component = -1;
+        if (triangle_component[at(triangleOf(slot))] != node.component) node.component = -1;
       }
     } else {
-      const MeshNode &left = nodes_[id + 1], &right = nodes_[index(node.right)];
+      const MeshNode &left = nodes_[id + 1], &right = nodes_[at(node.right)];
       node.low = left.low.cwiseMin(right.low);
       node.high = left.high.cwiseMax(right.high);
       node.component = left.component == right.component ? left.component : -1;
@@ -166,7 +165,7 @@ std::vector<double> MeshTree::fillCores(const MeshTreePlanView& plan,
   for (const MeshTreePlan::Node& node : plan.nodes) {
     double squared = 0;
     for (std::int32_t i = 0; i < node.core_count; ++i) {
-      core_.push_back(vertices[index(plan.core[core_.size()])]);
+      core_.push_back(vertices[at(plan.core[core_.size()])]);
       squared = std::max(squared, core_.back().squaredNorm());
     }
     extents.push_back(std::sqrt(squared) * (1 + kRelativeRounding));
@@ -179,7 +178,7 @@ void MeshTree::makeBoxes(std::span<const Vector3d> vertices, std::span<const Tri
   std::vector<std::int32_t> piece_of(triangles.size(), -1);
   for (std::size_t number = 0; number < pieces.size(); ++number) {
     for (const std::int32_t t : pieces[number].triangles)
-      piece_of[index(t)] = static_cast<std::int32_t>(number);
+      piece_of[at(t)] = static_cast<std::int32_t>(number);
     addPiece(pieces[number].hull, pieces[number].excess);
   }
   boxes_ = std::make_unique<const BoxTree>(vertices, triangles, slot_of_, extent_, piece_of,

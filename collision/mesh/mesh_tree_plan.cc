@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "collision/base/large_pages.h"
+#include "collision/base/numbers.h"
 #include "collision/base/parallel.h"
 #include "collision/base/tolerances.h"
 #include "collision/mesh/mesh_tree.h"
@@ -22,9 +23,7 @@ using Triangle = std::array<std::int32_t, 3>;
 
 constexpr int kBins = 16;
 // From this depth on nodes are halved, so that kMaxDepth holds for any mesh of 2^31 triangles.
-constexpr int kFreeDepth = MeshTree::kMaxDepth - 34;
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
+constexpr int kFreeTreeDepth = MeshTree::kMaxDepth - 34;
 
 double halfArea(const Vector3d& low, const Vector3d& high) {
   const Vector3d d = high - low;
@@ -62,8 +61,7 @@ TriangleBoxes boxesOf(std::span<const Vector3d> vertices, std::span<const Triang
   TriangleBoxes boxes(largeArrays());
   boxes.reserve(triangles.size());
   for (const Triangle& t : triangles) {
-    const Vector3d &a = vertices[index(t[0])], &b = vertices[index(t[1])],
-                   &c = vertices[index(t[2])];
+    const Vector3d &a = vertices[at(t[0])], &b = vertices[at(t[1])], &c = vertices[at(t[2])];
     boxes.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)});
   }
   return boxes;
@@ -84,27 +82,27 @@ struct Bin {
 // The surface area heuristic with bins: the cut between two bins with the least sum of area times
 // count on both sides, over three axes. Returns the axis, or -1 when all centres coincide.
 int chooseCut(const TriangleBoxes& boxes, std::span<const std::int32_t> order, double& cut) {
-  Vector3d from = boxes[index(order[0])].center(), to = from;
+  Vector3d from = boxes[at(order[0])].center(), to = from;
   for (const std::int32_t t : order) {
-    from = from.cwiseMin(boxes[index(t)].center());
-    to = to.cwiseMax(boxes[index(t)].center());
+    from = from.cwiseMin(boxes[at(t)].center());
+    to = to.cwiseMax(boxes[at(t)].center());
   }
   const Vector3d width = to - from;
   std::array<std::array<Bin, kBins>, 3> all_bins;
   for (const std::int32_t t : order) {
-    const TriangleBox& box = boxes[index(t)];
+    const TriangleBox& box = boxes[at(t)];
     const Vector3d center = box.center();
     for (int axis = 0; axis < 3; ++axis) {
       if (!(width[axis] > 0)) continue;
       const double f = (center[axis] - from[axis]) / width[axis] * kBins;
-      all_bins[index(axis)][index(std::clamp(static_cast<int>(f), 0, kBins - 1))].add(box);
+      all_bins[at(axis)][at(std::clamp(static_cast<int>(f), 0, kBins - 1))].add(box);
     }
   }
   int best_axis = -1;
   double best = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) {
     if (!(width[axis] > 0)) continue;
-    const std::array<Bin, kBins>& bins = all_bins[index(axis)];
+    const std::array<Bin, kBins>& bins = all_bins[at(axis)];
     std::array<double, kBins> right_cost{};
     Box right;
     for (std::size_t i = kBins - 1; i > 0; --i) {
@@ -151,13 +149,13 @@ class Planner {
     if (end - begin <= MeshTree::kLeafTriangles) return;
     const std::int32_t split = part(begin, end, depth);
     nodes_[id].split = split;
-    if (index(end - begin) < std::max(kWorthAThread, triangles_.size() / 8)) {
+    if (at(end - begin) < std::max(kWorthAThread, triangles_.size() / 8)) {
       build(begin, split, depth + 1);
       build(split, end, depth + 1);
       return;
     }
     Planner right(vertices_, triangles_, boxes_, order_);
-    right.reserve(index(end - split));
+    right.reserve(at(end - split));
     inParallel(
         true, [&] { build(begin, split, depth + 1); }, [&] { right.build(split, end, depth + 1); });
     nodes_.insert(nodes_.end(), right.nodes_.begin(), right.nodes_.end());
@@ -174,19 +172,19 @@ class Planner {
     auto middle = first + (end - begin) / 2;
     double cut = 0;
     int axis = -1;
-    if (depth < kFreeDepth) {
+    if (depth < kFreeTreeDepth) {
       axis = chooseCut(boxes_, {&*first, static_cast<std::size_t>(end - begin)}, cut);
     }
     if (axis >= 0) {
       // Stable, so that the order depends on the mesh alone.
       const auto parted = std::stable_partition(
-          first, last, [&](std::int32_t t) { return boxes_[index(t)].center()[axis] < cut; });
+          first, last, [&](std::int32_t t) { return boxes_[at(t)].center()[axis] < cut; });
       if (parted != first && parted != last) middle = parted;
     } else {
       const Box box = boxOf(begin, end);
       (box.high - box.low).maxCoeff(&axis);
       std::sort(first, last, [&](std::int32_t l, std::int32_t r) {
-        const double cl = boxes_[index(l)].center()[axis], cr = boxes_[index(r)].center()[axis];
+        const double cl = boxes_[at(l)].center()[axis], cr = boxes_[at(r)].center()[axis];
         return cl != cr ? cl < cr : l < r;
       });
     }
@@ -196,8 +194,8 @@ class Planner {
   Box boxOf(std::int32_t begin, std::int32_t end) const {
     Box box;
     for (std::int32_t slot = begin; slot < end; ++slot) {
-      const std::int32_t t = order_[index(slot)];
-      box.add(boxes_[index(t)].low, boxes_[index(t)].high, 1);
+      const std::int32_t t = order_[at(slot)];
+      box.add(boxes_[at(t)].low, boxes_[at(t)].high, 1);
     }
     return box;
   }
@@ -207,9 +205,9 @@ class Planner {
     collected_.clear();
     const auto stamp = static_cast<std::int32_t>(nodes_.size());
     for (std::int32_t slot = begin; slot < end; ++slot) {
-      for (const std::int32_t v : triangles_[index(order_[index(slot)])]) {
-        if (stamp_[index(v)] == stamp) continue;
-        stamp_[index(v)] = stamp;
+      for (const std::int32_t v : triangles_[at(order_[at(slot)])]) {
+        if (stamp_[at(v)] == stamp) continue;
+        stamp_[at(v)] = stamp;
         collected_.push_back(v);
       }
     }
@@ -217,7 +215,7 @@ class Planner {
     const Vector3d center = 0.5 * box.low + 0.5 * box.high;
     double squared = 0;
     for (const std::int32_t v : collected_) {
-      squared = std::max(squared, (vertices_[index(v)] - center).squaredNorm());
+      squared = std::max(squared, (vertices_[at(v)] - center).squaredNorm());
     }
     const double size = std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
     MeshTreePlan::Node node;
@@ -238,7 +236,7 @@ class Planner {
       return 0;
     }
     points_.clear();
-    for (const std::int32_t v : collected_) points_.push_back(vertices_[index(v)]);
+    for (const std::int32_t v : collected_) points_.push_back(vertices_[at(v)]);
     const HullBuilder hull(points_, MeshTree::kCoreVertices);
     std::vector<std::int32_t> kept = hull.vertices();
     double excess = largestDistanceFromHull(points_, hull);
@@ -254,13 +252,13 @@ class Planner {
         const std::size_t from = i / step * step,
                           to = from + step < outline.size() ? from + step : 0;
         if (i == from) kept.push_back(outline[i]);
-        excess = std::max(excess,
-                          segmentDistance(points_[index(outline[i])], points_[index(outline[from])],
-                                          points_[index(outline[to])]));
+        excess =
+            std::max(excess, segmentDistance(points_[at(outline[i])], points_[at(outline[from])],
+                                             points_[at(outline[to])]));
       }
       if (excess > 0) excess = excess * (1 + kRelativeRounding) + size * kRelativeRounding;
     }
-    for (const std::int32_t i : kept) core_.push_back(collected_[index(i)]);
+    for (const std::int32_t i : kept) core_.push_back(collected_[at(i)]);
     return excess;
   }
 

@@ -3,23 +3,18 @@
 #include <algorithm>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/shapes/hull_builder.h"
 
 namespace leeway::collision {
-namespace {
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 bool PatchHull::build(std::vector<Vector> points) {
   points_ = std::move(points);
   const HullBuilder builder(points_);
   if (builder.dimension() < 3) return false;
   facets_ = builder.facets();
   corners_.clear();
-  for (const std::int32_t v : builder.vertices()) corners_.push_back(points_[index(v)]);
+  for (const std::int32_t v : builder.vertices()) corners_.push_back(points_[at(v)]);
   low_ = high_ = corners_[0];
   for (const Vector& p : corners_) {
     low_ = low_.cwiseMin(p);
@@ -38,21 +33,21 @@ void PatchHull::makePlanes() {
   planes_.clear();
   first_.assign(points_.size() + 1, 0);
   for (const auto& f : facets_) {
-    const Vector &a = points_[index(f[0])], &b = points_[index(f[1])], &c = points_[index(f[2])];
+    const Vector &a = points_[at(f[0])], &b = points_[at(f[1])], &c = points_[at(f[2])];
     const Vector normal = cross(b - a, c - a);
     const double length = normal.norm();
     const double error = 16 * kUnitRoundoff * (b - a).norm() * (c - a).norm();
     planes_.push_back({length > 0 ? Vector(normal / length) : Vector::UnitX(), a,
                        length > 0 ? size_ * (error / length + 16 * kUnitRoundoff)
                                   : std::numeric_limits<double>::infinity()});
-    for (const std::int32_t v : f) ++first_[index(v) + 1];
+    for (const std::int32_t v : f) ++first_[at(v) + 1];
   }
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
   around_.resize(3 * facets_.size());
   std::vector<std::int32_t> fill(first_.begin(), first_.end() - 1);
   for (std::size_t i = 0; i < facets_.size(); ++i) {
     for (const std::int32_t v : facets_[i]) {
-      around_[index(fill[index(v)]++)] = static_cast<std::int32_t>(i);
+      around_[at(fill[at(v)]++)] = static_cast<std::int32_t>(i);
     }
   }
 }
@@ -64,8 +59,8 @@ void PatchHull::makeCenter() {
   Vector sum = Vector::Zero();
   double volume = 0;
   for (const auto& f : facets_) {
-    const Vector a = points_[index(f[0])] - mean, b = points_[index(f[1])] - mean,
-                 c = points_[index(f[2])] - mean;
+    const Vector a = points_[at(f[0])] - mean, b = points_[at(f[1])] - mean,
+                 c = points_[at(f[2])] - mean;
     const double v = a.dot(cross(b, c));
     volume += v;
     sum += v * (a + b + c);

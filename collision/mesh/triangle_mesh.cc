@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "collision/base/large_pages.h"
+#include "collision/base/numbers.h"
 #include "collision/base/parallel.h"
 #include "collision/base/tolerances.h"
 #include "collision/mesh/components.h"
@@ -26,14 +27,12 @@ namespace {
 using Eigen::Vector3d;
 using Triangle = TriangleMesh::Triangle;
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 void requireUsable(std::span<const Vector3d> vertices, std::span<const Triangle> triangles) {
   if (triangles.empty()) throw InvalidShape("mesh: no triangles; at least 1 is needed");
   requireSizes(vertices, "mesh", "vertex");
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (const std::int32_t v : triangles[i]) {
-      if (v >= 0 && index(v) < vertices.size()) continue;
+      if (v >= 0 && at(v) < vertices.size()) continue;
       throw InvalidShape("mesh: triangle " + std::to_string(i) + " names vertex " +
                          std::to_string(v) + "; 0 to " + std::to_string(vertices.size()) +
                          " - 1 are there");
@@ -55,7 +54,7 @@ std::vector<std::int32_t> firstEqual(std::span<const Vector3d> given) {
       hash ^= hash >> 32;
     }
     std::size_t place = static_cast<std::size_t>(hash * 0xd6e8feb86659fd93U >> 20) & mask;
-    while (table[place] >= 0 && given[index(table[place])] != given[i]) place = (place + 1) & mask;
+    while (table[place] >= 0 && given[at(table[place])] != given[i]) place = (place + 1) & mask;
     if (table[place] < 0) table[place] = static_cast<std::int32_t>(i);
     first[i] = table[place];
   }
@@ -71,10 +70,10 @@ void weld(std::span<const Vector3d> given, std::span<const Triangle> given_trian
   for (const Triangle& t : given_triangles) {
     Triangle welded{};
     for (std::size_t k = 0; k < 3; ++k) {
-      std::int32_t& n = number[index(first[index(t[k])])];
+      std::int32_t& n = number[at(first[at(t[k])])];
       if (n < 0) {
         n = static_cast<std::int32_t>(vertices.size());
-        vertices.push_back(given[index(first[index(t[k])])]);
+        vertices.push_back(given[at(first[at(t[k])])]);
       }
       welded[k] = n;
     }

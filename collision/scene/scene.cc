@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "collision/base/greatest.h"
+#include "collision/base/numbers.h"
 #include "collision/base/pose_check.h"
 #include "collision/base/tolerances.h"
 #include "collision/lanes/lane_sweep.h"
@@ -21,8 +22,6 @@
 
 namespace leeway::collision {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// What an int numbers, with room for pairs of what moves.
 constexpr std::size_t kMostNumbers = std::numeric_limits<int>::max() / 2;

@@ -7,11 +7,10 @@
 #include <utility>
 
 #include "collision/base/greatest.h"
+#include "collision/base/numbers.h"
 
 namespace leeway::collision {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double grown(double margin, double growth) { return std::max(margin, 0.0) + growth; }
 

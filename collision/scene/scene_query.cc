@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/pair_table.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
@@ -17,12 +18,8 @@
 namespace leeway::collision {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// Pairs that clearance() sorts at once [count].
 constexpr std::size_t kMostNearest = 1U << 14U;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "collision/base/exact_predicates.h"
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/shapes/hull_builder.h"
 #include "collision/shapes/hull_of_part.h"
@@ -17,8 +18,6 @@ namespace {
 using Eigen::Vector3d;
 using Triangle = std::array<std::int32_t, 3>;
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 // Edges between facets that are not coplanar: those of the true polytope. Exact.
 std::vector<std::array<std::int32_t, 2>> properEdges(std::span<const Vector3d> points,
                                                      const HullBuilder& hull) {
@@ -28,13 +27,13 @@ std::vector<std::array<std::int32_t, 2>> properEdges(std::span<const Vector3d> p
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int32_t from = f[k], to = f[(k + 1) % 3];
       if (from > to) continue;  // once an edge
-      const Triangle& other = hull.facets()[index(hull.adjacent()[i][k])];
+      const Triangle& other = hull.facets()[at(hull.adjacent()[i][k])];
       std::int32_t apex = other[0];
       for (const std::int32_t v : other) {
         if (v != from && v != to) apex = v;
       }
-      if (orientation(points[index(f[0])], points[index(f[1])], points[index(f[2])],
-                      points[index(apex)]) != 0) {
+      if (orientation(points[at(f[0])], points[at(f[1])], points[at(f[2])], points[at(apex)]) !=
+          0) {
         edges.push_back({from, to});
       }
     }
@@ -49,8 +48,8 @@ std::vector<std::int32_t> corners(std::size_t count,
                                   const std::vector<std::array<std::int32_t, 2>>& edges) {
   std::vector<int> degree(count, 0);
   for (const auto& e : edges) {
-    ++degree[index(e[0])];
-    ++degree[index(e[1])];
+    ++degree[at(e[0])];
+    ++degree[at(e[1])];
   }
   std::vector<std::int32_t> result;
   for (std::size_t i = 0; i < count; ++i) {
@@ -85,7 +84,7 @@ std::shared_ptr<const ConvexHull> hullOfPart(std::span<const Vector3d> given) {
   }
   std::vector<Vector3d> vertices;
   vertices.reserve(kept.size());
-  for (const std::int32_t i : kept) vertices.push_back(points[index(i)]);
+  for (const std::int32_t i : kept) vertices.push_back(points[at(i)]);
   // Built again from the vertices alone: facets then index them, and no vertex is left within a
   // face.
   if (hull.dimension() == 3) hull = HullBuilder(vertices);
@@ -94,7 +93,7 @@ std::shared_ptr<const ConvexHull> hullOfPart(std::span<const Vector3d> given) {
   result->facets_ = hull.facets();
   if (hull.dimension() == 3) result->makeNeighbours(properEdges(vertices, hull), vertices.size());
   result->vertices_.reserve(kept.size());
-  for (const std::int32_t i : kept) result->vertices_.push_back(points[index(i)]);
+  for (const std::int32_t i : kept) result->vertices_.push_back(points[at(i)]);
   result->support_ = std::make_unique<const HullSupport>(*result);
   return result;
 }
@@ -104,14 +103,14 @@ void ConvexHull::makeNeighbours(const std::vector<std::array<std::int32_t, 2>>& 
   if (count < static_cast<std::size_t>(kClimbFrom)) return;
   std::vector<std::int32_t> begin(count + 1, 0);
   for (const auto& e : edges) {
-    ++begin[index(e[0]) + 1];
-    ++begin[index(e[1]) + 1];
+    ++begin[at(e[0]) + 1];
+    ++begin[at(e[1]) + 1];
   }
   for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
   std::vector<std::int32_t> list(edges.size() * 2), fill(begin.begin(), begin.end() - 1);
   for (const auto& e : edges) {
-    list[index(fill[index(e[0])]++)] = e[1];
-    list[index(fill[index(e[1])]++)] = e[0];
+    list[at(fill[at(e[0])]++)] = e[1];
+    list[at(fill[at(e[1])]++)] = e[0];
   }
   neighbour_begin_ = std::move(begin);
   neighbours_ = std::move(list);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "collision/base/exact_predicates.h"
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/shapes/point_triangle.h"
 
@@ -16,12 +17,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 double squaredDistance(const Vector3d& point, std::span<const Vector3d> points,
                        const std::array<std::int32_t, 3>& f) {
-  return (point - closestPointOnTriangle(point, points[index(f[0])], points[index(f[1])],
-                                         points[index(f[2])]))
+  return (point -
+          closestPointOnTriangle(point, points[at(f[0])], points[at(f[1])], points[at(f[2])]))
       .squaredNorm();
 }
 
@@ -38,7 +37,7 @@ double distanceFromHull(const Eigen::Vector3d& point, std::span<const Eigen::Vec
   double best = std::numeric_limits<double>::infinity();
   bool outside = false;
   for (const auto& f : hull.facets()) {
-    const Vector3d &a = points[index(f[0])], &b = points[index(f[1])], &c = points[index(f[2])];
+    const Vector3d &a = points[at(f[0])], &b = points[at(f[1])], &c = points[at(f[2])];
     if (!outside) outside = orientation(a, b, c, point) > 0;
     best = std::min(best, squaredDistance(point, points, f));
   }
@@ -54,13 +53,13 @@ double largestDistanceFromHull(std::span<const Eigen::Vector3d> points, const Hu
   outside.reserve(hull.outside().size());
   for (std::size_t i = 0; i < hull.outside().size(); ++i) {
     const std::int32_t p = hull.outside()[i];
-    const auto& f = hull.facets()[index(hull.outsideOf()[i])];
-    outside.push_back({p, squaredDistance(points[index(p)], points, f)});
+    const auto& f = hull.facets()[at(hull.outsideOf()[i])];
+    outside.push_back({p, squaredDistance(points[at(p)], points, f)});
   }
   double largest = 0;
   const auto include = [&](Outside& o) {
     // Rounding out is monotonic: one facet that is near enough excludes the point.
-    const Vector3d& point = points[index(o.point)];
+    const Vector3d& point = points[at(o.point)];
     if (roundedOut(o.squared, point) <= largest) return;
     for (const auto& f : hull.facets()) {
       const double squared = squaredDistance(point, points, f);

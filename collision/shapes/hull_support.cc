@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/shapes/hull_climb.h"
 #include "leeway/collision/convex_hull.h"
@@ -19,8 +20,6 @@ constexpr std::size_t kMostOfCell = 64;
 constexpr int kFewestSides = 8, kMostSides = 32;
 // A hull is a needle where no vertex is farther from its axis than this share of its half length.
 constexpr double kNeedle = 0.25;
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
@@ -47,7 +46,7 @@ HullSupport::HullSupport(const ConvexHull& hull, HullTable table)
 
 bool HullSupport::isTable(const HullTable& table, const ConvexHull& hull) {
   if (!hasTable(hull)) return table.cells.empty() && table.more.empty();
-  const std::size_t count = hull.vertices().size(), sides = index(sidesFor(count));
+  const std::size_t count = hull.vertices().size(), sides = at(sidesFor(count));
   if (table.cells.size() != 6 * sides * sides) return false;
   const auto namesVertices = [&](const HullCell& cell) {
     return std::all_of(std::begin(cell.vertex), std::end(cell.vertex),

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/base/scratch.h"
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
@@ -22,7 +23,6 @@
 namespace leeway::collision {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kSlabs = 16;
 
 /// A box that moves: at t all it holds is inside the blend of its two states.

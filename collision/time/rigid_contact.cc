@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
 #include "collision/convex/convex_distance.h"
@@ -17,8 +18,6 @@
 
 namespace leeway::collision {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Two rigid bodies; A is no half-space unless B is one, too.
 struct RigidPair {

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/scene/scene_access.h"
 #include "leeway/collision/time_of_contact.h"
 
 namespace leeway::collision {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// One pair of the scene, its margin added to that of the request.
 ContactResult contactOfPair(const Scene& scene, int p, std::span<const RigidMotion* const> motions,

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "collision/base/greatest.h"
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/lanes/obstacle_boxes.h"
 #include "collision/scene/scene_access.h"
@@ -12,12 +13,8 @@
 namespace leeway::collision {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// From this reach on a box holds everything [m].
 constexpr auto kBeyondAll = static_cast<double>(kFar);
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 /// time + wait, rounded down.
 double later(double time, double wait) {

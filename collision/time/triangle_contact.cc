@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
 #include "collision/convex/convex_distance.h"
@@ -16,8 +17,6 @@
 
 namespace leeway::collision {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Corners = std::array<Eigen::Vector3d, 3>;
 

@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/scene/scene_access.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/robots/input_error.h"
@@ -22,8 +23,6 @@
 
 namespace leeway::planner {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// What a problem adds to its robot: objects of the world, and what is said of pairs by name.
 class Surroundings {

@@ -30,6 +30,7 @@
 #include <utility>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "collision/base/pair_table.h"
 #include "collision/base/work.h"
 #include "collision/sweep/mesh_sweep.h"
@@ -39,10 +40,6 @@
 #include "planner/edge/edge_lanes.h"
 
 namespace leeway::planner {
-
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Capacities for one edge, which stays undecided where it needs more.
 

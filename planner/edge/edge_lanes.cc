@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
 #include "collision/scene/scene_access.h"
@@ -32,8 +33,6 @@ collision::LaneValues middlesOfEdge() {
     middles.at[i] = (static_cast<float>(i) + 0.5F) * kWidth - 0.5F;
   return middles;
 }
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 float roundedUp(double x) {
   const auto f = static_cast<float>(x);

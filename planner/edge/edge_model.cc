@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/scene/scene_access.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
@@ -17,8 +18,6 @@ namespace {
 using robots::Joint;
 using robots::Model;
 using robots::VariableRange;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// See EdgeModel::jumping_circles: circles that a mimic joint follows with a factor that is no
 /// whole number, or by sliding.
@@ -46,10 +45,10 @@ std::vector<int> jumpingCircles(const ConfigurationSpace& space) {
   return places;
 }
 
-class Builder {
+class EdgeModelBuilder {
  public:
-  Builder(const ConfigurationSpace& space, const collision::Scene& scene,
-          std::span<const int> carriers, std::span<const VariableRange> ranges)
+  EdgeModelBuilder(const ConfigurationSpace& space, const collision::Scene& scene,
+                   std::span<const int> carriers, std::span<const VariableRange> ranges)
       : scene_(scene), carriers_(carriers), model_(space.model()), ranges_(ranges) {
     result_.jumping_circles = jumpingCircles(space);
   }
@@ -184,7 +183,7 @@ class Builder {
 RobotMotions makeRobotMotions(const ConfigurationSpace& space, const collision::Scene& robot,
                               std::span<const int> carriers, std::span<const VariableRange> ranges,
                               std::span<const robots::LinkGap* const> gaps) {
-  return Builder(space, robot, carriers, ranges).build(gaps);
+  return EdgeModelBuilder(space, robot, carriers, ranges).build(gaps);
 }
 
 bool EdgeModel::isSmooth(std::span<const double> a, std::span<const double> b,

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "collision/base/greatest.h"
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/scene/scene_access.h"
 #include "collision/sweep/mesh_sweep.h"
@@ -17,8 +18,6 @@
 
 namespace leeway::planner {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Whether a planned floating or planar joint carries a link. One that only places an arm in its
 /// world is not planned.

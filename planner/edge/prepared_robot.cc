@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/input_error.h"
 #include "planner/edge/robot_pairs.h"
 
@@ -11,8 +12,6 @@ namespace leeway::planner {
 namespace {
 
 using robots::VariableRange;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Limits for what is planned, the start's value for what is not.
 std::vector<VariableRange> plannedRanges(const Problem& problem) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/cover/ball_cover.h"
 #include "collision/scene/scene_access.h"
@@ -19,8 +20,6 @@ using collision::LaneSweep;
 using collision::Pose;
 using robots::Joint;
 using robots::JointType;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 const Joint& masterOf(const robots::Model& model, int joint) {
   const Joint* j = &model.joints[at(joint)];
@@ -78,9 +77,9 @@ void addCover(const collision::BallCover& cover, const Pose& X_FG, LaneSweep::Pi
   lane.points = placedPoints(X_FG, cover.points);
 }
 
-class Builder {
+class RobotLanesBuilder {
  public:
-  Builder(const robots::Model& model, const PreparedRobot& robot, RobotLanes& lanes)
+  RobotLanesBuilder(const robots::Model& model, const PreparedRobot& robot, RobotLanes& lanes)
       : model_(model), robot_(robot), lanes_(lanes) {}
 
   void build() {
@@ -274,7 +273,7 @@ class Builder {
 }  // namespace
 
 RobotLanes::RobotLanes(const robots::Model& model, const PreparedRobot& robot) {
-  Builder(model, robot, *this).build();
+  RobotLanesBuilder(model, robot, *this).build();
 }
 
 RobotLanes::Piece addStill(const collision::Geometry& geometry, const Pose& X_WB, const Ball& outer,

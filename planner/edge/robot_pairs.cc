@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
@@ -14,8 +15,6 @@ namespace {
 
 using collision::Body;
 using robots::LinkGap;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Neither order of a pair matters.
 template <typename T>

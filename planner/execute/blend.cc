@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/trajectory.h"
@@ -12,8 +13,6 @@
 
 namespace leeway::planner {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Proves blends of one path.
 class Blending {

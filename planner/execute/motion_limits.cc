@@ -3,18 +3,11 @@
 #include <limits>
 #include <string>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 double velocityLimit(const robots::Variable& variable) {
   const double limit = variable.velocity;
   return limit > 0 && limit <= kMostLimit ? limit : kDefaultVelocity;

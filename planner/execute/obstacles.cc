@@ -8,7 +8,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/input_error.h"
+#include "planner/base/clock.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
@@ -17,12 +19,6 @@ namespace {
 using collision::Deformable;
 using collision::Shape;
 using collision::UpdateStatus;
-using Clock = std::chrono::steady_clock;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-double secondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 /// A product of a speed bound and a time, rounded up: rounded to nearest it is no bound. NaN, from
 /// 0 m/s for an infinite time, is infinite.

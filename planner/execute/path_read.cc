@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
@@ -17,8 +18,6 @@ namespace leeway::planner {
 namespace {
 
 using robots::InputError;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The contents of a file: columns by name (without names: by order), and rows with their lines.
 struct Table {

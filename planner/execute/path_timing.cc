@@ -4,12 +4,11 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Range {
   double low, high;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
@@ -17,8 +18,6 @@ namespace leeway::planner {
 namespace {
 
 using robots::InputError;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// 17 digits: every double reads back to the bit. JSON has no number that is not finite.
 std::string numberText(double x) { return std::isfinite(x) ? fmt::format("{:.17g}", x) : "null"; }

@@ -4,14 +4,13 @@
 #include <chrono>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/replanner.h"
+#include "planner/base/clock.h"
 
 namespace leeway::planner {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Adds a step that took `seconds` of computing to the sums of an execution.
 void add(const ReplanStep& step, double seconds, ReplanResult& result) {
@@ -68,7 +67,7 @@ ReplanResult replan(const Problem& problem, const ReplanOptions& options,
     }
     const Clock::time_point begin = Clock::now();
     const ReplanStep step = replanner.step();
-    add(step, std::chrono::duration<double>(Clock::now() - begin).count(), result);
+    add(step, secondsSince(begin), result);
     if (on_step) on_step(step);
     if (step.decision == Decision::kUnsafe) {
       result.status = ReplanStatus::kUnsafe;

@@ -8,7 +8,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/input_error.h"
+#include "planner/base/clock.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/execute/motion_limits.h"
@@ -19,13 +21,7 @@
 namespace leeway::planner {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-using Clock = std::chrono::steady_clock;
 using Waypoints = std::vector<std::vector<double>>;
-
-double secondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 std::vector<double> startOf(const Problem& problem) {
   std::vector<double> point;

@@ -2,12 +2,11 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
 
 namespace leeway::planner {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// By Newton's method: the same on every C library.
 double cubeRoot(double x) {

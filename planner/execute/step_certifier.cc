@@ -4,13 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
 #include "planner/execute/timed_path.h"
 
 namespace leeway::planner {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double largestGrowth(const Obstacles::Replacements& shapes) {
   double largest = 0;

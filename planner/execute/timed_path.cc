@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The point at t of the edge; never outside the limits that its ends keep, whatever the rounding.
 std::vector<double> pointOn(const ConfigurationSpace& space, std::span<const double> a,

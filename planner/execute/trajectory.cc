@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
 #include "planner/execute/blend.h"
 #include "planner/execute/path_timing.h"
@@ -14,10 +15,6 @@
 
 namespace leeway::planner {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Limit on the rate of an edge's t: the least limit / |dq|; infinite where nothing moves.
 double rateLimit(const ConfigurationSpace& space, std::span<const double> dq,

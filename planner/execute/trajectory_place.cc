@@ -4,17 +4,12 @@
 #include <cmath>
 #include <iterator>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
 #include "planner/execute/blend.h"
 #include "planner/execute/path_timing.h"
 
 namespace leeway::planner {
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 Trajectory::Place Trajectory::place(double time) const {
   Place place;
   if (stretches_.empty() || !(time >= 0)) return place;

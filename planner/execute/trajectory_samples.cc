@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/base/numbers.h"
+
 namespace leeway::planner {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Replaces the derivatives of a rotation vector in the body's frame, w and a, by those of the
 /// quaternion: q' = q w / 2, q'' = q a / 2 - |w|^2 q / 4.

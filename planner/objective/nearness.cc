@@ -4,13 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
+
 namespace leeway::planner {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
-
 double nearnessAt(const Nearness& nearness, double d) {
   if (!(d > 0)) return 1;
   if (nearness.kind == Nearness::Kind::kHinge) return std::max(0.0, 1 - d / nearness.distance);

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
 #include "planner/edge/ompl_point.h"
 #include "planner/objective/path_cost.h"
@@ -17,7 +18,6 @@ namespace leeway::planner {
 namespace {
 
 namespace ob = ompl::base;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 ob::InformedSamplerPtr rejectionSampler(const ob::ProblemDefinitionPtr& problem,
                                         unsigned int attempts) {

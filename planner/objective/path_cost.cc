@@ -8,14 +8,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/planners.h"
 #include "planner/base/tolerances.h"
 #include "planner/objective/nearness.h"
 
 namespace leeway::planner {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 bool isWeight(double weight) { return weight >= 0 && std::isfinite(weight); }
 bool isDistance(double distance) { return distance > 0 && std::isfinite(distance); }

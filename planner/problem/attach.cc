@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/problem.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/did_you_mean.h"
@@ -9,8 +10,6 @@ namespace leeway::planner {
 namespace {
 
 using robots::Pose;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 int requireLink(const robots::Model& model, const std::string& name) {
   const int link = model.findLink(name);

@@ -8,6 +8,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/planners.h"
 #include "leeway/planner/problem.h"
 #include "planner/base/did_you_mean.h"
@@ -28,8 +29,6 @@ namespace {
 
 using robots::InputError;
 using robots::Model;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void requireVersion(const YamlReader& file) {
   const auto version = file.find("leeway");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "collision/base/numbers.h"
 #include "collision/base/pose_check.h"
 #include "leeway/planner/problem.h"
 #include "leeway/robots/kinematics.h"
@@ -15,8 +16,6 @@ namespace {
 
 using robots::Model;
 using robots::Pose;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 [[noreturn]] void refuse(const std::string& message) { throw std::invalid_argument(message); }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/problem/read_motion.h"
 #include "planner/problem/read_shapes.h"
@@ -14,8 +15,6 @@ namespace {
 
 using collision::VertexMotion;
 using Vertices = std::vector<Eigen::Vector3d>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 class Skinning {
  public:

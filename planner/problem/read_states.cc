@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "collision/base/numbers.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/read_poses.h"
@@ -20,8 +21,6 @@ using robots::InputError;
 using robots::Joint;
 using robots::JointType;
 using robots::Model;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool planned(const Problem& problem, int variable) {
   return std::find(problem.robot.variables.begin(), problem.robot.variables.end(), variable) !=

@@ -2,14 +2,13 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/plan.h"
 #include "planner/base/tolerances.h"
 #include "planner/search/search.h"
 
 namespace leeway::planner {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Refines what is known of the clearances of a path's edges from the world, or of the robot to
 /// itself.

@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/simplify.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
@@ -23,8 +24,6 @@
 
 namespace leeway::planner {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class ClearanceSearch {
  public:

@@ -6,13 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "collision/base/numbers.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Keeps the check with the greatest clearance: of invalid configurations the least deep.
 void keepBetter(StateCheck& best, const StateCheck& check) {
@@ -111,19 +110,19 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
   options.prove = false;
   // One start is enough for most goals, a few more for most others; the rest is worth many, and a
   // proof. Each of these searches begins as the one before.
-  struct Search {
+  struct Effort {
     int starts, solutions;
   };
-  constexpr Search kSearches[] = {{1, kFirstPoseSolutions},
-                                  {kFirstPoseStarts, kFirstPoseSolutions},
-                                  {kPoseStarts, kPoseSolutions}};
+  constexpr Effort kEfforts[] = {{1, kFirstPoseSolutions},
+                                 {kFirstPoseStarts, kFirstPoseSolutions},
+                                 {kPoseStarts, kPoseSolutions}};
   robots::IkResult solved;
   int starts = 0;
-  for (const Search& search : kSearches) {
+  for (const Effort& effort : kEfforts) {
     if (drawn.complete || (starts > 0 && stop())) break;
-    options.starts = search.starts;
-    options.max_solutions = search.solutions;
-    options.prove = search.starts == kPoseStarts && drawn.found.empty();
+    options.starts = effort.starts;
+    options.max_solutions = effort.solutions;
+    options.prove = effort.starts == kPoseStarts && drawn.found.empty();
     solved = kinematics_->solve(goal.poses, problem_.start, options);
     starts = solved.starts;
     drawn.complete = solved.complete;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
@@ -18,8 +19,6 @@ using Part = ConfigurationSpace::Part;
 using Range = std::pair<double, double>;
 
 using collision::kTwoPi;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool orientationIsGiven(const Goal& goal, const Part& part) {
   for (std::size_t k = 0; k < 4; ++k)

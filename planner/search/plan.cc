@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/planners.h"
 #include "leeway/planner/simplify.h"
 #include "leeway/robots/input_error.h"
@@ -27,8 +28,6 @@
 
 namespace leeway::planner {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// One call of plan(), its stages in their order.
 class Plan {

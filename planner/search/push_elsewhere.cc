@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/simplify.h"
 #include "planner/base/tolerances.h"
 #include "planner/search/push.h"
@@ -26,8 +27,6 @@
 
 namespace leeway::planner {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class Elsewhere {
  public:

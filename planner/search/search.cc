@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
 #include "planner/edge/ompl_point.h"
 #include "planner/search/run_seed.h"
@@ -23,7 +24,6 @@ namespace leeway::planner {
 namespace {
 
 namespace ob = ompl::base;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A search for a shorter path: iterations of its first run, which terms of Luby's series multiply,
 /// and of all together, before the best path is simplified anew instead.

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/triangle_mesh.h"
@@ -22,8 +23,6 @@ using collision::kTwoPi;
 using robots::Pose;
 
 using Kind = ConfigurationSpace::Kind;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// std::remainder is exact by IEEE 754, and so the same everywhere.
 double wrapped(double angle) {

@@ -11,6 +11,7 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
@@ -25,8 +26,6 @@ using Part = ConfigurationSpace::Part;
 
 /// Cells of the default projection along each axis, as many as in OMPL's own spaces.
 constexpr double kProjectionCells = 20;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double range(const ConfigurationSpace& space, const Part& part) {
   return part.kind == Kind::kLine ? space.upper(part.first) - space.lower(part.first)

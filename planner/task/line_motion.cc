@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/motion_bound.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::vector<double> expanded(const CompiledScene& scene, std::span<const double> point) {
   std::vector<double> q(scene.model().variables.size());

@@ -8,8 +8,10 @@
 #include <optional>
 #include <stdexcept>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/simplify.h"
 #include "leeway/robots/input_error.h"
+#include "planner/base/clock.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/objective/path_cost.h"
@@ -20,14 +22,7 @@
 namespace leeway::planner {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Waypoints = std::vector<std::vector<double>>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-double secondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 /// One call of planTask(). Depth first: a step that has succeeded calls the next one.
 class TaskPlan {

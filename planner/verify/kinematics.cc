@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/triangle_mesh.h"
@@ -21,8 +22,6 @@ using robots::Joint;
 using robots::JointType;
 using robots::Model;
 using robots::Pose;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The rotation by `angle` about a unit axis: the part of a vector along the axis stays, the part
 /// across turns in its plane. The sine is rounded once, from long double: C libraries agree on it.

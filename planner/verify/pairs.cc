@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "collision/base/numbers.h"
 #include "planner/verify/kinematics.h"
 
 namespace leeway::planner::verification {
@@ -10,8 +11,6 @@ namespace {
 using robots::Joint;
 using robots::JointType;
 using robots::Model;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool same(const std::pair<std::string, std::string>& names, const std::string& a,
           const std::string& b) {

@@ -6,14 +6,13 @@
 #include <numbers>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
 #include "planner/verify/kinematics.h"
 #include "planner/verify/pose_check.h"
 
 namespace leeway::planner::verification {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 class PathCheck {
  public:

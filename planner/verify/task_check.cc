@@ -5,6 +5,7 @@
 #include <deque>
 #include <stdexcept>
 
+#include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
 #include "planner/task/stages.h"
 #include "planner/verify/kinematics.h"
@@ -14,8 +15,6 @@ namespace leeway::planner::verification {
 namespace {
 
 using robots::Pose;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Empty when the path's steps are the problem's, one behind the other from its first to its last
 /// waypoint.

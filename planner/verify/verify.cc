@@ -16,6 +16,7 @@
 #include <numbers>
 #include <optional>
 
+#include "collision/base/numbers.h"
 #include "collision/base/work.h"
 #include "leeway/collision/distance.h"
 #include "planner/base/tolerances.h"
@@ -34,10 +35,6 @@ using collision::DistanceStatus;
 using robots::JointType;
 using robots::Model;
 using robots::Pose;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// One shape of one body against one of another.
 struct ShapePair {

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "leeway/collision/shape.h"
+#include "python/base/busy.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
 #include "python/bindings/shapes.h"
@@ -30,19 +31,7 @@ struct Body {
         statistics(deformable.statistics()) {}
 };
 
-class Busy {
- public:
-  explicit Busy(Body& body) : body_(body) {
-    if (body.busy) throw std::runtime_error("another thread is updating this Deformable");
-    body.busy = true;
-  }
-  ~Busy() { body_.busy = false; }
-  Busy(const Busy&) = delete;
-  Busy& operator=(const Busy&) = delete;
-
- private:
-  Body& body_;
-};
+constexpr char kBusyDeformable[] = "another thread is updating this Deformable";
 
 void take(Body& body, UpdateStatus status) {
   if (status == UpdateStatus::kUpdated) {
@@ -57,7 +46,7 @@ void take(Body& body, UpdateStatus status) {
 }
 
 void update(Body& self, const py::object& vertices, double time, const py::object& bound) {
-  const Busy busy(self);
+  const Busy busy(self.busy, kBusyDeformable);
   const double speed_bound = speedBoundOf(bound);
   const py::array_t<double, py::array::c_style> given =
       py::array_t<double, py::array::c_style>::ensure(vertices);
@@ -74,7 +63,7 @@ void update(Body& self, const py::object& vertices, double time, const py::objec
 }
 
 void follow(Body& self, double time) {
-  const Busy busy(self);
+  const Busy busy(self.busy, kBusyDeformable);
   take(self, released([&] { return self.deformable.update(time); }));
 }
 

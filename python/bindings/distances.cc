@@ -51,7 +51,7 @@ double optional(const py::object& value, const char* name) {
   return value.is_none() ? std::numeric_limits<double>::quiet_NaN() : number(value, name);
 }
 
-double positive(const py::object& value, const char* name) {
+double positiveLength(const py::object& value, const char* name) {
   const double given = optional(value, name);
   if (given <= 0)
     throw py::value_error(std::string(name) + " is " + text(given) +
@@ -63,7 +63,7 @@ DistanceResult distanceOf(const Shape& a, const py::object& X_WA, const Shape& b
                           const py::object& X_WB, const py::object& tolerance,
                           const py::object& threshold, bool depth) {
   DistanceRequest request;
-  request.tolerance = positive(tolerance, "tolerance");
+  request.tolerance = positiveLength(tolerance, "tolerance");
   request.threshold = optional(threshold, "threshold");
   request.depth = depth;
   const collision::Pose pose_a = pose(X_WA, "X_WA"), pose_b = pose(X_WB, "X_WB");
@@ -88,7 +88,7 @@ std::vector<collision::Pose> posesOf(const py::object& value, const char* name) 
 py::array_t<double> distancesOf(const Shape& a, const py::object& X_WA, const Shape& b,
                                 const py::object& X_WB, const py::object& tolerance) {
   DistanceRequest request;
-  request.tolerance = positive(tolerance, "tolerance");
+  request.tolerance = positiveLength(tolerance, "tolerance");
   const std::vector<collision::Pose> poses_a = posesOf(X_WA, "X_WA"),
                                      poses_b = posesOf(X_WB, "X_WB");
   if (poses_a.size() != poses_b.size())

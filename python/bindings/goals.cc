@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "leeway/robots/text.h"
+#include "python/base/at.h"
 #include "python/base/define.h"
 #include "python/bindings/settings.h"
 
@@ -15,8 +16,6 @@ using Range = std::pair<double, double>;
 /// What 'any' means of a position [m], as in problem files: no robot reaches as far.
 constexpr double kAnyPosition = 1e6;
 constexpr double kLargestAngle = 1e3;  ///< as in problem files [rad]
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::size_t count(const planner::Problem& problem) { return problem.robot.variables.size(); }
 

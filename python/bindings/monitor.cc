@@ -5,14 +5,14 @@
 #include "leeway/collision/time_to_impact.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/link_motion.h"
+#include "python/base/at.h"
+#include "python/base/busy.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
 #include "python/bindings/scene.h"
 
 namespace leeway::python {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// A body of the scene that a link carries, and what bounds its motion.
 struct Mover {
@@ -73,19 +73,7 @@ Monitor::Monitor(Scene of, std::vector<double> velocities, std::vector<double> a
   }
 }
 
-class Busy {
- public:
-  explicit Busy(Monitor& monitor) : monitor_(monitor) {
-    if (monitor.busy) throw std::runtime_error("another thread is using this Monitor");
-    monitor.busy = true;
-  }
-  ~Busy() { monitor_.busy = false; }
-  Busy(const Busy&) = delete;
-  Busy& operator=(const Busy&) = delete;
-
- private:
-  Monitor& monitor_;
-};
+constexpr char kBusyMonitor[] = "another thread is using this Monitor";
 
 /// One number a planned joint, spread over the model's variables; 0 for those that stand.
 std::vector<double> spread(const Scene& scene, const std::vector<double>& planned) {
@@ -131,7 +119,7 @@ void placeAll(Monitor& self, double time, std::span<const double> rates) {
 
 Report look(Monitor& self, double time, const py::object& state, const py::object& rates,
             double horizon) {
-  const Busy busy(self);
+  const Busy busy(self.busy, kBusyMonitor);
   const std::vector<double> point = numbers(state, "q", self.scene.size());
   const std::vector<double> speeds = spread(self.scene, numbers(rates, "rates", self.scene.size()));
   if (!std::isfinite(time) || !(horizon >= 0) || std::isinf(horizon))

@@ -10,14 +10,13 @@
 #include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
+#include "python/base/at.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
 #include "python/bindings/settings.h"
 
 namespace leeway::python {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Problem makeProblem(const Robot& robot, const World* world) {
   planner::Problem problem;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "python/base/busy.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
 #include "python/bindings/deforming.h"
@@ -27,19 +28,7 @@ struct Execution {
   std::size_t size() const { return problem.size(); }
 };
 
-class Busy {
- public:
-  explicit Busy(Execution& execution) : execution_(execution) {
-    if (execution.busy) throw std::runtime_error("another call is using this Replanner");
-    execution.busy = true;
-  }
-  ~Busy() { execution_.busy = false; }
-  Busy(const Busy&) = delete;
-  Busy& operator=(const Busy&) = delete;
-
- private:
-  Execution& execution_;
-};
+constexpr char kBusyReplanner[] = "another call is using this Replanner";
 
 py::array_t<double> timedPoints(std::span<const planner::TimedPoint> points, std::size_t columns) {
   std::vector<double> values;
@@ -72,7 +61,7 @@ struct Step {
 };
 
 Step step(Execution& self) {
-  const Busy busy(self);
+  const Busy busy(self.busy, kBusyReplanner);
   Interrupt interrupt(self.stop);
   self.interrupt = &interrupt;
   struct Reset {
@@ -86,7 +75,7 @@ Step step(Execution& self) {
 
 void setVertices(Execution& self, const std::string& object, const py::object& vertices,
                  const py::object& time, const py::object& bound) {
-  const Busy busy(self);
+  const Busy busy(self.busy, kBusyReplanner);
   const std::vector<Eigen::Vector3d> given = points(vertices, "vertices");
   const double speed_bound = speedBoundOf(bound);
   const double when = time.is_none() ? self.replanner->time() : number(time, "time");
@@ -94,7 +83,7 @@ void setVertices(Execution& self, const std::string& object, const py::object& v
 }
 
 void setState(Execution& self, const py::object& state) {
-  const Busy busy(self);
+  const Busy busy(self.busy, kBusyReplanner);
   self.replanner->setState(numbers(state, "state", self.size()));
 }
 
@@ -102,7 +91,7 @@ void setState(Execution& self, const py::object& state) {
 template <typename Read>
 auto reading(Read read) {
   return [read](Execution& self) {
-    const Busy busy(self);
+    const Busy busy(self.busy, kBusyReplanner);
     return read(self);
   };
 }

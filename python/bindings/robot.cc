@@ -8,14 +8,13 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/text.h"
+#include "python/base/at.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
 #include "python/bindings/shapes.h"
 
 namespace leeway::python {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 template <typename Things>
 std::vector<std::string> namesOf(const Things& things) {

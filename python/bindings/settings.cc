@@ -7,13 +7,12 @@
 #include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
 #include "leeway/robots/text.h"
+#include "python/base/at.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
 
 namespace leeway::python {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::string word(const py::object& value, const char* name) {
   if (!py::isinstance<py::str>(value))
@@ -40,7 +39,7 @@ double notNegative(const py::object& value, const char* name) {
   return given;
 }
 
-double positive(const py::object& value, const char* name) {
+double positiveNumber(const py::object& value, const char* name) {
   const double given = number(value, name);
   if (!(given > 0))
     throw py::value_error(std::string(name) + " is " + text(given) +
@@ -65,7 +64,7 @@ std::map<std::string, double> byJoint(const planner::Problem& problem, const py:
   std::map<std::string, double> result;
   if (value.is_none()) return result;
   if (!py::isinstance<py::dict>(value)) {
-    const double all = positive(value, name);
+    const double all = positiveNumber(value, name);
     for (const int variable : problem.robot.variables)
       result[problem.robot.model->variables[at(variable)].name] = all;
     return result;
@@ -73,7 +72,7 @@ std::map<std::string, double> byJoint(const planner::Problem& problem, const py:
   for (const auto& [joint, limit] : py::reinterpret_borrow<py::dict>(value)) {
     const int variable = variableOf(problem, py::str(joint));
     result[problem.robot.model->variables[at(variable)].name] =
-        positive(py::reinterpret_borrow<py::object>(limit), name);
+        positiveNumber(py::reinterpret_borrow<py::object>(limit), name);
   }
   return result;
 }
@@ -130,10 +129,10 @@ void setWishes(planner::Problem& problem, const py::object& value) {
       const auto pair = py::reinterpret_borrow<py::tuple>(given);
       if (pair.size() != 2)
         throw py::type_error("wishes: " + shown(given) + "; (clearance, weight) is expected");
-      wish.weight = positive(pair[1], "wishes: a weight");
+      wish.weight = positiveNumber(pair[1], "wishes: a weight");
       given = pair[0];
     }
-    wish.clearance = positive(given, "wishes: a clearance");
+    wish.clearance = positiveNumber(given, "wishes: a clearance");
     wish.pairs = namePairs(problem, key, "wishes");
     const auto sides = py::reinterpret_borrow<py::tuple>(key);
     for (std::size_t i = 0; i < 2; ++i)
@@ -192,7 +191,7 @@ planner::CostTerm costTerm(const py::object& value, const std::string& name, boo
   planner::CostTerm term;
   const char* kind = map.contains("hinge") ? "hinge" : "inverse";
   if (map.contains("inverse")) term.nearness.kind = planner::Nearness::Kind::kInverse;
-  term.nearness.distance = positive(map[kind], kind);
+  term.nearness.distance = positiveNumber(map[kind], kind);
   if (map.contains("weight")) term.weight = notNegative(map["weight"], "weight");
   if (!map.contains("of")) return term;
   const std::string of = word(map["of"], "of");
@@ -430,7 +429,7 @@ const Setting kSettings[] = {
      [](P& p, V v) { p.planner.push = py::bool_(v); }},
     {"time", "Planning and simplification end after this [s].",
      [](const P& p) { return py::object(py::float_(p.limits.time)); },
-     [](P& p, V v) { p.limits.time = positive(v, "time"); }},
+     [](P& p, V v) { p.limits.time = positiveNumber(v, "time"); }},
     {"iterations", "The planner ends after so many iterations; 0: no limit.",
      [](const P& p) { return py::object(py::int_(p.limits.iterations)); },
      [](P& p, V v) { p.limits.iterations = whole(v, "iterations"); }},
@@ -442,14 +441,15 @@ const Setting kSettings[] = {
      [](P& p, V v) { p.execution.start = number(v, "start_time"); }},
     {"step", "From one look at the world to the next, in execution [s].",
      [](const P& p) { return py::object(py::float_(p.execution.step)); },
-     [](P& p, V v) { p.execution.step = positive(v, "step"); }},
+     [](P& p, V v) { p.execution.step = positiveNumber(v, "step"); }},
     {"duration", "An execution that has not reached the goal within this fails [s].",
      [](const P& p) { return py::object(py::float_(p.execution.duration)); },
-     [](P& p, V v) { p.execution.duration = positive(v, "duration"); }},
+     [](P& p, V v) { p.execution.duration = positiveNumber(v, "duration"); }},
     {"speed", "Share of the velocity limits that is used, in (0, 1].",
      [](const P& p) { return py::object(py::float_(p.execution.speed)); },
      [](P& p, V v) {
-       if (positive(v, "speed") > 1) throw py::value_error("speed is above 1; (0, 1] is expected");
+       if (positiveNumber(v, "speed") > 1)
+         throw py::value_error("speed is above 1; (0, 1] is expected");
        p.execution.speed = number(v, "speed");
      }},
     {"velocities", "Velocity limits: {joint: limit}, or one number for all [rad/s or m/s].",

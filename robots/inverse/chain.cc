@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 
 namespace leeway::robots {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Eigen::Matrix3d turned(const ChainJoint& joint, double angle) {
   double s, c;

@@ -5,14 +5,13 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "collision/base/numbers.h"
 #include "robots/base/tolerances.h"
 #include "robots/inverse/subproblems.h"
 
 namespace leeway::robots {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Which of seven joints is given, in order of preference: an arm that others can swing around
 /// misses the fewest poses with any angle of joint 5, then 3.

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/pose_check.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/kinematics.h"
@@ -32,8 +33,6 @@ constexpr std::uint64_t kSweep = 8;
 
 /// sample(): searches for one draw.
 constexpr int kStartsOfSample = 3;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::uint64_t mixed(std::uint64_t x) {  // splitmix64
   x += 0x9e3779b97f4a7c15U;

@@ -25,6 +25,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "robots/base/tolerances.h"
 #include "robots/inverse/region.h"
@@ -32,8 +33,6 @@
 namespace leeway::robots {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr double kPi = std::numbers::pi;
 

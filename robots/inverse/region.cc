@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "robots/inverse/arc_tangent.h"
 
@@ -17,8 +18,6 @@ using collision::kTwoPi;
 /// Sweeps over three angles. Near a pitch of pi/2 they gain little and leave the angle to the
 /// nearest rotation too large.
 constexpr int kRotationSweeps = 12;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool isFull(const std::pair<double, double>& range) { return range.second - range.first >= kTwoPi; }
 bool isExact(const std::pair<double, double>& range) { return range.first == range.second; }

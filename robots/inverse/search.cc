@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "robots/base/tolerances.h"
 
 namespace leeway::robots {
@@ -21,8 +22,6 @@ constexpr double kSlowShare = 0.8;
 constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-4;
 /// Added damping: far below the squared singular values of anything but a singular pose.
 constexpr double kAddedDamping = 1e-15;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Solves the symmetric positive definite system in place (Cholesky); a: n by n, its lower half.
 void solvePositive(std::vector<double>& a, std::vector<double>& b, std::size_t n) {

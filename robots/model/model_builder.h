@@ -2,11 +2,10 @@
 
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/model.h"
 
 namespace leeway::robots {
-
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Appends the variables of robot.joints[joint], which it must not have yet; none for a fixed or
 /// mimic joint. `lower` and `upper` bound x for a joint of one variable (ignored for a continuous

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/collision/distance.h"
 #include "leeway/robots/kinematics.h"
@@ -21,8 +22,6 @@ using collision::kTwoPi;
 using Eigen::Vector3d;
 
 constexpr int kGapArcs = LinkGap::kArcs;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The proof for one pair of links between which two joints turn, seen from the link between these
 /// joints: each of the pair turns about an axis at rest. One of them is replaced by its solid of

@@ -7,14 +7,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/kinematics.h"
 #include "robots/base/tolerances.h"
 
 namespace leeway::robots {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The variable that a joint follows, directly or through its masters.
 struct Follows {

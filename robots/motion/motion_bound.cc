@@ -5,15 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "robots/base/tolerances.h"
 
 namespace leeway::robots {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double outwards(double x) { return x + kReachRounding * (1 + std::abs(x)); }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/collision/distance.h"
 #include "leeway/robots/kinematics.h"
@@ -10,8 +11,6 @@
 
 namespace leeway::robots {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The proof for one pair of links: interval subdivision. At the middle of a box of configurations
 /// the links are farther apart than the whole box can move them; else the box is halved.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "robots/base/tolerances.h"
@@ -15,8 +16,6 @@ namespace {
 using collision::Shape;
 using collision::ShapeType;
 using Eigen::Vector3d;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Radius of each of kGapSlices slices of equal thickness along z.
 struct Slices {

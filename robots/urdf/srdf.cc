@@ -26,9 +26,9 @@ std::vector<std::string> namesOf(const std::vector<Item>& items) {
   return names;
 }
 
-class Reader {
+class SrdfReader {
  public:
-  Reader(const std::string& path, RobotDescription& model, const LoadOptions& options)
+  SrdfReader(const std::string& path, RobotDescription& model, const LoadOptions& options)
       : file_(path, "SRDF", options),
         errors_(options.errors),
         wrong_(options.errors),
@@ -302,7 +302,7 @@ std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path,
 }
 
 void readSrdf(const std::string& srdf_path, RobotDescription& model, const LoadOptions& options) {
-  Reader(srdf_path, model, options).read();
+  SrdfReader(srdf_path, model, options).read();
 }
 
 }  // namespace leeway::robots

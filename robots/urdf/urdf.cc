@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/shape.h"
 #include "leeway/robots/input_error.h"
 #include "robots/base/interruptible.h"
@@ -34,8 +35,6 @@ namespace {
 
 using collision::Shape;
 
-std::size_t index(int i) { return static_cast<std::size_t>(i); }
-
 /// Loads each mesh file once for each scale.
 class Meshes {
  public:
@@ -46,7 +45,7 @@ class Meshes {
   /// threads changes nothing. load() reports failures, in the order of the links. Throws Stopped.
   void loadAll(const UrdfDocument& document, const std::vector<std::pair<int, int>>& order) {
     for (const auto& [link, joint] : order)
-      for (const UrdfCollision& collision : document.links[index(link)].collisions)
+      for (const UrdfCollision& collision : document.links[at(link)].collisions)
         if (collision.kind == UrdfCollision::Kind::kMesh) addTask(collision);
     // Largest first: else one thread may end with it alone.
     std::stable_sort(tasks_.begin(), tasks_.end(),
@@ -167,8 +166,8 @@ std::vector<std::pair<int, int>> treeOrder(const UrdfDocument& document) {
   std::vector<std::vector<int>> child_joints(document.links.size());
   std::vector<bool> has_parent(document.links.size(), false);
   for (std::size_t j = 0; j < document.joints.size(); ++j) {
-    child_joints[index(document.joints[j].parent)].push_back(static_cast<int>(j));
-    has_parent[index(document.joints[j].child)] = true;
+    child_joints[at(document.joints[j].parent)].push_back(static_cast<int>(j));
+    has_parent[at(document.joints[j].child)] = true;
   }
   const auto root = std::find(has_parent.begin(), has_parent.end(), false) - has_parent.begin();
   std::vector<std::pair<int, int>> order, stack{{static_cast<int>(root), -1}};
@@ -176,10 +175,10 @@ std::vector<std::pair<int, int>> treeOrder(const UrdfDocument& document) {
     const auto [link, joint] = stack.back();
     stack.pop_back();
     order.emplace_back(link, joint);
-    const std::vector<int>& children = child_joints[index(link)];
+    const std::vector<int>& children = child_joints[at(link)];
     // (clang 14 cannot read the library's views.) NOLINTNEXTLINE(modernize-loop-convert)
     for (auto j = children.rbegin(); j != children.rend(); ++j)
-      stack.emplace_back(document.joints[index(*j)].child, *j);
+      stack.emplace_back(document.joints[at(*j)].child, *j);
   }
   return order;
 }
@@ -229,7 +228,7 @@ void appendJoint(const UrdfJoint& source, const std::vector<int>& link_position,
   Joint joint;
   joint.name = source.name;
   joint.type = source.type;
-  joint.parent_link = link_position[index(source.parent)];
+  joint.parent_link = link_position[at(source.parent)];
   joint.child_link = static_cast<int>(model.joints.size());
   joint.X_PJ = source.X_PJ;
   joint.axis = source.axis / source.axis.norm();
@@ -242,7 +241,7 @@ void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, RobotDe
     return &*std::find_if(document.joints.begin(), document.joints.end(),
                           [&](const UrdfJoint& j) { return j.name == name; });
   };
-  Joint& joint = model.joints[index(model.findJoint(source.name))];
+  Joint& joint = model.joints[at(model.findJoint(source.name))];
   const UrdfJoint* master = find(source.mimic);
   joint.multiplier = source.multiplier;
   joint.offset = source.offset;
@@ -256,10 +255,10 @@ void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, RobotDe
 
 /// Lowers the velocity limit of a mimic's master so that the mimic keeps its own. 0 is no limit.
 void limitMaster(const UrdfJoint& source, RobotDescription& model) {
-  const Joint& joint = model.joints[index(model.findJoint(source.name))];
-  const int variable = model.joints[index(joint.mimic)].first_variable;
+  const Joint& joint = model.joints[at(model.findJoint(source.name))];
+  const int variable = model.joints[at(joint.mimic)].first_variable;
   if (!source.has_limit || !(source.velocity > 0) || joint.multiplier == 0 || variable < 0) return;
-  double& velocity = model.variables[index(variable)].velocity;
+  double& velocity = model.variables[at(variable)].velocity;
   const double limit = source.velocity / std::abs(joint.multiplier);
   velocity = velocity > 0 ? std::min(velocity, limit) : limit;
 }
@@ -345,17 +344,17 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   const std::vector<std::pair<int, int>> order = treeOrder(document);
   std::vector<int> link_position(document.links.size());
   for (std::size_t i = 0; i < order.size(); ++i)
-    link_position[index(order[i].first)] = static_cast<int>(i);
+    link_position[at(order[i].first)] = static_cast<int>(i);
   Meshes meshes(urdf_path, options);
   meshes.loadAll(document, order);
   for (const auto& [link, joint] : order) {
-    appendLink(document.links[index(link)], static_cast<int>(robot.joints.size()), meshes,
-               urdf_path, options.errors, robot);
+    appendLink(document.links[at(link)], static_cast<int>(robot.joints.size()), meshes, urdf_path,
+               options.errors, robot);
     if (joint < 0)
       robot.joints.push_back(
-          rootJoint(document, document.links[index(link)].name, virtual_joint, srdf_path));
+          rootJoint(document, document.links[at(link)].name, virtual_joint, srdf_path));
     else
-      appendJoint(document.joints[index(joint)], link_position, robot);
+      appendJoint(document.joints[at(joint)], link_position, robot);
   }
   for (const UrdfJoint& joint : document.joints)
     if (joint.has_mimic) resolveMimic(document, joint, robot);
@@ -363,7 +362,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
     const int source = order[i].second;
     const bool bounded = robot.joints[i].type == JointType::kRevolute ||
                          robot.joints[i].type == JointType::kPrismatic;
-    const UrdfJoint* joint = source < 0 ? nullptr : &document.joints[index(source)];
+    const UrdfJoint* joint = source < 0 ? nullptr : &document.joints[at(source)];
     const double lower = bounded ? joint->lower : -kInfinity,
                  upper = bounded ? joint->upper : kInfinity;
     appendVariables(robot, static_cast<int>(i), Eigen::Vector3d::Constant(lower),

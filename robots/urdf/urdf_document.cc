@@ -21,11 +21,9 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-std::string lineOf(int line) { return "line " + std::to_string(line); }
-
-class Reader {
+class UrdfReader {
  public:
-  Reader(const std::string& path, const LoadOptions& options)
+  UrdfReader(const std::string& path, const LoadOptions& options)
       : file_(path, "URDF", options), errors_(options.errors), wrong_(options.errors) {
     document_.path = path;
   }
@@ -205,7 +203,7 @@ class Reader {
     joint.parent = readLinkReference(element, "parent");
     joint.child = readLinkReference(element, "child");
     joint.X_PJ = readOrigin(element, &joint.xyz);
-    for (const auto part : {&Reader::readAxis, &Reader::readLimit, &Reader::readMimic})
+    for (const auto part : {&UrdfReader::readAxis, &UrdfReader::readLimit, &UrdfReader::readMimic})
       readOn(errors_, [&] { (this->*part)(element, joint); });
     document_.joints.push_back(std::move(joint));
   }
@@ -353,7 +351,7 @@ Eigen::Matrix3d rollPitchYaw(const Eigen::Vector3d& rpy) {
 }
 
 UrdfDocument readUrdf(const std::string& path, const LoadOptions& options) {
-  return Reader(path, options).read();
+  return UrdfReader(path, options).read();
 }
 
 }  // namespace leeway::robots

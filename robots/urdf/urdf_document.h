@@ -54,6 +54,8 @@ struct UrdfDocument {
   std::string essence;  ///< the XML that bears on motion and collision
 };
 
+inline std::string lineOf(int line) { return "line " + std::to_string(line); }
+
 /// Reads and checks a URDF, by TinyXML2, which keeps line numbers. Throws InputError, and
 /// Stopped while xacro is at work.
 UrdfDocument readUrdf(const std::string& path, const LoadOptions& options);

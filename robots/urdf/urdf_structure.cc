@@ -11,8 +11,6 @@ namespace leeway::robots {
 
 namespace {
 
-std::string lineOf(int line) { return "line " + std::to_string(line); }
-
 class StructureCheck {
  public:
   explicit StructureCheck(const UrdfDocument& document) : document_(document) {

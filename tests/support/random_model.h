@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -105,6 +106,13 @@ inline std::shared_ptr<Model> randomTree(Random& random, int count) {
     appendVariables(robot, i, -size, size);
   }
   return std::make_shared<Model>(std::move(robot));
+}
+
+/// The numbers of all variables.
+inline std::vector<int> allVariables(const Model& model) {
+  std::vector<int> variables(model.variables.size());
+  std::iota(variables.begin(), variables.end(), 0);
+  return variables;
 }
 
 /// A configuration within the limits.

@@ -111,7 +111,7 @@ TEST(ReportMotion, FamiliesAreWhatTheirNamesSay) {
   EXPECT_THROW(makeContactFamily("boiling", 1, 1), std::invalid_argument);
 }
 
-MotionReportOptions small() {
+MotionReportOptions smallMotions() {
   MotionReportOptions options;
   options.families = {"ordinary"};
   options.cases = 20;
@@ -122,7 +122,7 @@ MotionReportOptions small() {
 
 TEST(ReportMotion, OursIsNeverWrong) {
   const auto own = makeOwnMotionEngines();
-  MotionReportOptions options = small();
+  MotionReportOptions options = smallMotions();
   options.families = contactFamilies();
   options.cases = 200;
   options.query_seconds = 5;
@@ -199,7 +199,7 @@ TEST(ReportMotion, CountsWhatGoesWrong) {
   const Fake free("free", Fake::Kind::kFree), start("start", Fake::Kind::kAtStart);
   const Fake throws("throws", Fake::Kind::kThrows), aborts("aborts", Fake::Kind::kAborts);
   const Fake loops("loops", Fake::Kind::kLoops);
-  const auto rows = measureMotion({&free, &start, &throws, &aborts, &loops}, small());
+  const auto rows = measureMotion({&free, &start, &throws, &aborts, &loops}, smallMotions());
   ASSERT_EQ(rows.size(), 5u);
   const int hits = rows[0].hits;
   EXPECT_GT(hits, 5);
@@ -215,7 +215,7 @@ TEST(ReportMotion, CountsWhatGoesWrong) {
   EXPECT_EQ(rows[3].died, 20);
   EXPECT_EQ(rows[4].endless, 20);
   EXPECT_TRUE(std::isnan(rows[4].ns_median));
-  MotionReportOptions starts = small();
+  MotionReportOptions starts = smallMotions();
   starts.families = {"start in contact"};
   EXPECT_EQ(measureMotion({&start}, starts)[0].wrong(), 0);
   EXPECT_EQ(measureMotion({&free}, starts)[0].misses, 20);

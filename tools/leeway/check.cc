@@ -22,7 +22,7 @@
 namespace leeway::tools {
 namespace {
 
-struct Arguments {
+struct CheckArguments {
   ProblemSource source;
   PlanOverrides limits;
   std::vector<std::string> states;
@@ -335,7 +335,7 @@ std::string stateText(const CheckedState& checked) {
   return text;
 }
 
-int run(const Arguments& arguments) {
+int runCheck(const CheckArguments& arguments) {
   planner::Problem problem = arguments.states.empty()
                                  ? loadProblem(arguments.source, arguments.limits.time_limit)
                                  : loadProblemOrRobot(arguments.source);
@@ -363,7 +363,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Verb addCheck(CLI::App& command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CheckArguments>();
   CLI::App* app =
       command.add_subcommand("check", "validity and clearance of start, goal or a given state");
   addProblemArguments(*app, arguments->source);
@@ -385,7 +385,7 @@ Verb addCheck(CLI::App& command) {
       "  leeway check problems/shelf/reach.yaml\n"
       "  leeway check problems/shelf/reach.yaml --state start --json\n"
       "  leeway check --robot robots/arm7/arm7.urdf --srdf robots/arm7/arm7.srdf --state ready");
-  return {app, [arguments] { return run(*arguments); }};
+  return {app, [arguments] { return runCheck(*arguments); }};
 }
 
 }  // namespace leeway::tools

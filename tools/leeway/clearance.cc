@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/robots/input_error.h"
@@ -24,11 +25,10 @@
 namespace leeway::tools {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::string_view kPictureEndings[] = {".svg"};
 constexpr std::string_view kTableEndings[] = {".csv"};
 
-struct Arguments {
+struct ClearanceArguments {
   ProblemSource source;
   PlanOverrides limits;
   std::vector<std::string> files;
@@ -89,7 +89,7 @@ double leastMargin(const planner::CompiledScene& scene) {
 }
 
 Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, int segment, int part,
-                const Arguments& arguments) {
+                const ClearanceArguments& arguments) {
   const auto& space = certifier.scene().space();
   const auto& a = path.positions[static_cast<std::size_t>(segment)];
   const auto& b = path.positions[static_cast<std::size_t>(segment) + 1];
@@ -126,7 +126,7 @@ Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, in
 
 /// Every stretch of a path in the world of its step; without steps there is one world.
 Profile measure(const std::vector<view::Stage>& stages, const planner::Path& path,
-                const Arguments& arguments, const planner::PlanOptions& options) {
+                const ClearanceArguments& arguments, const planner::PlanOptions& options) {
   Profile profile;
   UnitProgress progress(path.positions.size() - 1);
   for (const view::Stage& stage : stages) {
@@ -283,7 +283,7 @@ void printText(const Profile& profile, bool steps) {
                                        : "Not every edge is certified to keep its margins.");
 }
 
-int run(Arguments& arguments) {
+int runClearance(ClearanceArguments& arguments) {
   const std::string path_file = takePathFile(arguments.source, arguments.files);
   if (!arguments.svg.empty()) {
     checkOutputFile(arguments.svg, kPictureEndings);
@@ -336,7 +336,7 @@ int run(Arguments& arguments) {
 }  // namespace
 
 Verb addClearance(CLI::App& command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ClearanceArguments>();
   CLI::App* app = command.add_subcommand(
       "clearance", "clearance along a path as certified intervals, with the closest pair");
   addProblemAndPathArguments(*app, arguments->source, arguments->files);
@@ -357,7 +357,7 @@ Verb addClearance(CLI::App& command) {
       "Example:\n"
       "  leeway plan problems/shelf/reach.yaml --output path.json && leeway clearance "
       "problems/shelf/reach.yaml path.json --parts 4");
-  return {app, [arguments] { return run(*arguments); }};
+  return {app, [arguments] { return runClearance(*arguments); }};
 }
 
 }  // namespace leeway::tools

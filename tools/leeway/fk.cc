@@ -16,7 +16,7 @@
 namespace leeway::tools {
 namespace {
 
-struct Arguments {
+struct FkArguments {
   ProblemSource source;
   std::string file;
   std::vector<std::string> links;
@@ -24,7 +24,7 @@ struct Arguments {
   bool json = false;
 };
 
-int run(const Arguments& arguments) {
+int runFk(const FkArguments& arguments) {
   const planner::Problem problem =
       info::loadFile(arguments.file, info::kindOf(arguments.file), arguments.source);
   const robots::Model& model = *problem.robot.model;
@@ -63,7 +63,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Verb addFk(CLI::App& command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<FkArguments>();
   CLI::App* app = command.add_subcommand("fk", "where the links are at given joint values");
   app->add_option("file", arguments->file, "URDF, SRDF or problem file")
       ->type_name("FILE")
@@ -82,7 +82,7 @@ Verb addFk(CLI::App& command) {
       "  leeway fk problems/shelf/reach.yaml --link hand\n"
       "  leeway fk robots/arm6/arm6.urdf --link tool --state elbow_joint=1,wrist1_joint=-0.5 "
       "--json");
-  return {app, [arguments] { return run(*arguments); }};
+  return {app, [arguments] { return runFk(*arguments); }};
 }
 
 }  // namespace leeway::tools

@@ -22,7 +22,7 @@
 namespace leeway::tools {
 namespace {
 
-struct Arguments {
+struct IkArguments {
   ProblemSource source;
   std::string file, link, group;
   std::vector<std::string> position, rpy, quaternion;
@@ -50,7 +50,7 @@ std::pair<double, double> parseRange(const std::string& option, const std::strin
   return {first, second};
 }
 
-robots::PoseRegion parseRegion(const Arguments& arguments, int link) {
+robots::PoseRegion parseRegion(const IkArguments& arguments, int link) {
   robots::PoseRegion region;
   region.link = link;
   for (std::size_t k = 0; k < 3; ++k)
@@ -163,7 +163,7 @@ std::string table(const robots::Model& model, const std::vector<int>& variables,
 }
 
 /// The variables of --group, or those that the problem plans, that move the link; at least one.
-std::vector<int> solvedVariables(const Arguments& arguments, const planner::Problem& problem,
+std::vector<int> solvedVariables(const IkArguments& arguments, const planner::Problem& problem,
                                  int link) {
   const robots::Model& model = *problem.robot.model;
   std::vector<int> planned = problem.robot.variables;
@@ -183,7 +183,7 @@ std::vector<int> solvedVariables(const Arguments& arguments, const planner::Prob
   return variables;
 }
 
-Json answerJson(const Arguments& arguments, const robots::Model& model,
+Json answerJson(const IkArguments& arguments, const robots::Model& model,
                 const std::vector<int>& variables, const robots::IkResult& result,
                 const std::vector<CheckedSolution>& list) {
   Json names = Json::array(), solutions = Json::array(), near;
@@ -218,7 +218,7 @@ void printNone(const std::string& link, const robots::IkResult& result) {
                nearest.error.position * 1e3, nearest.error.angle, fmt::join(nearest.values, ", "));
 }
 
-void printSolutions(const Arguments& arguments, const robots::Model& model,
+void printSolutions(const IkArguments& arguments, const robots::Model& model,
                     const std::vector<int>& variables, const std::vector<CheckedSolution>& list) {
   const auto free =
       std::count_if(list.begin(), list.end(), [](const CheckedSolution& c) { return c.free(); });
@@ -228,7 +228,7 @@ void printSolutions(const Arguments& arguments, const robots::Model& model,
              table(model, variables, list));
 }
 
-int run(const Arguments& arguments) {
+int runIk(const IkArguments& arguments) {
   if (arguments.solutions < 1)
     badUsage(fmt::format("--solutions {} is below 1", arguments.solutions));
   if (arguments.starts < 1) badUsage(fmt::format("--starts {} is below 1", arguments.starts));
@@ -265,7 +265,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Verb addIk(CLI::App& command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<IkArguments>();
   CLI::App* app = command.add_subcommand(
       "ik", "joint values that bring a link to a pose, with their clearance, or a proof of none");
   app->add_option("file", arguments->file, "URDF, SRDF or problem file")
@@ -317,7 +317,7 @@ Verb addIk(CLI::App& command) {
       "  leeway ik robots/arm6/arm6.urdf --link tool --position 0.4 0.2 0.5 --rpy 0 0 1\n"
       "  leeway ik problems/shelf/reach.yaml --link hand --position 0.55 0.25 0.45:0.5 --rpy any "
       "any any --json");
-  return {app, [arguments] { return run(*arguments); }};
+  return {app, [arguments] { return runIk(*arguments); }};
 }
 
 }  // namespace leeway::tools

@@ -18,7 +18,7 @@
 namespace leeway::tools {
 namespace {
 
-struct Arguments {
+struct InfoArguments {
   ProblemSource source;
   std::string file;
   int samples = 500;
@@ -26,7 +26,7 @@ struct Arguments {
   bool json = false;
 };
 
-int run(const Arguments& arguments) {
+int runInfo(const InfoArguments& arguments) {
   const info::FileKind kind = info::kindOf(arguments.file);
   const planner::Problem problem = info::loadFile(arguments.file, kind, arguments.source);
   const planner::CompiledScene scene(problem);
@@ -52,7 +52,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Verb addInfo(CLI::App& command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<InfoArguments>();
   CLI::App* app =
       command.add_subcommand("info", "what a URDF, SRDF or problem holds and what is kept of it");
   app->add_option("file", arguments->file, "URDF, SRDF or problem file")
@@ -70,7 +70,7 @@ Verb addInfo(CLI::App& command) {
       ->capture_default_str();
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer("Example:\n  leeway info problems/shelf/reach.yaml");
-  return {app, [arguments] { return run(*arguments); }};
+  return {app, [arguments] { return runInfo(*arguments); }};
 }
 
 }  // namespace leeway::tools

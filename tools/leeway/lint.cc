@@ -21,7 +21,7 @@
 namespace leeway::tools {
 namespace {
 
-struct Arguments {
+struct LintArguments {
   ProblemSource source;  ///< robot, srdf and packages only
   std::vector<std::string> files;
   std::string format = "text";
@@ -211,7 +211,7 @@ Json sarifOf(const std::vector<Finding>& findings) {
           {"runs", Json::array({run})}};
 }
 
-int run(const Arguments& arguments) {
+int runLint(const LintArguments& arguments) {
   setQuiet();  // the warnings are the answer
   Findings findings;
   for (const std::string& file : arguments.files) lint(file, arguments.source, findings);
@@ -234,7 +234,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Verb addLint(CLI::App& command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<LintArguments>();
   CLI::App* app = command.add_subcommand("lint", "what is wrong or odd in files, by file and line");
   app->add_option("files", arguments->files,
                   "URDF, SRDF and problem files, MoveIt's .scene; with --robot MoveIt scenes "
@@ -252,7 +252,7 @@ Verb addLint(CLI::App& command) {
       "is. Exit status 0: nothing found, 1: something.\n\n"
       "Example:\n"
       "  leeway lint robots/arm7/arm7.urdf problems/shelf/reach.yaml");
-  return {app, [arguments] { return run(*arguments); }};
+  return {app, [arguments] { return runLint(*arguments); }};
 }
 
 }  // namespace leeway::tools

@@ -10,7 +10,7 @@
 namespace leeway::tools {
 namespace {
 
-int run(const CLI::App& command, const std::string& form) {
+int runManual(const CLI::App& command, const std::string& form) {
   if (form == "man") {
     fmt::print("{}", manPage(command, LEEWAY_VERSION));
   } else if (form == "bash") {
@@ -36,7 +36,7 @@ Verb addManual(CLI::App& command) {
       "`cmake --install` puts all of them where they are looked for.\n\n"
       "Example:\n"
       "  leeway manual bash");
-  return {app, [form, &command] { return run(command, *form); }};
+  return {app, [form, &command] { return runManual(command, *form); }};
 }
 
 }  // namespace leeway::tools

@@ -28,7 +28,7 @@
 namespace leeway::tools {
 namespace {
 
-struct Arguments {
+struct PlanArguments {
   ProblemSource source;
   PlanOverrides overrides;
   std::string output;
@@ -252,7 +252,7 @@ int listPlanners(bool json) {
   return kYes;
 }
 
-int run(const Arguments& arguments) {
+int runPlan(const PlanArguments& arguments) {
   if (arguments.list_planners) {
     return listPlanners(arguments.json);
   }
@@ -304,7 +304,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Verb addPlan(CLI::App& command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<PlanArguments>();
   CLI::App* app =
       command.add_subcommand("plan", "find a path and prove the clearance of every edge");
   addProblemArguments(*app, arguments->source);
@@ -331,7 +331,7 @@ Verb addPlan(CLI::App& command) {
       "  leeway plan problems/shelf/reach.yaml --planner BITstar --objective clearance --time 1 "
       "--json\n"
       "  leeway plan problems/pick_place/can.yaml --output path.json");
-  return {app, [arguments] { return run(*arguments); }};
+  return {app, [arguments] { return runPlan(*arguments); }};
 }
 
 }  // namespace leeway::tools

@@ -59,7 +59,7 @@ and at the end, with version:
   time_s                  of computing: load, compute (all steps), longest_step
 )";
 
-struct Arguments {
+struct ReplanArguments {
   ProblemSource source;
   PlanOverrides overrides;
   std::string output;
@@ -252,7 +252,7 @@ class StepLog {
   std::vector<planner::ReplanStep> kept_;
 };
 
-int run(const Arguments& arguments) {
+int runReplan(const ReplanArguments& arguments) {
   if (arguments.json && arguments.text) {
     throw robots::InputError("command line", 0, "--json and --text exclude each other");
   }
@@ -295,7 +295,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Verb addReplan(CLI::App& command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ReplanArguments>();
   CLI::App* app =
       command.add_subcommand("replan", "execute a problem step by step while its obstacles deform");
   addProblemArguments(*app, arguments->source);
@@ -314,7 +314,7 @@ Verb addReplan(CLI::App& command) {
       std::string(kKeys) +
       "\nLimits are those of every planning. Exit status 0: in a goal, every step certified.\n"
       "Example:\n  leeway replan problems/deforming/curtain.yaml --text");
-  return {app, [arguments] { return run(*arguments); }};
+  return {app, [arguments] { return runReplan(*arguments); }};
 }
 
 }  // namespace leeway::tools

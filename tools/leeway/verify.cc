@@ -18,7 +18,7 @@
 namespace leeway::tools {
 namespace {
 
-struct Arguments {
+struct VerifyArguments {
   ProblemSource source;
   std::vector<std::string> files;
   PlanOverrides limits;
@@ -49,7 +49,7 @@ std::string resultText(const planner::Path& path, const planner::VerifyResult& r
   return text + "\n";
 }
 
-int run(Arguments& arguments) {
+int runVerify(VerifyArguments& arguments) {
   const std::string path_file = takePathFile(arguments.source, arguments.files);
   // A proof takes nothing over that an earlier run made.
   arguments.source.no_cache = true;
@@ -82,7 +82,7 @@ int run(Arguments& arguments) {
 }  // namespace
 
 Verb addVerify(CLI::App& command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<VerifyArguments>();
   CLI::App* app =
       command.add_subcommand("verify", "prove or refute a path, independently of what planned it");
   addProblemAndPathArguments(*app, arguments->source, arguments->files);
@@ -97,7 +97,7 @@ Verb addVerify(CLI::App& command) {
       "Example:\n"
       "  leeway plan problems/shelf/reach.yaml --output path.json && leeway verify "
       "problems/shelf/reach.yaml path.json");
-  return {app, [arguments] { return run(*arguments); }};
+  return {app, [arguments] { return runVerify(*arguments); }};
 }
 
 }  // namespace leeway::tools

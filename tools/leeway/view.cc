@@ -18,7 +18,7 @@
 namespace leeway::tools {
 namespace {
 
-struct Arguments {
+struct ViewArguments {
   ProblemSource source;
   PlanOverrides overrides;
   std::vector<std::string> files;
@@ -27,7 +27,7 @@ struct Arguments {
 };
 
 /// What to show without a path: a plan, or where obstacles move an execution.
-view::Subject solve(const planner::Problem& problem, const Arguments& arguments) {
+view::Subject solve(const planner::Problem& problem, const ViewArguments& arguments) {
   const std::string& name = arguments.source.problem;
   for (const planner::DeformingObstacle& obstacle : problem.world.deforming) {
     if (!obstacle.motion) continue;
@@ -46,7 +46,7 @@ view::Subject solve(const planner::Problem& problem, const Arguments& arguments)
   return view::subjectOfPlan(problem, name, result, std::move(searched));
 }
 
-int run(Arguments& arguments) {
+int runView(ViewArguments& arguments) {
   std::string path_file;
   if (arguments.files.size() == 2 ||
       (arguments.files.size() == 1 && !arguments.source.robot.empty()))
@@ -79,7 +79,7 @@ int run(Arguments& arguments) {
 }  // namespace
 
 Verb addView(CLI::App& command) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ViewArguments>();
   CLI::App* app = command.add_subcommand(
       "view", "one HTML page: the plan, the room that it leaves, or why there is none");
   addProblemAndPathArguments(*app, arguments->source, arguments->files);
@@ -103,7 +103,7 @@ Verb addView(CLI::App& command) {
       "  leeway view problems/shelf/reach.yaml --svg shelf.svg");
   return {app, [arguments, output] {
             if (!arguments->svg.empty() && output->count() == 0) arguments->page.file.clear();
-            return run(*arguments);
+            return runView(*arguments);
           }};
 }
 

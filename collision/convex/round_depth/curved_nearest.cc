@@ -13,7 +13,7 @@ constexpr int kNearestSteps = 32;
 // Least stiffnesses, tried in turn [of the sizes involved]. With the bodies' distance for a
 // stiffness, those that nearly touch hold pieces loosely, and far vertices of a hull along the
 // direction.
-constexpr double kStiffnesses[] = {0, 1e-4, 1};
+constexpr double kNearestStiffnesses[] = {0, 1e-4, 1};
 
 // The member of a choice is a point of the difference: returns how far it is. A centre errs by 8
 // units of roundoff of its body's extent, turning by 6, an arm by 11, and sums and the norm by 6 of
@@ -68,7 +68,7 @@ void offerCurvedNearest(Difference<false>& difference, Progress& progress) {
   planes.forgetReach();
   planes.ask(-progress.normal());
   const double size = progress.query().roundoff / kUnitRoundoff;
-  for (const double share : kStiffnesses) {
+  for (const double share : kNearestStiffnesses) {
     if (progress.enough()) break;
     planes.setStiffness(share * size);
     stepNearer(planes, progress);

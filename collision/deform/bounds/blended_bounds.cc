@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "collision/base/numbers.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/deform/bounds/motion_boxes.h"
@@ -56,8 +57,6 @@ BlendedMotion::Field meanOf(const std::vector<BlendedMotion::Field>& fields) {
   for (Eigen::Vector3d& v : mean) v /= static_cast<double>(fields.size());
   return mean;
 }
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Diagonal i is axis a plus or minus axis b.
 struct Pair {

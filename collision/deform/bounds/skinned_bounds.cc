@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/base/prefetch.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
@@ -43,8 +44,6 @@ namespace leeway::collision {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A bound on |coordinates| of T r for rest positions with |coordinates| up to `reach`. T: rotation
 // row by row, then the translation.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/rounding.h"
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
@@ -14,8 +15,6 @@ namespace leeway::collision {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::vector<double> keyTimesOf(const KeyTrack& track) {
   return {track.times().begin(), track.times().end()};

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
@@ -15,8 +16,6 @@ namespace {
 
 using Eigen::Vector3d;
 using Eigen::Vector4d;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double dot(const Vector4d& a, const Vector4d& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];

@@ -15,12 +15,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr MotionKind kKind = MotionKind::kCache;
+constexpr MotionKind kCacheKind = MotionKind::kCache;
 
 }  // namespace
 
 CachedVertices::CachedVertices(CacheMotion motion)
-    : VertexMotion(kKind, motion.vertex_count, 2, motion.times),
+    : VertexMotion(kCacheKind, motion.vertex_count, 2, motion.times),
       track_(std::move(motion.times), Interpolation::kLinear),
       positions_(std::move(motion.positions)) {
   for (const Eigen::Vector3f& p : positions_)
@@ -77,17 +77,17 @@ void CachedVertices::measureSegments() {
 
 std::shared_ptr<const VertexMotion> VertexMotion::cache(CacheMotion motion) {
   if (motion.vertex_count <= 0)
-    refuse(kKind, std::to_string(motion.vertex_count) + " vertices; at least 1 is needed");
-  if (motion.times.empty()) refuse(kKind, "no frames; at least 1 is needed");
-  requireIncreasing(kKind, motion.times);
+    refuse(kCacheKind, std::to_string(motion.vertex_count) + " vertices; at least 1 is needed");
+  if (motion.times.empty()) refuse(kCacheKind, "no frames; at least 1 is needed");
+  requireIncreasing(kCacheKind, motion.times);
   const auto count = static_cast<std::size_t>(motion.vertex_count);
-  requireCount(kKind, "the motion", motion.positions.size(), motion.times.size() * count,
+  requireCount(kCacheKind, "the motion", motion.positions.size(), motion.times.size() * count,
                "positions (" + std::to_string(motion.times.size()) + " frames of " +
                    std::to_string(count) + " vertices)");
   for (std::size_t i = 0; i < motion.positions.size(); ++i) {
     if ((motion.positions[i].array().abs() <= static_cast<float>(kLargestMotion)).all()) continue;
     for (int k = 0; k < 3; ++k) {
-      requireUsable(kKind,
+      requireUsable(kCacheKind,
                     "frame " + std::to_string(i / count) + ", vertex " + std::to_string(i % count),
                     static_cast<double>(motion.positions[i][k]));
     }

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr MotionKind kKind = MotionKind::kLattice;
+constexpr MotionKind kLatticeKind = MotionKind::kLattice;
 constexpr int kLargestDegree = 16;
 
 // The Bernstein polynomials of `degree` at u in [0, 1], to out[0 ... degree]: de Casteljau's
@@ -35,7 +35,7 @@ void bernstein(int degree, double u, double* out) {
 class LatticeVertices final : public VertexMotion {
  public:
   LatticeVertices(const LatticeMotion& motion, KeyTrack track)
-      : VertexMotion(kKind, static_cast<int>(motion.rest.size()),
+      : VertexMotion(kLatticeKind, static_cast<int>(motion.rest.size()),
                      static_cast<int>(3 * motion.keys[0].control_points.size()),
                      {track.times().begin(), track.times().end()}),
         cells_{motion.cells[0], motion.cells[1], motion.cells[2]},
@@ -144,15 +144,17 @@ class LatticeVertices final : public VertexMotion {
 
 void requireBox(const LatticeMotion& motion) {
   for (int k = 0; k < 3; ++k) {
-    requireUsable(kKind, "box lower corner", motion.box_lower[k]);
-    requireUsable(kKind, "box upper corner", motion.box_upper[k]);
+    requireUsable(kLatticeKind, "box lower corner", motion.box_lower[k]);
+    requireUsable(kLatticeKind, "box upper corner", motion.box_upper[k]);
     if (!(motion.box_lower[k] < motion.box_upper[k])) {
-      refuse(kKind, "box from " + shown(motion.box_lower[k]) + " to " + shown(motion.box_upper[k]) +
-                        " along axis " + std::to_string(k) + "; the upper end must be larger");
+      refuse(kLatticeKind, "box from " + shown(motion.box_lower[k]) + " to " +
+                               shown(motion.box_upper[k]) + " along axis " + std::to_string(k) +
+                               "; the upper end must be larger");
     }
     if (motion.cells[k] < 1 || motion.cells[k] > kLargestDegree) {
-      refuse(kKind, std::to_string(motion.cells[k]) + " cells along axis " + std::to_string(k) +
-                        "; 1 to " + std::to_string(kLargestDegree) + " are accepted");
+      refuse(kLatticeKind, std::to_string(motion.cells[k]) + " cells along axis " +
+                               std::to_string(k) + "; 1 to " + std::to_string(kLargestDegree) +
+                               " are accepted");
     }
   }
   for (std::size_t v = 0; v < motion.rest.size(); ++v) {
@@ -160,25 +162,27 @@ void requireBox(const LatticeMotion& motion) {
     if ((r.array() >= motion.box_lower.array()).all() &&
         (r.array() <= motion.box_upper.array()).all())
       continue;
-    refuse(kKind, "rest vertex " + std::to_string(v) + " at " + shown(r.x()) + " " + shown(r.y()) +
-                      " " + shown(r.z()) + " is outside the box; vertices must be within it");
+    refuse(kLatticeKind, "rest vertex " + std::to_string(v) + " at " + shown(r.x()) + " " +
+                             shown(r.y()) + " " + shown(r.z()) +
+                             " is outside the box; vertices must be within it");
   }
 }
 
 }  // namespace
 
 std::shared_ptr<const VertexMotion> VertexMotion::lattice(LatticeMotion motion) {
-  requireVertices(kKind, motion.rest.size());
-  requireUsable(kKind, "rest vertex", motion.rest);
+  requireVertices(kLatticeKind, motion.rest.size());
+  requireUsable(kLatticeKind, "rest vertex", motion.rest);
   requireBox(motion);
   std::vector<double> times = timesOf(motion.keys);
-  requireKeys(kKind, times);
+  requireKeys(kLatticeKind, times);
   std::size_t wanted = 1;
   for (const int cells : motion.cells) wanted *= static_cast<std::size_t>(cells + 1);
   for (std::size_t i = 0; i < motion.keys.size(); ++i) {
     const std::string name = "key " + std::to_string(i);
-    requireCount(kKind, name, motion.keys[i].control_points.size(), wanted, "control points");
-    requireUsable(kKind, name + ", control point", motion.keys[i].control_points);
+    requireCount(kLatticeKind, name, motion.keys[i].control_points.size(), wanted,
+                 "control points");
+    requireUsable(kLatticeKind, name + ", control point", motion.keys[i].control_points);
   }
   return std::make_shared<LatticeVertices>(motion,
                                            KeyTrack(std::move(times), motion.interpolation));

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr MotionKind kKind = MotionKind::kSkinned;
+constexpr MotionKind kSkinnedKind = MotionKind::kSkinned;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ constexpr MotionKind kKind = MotionKind::kSkinned;
 SkinnedVertices::SkinnedVertices(std::vector<Vector3d> rest, BoneChain bones,
                                  std::vector<std::int32_t> first_influence,
                                  std::vector<Influence> influences)
-    : VertexMotion(kKind, static_cast<int>(rest.size()), 12 * bones.count(),
+    : VertexMotion(kSkinnedKind, static_cast<int>(rest.size()), 12 * bones.count(),
                    {bones.track().times().begin(), bones.track().times().end()}),
       rest_(std::move(rest)),
       bones_(std::move(bones)),
@@ -91,32 +91,33 @@ namespace {
 
 void requirePose(const std::string& name, const SkinnedMotion::BonePose& pose) {
   double largest = 0;
-  for (int k = 0; k < 3; ++k) requireUsable(kKind, name + ", translation", pose.translation[k]);
+  for (int k = 0; k < 3; ++k)
+    requireUsable(kSkinnedKind, name + ", translation", pose.translation[k]);
   for (int k = 0; k < 4; ++k) {
-    requireUsable(kKind, name + ", quaternion", pose.quaternion[k]);
+    requireUsable(kSkinnedKind, name + ", quaternion", pose.quaternion[k]);
     largest = std::max(largest, std::abs(pose.quaternion[k]));
   }
   if (!(largest > 1e-100)) {
-    refuse(kKind, name + ", quaternion: " + shown(pose.quaternion[0]) + " " +
-                      shown(pose.quaternion[1]) + " " + shown(pose.quaternion[2]) + " " +
-                      shown(pose.quaternion[3]) + "; x y z w of a length near 1 are needed");
+    refuse(kSkinnedKind, name + ", quaternion: " + shown(pose.quaternion[0]) + " " +
+                             shown(pose.quaternion[1]) + " " + shown(pose.quaternion[2]) + " " +
+                             shown(pose.quaternion[3]) + "; x y z w of a length near 1 are needed");
   }
 }
 
 void requireBones(const SkinnedMotion& motion) {
-  if (motion.bones.empty()) refuse(kKind, "no bones; at least 1 is needed");
+  if (motion.bones.empty()) refuse(kSkinnedKind, "no bones; at least 1 is needed");
   for (std::size_t b = 0; b < motion.bones.size(); ++b) {
     const std::string name = "bone " + std::to_string(b);
     requirePose(name + ", rest", motion.bones[b].rest);
     const int parent = motion.bones[b].parent;
     if (parent < -1 || parent >= static_cast<int>(b)) {
-      refuse(kKind, name + ": parent " + std::to_string(parent) +
-                        "; an earlier bone, or -1 for none, is accepted");
+      refuse(kSkinnedKind, name + ": parent " + std::to_string(parent) +
+                               "; an earlier bone, or -1 for none, is accepted");
     }
   }
   for (std::size_t i = 0; i < motion.keys.size(); ++i) {
     const std::string name = "key " + std::to_string(i);
-    requireCount(kKind, name, motion.keys[i].poses.size(), motion.bones.size(), "poses");
+    requireCount(kSkinnedKind, name, motion.keys[i].poses.size(), motion.bones.size(), "poses");
     for (std::size_t b = 0; b < motion.bones.size(); ++b)
       requirePose(name + ", bone " + std::to_string(b), motion.keys[i].poses[b]);
   }
@@ -129,15 +130,16 @@ void requireWeight(const SkinnedMotion& motion, std::size_t number) {
     return i >= 0 && static_cast<std::size_t>(i) < count;
   };
   if (!inside(w.vertex, motion.rest.size())) {
-    refuse(kKind, name + ": vertex " + std::to_string(w.vertex) + "; 0 to " +
-                      std::to_string(motion.rest.size() - 1) + " are there");
+    refuse(kSkinnedKind, name + ": vertex " + std::to_string(w.vertex) + "; 0 to " +
+                             std::to_string(motion.rest.size() - 1) + " are there");
   }
   if (!inside(w.bone, motion.bones.size())) {
-    refuse(kKind, name + ": bone " + std::to_string(w.bone) + "; 0 to " +
-                      std::to_string(motion.bones.size() - 1) + " are there");
+    refuse(kSkinnedKind, name + ": bone " + std::to_string(w.bone) + "; 0 to " +
+                             std::to_string(motion.bones.size() - 1) + " are there");
   }
-  requireUsable(kKind, name, w.weight);
-  if (!(w.weight >= 0)) refuse(kKind, name + ": " + shown(w.weight) + "; 0 or more is accepted");
+  requireUsable(kSkinnedKind, name, w.weight);
+  if (!(w.weight >= 0))
+    refuse(kSkinnedKind, name + ": " + shown(w.weight) + "; 0 or more is accepted");
 }
 
 // Sorts the weights by vertex, then bone, and divides those of a vertex by their sum.
@@ -156,14 +158,14 @@ void normalise(SkinnedMotion& motion, std::vector<std::int32_t>& first_influence
       const SkinnedMotion::Weight& w = motion.weights[next];
       if (static_cast<std::size_t>(w.vertex) != v) break;
       if (next > begin && motion.weights[next - 1].bone == w.bone) {
-        refuse(kKind, "two weights for vertex " + std::to_string(v) + " and bone " +
-                          std::to_string(w.bone) + "; one is accepted");
+        refuse(kSkinnedKind, "two weights for vertex " + std::to_string(v) + " and bone " +
+                                 std::to_string(w.bone) + "; one is accepted");
       }
       sum += w.weight;
     }
     if (!(sum > 1e-100)) {
-      refuse(kKind, "the weights of vertex " + std::to_string(v) + " add up to " + shown(sum) +
-                        "; more than 0 is needed");
+      refuse(kSkinnedKind, "the weights of vertex " + std::to_string(v) + " add up to " +
+                               shown(sum) + "; more than 0 is needed");
     }
     for (std::size_t i = begin; i < next; ++i)
       influences.push_back({motion.weights[i].bone, motion.weights[i].weight / sum});
@@ -174,10 +176,10 @@ void normalise(SkinnedMotion& motion, std::vector<std::int32_t>& first_influence
 }  // namespace
 
 std::shared_ptr<const VertexMotion> VertexMotion::skinned(SkinnedMotion motion) {
-  requireVertices(kKind, motion.rest.size());
-  requireUsable(kKind, "rest vertex", motion.rest);
+  requireVertices(kSkinnedKind, motion.rest.size());
+  requireUsable(kSkinnedKind, "rest vertex", motion.rest);
   std::vector<double> times = timesOf(motion.keys);
-  requireKeys(kKind, times);
+  requireKeys(kSkinnedKind, times);
   requireBones(motion);
   std::vector<std::int32_t> first_influence;
   std::vector<SkinnedVertices::Influence> influences;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/deform/query/descent_state.h"
 #include "collision/deform/query/float_box.h"
 #include "leeway/collision/convex_hull.h"
@@ -13,8 +14,6 @@ namespace leeway::collision {
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 bool isHalfSpace(const DeformSide& side) {
   return isRigid(side) && side.rigid.tree == nullptr && side.rigid.view.core == Core::kHalfSpace;

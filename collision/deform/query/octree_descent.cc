@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 
+#include "collision/base/numbers.h"
 #include "collision/deform/query/descent_state.h"
 #include "collision/deform/query/float_box.h"
 #include "collision/deform/query/overlap_octree.h"
@@ -10,8 +11,6 @@ namespace leeway::collision {
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 int pieceCount(const DeformSide& side) {
   return isRigid(side) ? 1 : side.snapshot->tree->triangleCount();

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "collision/base/numbers.h"
 #include "collision/base/status.h"
 #include "collision/convex/gjk/support.h"
 #include "collision/deform/query/descent_state.h"
@@ -9,8 +10,6 @@ namespace leeway::collision {
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A deforming triangle as mesh_descent.cc takes a convex shape.
 DescentSide triangleSide(const ConvexView& view) {

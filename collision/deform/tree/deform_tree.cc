@@ -2,13 +2,9 @@
 
 #include <atomic>
 
+#include "collision/base/numbers.h"
+
 namespace leeway::collision {
-namespace {
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 DeformTree::DeformTree(const DeformTree& other, std::pmr::memory_resource* memory)
     : nodes_(other.nodes_, memory),
       up_(other.up_, memory),
@@ -29,18 +25,18 @@ DeformTree::DeformTree(const DeformTree& other, std::pmr::memory_resource* memor
       upper_count_(other.upper_count_) {}
 
 std::span<const std::int32_t> DeformTree::vertices(std::int32_t node, int lane) const {
-  const std::int32_t child = nodes_[index(node)].child[lane];
+  const std::int32_t child = nodes_[at(node)].child[lane];
   if (child == kNone) return {};
   std::int32_t first = 0, last = 0;
   if (isLeaf(child)) {
     first = leafOf(child);
     last = first + 1;
   } else {
-    first = leaf_begin_[index(child)];
-    last = leaf_end_[index(child)];
+    first = leaf_begin_[at(child)];
+    last = leaf_end_[at(child)];
   }
-  const auto begin = index(leaves_[index(first)].vertex_begin);
-  const auto end = index(leaves_[index(last - 1)].vertex_end);
+  const auto begin = at(leaves_[at(first)].vertex_begin);
+  const auto end = at(leaves_[at(last - 1)].vertex_end);
   return std::span<const std::int32_t>(leaf_vertices_).subspan(begin, end - begin);
 }
 

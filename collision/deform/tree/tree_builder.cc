@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include "collision/base/numbers.h"
 #include "collision/deform/tree/tree_draft.h"
 
 namespace leeway::collision {
@@ -11,13 +12,11 @@ using Triangle = DeformTree::Triangle;
 
 namespace {
 
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 // Copies the nodes from `node` down, but builds those anew that are marked.
 std::int32_t copyNode(TreeDraft& draft, const DeformTree& old, std::int32_t node,
                       const std::vector<char>& anew, int depth) {
   const std::int32_t begin = old.slotBegin(node), count = old.slotsBelow(node);
-  if (anew[index(node)] != 0) return buildBinned(draft, {begin, begin + count}, depth);
+  if (anew[at(node)] != 0) return buildBinned(draft, {begin, begin + count}, depth);
   const std::int32_t id = draft.newNode();
   for (std::size_t lane = 0; lane < kWidth; ++lane) {
     const std::int32_t child = old.node(node).child[lane];
@@ -42,7 +41,7 @@ TreeDraft::TreeDraft(std::span<const Vector3d> vertices, std::span<const Triangl
     DraftBox& box = boxes_[i];
     for (const std::int32_t v : triangles[i]) {
       for (int k = 0; k < 3; ++k) {
-        const auto x = static_cast<float>(vertices[index(v)][k]);
+        const auto x = static_cast<float>(vertices[at(v)][k]);
         box.low[k] = std::min(box.low[k], x);
         box.high[k] = std::max(box.high[k], x);
       }
@@ -59,8 +58,8 @@ std::int32_t TreeDraft::newNode() {
 }
 
 void TreeDraft::endNode(std::int32_t node, std::int32_t triangles) {
-  nodes_[index(node)].leaves.end = static_cast<std::int32_t>(leaves_.size());
-  nodes_[index(node)].triangles = triangles;
+  nodes_[at(node)].leaves.end = static_cast<std::int32_t>(leaves_.size());
+  nodes_[at(node)].triangles = triangles;
 }
 
 std::int32_t TreeDraft::newLeaf(DraftRange range) {
@@ -115,7 +114,7 @@ std::shared_ptr<const DeformTree> restructureDeformTree(const DeformTree& old,
   for (std::size_t slot = 0; slot < draft.order.size(); ++slot)
     draft.order[slot] = old.triangleOf(static_cast<std::int32_t>(slot));
   std::vector<char> anew(old.nodes().size(), 0);
-  for (const std::int32_t root : roots) anew[index(root)] = 1;
+  for (const std::int32_t root : roots) anew[at(root)] = 1;
   copyNode(draft, old, 0, anew, 0);
   return layOut(draft, vertices.size(), triangles, split);
 }

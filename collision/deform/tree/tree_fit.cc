@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "collision/base/numbers.h"
+
 namespace leeway::collision {
 namespace {
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 float halfArea(float x, float y, float z) { return x * y + y * z + z * x; }
 

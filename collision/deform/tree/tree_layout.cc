@@ -3,14 +3,13 @@
 #include <memory>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "collision/deform/tree/tree_draft.h"
 
 namespace leeway::collision {
 namespace {
 
 using Triangle = DeformTree::Triangle;
-
-std::size_t index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 // Collects vertices, each once a round.
 class VertexSet {
@@ -22,8 +21,8 @@ class VertexSet {
     vertices.clear();
   }
   void add(std::int32_t v) {
-    if (stamp_[index(v)] == round_) return;
-    stamp_[index(v)] = round_;
+    if (stamp_[at(v)] == round_) return;
+    stamp_[at(v)] = round_;
     vertices.push_back(v);
   }
   void add(const Triangle& corners) {
@@ -92,10 +91,10 @@ class TreeLayout {
                   std::vector<std::int32_t>& roots) {
     std::vector<std::int32_t> queue{node};
     for (std::size_t i = 0; i < queue.size(); ++i) {
-      number_[index(queue[i])] = next++;
-      for (const std::int32_t child : draft_.nodes()[index(queue[i])].child) {
+      number_[at(queue[i])] = next++;
+      for (const std::int32_t child : draft_.nodes()[at(queue[i])].child) {
         if (child >= 0)
-          (draft_.nodes()[index(child)].triangles > most ? queue : roots).push_back(child);
+          (draft_.nodes()[at(child)].triangles > most ? queue : roots).push_back(child);
       }
     }
   }
@@ -110,17 +109,17 @@ class TreeLayout {
     for (std::size_t made = 0; made < count; ++made) {
       const TreeDraft::Node& from = draft_.nodes()[made];
       const std::int32_t id = number_[made];
-      DeformTree::Node& node = tree_->nodes_[index(id)];
+      DeformTree::Node& node = tree_->nodes_[at(id)];
       for (std::size_t lane = 0; lane < kWidth; ++lane) {
         std::int32_t child = from.child[lane];
         if (child >= 0) {
-          child = number_[index(child)];
-          tree_->up_[index(child)] = {id, static_cast<std::int32_t>(lane)};
+          child = number_[at(child)];
+          tree_->up_[at(child)] = {id, static_cast<std::int32_t>(lane)};
         }
         node.child[lane] = child;
       }
-      tree_->leaf_begin_[index(id)] = from.leaves.begin;
-      tree_->leaf_end_[index(id)] = from.leaves.end;
+      tree_->leaf_begin_[at(id)] = from.leaves.begin;
+      tree_->leaf_end_[at(id)] = from.leaves.end;
     }
   }
 
@@ -129,8 +128,8 @@ class TreeLayout {
     tree_->slots_.resize(triangles_.size());
     for (std::size_t slot = 0; slot < triangles_.size(); ++slot) {
       const std::int32_t t = draft_.order[slot];
-      tree_->slot_of_[index(t)] = static_cast<std::int32_t>(slot);
-      tree_->slots_[slot] = {triangles_[index(t)], t};
+      tree_->slot_of_[at(t)] = static_cast<std::int32_t>(slot);
+      tree_->slots_[slot] = {triangles_[at(t)], t};
     }
   }
 
@@ -164,28 +163,27 @@ class TreeLayout {
         set_.sort();
         std::vector<std::int32_t>& vertices = set_.vertices;
         for (std::size_t i = 0; i < vertices.size(); ++i)
-          place[index(vertices[i])] = static_cast<std::uint8_t>(i);
+          place[at(vertices[i])] = static_cast<std::uint8_t>(i);
         while (vertices.size() % 4 != 0) vertices.push_back(vertices.back());
         all.insert(all.end(), vertices.begin(), vertices.end());
         corners.push_back(static_cast<std::uint8_t>(most));
         for (const std::int32_t child : tree_->node(id).child) {
           const std::span<const std::int32_t> own = verticesOfLeaf(child);
-          for (const std::int32_t v : own) corners.push_back(place[index(v)]);
+          for (const std::int32_t v : own) corners.push_back(place[at(v)]);
           corners.insert(corners.end(), most - own.size(), own.empty() ? 0 : corners.back());
         }
       }
-      tree_->refit_offsets_[index(id)] = {static_cast<std::int32_t>(all.size()),
-                                          static_cast<std::int32_t>(corners.size())};
+      tree_->refit_offsets_[at(id)] = {static_cast<std::int32_t>(all.size()),
+                                       static_cast<std::int32_t>(corners.size())};
     }
-    all.insert(all.end(), index(DeformTree::kAhead), 0);
+    all.insert(all.end(), at(DeformTree::kAhead), 0);
   }
 
   // Empty for what is no leaf.
   std::span<const std::int32_t> verticesOfLeaf(std::int32_t child) const {
     if (!DeformTree::isLeaf(child)) return {};
     const DeformTree::Leaf& l = tree_->leaf(DeformTree::leafOf(child));
-    return tree_->leafVertices().subspan(index(l.vertex_begin),
-                                         index(l.vertex_end - l.vertex_begin));
+    return tree_->leafVertices().subspan(at(l.vertex_begin), at(l.vertex_end - l.vertex_begin));
   }
 
   // The branches' own fours and singles come before all others.
@@ -206,14 +204,14 @@ class TreeLayout {
 
   // The nodes of a branch follow its root.
   void listNodeVertices() {
-    tree_->runs_.resize(tree_->nodes_.size() - index(tree_->upper_count_));
+    tree_->runs_.resize(tree_->nodes_.size() - at(tree_->upper_count_));
     std::size_t next_branch = 0;
     for (std::int32_t node = tree_->upper_count_; node < tree_->nodeCount(); ++node) {
       if (next_branch < tree_->branches_.size() && tree_->branches_[next_branch].root == node) {
         ++next_branch;
         continue;
       }
-      tree_->runs_[index(node - tree_->upper_count_)] = runsBelow(node);
+      tree_->runs_[at(node - tree_->upper_count_)] = runsBelow(node);
     }
   }
 

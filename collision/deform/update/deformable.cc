@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "collision/base/large_pages.h"
+#include "collision/base/numbers.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/deform/motion/motion_input.h"
@@ -23,9 +24,6 @@ namespace leeway::collision {
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Of owners and snapshots; unique in this process.
 std::uint64_t nextNumber() {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/base/numbers.h"
 #include "collision/base/rounding.h"
 #include "collision/deform/bounds/motion_boxes.h"
 #include "collision/deform/update/snapshot_box.h"
@@ -19,8 +20,6 @@ namespace leeway::collision {
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Between two readings the boxes of branches grow, in the mean, by at most this share of their
 // longest sides. Larger: cheaper updates, dearer queries; 0.5 changes them by a sixth and a quarter

@@ -2,17 +2,12 @@
 
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::collision {
 
 using Eigen::Vector3d;
-
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 DescentSide descentSide(const Shape& shape) {
   DescentSide side;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/scratch.h"
 #include "collision/base/tolerances.h"
 #include "collision/base/work.h"
@@ -16,9 +17,6 @@ namespace leeway::collision {
 using Eigen::Vector3d;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // A pair of nodes; -1 stands for a convex shape as a whole.
 struct NodePair {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/base/scratch.h"
 #include "collision/base/tolerances.h"
 #include "collision/base/work.h"
@@ -15,8 +16,6 @@
 
 namespace leeway::collision {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using Kind = Part::Kind;
 

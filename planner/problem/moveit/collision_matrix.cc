@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "collision/base/numbers.h"
 #include "planner/problem/moveit/fields.h"
 
 namespace leeway::planner {
@@ -13,8 +14,6 @@ namespace {
 using robots::Joint;
 using robots::JointType;
 using robots::Model;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Matrix {
   std::vector<std::string> names;

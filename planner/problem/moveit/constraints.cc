@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "collision/base/numbers.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/moveit/fields.h"
@@ -18,8 +19,6 @@ namespace {
 
 using robots::Pose;
 using robots::PoseRegion;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The pose of the frame that a header names, in the world; without a name, the planning frame.
 Pose headerPose(const YamlReader& constraint, const Problem& problem) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/base/numbers.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/moveit/fields.h"
@@ -17,8 +18,6 @@ namespace {
 using robots::JointType;
 using robots::Model;
 using robots::Pose;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool isIdentity(const Pose& pose) {
   return pose.rotation == Eigen::Matrix3d::Identity() &&

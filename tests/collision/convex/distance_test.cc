@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "tests/support/sanitized.h"
 #include "tools/truth/oracle/generate.h"
@@ -21,7 +22,6 @@ using Eigen::Vector3d;
 using oracle::Random;
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
-const double kInfinity = std::numeric_limits<double>::infinity();
 
 Pose at(double x, double y, double z) { return {Eigen::Matrix3d::Identity(), Vector3d(x, y, z)}; }
 

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "collision/convex/convex_distance.h"
 #include "collision/deform/bounds/probe_bounds.h"
 #include "collision/deform/query/probe.h"
@@ -25,8 +26,6 @@ namespace {
 
 using Eigen::Vector3d;
 using oracle::Random;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A mesh, its hierarchy, and one extra vertex, as in snapshots.
 struct Mesh {

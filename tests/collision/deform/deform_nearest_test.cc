@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "collision/base/scratch.h"
 #include "collision/deform/query/nearest_triangle.h"
 #include "leeway/collision/distance.h"
@@ -18,8 +19,6 @@ namespace {
 using Eigen::Vector3d;
 using oracle::Random;
 using testing::Sheet;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Distance from the core to every triangle, one by one.
 Interval bruteForce(const DeformableSnapshot& snapshot, const Vector3d& middle,

@@ -21,7 +21,7 @@ namespace {
 using Eigen::Vector3d;
 using oracle::Random;
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 
 using Boxes = std::vector<FloatBox>;
 using Pairs = std::vector<std::pair<int, int>>;
@@ -31,7 +31,8 @@ Boxes boxesOf(std::span<const Vector3d> vertices,
               std::span<const DeformableMesh::Triangle> triangles, const Vector3d& moved) {
   Boxes boxes;
   for (const auto& t : triangles) {
-    FloatBox box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+    FloatBox box{{kFloatInfinity, kFloatInfinity, kFloatInfinity},
+                 {-kFloatInfinity, -kFloatInfinity, -kFloatInfinity}};
     for (const std::int32_t corner : t) {
       const Vector3d p = vertices[static_cast<std::size_t>(corner)] + moved;
       for (int k = 0; k < 3; ++k) {

@@ -14,6 +14,7 @@
 #include <limits>
 #include <optional>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/distance.h"
@@ -26,7 +27,6 @@ using Eigen::Vector3d;
 using motion_cases::MotionCase;
 using oracle::Random;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kQueriesAFrame = 12;
 
 std::uint64_t fromEnvironment(const char* name, std::uint64_t otherwise) {

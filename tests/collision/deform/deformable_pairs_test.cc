@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "collision/base/numbers.h"
 #include "collision/base/work.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
@@ -17,8 +18,6 @@ namespace {
 using Eigen::Vector3d;
 using oracle::Random;
 using testing::Sheet;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::vector<Shape> trianglesOf(const DeformableSnapshot& snapshot) {
   std::vector<Shape> shapes;

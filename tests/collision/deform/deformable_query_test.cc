@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/deform/bounds/probe_bounds.h"
 #include "collision/deform/query/probe.h"
 #include "collision/deform/tree/refit.h"
@@ -21,8 +22,6 @@ namespace {
 using Eigen::Vector3d;
 using oracle::Random;
 using testing::Sheet;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 constexpr ShapeType kTypes[] = {ShapeType::kSphere,    ShapeType::kCapsule,   ShapeType::kBox,
                                 ShapeType::kCylinder,  ShapeType::kCone,      ShapeType::kEllipsoid,

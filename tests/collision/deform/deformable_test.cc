@@ -7,6 +7,7 @@
 #include <mutex>
 #include <thread>
 
+#include "collision/base/numbers.h"
 #include "collision/deform/snapshot.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/distance.h"
@@ -30,9 +31,6 @@ std::shared_ptr<const VertexMotion> oneWave(const Sheet& sheet, double height) {
   motion.waves.push_back({{1, 0, 0}, {0, 0, height}, 0.7, 1, 0});
   return VertexMotion::waves(std::move(motion));
 }
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(DeformableMesh, ComponentsAreClosedByIndexAlone) {
   const Sheet globe = testing::globe(5), cloth = testing::cloth(4);

@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "tests/support/motion_cases.h"
 
 namespace leeway::collision {
@@ -19,8 +20,6 @@ using oracle::Random;
 using Exact = long double;  // 11 bits more than double resolve its rounding
 using ExactVector = Eigen::Matrix<Exact, 3, 1>;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr Exact kExactTwoPi = 6.283185307179586476925286766559L;
 
 std::vector<Vector3d> at(const VertexMotion& motion, double time) {

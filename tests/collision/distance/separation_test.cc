@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/distance/nearest_in_half_spaces.h"
 #include "leeway/collision/distance.h"
 #include "tests/support/allocations.h"
@@ -17,7 +18,6 @@ namespace {
 using Eigen::Vector3d;
 using namespace testing;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPi = 3.14159265358979323846;
 
 struct Case {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "collision/convex/gjk/convex_view.h"
 #include "leeway/collision/containment.h"
 #include "leeway/collision/convex_hull.h"
@@ -18,8 +19,6 @@ namespace {
 
 using Eigen::Vector3d;
 using namespace testing;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Convex pieces of a shape: its triangles, or itself.
 std::vector<Shape> piecesOf(const Shape& shape) {

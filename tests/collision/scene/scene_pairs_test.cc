@@ -13,6 +13,7 @@
 #include <tuple>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/scene.h"
 #include "tests/support/allocations.h"
@@ -22,11 +23,7 @@
 namespace leeway::collision {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kMoving = 3;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 class Draw {
  public:

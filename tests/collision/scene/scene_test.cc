@@ -8,6 +8,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "collision/base/numbers.h"
 #include "collision/cover/coarse_shape.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
@@ -16,8 +17,6 @@
 
 namespace leeway::collision {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class Draw {
  public:

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/triangle_mesh.h"
@@ -17,7 +18,6 @@ namespace leeway::collision {
 namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
-const double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string messageOf(const std::function<void()>& make) {
   try {

@@ -7,12 +7,11 @@
 #include <cmath>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace leeway::collision {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 long double extended(double x) { return static_cast<long double>(x); }
 

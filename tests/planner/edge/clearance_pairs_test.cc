@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/plan.h"
 #include "tests/support/random_problem.h"
 
@@ -15,8 +16,6 @@ namespace leeway::planner {
 namespace {
 
 using testing::Random;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Distances of some pairs alone, by certifiers that know no others.
 class DensePairs {

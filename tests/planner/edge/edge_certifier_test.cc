@@ -9,6 +9,7 @@
 #include <limits>
 #include <string>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
@@ -24,8 +25,6 @@ namespace leeway::planner {
 namespace {
 
 using testing::Random;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Slow twin: distance() of every pair at single configurations.
 class DenseTwin {

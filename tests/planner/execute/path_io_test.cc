@@ -16,6 +16,7 @@
 #include <random>
 #include <sstream>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
 #include "planner/search/half_turns.h"
@@ -25,7 +26,6 @@
 namespace leeway::planner {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const std::string kSource = leeway::sourceFolder();
 
 class PathIo : public testing::Test {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
 #include "tests/support/allocations.h"
@@ -14,8 +15,6 @@
 
 namespace leeway::planner {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(RestToRest, KeepsItsLimitsAndIsTheirOwnIntegral) {
   int cruising = 0, short_ways = 0, ramped = 0;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/edge_certifier.h"
 #include "planner/objective/nearness.h"
 #include "tests/support/from_environment.h"
@@ -19,8 +20,6 @@ namespace leeway::planner {
 namespace {
 
 using testing::Random;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(Nearness, MeansOverALineHoldSums) {
   Random random(3);

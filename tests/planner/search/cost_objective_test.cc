@@ -49,7 +49,7 @@ double denseCost(const Problem& problem, const MinimumCost& cost, const Waypoint
   return sum;
 }
 
-void expectHonest(const Problem& problem, const PlanResult& result) {
+void expectHonestCost(const Problem& problem, const PlanResult& result) {
   ASSERT_EQ(result.status, PlanStatus::kSolved);
   EXPECT_TRUE(result.certificate.certified);
   const double dense =
@@ -87,7 +87,7 @@ TEST_P(CheapestPath, CostsLessThanTheShortestAndWhatItSays) {
     problem.limits.time = kSanitized ? 6 : 0.6;
   }
   const PlanResult result = plan(problem);
-  expectHonest(problem, result);
+  expectHonestCost(problem, result);
   EXPECT_LT(result.cost.upper, of_shortest);
   if (GetParam() == "Connect") {
     EXPECT_LT(result.cost.upper, 4.85) << "below the block, where all planners find about 4.77";
@@ -109,10 +109,10 @@ TEST(CheapestPathAlone, CountsItsWorstPlaceAndSeveralTerms) {
                                    {{Nearness::Kind::kInverse, 0.05}, 1},
                                    {{Nearness::Kind::kHinge, 0.1}, 1, false, Pairs::kAll}}};
   const PlanResult result = plan(problem);
-  expectHonest(problem, result);
+  expectHonestCost(problem, result);
   problem.planner.simplify = false;
   const PlanResult raw = plan(problem);
-  expectHonest(problem, raw);
+  expectHonestCost(problem, raw);
   EXPECT_LT(result.cost.upper, raw.cost.lower);
 }
 

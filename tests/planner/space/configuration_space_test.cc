@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "planner/base/arc_tangent.h"
 
@@ -15,8 +16,6 @@ namespace {
 
 using robots::Joint;
 using robots::JointType;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A chain with every kind of joint that can be planned: revolute, continuous, prismatic, planar,
 /// floating.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <random>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/distance.h"
@@ -28,8 +29,6 @@ using robots::Joint;
 using robots::JointType;
 using robots::Model;
 using robots::Pose;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Pose shifted(double x, double y, double z) {
   return {Eigen::Matrix3d::Identity(), Vector3d(x, y, z)};

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <string>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/inverse_kinematics.h"
 #include "leeway/robots/kinematics.h"
 #include "robots/inverse/subproblems.h"
@@ -21,11 +22,10 @@ namespace leeway::robots {
 namespace {
 
 using Eigen::Vector3d;
+using testing::allVariables;
 using testing::Random;
 
 constexpr double kPi = std::numbers::pi;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Axis {
   Vector3d direction, point;
@@ -79,12 +79,6 @@ std::vector<Axis> axesOf(Random& random, Arm arm, bool plain) {
   return axes;
 }
 
-std::vector<int> all(const Model& model) {
-  std::vector<int> variables;
-  for (int i = 0; i < static_cast<int>(model.variables.size()); ++i) variables.push_back(i);
-  return variables;
-}
-
 Pose placed(const Model& model, const std::vector<double>& q) {
   std::vector<Pose> X_WL(model.links.size());
   forwardKinematics(model, q, X_WL);
@@ -130,7 +124,7 @@ bool leadsToListed(const std::shared_ptr<const Model>& model,
                    const std::vector<double>& q) {
   for (const IkSolution& other : list)
     for (int joint = 0; joint < static_cast<int>(q.size()); ++joint) {
-      std::vector<int> others = all(*model);
+      std::vector<int> others = allVariables(*model);
       others.erase(others.begin() + joint);
       std::vector<double> start = q;
       start[at(joint)] = other.values[at(joint)];
@@ -153,7 +147,7 @@ struct Counts {
 /// Slow twin: the numeric solver from many starts finds no branch that is not listed.
 void compare(const std::shared_ptr<const Model>& model, const std::vector<double>& q,
              const std::vector<double>& from, Counts& counts) {
-  const InverseKinematics ik(model, all(*model));
+  const InverseKinematics ik(model, allVariables(*model));
   const std::vector<PoseRegion> regions = regionOf(*model, placed(*model, q));
   IkOptions options;
   options.max_solutions = 64;
@@ -198,7 +192,7 @@ std::string nameOf(Arm arm) {
 ClosedForm closedFormOf(const Model& model) {
   std::vector<Pose> X_WL(model.links.size());
   forwardKinematics(model, model.defaultConfiguration(), X_WL);
-  return ClosedForm(makeChain(model, regionOf(model, Pose())[0], X_WL, all(model)));
+  return ClosedForm(makeChain(model, regionOf(model, Pose())[0], X_WL, allVariables(model)));
 }
 
 TEST(ClosedForm, HasAllBranchesOfRandomAndSingularPoses) {

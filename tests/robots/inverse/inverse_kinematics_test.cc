@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/kinematics.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/random_model.h"
@@ -18,20 +19,13 @@
 namespace leeway::robots {
 namespace {
 
+using testing::allVariables;
 using testing::Random;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Pose placed(const Model& model, const std::vector<double>& q, int link) {
   std::vector<Pose> X_WL(model.links.size());
   forwardKinematics(model, q, X_WL);
   return X_WL[at(link)];
-}
-
-std::vector<int> all(const Model& model) {
-  std::vector<int> variables;
-  for (int i = 0; i < static_cast<int>(model.variables.size()); ++i) variables.push_back(i);
-  return variables;
 }
 
 std::shared_ptr<const Model> shipped(const std::string& name) {
@@ -89,7 +83,7 @@ TEST(InverseKinematics, SolvesPosesOfRandomConfigurations) {
     const auto model = shipped(c.robot);
     int link = model->findLink(c.link);
     if (link < 0) link = static_cast<int>(model->links.size()) - 1;
-    const InverseKinematics ik(model, all(*model));
+    const InverseKinematics ik(model, allVariables(*model));
     Random random(5);
     for (int i = 0; i < 200; ++i) {
       const auto q = testing::randomConfiguration(random, *model);
@@ -110,14 +104,14 @@ TEST(InverseKinematics, SolvesTreesOfAllJointTypes) {
   for (int tree = 0; tree < 60; ++tree) {
     const std::shared_ptr<const Model> model = testing::randomTree(random, 4 + random.integer(9));
     std::vector<int> variables;
-    for (const int v : all(*model))
+    for (const int v : allVariables(*model))
       if (random.integer(5) > 0) variables.push_back(v);
     const InverseKinematics ik(model, variables);
     const int link = static_cast<int>(model->links.size()) - 1;
     for (int i = 0; i < 5; ++i) {
       const auto q = testing::randomConfiguration(random, *model);
       auto start = testing::randomConfiguration(random, *model);
-      for (const int v : all(*model))
+      for (const int v : allVariables(*model))
         if (std::find(variables.begin(), variables.end(), v) == variables.end())
           start[at(v)] = q[at(v)];
       const Pose X_WR = random.pose(1), X_LF = random.pose(0.2);
@@ -141,7 +135,7 @@ TEST(InverseKinematics, SolvesTreesOfAllJointTypes) {
 
 TEST(InverseKinematics, RegionsWithWidths) {
   const auto model = shipped("arm7");
-  const InverseKinematics ik(model, all(*model));
+  const InverseKinematics ik(model, allVariables(*model));
   const int link = model->findLink("hand");
   Random random(3);
   for (int i = 0; i < 200; ++i) {
@@ -170,7 +164,7 @@ TEST(InverseKinematics, RegionsWithWidths) {
 // A pose whose rotation is any turn about z is met by a robot that cannot tilt.
 TEST(InverseKinematics, FreeAnglesCostNothing) {
   const auto body = freeBody("box", {}, JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
-  const InverseKinematics ik(body, all(*body));
+  const InverseKinematics ik(body, allVariables(*body));
   PoseRegion region;
   region.link = 0;
   region.position = {{{0.5, 0.5}, {-1, -0.9}, {0, 0}}};
@@ -186,7 +180,7 @@ TEST(InverseKinematics, FreeAnglesCostNothing) {
 
 TEST(InverseKinematics, AnglesStayNearTheConfiguration) {
   const auto body = freeBody("box", {}, JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
-  const InverseKinematics ik(body, all(*body));
+  const InverseKinematics ik(body, allVariables(*body));
   const std::vector<PoseRegion> regions = {
       PoseRegion::exact(0, {}, {}, {rotationOf({0, 0, 0.2}), Eigen::Vector3d(0.1, 0.2, 0)})};
   const std::vector<double> start = {0, 0, 6 * std::numbers::pi};
@@ -203,7 +197,7 @@ TEST(InverseKinematics, TwoArmsAtOnce) {
                      [&](const Joint& j) { return j.parent_link == l; }))
       tips.push_back(l);
   ASSERT_GE(tips.size(), 2u);
-  const InverseKinematics ik(model, all(*model));
+  const InverseKinematics ik(model, allVariables(*model));
   Random random(9);
   for (int i = 0; i < 50; ++i) {
     const auto q = testing::randomConfiguration(random, *model);
@@ -221,7 +215,7 @@ TEST(InverseKinematics, TwoArmsAtOnce) {
 // many of another sequence no more.
 TEST(InverseKinematics, AllBranchesOfSixJoints) {
   const auto model = shipped("arm6");
-  const InverseKinematics ik(model, all(*model));
+  const InverseKinematics ik(model, allVariables(*model));
   const int link = model->findLink("tool");
   Random random(14);
   int eights = 0;
@@ -245,7 +239,7 @@ TEST(InverseKinematics, AllBranchesOfSixJoints) {
 
 TEST(InverseKinematics, OutOfReachHasNoSolution) {
   const auto model = shipped("arm6");
-  const InverseKinematics ik(model, all(*model));
+  const InverseKinematics ik(model, allVariables(*model));
   const std::vector<PoseRegion> regions = {
       PoseRegion::exact(model->findLink("tool"), {}, {}, {Eigen::Matrix3d::Identity(), {3, 0, 0}})};
   const IkResult result = ik.solve(regions, model->defaultConfiguration());
@@ -260,7 +254,7 @@ TEST(InverseKinematics, RefusesInputThatMakesNoSense) {
   const auto model = shipped("arm6");
   EXPECT_THROW(InverseKinematics(model, {0, 6}), std::invalid_argument);
   EXPECT_THROW(InverseKinematics(model, {0, 1, 0}), std::invalid_argument);
-  const InverseKinematics ik(model, all(*model));
+  const InverseKinematics ik(model, allVariables(*model));
   const std::vector<double> q = model->defaultConfiguration();
   const int link = model->findLink("tool");
   const PoseRegion good = PoseRegion::exact(link, {}, {}, placed(*model, q, link));
@@ -292,7 +286,7 @@ TEST(InverseKinematics, RefusesInputThatMakesNoSense) {
 
 TEST(InverseKinematics, SameAnswersInEveryThread) {
   const auto model = shipped("arm7");
-  const InverseKinematics ik(model, all(*model));
+  const InverseKinematics ik(model, allVariables(*model));
   const auto q = model->defaultConfiguration();
   Random random(2);
   const int link = model->findLink("hand");

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/kinematics.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/random_model.h"
@@ -15,8 +16,6 @@ namespace leeway::robots {
 namespace {
 
 using testing::Random;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// A configuration within the limits whose variables are often at one of them.
 std::vector<double> nearLimits(Random& random, const Model& model) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/distance.h"
 #include "leeway/robots/kinematics.h"
 #include "tests/support/build_paths.h"
@@ -18,8 +19,6 @@ namespace {
 
 using collision::Shape;
 using testing::Random;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double angleOf(const Model& model, int joint, const std::vector<double>& q) {
   const KinematicStep& step = model.steps[at(joint)];

@@ -5,17 +5,12 @@
 #include <algorithm>
 #include <optional>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 
 namespace leeway::tools {
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 void badState(const std::string& text, const std::string& message) {
   throw robots::InputError("command line", 0, fmt::format("--state '{}': {}", text, message));
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/triangle_mesh.h"
@@ -18,8 +19,6 @@ namespace {
 using collision::Shape;
 using collision::ShapeType;
 using Eigen::Vector3d;
-
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
 struct Box {
   Vector3d low = Vector3d::Zero(), high = Vector3d::Zero();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/separation.h"
 #include "leeway/planner/plan.h"
 #include "leeway/robots/input_error.h"
@@ -16,8 +17,6 @@ using planner::CompiledScene;
 constexpr double kEndTolerance = 1e-6;  // [m]
 constexpr double kOutTolerance = 1e-4;  // [m]
 constexpr int kOutQueries = 5000;       // some milliseconds
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// A valid number of a range; where a side is open, that nearest to 0.
 double middle(double lower, double upper) {

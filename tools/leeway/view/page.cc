@@ -13,6 +13,7 @@
 #include <limits>
 #include <map>
 
+#include "collision/base/numbers.h"
 #include "collision/mesh/mesh_tree.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/planner/path_io.h"
@@ -36,7 +37,6 @@ constexpr std::size_t kShownEdges = 6000;    // of a search
 constexpr std::string_view kEndings[] = {".html"};
 constexpr std::string_view kPictureEndings[] = {".svg"};
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 float small(double x) { return static_cast<float>(x); }
 
 /// x y z w, with w >= 0.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/task/stages.h"
@@ -11,8 +12,6 @@ namespace {
 
 using planner::CompiledScene;
 using planner::Problem;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool holds(const Problem& problem, const std::string& object) {
   const auto& held = problem.robot.attachments;

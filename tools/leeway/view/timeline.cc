@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/robots/kinematics.h"
 
@@ -13,7 +14,6 @@ namespace {
 using planner::CompiledScene;
 using planner::EdgeCertifier;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMoments = 250;
 /// Moments times pairs, so that a page of 10^5 objects takes seconds.
 constexpr double kMomentPairs = 2e7;
@@ -25,8 +25,6 @@ constexpr double kStretchTolerance = 1e-4;  // [m]
 /// Vertices of all frames of an obstacle, so that a page stays small.
 constexpr std::size_t kFrameVertices = 2'500'000;
 constexpr std::size_t kFrames = 200;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 int momentsFor(const CompiledScene& scene) {
   const double pairs = static_cast<double>(std::max<std::size_t>(scene.scene().pairs().size(), 1));
@@ -55,9 +53,9 @@ class BodyClearances {
     std::vector<double> clearance(scene.bodies().size(), kInfinity);
     for (std::size_t p = 0; p < scene.pairs().size(); ++p) {
       const collision::ScenePair& pair = scene.pairs()[p];
-      double& a = clearance[view::at(pair.body_a)];
-      double& b = clearance[view::at(pair.body_b)];
-      const bool b_counts = all_ || scene.bodies()[view::at(pair.body_b)].moving;
+      double& a = clearance[leeway::at(pair.body_a)];
+      double& b = clearance[leeway::at(pair.body_b)];
+      const bool b_counts = all_ || scene.bodies()[leeway::at(pair.body_b)].moving;
       const double apart = bound(pair);
       if (apart > a && (!b_counts || apart > b)) continue;
       const double upper =
@@ -77,15 +75,15 @@ class BodyClearances {
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       if (bodies[b].moving)
         workspace_.setPose(static_cast<int>(b),
-                           X_WL_[view::at(scene_->bodyLink(static_cast<int>(b)))]);
+                           X_WL_[leeway::at(scene_->bodyLink(static_cast<int>(b)))]);
     }
   }
 
   /// No less apart than this, but for rounding: it only decides what is asked [m].
   double bound(const collision::ScenePair& pair) const {
     const auto ball = [&](int body, int geometry) {
-      const collision::Body& of = scene_->scene().bodies()[view::at(body)];
-      const collision::Geometry& g = of.geometries[view::at(geometry)];
+      const collision::Body& of = scene_->scene().bodies()[leeway::at(body)];
+      const collision::Geometry& g = of.geometries[leeway::at(geometry)];
       const collision::Pose& X_WB = of.moving ? workspace_.pose(body) : of.X_WB;
       return std::pair(Eigen::Vector3d(X_WB * (g.X_BG * g.shape.boundingCenter())),
                        g.shape.boundingRadius());

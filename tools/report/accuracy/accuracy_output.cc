@@ -5,14 +5,11 @@
 #include <map>
 
 #include "tools/report/accuracy/accuracy_report.h"
+#include "tools/report/base/csv_cell.h"
 
 namespace leeway::tools::report {
 namespace {
 
-/// Empty for NaN.
-std::string cell(double value) {
-  return std::isnan(value) ? std::string() : fmt::format("{:.4g}", value);
-}
 std::string toleranceCell(double value) {
   return std::isnan(value) ? std::string("default") : fmt::format("{:.0e}", value);
 }
@@ -118,8 +115,9 @@ std::string accuracyCsv(const std::vector<AccuracyRow>& rows) {
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.family,
                         toString(r.kind), r.engine, toleranceCell(r.tolerance), r.cases, r.answered,
                         r.failures(), countIf(r.tells_distance, r.wrong), r.wrong_verdict,
-                        countIf(r.claims_bounds, r.unsafe), cell(r.ns), cell(r.ns_low),
-                        cell(r.ns_high), cell(r.error_median), cell(r.error_95), cell(r.error_max));
+                        countIf(r.claims_bounds, r.unsafe), csvCell(r.ns), csvCell(r.ns_low),
+                        csvCell(r.ns_high), csvCell(r.error_median), csvCell(r.error_95),
+                        csvCell(r.error_max));
   return text;
 }
 

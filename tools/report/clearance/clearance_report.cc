@@ -14,6 +14,7 @@
 #include <optional>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/simplify.h"
 #include "planner/space/ompl_lock.h"
@@ -26,8 +27,6 @@ namespace {
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
 using Clock = std::chrono::steady_clock;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double secondsSince(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();

@@ -4,15 +4,12 @@
 #include <cmath>
 #include <functional>
 
+#include "tools/report/base/csv_cell.h"
 #include "tools/report/base/statistics.h"
 #include "tools/report/deform/deform_report.h"
 
 namespace leeway::tools::report {
 namespace {
-
-std::string cell(double value) {
-  return std::isnan(value) ? std::string() : fmt::format("{:.4g}", value);
-}
 
 /// Nanoseconds as text in microseconds.
 std::string micro(double nanoseconds) {
@@ -76,13 +73,13 @@ std::string deformCsv(const std::vector<DeformRow>& rows) {
       "nodes_touched,vertices_touched,"
       "bandwidth_limit_ns,compared,wrong,largest_error_m,decay\n";
   for (const DeformRow& r : rows)
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
-                        r.motion, r.triangles, r.engine, r.done ? "done" : "failed", r.frames,
-                        cell(r.median.update), cell(r.update_low), cell(r.update_high),
-                        cell(r.median.spheres), cell(r.median.capsules), cell(r.median.tolerance),
-                        cell(r.median.far), cell(r.median.near), cell(r.median.touching),
-                        cell(r.nodes), cell(r.vertices), cell(r.bandwidth_limit), r.compared,
-                        r.wrong, cell(r.error), cell(r.decay));
+    text += fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.motion, r.triangles,
+        r.engine, r.done ? "done" : "failed", r.frames, csvCell(r.median.update),
+        csvCell(r.update_low), csvCell(r.update_high), csvCell(r.median.spheres),
+        csvCell(r.median.capsules), csvCell(r.median.tolerance), csvCell(r.median.far),
+        csvCell(r.median.near), csvCell(r.median.touching), csvCell(r.nodes), csvCell(r.vertices),
+        csvCell(r.bandwidth_limit), r.compared, r.wrong, csvCell(r.error), csvCell(r.decay));
   return text;
 }
 
@@ -94,9 +91,10 @@ std::string deformFramesCsv(const std::vector<DeformRow>& rows) {
     for (std::size_t f = 0; f < r.by_frame.size(); ++f) {
       const DeformFrame& t = r.by_frame[f];
       if (std::isnan(t.update)) continue;
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", r.motion, r.triangles, r.engine,
-                          f + 1, cell(t.update), cell(t.spheres), cell(t.capsules),
-                          cell(t.tolerance), cell(t.far), cell(t.near), cell(t.touching));
+      text +=
+          fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", r.motion, r.triangles, r.engine, f + 1,
+                      csvCell(t.update), csvCell(t.spheres), csvCell(t.capsules),
+                      csvCell(t.tolerance), csvCell(t.far), csvCell(t.near), csvCell(t.touching));
     }
   return text;
 }

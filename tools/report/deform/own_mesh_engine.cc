@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/vertex_motion.h"
@@ -18,8 +19,6 @@ using collision::DeformStrategy;
 using collision::DeformVolume;
 using collision::DistanceRequest;
 using collision::Shape;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// What an engine knows of the motion beyond each frame's vertices.
 enum class Knows { kNothing, kMotion };

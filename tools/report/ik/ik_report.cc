@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/inverse_kinematics.h"
 #include "leeway/robots/kinematics.h"
 #include "robots/inverse/chain.h"
@@ -21,8 +22,6 @@ namespace {
 
 using robots::Pose;
 using robots::PoseRegion;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Solutions searched for all branches, and the starts of that search.
 constexpr int kMostBranches = 64, kBranchStarts = 100;

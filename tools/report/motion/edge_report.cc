@@ -11,6 +11,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/ompl_state_space.h"
 #include "leeway/planner/verify.h"
+#include "tools/report/base/csv_cell.h"
 #include "tools/report/base/statistics.h"
 #include "tools/report/bench/asked_edges.h"
 #include "tools/report/bench/cpu_time.h"
@@ -154,10 +155,6 @@ void measureProblem(const NamedProblem& named, const EdgeReportOptions& options,
     }
 }
 
-std::string cell(double value) {
-  return std::isnan(value) ? std::string() : fmt::format("{:.4g}", value);
-}
-
 }  // namespace
 
 std::vector<EdgeRow> measureEdges(const std::vector<NamedProblem>& problems,
@@ -180,7 +177,7 @@ std::string edgesCsv(const std::vector<EdgeRow>& rows) {
   std::string text = "problem,kind,method,edges,missed,cautious,undecided,us\n";
   for (const EdgeRow& r : rows)
     text += fmt::format("{},{},{},{},{},{},{},{}\n", r.problem, r.kind, r.method, r.edges, r.missed,
-                        r.cautious, r.undecided, cell(r.us));
+                        r.cautious, r.undecided, csvCell(r.us));
   return text;
 }
 

@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/report/base/csv_cell.h"
 #include "tools/report/motion/motion_report.h"
 
 namespace leeway::tools::report {
 namespace {
-
-std::string cell(double value) {
-  return std::isnan(value) ? std::string() : fmt::format("{:.4g}", value);
-}
 
 /// Three digits; "-" for NaN.
 std::string digits(double value) {
@@ -50,8 +47,8 @@ std::string motionCsv(const std::vector<MotionRow>& rows) {
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.family, r.engine,
                         r.cases, r.hits, r.misses, r.false_hits, r.wrong_starts,
                         r.claims_bounds ? std::to_string(r.unsafe) : std::string(), r.undecided,
-                        r.threw, r.died, r.endless, cell(r.error_median), cell(r.error_max),
-                        cell(r.ns_median), cell(r.ns_95), cell(r.ns_max));
+                        r.threw, r.died, r.endless, csvCell(r.error_median), csvCell(r.error_max),
+                        csvCell(r.ns_median), csvCell(r.ns_95), csvCell(r.ns_max));
   return text;
 }
 

@@ -5,13 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/base/numbers.h"
+
 namespace leeway::tools::report {
 namespace {
 
 using collision::Pose;
 using Eigen::Vector3d;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Shortest interval of time that is still halved.
 constexpr double kSmallest = 1e-11;
 /// A time of contact is clear if known to within this.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "collision/base/numbers.h"
+
 namespace leeway::tools::report {
 namespace {
 
@@ -10,8 +12,6 @@ using collision::ContactRequest;
 using collision::ContactResult;
 using collision::ContactStatus;
 using collision::Scratch;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Scratch& scratch() {
   thread_local Scratch instance;

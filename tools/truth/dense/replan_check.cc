@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/distance.h"
 #include "leeway/planner/path_io.h"
@@ -29,8 +30,6 @@ using leeway::planner::DeformingObstacle;
 using leeway::planner::Object;
 using leeway::planner::Problem;
 namespace robots = leeway::robots;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// A placed shape.
 struct Part {
