@@ -26,6 +26,9 @@ if(LEEWAY_SANITIZE)
   # long code for every instruction set. (What tests ask of libraries is worth it.) Tests that are dear then ask fewer cases (tests/support/sanitized.h).
   add_compile_options(-O0 -fsanitize=${LEEWAY_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${LEEWAY_SANITIZE})
+  if(NOT LEEWAY_SANITIZE_POINTERS)
+    add_compile_options(-fno-sanitize=null,alignment)
+  endif()
   set(leeway_library_options -O1)
 endif()
 
