@@ -89,7 +89,7 @@ void defineCertificate(py::module_& module) {
   });
 }
 
-std::string repr(const Result& self) {
+std::string lineOfResult(const Result& self) {
   const planner::PlanResult& r = self.value;
   std::string result = std::string("<leeway.Result: ") + toString(r.status) + " with " + r.planner +
                        ", seed " + std::to_string(r.seed);
@@ -103,7 +103,7 @@ std::string repr(const Result& self) {
   return result + ">";
 }
 
-std::string html(const Result& self) {
+std::string htmlOfResult(const Result& self) {
   const planner::PlanResult& r = self.value;
   std::vector<std::string> heading = {""};
   heading.insert(heading.end(), r.path.names.begin(), r.path.names.end());
@@ -272,8 +272,8 @@ void defineResult(py::module_& module) {
   result.def("__bool__", [](const Result& self) {
     return self.value.status == planner::PlanStatus::kSolved && self.value.certificate.certified;
   });
-  result.def("__repr__", repr);
-  result.def("_repr_html_", html);
+  result.def("__repr__", lineOfResult);
+  result.def("_repr_html_", htmlOfResult);
 }
 
 }  // namespace leeway::python

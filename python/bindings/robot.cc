@@ -48,8 +48,8 @@ robots::LoadOptions loadOptions(const py::object& packages, bool cache) {
   return options;
 }
 
-Robot load(const py::object& urdf, const py::object& srdf, const std::string& group,
-           const py::object& packages, bool cache) {
+Robot loadRobot(const py::object& urdf, const py::object& srdf, const std::string& group,
+                const py::object& packages, bool cache) {
   Interrupt interrupt;
   robots::LoadOptions options = loadOptions(packages, cache);
   options.stop = interrupt.callback();
@@ -137,7 +137,7 @@ std::vector<std::string> variableNames(const Robot& robot) {
   return names;
 }
 
-std::string html(const Robot& robot) {
+std::string htmlOfRobot(const Robot& robot) {
   std::vector<std::vector<std::string>> table;
   for (std::size_t i = 0; i < robot.size(); ++i) {
     const auto& variable = robot.model->variables[at(robot.space->variables()[i])];
@@ -183,7 +183,7 @@ void defineRobot(py::module_& module) {
                     "$LEEWAY_CACHE_DIR or ~/.cache/leeway; answers are the same.\n"
                     "Raises InputError, with file and line.")
           .c_str());
-  defineInit(robot, init, load, py::arg("urdf"), py::arg("srdf") = py::none(), py::kw_only(),
+  defineInit(robot, init, loadRobot, py::arg("urdf"), py::arg("srdf") = py::none(), py::kw_only(),
              py::arg("group") = "all", py::arg("packages") = py::none(), py::arg("cache") = true);
   defineStatic(robot, "free_body", "(name, shapes, *, joint='floating', lower, upper)",
                "One rigid body that moves in space (its point is x y z qx qy qz qw) or, with "
@@ -265,7 +265,7 @@ void defineRobot(py::module_& module) {
            "': " + std::to_string(self.size()) + " planned joints, " +
            std::to_string(self.model->links.size()) + " links>";
   });
-  robot.def("_repr_html_", html);
+  robot.def("_repr_html_", htmlOfRobot);
 }
 
 }  // namespace leeway::python

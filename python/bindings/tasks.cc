@@ -61,12 +61,12 @@ TaskStep line(const std::string& frame, const py::object& by, const py::object& 
   return step;
 }
 
-TaskStep attach(const std::string& object, const std::string& link,
-                const std::vector<std::string>& touch_links, const py::object& name) {
+TaskStep attachStep(const std::string& object, const std::string& link,
+                    const std::vector<std::string>& touch_links, const py::object& name) {
   return made(name, planner::AttachStep{object, link, touch_links});
 }
 
-TaskStep detach(const std::string& object, const py::object& name) {
+TaskStep detachStep(const std::string& object, const py::object& name) {
   return made(name, planner::DetachStep{object});
 }
 
@@ -91,7 +91,7 @@ planner::Step stepOf(const planner::Problem& problem, const TaskStep& given) {
   return step;
 }
 
-std::string repr(const TaskStep& self) {
+std::string lineOfStep(const TaskStep& self) {
   return "<leeway.TaskStep: " + std::string(kindOf(self)) +
          (self.name.empty() ? "" : " '" + self.name + "'") + ">";
 }
@@ -175,15 +175,15 @@ void defineTasks(py::module_& module) {
   defineStatic(step, "attach", "(object, link, touch_links=[], *, name=None)",
                "A link takes hold of an object where it stands. It may touch the link and "
                "`touch_links`.",
-               attach, py::arg("object"), py::arg("link"),
+               attachStep, py::arg("object"), py::arg("link"),
                py::arg("touch_links") = std::vector<std::string>(), py::kw_only(),
                py::arg("name") = py::none());
   defineStatic(step, "detach", "(object, *, name=None)",
-               "A held object is let go of, and stays where it is.", detach, py::arg("object"),
+               "A held object is let go of, and stays where it is.", detachStep, py::arg("object"),
                py::kw_only(), py::arg("name") = py::none());
   step.def_readonly("name", &TaskStep::name, "Its name; '': what it does.");
   step.def_property_readonly("kind", kindOf, "'move', 'line', 'attach' or 'detach'.");
-  step.def("__repr__", repr);
+  step.def("__repr__", lineOfStep);
 }
 
 }  // namespace leeway::python

@@ -80,7 +80,7 @@ collision::Pose poseOf(const World& world, const std::string& name) {
   unknown(name);
 }
 
-std::string html(const World& world) {
+std::string htmlOfWorld(const World& world) {
   std::vector<std::vector<std::string>> table;
   const auto addRow = [&](const Object& object) {
     std::string shapes;
@@ -228,7 +228,7 @@ void defineWorld(py::module_& module) {
     return "<leeway.World of " +
            std::to_string(self.value.objects.size() + self.value.deforming.size()) + " objects>";
   });
-  world.def("_repr_html_", html);
+  world.def("_repr_html_", htmlOfWorld);
 }
 
 }  // namespace leeway::python
