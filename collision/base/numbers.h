@@ -5,10 +5,10 @@
 
 namespace leeway {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Numbers of links, vertices and states are int in interfaces; containers want std::size_t.
+// A number as an index: interfaces count in int, containers in std::size_t.
 constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace leeway

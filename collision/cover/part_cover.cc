@@ -122,7 +122,7 @@ struct Cut {
   double place = 0;
 };
 
-struct SolidPart {
+struct MeshPart {
   Polygons faces;
   std::array<Cut, 3> cuts;  ///< across each axis
 };
@@ -138,20 +138,20 @@ Cut bestCut(const Polygons& faces, Index axis) {
   return best;
 }
 
-SolidPart partOf(Polygons faces) {
-  SolidPart part;
+MeshPart partOf(Polygons faces) {
+  MeshPart part;
   part.faces = std::move(faces);
   for (Index axis = 0; axis < 3; ++axis)
     part.cuts[static_cast<std::size_t>(axis)] = bestCut(part.faces, axis);
   return part;
 }
 
-std::pair<SolidPart, SolidPart> divide(const SolidPart& part, const Cut& cut) {
+std::pair<MeshPart, MeshPart> divide(const MeshPart& part, const Cut& cut) {
   return {partOf(clipped(part.faces, cut.axis, cut.place, -1)),
           partOf(clipped(part.faces, cut.axis, cut.place, 1))};
 }
 
-CoverPart coverOfPart(const SolidPart& part, double extent) {
+CoverPart coverOfPart(const MeshPart& part, double extent) {
   CoverPart cover;
   cover.ball = ballAround(part.faces.corners());
   const std::shared_ptr<const ConvexHull> hull = hullOfPart(part.faces.corners());
@@ -180,7 +180,7 @@ std::vector<CoverPart> coverWithParts(const Shape& shape, int count) {
     return cover;
   Polygons faces = polygonsOf(*shape.mesh());
   const double least = kLeastSaving * Profile(faces, 0).measure(0, kSlices);
-  std::vector<SolidPart> parts;
+  std::vector<MeshPart> parts;
   parts.push_back(partOf(std::move(faces)));
   std::array<bool, 3> axes = {true, true, true}, used = {};
   while (static_cast<int>(parts.size()) < count) {
@@ -195,12 +195,12 @@ std::vector<CoverPart> coverWithParts(const Shape& shape, int count) {
     if (!(best.saved > least)) break;
     used[static_cast<std::size_t>(best.axis)] = true;
     if (std::count(used.begin(), used.end(), true) == 2) axes = used;
-    std::pair<SolidPart, SolidPart> sides = divide(parts[divided], best);
+    std::pair<MeshPart, MeshPart> sides = divide(parts[divided], best);
     parts[divided] = std::move(sides.first);
     parts.push_back(std::move(sides.second));
   }
   if (parts.size() == 1) return cover;
-  for (const SolidPart& part : parts) cover.push_back(coverOfPart(part, shape.extent()));
+  for (const MeshPart& part : parts) cover.push_back(coverOfPart(part, shape.extent()));
   return cover;
 }
 

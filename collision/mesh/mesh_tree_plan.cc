@@ -23,7 +23,7 @@ using Triangle = std::array<std::int32_t, 3>;
 
 constexpr int kBins = 16;
 // From this depth on nodes are halved, so that kMaxDepth holds for any mesh of 2^31 triangles.
-constexpr int kFreeTreeDepth = MeshTree::kMaxDepth - 34;
+constexpr int kFreePlanDepth = MeshTree::kMaxDepth - 34;
 
 double halfArea(const Vector3d& low, const Vector3d& high) {
   const Vector3d d = high - low;
@@ -172,7 +172,7 @@ class Planner {
     auto middle = first + (end - begin) / 2;
     double cut = 0;
     int axis = -1;
-    if (depth < kFreeTreeDepth) {
+    if (depth < kFreePlanDepth) {
       axis = chooseCut(boxes_, {&*first, static_cast<std::size_t>(end - begin)}, cut);
     }
     if (axis >= 0) {

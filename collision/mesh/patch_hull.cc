@@ -8,6 +8,7 @@
 #include "collision/shapes/hull_builder.h"
 
 namespace leeway::collision {
+
 bool PatchHull::build(std::vector<Vector> points) {
   points_ = std::move(points);
   const HullBuilder builder(points_);

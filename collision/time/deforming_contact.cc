@@ -90,8 +90,6 @@ class Slabs {
   }
 
  private:
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
   bool isApart(const MovingBox& box, int k) const {
     const double t0 = static_cast<double>(k) / kSlabs * end_;
     const double t1 = static_cast<double>(k + 1) / kSlabs * end_;

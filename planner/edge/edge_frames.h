@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "collision/base/work.h"
 #include "collision/scene/scene_access.h"
 #include "leeway/planner/compiled_scene.h"
@@ -188,7 +189,6 @@ class EdgeFrames {
   robots::MotionBound motionNear(int motion, int slot, double half) const;
 
  private:
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   void take(const EdgeScene& edges);
   /// Takes an edge's ends; false as begin().
   bool takeLines(std::span<const double> a, std::span<const double> b);

@@ -8,6 +8,7 @@
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
+
 double velocityLimit(const robots::Variable& variable) {
   const double limit = variable.velocity;
   return limit > 0 && limit <= kMostLimit ? limit : kDefaultVelocity;

@@ -10,6 +10,7 @@
 #include "planner/execute/path_timing.h"
 
 namespace leeway::planner {
+
 Trajectory::Place Trajectory::place(double time) const {
   Place place;
   if (stretches_.empty() || !(time >= 0)) return place;

@@ -7,6 +7,7 @@
 #include "collision/base/numbers.h"
 
 namespace leeway::planner {
+
 double nearnessAt(const Nearness& nearness, double d) {
   if (!(d > 0)) return 1;
   if (nearness.kind == Nearness::Kind::kHinge) return std::max(0.0, 1 - d / nearness.distance);

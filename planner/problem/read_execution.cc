@@ -12,8 +12,8 @@ namespace leeway::planner {
 namespace {
 
 /// One number for all planned variables, or a map by variable.
-void readLimits(const YamlReader& execution, const char* key, const Problem& problem,
-                std::map<std::string, double>& limits) {
+void readMotionLimits(const YamlReader& execution, const char* key, const Problem& problem,
+                      std::map<std::string, double>& limits) {
   const auto given = execution.find(key);
   if (!given) return;
   const auto limitOf = [](const YamlReader& value) {
@@ -69,9 +69,9 @@ void readExecution(const YamlReader& reader, Problem& problem) {
   size("look_ahead", execution.look_ahead);
   size("buffer", execution.buffer);
   size("patience", execution.patience);
-  readLimits(reader, "velocities", problem, execution.velocities);
-  readLimits(reader, "accelerations", problem, execution.accelerations);
-  readLimits(reader, "jerks", problem, execution.jerks);
+  readMotionLimits(reader, "velocities", problem, execution.velocities);
+  readMotionLimits(reader, "accelerations", problem, execution.accelerations);
+  readMotionLimits(reader, "jerks", problem, execution.jerks);
   if (const auto corners = reader.find("corners")) {
     if (corners->text() == "stop")
       execution.corners = Corners::kStop;

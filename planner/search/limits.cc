@@ -17,9 +17,7 @@ Limits::Limits(double seconds, std::int64_t iterations, std::function<bool()> st
       stop_(std::move(stop)),
       progress_(std::move(progress)) {}
 
-double Limits::elapsed() const {
-  return std::chrono::duration<double>(Clock::now() - begin_).count();
-}
+double Limits::elapsed() const { return secondsSince(begin_); }
 
 bool Limits::pastCount() const { return iterations() >= limit_; }
 

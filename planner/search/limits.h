@@ -7,6 +7,8 @@
 #include <mutex>
 #include <string>
 
+#include "planner/base/clock.h"
+
 namespace leeway::planner {
 
 /// When a plan must end: at a deadline, after a count of iterations, or when the caller says so. An
@@ -42,7 +44,6 @@ class Limits {
   double elapsed() const;
 
  private:
-  using Clock = std::chrono::steady_clock;
   bool pastCount() const;
   void report(double now);
 

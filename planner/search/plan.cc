@@ -12,6 +12,7 @@
 #include "leeway/planner/simplify.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/stopped.h"
+#include "planner/base/clock.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/objective/lower_cost.h"
@@ -405,11 +406,9 @@ const char* toString(PlanStatus status) {
 }
 
 PlanResult plan(const Problem& problem, const PlanOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
+  const Clock::time_point begin = Clock::now();
   if (options.progress) options.progress("compile", 0);
-  const auto elapsed = [begin] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  };
+  const auto elapsed = [begin] { return secondsSince(begin); };
   bool is_late = false;
   const auto stop = [&] {
     const double limit = problem.limits.time;

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/simplify.h"
 #include "planner/base/tolerances.h"
 #include "planner/contact/distance_gradient.h"
@@ -50,8 +51,6 @@ class Pusher {
   std::vector<Point>& path() { return path_; }
 
  private:
-  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
   std::int64_t left() const {
     if (options_.stop && options_.stop()) return 0;
     return options_.work - (certifier_.statistics.work - first_work_) - own_work_;

@@ -279,7 +279,6 @@ class TaskPlan {
   void finish() {
     const Clock::time_point begin = Clock::now();
     Certificate& whole = result_.certificate;
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     whole.clearance = whole.world.clearance = whole.self.clearance = {kInfinity, kInfinity};
     whole.certified = true;
     Path& path = result_.path;

@@ -19,6 +19,7 @@
 #include "collision/base/numbers.h"
 #include "collision/base/work.h"
 #include "leeway/collision/distance.h"
+#include "planner/base/clock.h"
 #include "planner/base/tolerances.h"
 #include "planner/verify/kinematics.h"
 #include "planner/verify/pairs.h"
@@ -83,8 +84,6 @@ class Verifier {
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   struct Span {
     double begin, end;
   };
@@ -121,8 +120,7 @@ class Verifier {
 
   /// False when the whole path is decided or the work is used up.
   bool checkSegment(std::size_t segment) {
-    if (options_.progress)
-      options_.progress("edge", std::chrono::duration<double>(Clock::now() - begin_).count());
+    if (options_.progress) options_.progress("edge", secondsSince(begin_));
     a_ = path_.positions[segment];
     b_ = path_.positions[std::min(segment + 1, path_.positions.size() - 1)];
     placed_at_ = std::numeric_limits<double>::quiet_NaN();

@@ -148,8 +148,8 @@ planner::PlanResult search(const planner::Problem& problem, const planner::Compi
   return result;
 }
 
-void certify(const std::shared_ptr<const planner::CompiledScene>& scene,
-             planner::PlanResult& result) {
+void certifyPlan(const std::shared_ptr<const planner::CompiledScene>& scene,
+                 planner::PlanResult& result) {
   planner::EdgeCertifier certifier(scene);
   result.certificate = planner::certify(certifier, result.path, 1e-4);
   result.goal = 0;
@@ -188,7 +188,7 @@ Result planWhere(const Problem& problem, const py::object& accept, const py::obj
     const double end = seconds() + value->limits.time;
     planner::PlanResult found = search(*value, *scene, information, start, goal,
                                        [&] { return interrupt() || seconds() > end; });
-    if (!found.path.positions.empty()) certify(scene, found);
+    if (!found.path.positions.empty()) certifyPlan(scene, found);
     return found;
   });
   interrupt.rethrow();

@@ -33,8 +33,8 @@ std::vector<double> sampleTimes(const Trajectory& trajectory) {
 /// What is asked of a trajectory at a time.
 using Value = void (planner::Trajectory::*)(double, std::span<double>) const;
 
-py::array_t<double> at(const Trajectory& self, std::span<const double> times,
-                       std::vector<py::ssize_t> shape, Value value) {
+py::array_t<double> sampled(const Trajectory& self, std::span<const double> times,
+                            std::vector<py::ssize_t> shape, Value value) {
   std::vector<double> values(times.size() * self.size());
   released([&] {
     for (std::size_t i = 0; i < times.size(); ++i)
@@ -46,13 +46,13 @@ py::array_t<double> at(const Trajectory& self, std::span<const double> times,
 
 py::array_t<double> sampled(const Trajectory& self, Value value) {
   const std::vector<double> times = sampleTimes(self);
-  return at(self, times, {static_cast<py::ssize_t>(times.size())}, value);
+  return sampled(self, times, {static_cast<py::ssize_t>(times.size())}, value);
 }
 
 template <Value kValue>
 py::array_t<double> asked(const Trajectory& self, const py::object& time) {
   const Rows times = scalars(time, "time");
-  return at(self, times.values, times.shape, kValue);
+  return sampled(self, times.values, times.shape, kValue);
 }
 
 }  // namespace

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "collision/base/numbers.h"
+
 namespace leeway::tools::report {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Elements of one name at any depth.
 int count(const tinyxml2::XMLElement* element, const std::string& name) {
@@ -69,7 +69,7 @@ TEST(Plot, SameNameSameColourInEveryPanel) {
 
 TEST(Plot, PointsBeyondTheBorderAreHollowAndNanIsLeftOut) {
   Figure figure;
-  PlotPanel panel{"p", {"x"}, {"y"}, {{"s", {{1, 1}, {0, 2}, {kNan, 3}, {3, kNan}, {9, 9}}}}};
+  PlotPanel panel{"p", {"x"}, {"y"}, {{"s", {{1, 1}, {0, 2}, {kNaN, 3}, {3, kNaN}, {9, 9}}}}};
   panel.x.lower = 0.1, panel.x.upper = 5;
   figure.panels.push_back(panel);
   const std::string svg = toSvg(figure);

@@ -9,6 +9,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "collision/base/numbers.h"
 #include "tests/support/command.h"
 #include "tools/report/accuracy/accuracy_report.h"
 #include "tools/report/accuracy/own_engine.h"
@@ -19,7 +20,6 @@ namespace leeway::tools::testing {
 namespace {
 
 using namespace report;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<std::vector<std::string>> readCsv(const std::string& text) {
   std::vector<std::vector<std::string>> rows;
@@ -71,7 +71,7 @@ class Clown : public PairEngine {
         case 1:
           std::abort();
         case 2:
-          return {kNan, kNan};
+          return {kNaN, kNaN};
         case 3:
           return {truth_ + 1, truth_ + 1};
         case 4:
@@ -102,7 +102,7 @@ TEST(ReportAccuracy, CountsWhatAnEngineGetsWrong) {
   ASSERT_EQ(set.families[0].name, "box-box");
   const Clown clown;
   AccuracyOptions options;
-  options.tolerances = {kNan};
+  options.tolerances = {kNaN};
   options.passes = 1;
   const auto rows = measureAccuracy(set, {&clown}, options);
   ASSERT_EQ(rows.size(), 1u);

@@ -1,27 +1,45 @@
 # Most of a file's time goes to the templates of others that it uses (CLI11, nlohmann-json, std::function). The files of a folder are compiled together,
 # up to eight at once: a whole build takes half the time, a change of one file longer. The debug preset, for changes, compiles each file alone; so does
-# the clang preset, which finds what a file forgets to include. A folder's files share one anonymous namespace, so its names are unique in the folder.
+# the clang preset, which finds what a file forgets to include. The files of a folder share one anonymous namespace, so a name stands for one thing in
+# it; tools/test --full compiles whole folders at once. Where a file cannot be changed so, it is compiled alone.
 option(LEEWAY_UNITY "Compile the files of a folder together" ${PROJECT_IS_TOP_LEVEL})
+set(LEEWAY_UNITY_FILES 8 CACHE STRING "Most files of a folder that are compiled together")
 
-# leeway_unite(TARGET FILES...): FILES are compiled alone, and so is each file with options of its own (set before).
+# leeway_unite(TARGET FILES...), in the folder that makes TARGET: FILES are compiled alone; so are files with options of their own (set before), those for
+# every instruction set (_simd.cc), and those that the build writes.
 function(leeway_unite target)
   if(NOT LEEWAY_UNITY)
     return()
   endif()
+  set(folders)
   list(TRANSFORM ARGN PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE alone)
   get_target_property(sources ${target} SOURCES)
   foreach(source ${sources})
     get_filename_component(source ${source} ABSOLUTE)
-    get_filename_component(folder ${source} DIRECTORY)
+    cmake_path(IS_PREFIX CMAKE_CURRENT_BINARY_DIR "${source}" is_built)
     get_source_file_property(options ${source} COMPILE_OPTIONS)
     get_source_file_property(definitions ${source} COMPILE_DEFINITIONS)
-    if(options OR definitions OR source IN_LIST alone OR source MATCHES "_simd\\.cc$" OR source MATCHES "^${CMAKE_CURRENT_BINARY_DIR}/")
+    if(options OR definitions OR is_built OR source IN_LIST alone OR source MATCHES "_simd\\.cc$")
       continue()
     endif()
-    string(MAKE_C_IDENTIFIER "${folder}" name)
-    math(EXPR ${name}_count "${${name}_count} + 1")
-    math(EXPR group "(${${name}_count} - 1) / 8")
-    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${name}_${group})
+    get_filename_component(folder ${source} DIRECTORY)
+    cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
+    string(MAKE_C_IDENTIFIER "${folder}" folder)
+    list(APPEND folders ${folder})
+    list(APPEND files_of_${folder} ${source})
+  endforeach()
+  list(REMOVE_DUPLICATES folders)
+  foreach(folder ${folders})
+    list(LENGTH files_of_${folder} count)
+    if(count EQUAL 1)
+      continue()
+    endif()
+    set(place 0)
+    foreach(source ${files_of_${folder}})
+      math(EXPR group "${place} / ${LEEWAY_UNITY_FILES}")
+      math(EXPR place "${place} + 1")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${group})
+    endforeach()
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()

@@ -11,7 +11,7 @@ namespace leeway::collision {
 namespace {
 
 // Most halvings of a cell [count]: the slack covers the rounding of as many.
-constexpr int kFacetHalvings = 24;
+constexpr int kMostFacetHalvings = 24;
 // Cells of one facet [count]; more cover larger facets, and cost more where they fail.
 constexpr int kMostCells = 256;
 
@@ -24,7 +24,7 @@ constexpr int kMostCells = 256;
 //   a vertex's x, as a member (see support.h)                      3
 //   its centres                                                    8
 //   M x                                                            10
-//   at most kFacetHalvings means of two, half a unit each           12
+//   at most kMostFacetHalvings means of two, half a unit each           12
 //
 // In units of u L^2:
 //   a product of two of these                                      < 48
@@ -107,7 +107,7 @@ bool CurvedFacets::covers(const SupportPoint& w0, const SupportPoint& w1, const 
   for (const CurvedCorner& c : corners) {
     if (!holdsAt(c, depth)) return false;
   }
-  Cell stack[kFacetHalvings + 1];
+  Cell stack[kMostFacetHalvings + 1];
   stack[0] = {{corners[0], corners[1], corners[2]}, 0};
   int count = 1;
   for (int cells = 0; count > 0; ++cells) {
@@ -117,7 +117,7 @@ bool CurvedFacets::covers(const SupportPoint& w0, const SupportPoint& w1, const 
       --count;
       continue;
     }
-    if (cells >= kMostCells || cells_left_ <= 0 || cell.depth == kFacetHalvings) {
+    if (cells >= kMostCells || cells_left_ <= 0 || cell.depth == kMostFacetHalvings) {
       return false;
     }
     // Halves it across its longest edge, from corner i to corner j.

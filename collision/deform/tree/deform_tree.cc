@@ -5,6 +5,7 @@
 #include "collision/base/numbers.h"
 
 namespace leeway::collision {
+
 DeformTree::DeformTree(const DeformTree& other, std::pmr::memory_resource* memory)
     : nodes_(other.nodes_, memory),
       up_(other.up_, memory),

@@ -21,8 +21,6 @@ namespace {
 using Eigen::Vector3d;
 using oracle::Random;
 
-const double kNan = std::numeric_limits<double>::quiet_NaN();
-
 Pose at(double x, double y, double z) { return {Eigen::Matrix3d::Identity(), Vector3d(x, y, z)}; }
 
 Eigen::Matrix3d quarterTurnAboutY() {
@@ -176,7 +174,7 @@ TEST(Distance, PosesThatAreNoneAreRefused) {
   Scratch scratch;
   const Shape box = Shape::box({1, 1, 1}), sphere = Shape::sphere(1);
   int refused = 0;
-  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+  for (const double bad : {kNaN, kInfinity, -kInfinity}) {
     for (int i = 0; i < 12; ++i) {
       Pose X = at(4, 0, 0);
       (i < 9 ? X.rotation(i % 3, i / 3) : X.translation[i - 9]) = bad;
@@ -539,7 +537,7 @@ TEST(Distance, DefaultToleranceIsOfTheSizes) {
 TEST(Distance, DefaultToleranceIsFinite) {
   Scratch scratch;
   const Shape ball = Shape::sphere(1), box = Shape::box({1, 1, 1});
-  for (const double far : {1e60, 1e160, 1e300, 1.7e308, kInfinity, kNan}) {
+  for (const double far : {1e60, 1e160, 1e300, 1.7e308, kInfinity, kNaN}) {
     const Pose X_WA = at(-far, -far, far), X_WB = at(far, far, -far);
     const double asked = defaultTolerance(ball, X_WA, box, X_WB);
     EXPECT_TRUE(asked >= 0 && asked < kInfinity) << far;

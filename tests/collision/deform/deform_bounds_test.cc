@@ -259,13 +259,13 @@ TEST(DeformBounds, SameBytesOnEveryInstructionSet) {
 }
 
 /// A randomly oriented box: far away, nearly touching, or around some of the vertices.
-struct MovingBody {
+struct ProbedBox {
   Vector3d low, high;
   double radius;
   Pose X_BA;
 };
-MovingBody randomBody(Random& random, std::span<const Vector3d> positions) {
-  MovingBody body;
+ProbedBox randomBox(Random& random, std::span<const Vector3d> positions) {
+  ProbedBox body;
   body.low = -motion_cases::randomVector(random, 0.2).cwiseAbs();
   body.high = motion_cases::randomVector(random, 0.2).cwiseAbs();
   if (random.chance(0.3)) body.low = body.high = Vector3d::Zero();
@@ -279,7 +279,7 @@ MovingBody randomBody(Random& random, std::span<const Vector3d> positions) {
 
 /// Signed distance of a vertex from the body; inside: minus the depth below which no translation
 /// separates.
-double separation(const MovingBody& body, const Vector3d& vertex) {
+double separation(const ProbedBox& body, const Vector3d& vertex) {
   const Vector3d p = body.X_BA.rotation.transpose() * (vertex - body.X_BA.translation);
   const Vector3d outside = (body.low - p).cwiseMax(p - body.high);
   const double deepest = outside.maxCoeff();
@@ -307,7 +307,7 @@ TEST(DeformBounds, VolumesProveWhatHoldsForTheVerticesOfEveryNode) {
         c.motion->parameters(random.uniform(-1, 4), parameters);
         check(*c.motion, *bounds, *tree, parameters, c.name, fit);
         c.motion->vertices(parameters, 0, positions);
-        const MovingBody body = randomBody(random, positions);
+        const ProbedBox body = randomBox(random, positions);
         const Probe probe =
             makeProbe(body.low, body.high, body.radius, body.X_BA, nullptr, 10, 1e-14);
         for (std::int32_t node = 0; node < tree->nodeCount(); ++node) {

@@ -17,8 +17,6 @@
 namespace leeway::collision {
 namespace {
 
-const double kNan = std::numeric_limits<double>::quiet_NaN();
-
 std::string messageOf(const std::function<void()>& make) {
   try {
     make();
@@ -29,7 +27,7 @@ std::string messageOf(const std::function<void()>& make) {
 }
 
 TEST(Shape, RefusesSizesThatAreNoSizes) {
-  for (const double bad : {-1e-300, -1.0, kNan, kInfinity, -kInfinity}) {
+  for (const double bad : {-1e-300, -1.0, kNaN, kInfinity, -kInfinity}) {
     EXPECT_THROW(Shape::sphere(bad), InvalidShape) << bad;
     EXPECT_THROW(Shape::capsule(bad, 1), InvalidShape) << bad;
     EXPECT_THROW(Shape::capsule(1, bad), InvalidShape) << bad;

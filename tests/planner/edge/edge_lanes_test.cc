@@ -23,7 +23,7 @@ struct Count {
   int closer_contacts = 0, part_contacts = 0, part_certified = 0, part_near = 0;
 };
 
-std::vector<double> randomPlannedPoint(Random& random, const CompiledScene& scene) {
+std::vector<double> randomPlanned(Random& random, const CompiledScene& scene) {
   const std::vector<double> q = robots::testing::randomConfiguration(random, scene.model());
   std::vector<double> point;
   for (const int v : scene.space().variables()) point.push_back(q[static_cast<std::size_t>(v)]);
@@ -105,8 +105,8 @@ void check(Random& random, const Problem& problem, int edges, Count& count) {
   };
   std::vector<double> b(static_cast<std::size_t>(scene->space().size()));
   for (int i = 0; i < edges; ++i) {
-    const std::vector<double> a = randomPlannedPoint(random, *scene);
-    scene->space().interpolate(a, randomPlannedPoint(random, *scene), random.uniform(0.02, 1), b);
+    const std::vector<double> a = randomPlanned(random, *scene);
+    scene->space().interpolate(a, randomPlanned(random, *scene), random.uniform(0.02, 1), b);
     if (!frames.begin(a, b) || !lanes.begin(frames)) continue;
     ++count.edges;
     LaneSweep::Contact contact = lanes.sweep(frames);
@@ -209,7 +209,7 @@ TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
   const auto scene = std::make_shared<const CompiledScene>(
       testing::randomProblem(random, testing::randomArm(random), 20, 1.2));
   std::vector<std::vector<double>> points;
-  for (int i = 0; i < 120; ++i) points.push_back(randomPlannedPoint(random, *scene));
+  for (int i = 0; i < 120; ++i) points.push_back(randomPlanned(random, *scene));
   std::vector<std::vector<std::uint32_t>> results;
   onEveryTarget([&](const char*) {
     EdgeFrames frames(scene, 64);
@@ -256,9 +256,9 @@ TEST(EdgeLanes, EdgesAreToldTheSameOnEveryInstructionSet) {
     const auto scene = std::make_shared<const CompiledScene>(problem);
     std::vector<std::vector<double>> points;
     for (int i = 0; i < 60; ++i) {
-      points.push_back(randomPlannedPoint(random, *scene));
+      points.push_back(randomPlanned(random, *scene));
       std::vector<double> end(points.back().size());
-      const std::vector<double> towards = randomPlannedPoint(random, *scene);
+      const std::vector<double> towards = randomPlanned(random, *scene);
       scene->space().interpolate(points.back(), towards, random.uniform(0.02, 0.5), end);
       points.push_back(end);
     }

@@ -18,8 +18,6 @@
 namespace leeway::planner {
 namespace {
 
-const std::string kSource = leeway::sourceFolder();
-
 /// A robot of two arms whose description splits one link's geometry, as some real ones do: torso_2
 /// is fixed to torso and unknown to every matrix. `knob` is fixed to the torso as well, but is
 /// separate.

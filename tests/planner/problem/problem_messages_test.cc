@@ -15,14 +15,13 @@
 namespace leeway::planner {
 namespace {
 
-const std::string kProject = leeway::sourceFolder();
-
 /// Lines 1 to 7: a complete problem apart from the case's addition. Joints: pan, lift, elbow,
 /// wrist1, wrist2, wrist3 (with _joint).
 std::string withRobot(const std::string& more,
                       const std::string& start = "[0, -1.5, 0, -1.5, 0, 0]",
                       const std::string& goal = "[1, -1.5, 0, -1.5, 0, 0]") {
-  return "leeway: 1\nrobot:\n  urdf: " + kProject + "/robots/arm6/arm6.urdf\n  srdf: " + kProject +
+  return "leeway: 1\nrobot:\n  urdf: " + sourceFolder() +
+         "/robots/arm6/arm6.urdf\n  srdf: " + sourceFolder() +
          "/robots/arm6/arm6.srdf\n  group: arm\nstart: " + start + "\ngoal: " + goal + "\n" + more;
 }
 
@@ -295,7 +294,7 @@ TEST(ProblemMessages, Names) {
 
 TEST(ProblemMessages, Robots) {
   const std::string states = "start: [0]\ngoal: [0]\n";
-  const std::string urdf = kProject + "/robots/arm6/arm6.urdf";
+  const std::string urdf = sourceFolder() + "/robots/arm6/arm6.urdf";
   expectMessages({
       {"leeway: 1\n" + states, 1,
        "the file has neither 'robot' nor 'body'; one of them is expected"},
@@ -309,7 +308,7 @@ TEST(ProblemMessages, Robots) {
        "absent.srdf', which does not exist; an existing file is expected"},
       {"leeway: 1\nrobot:\n  urdf: " + urdf + "\n  packages: {a: nowhere}\n" + states, 4,
        "nowhere'; an existing folder is expected"},
-      {"leeway: 1\nrobot:\n  urdf: " + urdf + "\n  srdf: " + kProject +
+      {"leeway: 1\nrobot:\n  urdf: " + urdf + "\n  srdf: " + sourceFolder() +
            "/robots/arm6/arm6.srdf\n  group: amr\n" + states,
        5, "robot 'arm6' has no group 'amr'; did you mean 'arm'?"},
       {"leeway: 1\nbody: {joint: flying}\n" + states, 2,
@@ -410,11 +409,11 @@ TEST(ProblemMessages, GoalPoses) {
 }
 
 TEST(ProblemMessages, Moveit) {
-  const std::string robot = "leeway: 1\nrobot: {urdf: " + kProject +
-                            "/robots/arm7/arm7.urdf, srdf: " + kProject +
+  const std::string robot = "leeway: 1\nrobot: {urdf: " + sourceFolder() +
+                            "/robots/arm7/arm7.urdf, srdf: " + sourceFolder() +
                             "/robots/arm7/arm7.srdf}\n";
-  const std::string moveit = "moveit: {scene: " + kProject +
-                             "/problems/moveit/scene0001.yaml, request: " + kProject +
+  const std::string moveit = "moveit: {scene: " + sourceFolder() +
+                             "/problems/moveit/scene0001.yaml, request: " + sourceFolder() +
                              "/problems/moveit/request0001.yaml}\n";
   const Folder folder;
   EXPECT_NO_THROW(loadProblem(folder.write("good.yaml", robot + moveit)));

@@ -27,13 +27,12 @@ namespace {
 
 using collision::ShapeType;
 
-const std::string kRoot = leeway::sourceFolder();
 constexpr double kPi = 3.14159265358979323846;
 
 Problem load(const std::string& text) { return loadProblem(Folder().write("problem.yaml", text)); }
 
 std::string robot(const std::string& name, const std::string& group) {
-  const std::string path = kRoot + "/robots/" + name + "/" + name;
+  const std::string path = sourceFolder() + "/robots/" + name + "/" + name;
   return "leeway: 1\nrobot: {urdf: " + path + ".urdf, srdf: " + path + ".srdf, group: " + group +
          "}\n";
 }
@@ -117,7 +116,7 @@ TEST(Problem, EveryWordForAShapeHasAReader) {
       {"cone", {ShapeType::kCone, "{radius: 1, height: 1}"}},
       {"ellipsoid", {ShapeType::kEllipsoid, "{semi_axes: [1, 1, 1]}"}},
       {"half_space", {ShapeType::kHalfSpace, "{}"}},
-      {"mesh", {ShapeType::kMesh, "{file: " + kRoot + "/problems/mesh/meshes/tote.obj}"}},
+      {"mesh", {ShapeType::kMesh, "{file: " + sourceFolder() + "/problems/mesh/meshes/tote.obj}"}},
       {"convex_hull",
        {ShapeType::kConvexHull, "{points: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}"}},
   };
@@ -131,7 +130,8 @@ TEST(Problem, EveryWordForAShapeHasAReader) {
 }
 
 TEST(Problem, ShapesHaveTheSizesTheyName) {
-  const Problem problem = load(robot("arm6", "arm") + kArm6Ends + R"(
+  const Problem problem =
+      load(robot("arm6", "arm") + kArm6Ends + R"(
 objects:
   - {name: box, box: {size: [1, 2, 3]}}
   - {name: sphere, sphere: {radius: 0.5}}
@@ -142,9 +142,9 @@ objects:
   - {name: floor, half_space: {}}
   - {name: hull, convex_hull: {points: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}}
   - {name: tote, mesh: {file: )" +
-                               kRoot + R"(/problems/mesh/meshes/tote.obj, scale: 2}}
+           sourceFolder() + R"(/problems/mesh/meshes/tote.obj, scale: 2}}
   - {name: tote_hull, convex_hull: {file: )" +
-                               kRoot + R"(/problems/mesh/meshes/tote.obj, scale: [1, 1, 2]}}
+           sourceFolder() + R"(/problems/mesh/meshes/tote.obj, scale: [1, 1, 2]}}
   - name: two
     position: [1, 0, 0]
     rpy: [0, 0, 1.5707963267948966]
@@ -333,7 +333,7 @@ double difference(const robots::Pose& a, const robots::Pose& b) {
 }
 
 TEST(AttachedObjects, AreReadInTheFrameOfTheirLink) {
-  const Problem problem = loadProblem(kRoot + "/problems/bin/pick.yaml");
+  const Problem problem = loadProblem(sourceFolder() + "/problems/bin/pick.yaml");
   ASSERT_EQ(problem.robot.attachments.size(), 1U);
   const Attachment& can = problem.robot.attachments[0];
   EXPECT_EQ(can.object.name, "can");
@@ -343,7 +343,7 @@ TEST(AttachedObjects, AreReadInTheFrameOfTheirLink) {
 }
 
 TEST(AttachedObjects, StayWhereTheyAreWhenPutDownAndTakenUp) {
-  const Problem held = loadProblem(kRoot + "/problems/bin/pick.yaml");
+  const Problem held = loadProblem(sourceFolder() + "/problems/bin/pick.yaml");
   const robots::Pose before = worldPose(held, "can");
   const Problem down = detachObject(held, "can");
   EXPECT_TRUE(down.robot.attachments.empty());
@@ -359,7 +359,7 @@ TEST(AttachedObjects, StayWhereTheyAreWhenPutDownAndTakenUp) {
 }
 
 TEST(AttachedObjects, CanBePutDownElsewhere) {
-  const Problem held = loadProblem(kRoot + "/problems/bin/pick.yaml");
+  const Problem held = loadProblem(sourceFolder() + "/problems/bin/pick.yaml");
   std::vector<double> goal = held.start;
   for (std::size_t i = 0; i < held.robot.variables.size(); ++i)
     goal[static_cast<std::size_t>(held.robot.variables[i])] = held.goals[0].ranges[i].first;
@@ -371,7 +371,7 @@ TEST(AttachedObjects, CanBePutDownElsewhere) {
 
 /// A held object may touch the links named for it, and collides with all else.
 TEST(AttachedObjects, MayTouchOnlyWhatIsNamed) {
-  const Problem held = loadProblem(kRoot + "/problems/bin/pick.yaml");
+  const Problem held = loadProblem(sourceFolder() + "/problems/bin/pick.yaml");
   const auto verdict = [](const Problem& problem) {
     EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
     std::vector<double> start;
@@ -392,7 +392,7 @@ TEST(AttachedObjects, MayTouchOnlyWhatIsNamed) {
 }
 
 TEST(AttachedObjects, UnknownNamesAreRefused) {
-  const Problem held = loadProblem(kRoot + "/problems/bin/pick.yaml");
+  const Problem held = loadProblem(sourceFolder() + "/problems/bin/pick.yaml");
   EXPECT_THROW(attachObject(held, "can", "tool"), std::invalid_argument);  // already held
   EXPECT_THROW(attachObject(held, "box_a", "tol"), std::invalid_argument);
   EXPECT_THROW(attachObject(held, "box_a", "tool", {"hnd"}), std::invalid_argument);
@@ -404,8 +404,8 @@ TEST(AttachedObjects, UnknownNamesAreRefused) {
 // ---- Without a file ----
 
 TEST(ProblemFromStates, TakesGroupStates) {
-  const auto model =
-      robots::loadModel(kRoot + "/robots/arm6/arm6.urdf", kRoot + "/robots/arm6/arm6.srdf");
+  const auto model = robots::loadModel(sourceFolder() + "/robots/arm6/arm6.urdf",
+                                       sourceFolder() + "/robots/arm6/arm6.srdf");
   const Problem problem = problemFromStates(model, "arm", "home", "ready");
   EXPECT_EQ(problem.robot.variables.size(), 6U);
   EXPECT_EQ(problem.start[1], -1.5708);
@@ -429,7 +429,7 @@ TEST(ProblemFromStates, TakesGroupStates) {
 /// Our descriptions disable only neighbouring pairs, and the two fingers of one hand.
 TEST(ShippedRobots, DisableOnlyNeighbours) {
   for (const std::string name : {"arm6", "arm7", "dual_arm", "snake10"}) {
-    const std::string path = kRoot + "/robots/" + name + "/" + name;
+    const std::string path = sourceFolder() + "/robots/" + name + "/" + name;
     const auto model = robots::loadModel(path + ".urdf", path + ".srdf");
     EXPECT_TRUE(model->warnings.empty()) << name;
     EXPECT_GE(model->disabled_pairs.size(), 6U) << name;
@@ -448,7 +448,7 @@ TEST(ShippedRobots, DisableOnlyNeighbours) {
 TEST(ShippedRobots, HaveThePublishedReach) {
   const auto reach = [](const std::string& name, const std::string& link,
                         const std::vector<double>& q) {
-    const std::string path = kRoot + "/robots/" + name + "/" + name;
+    const std::string path = sourceFolder() + "/robots/" + name + "/" + name;
     const auto model = robots::loadModel(path + ".urdf", path + ".srdf");
     std::vector<double> all = model->defaultConfiguration();
     std::copy(q.begin(), q.end(), all.begin());

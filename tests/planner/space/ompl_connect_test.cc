@@ -20,9 +20,9 @@ namespace {
 namespace ob = ompl::base;
 
 /// An OMPL program that plans the wall's problem with Connect.
-class OmplConnectOnAWall : public testing::Test {
+class OmplConnectTest : public testing::Test {
  protected:
-  OmplConnectOnAWall()
+  OmplConnectTest()
       : scene_(std::make_shared<const CompiledScene>(test::wallProblem())),
         information_(makeSpaceInformation(scene_, 1, std::make_shared<CertifierPool>(scene_))) {
     ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
@@ -62,7 +62,7 @@ class OmplConnectOnAWall : public testing::Test {
   ob::SpaceInformationPtr information_;
 };
 
-TEST_F(OmplConnectOnAWall, PlansACertifiedPathFromStartToGoal) {
+TEST_F(OmplConnectTest, PlansACertifiedPathFromStartToGoal) {
   const auto problem = definition();
   OmplConnect planner(information_);
   planner.setProblemDefinition(problem);
@@ -75,7 +75,7 @@ TEST_F(OmplConnectOnAWall, PlansACertifiedPathFromStartToGoal) {
   EXPECT_GT(path->length(), 3);  // through the gap
 }
 
-TEST_F(OmplConnectOnAWall, RepeatsItselfAfterClear) {
+TEST_F(OmplConnectTest, RepeatsItselfAfterClear) {
   OmplConnect planner(information_);
   std::vector<double> first;
   for (int run = 0; run < 2; ++run) {
@@ -90,7 +90,7 @@ TEST_F(OmplConnectOnAWall, RepeatsItselfAfterClear) {
   }
 }
 
-TEST_F(OmplConnectOnAWall, TakesParametersByName) {
+TEST_F(OmplConnectTest, TakesParametersByName) {
   OmplConnect planner(information_);
   EXPECT_TRUE(planner.params().setParam("range", "0.5"));
   EXPECT_TRUE(planner.params().setParam("balance", "0"));
@@ -108,13 +108,13 @@ TEST_F(OmplConnectOnAWall, TakesParametersByName) {
               0.5 + 1e-9);
 }
 
-TEST_F(OmplConnectOnAWall, StopsWhenAsked) {
+TEST_F(OmplConnectTest, StopsWhenAsked) {
   OmplConnect planner(information_);
   planner.setProblemDefinition(definition());
   EXPECT_EQ(planner.solve(looks(0)), ob::PlannerStatus::TIMEOUT);
 }
 
-TEST_F(OmplConnectOnAWall, RefusesAProblemWithoutAStart) {
+TEST_F(OmplConnectTest, RefusesAProblemWithoutAStart) {
   const auto problem = std::make_shared<ob::ProblemDefinition>(information_);
   OmplConnect planner(information_);
   problem->setGoalState(state(1, -1));

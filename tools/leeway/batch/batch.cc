@@ -18,6 +18,7 @@
 #include <thread>
 #include <variant>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
@@ -26,6 +27,7 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/stopped.h"
+#include "planner/base/clock.h"
 #include "tools/leeway/batch/batch_list.h"
 #include "tools/leeway/batch/batch_output.h"
 #include "tools/leeway/batch/ompl_log.h"
@@ -42,7 +44,8 @@
 namespace leeway::tools {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using planner::Clock;
+using planner::secondsSince;
 
 struct Arguments {
   ProblemSource source;  ///< robot, srdf and packages only
@@ -52,10 +55,6 @@ struct Arguments {
   bool resume = false, verify = false, pose_goals = false;
   int repeat = 1, jobs = 1;
 };
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// What became of the problems, for the end of stderr and for the exit status.
 struct Tally {
@@ -104,7 +103,6 @@ double median(std::vector<double> values) {
 /// tasks for inverse kinematics.
 void posesForGoals(planner::Problem& problem) {
   const robots::Model& model = *problem.robot.model;
-  const auto at = [](int i) { return static_cast<std::size_t>(i); };
   const int link =
       model.joints[at(model.variables[at(problem.robot.variables.back())].joint)].child_link;
   std::vector<robots::Pose> X_WL(model.links.size());

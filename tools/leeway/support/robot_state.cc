@@ -11,6 +11,7 @@
 #include "planner/base/did_you_mean.h"
 
 namespace leeway::tools {
+
 void badState(const std::string& text, const std::string& message) {
   throw robots::InputError("command line", 0, fmt::format("--state '{}': {}", text, message));
 }

@@ -47,15 +47,15 @@ class BodyClearances {
     workspace_.prepare(scene_->scene());
   }
 
-  std::vector<double> at(const std::vector<double>& position) {
+  std::vector<double> clearancesAt(const std::vector<double>& position) {
     place(position);
     const collision::Scene& scene = scene_->scene();
     std::vector<double> clearance(scene.bodies().size(), kInfinity);
     for (std::size_t p = 0; p < scene.pairs().size(); ++p) {
       const collision::ScenePair& pair = scene.pairs()[p];
-      double& a = clearance[leeway::at(pair.body_a)];
-      double& b = clearance[leeway::at(pair.body_b)];
-      const bool b_counts = all_ || scene.bodies()[leeway::at(pair.body_b)].moving;
+      double& a = clearance[at(pair.body_a)];
+      double& b = clearance[at(pair.body_b)];
+      const bool b_counts = all_ || scene.bodies()[at(pair.body_b)].moving;
       const double apart = bound(pair);
       if (apart > a && (!b_counts || apart > b)) continue;
       const double upper =
@@ -74,16 +74,15 @@ class BodyClearances {
     const auto bodies = scene_->scene().bodies();
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       if (bodies[b].moving)
-        workspace_.setPose(static_cast<int>(b),
-                           X_WL_[leeway::at(scene_->bodyLink(static_cast<int>(b)))]);
+        workspace_.setPose(static_cast<int>(b), X_WL_[at(scene_->bodyLink(static_cast<int>(b)))]);
     }
   }
 
   /// No less apart than this, but for rounding: it only decides what is asked [m].
   double bound(const collision::ScenePair& pair) const {
     const auto ball = [&](int body, int geometry) {
-      const collision::Body& of = scene_->scene().bodies()[leeway::at(body)];
-      const collision::Geometry& g = of.geometries[leeway::at(geometry)];
+      const collision::Body& of = scene_->scene().bodies()[at(body)];
+      const collision::Geometry& g = of.geometries[at(geometry)];
       const collision::Pose& X_WB = of.moving ? workspace_.pose(body) : of.X_WB;
       return std::pair(Eigen::Vector3d(X_WB * (g.X_BG * g.shape.boundingCenter())),
                        g.shape.boundingRadius());
@@ -248,7 +247,8 @@ Timeline timelineOfPath(const planner::Problem& problem,
       moment.check = certifier.clearance(moment.position, kMomentTolerance);
       moment.closest = pairOf(moment.check, *stage.scene, *scene);
       moment.placed = placedObjects(problem, *scene, stage.problem, moment.position);
-      timeline.body_clearance.push_back(inShown(bodies.at(moment.position), *stage.scene, *scene));
+      timeline.body_clearance.push_back(
+          inShown(bodies.clearancesAt(moment.position), *stage.scene, *scene));
       if (!timeline.moments.empty())
         timeline.stretches.push_back(proven(certifier, timeline.moments.back(), moment, margin));
       timeline.moments.push_back(std::move(moment));
@@ -279,7 +279,7 @@ Timeline timelineOfSteps(const planner::Problem& problem,
     Moment moment{time, std::move(position), {}, {}};
     moment.check = certifier.clearance(moment.position, kMomentTolerance);
     moment.closest = pairOf(moment.check, *scene, *scene);
-    timeline.body_clearance.push_back(bodies.at(moment.position));
+    timeline.body_clearance.push_back(bodies.clearancesAt(moment.position));
     timeline.moments.push_back(std::move(moment));
   };
   for (const planner::ReplanStep& step : steps) {
@@ -306,7 +306,7 @@ Timeline timelineOfState(const planner::Problem& problem,
   moment.closest = pairOf(moment.check, *stage.scene, *scene);
   moment.placed = placedObjects(problem, *scene, stage.problem, position);
   timeline.moments.push_back(std::move(moment));
-  timeline.body_clearance.push_back(inShown(bodies.at(position), *stage.scene, *scene));
+  timeline.body_clearance.push_back(inShown(bodies.clearancesAt(position), *stage.scene, *scene));
   keepLeast(timeline);
   return timeline;
 }

@@ -17,6 +17,7 @@
 #include "collision/base/numbers.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/simplify.h"
+#include "planner/base/clock.h"
 #include "planner/space/ompl_lock.h"
 #include "planner/space/ompl_planners.h"
 #include "tools/report/planning/rival_space.h"
@@ -26,11 +27,8 @@ namespace {
 
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
+using planner::Clock;
+using planner::secondsSince;
 
 std::shared_ptr<const planner::CompiledScene> worldAlone(const planner::CompiledScene& scene) {
   return scene.withPairs([&](const collision::ScenePair& pair) { return !scene.isOfRobot(pair); });

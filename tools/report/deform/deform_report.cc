@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "tools/report/base/guard.h"
 #include "tools/report/base/statistics.h"
 #include "tools/report/deform/deform_scenes.h"
@@ -18,7 +19,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kThreshold = 0.05;  // [m]
 /// Measured for every engine however slow (or all frames, if fewer).
 constexpr int kLeastFrames = 3;
@@ -139,7 +139,7 @@ class Runner {
         ++place;
       }
     } else {
-      distances.insert(distances.end(), 3, kNan);
+      distances.insert(distances.end(), 3, kNaN);
     }
     shared.nodes = follower_->nodesTouched();
     shared.vertices = follower_->verticesTouched();
@@ -171,8 +171,8 @@ class Runner {
 
   double askAll(std::optional<int> first, std::span<const collision::Pose, 12> links) {
     if (!first) {
-      distances.insert(distances.end(), 12, kNan);
-      return kNan;
+      distances.insert(distances.end(), 12, kNaN);
+      return kNaN;
     }
     const auto begin = Clock::now();
     for (int i = 0; i < 12; ++i)
@@ -278,7 +278,7 @@ double slowdown(const std::vector<DeformFrame>& frames) {
     const double ratio = medianOf(late, member) / medianOf(early, member);
     if (!std::isnan(ratio)) return ratio;
   }
-  return kNan;
+  return kNaN;
 }
 
 DeformRow summarise(const DeformScene& scene, const MeshEngine& engine, const Shared& shared,
@@ -331,7 +331,7 @@ void measureMesh(const std::vector<const MeshEngine*>& engines, const DeformScen
     if (!shared[e].supported) continue;
     rows.push_back(
         summarise(scene, *engines[e], shared[e], measured.span().subspan(e * frames, frames)));
-    rows.back().bandwidth_limit = !(shared[e].vertices > 0) && shared[e].nodes >= 0 ? kNan
+    rows.back().bandwidth_limit = !(shared[e].vertices > 0) && shared[e].nodes >= 0 ? kNaN
                                   : readsVerticesAlone(engines[e]->name())          ? of_vertices
                                                                                     : limit;
     if (rows.back().engine == kReference) fresh = rows.back().decay;

@@ -11,6 +11,7 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/plan.h"
+#include "planner/base/clock.h"
 #include "planner/space/ompl_lock.h"
 #include "tools/report/base/statistics.h"
 #include "tools/report/bench/asked_edges.h"
@@ -21,16 +22,13 @@
 namespace leeway::tools::report {
 namespace {
 
+using planner::Clock;
 using planner::CompiledScene;
 using planner::EdgeCertifier;
-using Clock = std::chrono::steady_clock;
+using planner::secondsSince;
 
 constexpr double kStep = 1.0 / 32;  // of a rival along an edge [rad]
 constexpr unsigned long long kAskedIterations = 2000;
-
-double secondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 /// What is in use on the heap [bytes].
 double heapBytes() {

@@ -13,6 +13,7 @@
 #include "leeway/planner/plan.h"
 #include "leeway/planner/simplify.h"
 #include "leeway/robots/input_error.h"
+#include "planner/base/clock.h"
 #include "planner/space/ompl_lock.h"
 #include "planner/space/ompl_planners.h"
 #include "tools/report/planning/rival_space.h"
@@ -22,11 +23,8 @@ namespace {
 
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
-using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
+using planner::Clock;
+using planner::secondsSince;
 
 /// OMPL's RRTConnect and simplifier in steps.
 class RivalPlan {
