@@ -33,16 +33,16 @@ TaskStep made(const py::object& name, decltype(planner::Step::action) action) {
   return step;
 }
 
-TaskStep move(const py::object& goal, const py::object& name, const py::object& allowed) {
+TaskStep moveStep(const py::object& goal, const py::object& name, const py::object& allowed) {
   TaskStep step = made(name, planner::MoveStep());
   step.goal = goal;
   step.allowed = allowed;
   return step;
 }
 
-TaskStep line(const std::string& frame, const py::object& by, const py::object& relative_to,
-              double position_tolerance, double angle_tolerance, const py::object& name,
-              const py::object& allowed) {
+TaskStep lineStep(const std::string& frame, const py::object& by, const py::object& relative_to,
+                  double position_tolerance, double angle_tolerance, const py::object& name,
+                  const py::object& allowed) {
   planner::LineStep straight;
   straight.frame = frame;
   straight.by = vector3(by, "by");
@@ -159,8 +159,9 @@ void defineTasks(py::module_& module) {
       "messages; `allowed`: pairs that may touch during this step. What a step names is looked up "
       "when the task is planned.");
   defineStatic(step, "move", "(goal, *, name=None, allowed=[])",
-               "To a goal, as Problem has it, by whatever path is found.", move, py::arg("goal"),
-               py::kw_only(), py::arg("name") = py::none(), py::arg("allowed") = py::list());
+               "To a goal, as Problem has it, by whatever path is found.", moveStep,
+               py::arg("goal"), py::kw_only(), py::arg("name") = py::none(),
+               py::arg("allowed") = py::list());
   defineStatic(step, "line",
                "(frame, by, *, relative_to=None, position_tolerance=0.001, angle_tolerance=0.01, "
                "name=None, allowed=[])",
@@ -168,7 +169,7 @@ void defineTasks(py::module_& module) {
                "frame does not turn. by: (x, y, z) from where it is [m], in the frame's own axes, "
                "or in those of `relative_to`: an object, frame or link, or 'world'. Every point of "
                "the motion is proven to be as near to the line as the tolerances say [m, rad].",
-               line, py::arg("frame"), py::arg("by"), py::kw_only(),
+               lineStep, py::arg("frame"), py::arg("by"), py::kw_only(),
                py::arg("relative_to") = py::none(), py::arg("position_tolerance") = 1e-3,
                py::arg("angle_tolerance") = 1e-2, py::arg("name") = py::none(),
                py::arg("allowed") = py::list());
