@@ -23,6 +23,7 @@
 namespace {
 
 using Eigen::Isometry3d;
+using leeway::at;
 using leeway::collision::Shape;
 using leeway::dense::FclGeometry;
 using leeway::dense::isometry;
