@@ -24,7 +24,7 @@ constexpr int kMostCells = 256;
 //   a vertex's x, as a member (see support.h)                      3
 //   its centres                                                    8
 //   M x                                                            10
-//   at most kMostFacetHalvings means of two, half a unit each           12
+//   at most kMostFacetHalvings means of two, half a unit each      12
 //
 // In units of u L^2:
 //   a product of two of these                                      < 48
