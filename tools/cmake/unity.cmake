@@ -1,7 +1,7 @@
 # Most of a file's time goes to the templates of others that it uses (CLI11, nlohmann-json, std::function). The files of a folder are compiled together,
-# up to eight at once: a third of their time (planner/search: 12 s for 34), but a change of one file takes longer. The debug preset, for changes, compiles each file alone; so does
-# the clang preset, which finds what a file forgets to include. The files of a folder share one anonymous namespace, so a name stands for one thing in
-# it; tools/test --full compiles whole folders at once. Where a file cannot be changed so, it is compiled alone.
+# up to eight at once: a third of their time (planner/search: 12 s for 34), but a change of one file takes longer. The debug preset, for changes, compiles
+# each file alone; so does the clang preset, which finds what a file forgets to include. The files of a folder share one anonymous namespace, so a name
+# stands for one thing in it; tools/test --full compiles whole folders at once. Where a file cannot be changed so, it is compiled alone.
 option(LEEWAY_UNITY "Compile the files of a folder together" ${PROJECT_IS_TOP_LEVEL})
 set(LEEWAY_UNITY_FILES 8 CACHE STRING "Most files of a folder that are compiled together")
 
