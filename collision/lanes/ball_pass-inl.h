@@ -172,8 +172,7 @@ class BallPass {
   }
 
   HWY_INLINE void cull() {
-    const auto levels = s_.boxes->levels();
-    for (std::size_t p = 0; p < s_.wholes && !levels.empty(); ++p) {
+    for (std::size_t p = 0; p < s_.wholes; ++p) {
       if (s_.pieces[p].row < 0) continue;
       const float *low = &scratch_.low[3 * p], *high = &scratch_.high[3 * p];
       float grown_low[3], grown_high[3];
@@ -188,18 +187,28 @@ class BallPass {
         low = grown_low;
         high = grown_high;
       }
-      cullBoxes(p, low, high, levels.size() - 1, 0, levels.back().size());
+      const ObstacleBoxes* const first = s_.boxes->first().get();
+      if (first != nullptr) cullBoxes(p, low, high, *first, 0);
+      cullBoxes(p, low, high, *s_.boxes, first != nullptr ? first->slots() : 0);
     }
     for (const std::int32_t pair : s_.loose_pairs)
       considerObstacle(size(kernel_.pair(pair).a), pair);
     for (const std::int32_t pair : s_.piece_pairs) considerPieces(pair);
   }
 
+  HWY_INLINE void cullBoxes(std::size_t p, const float* low, const float* high,
+                            const ObstacleBoxes& boxes, std::size_t first_slot) {
+    const auto levels = boxes.levels();
+    if (levels.empty()) return;
+    cullBoxes(p, low, high, levels.data(), first_slot, levels.size() - 1, 0, levels.back().size());
+  }
+
   /// Boxes [begin, end) of a level against that around a piece's sweep.
-  void cullBoxes(std::size_t p, const float* low, const float* high, std::size_t level,
+  void cullBoxes(std::size_t p, const float* low, const float* high,
+                 const ObstacleBoxes::Level* levels, std::size_t first_slot, std::size_t level,
                  std::size_t begin, std::size_t end) {
     const D d;
-    const ObstacleBoxes::Level& boxes = s_.boxes->levels()[level];
+    const ObstacleBoxes::Level& boxes = levels[level];
     end = std::min(end, boxes.size());  // NaN meets nodes that are padding, too
     for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
       M apart = hn::Lt(hn::Set(d, high[0]), hn::LoadU(d, boxes.low[0].data() + i));
@@ -212,10 +221,10 @@ class BallPass {
       for (std::size_t j = i; near != 0; near >>= 1U, ++j) {
         if ((near & 1U) == 0) continue;
         if (level > 0)
-          cullBoxes(p, low, high, level - 1, ObstacleBoxes::kWidth * j,
+          cullBoxes(p, low, high, levels, first_slot, level - 1, ObstacleBoxes::kWidth * j,
                     ObstacleBoxes::kWidth * (j + 1));
         else
-          considerObstacle(p, s_.pairOf(s_.pieces[p], j));
+          considerObstacle(p, s_.pairOf(s_.pieces[p], first_slot + j));
       }
     }
   }

@@ -122,7 +122,9 @@ Level levelAbove(const Level& below) {
 
 }  // namespace
 
-ObstacleBoxes::ObstacleBoxes(std::span<const Box> boxes) {
+ObstacleBoxes::ObstacleBoxes(std::span<const Box> boxes, std::shared_ptr<const ObstacleBoxes> first,
+                             std::int32_t number)
+    : first_(std::move(first)), slots_of_first_(first_ ? first_->slots() : 0) {
   if (boxes.empty()) return;
   std::vector<std::int32_t> order(boxes.size());
   std::iota(order.begin(), order.end(), 0);
@@ -148,7 +150,7 @@ ObstacleBoxes::ObstacleBoxes(std::span<const Box> boxes) {
   Level& slots = levels_.front();
   obstacle_.assign(slots.size(), -1);
   for (std::size_t slot = 0; slot < order.size(); ++slot) {
-    obstacle_[slot] = order[slot];
+    obstacle_[slot] = number + order[slot];
     const Box& box = boxes[static_cast<std::size_t>(order[slot])];
     for (int k = 0; k < 3; ++k) {
       slots.low[k][slot] = box.low[k];
@@ -161,7 +163,8 @@ ObstacleBoxes::ObstacleBoxes(std::span<const Box> boxes) {
 std::size_t ObstacleBoxes::bytes() const {
   std::size_t boxes = 0;
   for (const Level& level : levels_) boxes += level.size();
-  return boxes * sizeof(Box) + obstacle_.size() * sizeof(std::int32_t);
+  return boxes * sizeof(Box) + obstacle_.size() * sizeof(std::int32_t) +
+         (first_ ? first_->bytes() : 0);
 }
 
 }  // namespace leeway::collision

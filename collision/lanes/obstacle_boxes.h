@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -30,19 +31,29 @@ class ObstacleBoxes {
 
   ObstacleBoxes() = default;
   /// O(n log n).
-  explicit ObstacleBoxes(std::span<const Box> boxes);
+  explicit ObstacleBoxes(std::span<const Box> boxes) : ObstacleBoxes(boxes, nullptr, 0) {}
+  /// More boxes beside those of `first`, which are shared and have no others beside them; the
+  /// first one's number is `number`. O(n log n) in what is more.
+  ObstacleBoxes(std::span<const Box> more, std::shared_ptr<const ObstacleBoxes> first,
+                std::int32_t number);
 
-  /// Level 0 has the boxes themselves, in an order in which neighbours are near each other.
+  /// Without those of first(). Level 0 has the boxes themselves, in an order in which neighbours
+  /// are near each other.
   std::span<const Level> levels() const { return levels_; }
-  std::size_t slots() const { return obstacle_.size(); }
+  /// The boxes that stand in the slots before; null: there are none.
+  const std::shared_ptr<const ObstacleBoxes>& first() const { return first_; }
+  std::size_t slots() const { return slots_of_first_ + obstacle_.size(); }
   /// The number of the box in a slot of level 0; -1: padding.
-  std::int32_t obstacle(std::size_t slot) const { return obstacle_[slot]; }
+  std::int32_t obstacle(std::size_t slot) const {
+    return slot < slots_of_first_ ? first_->obstacle_[slot] : obstacle_[slot - slots_of_first_];
+  }
   std::size_t bytes() const;
 
   /// Calls visit(slot) for the boxes that `box` meets. NaN meets everything. O(boxes) at worst. The
   /// ball pass of LaneSweep has a twin of it in vectors.
   template <class Visit>
   void forEachNear(const Box& box, const Visit& visit) const {
+    if (first_ != nullptr) first_->forEachNear(box, visit);
     if (!levels_.empty()) visitNear(levels_.size() - 1, 0, levels_.back().size(), box, visit);
   }
 
@@ -57,12 +68,14 @@ class ObstacleBoxes {
       for (int k = 0; k < 3; ++k) apart |= box.high[k] < of.low[k][i] || box.low[k] > of.high[k][i];
       if (apart) continue;
       if (level == 0)
-        visit(i);
+        visit(slots_of_first_ + i);
       else
         visitNear(level - 1, kWidth * i, kWidth * (i + 1), box, visit);
     }
   }
 
+  std::shared_ptr<const ObstacleBoxes> first_;
+  std::size_t slots_of_first_ = 0;
   std::vector<Level> levels_;
   std::vector<std::int32_t> obstacle_;
 };

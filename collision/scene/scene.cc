@@ -14,17 +14,14 @@
 
 #include "collision/base/greatest.h"
 #include "collision/base/numbers.h"
-#include "collision/base/pose_check.h"
 #include "collision/base/tolerances.h"
 #include "collision/lanes/lane_sweep.h"
 #include "collision/lanes/obstacle_boxes.h"
 #include "collision/scene/scene_access.h"
+#include "collision/scene/scene_checks.h"
 
 namespace leeway::collision {
 namespace {
-
-/// What an int numbers, with room for pairs of what moves.
-constexpr std::size_t kMostNumbers = std::numeric_limits<int>::max() / 2;
 
 GeometryBounds boundsOf(const Body& body, const Geometry& geometry) {
   const Pose X_FG = body.moving ? Pose{} * geometry.X_BG : body.X_WB * geometry.X_BG;
@@ -39,6 +36,20 @@ GeometryBounds boundsOf(const Body& body, const Geometry& geometry) {
 
 }  // namespace
 
+void requireNumbers(std::size_t runs, std::size_t places) {
+  constexpr std::size_t most = std::numeric_limits<int>::max() / 2;
+  if (places <= most / runs) return;
+  throw std::invalid_argument(
+      "scene: " + std::to_string(runs) + " moving geometries times " + std::to_string(places) +
+      " that stand still are more pairs than can be numbered, which are " + std::to_string(most));
+}
+
+void Scene::Things::add(Body body, int first_geometry_number) {
+  first_geometry.push_back(first_geometry_number);
+  for (const Geometry& g : body.geometries) bounds.push_back(boundsOf(body, g));
+  bodies.push_back(std::move(body));
+}
+
 const std::shared_ptr<Scene::Things>& Scene::nothing() {
   static const std::shared_ptr<Things> things = std::make_shared<Things>();
   return things;
@@ -48,12 +59,18 @@ Scene::Scene() : things_(nothing()) {}
 Scene::~Scene() = default;
 
 Scene::Scene(const Scene& other)
-    : things_(other.things_), pairs_(other.pairs_), still_(other.still_) {
+    : things_(other.things_),
+      added_(other.added_),
+      removed_(other.removed_),
+      pairs_(other.pairs_),
+      still_(other.still_) {
   other.is_shared_.store(true, std::memory_order_relaxed);
 }
 
 Scene::Scene(Scene&& other) noexcept
     : things_(std::exchange(other.things_, nothing())),
+      added_(std::move(other.added_)),
+      removed_(std::exchange(other.removed_, {})),
       is_shared_(other.is_shared_.exchange(true, std::memory_order_relaxed)),
       pairs_(std::exchange(other.pairs_, {})),
       still_(std::exchange(other.still_, {})) {}
@@ -65,6 +82,8 @@ Scene& Scene::operator=(const Scene& other) {
 
 Scene& Scene::operator=(Scene&& other) noexcept {
   things_ = std::exchange(other.things_, nothing());
+  added_ = std::move(other.added_);
+  removed_ = std::exchange(other.removed_, {});
   is_shared_.store(other.is_shared_.exchange(true, std::memory_order_relaxed),
                    std::memory_order_relaxed);
   pairs_ = std::exchange(other.pairs_, {});
@@ -81,8 +100,9 @@ Scene::Things& Scene::own() {
 }
 
 int Scene::find(const std::string& name) const {
-  for (std::size_t i = 0; i < bodies().size(); ++i)
-    if (bodies()[i].name == name) return static_cast<int>(i);
+  const Bodies all = bodies();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all[i].name == name && !isRemoved(static_cast<int>(i))) return static_cast<int>(i);
   return -1;
 }
 
@@ -104,40 +124,86 @@ double scaleOf(const Shape& shape, const Pose& X_WG, const Ball& outer) {
       LaneSweep::scaleOf(shape, X_WG));
 }
 
-}  // namespace
-
-Scene::Still Scene::stillOf(const Things& things, int first, std::size_t count) {
-  std::vector<ObstacleBoxes::Box> boxes;
-  boxes.reserve(count);
-  std::vector<std::int32_t> added;
-  Still still;
-  const auto* bounds = things.bounds.data() + things.first_geometry[at(first)];
-  for (const Body& body : std::span(things.bodies).subspan(at(first))) {
+/// What is known of geometries that stand still, in the order of their places.
+class StillGeometries {
+ public:
+  explicit StillGeometries(std::size_t first_place) : first_place_(first_place) {}
+  void reserve(std::size_t count) { boxes.reserve(count); }
+  void take(const Body& body, const GeometryBounds* bounds) {
     for (const Geometry& g : body.geometries) {
       const Pose X_WG = body.X_WB * g.X_BG;
       if (LaneSweep::needsObstacle(g.shape))
-        added.push_back(static_cast<std::int32_t>(boxes.size()));
+        added.push_back(static_cast<std::int32_t>(first_place_ + boxes.size()));
       boxes.push_back(boxOf(g.shape, X_WG));
-      still.scale = greatest(still.scale, scaleOf(g.shape, X_WG, (bounds++)->outer));
+      scale = greatest(scale, scaleOf(g.shape, X_WG, (bounds++)->outer));
     }
   }
-  still.boxes = std::make_shared<const ObstacleBoxes>(boxes);
-  still.added = std::make_shared<const std::vector<std::int32_t>>(std::move(added));
-  return still;
+
+  std::vector<ObstacleBoxes::Box> boxes;
+  std::vector<std::int32_t> added;
+  double scale = 0;
+
+ private:
+  std::size_t first_place_;
+};
+
+}  // namespace
+
+void Scene::findStill() {
+  const auto first = std::min(at(pairs_.firstStill()), things_->bodies.size());
+  StillGeometries built(0);
+  built.reserve(pairs_.places());
+  for (std::size_t b = first; b < things_->bodies.size(); ++b)
+    built.take(things_->bodies[b], things_->bounds.data() + things_->first_geometry[b]);
+  still_ = {};
+  if (!built.boxes.empty()) still_.boxes = std::make_shared<const ObstacleBoxes>(built.boxes);
+  still_.added = std::make_shared<const std::vector<std::int32_t>>(std::move(built.added));
+  still_.scale = built.scale;
+  if (added_) findAddedStill();
+}
+
+void Scene::findAddedStill() {
+  std::size_t count = 0;  // of geometries that were added and are in places
+  const std::size_t built = things_->bodies.size();
+  const std::size_t first = std::max(at(pairs_.firstStill()), built) - built;
+  for (std::size_t b = first; b < added_->bodies.size(); ++b)
+    count += added_->bodies[b].geometries.size();
+  const std::size_t first_place = pairs_.places() - count;
+  StillGeometries still(first_place);
+  still.reserve(count);
+  for (std::size_t b = first; b < added_->bodies.size(); ++b)
+    still.take(added_->bodies[b],
+               added_->bounds.data() + added_->first_geometry[b] - things_->bounds.size());
+  std::shared_ptr<const ObstacleBoxes> of_built;
+  if (first_place > 0) of_built = still_.boxes->first() ? still_.boxes->first() : still_.boxes;
+  std::vector<std::int32_t> places;
+  if (still_.added)
+    std::copy_if(still_.added->begin(), still_.added->end(), std::back_inserter(places),
+                 [&](std::int32_t place) { return at(place) < first_place; });
+  places.insert(places.end(), still.added.begin(), still.added.end());
+  still_.added = std::make_shared<const std::vector<std::int32_t>>(std::move(places));
+  still_.boxes = std::make_shared<const ObstacleBoxes>(still.boxes, std::move(of_built),
+                                                       static_cast<std::int32_t>(first_place));
+  still_.scale = greatest(still_.scale, still.scale);
 }
 
 void Scene::setShape(int body, int geometry, const Shape& shape) {
-  Things& things = own();
-  Body& changed = things.bodies[at(body)];
+  const std::size_t built = things_->bodies.size();
+  const bool is_added = at(body) >= built;
+  const std::shared_ptr<Things> more = is_added ? std::make_shared<Things>(*added_) : nullptr;
+  Things& things = is_added ? *more : own();
+  Body& changed = things.bodies[at(body) - (is_added ? built : 0)];
   Geometry& g = changed.geometries[at(geometry)];
   const bool is_boxed =
       pairs_.hasRuns() && body >= pairs_.firstStill() &&
       !(g.shape.type() == ShapeType::kDeformable && shape.type() == ShapeType::kDeformable);
   g.shape = shape;
-  GeometryBounds& bounds = things.bounds[at(SceneAccess::geometryIndex(*this, body, geometry))];
+  GeometryBounds& bounds = things.bounds[at(SceneAccess::geometryIndex(*this, body, geometry)) -
+                                         (is_added ? things_->bounds.size() : 0)];
   bounds = boundsOf(changed, g);
+  if (is_added) added_ = more;
   if (is_boxed)
-    still_ = stillOf(things, pairs_.firstStill(), pairs_.places());
+    findStill();
   else if (still_.boxes)
     still_.scale = greatest(still_.scale, scaleOf(shape, changed.X_WB * g.X_BG, bounds.outer));
 }
@@ -145,8 +211,8 @@ void Scene::setShape(int body, int geometry, const Shape& shape) {
 void Scene::growMargins(int body, int geometry, double growth) {
   if (growth <= 0) return;
   const bool is_in_runs = pairs_.hasRuns() && body >= pairs_.firstStill();
-  const int first = is_in_runs ? things_->first_geometry[at(body)] -
-                                     things_->first_geometry[at(pairs_.firstStill())]
+  const int first = is_in_runs ? SceneAccess::geometryIndex(*this, body, 0) -
+                                     SceneAccess::geometryIndex(*this, pairs_.firstStill(), 0)
                                : 0;
   pairs_.grow(body, geometry, growth, at(first));
 }
@@ -167,26 +233,6 @@ void SceneBuilder::setMargin(int body_a, int body_b, double margin) {
 }
 
 namespace {
-
-void requireFinite(double margin) {
-  if (!std::isfinite(margin))
-    throw std::invalid_argument("scene: a margin must be a finite number of metres");
-}
-
-void requirePose(const Pose& X, const std::string& body) {
-  if (!isPose(X)) {
-    throw std::invalid_argument("scene: the pose of '" + body +
-                                "' must be finite, its rotation orthogonal");
-  }
-}
-
-bool isHalfSpace(const Geometry& g) { return g.shape.type() == ShapeType::kHalfSpace; }
-
-[[noreturn]] void refuseHalfSpaces(const Body& a, const Body& b) {
-  throw std::invalid_argument("half-space of '" + a.name + "' with half-space of '" + b.name +
-                              "': two of them have no distance; a pair that may touch, or "
-                              "another shape for one of them is expected");
-}
 
 /// Of the pairs in runs.
 void requireNoHalfSpaces(std::span<const Body> bodies, const ScenePairs& pairs) {
@@ -276,33 +322,34 @@ std::size_t mostPairs(std::span<const Body> bodies, int added, std::span<const i
 }  // namespace
 
 Scene SceneBuilder::build() && {
-  requireFinite(default_margin_);
-  for (const PairMargin& m : margins_) requireFinite(m.margin);
-  for (const Body& body : bodies_) {
-    requirePose(body.X_WB, body.name);
-    for (const Geometry& g : body.geometries) requirePose(g.X_BG, body.name);
-  }
+  requireMargin(default_margin_);
+  for (const PairMargin& m : margins_) requireMargin(m.margin);
+  for (const Body& body : bodies_) requirePoses(body);
 
   Scene scene = std::move(base_);
   std::vector<ScenePair> base_pairs(scene.pairs_.begin(), scene.pairs_.end());
-  if (scene.pairs_.hasRuns())
-    std::stable_sort(base_pairs.begin(), base_pairs.end(), [](const auto& x, const auto& y) {
-      return std::minmax(x.body_a, x.body_b) < std::minmax(y.body_a, y.body_b);
-    });
+  const auto before = [](const ScenePair& x, const ScenePair& y) {
+    return std::minmax(x.body_a, x.body_b) < std::minmax(y.body_a, y.body_b);
+  };
+  // Not where runs or a change had made them.
+  if (!std::is_sorted(base_pairs.begin(), base_pairs.end(), before))
+    std::stable_sort(base_pairs.begin(), base_pairs.end(), before);
   scene.pairs_ = {};
   scene.still_ = {};
   Scene::Things& things = scene.own();
+  if (scene.added_) {
+    for (const Body& body : scene.added_->bodies)
+      things.add(body, static_cast<int>(things.bounds.size()));
+    scene.added_ = nullptr;
+  }
+  scene.removed_.clear();
   const auto added = static_cast<int>(things.bodies.size());
   things.bodies.reserve(things.bodies.size() + bodies_.size());
   things.first_geometry.reserve(things.bodies.capacity());
   std::size_t geometries = things.bounds.size();
   for (const Body& body : bodies_) geometries += body.geometries.size();
   things.bounds.reserve(geometries);
-  for (Body& body : bodies_) {
-    things.first_geometry.push_back(static_cast<int>(things.bounds.size()));
-    for (const Geometry& g : body.geometries) things.bounds.push_back(boundsOf(body, g));
-    things.bodies.push_back(std::move(body));
-  }
+  for (Body& body : bodies_) things.add(std::move(body), static_cast<int>(things.bounds.size()));
   const std::span<const Body> bodies = things.bodies;
   const Exceptions exceptions(bodies.size(), allowed_, margins_);
   const auto count = static_cast<int>(bodies.size());
@@ -366,7 +413,7 @@ Scene SceneBuilder::build() && {
   scene.pairs_.own_ = std::move(own);
   scene.pairs_.setLeftOut(left_out);
   requireNoHalfSpaces(bodies, scene.pairs_);
-  scene.still_ = Scene::stillOf(things, end, scene.pairs_.places_);
+  scene.findStill();
   return scene;
 }
 
@@ -384,12 +431,7 @@ void SceneBuilder::addRuns(std::span<const Body> bodies, int first_still, SceneP
     is_one_each = is_one_each && body.geometries.size() == 1;
   }
   if (runs.size() * places <= most_listed_) return;
-  if (places > kMostNumbers / runs.size())
-    throw std::invalid_argument(
-        "scene: " + std::to_string(runs.size()) + " moving geometries times " +
-        std::to_string(places) +
-        " that stand still are more pairs than can be numbered, which are " +
-        std::to_string(kMostNumbers));
+  requireNumbers(runs.size(), places);
   for (std::size_t b = at(first_still); !is_one_each && b < bodies.size(); ++b)
     for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g)
       pairs.geometries_.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(g)});

@@ -16,12 +16,18 @@ namespace leeway::collision {
 struct SceneAccess {
   /// Geometries of all bodies are numbered through: the number of one of them.
   static int geometryIndex(const Scene& scene, int body, int geometry) {
-    return scene.things_->first_geometry[static_cast<std::size_t>(body)] + geometry;
+    const auto b = static_cast<std::size_t>(body), built = scene.things_->bodies.size();
+    return (b < built ? scene.things_->first_geometry[b]
+                      : scene.added_->first_geometry[b - built]) +
+           geometry;
   }
   static const GeometryBounds& bounds(const Scene& scene, int geometry_index) {
-    return scene.things_->bounds[static_cast<std::size_t>(geometry_index)];
+    const auto i = static_cast<std::size_t>(geometry_index), built = scene.things_->bounds.size();
+    return i < built ? scene.things_->bounds[i] : scene.added_->bounds[i - built];
   }
-  static std::size_t geometryCount(const Scene& scene) { return scene.things_->bounds.size(); }
+  static std::size_t geometryCount(const Scene& scene) {
+    return scene.things_->bounds.size() + (scene.added_ ? scene.added_->bounds.size() : 0);
+  }
   /// Where a moving body stands until a workspace moves it.
   static void place(Scene& scene, int body, const Pose& X_WB) {
     scene.own().bodies[static_cast<std::size_t>(body)].X_WB = X_WB;

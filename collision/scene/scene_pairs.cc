@@ -113,17 +113,15 @@ double ScenePairs::mostMarginOfRun(std::size_t run) const {
 }
 
 void ScenePairs::setLeftOut(const std::vector<std::size_t>& positions) {
-  left_out_.clear();
-  std::size_t before = 0;
+  std::vector<LeftOut> left_out;
   for (const std::size_t position : positions) {
-    if (!left_out_.empty() && left_out_.back().end == position)
-      ++left_out_.back().end;
+    if (!left_out.empty() && left_out.back().end == position)
+      ++left_out.back().end;
     else
-      left_out_.push_back({position, position + 1, before});
-    ++before;
+      left_out.push_back({position, position + 1, 0});
   }
-  std::erase_if(own_, [&](const Own& own) { return isLeftOut(own.position); });
-  size_ = listed_.size() + runs_.size() * places_ - before;
+  left_out_.clear();
+  leaveOut(std::move(left_out));
 }
 
 void ScenePairs::listAll() {
@@ -164,16 +162,54 @@ void ScenePairs::grow(int body, int geometry, double growth, std::size_t first_p
     const std::size_t position = run * places_ + first_place + static_cast<std::size_t>(geometry);
     if (!isLeftOut(position)) changed.push_back({position, grown(marginAt(position), growth)});
   }
-  // Changed ones come first among equals, and stay.
+  setOwn(changed);
+}
+
+void ScenePairs::setOwn(const std::vector<Own>& margins) {
+  // New ones come first among equals, and stay.
   const auto before = [](const Own& x, const Own& y) { return x.position < y.position; };
   std::vector<Own> merged;
-  merged.reserve(own_.size() + changed.size());
-  std::merge(changed.begin(), changed.end(), own_.begin(), own_.end(), std::back_inserter(merged),
+  merged.reserve(own_.size() + margins.size());
+  std::merge(margins.begin(), margins.end(), own_.begin(), own_.end(), std::back_inserter(merged),
              before);
   merged.erase(std::unique(merged.begin(), merged.end(),
                            [](const Own& x, const Own& y) { return x.position == y.position; }),
                merged.end());
   own_ = std::move(merged);
+}
+
+void ScenePairs::addPlaces(std::size_t count) {
+  const std::size_t before = places_;
+  places_ += count;
+  for (Own& own : own_) own.position += own.position / before * count;
+  std::vector<LeftOut> moved;
+  for (const LeftOut& l : left_out_) {
+    for (std::size_t begin = l.begin; begin < l.end;) {  // it may go over from run to run
+      const std::size_t run = begin / before, end = std::min(l.end, (run + 1) * before);
+      moved.push_back({begin + run * count, end + run * count, 0});
+      begin = end;
+    }
+  }
+  left_out_.clear();
+  leaveOut(std::move(moved));
+}
+
+void ScenePairs::leaveOut(std::vector<LeftOut> more) {
+  more.insert(more.end(), left_out_.begin(), left_out_.end());
+  std::sort(more.begin(), more.end(),
+            [](const LeftOut& x, const LeftOut& y) { return x.begin < y.begin; });
+  left_out_.clear();
+  std::size_t count = 0;
+  for (const LeftOut& l : more) {
+    if (l.begin == l.end) continue;  // of a body without geometries
+    if (left_out_.empty() || left_out_.back().end < l.begin)
+      left_out_.push_back({l.begin, l.begin, count});
+    LeftOut& last = left_out_.back();
+    count += std::max(last.end, l.end) - last.end;
+    last.end = std::max(last.end, l.end);
+  }
+  std::erase_if(own_, [&](const Own& own) { return isLeftOut(own.position); });
+  size_ = listed_.size() + runs_.size() * places_ - count;
 }
 
 void ScenePairs::keep(const std::function<bool(const ScenePair&)>& keeps, std::size_t most_listed) {

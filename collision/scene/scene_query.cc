@@ -33,9 +33,9 @@ struct Workspace::Impl {
 
 Workspace::Workspace(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   const ScenePairs& pairs = scene.pairs();
-  const std::span<const Body> bodies = scene.bodies();
-  for (const Body& body : pairs.hasRuns() ? bodies.first(at(pairs.firstStill())) : bodies)
-    impl_->poses.push_back(body.X_WB);
+  const Bodies bodies = scene.bodies();
+  const std::size_t end = pairs.hasRuns() ? at(pairs.firstStill()) : bodies.size();
+  for (std::size_t b = 0; b < end; ++b) impl_->poses.push_back(bodies[b].X_WB);
   using Caches = PairTable<PairCache>;
   impl_->caches.resize(pairs.size(), pairs.hasRuns() ? Caches::kMostOfRuns : Caches::kMost);
   impl_->nearest.resize(std::min(pairs.size(), pairs.hasRuns() ? kMostNearest / 8 : kMostNearest));
@@ -48,9 +48,10 @@ void Workspace::prepare(const Scene& scene) {
       collision::prepare(impl_->scratch, *g.shape.deformable());
   };
   const ScenePairs& pairs = scene.pairs();
-  const std::span<const Body> bodies = scene.bodies();
-  for (const Body& body : pairs.hasRuns() ? bodies.first(at(pairs.firstStill())) : bodies)
-    for (const Geometry& g : body.geometries) take(g);
+  const Bodies bodies = scene.bodies();
+  const std::size_t end = pairs.hasRuns() ? at(pairs.firstStill()) : bodies.size();
+  for (std::size_t b = 0; b < end; ++b)
+    for (const Geometry& g : bodies[b].geometries) take(g);
   if (!pairs.hasRuns()) return;
   // What deforms may be anywhere: also where nothing else is but half-spaces.
   ObstacleBoxes::Box nowhere;
@@ -269,8 +270,8 @@ SceneResult decide(const Scene& scene, Workspace& workspace) {
     return verdict != Verdict::kNotFree;
   };
   // What blocked last is likely to block again.
-  bool going = impl.blocking < 0 || look(impl.blocking);
-  const int first = impl.blocking;
+  const int first = at(impl.blocking) < scene.pairs().size() ? impl.blocking : -1;
+  bool going = first < 0 || look(first);
   const double most = scene.pairs().hasRuns() ? scene.pairs().mostMargin() : kInfinity;
   const double reach = std::isnan(most) ? kInfinity : std::max(most, 0.0) + kDecideReach;
   forEachNear(scene, workspace, reach, [&](int p) {

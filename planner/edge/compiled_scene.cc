@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 #include <mutex>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 
@@ -23,6 +26,15 @@
 
 namespace leeway::planner {
 namespace {
+
+constexpr const char* kAllowed = "allowed by the problem";
+constexpr const char* kOwnName =
+    "has the name of another object or link; a name of its own is expected";
+
+[[noreturn]] void refuseDeforming(const std::string& problem, const std::string& name,
+                                  const std::string& message) {
+  throw robots::InputError(problem, 0, fmt::format("deforming obstacle '{}' {}", name, message));
+}
 
 /// What a problem adds to its robot: objects of the world, and what is said of pairs by name.
 class Surroundings {
@@ -70,7 +82,7 @@ class Surroundings {
   }
 
   void add(const Object& object) {
-    expectPose(problem_, object.X_WO, object.name);
+    expectPose(problem_.name, object.X_WO, object.name);
     if (object.geometries.empty()) return;
     objects_.push_back(&object);
     names_matter_ = names_matter_ || robot_.isAllowedName(object.name);
@@ -93,8 +105,7 @@ class Surroundings {
   void expectSnapshot(const DeformingObstacle& obstacle) const {
     const std::string& name = obstacle.object.name;
     const auto refuse = [&](const std::string& message) {
-      throw robots::InputError(problem_.name, 0,
-                               fmt::format("deforming obstacle '{}' {}", name, message));
+      refuseDeforming(problem_.name, name, message);
     };
     const collision::DeformableSnapshot* snapshot =
         obstacle.mesh && obstacle.object.geometries.size() == 1
@@ -104,8 +115,7 @@ class Surroundings {
     if (snapshot->time() != problem_.execution.start)
       refuse(fmt::format("is as it is at {} s; execution starts at {} s", snapshot->time(),
                          problem_.execution.start));
-    if (named(name).size() != 1)
-      refuse("has the name of another object or link; a name of its own is expected");
+    if (named(name).size() != 1) refuse(kOwnName);
   }
 
   /// Contacts of the robot with the world that the problem allows. That things of the world stand
@@ -127,7 +137,7 @@ class Surroundings {
       for (; next != allowed.end() && next->first == i; ++next) {
         builder_.allow(i, next->second);
         dropped.push_back({robot_.scene().bodies()[at(i)].name,
-                           objects_[at(next->second - carried())]->name, "allowed by the problem"});
+                           objects_[at(next->second - carried())]->name, kAllowed});
       }
     }
     dropped.insert(dropped.end(), of_robot.begin() + static_cast<std::ptrdiff_t>(d),
@@ -144,6 +154,21 @@ class Surroundings {
   std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped_;
 };
 
+using BodiesByName = std::multimap<std::string_view, int>;
+
+/// Calls visit(i, j) for bodies of the robot and of the world that bear the two names, in either
+/// order. O(log of both).
+template <class Visit>
+void forEachNamed(const BodiesByName& robot, const BodiesByName& world, const std::string& a,
+                  const std::string& b, const Visit& visit) {
+  for (const auto& [x, y] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+    const auto [i, i_end] = robot.equal_range(*x);
+    const auto [j, j_end] = world.equal_range(*y);
+    for (auto r = i; r != i_end; ++r)
+      for (auto w = j; w != j_end; ++w) visit(r->second, w->second);
+  }
+}
+
 std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRobot> robot) {
   auto model = std::make_shared<EdgeModel>();
   const RobotMotions& motions = robot->motions();
@@ -159,6 +184,28 @@ std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRob
 
 }  // namespace
 
+/// What a problem says of objects by name, besides the contacts that a PreparedRobot has.
+struct CompiledScene::Said {
+  std::string problem;  // its name, for messages
+  double margin;
+  std::vector<PairMargin> margins;
+  std::vector<std::string> deforming;
+
+  /// Adds the objects to a change; returns their bodies.
+  BodiesByName add(std::span<const Object> objects, collision::SceneChange& change) const {
+    BodiesByName bodies;
+    for (const Object& object : objects) {
+      expectPose(problem, object.X_WO, object.name);
+      if (std::find(deforming.begin(), deforming.end(), object.name) != deforming.end())
+        refuseDeforming(problem, object.name, kOwnName);
+      if (!object.geometries.empty())
+        bodies.emplace(object.name,
+                       change.add({object.name, object.geometries, false, object.X_WO}));
+    }
+    return bodies;
+  }
+};
+
 CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
     : model_(problem.robot.model),
       space_(std::make_shared<ConfigurationSpace>(problem.robot.model, problem.robot.variables)),
@@ -166,6 +213,11 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
   const std::shared_ptr<const PreparedRobot> robot = PreparedRobot::of(problem, *space_, stop);
   Surroundings world(problem, *robot, stop);
   dropped_ = world.dropped();
+  auto said =
+      std::make_shared<Said>(Said{problem.name, problem.margins.common, problem.margins.pairs, {}});
+  for (const DeformingObstacle& o : problem.world.deforming)
+    said->deforming.push_back(o.object.name);
+  said_ = std::move(said);
   robots::throwIfStopped(stop, "the problem was compiled");
   scene_ = std::move(world).build();
   edge_model_ = makeEdgeModel(robot);
@@ -207,10 +259,80 @@ const SceneLanes& CompiledScene::lanes() const {
   return *shared.lanes;
 }
 
+std::shared_ptr<const CompiledScene> CompiledScene::withObjects(
+    std::span<const Object> added, std::span<const int> removed) const {
+  if (!said_)
+    throw std::invalid_argument(
+        "CompiledScene::withObjects(): of a variant with other margins or pairs than the problem "
+        "says; the scene that was compiled is expected");
+  auto changed = std::make_shared<CompiledScene>(*this);
+  changed->pairs_token_ = std::make_shared<const int>();
+  collision::SceneChange change(std::move(changed->scene_));
+  std::set<std::string> gone;
+  for (const int body : removed) {
+    if (isOfRobot(body))
+      throw std::invalid_argument("CompiledScene::withObjects(): body " + std::to_string(body) +
+                                  " is the robot's; an object's number is expected, from " +
+                                  std::to_string(bodiesOfRobot()) + " on");
+    change.remove(body);
+    gone.insert(scene_.bodies()[at(body)].name);
+  }
+  try {
+    const BodiesByName objects = said_->add(added, change);
+    change.setDefaultMargin(said_->margin);
+    changed->dropped_ = sayByName(objects, gone, change);
+    changed->scene_ = std::move(change).build();
+  } catch (const std::invalid_argument& error) {
+    throw robots::InputError(said_->problem, 0, error.what());
+  }
+  return changed;
+}
+
+std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::sayByName(
+    const BodiesByName& objects, const std::set<std::string>& gone,
+    collision::SceneChange& change) const {
+  BodiesByName robot;
+  for (int i = 0; i < bodiesOfRobot(); ++i) robot.emplace(scene_.bodies()[at(i)].name, i);
+  const auto moves = [this](int body) { return scene_.bodies()[at(body)].moving; };
+  for (const PairMargin& m : said_->margins)
+    forEachNamed(robot, objects, m.a, m.b, [&](int i, int j) {
+      if (moves(i)) change.setMargin(i, j, m.margin);
+    });
+
+  const auto isGone = [&](const Dropped& d) {
+    return d.reason == kAllowed && gone.count(d.b) != 0;
+  };
+  const PreparedRobot& prepared = *edge_model_->robot;
+  // There may be many contacts, of which none names these objects.
+  if (std::none_of(objects.begin(), objects.end(),
+                   [&](const auto& o) { return prepared.isAllowedName(std::string(o.first)); }) &&
+      std::none_of(dropped_->begin(), dropped_->end(), isGone))
+    return dropped_;
+  std::vector<Dropped> dropped;
+  std::remove_copy_if(dropped_->begin(), dropped_->end(), std::back_inserter(dropped), isGone);
+  std::set<std::pair<int, int>> allowed;
+  for (const auto& contact : prepared.contacts().allowed) {
+    forEachNamed(robot, objects, contact.first, contact.second, [&](int i, int j) {
+      if (!allowed.emplace(i, j).second) return;
+      if (moves(i)) change.allow(i, j);
+      const std::string& link = scene_.bodies()[at(i)].name;
+      dropped.push_back({link, link == contact.first ? contact.second : contact.first, kAllowed});
+    });
+  }
+  return std::make_shared<const std::vector<Dropped>>(std::move(dropped));
+}
+
+std::shared_ptr<CompiledScene> CompiledScene::variant() const {
+  auto other = std::make_shared<CompiledScene>(*this);
+  other->said_ = nullptr;
+  return other;
+}
+
 std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
     std::span<const Replacement> shapes) const {
   auto changed = std::make_shared<CompiledScene>(*this);
   for (const Replacement& r : shapes) {
+    if (!(r.growth <= 0)) changed->said_ = nullptr;
     // The robot's lanes are made once.
     if (isOfRobot(r.body))
       throw std::invalid_argument("CompiledScene::withShapes(): body " + std::to_string(r.body) +
@@ -222,19 +344,19 @@ std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
 }
 
 std::shared_ptr<const CompiledScene> CompiledScene::withMarginAtLeast(double margin) const {
-  auto raised = std::make_shared<CompiledScene>(*this);
+  auto raised = variant();
   raised->scene_.raiseMargins(margin);
   return raised;
 }
 
 std::shared_ptr<const CompiledScene> CompiledScene::withWorldMarginAtLeast(double margin) const {
-  auto raised = std::make_shared<CompiledScene>(*this);
+  auto raised = variant();
   collision::SceneAccess::raiseMargins(raised->scene_, margin, bodiesOfRobot());
   return raised;
 }
 
 std::shared_ptr<const CompiledScene> CompiledScene::withMarginsGrown(double growth) const {
-  auto grown = std::make_shared<CompiledScene>(*this);
+  auto grown = variant();
   for (std::size_t body = 0; body < body_link_.size(); ++body)
     if (scene_.bodies()[body].moving)  // one of every pair is
       for (std::size_t g = 0; g < scene_.bodies()[body].geometries.size(); ++g)
@@ -244,7 +366,8 @@ std::shared_ptr<const CompiledScene> CompiledScene::withMarginsGrown(double grow
 
 std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
     const std::function<bool(const collision::ScenePair&)>& keep) const {
-  auto reduced = std::make_shared<CompiledScene>(*this);
+  auto reduced = variant();
+  reduced->pairs_token_ = std::make_shared<const int>();
   auto model = std::make_shared<EdgeModel>(*edge_model_);
   model->pairs.clear();
   // keep() is called once a pair: were a second answer another, pairs would get the motions of

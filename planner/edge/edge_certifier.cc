@@ -14,7 +14,6 @@ namespace leeway::planner {
 
 EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
     : scene(std::move(compiled)),
-      most_pairs(scene->scene().pairs().size()),
       frames(scene, kEdgeSlots),
       lanes(frames),
       workspace(scene->scene()) {
@@ -86,8 +85,11 @@ EdgeCertifier::Statistics& EdgeCertifier::Statistics::operator+=(const Statistic
 }
 
 void EdgeCertifier::rebind(std::shared_ptr<const CompiledScene> scene) {
-  if (scene->scene().pairs().size() > impl_->most_pairs)
-    throw std::invalid_argument("EdgeCertifier::rebind(): the scene has more pairs than the first");
+  if (!scene->hasPairsOf(*impl_->scene))
+    throw std::invalid_argument(
+        "EdgeCertifier::rebind(): a scene with other pairs; a variant of the scene before, with "
+        "other "
+        "shapes or margins, is expected");
   impl_->frames.rebind(scene);
   impl_->lanes_fit = false;
   impl_->scene = std::move(scene);

@@ -281,7 +281,6 @@ struct EdgeCertifier::Impl {
   // The scene, and what is placed of it.
 
   std::shared_ptr<const CompiledScene> scene;
-  std::size_t most_pairs;  ///< that a scene may have: lists have room for them
   EdgeFrames frames;
   EdgeLanes lanes;
   double most_rounding = 0;              ///< of all pairs [m]

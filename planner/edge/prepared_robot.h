@@ -45,6 +45,8 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
     return dropped_;
   }
   std::size_t droppedEnd(int body) const { return dropped_ends_[static_cast<std::size_t>(body)]; }
+  /// The problem's.
+  const Contacts& contacts() const { return contacts_; }
   /// Whether the problem's contacts name it. O(log names).
   bool isAllowedName(const std::string& name) const;
 

@@ -29,7 +29,7 @@ bool mayTouch(const Attachment& held, int link) {
 
 }  // namespace
 
-void expectPose(const Problem& problem, const robots::Pose& X, const std::string& name) {
+void expectPose(const std::string& problem, const robots::Pose& X, const std::string& name) {
   const double departure =
       (X.rotation.transpose() * X.rotation - Eigen::Matrix3d::Identity()).norm();
   if ((X.translation.array().abs() <= collision::kLargestSize).all() &&
@@ -37,7 +37,7 @@ void expectPose(const Problem& problem, const robots::Pose& X, const std::string
     return;
   const Eigen::Vector3d& p = X.translation;
   throw robots::InputError(
-      problem.name, 0,
+      problem, 0,
       fmt::format("the pose of '{}' is at ({}, {}, {}), its rotation {} from orthogonal; numbers "
                   "up to {} and a rotation within {} are expected",
                   name, p.x(), p.y(), p.z(), departure, collision::kLargestSize,
@@ -110,7 +110,7 @@ void RobotPairs::addLinks() {
 
 void RobotPairs::addAttachments() {
   for (const Attachment& a : problem_.robot.attachments) {
-    expectPose(problem_, a.X_LO, a.object.name);
+    expectPose(problem_.name, a.X_LO, a.object.name);
     Body body{a.object.name, a.object.geometries, moves(a.link), poses_[at(a.link)]};
     for (robots::Geometry& g : body.geometries) g.X_BG = a.X_LO * g.X_BG;
     if (!body.geometries.empty()) add({std::move(body), a.link, &a});

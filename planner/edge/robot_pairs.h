@@ -19,7 +19,7 @@ namespace leeway::planner {
 
 /// Throws robots::InputError for a pose that is not finite or no rotation. Readers of files see to
 /// it; programs may pass anything.
-void expectPose(const Problem& problem, const robots::Pose& X, const std::string& name);
+void expectPose(const std::string& problem, const robots::Pose& X, const std::string& name);
 
 /// Bodies: links with geometry, then held objects. A pair is checked unless there is a reason to
 /// drop it; the first reason found stands.

@@ -44,7 +44,7 @@ extern std::vector<double> max_accelerations;  // [rad/s^2 or m/s^2]
 
 // Shapes and scenes.
 extern collision::Shape a, b, hand;
-extern collision::Pose X_WA, X_WB, X_WA0, X_WA1, X_WC, X_WH, X_WO;
+extern collision::Pose X_WA, X_WB, X_WA0, X_WA1, X_WC, X_WH, X_WO, X_WCrate;
 extern collision::Scene scene;
 collision::Pose poseOf(int body);
 collision::PointMotion motionOf(int body);

@@ -102,7 +102,7 @@ TEST_F(ReportGrowthVerb, WritesARowAWorldAndPictures) {
   std::istringstream csv(read("out/growth.csv"));
   std::string line;
   std::getline(csv, line);
-  EXPECT_EQ(line, "family,count,engine,status,make_s,bytes,edges,edge_us,plan_s");
+  EXPECT_EQ(line, "family,count,engine,status,make_s,change_s,bytes,edges,edge_us,plan_s");
   std::size_t rows = 0, own = 0;
   for (; std::getline(csv, line); ++rows)
     own += line.find(",\"Leeway\",solved,") != std::string::npos;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "tools/truth/oracle/generate.h"
@@ -53,12 +55,19 @@ TEST(ObstacleBoxes, FindsWhatAListFinds) {
       }
       const ObstacleBoxes boxes(all);
       ASSERT_EQ(boxes.slots() % ObstacleBoxes::kWidth, 0U);
+      // And where some came later.
+      const std::size_t first = all.size() / 3;
+      const ObstacleBoxes both(
+          std::span<const Box>(all).subspan(first),
+          std::make_shared<const ObstacleBoxes>(std::span<const Box>(all).first(first)),
+          static_cast<std::int32_t>(first));
       for (int k = 0; k < 20; ++k) {
         const Box box = randomBox(random, 12, random.chance(0.2) ? 10 : 1);
         std::vector<std::int32_t> expected;
         for (int i = 0; i < count; ++i)
           if (meet(box, all[static_cast<std::size_t>(i)])) expected.push_back(i);
         EXPECT_EQ(near(boxes, box), expected) << count << " " << size;
+        EXPECT_EQ(near(both, box), expected) << count << " " << size;
       }
     }
   }

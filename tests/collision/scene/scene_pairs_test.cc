@@ -7,10 +7,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <random>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "collision/base/numbers.h"
@@ -19,110 +17,16 @@
 #include "tests/support/allocations.h"
 #include "tests/support/deformable_cases.h"
 #include "tests/support/sanitized.h"
+#include "tests/support/scene_twins.h"
 
 namespace leeway::collision {
 namespace {
 
-constexpr int kMoving = 3;
-
-class Draw {
- public:
-  explicit Draw(unsigned seed) : engine_(seed) {}
-  int below(int n) { return static_cast<int>(engine_() % static_cast<unsigned>(n)); }
-  double uniform(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_() >> 11U) * 0x1p-53;
-  }
-  Pose pose(double size) {
-    const auto vector = [&](double s) {
-      return Eigen::Vector3d(uniform(-s, s), uniform(-s, s), uniform(-s, s));
-    };
-    return {Eigen::AngleAxisd(uniform(-3, 3), vector(1).normalized()).toRotationMatrix(),
-            vector(size)};
-  }
-  Shape shape() {
-    if (below(2) == 0) return Shape::sphere(uniform(0.01, 0.2));
-    return Shape::box({uniform(0.01, 0.2), uniform(0.01, 0.2), uniform(0.01, 0.2)});
-  }
-  /// Whose depth has no closed form.
-  Shape roundShape() {
-    if (below(2) == 0) return Shape::cylinder(uniform(0.05, 0.2), uniform(0.05, 0.2));
-    return Shape::ellipsoid({uniform(0.05, 0.2), uniform(0.05, 0.2), uniform(0.05, 0.2)});
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
-
-/// Three bodies that move, then 30 to 60 that stand still, with exceptions; where the margin is a
-/// depth, of round shapes and without exceptions.
-SceneBuilder randomBuilder(Draw& draw, bool one_each, double margin = 0.01) {
-  SceneBuilder builder;
-  const int count = kMoving + 30 + draw.below(30);
-  for (int i = 0; i < count; ++i) {
-    Body body;
-    body.name = "body" + std::to_string(i);
-    body.moving = i < kMoving && i != 1;
-    body.X_WB = draw.pose(2);
-    for (int g = one_each ? 0 : draw.below(3); g >= 0; --g)
-      body.geometries.push_back(
-          {margin < 0 ? draw.roundShape() : draw.shape(), draw.pose(0.2), ""});
-    if (!one_each && i > kMoving && i % 11 == 0) body.geometries.clear();
-    builder.add(std::move(body));
-  }
-  builder.setDefaultMargin(margin);
-  for (int k = draw.below(12); k > 0; --k) builder.allow(draw.below(kMoving), draw.below(count));
-  if (margin < 0) return builder;
-  for (int k = draw.below(12); k > 0; --k)
-    builder.setMargin(draw.below(count), draw.below(kMoving), draw.uniform(-0.01, 0.05));
-  return builder;
-}
-
-/// The same scene with all pairs listed, and with runs.
-struct Twins {
-  explicit Twins(SceneBuilder builder) : listed(builder.build()) {
-    builder.listAtMost(0);
-    runs = builder.build();
-  }
-  void both(const std::function<void(Scene&)>& change) {
-    change(listed);
-    change(runs);
-  }
-  Scene listed, runs;
-};
-
-using Key = std::tuple<int, int, int, int>;
-Key keyOf(const ScenePair& pair) {
-  return {pair.body_a, pair.geometry_a, pair.body_b, pair.geometry_b};
-}
-
-std::vector<ScenePair> sorted(const ScenePairs& pairs) {
-  std::vector<ScenePair> all(pairs.begin(), pairs.end());
-  std::sort(all.begin(), all.end(),
-            [](const auto& x, const auto& y) { return keyOf(x) < keyOf(y); });
-  return all;
-}
-
-void expectSame(const Twins& twins, const std::string& what) {
-  const ScenePairs& pairs = twins.runs.pairs();
-  ASSERT_EQ(pairs.size(), twins.listed.pairs().size()) << what;
-  const std::vector<ScenePair> x = sorted(twins.listed.pairs()), y = sorted(pairs);
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    ASSERT_EQ(keyOf(x[i]), keyOf(y[i])) << what;
-    ASSERT_TRUE(x[i].margin == y[i].margin || (std::isnan(x[i].margin) && std::isnan(y[i].margin)))
-        << what;
-  }
-  for (const int body : {0, kMoving})
-    for (const bool with : {false, true})
-      EXPECT_EQ(twins.listed.pairs().leastMargin(body, with), pairs.leastMargin(body, with))
-          << what;
-  const double most = twins.listed.pairs().mostMargin();
-  EXPECT_TRUE(most == pairs.mostMargin() || (std::isnan(most) && std::isnan(pairs.mostMargin())));
-  for (std::size_t p = pairs.listedCount(); p < pairs.size(); ++p) {
-    const ScenePairs::Place of = pairs.placeOf(p);
-    EXPECT_EQ(pairs.numberOf(of.run, of.place), static_cast<int>(p)) << what;
-    EXPECT_EQ(pairs.marginOf(of), pairs[p].margin) << what;
-  }
-}
+using testing::Draw;
+using testing::expectSame;
+using testing::kMoving;
+using testing::randomBuilder;
+using testing::Twins;
 
 TEST(ScenePairs, RunsAreWhatAListWouldBe) {
   Draw draw(1);
@@ -319,10 +223,10 @@ TEST(ScenePairs, CopiesOfAScene) {
   Twins twins(randomBuilder(draw, true));
   for (Scene* original : {&twins.listed, &twins.runs}) {
     Scene copy = *original;
-    EXPECT_EQ(copy.bodies().data(), original->bodies().data());
+    EXPECT_EQ(&copy.bodies()[0], &original->bodies()[0]);
     original->setShape(5, 0, Shape::sphere(0.7));
     copy.setShape(6, 0, Shape::sphere(0.8));
-    EXPECT_NE(copy.bodies().data(), original->bodies().data());
+    EXPECT_NE(&copy.bodies()[0], &original->bodies()[0]);
     EXPECT_NE(copy.bodies()[5].geometries[0].shape.radius(), 0.7);
     EXPECT_NE(original->bodies()[6].geometries[0].shape.radius(), 0.8);
     const Scene moved = std::move(copy);

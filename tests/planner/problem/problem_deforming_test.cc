@@ -112,6 +112,23 @@ TEST_F(ProblemDeforming, EverybodySeesTheStart) {
   EXPECT_TRUE(problem.warnings.empty());
 }
 
+// By its name queries find it: no object that comes later may have it.
+TEST_F(ProblemDeforming, ObjectsThatComeHaveOtherNames) {
+  const Problem problem = load("deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n");
+  const CompiledScene scene(problem);
+  Object ball{"cloth", {{collision::Shape::sphere(0.1), {}, "ball"}}, {}};
+  EXPECT_THROW(scene.withObjects({{ball}}), robots::InputError);
+  ball.name = "ball";
+  const auto with_ball = scene.withObjects({{ball}});
+  EXPECT_EQ(with_ball->scene().pairs().size(), scene.scene().pairs().size() + 1);
+  // The shape of another instant changes neither margins nor what the problem says.
+  const int cloth = scene.scene().find("cloth");
+  const CompiledScene::Replacement same{
+      cloth, 0, scene.scene().bodies()[static_cast<std::size_t>(cloth)].geometries[0].shape, 0};
+  EXPECT_EQ(scene.withShapes({{same}})->withObjects({{ball}})->scene().pairs().size(),
+            with_ball->scene().pairs().size());
+}
+
 // The time overflows: 0 m/s times infinity is NaN, no growth to add to a shape.
 TEST_F(ProblemDeforming, NothingIsKnownAfterTimesThatNoDoubleHolds) {
   const Problem problem = load("deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n");

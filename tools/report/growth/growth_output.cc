@@ -15,8 +15,9 @@ struct Quantity {
   double (*of)(const GrowthRow&);
 };
 
-constexpr std::array<Quantity, 4> kQuantities = {{
+constexpr std::array<Quantity, 5> kQuantities = {{
     {"making [ms]", [](const GrowthRow& r) { return 1e3 * r.make_s; }},
+    {"a change [ms]", [](const GrowthRow& r) { return 1e3 * r.change_s; }},
     {"memory [MB]", [](const GrowthRow& r) { return 1e-6 * r.bytes; }},
     {"an edge [us]", [](const GrowthRow& r) { return r.edge_us; }},
     {"planning [ms]", [](const GrowthRow& r) { return 1e3 * r.plan_s; }},
@@ -25,23 +26,23 @@ constexpr std::array<Quantity, 4> kQuantities = {{
 }  // namespace
 
 std::string growthCsv(const std::vector<GrowthRow>& rows) {
-  std::string text = "family,count,engine,status,make_s,bytes,edges,edge_us,plan_s\n";
+  std::string text = "family,count,engine,status,make_s,change_s,bytes,edges,edge_us,plan_s\n";
   for (const GrowthRow& r : rows)
-    text += fmt::format("{},{},\"{}\",{},{:.6g},{:.0f},{},{:.6g},{:.6g}\n", r.family, r.count,
-                        r.engine, r.status, r.make_s, r.bytes, r.edges, r.edge_us, r.plan_s);
+    text += fmt::format("{},{},\"{}\",{},{:.6g},{:.6g},{:.0f},{},{:.6g},{:.6g}\n", r.family,
+                        r.count, r.engine, r.status, r.make_s, r.change_s, r.bytes, r.edges,
+                        r.edge_us, r.plan_s);
   return text;
 }
 
 std::string growthTable(const std::vector<GrowthRow>& rows) {
-  std::string text = fmt::format("{:<10} {:>9} {:<8} {:>12} {:>12} {:>12} {:>13}  {}\n", "",
-                                 "count", "engine", kQuantities[0].label, kQuantities[1].label,
-                                 kQuantities[2].label, kQuantities[3].label, "status");
+  std::string text = fmt::format("{:<10} {:>9} {:<8}", "", "count", "engine");
+  for (const Quantity& quantity : kQuantities) text += fmt::format(" {:>13}", quantity.label);
+  text += "  status\n";
   for (const GrowthRow& r : rows) {
     text += fmt::format("{:<10} {:>9} {:<8}", r.family, r.count, r.engine);
-    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-      const double value = kQuantities[i].of(r);
-      const std::string shown = value > 0 ? fmt::format("{:.3f}", value) : "-";
-      text += fmt::format(" {:>{}}", shown, i == 3 ? 13 : 12);
+    for (const Quantity& quantity : kQuantities) {
+      const double value = quantity.of(r);
+      text += fmt::format(" {:>13}", value > 0 ? fmt::format("{:.3f}", value) : "-");
     }
     text += fmt::format("  {}\n", r.status);
   }

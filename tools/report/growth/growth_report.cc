@@ -81,6 +81,20 @@ void walk(const planner::ConfigurationSpace& space, RivalStates& states, const E
   }
 }
 
+/// The last object moves: from its new place to what answers in that world [s].
+double secondsToChange(const CompiledScene& scene, const planner::Problem& problem, int rounds) {
+  planner::Object moved = problem.world.objects.back();
+  moved.X_WO.translation.z() += 0.01;
+  const int before = static_cast<int>(scene.scene().bodies().size()) - 1;
+  std::vector<double> times;
+  for (int round = 0; round < rounds; ++round) {
+    const auto begin = Clock::now();
+    const EdgeCertifier certifier(scene.withObjects({&moved, 1}, {&before, 1}));
+    times.push_back(secondsSince(begin));
+  }
+  return median(times);
+}
+
 GrowthRow ours(const std::string& family, std::int64_t count, std::vector<Edge>& edges,
                const GrowthReportOptions& options) {
   GrowthRow row{family, count, "Leeway"};
@@ -94,6 +108,7 @@ GrowthRow ours(const std::string& family, std::int64_t count, std::vector<Edge>&
   EdgeCertifier certifier(scene);
   row.make_s = secondsSince(compile) + (family == "triangles" ? read_s : 0);
   row.bytes = heapBytes() - (family == "triangles" ? before : with_problem);
+  if (family == "boxes") row.change_s = secondsToChange(*scene, problem, options.rounds);
   if (edges.empty() || family == "joints") edges = askedEdges(problem, options.edges);
   row.edges = static_cast<int>(edges.size());
   row.edge_us = microsecondsAnEdge(edges, options.rounds,

@@ -32,6 +32,9 @@ struct GrowthRow {
   std::string status = {};  ///< ours as toString(PlanStatus); a rival's "measured" or "left out"
   /// From the world in memory to what answers: of meshes with all that they keep. Wall clock [s].
   double make_s = 0;
+  /// Of boxes, ours: one moves, to what answers in that world. Median of the rounds. Wall clock
+  /// [s].
+  double change_s = 0;
   double bytes = 0;  ///< that it takes on the heap; 0 where the C library does not tell
   /// Of the edges that planning asks for in the first world of the family (of joints, in each), one
   /// in the mean [us]: ours certified, a rival's in steps of 1/32 rad. CPU time.

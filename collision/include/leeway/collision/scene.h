@@ -1,8 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
+#include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -29,14 +34,53 @@ struct Body {
   Pose X_WB;
 };
 
+/// The bodies of a scene, by number: those that it was built with, and those that a change added.
+class Bodies {
+ public:
+  Bodies(std::span<const Body> built, std::span<const Body> added) : built_(built), added_(added) {}
+  std::size_t size() const { return built_.size() + added_.size(); }
+  bool empty() const { return size() == 0; }
+  const Body& operator[](std::size_t i) const {
+    return i < built_.size() ? built_[i] : added_[i - built_.size()];
+  }
+  class Iterator {
+   public:
+    using iterator_category = std::forward_iterator_tag;
+    using value_type = Body;
+    using difference_type = std::ptrdiff_t;
+    using pointer = const Body*;
+    using reference = const Body&;
+    reference operator*() const {
+      return i_ < built_.size() ? built_[i_] : added_[i_ - built_.size()];
+    }
+    pointer operator->() const { return &**this; }
+    Iterator& operator++() {
+      ++i_;
+      return *this;
+    }
+    bool operator==(const Iterator& other) const { return i_ == other.i_; }
+
+   private:
+    friend class Bodies;
+    Iterator(const Bodies& of, std::size_t i) : built_(of.built_), added_(of.added_), i_(i) {}
+    std::span<const Body> built_, added_;
+    std::size_t i_;
+  };
+  Iterator begin() const { return {*this, 0}; }
+  Iterator end() const { return {*this, size()}; }
+
+ private:
+  std::span<const Body> built_, added_;
+};
+
 class ObstacleBoxes;    // private to the library
 struct GeometryBounds;  // private to the library
 struct SceneAccess;     // private to the library
 class SceneBuilder;
 
 /// What must not touch what: constant while it is queried, shared by any number of Workspaces.
-/// Made by SceneBuilder. Has no pair of two bodies that stand still. A copy shares the bodies until
-/// one of both changes a shape.
+/// Made by SceneBuilder, or from another by SceneChange. Has no pair of two bodies that stand
+/// still. A copy shares the bodies until one of both changes a shape.
 class Scene {
  public:
   Scene();
@@ -46,14 +90,23 @@ class Scene {
   Scene(Scene&&) noexcept;
   Scene& operator=(Scene&&) noexcept;
 
-  std::span<const Body> bodies() const { return things_->bodies; }
+  Bodies bodies() const {
+    return {things_->bodies,
+            added_ ? std::span<const Body>(added_->bodies) : std::span<const Body>()};
+  }
   const ScenePairs& pairs() const { return pairs_; }
-  /// Index of the body with that name, -1 when there is none. O(bodies).
+  /// Index of the first body with that name that no change has removed, -1 when there is none.
+  /// O(bodies).
   int find(const std::string& name) const;
+  /// Whether a change has removed it. O(log removed).
+  bool isRemoved(int body) const {
+    return std::binary_search(removed_.begin(), removed_.end(), body);
+  }
 
   /// Another shape for one geometry: the next snapshot of a deforming obstacle. No query may run
   /// meanwhile; pairs and margins stay. O(1) for a snapshot; O(bodies) for the first after this
-  /// scene was copied or is a copy, and where pairs have runs and the shape is not deforming.
+  /// scene was copied or is a copy, where pairs have runs and the shape is not deforming, and for a
+  /// body that a change added.
   void setShape(int body, int geometry, const Shape& shape);
 
   /// Raises every pair's margin to at least this [m].
@@ -66,16 +119,20 @@ class Scene {
 
  private:
   friend class SceneBuilder;
+  friend class SceneChange;
   friend struct SceneAccess;
   struct Things {
     std::vector<Body> bodies;
     std::vector<int> first_geometry;  // of each body, in the numbering of all geometries
     std::vector<GeometryBounds> bounds;
+    void add(Body body, int number_of_geometry);  // of its first
   };
   static const std::shared_ptr<Things>& nothing();
   /// To change: no other scene has them from now on.
   Things& own();
   std::shared_ptr<Things> things_;
+  std::shared_ptr<const Things> added_;  // by changes, after those; null: none
+  std::vector<int> removed_;             // by changes; ascending
   // Set, for good, in both where one is a copy of the other: counting owners would not order their
   // reads before a change.
   mutable std::atomic<bool> is_shared_ = true;
@@ -86,8 +143,10 @@ class Scene {
     std::shared_ptr<const std::vector<std::int32_t>> added;  // see SceneAccess::added()
     double scale = 0;  // sums of their coordinates are at most this, see SceneAccess [m]
   };
-  // Of the bodies from `first` on, which have `count` geometries. O(n log n).
-  static Still stillOf(const Things& things, int first, std::size_t count);
+  // Of all that is in places. O(n log n).
+  void findStill();
+  // Again, of what changes added. O(n log n) in that.
+  void findAddedStill();
   Still still_;
 };
 
@@ -132,6 +191,46 @@ class SceneBuilder {
   std::vector<PairMargin> margins_;
   double default_margin_ = 0;
   std::size_t most_listed_ = kMostListed;
+};
+
+/// What comes and goes in a world of which most stays: makes a scene from the one before, with more
+/// bodies that stand still and without the pairs of some. Bodies are shared.
+class SceneChange {
+ public:
+  explicit SceneChange(Scene before) : scene_(std::move(before)) {}
+  /// More pairs than that, added to those that are listed, are in runs [count]: for tests, as
+  /// SceneBuilder::listAtMost().
+  void listAtMost(std::size_t pairs) { most_listed_ = pairs; }
+
+  /// A body that stands still has no pairs any more. It stays in bodies(), which keep their
+  /// numbers.
+  void remove(int body);
+  /// The new body's index. It has pairs with all that moves.
+  int add(Body body);
+  /// A body that moves and one that is added, in either order, may touch.
+  void allow(int body_a, int body_b);
+  void setDefaultMargin(double margin);  ///< of pairs of what is added [m]; default 0
+  /// Of a body that moves and one that is added, in either order [m]; the last call counts.
+  void setMargin(int body_a, int body_b, double margin);
+  /// Pairs change their numbers. Throws std::invalid_argument as SceneBuilder::build() does, and
+  /// for other bodies than those above. O(m log m), m being listed pairs, pairs that are left out
+  /// or have margins of their own, meshes and hulls, and all that changes have added and removed,
+  /// times what moves. Copies eight bytes for each geometry of the world where some body has not
+  /// one.
+  Scene build() &&;
+
+ private:
+  bool isAdded(int body) const;
+  std::pair<int, int> movingAndAdded(int body_a, int body_b) const;
+  void removePairs();
+  void addPairs(std::size_t first);
+  Scene scene_;
+  std::vector<int> removed_;
+  std::vector<Body> bodies_;
+  std::map<std::pair<int, int>, double> margins_;  // of a moving and an added body
+  std::set<std::pair<int, int>> allowed_;
+  double default_margin_ = 0;
+  std::size_t most_listed_ = SceneBuilder::kMostListed;
 };
 
 /// What one thread changes while it queries a Scene: poses of moving bodies, caches of as many

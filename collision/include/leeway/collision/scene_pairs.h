@@ -94,6 +94,7 @@ class ScenePairs {
  private:
   friend class Scene;
   friend class SceneBuilder;
+  friend class SceneChange;
   friend struct SceneAccess;
 
   ScenePair ofRun(std::size_t number) const;
@@ -103,6 +104,10 @@ class ScenePairs {
   std::size_t leftOutBefore(std::size_t position) const;
   void setLeftOut(const std::vector<std::size_t>& positions);  // ascending
   void listAll();
+  // So many places more, with pairs in all runs.
+  void addPlaces(std::size_t count);
+  struct LeftOut;
+  void leaveOut(std::vector<LeftOut> more);  // beside those that are; in any order
 
   void raise(double margin, int first_body);
   // first_place: of a body that stands still.
@@ -124,6 +129,7 @@ class ScenePairs {
     std::size_t position;
     double margin;
   };
+  void setOwn(const std::vector<Own>& margins);  // ascending; they replace others
   std::vector<Own> own_;  // margins that are not their run's, of pairs that are there; ascending
 };
 

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "leeway/collision/scene.h"
@@ -59,6 +62,22 @@ class CompiledScene {
   };
   const std::vector<Dropped>& dropped() const { return *dropped_; }
 
+  /// Another world, of which most is this one: objects come and go at the cost of what changes. An
+  /// object that moves goes, and comes in its new place. Each time begin with one scene, or with
+  /// the last; where changes add up to a large part of the world, compile anew.
+  ///
+  /// `added` get the next numbers of bodies, those without geometries none. What the problem says
+  /// of pairs holds for their names, too. `removed` are numbers of bodies (scene().find()), which
+  /// they keep, without pairs. Throws as the constructor does; std::invalid_argument for a body of
+  /// the robot, or one that is gone, in `removed`, and for a scene that has other margins or pairs
+  /// than the problem says. A few us, and as collision::SceneChange.
+  std::shared_ptr<const CompiledScene> withObjects(std::span<const Object> added,
+                                                   std::span<const int> removed = {}) const;
+
+  /// Whether bodies and pairs are those of `other`, number by number: of one scene and its variants
+  /// with other shapes or margins.
+  bool hasPairsOf(const CompiledScene& other) const { return pairs_token_ == other.pairs_token_; }
+
   // Variants. Bodies and their order stay, bounds and meshes are shared: far cheaper than compiling
   // again.
 
@@ -106,12 +125,23 @@ class CompiledScene {
     std::shared_ptr<Shared> made;
   };
 
+  struct Said;
+  /// A copy, to be given other margins or pairs than the problem says.
+  std::shared_ptr<CompiledScene> variant() const;
+  /// Tells a change what the problem says of objects (by name) and the robot. Returns the pairs
+  /// that are not checked then, without those of objects that are `gone`.
+  std::shared_ptr<const std::vector<Dropped>> sayByName(
+      const std::multimap<std::string_view, int>& objects, const std::set<std::string>& gone,
+      collision::SceneChange& change) const;
+
   std::shared_ptr<const robots::Model> model_;
   std::shared_ptr<const ConfigurationSpace> space_;
   std::vector<double> base_configuration_;
   collision::Scene scene_;
   std::vector<int> body_link_;  // of the robot's bodies
   std::shared_ptr<const std::vector<Dropped>> dropped_;
+  std::shared_ptr<const Said> said_;  // null: of a variant with other margins or pairs
+  std::shared_ptr<const int> pairs_token_ = std::make_shared<const int>();
   std::shared_ptr<const EdgeModel> edge_model_;
   OwnShared shared_;
 };

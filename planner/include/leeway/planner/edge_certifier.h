@@ -104,8 +104,9 @@ class EdgeCertifier {
   ~EdgeCertifier();
 
   const CompiledScene& scene() const;
-  /// Answers for `scene` from now on, a withShapes() of the scene before. O(bodies + pairs), far
-  /// cheaper than a new certifier. Throws std::invalid_argument for more pairs than the first had.
+  /// Answers for `scene` from now on, a variant of the scene before with other shapes or margins.
+  /// O(bodies + pairs), far cheaper than a new certifier. Throws std::invalid_argument for a scene
+  /// with other pairs (see CompiledScene::hasPairsOf()).
   void rebind(std::shared_ptr<const CompiledScene> scene);
 
   /// Whether a point keeps its margins, as fast as possible.

@@ -1,0 +1,193 @@
+// Scenes of which a few bodies change.
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "collision/base/numbers.h"
+#include "collision/scene/scene_access.h"
+#include "collision/scene/scene_checks.h"
+
+namespace leeway::collision {
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw std::invalid_argument("scene: " + what + " is expected");
+}
+
+}  // namespace
+
+bool SceneChange::isAdded(int body) const {
+  const std::size_t before = scene_.bodies().size();
+  return body >= 0 && at(body) >= before && at(body) < before + bodies_.size();
+}
+
+void SceneChange::remove(int body) {
+  const Bodies bodies = scene_.bodies();
+  if (body < 0 || at(body) >= bodies.size() || bodies[at(body)].moving || scene_.isRemoved(body) ||
+      std::find(removed_.begin(), removed_.end(), body) != removed_.end())
+    refuse("body " + std::to_string(body) +
+           " is removed; one of the scene before, which stands still and was not removed,");
+  removed_.push_back(body);
+}
+
+int SceneChange::add(Body body) {
+  requirePoses(body);
+  if (body.moving) refuse("'" + body.name + "' moves and is added; a body that stands still");
+  bodies_.push_back(std::move(body));
+  return static_cast<int>(scene_.bodies().size() + bodies_.size()) - 1;
+}
+
+std::pair<int, int> SceneChange::movingAndAdded(int body_a, int body_b) const {
+  const int moving = isAdded(body_a) ? body_b : body_a, added = isAdded(body_a) ? body_a : body_b;
+  if (!isAdded(added) || moving < 0 || at(moving) >= scene_.bodies().size() ||
+      !scene_.bodies()[at(moving)].moving)
+    refuse("something is said of the bodies " + std::to_string(body_a) + " and " +
+           std::to_string(body_b) + "; one that moves and one that this change adds");
+  return {moving, added};
+}
+
+void SceneChange::allow(int body_a, int body_b) { allowed_.insert(movingAndAdded(body_a, body_b)); }
+
+void SceneChange::setDefaultMargin(double margin) {
+  requireMargin(margin);
+  default_margin_ = margin;
+}
+
+void SceneChange::setMargin(int body_a, int body_b, double margin) {
+  requireMargin(margin);
+  margins_[movingAndAdded(body_a, body_b)] = margin;
+}
+
+Scene SceneChange::build() && {
+  removePairs();
+  if (!bodies_.empty()) {
+    const std::size_t first = scene_.bodies().size();
+    auto added = scene_.added_ ? std::make_shared<Scene::Things>(*scene_.added_)
+                               : std::make_shared<Scene::Things>();
+    for (Body& body : bodies_)
+      added->add(std::move(body),
+                 static_cast<int>(scene_.things_->bounds.size() + added->bounds.size()));
+    scene_.added_ = std::move(added);
+    addPairs(first);
+  }
+  return std::move(scene_);
+}
+
+void SceneChange::removePairs() {
+  if (removed_.empty()) return;
+  std::sort(removed_.begin(), removed_.end());
+  std::vector<int> all;
+  std::merge(scene_.removed_.begin(), scene_.removed_.end(), removed_.begin(), removed_.end(),
+             std::back_inserter(all));
+  scene_.removed_ = std::move(all);
+  ScenePairs& pairs = scene_.pairs_;
+  const auto isRemoved = [&](int body) {
+    return std::binary_search(removed_.begin(), removed_.end(), body);
+  };
+  std::erase_if(pairs.listed_, [&](const ScenePair& pair) {
+    return isRemoved(pair.body_a) || isRemoved(pair.body_b);
+  });
+  pairs.size_ = pairs.listed_.size();
+  if (!pairs.hasRuns()) return;
+  const int first = SceneAccess::geometryIndex(scene_, pairs.firstStill(), 0);
+  std::vector<ScenePairs::LeftOut> left_out;
+  for (const int body : removed_) {
+    if (body < pairs.firstStill()) continue;
+    const std::size_t place = at(SceneAccess::geometryIndex(scene_, body, 0) - first);
+    const std::size_t count = scene_.bodies()[at(body)].geometries.size();
+    for (std::size_t begin = place; begin < pairs.runs_.size() * pairs.places_;
+         begin += pairs.places_)
+      left_out.push_back({begin, begin + count, 0});
+  }
+  pairs.leaveOut(std::move(left_out));
+}
+
+/// Of bodies from `first` on, with all that moves.
+void SceneChange::addPairs(std::size_t first) {
+  ScenePairs& pairs = scene_.pairs_;
+  const Bodies bodies = scene_.bodies();
+  // None: they may touch.
+  const auto marginOf = [&](int moving, std::size_t added) -> std::optional<double> {
+    const std::pair<int, int> pair{moving, static_cast<int>(added)};
+    if (allowed_.count(pair) != 0) return std::nullopt;
+    const auto found = margins_.find(pair);
+    return found == margins_.end() ? default_margin_ : found->second;
+  };
+  std::size_t places = 0;
+  bool is_one_each = true;
+  for (std::size_t b = first; b < bodies.size(); ++b) {
+    places += bodies[b].geometries.size();
+    is_one_each = is_one_each && bodies[b].geometries.size() == 1;
+  }
+  std::vector<ScenePairs::Run> moving = pairs.runs_;
+  for (std::size_t b = 0; !pairs.hasRuns() && b < first; ++b)
+    for (std::size_t g = 0; bodies[b].moving && g < bodies[b].geometries.size(); ++g)
+      moving.push_back(
+          {static_cast<std::int32_t>(b), static_cast<std::int32_t>(g), default_margin_});
+  for (const ScenePairs::Run& a : moving) {
+    if (!isHalfSpace(bodies[at(a.body)].geometries[at(a.geometry)])) continue;
+    for (std::size_t b = first; b < bodies.size(); ++b)
+      if (marginOf(a.body, b) &&
+          std::any_of(bodies[b].geometries.begin(), bodies[b].geometries.end(), isHalfSpace))
+        refuseHalfSpaces(bodies[at(a.body)], bodies[b]);
+  }
+
+  if (!pairs.hasRuns() &&
+      (places == 0 || pairs.listed_.size() + moving.size() * places <= most_listed_)) {
+    for (const ScenePairs::Run& a : moving)
+      for (std::size_t b = first; b < bodies.size(); ++b)
+        if (const std::optional<double> margin = marginOf(a.body, b))
+          for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g)
+            pairs.listed_.push_back({a.body, a.geometry, static_cast<std::int32_t>(b),
+                                     static_cast<std::int32_t>(g), *margin});
+    pairs.size_ = pairs.listed_.size();
+    return;
+  }
+
+  requireNumbers(moving.size(), pairs.places_ + places);
+  if (!pairs.hasRuns()) pairs.first_still_ = static_cast<int>(first);
+  const std::size_t first_place = pairs.places_;
+  if (!is_one_each || !pairs.geometries_.empty()) {
+    if (pairs.geometries_.empty()) {
+      std::vector<ScenePairs::Geometry> before;
+      before.reserve(first_place + places);
+      for (std::size_t place = 0; place < first_place; ++place)
+        before.push_back(pairs.geometryIn(place));
+      pairs.geometries_ = std::move(before);
+    }
+    for (std::size_t b = first; b < bodies.size(); ++b)
+      for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g)
+        pairs.geometries_.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(g)});
+  }
+  if (pairs.hasRuns()) {
+    pairs.addPlaces(places);
+  } else {
+    pairs.runs_ = std::move(moving);
+    pairs.places_ = places;
+  }
+  std::vector<ScenePairs::LeftOut> left_out;
+  std::vector<ScenePairs::Own> own;
+  for (std::size_t run = 0; run < pairs.runs_.size(); ++run) {
+    std::size_t position = run * pairs.places_ + first_place;
+    for (std::size_t b = first; b < bodies.size(); ++b) {
+      const std::size_t count = bodies[b].geometries.size();
+      const std::optional<double> margin = marginOf(pairs.runs_[run].body, b);
+      if (!margin)
+        left_out.push_back({position, position + count, 0});
+      else if (*margin != pairs.runs_[run].margin)
+        for (std::size_t g = 0; g < count; ++g) own.push_back({position + g, *margin});
+      position += count;
+    }
+  }
+  pairs.setOwn(own);
+  pairs.leaveOut(std::move(left_out));
+  scene_.findAddedStill();
+}
+
+}  // namespace leeway::collision

@@ -1,0 +1,275 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "collision/base/numbers.h"
+#include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/scene.h"
+#include "tests/support/deformable_cases.h"
+#include "tests/support/scene_twins.h"
+
+namespace leeway::collision {
+namespace {
+
+using testing::Draw;
+using testing::expectSame;
+using testing::kMoving;
+using testing::randomBuilder;
+using testing::Twins;
+
+/// A scene that changes again and again, and what builds the like at once.
+class Changing {
+ public:
+  Changing(Draw& draw, bool one_each, bool in_runs)
+      : draw_(draw), one_each_(one_each), builder_(randomBuilder(draw, one_each)) {
+    builder_.setDefaultMargin(0.01);
+    SceneBuilder first = builder_;
+    if (in_runs) first.listAtMost(0);
+    scene = first.build();
+  }
+
+  /// `most_listed`: of what is added, where nothing is in runs.
+  void change(std::size_t most_listed) {
+    SceneChange change(scene);
+    change.listAtMost(most_listed);
+    change.setDefaultMargin(0.01);
+    const int bodies = static_cast<int>(scene.bodies().size());
+    std::set<int> removed;
+    for (int k = draw_.below(4); k > 0; --k) {
+      const int body = draw_.below(2) == 0 ? 1 : kMoving + draw_.below(bodies - kMoving);
+      if (scene.isRemoved(body) || !removed.insert(body).second) continue;
+      change.remove(body);
+      for (int i = 0; i < kMoving; ++i) builder_.allow(i, body);
+    }
+    for (int k = draw_.below(6); k > 0; --k) {
+      Body body;
+      body.name = "more" + std::to_string(k);
+      body.X_WB = draw_.pose(2);
+      for (int g = one_each_ ? 0 : draw_.below(3) - 1; g >= 0; --g)
+        body.geometries.push_back({draw_.shape(), draw_.pose(0.2), ""});
+      if (draw_.below(4) == 0 && !body.geometries.empty()) {
+        std::vector<Eigen::Vector3d> points;
+        for (int i = 0; i < 8; ++i) points.push_back(draw_.pose(0.2).translation);
+        body.geometries.back().shape = Shape::convexHull(points);
+      }
+      const int number = change.add(body);
+      EXPECT_EQ(builder_.add(body), number);
+      const int moving = draw_.below(2) * 2;
+      if (draw_.below(4) == 0) {
+        change.allow(moving, number);
+        builder_.allow(moving, number);
+      }
+      if (draw_.below(3) == 0) {
+        const double margin = draw_.uniform(-0.01, 0.05);
+        draw_.below(2) == 0 ? change.setMargin(moving, number, margin)
+                            : change.setMargin(number, moving, margin);
+        builder_.setMargin(number, moving, margin);
+      }
+    }
+    scene = std::move(change).build();
+    for (const int body : removed) EXPECT_TRUE(scene.isRemoved(body));
+  }
+
+  Twins twins() const { return {builder_.build(), scene}; }
+  Scene scene;
+
+ private:
+  Draw& draw_;
+  bool one_each_;
+  SceneBuilder builder_;
+};
+
+// With and without runs before, and with runs of what is added alone.
+TEST(SceneChange, IsWhatBuildingAnewWouldBe) {
+  Draw draw(11);
+  int with_runs = 0, free = 0, not_free = 0;
+  for (int world = 0; world < 90; ++world) {
+    Changing changing(draw, world % 2 == 0, world % 3 == 0);
+    for (int change = 0; change < 4; ++change) {
+      const Scene before = changing.scene;
+      const std::size_t pairs = before.pairs().size();
+      changing.change(world % 3 == 1 ? 0 : SceneBuilder::kMostListed);
+      EXPECT_EQ(before.pairs().size(), pairs);
+      const Twins twins = changing.twins();
+      expectSame(twins, "world " + std::to_string(world));
+      ASSERT_EQ(twins.listed.bodies().size(), twins.runs.bodies().size());
+      std::size_t body = 0;
+      for (const Body& b : twins.runs.bodies()) EXPECT_EQ(&b, &twins.runs.bodies()[body++]);
+      EXPECT_EQ(body, twins.runs.bodies().size());
+      with_runs += twins.runs.pairs().hasRuns();
+      Workspace listed(twins.listed), changed(twins.runs);
+      for (int state = 0; state < 10; ++state) {
+        for (const int moving : {0, 2}) {
+          const Pose X = draw.pose(state < 5 ? 1.5 : 6);
+          listed.setPose(moving, X);
+          changed.setPose(moving, X);
+        }
+        const SceneResult x = clearance(twins.listed, listed, 1e-4);
+        const SceneResult y = clearance(twins.runs, changed, 1e-4);
+        EXPECT_EQ(x.verdict, y.verdict);
+        if (x.pair >= 0 && y.pair >= 0) {
+          EXPECT_NEAR(x.clearance.lower, y.clearance.lower, 1e-4);
+          EXPECT_NEAR(x.clearance.upper, y.clearance.upper, 1e-4);
+        }
+        EXPECT_EQ(decide(twins.runs, changed).verdict, decide(twins.listed, listed).verdict);
+        ++(x.verdict == Verdict::kFree ? free : not_free);
+      }
+    }
+  }
+  EXPECT_GT(with_runs, 150);
+  EXPECT_GT(free, 500);
+  EXPECT_GT(not_free, 300);
+}
+
+// Margins and shapes of a scene that has changed change as those of any other.
+TEST(SceneChange, ChangesFurther) {
+  Draw draw(12);
+  for (int world = 0; world < 40; ++world) {
+    Changing changing(draw, world % 2 == 0, world % 3 != 2);
+    for (int change = 0; change < 3; ++change)
+      changing.change(world % 4 < 2 ? 0 : SceneBuilder::kMostListed);
+    Twins twins = changing.twins();
+    const int bodies = static_cast<int>(twins.listed.bodies().size());
+    for (int k = 0; k < 6; ++k) {
+      const int body = draw.below(4) == 0 ? draw.below(kMoving) : bodies - 1 - draw.below(20);
+      const Body& of = twins.listed.bodies()[static_cast<std::size_t>(body)];
+      if (of.geometries.empty()) continue;
+      const int geometry = draw.below(static_cast<int>(of.geometries.size()));
+      const double growth = draw.uniform(0, 0.01);
+      const Shape shape = draw.shape();
+      const Scene copy = twins.runs;
+      const Shape before = of.geometries[static_cast<std::size_t>(geometry)].shape;
+      twins.both([&](Scene& scene) {
+        scene.growMargins(body, geometry, growth);
+        scene.setShape(body, geometry, shape);
+      });
+      expectSame(twins, "changed");
+      EXPECT_EQ(copy.bodies()[static_cast<std::size_t>(body)]
+                    .geometries[static_cast<std::size_t>(geometry)]
+                    .shape.boundingRadius(),
+                before.boundingRadius());
+      Workspace listed(twins.listed), changed(twins.runs);
+      const Pose X = draw.pose(1.5);
+      listed.setPose(0, X);
+      changed.setPose(0, X);
+      const SceneResult x = clearance(twins.listed, listed, 1e-4);
+      const SceneResult y = clearance(twins.runs, changed, 1e-4);
+      EXPECT_EQ(x.verdict, y.verdict);
+      EXPECT_NEAR(x.clearance.upper, y.clearance.upper, 1e-4);
+    }
+    // As what others begin with, too.
+    SceneBuilder again(twins.runs);
+    again.add({"last", {{Shape::sphere(0.1), {}, ""}}, false, {}});
+    SceneBuilder twin(twins.listed);
+    twin.add({"last", {{Shape::sphere(0.1), {}, ""}}, false, {}});
+    expectSame({twin.build(), again.build()}, "built upon");
+  }
+}
+
+// What deforms is near everything, also where a change adds it.
+TEST(SceneChange, AddsWhatDeforms) {
+  const testing::Sheet sheet = testing::cloth(20);
+  Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
+                        testing::optionsOf(DeformStrategy::kRefit));
+  SceneBuilder builder;
+  builder.add({"hand", {{Shape::sphere(0.05), {}, ""}}, true, {}});
+  for (int i = 0; i < 100; ++i) {
+    Body still{"still", {{Shape::sphere(0.1), {}, ""}}, false, {}};
+    still.X_WB.translation = Eigen::Vector3d(4, i, 0);
+    builder.add(still);
+  }
+  builder.listAtMost(0);
+  SceneChange change(builder.build());
+  const int cloth =
+      change.add({"cloth", {{Shape::deformable(deformable.snapshot()), {}, ""}}, false, {}});
+  Scene scene = std::move(change).build();
+  Workspace workspace(scene);
+  workspace.setPose(0, Pose{Eigen::Matrix3d::Identity(), {0.1, 0.2, 0.2}});
+  const SceneResult still = clearance(scene, workspace, 1e-4);
+  EXPECT_EQ(scene.pairs()[static_cast<std::size_t>(still.pair)].body_b, cloth);
+  ASSERT_EQ(deformable.update(testing::waved(sheet.vertices, 0.3, 1), 1), UpdateStatus::kUpdated);
+  scene.setShape(cloth, 0, Shape::deformable(deformable.snapshot()));
+  workspace.prepare(scene);
+  const SceneResult waved = clearance(scene, workspace, 1e-4);
+  EXPECT_EQ(scene.pairs()[static_cast<std::size_t>(waved.pair)].body_b, cloth);
+  EXPECT_NE(waved.clearance.lower, still.clearance.lower);
+}
+
+// Again and again: the body of the name that is there is found.
+TEST(SceneChange, MovesABody) {
+  SceneBuilder builder;
+  builder.add({"hand", {{Shape::sphere(0.05), {}, ""}}, true, {}});
+  builder.add({"stone", {{Shape::sphere(0.1), {}, ""}}, false, {}});
+  Scene scene = builder.build();
+  for (int step = 1; step < 5; ++step) {
+    SceneChange change(scene);
+    change.remove(scene.find("stone"));
+    Body stone = scene.bodies()[at(scene.find("stone"))];
+    stone.X_WB.translation.x() = step;
+    change.add(stone);
+    scene = std::move(change).build();
+    ASSERT_EQ(scene.pairs().size(), 1U);
+    EXPECT_EQ(scene.pairs()[0].body_b, scene.find("stone"));
+    Workspace workspace(scene);
+    EXPECT_NEAR(clearance(scene, workspace, 1e-9).clearance.lower, step - 0.15, 1e-6);
+  }
+  SceneChange change(scene);
+  change.remove(scene.find("stone"));
+  EXPECT_EQ(std::move(change).build().find("stone"), -1);
+}
+
+TEST(SceneChange, RefusesWhatItCannotChange) {
+  for (const bool in_runs : {false, true}) {
+    SceneBuilder builder;
+    builder.add({"plate", {{Shape::halfSpace(), {}, ""}}, true, {}});
+    builder.add({"stone", {{Shape::sphere(0.1), {}, ""}}, false, {}});
+    if (in_runs) builder.listAtMost(0);
+    const Scene scene = builder.build();
+    const Body floor{"floor", {{Shape::halfSpace(), {}, ""}}, false, {}};
+    const Body stone{"pebble", {{Shape::sphere(0.01), {}, ""}}, false, {}};
+    const auto changed = [&](auto&& make) {
+      SceneChange change(scene);
+      if (in_runs) change.listAtMost(0);
+      make(change);
+      return std::move(change).build();
+    };
+    const auto refused = [&](auto&& make) { EXPECT_THROW(changed(make), std::invalid_argument); };
+    for (const int body : {0, 2, -1}) refused([body](SceneChange& change) { change.remove(body); });
+    refused([&](SceneChange& change) { change.remove(change.add(stone)); });
+    refused([](SceneChange& change) {
+      change.remove(1);
+      change.remove(1);
+    });
+    refused([](SceneChange& change) {
+      change.add({"car", {{Shape::sphere(1), {}, ""}}, true, {}});
+    });
+    refused([&](SceneChange& change) { change.add(floor); });
+    refused([&](SceneChange& change) {
+      change.setMargin(0, change.add(stone), std::numeric_limits<double>::quiet_NaN());
+    });
+    refused([&](SceneChange& change) { change.setMargin(change.add(stone), 1, 0.1); });
+    refused([](SceneChange& change) { change.setMargin(0, 1, 0.1); });
+    refused([](SceneChange& change) { change.allow(0, 2); });
+    refused([](SceneChange& change) {
+      Pose far;
+      far.translation.x() = std::numeric_limits<double>::infinity();
+      change.add({"far", {{Shape::sphere(1), {}, ""}}, false, far});
+    });
+    const Scene allowed = changed([&](SceneChange& change) { change.allow(change.add(floor), 0); });
+    EXPECT_EQ(allowed.pairs().size(), 1U);
+    const Scene without = changed([](SceneChange& change) { change.remove(1); });
+    EXPECT_TRUE(without.pairs().empty());
+    SceneChange again(without);
+    EXPECT_THROW(again.remove(1), std::invalid_argument);
+  }
+}
+
+}  // namespace
+}  // namespace leeway::collision

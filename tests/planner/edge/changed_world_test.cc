@@ -1,0 +1,208 @@
+// Worlds in which objects come and go, against the same worlds compiled anew.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/plan.h"
+#include "leeway/planner/verify.h"
+#include "leeway/robots/input_error.h"
+#include "tests/support/random_model.h"
+#include "tests/support/random_problem.h"
+#include "tests/support/sanitized.h"
+#include "tests/support/small_problems.h"
+
+namespace leeway::planner {
+namespace {
+
+using testing::Random;
+
+/// A scene, and the problem that says the same.
+struct World {
+  std::shared_ptr<const CompiledScene> scene;
+  Problem problem;
+};
+
+std::vector<Object> objects(Random& random, const std::shared_ptr<const robots::Model>& model,
+                            const std::string& name, int count, double room) {
+  std::vector<Object> all = testing::randomProblem(random, model, count, room).world.objects;
+  all.resize(static_cast<std::size_t>(count));  // without a floor
+  for (std::size_t i = 0; i < all.size(); ++i) all[i].name = name + std::to_string(i);
+  return all;
+}
+
+/// Some objects go, `count` come: some of them where others were, under their names.
+World changed(Random& random, const World& before, int count, const std::string& name,
+              double room) {
+  World after{nullptr, before.problem};
+  std::vector<Object>& all = after.problem.world.objects;
+  std::vector<Object> added = objects(random, before.problem.robot.model, name, count, room);
+  std::vector<int> removed;
+  for (int k = 0; k < std::min(count, 5) && !all.empty(); ++k) {
+    const auto i = static_cast<std::size_t>(random.integer(static_cast<int>(all.size())));
+    const int body = before.scene->scene().find(all[i].name);
+    removed.push_back(body);
+    if (k % 2 == 0) added[static_cast<std::size_t>(k)].name = all[i].name;  // it moves
+    all.erase(all.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  after.scene = before.scene->withObjects(added, removed);
+  all.insert(all.end(), added.begin(), added.end());
+  return after;
+}
+
+using Pair = std::tuple<std::string, int, std::string, int, double>;
+std::multiset<Pair> pairsOf(const CompiledScene& scene) {
+  std::multiset<Pair> all;
+  const auto bodies = scene.scene().bodies();
+  for (const collision::ScenePair& pair : scene.scene().pairs())
+    all.insert({bodies[static_cast<std::size_t>(pair.body_a)].name, pair.geometry_a,
+                bodies[static_cast<std::size_t>(pair.body_b)].name, pair.geometry_b, pair.margin});
+  return all;
+}
+
+std::multiset<std::tuple<std::string, std::string, std::string>> droppedOf(
+    const CompiledScene& scene) {
+  std::multiset<std::tuple<std::string, std::string, std::string>> all;
+  for (const CompiledScene::Dropped& d : scene.dropped()) all.insert({d.a, d.b, d.reason});
+  return all;
+}
+
+struct Counts {
+  int free = 0, not_free = 0, undecided = 0, runs = 0;
+};
+
+void expectSame(Random& random, const World& world, Counts& counts) {
+  const auto anew = std::make_shared<const CompiledScene>(world.problem);
+  EXPECT_EQ(pairsOf(*world.scene), pairsOf(*anew));
+  EXPECT_EQ(droppedOf(*world.scene), droppedOf(*anew));
+  counts.runs += world.scene->scene().pairs().hasRuns();
+  EdgeCertifier certifier(world.scene), twin(anew);
+  const auto agree = [&](Verdict x, Verdict y) {
+    if (x == Verdict::kUndecided || y == Verdict::kUndecided) {
+      ++counts.undecided;
+      return;
+    }
+    EXPECT_EQ(x, y);
+    ++(x == Verdict::kFree ? counts.free : counts.not_free);
+  };
+  const robots::Model& model = *world.problem.robot.model;
+  constexpr double kTolerance = 1e-4;
+  for (int i = 0; i < 30; ++i) {
+    const std::vector<double> a = robots::testing::randomConfiguration(random, model);
+    const std::vector<double> difference = robots::testing::randomDifference(random, model, a);
+    std::vector<double> b = robots::testing::advanced(model, a, difference, i % 2 == 0 ? 1 : 0.1);
+    agree(certifier.decide(a), twin.decide(a));
+    agree(certifier.certify(a, b).verdict, twin.certify(a, b).verdict);
+    if (i % 5 != 0) continue;
+    const StateCheck x = certifier.clearance(a, kTolerance), y = twin.clearance(a, kTolerance);
+    EXPECT_LE(x.clearance.lower, y.clearance.upper);
+    EXPECT_LE(y.clearance.lower, x.clearance.upper);
+    EXPECT_LE(x.clearance.width(), kTolerance);
+    const Interval edge = certifier.edgeClearance(a, b, kTolerance, -1).clearance;
+    const Interval of_twin = twin.edgeClearance(a, b, kTolerance, -1).clearance;
+    EXPECT_LE(edge.lower, of_twin.upper);
+    EXPECT_LE(of_twin.lower, edge.upper);
+  }
+}
+
+// Few objects and many before, and few and many that come; again and again.
+TEST(ChangedWorld, AnswersAreThoseOfTheWorldCompiledAnew) {
+  Random random(71);
+  Counts counts;
+  for (int world = 0; world < casesToAsk(24); ++world) {
+    const bool is_arm = world % 3 != 2;
+    const auto model = is_arm ? testing::randomArm(random)
+                              : testing::randomFreeBody(random, robots::JointType::kFloating);
+    const double room = is_arm ? 2 : 3;
+    World now;
+    now.problem = testing::randomProblem(random, model, 0, room);
+    now.problem.name = "before";
+    for (Object& o : objects(random, model, "thing", world % 2 == 0 ? 8 : 700, room))
+      now.problem.world.objects.push_back(std::move(o));
+    const std::string& link = model->links.back().name;
+    for (const char* name : {"thing1", "more1", "again0"}) {
+      now.problem.contacts.allowed.emplace_back(name, link);
+      now.problem.margins.pairs.push_back({link, std::string(name) + "1", 0.05});
+    }
+    now.problem.margins.pairs.push_back({"more0", link, 0.1});
+    now.scene = std::make_shared<const CompiledScene>(now.problem);
+    now = changed(random, now, 5, "more", room);
+    expectSame(random, now, counts);
+    now = changed(random, now, world % 4 < 2 ? 6 : 600, "again", room);
+    expectSame(random, now, counts);
+  }
+  if (casesToAsk(24) < 24) return;
+  EXPECT_GT(counts.free, 300);
+  EXPECT_GT(counts.not_free, 300);
+  EXPECT_GT(counts.runs, 24);
+  EXPECT_LT(counts.undecided, (counts.free + counts.not_free) / 50);
+}
+
+// A wall comes into the way; a plan goes around it, and the verifier proves it in a world compiled
+// anew. Without the wall the first plan is back.
+TEST(ChangedWorld, IsPlannedIn) {
+  Problem problem = test::corridorProblem();
+  problem.seed = 5;
+  const auto before = std::make_shared<const CompiledScene>(problem);
+  const PlanResult first = plan(before, problem);
+  ASSERT_EQ(first.status, PlanStatus::kSolved);
+  // Across the path, in its middle.
+  const std::vector<double>&from = first.path.positions.front(), &to = first.path.positions[1];
+  const Object wall =
+      test::box("wall", {0.02, 0.02, 0.5}, (from[0] + to[0]) / 2, (from[1] + to[1]) / 2, 0);
+  const auto after = before->withObjects(std::vector<Object>{wall});
+  Problem with_wall = problem;
+  with_wall.world.objects.push_back(wall);
+  EXPECT_NE(verify(with_wall, first.path).status, VerifyStatus::kCertified);
+  const PlanResult second = plan(after, problem);
+  ASSERT_EQ(second.status, PlanStatus::kSolved);
+  EXPECT_EQ(verify(with_wall, second.path).status, VerifyStatus::kCertified);
+  const std::vector<int> gone{after->scene().find("wall")};
+  const PlanResult third = plan(after->withObjects({}, gone), problem);
+  ASSERT_EQ(third.status, PlanStatus::kSolved);
+  EXPECT_EQ(third.path.positions, first.path.positions);
+}
+
+TEST(ChangedWorld, RefusesWhatItCannotChange) {
+  Problem problem = test::wallProblem();
+  problem.name = "room.yaml";
+  const auto scene = std::make_shared<const CompiledScene>(problem);
+  const std::vector<int> robot{0}, none{static_cast<int>(scene->scene().bodies().size())},
+      negative{-1};
+  for (const std::vector<int>& body : {robot, none, negative})
+    EXPECT_THROW(scene->withObjects({}, body), std::invalid_argument);
+  EXPECT_THROW(scene->withMarginAtLeast(0.1)->withObjects({}), std::invalid_argument);
+  // What a certifier remembers of pairs would be of others.
+  const std::vector<int> wall{scene->bodiesOfRobot()};
+  EdgeCertifier certifier(scene);
+  EXPECT_THROW(certifier.rebind(scene->withObjects({}, wall)), std::invalid_argument);
+  EXPECT_THROW(certifier.rebind(scene->withPairs([](const auto&) { return false; })),
+               std::invalid_argument);
+  certifier.rebind(scene->withMarginAtLeast(0.1));
+  std::vector<Object> far{test::box("far", {1, 1, 1}, 2e9, 0, 0)};
+  try {
+    scene->withObjects(far);
+    FAIL();
+  } catch (const robots::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("room.yaml"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("'far'"), std::string::npos) << error.what();
+  }
+  far[0].X_WO = {};
+  far[0].geometries[0].X_BG.translation.x() = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(scene->withObjects(far), robots::InputError);
+  // Without geometries there is nothing to meet.
+  far[0].geometries.clear();
+  EXPECT_EQ(scene->withObjects(far)->scene().bodies().size(), scene->scene().bodies().size());
+}
+
+}  // namespace
+}  // namespace leeway::planner
