@@ -13,7 +13,6 @@
 #include "collision/scene/scene_checks.h"
 
 namespace leeway::collision {
-
 namespace {
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -108,38 +107,34 @@ void SceneChange::removePairs() {
   pairs.leaveOut(std::move(left_out));
 }
 
+std::optional<double> SceneChange::marginOf(int moving, std::size_t added) const {
+  const std::pair<int, int> pair{moving, static_cast<int>(added)};
+  if (allowed_.count(pair) != 0) return std::nullopt;
+  const auto found = margins_.find(pair);
+  return found == margins_.end() ? default_margin_ : found->second;
+}
+
 /// Of bodies from `first` on, with all that moves.
 void SceneChange::addPairs(std::size_t first) {
   ScenePairs& pairs = scene_.pairs_;
   const Bodies bodies = scene_.bodies();
-  // None: they may touch.
-  const auto marginOf = [&](int moving, std::size_t added) -> std::optional<double> {
-    const std::pair<int, int> pair{moving, static_cast<int>(added)};
-    if (allowed_.count(pair) != 0) return std::nullopt;
-    const auto found = margins_.find(pair);
-    return found == margins_.end() ? default_margin_ : found->second;
-  };
-  std::size_t places = 0;
-  bool is_one_each = true;
-  for (std::size_t b = first; b < bodies.size(); ++b) {
-    places += bodies[b].geometries.size();
-    is_one_each = is_one_each && bodies[b].geometries.size() == 1;
-  }
   std::vector<ScenePairs::Run> moving = pairs.runs_;
   for (std::size_t b = 0; !pairs.hasRuns() && b < first; ++b)
     for (std::size_t g = 0; bodies[b].moving && g < bodies[b].geometries.size(); ++g)
       moving.push_back(
           {static_cast<std::int32_t>(b), static_cast<std::int32_t>(g), default_margin_});
-  for (const ScenePairs::Run& a : moving) {
-    if (!isHalfSpace(bodies[at(a.body)].geometries[at(a.geometry)])) continue;
-    for (std::size_t b = first; b < bodies.size(); ++b)
-      if (marginOf(a.body, b) &&
-          std::any_of(bodies[b].geometries.begin(), bodies[b].geometries.end(), isHalfSpace))
+  std::size_t places = 0;
+  for (std::size_t b = first; b < bodies.size(); ++b) {
+    const std::vector<Geometry>& of = bodies[b].geometries;
+    places += of.size();
+    if (std::none_of(of.begin(), of.end(), isHalfSpace)) continue;
+    for (const ScenePairs::Run& a : moving)
+      if (isHalfSpace(bodies[at(a.body)].geometries[at(a.geometry)]) && marginOf(a.body, b))
         refuseHalfSpaces(bodies[at(a.body)], bodies[b]);
   }
-
-  if (!pairs.hasRuns() &&
-      (places == 0 || pairs.listed_.size() + moving.size() * places <= most_listed_)) {
+  if (pairs.hasRuns()) {
+    addPlaces(first, places);
+  } else if (places == 0 || pairs.listed_.size() + moving.size() * places <= most_listed_) {
     for (const ScenePairs::Run& a : moving)
       for (std::size_t b = first; b < bodies.size(); ++b)
         if (const std::optional<double> margin = marginOf(a.body, b))
@@ -147,16 +142,26 @@ void SceneChange::addPairs(std::size_t first) {
             pairs.listed_.push_back({a.body, a.geometry, static_cast<std::int32_t>(b),
                                      static_cast<std::int32_t>(g), *margin});
     pairs.size_ = pairs.listed_.size();
-    return;
+  } else {
+    pairs.first_still_ = static_cast<int>(first);
+    pairs.runs_ = std::move(moving);
+    addPlaces(first, places);
   }
+}
 
-  requireNumbers(moving.size(), pairs.places_ + places);
-  if (!pairs.hasRuns()) pairs.first_still_ = static_cast<int>(first);
+/// To runs: of bodies from `first` on, which have so many geometries.
+void SceneChange::addPlaces(std::size_t first, std::size_t count) {
+  ScenePairs& pairs = scene_.pairs_;
+  const Bodies bodies = scene_.bodies();
   const std::size_t first_place = pairs.places_;
-  if (!is_one_each || !pairs.geometries_.empty()) {
+  requireNumbers(pairs.runs_.size(), first_place + count);
+  bool is_one_each = pairs.geometries_.empty();
+  for (std::size_t b = first; b < bodies.size(); ++b)
+    is_one_each = is_one_each && bodies[b].geometries.size() == 1;
+  if (!is_one_each) {
     if (pairs.geometries_.empty()) {
       std::vector<ScenePairs::Geometry> before;
-      before.reserve(first_place + places);
+      before.reserve(first_place + count);
       for (std::size_t place = 0; place < first_place; ++place)
         before.push_back(pairs.geometryIn(place));
       pairs.geometries_ = std::move(before);
@@ -165,24 +170,19 @@ void SceneChange::addPairs(std::size_t first) {
       for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g)
         pairs.geometries_.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(g)});
   }
-  if (pairs.hasRuns()) {
-    pairs.addPlaces(places);
-  } else {
-    pairs.runs_ = std::move(moving);
-    pairs.places_ = places;
-  }
+  pairs.addPlaces(count);
   std::vector<ScenePairs::LeftOut> left_out;
   std::vector<ScenePairs::Own> own;
   for (std::size_t run = 0; run < pairs.runs_.size(); ++run) {
     std::size_t position = run * pairs.places_ + first_place;
     for (std::size_t b = first; b < bodies.size(); ++b) {
-      const std::size_t count = bodies[b].geometries.size();
+      const std::size_t of_body = bodies[b].geometries.size();
       const std::optional<double> margin = marginOf(pairs.runs_[run].body, b);
       if (!margin)
-        left_out.push_back({position, position + count, 0});
+        left_out.push_back({position, position + of_body, 0});
       else if (*margin != pairs.runs_[run].margin)
-        for (std::size_t g = 0; g < count; ++g) own.push_back({position + g, *margin});
-      position += count;
+        for (std::size_t g = 0; g < of_body; ++g) own.push_back({position + g, *margin});
+      position += of_body;
     }
   }
   pairs.setOwn(own);

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -222,8 +223,11 @@ class SceneChange {
  private:
   bool isAdded(int body) const;
   std::pair<int, int> movingAndAdded(int body_a, int body_b) const;
+  /// None: the two may touch.
+  std::optional<double> marginOf(int moving, std::size_t added) const;
   void removePairs();
   void addPairs(std::size_t first);
+  void addPlaces(std::size_t first, std::size_t count);
   Scene scene_;
   std::vector<int> removed_;
   std::vector<Body> bodies_;
