@@ -119,7 +119,7 @@ class FclChecker : public StateChecker {
     for (const std::size_t i : still) {
       parts_[i].in_tree = true;
       objects_.emplace_back(parts_[i].shape, parts_[i].X_WG);
-      objects_.back().setUserData(reinterpret_cast<void*>(i + 1));  // null: not of the tree
+      objects_.back().setUserData(&parts_[i]);  // null: not of the tree
       all.push_back(&objects_.back());
     }
     tree_.registerObjects(all);
@@ -153,8 +153,9 @@ class FclChecker : public StateChecker {
   static bool meets(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data) {
     Query& query = *static_cast<Query*>(data);
     const fcl::CollisionObjectd* still = a->getUserData() != nullptr ? a : b;
-    const auto part = reinterpret_cast<std::size_t>(still->getUserData()) - 1;
     FclChecker& checker = *query.checker;
+    const auto part = static_cast<std::size_t>(static_cast<const Part*>(still->getUserData()) -
+                                               checker.parts_.data());
     if (checker.checked_.count(checker.keyOf(query.part, part)) > 0)
       query.found = checker.touch(query.part, part);
     return query.found;
