@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -36,16 +35,8 @@ GeometryBounds boundsOf(const Body& body, const Geometry& geometry) {
 
 }  // namespace
 
-void requireNumbers(std::size_t runs, std::size_t places) {
-  constexpr std::size_t most = std::numeric_limits<int>::max() / 2;
-  if (places <= most / runs) return;
-  throw std::invalid_argument(
-      "scene: " + std::to_string(runs) + " moving geometries times " + std::to_string(places) +
-      " that stand still are more pairs than can be numbered, which are " + std::to_string(most));
-}
-
-void Scene::Things::add(Body body, int first_geometry_number) {
-  first_geometry.push_back(first_geometry_number);
+void Scene::Things::add(Body body, int first) {
+  first_geometry.push_back(first);
   for (const Geometry& g : body.geometries) bounds.push_back(boundsOf(body, g));
   bodies.push_back(std::move(body));
 }

@@ -3,6 +3,8 @@
 // What SceneBuilder and SceneChange ask of their input.
 
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -34,7 +36,14 @@ inline bool isHalfSpace(const Geometry& g) { return g.shape.type() == ShapeType:
                               "another shape for one of them is expected");
 }
 
-/// Where pairs cannot be numbered by an int, with room for pairs of what moves.
-void requireNumbers(std::size_t runs, std::size_t places);
+/// Refuses more pairs in runs than an int numbers; half of its range is left for those of what
+/// moves.
+inline void requireNumbers(std::size_t runs, std::size_t places) {
+  constexpr std::size_t most = std::numeric_limits<int>::max() / 2;
+  if (places <= most / runs) return;
+  throw std::invalid_argument(
+      "scene: " + std::to_string(runs) + " moving geometries times " + std::to_string(places) +
+      " that stand still are more pairs than can be numbered, which are " + std::to_string(most));
+}
 
 }  // namespace leeway::collision

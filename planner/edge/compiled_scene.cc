@@ -185,7 +185,7 @@ std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRob
 }  // namespace
 
 /// What a problem says of objects by name, besides the contacts that a PreparedRobot has.
-struct CompiledScene::Said {
+struct CompiledScene::NamedRules {
   std::string problem;  // its name, for messages
   double margin;
   std::vector<PairMargin> margins;
@@ -213,11 +213,11 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
   const std::shared_ptr<const PreparedRobot> robot = PreparedRobot::of(problem, *space_, stop);
   Surroundings world(problem, *robot, stop);
   dropped_ = world.dropped();
-  auto said =
-      std::make_shared<Said>(Said{problem.name, problem.margins.common, problem.margins.pairs, {}});
+  auto rules = std::make_shared<NamedRules>(
+      NamedRules{problem.name, problem.margins.common, problem.margins.pairs, {}});
   for (const DeformingObstacle& o : problem.world.deforming)
-    said->deforming.push_back(o.object.name);
-  said_ = std::move(said);
+    rules->deforming.push_back(o.object.name);
+  rules_ = std::move(rules);
   robots::throwIfStopped(stop, "the problem was compiled");
   scene_ = std::move(world).build();
   edge_model_ = makeEdgeModel(robot);
@@ -261,55 +261,55 @@ const SceneLanes& CompiledScene::lanes() const {
 
 std::shared_ptr<const CompiledScene> CompiledScene::withObjects(
     std::span<const Object> added, std::span<const int> removed) const {
-  if (!said_)
+  if (!rules_)
     throw std::invalid_argument(
         "CompiledScene::withObjects(): of a variant with other margins or pairs than the problem "
         "says; the scene that was compiled is expected");
   auto changed = std::make_shared<CompiledScene>(*this);
   changed->pairs_token_ = std::make_shared<const int>();
   collision::SceneChange change(std::move(changed->scene_));
-  std::set<std::string> gone;
+  std::set<std::string> removed_names;
   for (const int body : removed) {
     if (isOfRobot(body))
       throw std::invalid_argument("CompiledScene::withObjects(): body " + std::to_string(body) +
                                   " is the robot's; an object's number is expected, from " +
                                   std::to_string(bodiesOfRobot()) + " on");
     change.remove(body);
-    gone.insert(scene_.bodies()[at(body)].name);
+    removed_names.insert(scene_.bodies()[at(body)].name);
   }
   try {
-    const BodiesByName objects = said_->add(added, change);
-    change.setDefaultMargin(said_->margin);
-    changed->dropped_ = sayByName(objects, gone, change);
+    const BodiesByName objects = rules_->add(added, change);
+    change.setDefaultMargin(rules_->margin);
+    changed->dropped_ = applyRules(objects, removed_names, change);
     changed->scene_ = std::move(change).build();
   } catch (const std::invalid_argument& error) {
-    throw robots::InputError(said_->problem, 0, error.what());
+    throw robots::InputError(rules_->problem, 0, error.what());
   }
   return changed;
 }
 
-std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::sayByName(
-    const BodiesByName& objects, const std::set<std::string>& gone,
+std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::applyRules(
+    const BodiesByName& objects, const std::set<std::string>& removed_names,
     collision::SceneChange& change) const {
   BodiesByName robot;
   for (int i = 0; i < bodiesOfRobot(); ++i) robot.emplace(scene_.bodies()[at(i)].name, i);
   const auto moves = [this](int body) { return scene_.bodies()[at(body)].moving; };
-  for (const PairMargin& m : said_->margins)
+  for (const PairMargin& m : rules_->margins)
     forEachNamed(robot, objects, m.a, m.b, [&](int i, int j) {
       if (moves(i)) change.setMargin(i, j, m.margin);
     });
 
-  const auto isGone = [&](const Dropped& d) {
-    return d.reason == kAllowed && gone.count(d.b) != 0;
+  const auto isOfRemoved = [&](const Dropped& d) {
+    return d.reason == kAllowed && removed_names.count(d.b) != 0;
   };
   const PreparedRobot& prepared = *edge_model_->robot;
   // There may be many contacts, of which none names these objects.
   if (std::none_of(objects.begin(), objects.end(),
                    [&](const auto& o) { return prepared.isAllowedName(std::string(o.first)); }) &&
-      std::none_of(dropped_->begin(), dropped_->end(), isGone))
+      std::none_of(dropped_->begin(), dropped_->end(), isOfRemoved))
     return dropped_;
   std::vector<Dropped> dropped;
-  std::remove_copy_if(dropped_->begin(), dropped_->end(), std::back_inserter(dropped), isGone);
+  std::remove_copy_if(dropped_->begin(), dropped_->end(), std::back_inserter(dropped), isOfRemoved);
   std::set<std::pair<int, int>> allowed;
   for (const auto& contact : prepared.contacts().allowed) {
     forEachNamed(robot, objects, contact.first, contact.second, [&](int i, int j) {
@@ -324,7 +324,7 @@ std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::sayByN
 
 std::shared_ptr<CompiledScene> CompiledScene::variant() const {
   auto other = std::make_shared<CompiledScene>(*this);
-  other->said_ = nullptr;
+  other->rules_ = nullptr;
   return other;
 }
 
@@ -332,7 +332,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
     std::span<const Replacement> shapes) const {
   auto changed = std::make_shared<CompiledScene>(*this);
   for (const Replacement& r : shapes) {
-    if (!(r.growth <= 0)) changed->said_ = nullptr;
+    if (!(r.growth <= 0)) changed->rules_ = nullptr;
     // The robot's lanes are made once.
     if (isOfRobot(r.body))
       throw std::invalid_argument("CompiledScene::withShapes(): body " + std::to_string(r.body) +

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "leeway/collision/scene.h"
+#include "tests/support/allocations.h"
 
 namespace leeway::collision::testing {
 
@@ -118,6 +119,26 @@ inline void expectSame(const Twins& twins, const std::string& what) {
     EXPECT_EQ(pairs.numberOf(of.run, of.place), static_cast<int>(p)) << what;
     EXPECT_EQ(pairs.marginOf(of), pairs[p].margin) << what;
   }
+}
+
+/// clearance() and decide() of both, in the same poses; those of `runs` allocate nothing. Returns
+/// the first's clearance().
+inline SceneResult expectSameAnswers(const Twins& twins, Workspace& listed, Workspace& runs) {
+  const SceneResult x = clearance(twins.listed, listed, 1e-4);
+  const std::size_t before = allocationCount();
+  const SceneResult y = clearance(twins.runs, runs, 1e-4);
+  const SceneResult decided = decide(twins.runs, runs);
+  EXPECT_EQ(allocationCount(), before);
+  EXPECT_EQ(x.verdict, y.verdict);
+  if (std::isfinite(x.clearance.upper) || std::isfinite(y.clearance.upper)) {
+    EXPECT_NEAR(x.clearance.lower, y.clearance.lower, 1e-4);
+    EXPECT_NEAR(x.clearance.upper, y.clearance.upper, 1e-4);
+  } else {
+    EXPECT_EQ(x.clearance.upper, y.clearance.upper);
+  }
+  EXPECT_EQ(decided.verdict, decide(twins.listed, listed).verdict);
+  EXPECT_LE(decided.clearance.lower, x.clearance.upper);
+  return x;
 }
 
 }  // namespace leeway::collision::testing

@@ -111,14 +111,7 @@ TEST(SceneChange, IsWhatBuildingAnewWouldBe) {
           listed.setPose(moving, X);
           changed.setPose(moving, X);
         }
-        const SceneResult x = clearance(twins.listed, listed, 1e-4);
-        const SceneResult y = clearance(twins.runs, changed, 1e-4);
-        EXPECT_EQ(x.verdict, y.verdict);
-        if (x.pair >= 0 && y.pair >= 0) {
-          EXPECT_NEAR(x.clearance.lower, y.clearance.lower, 1e-4);
-          EXPECT_NEAR(x.clearance.upper, y.clearance.upper, 1e-4);
-        }
-        EXPECT_EQ(decide(twins.runs, changed).verdict, decide(twins.listed, listed).verdict);
+        const SceneResult x = testing::expectSameAnswers(twins, listed, changed);
         ++(x.verdict == Verdict::kFree ? free : not_free);
       }
     }
@@ -159,10 +152,7 @@ TEST(SceneChange, ChangesFurther) {
       const Pose X = draw.pose(1.5);
       listed.setPose(0, X);
       changed.setPose(0, X);
-      const SceneResult x = clearance(twins.listed, listed, 1e-4);
-      const SceneResult y = clearance(twins.runs, changed, 1e-4);
-      EXPECT_EQ(x.verdict, y.verdict);
-      EXPECT_NEAR(x.clearance.upper, y.clearance.upper, 1e-4);
+      testing::expectSameAnswers(twins, listed, changed);
     }
     // As what others begin with, too.
     SceneBuilder again(twins.runs);

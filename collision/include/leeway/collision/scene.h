@@ -51,9 +51,7 @@ class Bodies {
     using difference_type = std::ptrdiff_t;
     using pointer = const Body*;
     using reference = const Body&;
-    reference operator*() const {
-      return i_ < built_.size() ? built_[i_] : added_[i_ - built_.size()];
-    }
+    reference operator*() const { return Bodies(built_, added_)[i_]; }
     pointer operator->() const { return &**this; }
     Iterator& operator++() {
       ++i_;
@@ -126,7 +124,7 @@ class Scene {
     std::vector<Body> bodies;
     std::vector<int> first_geometry;  // of each body, in the numbering of all geometries
     std::vector<GeometryBounds> bounds;
-    void add(Body body, int number_of_geometry);  // of its first
+    void add(Body body, int first);  // the number of its first geometry
   };
   static const std::shared_ptr<Things>& nothing();
   /// To change: no other scene has them from now on.
@@ -216,8 +214,8 @@ class SceneChange {
   /// Pairs change their numbers. Throws std::invalid_argument as SceneBuilder::build() does, and
   /// for other bodies than those above. O(m log m), m being listed pairs, pairs that are left out
   /// or have margins of their own, meshes and hulls, and all that changes have added and removed,
-  /// times what moves. Copies eight bytes for each geometry of the world where some body has not
-  /// one.
+  /// times what moves. Where some body of the world has not exactly one geometry, it also copies
+  /// eight bytes for each geometry.
   Scene build() &&;
 
  private:

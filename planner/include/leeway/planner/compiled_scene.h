@@ -70,7 +70,7 @@ class CompiledScene {
   /// of pairs holds for their names, too. `removed` are numbers of bodies (scene().find()), which
   /// they keep, without pairs. Throws as the constructor does; std::invalid_argument for a body of
   /// the robot, or one that is gone, in `removed`, and for a scene that has other margins or pairs
-  /// than the problem says. A few us, and as collision::SceneChange.
+  /// than the problem says. Costs what collision::SceneChange does.
   std::shared_ptr<const CompiledScene> withObjects(std::span<const Object> added,
                                                    std::span<const int> removed = {}) const;
 
@@ -125,14 +125,14 @@ class CompiledScene {
     std::shared_ptr<Shared> made;
   };
 
-  struct Said;
+  struct NamedRules;
   /// A copy, to be given other margins or pairs than the problem says.
   std::shared_ptr<CompiledScene> variant() const;
-  /// Tells a change what the problem says of objects (by name) and the robot. Returns the pairs
-  /// that are not checked then, without those of objects that are `gone`.
-  std::shared_ptr<const std::vector<Dropped>> sayByName(
-      const std::multimap<std::string_view, int>& objects, const std::set<std::string>& gone,
-      collision::SceneChange& change) const;
+  /// Gives a change the margins and contacts that the problem has for these objects' names. Returns
+  /// the pairs that are not checked then, without those of removed objects.
+  std::shared_ptr<const std::vector<Dropped>> applyRules(
+      const std::multimap<std::string_view, int>& objects,
+      const std::set<std::string>& removed_names, collision::SceneChange& change) const;
 
   std::shared_ptr<const robots::Model> model_;
   std::shared_ptr<const ConfigurationSpace> space_;
@@ -140,8 +140,8 @@ class CompiledScene {
   collision::Scene scene_;
   std::vector<int> body_link_;  // of the robot's bodies
   std::shared_ptr<const std::vector<Dropped>> dropped_;
-  std::shared_ptr<const Said> said_;  // null: of a variant with other margins or pairs
-  std::shared_ptr<const int> pairs_token_ = std::make_shared<const int>();
+  std::shared_ptr<const NamedRules> rules_;  // null: of a variant with other margins or pairs
+  std::shared_ptr<const int> pairs_token_ = std::make_shared<const int>();  // see hasPairsOf()
   std::shared_ptr<const EdgeModel> edge_model_;
   OwnShared shared_;
 };
