@@ -253,7 +253,9 @@ class BallPass {
     const std::uint32_t lanes =
         openToBall<kStill>(scratch_.outer[a], scratch_.outer[b], above, kAll, &key);
     scratch_.work->add(kLaneBallWork);
-    if (lanes != 0) addCandidate({key - above, number, lanes});
+    if (lanes == 0) return;
+    if (pair.has_proof && kernel_.proofs != nullptr && kernel_.proofs->keeps(pair.id)) return;
+    addCandidate({key - above, number, lanes});
   }
 
   /// Of what is listed there is room for all.

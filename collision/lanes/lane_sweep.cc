@@ -173,7 +173,8 @@ void LaneSweep::setRuns(std::shared_ptr<const LaneRuns> runs, std::span<const Ro
 
 void LaneSweep::setBalls(int obstacle, int balls) { impl_->obstacles[at(obstacle)].balls = balls; }
 
-void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts) {
+void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts,
+                             bool has_proof) {
   const Impl::LanePiece &x = impl_->pieces[at(a)], &y = impl_->pieces[at(b)];
   const double rounding =
       kLaneSweepRounding *
@@ -184,7 +185,7 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold,
   impl_->pairs.push_back(
       {id, a, b, b, motion, true, floatAbove(threshold + rounding),
        floatBelow(threshold - rounding), floatAbove(std::max(threshold, 0.0) + rounding),
-       planes ? planeAbove(threshold, rounding) : -1.0F, -1.0F, by_parts && planes});
+       planes ? planeAbove(threshold, rounding) : -1.0F, -1.0F, by_parts && planes, has_proof});
 }
 
 void LaneSweep::reservePairs(std::size_t count) { impl_->pairs.reserve(count); }

@@ -89,8 +89,10 @@ class LaneSweep {
   /// lanes that the obstacle's box leaves open. `by_parts`: convex parts may settle them, too.
   void addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts = true);
   void reservePairs(std::size_t count);
-  /// addPair() of two pieces; `motion` is that of A's points, seen from B's frame.
-  void addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts = true);
+  /// addPair() of two pieces; `motion` is that of A's points, seen from B's frame. `has_proof`:
+  /// run() asks Proofs about it.
+  void addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts = true,
+                    bool has_proof = false);
   /// Pairs of each row's piece with what stands in `boxes`, a place each. Numbers of pairs in the
   /// order of addition are ids from now on, of which there are `count`; listed ones with obstacles
   /// should be few. `scale`: at least scaleOf() of everything in a place [m].
@@ -130,6 +132,15 @@ class LaneSweep {
     int lane = 0;
   };
 
+  /// What else the caller can prove: asked of pairs whose balls are near in some lane, before what
+  /// costs more.
+  class Proofs {
+   public:
+    virtual ~Proofs() = default;
+    /// Whether the pair keeps what it is asked for in all lanes. Must not allocate.
+    virtual bool keeps(int id) const = 0;
+  };
+
   /// What a run changes. Made after finish(); only the constructor allocates.
   class Scratch {
    public:
@@ -163,7 +174,7 @@ class LaneSweep {
   /// every answer is proven regardless. O(pieces + pairs) at worst, and a descent a piece among
   /// more than ObstacleBoxes::kMostInList things; never throws or allocates.
   Contact run(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
-              Scratch& scratch) const;
+              Scratch& scratch, const Proofs* proofs = nullptr) const;
   /// After a run() that found no contact, with the same frames, growth and slack: searches planes
   /// between the pairs that it left open, and sets Open::apart. O(open pairs), with a distance
   /// query of a few points for some of them.

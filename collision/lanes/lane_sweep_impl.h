@@ -91,6 +91,7 @@ struct LaneSweep::Impl {
     // points' radius; below 0: no such planes.
     float plane_above, own_plane_above;
     bool by_parts = false;
+    bool has_proof = false;  // see addPiecePair()
     // How many pairs its convex parts make (or one side's parts with the other as a whole), tried
     // where the hulls of wholes are not apart; those of b's parts side by side. Not listed; 0: it
     // is not tried by parts. And its number among pairs that have them.
@@ -268,6 +269,7 @@ struct LaneSweepKernel {
   const LaneFrame* frames;
   const float* growth;
   float slack;
+  const LaneSweep::Proofs* proofs = nullptr;
 
   /// Of runs, until the next one is asked.
   const Sweep::Pair& pair(std::int32_t number) const {

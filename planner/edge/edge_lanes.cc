@@ -149,7 +149,7 @@ void SceneLanes::addPairs(const EdgeScene& edges, std::span<const RobotLanes::Pi
     if (!world_a && !world_b) {
       moving_pairs.push_back(id);
       sweep.addPiecePair(id, lane_pieces[at(pair.a)].piece, lane_pieces[at(pair.b)].piece,
-                         pair.motion, pair.threshold, !pair.by_surfaces);
+                         pair.motion, pair.threshold, !pair.by_surfaces, pair.gap >= 0);
       continue;
     }
     const RobotLanes::Piece& mover = lane_pieces[at(world_a ? pair.b : pair.a)];
@@ -295,14 +295,35 @@ void EdgeLanes::beginPass(const EdgeFrames& frames, const collision::LaneValues&
   pass_growth_ = growth_values_;
 }
 
-LaneSweep::Contact EdgeLanes::sweep(const EdgeFrames& frames) {
+namespace {
+
+/// EdgeFrames::keepsGap() over the whole edge.
+class GapProofs final : public LaneSweep::Proofs {
+ public:
+  GapProofs(const EdgeFrames& frames, double demanded, double beyond)
+      : frames_(frames), demanded_(demanded), beyond_(beyond) {}
+  bool keeps(int id) const override {
+    const EdgePair pair = frames_.pairs()[at(id)];
+    const double threshold = std::max(pair.threshold, demanded_ + pair.rounding) + beyond_;
+    return frames_.keepsGap(pair, threshold, 0, 1);
+  }
+
+ private:
+  const EdgeFrames& frames_;
+  double demanded_, beyond_;
+};
+
+}  // namespace
+
+LaneSweep::Contact EdgeLanes::sweep(const EdgeFrames& frames, double demanded) {
   const collision::LaneValues middles = middlesOfEdge();
   placeFrames(middles, lane_frames_);
   const LaneSweep::Contact again = lanes_.sweep.meetAgain(lane_frames_, slack_, *scratch_);
   if (again.id >= 0) return again;
   beginPass(frames, middles);
   demandInPass(beyond_);
-  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_);
+  const GapProofs proofs(frames, demanded, 0);
+  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_, &proofs);
 }
 
 /// Growth is a distance that must be kept besides the threshold; so is `beyond`.
@@ -317,7 +338,8 @@ LaneSweep::Contact EdgeLanes::sweepBeyond(const EdgeFrames& frames, double beyon
   placeFrames(middles, lane_frames_);
   beginPass(frames, middles);
   demandInPass(beyond);
-  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_);
+  const GapProofs proofs(frames, -std::numeric_limits<double>::infinity(), beyond);
+  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_, &proofs);
 }
 
 void EdgeLanes::closeOthers(const EdgeFrames& frames, bool keep_self) {

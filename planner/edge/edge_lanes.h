@@ -57,7 +57,9 @@ class EdgeLanes {
 
   /// All intervals [k, k + 1] / kLanes, by balls, and by the planes and points that decided a pair
   /// last. `frames` as begin() had it. See LaneSweep::run().
-  collision::LaneSweep::Contact sweep(const EdgeFrames& frames);
+  /// First closes what EdgeFrames::keepsGap() proves of the whole edge, for thresholds of at least
+  /// `demanded` plus rounding [m].
+  collision::LaneSweep::Contact sweep(const EdgeFrames& frames, double demanded);
   /// After a sweep() without contact: closes the lanes in which EdgeFrames::keepsGap() holds for
   /// thresholds of at least `demanded` plus rounding [m].
   void closeGaps(const EdgeFrames& frames, double demanded);

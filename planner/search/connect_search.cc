@@ -198,7 +198,11 @@ class Portfolio {
         members_(static_cast<std::size_t>(choice.workers)) {}
 
   ConnectResult search() {
-    const int threads = std::clamp(choice_.threads, 1, choice_.workers);
+    // Asking the system takes as long as many edges: not for one worker.
+    const int wanted = choice_.threads > 0
+                           ? choice_.threads
+                           : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    const int threads = std::clamp(wanted, 1, choice_.workers);
     std::vector<std::thread> others;
     // However starting them goes: those that run are waited for.
     try {
@@ -312,8 +316,6 @@ ConnectChoice connectChoice(const std::map<std::string, std::string>& parameters
   choice.own_domain = parameters.count("dynamic_domain") == 0;
   choice.workers = static_cast<int>(number("workers", 1));
   choice.threads = static_cast<int>(number("threads", 0));
-  if (choice.threads == 0)
-    choice.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   choice.improve = number("improve", 0);
   return choice;
 }

@@ -23,7 +23,8 @@ using Waypoints = std::vector<std::vector<double>>;
 struct ConnectChoice {
   ConnectSettings settings;
   bool own_range = true, own_balance = true, own_domain = true;  ///< not asked for: may vary
-  int workers = 1, threads = 1;
+  int workers = 1;
+  int threads = 1;     ///< 0: as many as the machine has
   double improve = 0;  ///< how long shorter paths are searched once there is one [s]
 };
 /// From parameters that plannerError() accepts.
