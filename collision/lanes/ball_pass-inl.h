@@ -42,6 +42,7 @@ class BallPass {
     for (const Scratch::PastContact& last : scratch_.contacts) {
       if (last.pair < 0) break;
       const Sweep::Pair& pair = kernel_.pair(last.pair);
+      if (!isAsked(pair)) continue;
       std::int32_t point = last.point;
       const std::uint32_t lanes = point < 0
                                       ? contact(pair, kAll)
@@ -135,6 +136,8 @@ class BallPass {
  private:
   static std::size_t size(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+  bool isAsked(const Sweep::Pair& pair) const { return (pair.kind & kernel_.asked.kinds) != 0; }
+
   const LaneFrame& frame(const Sweep::LanePiece& piece) const {
     return kernel_.frames[piece.frame];
   }
@@ -173,7 +176,7 @@ class BallPass {
 
   HWY_INLINE void cull() {
     for (std::size_t p = 0; p < s_.wholes; ++p) {
-      if (s_.pieces[p].row < 0) continue;
+      if ((s_.pieces[p].kinds & kernel_.asked.kinds) == 0) continue;
       const float *low = &scratch_.low[3 * p], *high = &scratch_.high[3 * p];
       float grown_low[3], grown_high[3];
       if (s_.runs) {  // boxes are as they are, and not grown by thresholds
@@ -232,6 +235,7 @@ class BallPass {
   HWY_INLINE void considerObstacle(std::size_t p, std::int32_t number) {
     if (number < 0) return;
     const Sweep::Pair& pair = kernel_.pair(number);
+    if (!isAsked(pair)) return;
     const Sweep::Obstacle& o = kernel_.obstacle(pair);
     const Sweep::LanePiece& piece = s_.pieces[p];
     const float above = requiredGap(pair) + piece.outer.radius;
@@ -243,6 +247,7 @@ class BallPass {
 
   HWY_INLINE void considerPieces(std::int32_t number) {
     const Sweep::Pair& pair = kernel_.pair(number);
+    if (!isAsked(pair)) return;
     const std::size_t a = size(pair.a), b = size(pair.b);
     for (std::size_t k = 0; k < 3; ++k)
       if (scratch_.low[3 * a + k] - scratch_.high[3 * b + k] > pair.free_above ||
@@ -254,7 +259,8 @@ class BallPass {
         openToBall<kStill>(scratch_.outer[a], scratch_.outer[b], above, kAll, &key);
     scratch_.work->add(kLaneBallWork);
     if (lanes == 0) return;
-    if (pair.has_proof && kernel_.proofs != nullptr && kernel_.proofs->keeps(pair.id)) return;
+    const LaneSweep::Proofs* const proofs = kernel_.asked.proofs;
+    if (pair.has_proof && proofs != nullptr && proofs->keeps(pair.id)) return;
     addCandidate({key - above, number, lanes});
   }
 

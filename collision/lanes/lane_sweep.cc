@@ -109,10 +109,11 @@ int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG, int place) {
   return static_cast<int>(impl_->obstacles.size()) - 1;
 }
 
-void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double threshold,
-                        bool by_parts) {
+void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts,
+                        std::uint8_t kind) {
   impl_->pairs.push_back(impl_->pairWith(id, piece, impl_->obstacles[at(obstacle)], obstacle, balls,
                                          threshold, by_parts));
+  impl_->pairs.back().kind = kind;
 }
 
 LaneSweep::Impl::Pair LaneSweep::Impl::pairWith(int id, int piece, const Obstacle& o, int b,
@@ -174,7 +175,7 @@ void LaneSweep::setRuns(std::shared_ptr<const LaneRuns> runs, std::span<const Ro
 void LaneSweep::setBalls(int obstacle, int balls) { impl_->obstacles[at(obstacle)].balls = balls; }
 
 void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts,
-                             bool has_proof) {
+                             std::uint8_t kind, bool has_proof) {
   const Impl::LanePiece &x = impl_->pieces[at(a)], &y = impl_->pieces[at(b)];
   const double rounding =
       kLaneSweepRounding *
@@ -185,7 +186,7 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold,
   impl_->pairs.push_back(
       {id, a, b, b, motion, true, floatAbove(threshold + rounding),
        floatBelow(threshold - rounding), floatAbove(std::max(threshold, 0.0) + rounding),
-       planes ? planeAbove(threshold, rounding) : -1.0F, -1.0F, by_parts && planes, has_proof});
+       planes ? planeAbove(threshold, rounding) : -1.0F, -1.0F, by_parts && planes, has_proof, kind});
 }
 
 void LaneSweep::reservePairs(std::size_t count) { impl_->pairs.reserve(count); }
@@ -341,6 +342,7 @@ void LaneSweep::Impl::findRuns() {
   for (std::size_t row = 0; row < rows.size(); ++row) {
     LanePiece& piece = pieces[at(rows[row].piece)];
     piece.row = static_cast<std::int32_t>(row);
+    piece.kinds = 1;
     // As pairWith() has it. What is never kept is near everything.
     const double above =
         rows[row].most_threshold +
@@ -364,6 +366,7 @@ void LaneSweep::Impl::findObstacles() {
   for (const Pair& pair : pairs) {
     if (pair.pieces) continue;
     if (pieces[at(pair.a)].row < 0) pieces[at(pair.a)].row = rows_used++;
+    pieces[at(pair.a)].kinds |= pair.kind;
     // A threshold of NaN is never kept: such an obstacle is near everything.
     double& g = grown[at(pair.b)];
     g = std::isnan(pair.free_above) ? std::numeric_limits<double>::infinity()

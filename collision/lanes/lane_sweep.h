@@ -87,12 +87,14 @@ class LaneSweep {
   /// Piece and obstacle must keep a separation above `threshold` [m]; answers name the pair by
   /// `id`. `balls`: a piece of the world whose balls hold the obstacle, too, or -1; they may settle
   /// lanes that the obstacle's box leaves open. `by_parts`: convex parts may settle them, too.
-  void addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts = true);
+  /// `kind`: a bit, see Asked.
+  void addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts = true,
+               std::uint8_t kind = 1);
   void reservePairs(std::size_t count);
   /// addPair() of two pieces; `motion` is that of A's points, seen from B's frame. `has_proof`:
   /// run() asks Proofs about it.
   void addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts = true,
-                    bool has_proof = false);
+                    std::uint8_t kind = 1, bool has_proof = false);
   /// Pairs of each row's piece with what stands in `boxes`, a place each. Numbers of pairs in the
   /// order of addition are ids from now on, of which there are `count`; listed ones with obstacles
   /// should be few. `scale`: at least scaleOf() of everything in a place [m].
@@ -141,6 +143,12 @@ class LaneSweep {
     virtual bool keeps(int id) const = 0;
   };
 
+  /// What run() looks at.
+  struct Asked {
+    std::uint8_t kinds = 0xFF;       ///< pairs of these alone; those in runs are of kind 1
+    const Proofs* proofs = nullptr;  ///< nobody has any
+  };
+
   /// What a run changes. Made after finish(); only the constructor allocates.
   class Scratch {
    public:
@@ -167,14 +175,15 @@ class LaneSweep {
 
   /// Looks for the last contacts alone, in the middle of the intervals: most colliding edges of a
   /// planner collide as the last ones did. Frames need only be placed, not moved.
-  Contact meetAgain(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
+  Contact meetAgain(std::span<const LaneFrame> frames, float slack, Scratch& scratch,
+                    std::uint8_t kinds = 0xFF) const;
   /// One pass over frames that are placed and moved: by balls, by the last plane of each pair, by
   /// points. growth: h^2 A / 8 of each motion [m]; slack: how far the frames' rounding moves any
   /// capsule [m]. Which contacts are found and what planes leave open depends on the runs before;
   /// every answer is proven regardless. O(pieces + pairs) at worst, and a descent a piece among
   /// more than ObstacleBoxes::kMostInList things; never throws or allocates.
   Contact run(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
-              Scratch& scratch, const Proofs* proofs = nullptr) const;
+              Scratch& scratch, const Asked& asked) const;
   /// After a run() that found no contact, with the same frames, growth and slack: searches planes
   /// between the pairs that it left open, and sets Open::apart. O(open pairs), with a distance
   /// query of a few points for some of them.

@@ -60,7 +60,8 @@ struct LaneSweep::Impl {
     LaneBall outer;
     int cover, inner, end;  // balls [cover, inner) and [inner, end)
     double reach;
-    std::int32_t row = -1;  // of pair_of or runs; -1: it meets no obstacle
+    std::int32_t row = -1;    // of pair_of or runs; -1: it meets no obstacle
+    std::uint8_t kinds = 0;   // of its pairs with obstacles
     float row_above = 0;    // of runs: the greatest free_above of its pairs
     float inner_reach = 0;  // inner balls are within this of outer's centre [m]
     // Points whose hull, grown by a radius, holds the piece: `points` a few, `fine` more, with a
@@ -90,8 +91,8 @@ struct LaneSweep::Impl {
     // free_above for planes that queries find and for planes of each lane's own, without the
     // points' radius; below 0: no such planes.
     float plane_above, own_plane_above;
-    bool by_parts = false;
-    bool has_proof = false;  // see addPiecePair()
+    bool by_parts = false, has_proof = false;  // see addPiecePair()
+    std::uint8_t kind = 1;
     // How many pairs its convex parts make (or one side's parts with the other as a whole), tried
     // where the hulls of wholes are not apart; those of b's parts side by side. Not listed; 0: it
     // is not tried by parts. And its number among pairs that have them.
@@ -269,7 +270,7 @@ struct LaneSweepKernel {
   const LaneFrame* frames;
   const float* growth;
   float slack;
-  const LaneSweep::Proofs* proofs = nullptr;
+  LaneSweep::Asked asked = {};
 
   /// Of runs, until the next one is asked.
   const Sweep::Pair& pair(std::int32_t number) const {

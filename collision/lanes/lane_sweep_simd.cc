@@ -241,8 +241,9 @@ LaneSweep::Contact LaneSweepKernel::separateOpen(bool closely) const {
 }
 
 LaneSweep::Contact LaneSweep::meetAgain(std::span<const LaneFrame> frames, float slack,
-                                        Scratch& scratch) const {
-  return HWY_DYNAMIC_DISPATCH(MeetAgain)({*impl_, *scratch.impl_, frames.data(), nullptr, slack});
+                                        Scratch& scratch, std::uint8_t kinds) const {
+  return HWY_DYNAMIC_DISPATCH(MeetAgain)(
+      {*impl_, *scratch.impl_, frames.data(), nullptr, slack, {kinds, nullptr}});
 }
 
 LaneSweep::Contact LaneSweep::meet(int pair, std::span<const LaneFrame> frames, float slack,
@@ -252,9 +253,9 @@ LaneSweep::Contact LaneSweep::meet(int pair, std::span<const LaneFrame> frames, 
 }
 
 LaneSweep::Contact LaneSweep::run(std::span<const LaneFrame> frames, std::span<const float> growth,
-                                  float slack, Scratch& scratch, const Proofs* proofs) const {
+                                  float slack, Scratch& scratch, const Asked& asked) const {
   const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(),
-                               growth.data(), slack, proofs};
+                               growth.data(), slack, asked};
   const Contact contact = HWY_DYNAMIC_DISPATCH(SweepAll)(kernel);
   return contact.id < 0 ? kernel.contactOfOpen() : contact;
 }

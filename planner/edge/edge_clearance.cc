@@ -262,9 +262,8 @@ void EdgeCertifier::Impl::descend(int p, double t, ClearanceSearch& search) {
 }
 
 collision::LaneSweep::Contact EdgeCertifier::Impl::sweepAskedBeyond(double beyond) {
-  const collision::LaneSweep::Contact contact = lanes.sweepBeyond(frames, beyond);
+  const collision::LaneSweep::Contact contact = lanes.sweepBeyond(frames, asked, beyond);
   if (contact.id >= 0) return contact;
-  if (asked != Pairs::kAll) lanes.closeOthers(frames, asked == Pairs::kSelf);
   return lanes.searchPlanes();
 }
 

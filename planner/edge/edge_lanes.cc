@@ -26,6 +26,9 @@ using robots::JointType;
 /// The part of an edge that a lane has in the pass over all of it; exact.
 constexpr float kWidth = 1.0F / collision::kLanes;
 
+/// Kinds of pairs for collision::LaneSweep. Those in runs are of the first.
+constexpr std::uint8_t kOfWorld = 1, kOfRobot = 2;
+
 /// The middles of these parts, less 1/2; exact.
 collision::LaneValues middlesOfEdge() {
   collision::LaneValues middles;
@@ -149,12 +152,13 @@ void SceneLanes::addPairs(const EdgeScene& edges, std::span<const RobotLanes::Pi
     if (!world_a && !world_b) {
       moving_pairs.push_back(id);
       sweep.addPiecePair(id, lane_pieces[at(pair.a)].piece, lane_pieces[at(pair.b)].piece,
-                         pair.motion, pair.threshold, !pair.by_surfaces, pair.gap >= 0);
+                         pair.motion, pair.threshold, !pair.by_surfaces, kOfRobot, pair.gap >= 0);
       continue;
     }
     const RobotLanes::Piece& mover = lane_pieces[at(world_a ? pair.b : pair.a)];
     const RobotLanes::Piece& still = lane_pieces[at(world_a ? pair.a : pair.b)];
-    sweep.addPair(id, mover.piece, still.obstacle, still.piece, pair.threshold, !pair.by_surfaces);
+    sweep.addPair(id, mover.piece, still.obstacle, still.piece, pair.threshold, !pair.by_surfaces,
+                  pair.is_self ? kOfRobot : kOfWorld);
   }
 }
 
@@ -297,6 +301,11 @@ void EdgeLanes::beginPass(const EdgeFrames& frames, const collision::LaneValues&
 
 namespace {
 
+std::uint8_t kindsOf(Pairs asked) {
+  if (asked == Pairs::kAll) return kOfWorld | kOfRobot;
+  return asked == Pairs::kSelf ? kOfRobot : kOfWorld;
+}
+
 /// EdgeFrames::keepsGap() over the whole edge.
 class GapProofs final : public LaneSweep::Proofs {
  public:
@@ -315,15 +324,17 @@ class GapProofs final : public LaneSweep::Proofs {
 
 }  // namespace
 
-LaneSweep::Contact EdgeLanes::sweep(const EdgeFrames& frames, double demanded) {
+LaneSweep::Contact EdgeLanes::sweep(const EdgeFrames& frames, Pairs asked, double demanded) {
   const collision::LaneValues middles = middlesOfEdge();
   placeFrames(middles, lane_frames_);
-  const LaneSweep::Contact again = lanes_.sweep.meetAgain(lane_frames_, slack_, *scratch_);
+  const LaneSweep::Contact again =
+      lanes_.sweep.meetAgain(lane_frames_, slack_, *scratch_, kindsOf(asked));
   if (again.id >= 0) return again;
   beginPass(frames, middles);
   demandInPass(beyond_);
   const GapProofs proofs(frames, demanded, 0);
-  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_, &proofs);
+  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_,
+                          {kindsOf(asked), &proofs});
 }
 
 /// Growth is a distance that must be kept besides the threshold; so is `beyond`.
@@ -333,20 +344,14 @@ void EdgeLanes::demandInPass(double beyond) {
   for (float& growth : pass_growth_) growth = (growth + wider) * (1 + 0x1p-22F);  // rounded up
 }
 
-LaneSweep::Contact EdgeLanes::sweepBeyond(const EdgeFrames& frames, double beyond) {
+LaneSweep::Contact EdgeLanes::sweepBeyond(const EdgeFrames& frames, Pairs asked, double beyond) {
   const collision::LaneValues middles = middlesOfEdge();
   placeFrames(middles, lane_frames_);
   beginPass(frames, middles);
   demandInPass(beyond);
   const GapProofs proofs(frames, -std::numeric_limits<double>::infinity(), beyond);
-  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_, &proofs);
-}
-
-void EdgeLanes::closeOthers(const EdgeFrames& frames, bool keep_self) {
-  closed_.clear();
-  for (const LaneSweep::Open& open : scratch_->open())
-    closed_.push_back(frames.pairs()[at(open.id)].is_self == keep_self ? 0 : ~0U);
-  scratch_->close(closed_);
+  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_,
+                          {kindsOf(asked), &proofs});
 }
 
 void EdgeLanes::closeGaps(const EdgeFrames& frames, double demanded) {

@@ -55,20 +55,18 @@ class EdgeLanes {
   /// pair's threshold plus `beyond` >= 0 [m].
   void demandBeyond(double beyond) { beyond_ = beyond; }
 
-  /// All intervals [k, k + 1] / kLanes, by balls, and by the planes and points that decided a pair
-  /// last. `frames` as begin() had it. See LaneSweep::run().
-  /// First closes what EdgeFrames::keepsGap() proves of the whole edge, for thresholds of at least
-  /// `demanded` plus rounding [m].
-  collision::LaneSweep::Contact sweep(const EdgeFrames& frames, double demanded);
+  /// All intervals [k, k + 1] / kLanes of the pairs that are asked, by balls, by what
+  /// EdgeFrames::keepsGap() proves of the whole edge for thresholds of at least `demanded` plus
+  /// rounding [m], and by the planes and points that decided a pair last. `frames` as begin() had
+  /// it. See LaneSweep::run().
+  collision::LaneSweep::Contact sweep(const EdgeFrames& frames, Pairs asked, double demanded);
   /// After a sweep() without contact: closes the lanes in which EdgeFrames::keepsGap() holds for
   /// thresholds of at least `demanded` plus rounding [m].
   void closeGaps(const EdgeFrames& frames, double demanded);
-  /// After a pass without contact: closes all pairs but those with the world, or of the robot.
-  void closeOthers(const EdgeFrames& frames, bool keep_self);
   /// After a sweep() without contact: searches planes between what it left open.
   collision::LaneSweep::Contact searchPlanes();
   /// As sweep(), for separations above each pair's threshold plus `beyond` >= 0 [m].
-  collision::LaneSweep::Contact sweepBeyond(const EdgeFrames& frames, double beyond);
+  collision::LaneSweep::Contact sweepBeyond(const EdgeFrames& frames, Pairs asked, double beyond);
 
   /// Parts of the edge, one a lane: from + [0, width]. Each `from` is a multiple of `width`, which
   /// is a power of two of at least 2^-16.

@@ -87,7 +87,7 @@ std::span<const int> EdgeCertifier::Impl::nearPairs(int slot, double reach) {
 
 std::optional<Verdict> EdgeCertifier::Impl::decideByLanes() {
   if (!lanes_fit || !lanes.begin(frames)) return std::nullopt;
-  if (lanes.sweep(frames, demanded).id >= 0) return Verdict::kNotFree;
+  if (lanes.sweep(frames, asked, demanded).id >= 0) return Verdict::kNotFree;
   if (lanes.isFull()) return std::nullopt;
   lanes.closeGaps(frames, demanded);
   if (!lanes.open().empty() && lanes.searchPlanes().id >= 0) return Verdict::kNotFree;
