@@ -183,10 +183,11 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold,
   impl_->piece_pairs.push_back(static_cast<std::int32_t>(impl_->pairs.size()));
   const bool planes = x.frame >= 0 && y.frame >= 0 && x.points.begin < x.points.end &&
                       y.points.begin < y.points.end;
-  impl_->pairs.push_back(
-      {id, a, b, b, motion, true, floatAbove(threshold + rounding),
-       floatBelow(threshold - rounding), floatAbove(std::max(threshold, 0.0) + rounding),
-       planes ? planeAbove(threshold, rounding) : -1.0F, -1.0F, by_parts && planes, has_proof, kind});
+  impl_->pairs.push_back({id, a, b, b, motion, true, floatAbove(threshold + rounding),
+                          floatBelow(threshold - rounding),
+                          floatAbove(std::max(threshold, 0.0) + rounding),
+                          planes ? planeAbove(threshold, rounding) : -1.0F, -1.0F,
+                          by_parts && planes, has_proof, kind});
 }
 
 void LaneSweep::reservePairs(std::size_t count) { impl_->pairs.reserve(count); }

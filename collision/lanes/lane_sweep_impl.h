@@ -60,10 +60,10 @@ struct LaneSweep::Impl {
     LaneBall outer;
     int cover, inner, end;  // balls [cover, inner) and [inner, end)
     double reach;
-    std::int32_t row = -1;    // of pair_of or runs; -1: it meets no obstacle
-    std::uint8_t kinds = 0;   // of its pairs with obstacles
-    float row_above = 0;    // of runs: the greatest free_above of its pairs
-    float inner_reach = 0;  // inner balls are within this of outer's centre [m]
+    std::int32_t row = -1;   // of pair_of or runs; -1: it meets no obstacle
+    std::uint8_t kinds = 0;  // of its pairs with obstacles
+    float row_above = 0;     // of runs: the greatest free_above of its pairs
+    float inner_reach = 0;   // inner balls are within this of outer's centre [m]
     // Points whose hull, grown by a radius, holds the piece: `points` a few, `fine` more, with a
     // smaller radius. Both may be the same.
     struct Points {

@@ -254,8 +254,7 @@ LaneSweep::Contact LaneSweep::meet(int pair, std::span<const LaneFrame> frames, 
 
 LaneSweep::Contact LaneSweep::run(std::span<const LaneFrame> frames, std::span<const float> growth,
                                   float slack, Scratch& scratch, const Asked& asked) const {
-  const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(),
-                               growth.data(), slack, asked};
+  const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), growth.data(), slack, asked};
   const Contact contact = HWY_DYNAMIC_DISPATCH(SweepAll)(kernel);
   return contact.id < 0 ? kernel.contactOfOpen() : contact;
 }

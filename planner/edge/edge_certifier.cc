@@ -204,7 +204,8 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
   const EdgeLanes::Parts whole = EdgeLanes::wholeEdge();
 
   // 1. Balls swept to capsules; planes and points that decided a pair before.
-  if (const auto contact = lanes.sweep(frames, asked, demanded); contact.id >= 0) return makeCheck(whole, contact);
+  if (const auto contact = lanes.sweep(frames, asked, demanded); contact.id >= 0)
+    return makeCheck(whole, contact);
   if (lanes.isFull()) return makeCheck(Verdict::kUndecided);
   // 2. Gaps between two links that the angles of two joints prove.
   lanes.closeGaps(frames, demanded);

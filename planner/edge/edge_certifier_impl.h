@@ -263,6 +263,7 @@ struct EdgeCertifier::Impl {
   Interval refineState(int slot, double t, const EdgePair& pair, ClearanceSearch& search);
   void searchState(int slot, double t, ClearanceSearch& search);
   void listWholeEdge(int start, int end, ClearanceSearch& search);
+  void searchNearLanes(int slot, ClearanceSearch& search);
   void searchPairs(int slot, double t, std::span<const int> near, ClearanceSearch& search);
   void settlePairs(EdgeInterval& interval, ClearanceSearch& search);
   void settleFromMiddle(EdgeInterval& interval, int slot, bool last, ClearanceSearch& search);

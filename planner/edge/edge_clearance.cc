@@ -69,6 +69,18 @@ void EdgeCertifier::Impl::searchState(int slot, double t, ClearanceSearch& searc
   }
 }
 
+/// The pairs that balls leave within a reach of each other, at an edge without length that frames
+/// have begun. Sixteen lanes for one configuration, and yet most pairs end there.
+void EdgeCertifier::Impl::searchNearLanes(int slot, ClearanceSearch& search) {
+  if (!lanes_fit || !lanes.begin(frames)) return;
+  const double beyond = std::max(0.0, kRoughFirst - leastMargin());
+  if (lanes.sweepBeyond(frames, asked, beyond).id >= 0 || lanes.isFull()) return;
+  asked_pairs.clear();
+  near_pairs.clear();
+  for (const collision::LaneSweep::Open& pair : lanes.open()) near_pairs.push_back(pair.id);
+  searchPairs(slot, 0, near_pairs, search);
+}
+
 /// Of some pairs those that have not been asked.
 void EdgeCertifier::Impl::searchPairs(int slot, double t, std::span<const int> near,
                                       ClearanceSearch& search) {
@@ -78,6 +90,7 @@ void EdgeCertifier::Impl::searchPairs(int slot, double t, std::span<const int> n
     if (std::binary_search(asked_pairs.begin(), asked_pairs.end(), p)) continue;
     const EdgePair& pair = pairs[at(p)];
     if (!isAsked(pair)) continue;
+    if (frames.keepsGap(pair, search.best.clearance.upper + pair.rounding, t, t)) continue;
     const Eigen::Vector3d center = frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a));
     const double lower = frames.pieces()[at(pair.b)].bounds->coarse.lower(center) -
                          frames.pieces()[at(pair.a)].bounds->outer.radius - pair.rounding;
@@ -189,6 +202,22 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   return search.best;
 }
 
+EdgeClearance EdgeCertifier::nearest(std::span<const double> point, Pairs pairs, double known) {
+  ++statistics.states;
+  Impl& impl = *impl_;
+  Impl::ClearanceSearch search{kRoughClearance, -kInfinity, kInfinity};
+  const Impl::Asking asking(impl, pairs, -kInfinity);
+  if (impl.leastMargin() == kInfinity) return search.best;  // there are no such pairs
+  search.best.clearance = {-kInfinity, known};
+  impl.startWork(kRoughWork);
+  impl.queries = 0;
+  const int slot = impl.frames.begin(point, point) ? impl.frames.place(0) : -1;
+  if (slot >= 0) impl.searchNearLanes(slot, search);
+  if (slot >= 0 && !(search.best.clearance.upper < known)) impl.searchState(slot, 0, search);
+  statistics.work += impl.work.done;
+  return search.best;
+}
+
 EdgeClearance EdgeCertifier::roughClearance(std::span<const double> a, std::span<const double> b,
                                             double most, Pairs pairs, bool once) {
   ++statistics.edges;
@@ -208,6 +237,7 @@ EdgeClearance EdgeCertifier::roughClearance(std::span<const double> a, std::span
     if (impl.sweepAskedBeyond(beyond).id >= 0 || impl.lanes.isFull()) break;
     if (impl.lanes.open().empty()) {
       best.clearance.lower = std::min(least + beyond, best.clearance.upper);
+      best.keeps_margins = true;
       break;
     }
     impl.searchOpenLanes(EdgeLanes::wholeEdge(), 1, search);
@@ -231,6 +261,7 @@ EdgeClearance EdgeCertifier::proveClearance(std::span<const double> a, std::span
   const EdgeCheck check = impl.decideEdge(a, b);
   if (check.verdict == Verdict::kFree) {
     best.clearance.lower = std::max(request.wanted, impl.leastMargin());
+    best.keeps_margins = true;
     return best;
   }
   const int p = check.pair < 0 ? -1 : impl.last_named;

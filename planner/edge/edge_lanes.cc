@@ -333,8 +333,7 @@ LaneSweep::Contact EdgeLanes::sweep(const EdgeFrames& frames, Pairs asked, doubl
   beginPass(frames, middles);
   demandInPass(beyond_);
   const GapProofs proofs(frames, demanded, 0);
-  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_,
-                          {kindsOf(asked), &proofs});
+  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_, {kindsOf(asked), &proofs});
 }
 
 /// Growth is a distance that must be kept besides the threshold; so is `beyond`.
@@ -350,8 +349,7 @@ LaneSweep::Contact EdgeLanes::sweepBeyond(const EdgeFrames& frames, Pairs asked,
   beginPass(frames, middles);
   demandInPass(beyond);
   const GapProofs proofs(frames, -std::numeric_limits<double>::infinity(), beyond);
-  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_,
-                          {kindsOf(asked), &proofs});
+  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_, {kindsOf(asked), &proofs});
 }
 
 void EdgeLanes::closeGaps(const EdgeFrames& frames, double demanded) {

@@ -33,13 +33,10 @@ class Clearances {
   /// The path's least clearance, to a share of itself as far as a little work goes. An edge that is
   /// proven to stay above that share is not looked at closer. O(edges), beside the queries.
   void refineLeast() {
-    for (const double most : {kRoughFirst, kRoughMost}) {
-      for (std::size_t i = 0; i < edges_.size(); ++i) {
-        const double enough = std::min((1 - kLeastShare) * least_, most);
-        keep(i, certifier_.roughClearance(path_[i], path_[i + 1], enough, pairs_));
-      }
-      if (std::isfinite(least_)) break;
-    }
+    if (pairs_ == Pairs::kSelf)
+      keep(0, certifier_.nearest(path_[0], pairs_, kInfinity));
+    else
+      look();
     const std::int64_t before = certifier_.statistics.work;
     while (certifier_.statistics.work - before < kAllProofsWork) {
       const int i = lowestUnproven();
@@ -49,6 +46,8 @@ class Clearances {
   }
 
   const std::vector<EdgeClearance>& edges() const { return edges_; }
+  /// Whether edge i is proven to keep all margins of these pairs.
+  bool keepsMargins(std::size_t i) const { return edges_[i].keeps_margins; }
   /// A proof that edge i is farther than `lower`, from elsewhere.
   void raise(std::size_t i, double lower) {
     Interval& known = edges_[i].clearance;
@@ -74,6 +73,20 @@ class Clearances {
   }
 
  private:
+  /// Bounds from a few passes of lanes.
+  void look() {
+    for (const double most : {kRoughFirst, kRoughMost}) {
+      for (std::size_t i = 0; i < edges_.size(); ++i) {
+        for (int pass = 0; pass < kRoughPasses; ++pass) {
+          const double before = least_, enough = std::min((1 - kLeastShare) * least_, most);
+          keep(i, certifier_.roughClearance(path_[i], path_[i + 1], enough, pairs_, true));
+          if (edges_[i].clearance.lower >= enough || !(least_ < before)) break;
+        }
+      }
+      if (std::isfinite(least_)) break;
+    }
+  }
+
   void nameClosest(int pair, planner::PathClearance& whole) const {
     if (pair < 0) return;
     const collision::Scene& scene = certifier_.scene().scene();
@@ -114,6 +127,8 @@ class Clearances {
   void keep(std::size_t i, EdgeClearance found) {
     EdgeClearance& known = edges_[i];
     found.clearance.lower = std::max(found.clearance.lower, known.clearance.lower);
+    found.keeps_margins = found.keeps_margins || known.keeps_margins;
+    known.keeps_margins = found.keeps_margins;
     if (found.clearance.upper < known.clearance.upper)
       known = found;
     else
@@ -154,34 +169,47 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
   const bool stays = path.positions.size() == 1;
   Waypoints positions = path.positions;
   if (stays) positions.push_back(positions[0]);
-  std::vector<char> free;
-  for (std::size_t i = 0; i + 1 < positions.size(); ++i) {
-    const EdgeCheck check =
-        certifier.certify(positions[i], positions[i + 1], EdgeRequest::persistent());
-    free.push_back(check.verdict == Verdict::kFree ? 1 : 0);
-    certificate.certified = certificate.certified && check.verdict == Verdict::kFree;
-  }
-  certificate.segments.assign(stays ? 0 : free.size(), {kInfinity, kInfinity});
-  for (const Pairs pairs : {Pairs::kWorld, Pairs::kSelf}) {
-    Clearances clearances(certifier, positions, tolerance, pairs,
-                          pairs == Pairs::kWorld ? world_guess : 0);
-    // A free edge is proven to keep its margins, which may say more than the interval.
-    const double least_margin = leastMarginOf(certifier.scene(), pairs);
-    for (std::size_t i = 0; i < free.size(); ++i)
-      if (free[i] != 0) clearances.raise(i, least_margin);
+  const std::size_t edges = positions.size() - 1;
+  Clearances of_world(certifier, positions, tolerance, Pairs::kWorld, world_guess);
+  Clearances of_robot(certifier, positions, tolerance, Pairs::kSelf, 0);
+  // A free edge is proven to keep its margins, which may say more than the interval.
+  const double margin_of_world = leastMarginOf(certifier.scene(), Pairs::kWorld);
+  const double margin_of_robot = leastMarginOf(certifier.scene(), Pairs::kSelf);
+  const auto certifyEdges = [&] {
+    for (std::size_t i = 0; i < edges; ++i) {
+      const bool is_free =
+          (of_world.keepsMargins(i) && of_robot.keepsMargins(i)) ||
+          certifier.certify(positions[i], positions[i + 1], EdgeRequest::persistent()).verdict ==
+              Verdict::kFree;
+      certificate.certified = certificate.certified && is_free;
+      if (!is_free) continue;
+      of_world.raise(i, margin_of_world);
+      of_robot.raise(i, margin_of_robot);
+    }
+  };
+  // What clearances prove of both need not be proven once more. Where bodies may overlap the
+  // margins come first: these may be all that is known of depths.
+  const bool begins_with_margins = std::min(margin_of_world, margin_of_robot) < 0;
+  if (begins_with_margins) certifyEdges();
+  for (Clearances* clearances : {&of_world, &of_robot}) {
     if (detail == CertificateDetail::kEveryEdge || stays)
-      clearances.refineAll();
+      clearances->refineAll();
     else
-      clearances.refineLeast();
-    PathClearance& part = pairs == Pairs::kWorld ? certificate.world : certificate.self;
-    part = clearances.whole();
+      clearances->refineLeast();
+  }
+  if (!begins_with_margins) certifyEdges();
+
+  certificate.segments.assign(stays ? 0 : edges, {kInfinity, kInfinity});
+  for (const Clearances* clearances : {&of_world, &of_robot}) {
+    PathClearance& part = clearances == &of_world ? certificate.world : certificate.self;
+    part = clearances->whole();
     const double least = std::min(certificate.clearance.lower, part.clearance.lower);
     if (part.clearance.upper < certificate.clearance.upper)
       static_cast<PathClearance&>(certificate) = part;
     certificate.clearance.lower = least;
     for (std::size_t i = 0; i < certificate.segments.size(); ++i) {
       Interval& segment = certificate.segments[i];
-      const Interval& found = clearances.edges()[i].clearance;
+      const Interval& found = clearances->edges()[i].clearance;
       segment = {std::min(segment.lower, found.lower), std::min(segment.upper, found.upper)};
     }
   }

@@ -113,7 +113,7 @@ struct Passing {
   /// Lanes still open after a run and a plane search, and whether the hulls are apart.
   std::pair<std::uint32_t, bool> open(const std::vector<LaneFrame>& frames, float growth) {
     const float values[kLanes] = {growth};
-    if (sweep.run(frames, values, 1e-6F, *scratch).id >= 0 ||
+    if (sweep.run(frames, values, 1e-6F, *scratch, {}).id >= 0 ||
         sweep.separate(frames, values, 1e-6F, *scratch).id >= 0)
       return {0, false};
     if (scratch->open().empty()) return {0, true};

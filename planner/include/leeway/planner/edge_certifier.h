@@ -81,6 +81,9 @@ struct EdgeClearance {
   double t = 0;        ///< where the upper end was found
   int pair = -1;
   collision::DistanceResult closest;
+  /// By roughClearance() and proveClearance(): all pairs that were asked are proven to keep their
+  /// margins.
+  bool keeps_margins = false;
 };
 
 /// Decides states and whole edges of one compiled scene: no step size, bounds only. Adaptive
@@ -127,6 +130,10 @@ class EdgeCertifier {
                               double tolerance, double cutoff) {
     return edgeClearance(a, b, {.tolerance = tolerance, .cutoff = cutoff});
   }
+
+  /// The least distance at a point, of the pairs that are asked, as the upper end; only pairs below
+  /// `known` [m] are looked at, and without one the upper end is that. The lower end is -infinity.
+  EdgeClearance nearest(std::span<const double> point, Pairs pairs, double known);
 
   /// Bounds on that minimum from a few passes of lanes and distances: some 10 us. The lower end is
   /// at least `most` [m], or mostly above a quarter of the upper one; -infinity where the passes
