@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
+
+#include "collision/base/spare_memory.h"
 
 namespace leeway::collision {
 
@@ -19,41 +23,61 @@ class PairTable {
   /// Of so many pairs that they are in runs few are ever near, and a small table is made sooner.
   static constexpr std::size_t kMostOfRuns = 1U << 10U;
 
-  /// Room for pairs [0, pairs), in `most` places at most: a power of two. The only one that
-  /// allocates.
+  PairTable() = default;
+  PairTable(const PairTable&) = delete;
+  PairTable& operator=(const PairTable&) = delete;
+  ~PairTable() { clear(); }
+
+  /// Room for pairs [0, pairs), in `most` places at most: a power of two. Nothing is known of any.
+  /// The only one that allocates.
   void resize(std::size_t pairs, std::size_t most = kMost) {
-    places_.assign(std::min(pairs, most), {});
+    clear();
+    has_begun_.assign(std::min(pairs, most), 0);
+    places_.reset(static_cast<Place*>(takeMemory(has_begun_.size() * sizeof(Place))));
   }
 
   /// The value of a pair, a new one where another has its place.
   T& of(std::int32_t pair) {
-    Place& place = places_[indexOf(pair)];
-    if (place.pair != pair) place = {pair, T()};
-    return place.value;
+    return of(pair, [](std::int32_t) { return T(); });
   }
   /// The same; make(pair) is the new value.
   template <class Make>
   T& of(std::int32_t pair, const Make& make) {
-    Place& place = places_[indexOf(pair)];
-    if (place.pair != pair) place = {pair, make(pair)};
+    const std::size_t i = indexOf(pair);
+    Place& place = places_.get()[i];
+    if (has_begun_[i] == 0) {
+      ::new (static_cast<void*>(&place)) Place{pair, make(pair)};
+      has_begun_[i] = 1;
+    } else if (place.pair != pair) {
+      place = {pair, make(pair)};
+    }
     return place.value;
   }
   /// The value of a pair; null: nothing is known of it.
   const T* find(std::int32_t pair) const {
-    const Place& place = places_[indexOf(pair)];
+    const std::size_t i = indexOf(pair);
+    if (has_begun_[i] == 0) return nullptr;
+    const Place& place = places_.get()[i];
     return place.pair == pair ? &place.value : nullptr;
   }
 
  private:
   struct Place {
-    std::int32_t pair = -1;
-    T value = T();
+    std::int32_t pair;
+    T value;
   };
   std::size_t indexOf(std::int32_t pair) const {
     const auto number = static_cast<std::size_t>(pair);
-    return number < places_.size() ? number : number & (places_.size() - 1);
+    return number < has_begun_.size() ? number : number & (has_begun_.size() - 1);
   }
-  std::vector<Place> places_;
+  void clear() {
+    if constexpr (!std::is_trivially_destructible_v<T>)
+      for (std::size_t i = 0; i < has_begun_.size(); ++i)
+        if (has_begun_[i] != 0) std::destroy_at(places_.get() + i);
+  }
+  // Room for all places, each begun where a pair first comes to it: most never are.
+  std::unique_ptr<Place, GiveBack> places_;
+  std::vector<unsigned char> has_begun_;
 };
 
 }  // namespace leeway::collision

@@ -3,7 +3,9 @@
 // Private to collision/: rounding outwards.
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace leeway::collision {
@@ -32,7 +34,12 @@ inline float roundedUpToFloat(double x) {
 /// The least float that is not below x, and the largest that is not above it.
 inline float floatAbove(double x) {
   const auto f = static_cast<float>(x);
-  return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
+  if (!(static_cast<double>(f) < x)) return f;  // NaN and infinity, too
+  // The next one, as std::nextafter() has it, without a call: numbers of one sign are in the order
+  // of their bits.
+  if (f == 0) return std::numeric_limits<float>::denorm_min();
+  const auto bits = std::bit_cast<std::uint32_t>(f);
+  return std::bit_cast<float>(f > 0 ? bits + 1 : bits - 1);
 }
 inline float floatBelow(double x) { return -floatAbove(-x); }
 

@@ -400,7 +400,7 @@ void LaneSweep::Impl::findObstacles() {
 }
 
 void LaneSweep::nearPairs(int piece, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                          std::vector<int>& ids) const {
+                          SpareVector<int>& ids) const {
   const Impl::LanePiece& of = impl_->pieces[at(piece)];
   if (of.row < 0) return;
   ObstacleBoxes::Box box;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "collision/base/spare_memory.h"
 #include "collision/base/work.h"
 #include "collision/cover/ball_cover.h"
 #include "collision/cover/coarse_shape.h"
@@ -118,7 +119,7 @@ class LaneSweep {
   /// where all of the piece is between `low` and `high` in the world [m]; not of runs. Allocates
   /// only where `ids` has no room. A descent of the obstacles' boxes: O(obstacles) at worst.
   void nearPairs(int piece, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                 std::vector<int>& ids) const;
+                 SpareVector<int>& ids) const;
 
   /// A pair and the lanes in which it is not certified.
   struct Open {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "collision/base/pair_table.h"
+#include "collision/base/spare_memory.h"
 #include "collision/base/work.h"
 #include "collision/convex/gjk/convex_view.h"
 #include "collision/lanes/lane_sweep.h"
@@ -205,7 +206,7 @@ struct LaneSweep::Scratch::Impl {
     std::int32_t pair;
     std::uint32_t lanes;
   };
-  std::unique_ptr<Placed[]> outer, balls;  // one a piece, one a ball
+  SpareArray<Placed> outer, balls;  // one a piece, one a ball
   // The run in which the balls of a piece's cover, its inner balls, and a part's ball were placed.
   std::vector<std::uint64_t> cover_stamp, inner_stamp, part_stamp;
   std::vector<float> low, high;  // boxes around pieces' sweeps, three numbers each
@@ -243,7 +244,7 @@ struct LaneSweep::Scratch::Impl {
   // Blocks of as many as a pair has at most, as in a PairTable. Begun where a pair is first tried
   // by parts: few ever are.
   static constexpr std::size_t kPartBlocks = 1U << 10U;
-  std::unique_ptr<std::byte[]> part_memory;
+  SpareArray<std::byte> part_memory;
   std::vector<std::int32_t> part_owners;  // the pair that has a block; -1: none
   /// The memory of the pairs of parts of a pair.
   PartMemory* partsOf(const LaneSweep::Impl::Pair& pair, std::size_t most_parts);

@@ -19,8 +19,8 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   const LaneSweep::Impl& s = *sweep.impl_;
   countInto(impl_->own);
   // Not set: what moves is placed before it is read.
-  impl_->outer = std::make_unique_for_overwrite<Impl::Placed[]>(s.pieces.size());
-  impl_->balls = std::make_unique_for_overwrite<Impl::Placed[]>(s.stock->balls.size());
+  impl_->outer = spareArray<Impl::Placed>(s.pieces.size());
+  impl_->balls = spareArray<Impl::Placed>(s.stock->balls.size());
   impl_->cover_stamp.resize(s.pieces.size());
   impl_->inner_stamp.resize(s.pieces.size());
   impl_->part_stamp.resize(s.pieces.size());
@@ -41,8 +41,8 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
     impl_->made.resize(s.boxes->slots(), kMostMade);
   }
   impl_->part_owners.assign(std::min(s.pairs_with_parts, Impl::kPartBlocks), -1);
-  impl_->part_memory = std::make_unique_for_overwrite<std::byte[]>(
-      impl_->part_owners.size() * s.most_parts * sizeof(Impl::PartMemory));
+  impl_->part_memory =
+      spareArray<std::byte>(impl_->part_owners.size() * s.most_parts * sizeof(Impl::PartMemory));
   // Balls that stand in the world are placed once, here.
   const auto still = [](const LaneSweep::Impl::LaneBall& ball, Impl::Placed& placed) {
     for (int k = 0; k < 3; ++k)

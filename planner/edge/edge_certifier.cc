@@ -34,8 +34,9 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   const std::size_t lists = std::max<std::size_t>(
       {std::size_t{kEdgeOpen},
        std::size_t{collision::kLanes} * std::min(pairs, std::size_t{1} << 14U), 4 * pairs});
-  for (std::vector<int>* list : {&open_pairs, &next_open_pairs, &part_pairs}) list->reserve(lists);
-  for (std::vector<EdgeInterval>* list : {&intervals, &next_intervals})
+  for (collision::SpareVector<int>* list : {&open_pairs, &next_open_pairs, &part_pairs})
+    list->reserve(lists);
+  for (collision::SpareVector<EdgeInterval>* list : {&intervals, &next_intervals})
     list->reserve(kEdgeIntervals);
   spans.reserve(kEdgeSpans);
   cost_parts.reserve(kEdgeSlots);

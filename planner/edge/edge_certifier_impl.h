@@ -314,8 +314,8 @@ struct EdgeCertifier::Impl {
 
   // Lists.
 
-  std::vector<EdgeInterval> intervals, next_intervals;  ///< of this level and the next
-  std::vector<int> open_pairs, next_open_pairs;         ///< theirs
+  collision::SpareVector<EdgeInterval> intervals, next_intervals;  ///< of this level and the next
+  collision::SpareVector<int> open_pairs, next_open_pairs;         ///< theirs
   /// Where a pair is to be swept, for mergeIntervals().
   struct Span {
     int pair;
@@ -328,14 +328,14 @@ struct EdgeCertifier::Impl {
     int begin, end;
   };
   std::vector<EdgePart> edge_parts;
-  std::vector<int> part_pairs;
+  collision::SpareVector<int> part_pairs;
   std::vector<collision::LaneSweep::Open> pass_pairs;
-  std::vector<CostPart> cost_parts;           ///< a heap by their width
-  std::vector<int> listed_pairs;              ///< that are in no run: mostly all
-  std::vector<int> near_pairs, asked_pairs;   ///< of nearPairs(), and of the call before
-  bool near_pairs_full = false;               ///< more were near than there was room for
-  std::vector<int> never_parted;              ///< pairs for checkContainment()
-  std::vector<std::pair<double, int>> order;  ///< pairs by coarse distance
+  std::vector<CostPart> cost_parts;                     ///< a heap by their width
+  std::vector<int> listed_pairs;                        ///< that are in no run: mostly all
+  collision::SpareVector<int> near_pairs, asked_pairs;  ///< of nearPairs(), and of the call before
+  bool near_pairs_full = false;                         ///< more were near than there was room for
+  std::vector<int> never_parted;                        ///< pairs for checkContainment()
+  std::vector<std::pair<double, int>> order;            ///< pairs by coarse distance
   /// What searchLikelyContacts() has asked of this edge in vain.
   struct ContactLook {
     int pair;

@@ -178,7 +178,8 @@ int EdgeFrames::place(double t) {
   return slot;
 }
 
-bool EdgeFrames::nearInRow(std::size_t row, int slot, double reach, std::vector<int>& pairs) const {
+bool EdgeFrames::nearInRow(std::size_t row, int slot, double reach,
+                           collision::SpareVector<int>& pairs) const {
   const EdgePairs& all = edges_->pairs;
   const EdgePairs::Row& of = all.rows()[row];
   const Eigen::Vector3d& at_center = center(slot, of.piece);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collision/base/numbers.h"
+#include "collision/base/spare_memory.h"
 #include "collision/base/work.h"
 #include "collision/scene/scene_access.h"
 #include "leeway/planner/compiled_scene.h"
@@ -177,7 +178,7 @@ class EdgeFrames {
   /// Appends the pairs of a row that may not keep their thresholds plus `reach` >= 0 [m] at a
   /// slot's configuration, in no order. False where `pairs` has no room for all. A descent of the
   /// boxes of what stands still.
-  bool nearInRow(std::size_t row, int slot, double reach, std::vector<int>& pairs) const;
+  bool nearInRow(std::size_t row, int slot, double reach, collision::SpareVector<int>& pairs) const;
   Pose piecePose(int slot, int piece) const;
   /// X_BA of a pair's pieces.
   Pose relative(int slot, const EdgePair& pair) const;
@@ -224,8 +225,8 @@ class EdgeFrames {
   std::vector<double> a_, b_, difference_, point_, q_, dq_;
   std::vector<robots::JointMotion> joint_motion_;
   // Slot by slot. Room is reserved for all, and begun slot by slot: few edges use many.
-  std::vector<Pose> poses_;               // one a link
-  std::vector<Eigen::Vector3d> centers_;  // one a moving piece
+  collision::SpareVector<Pose> poses_;               // one a link
+  collision::SpareVector<Eigen::Vector3d> centers_;  // one a moving piece
 };
 
 }  // namespace leeway::planner

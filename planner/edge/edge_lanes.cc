@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "collision/base/numbers.h"
+#include "collision/base/rounding.h"
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
 #include "collision/scene/scene_access.h"
@@ -35,11 +36,6 @@ collision::LaneValues middlesOfEdge() {
   for (int i = 0; i < collision::kLanes; ++i)
     middles.at[i] = (static_cast<float>(i) + 0.5F) * kWidth - 0.5F;
   return middles;
-}
-
-float roundedUp(double x) {
-  const auto f = static_cast<float>(x);
-  return static_cast<double>(f) < x ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f;
 }
 
 void setTurn(double angle, double turn, collision::FrameStep& out) {
@@ -272,8 +268,8 @@ bool EdgeLanes::begin(const EdgeFrames& frames) {
   // Over every chain, the lengths from each of its steps on sum up to at most (steps + 1) times the
   // longest chain.
   const double rounding = collision::kLaneRounding * (robot_.deepest + 1) * lanes_.longest;
-  slack_ = roundedUp(rounding * (1 + 4 * turns) +
-                     2 * robot_.deepest * collision::kLaneRounding * slides);
+  slack_ = collision::floatAbove(rounding * (1 + 4 * turns) +
+                                 2 * robot_.deepest * collision::kLaneRounding * slides);
   return true;
 }
 
@@ -292,8 +288,8 @@ void EdgeLanes::beginPass(const EdgeFrames& frames, const collision::LaneValues&
   collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
   const std::span<const robots::JointMotion> motion = frames.jointMotion();
   for (std::size_t j = 0; j < motion.size(); ++j) {
-    joint_motion_[j] = roundedUp(motion[j].angle);
-    joint_motion_[motion.size() + j] = roundedUp(motion[j].travel);
+    joint_motion_[j] = collision::floatAbove(motion[j].angle);
+    joint_motion_[motion.size() + j] = collision::floatAbove(motion[j].travel);
   }
   robot_.growth.run(joint_motion_, growth_values_);
   pass_growth_ = growth_values_;
@@ -339,7 +335,7 @@ LaneSweep::Contact EdgeLanes::sweep(const EdgeFrames& frames, Pairs asked, doubl
 /// Growth is a distance that must be kept besides the threshold; so is `beyond`.
 void EdgeLanes::demandInPass(double beyond) {
   if (!(beyond > 0)) return;
-  const float wider = roundedUp(beyond);
+  const float wider = collision::floatAbove(beyond);
   for (float& growth : pass_growth_) growth = (growth + wider) * (1 + 0x1p-22F);  // rounded up
 }
 
@@ -411,7 +407,7 @@ std::optional<double> EdgeLanes::findContact(int pair, double from, double width
 }
 
 void EdgeLanes::nearPairs(const EdgeFrames& frames, int slot, double reach,
-                          std::vector<int>& pairs) const {
+                          collision::SpareVector<int>& pairs) const {
   pairs.insert(pairs.end(), lanes_.moving_pairs.begin(), lanes_.moving_pairs.end());
   for (const SceneLanes::MovingPiece& moving : lanes_.moving) {
     const Eigen::Vector3d& center = frames.center(slot, moving.piece);

@@ -104,7 +104,8 @@ class EdgeLanes {
   /// or not be farther apart than `reach` >= 0 [m]: those of two moving pieces, and those with
   /// things that are near. Never allocates where `pairs` has room for all. O(moving pairs), and a
   /// descent a piece.
-  void nearPairs(const EdgeFrames& frames, int slot, double reach, std::vector<int>& pairs) const;
+  void nearPairs(const EdgeFrames& frames, int slot, double reach,
+                 collision::SpareVector<int>& pairs) const;
 
   /// Counts what passes cost into `work` from now on, see LaneSweep::Scratch::countInto().
   void countInto(collision::Work& work);
