@@ -74,11 +74,8 @@ double scaleOf(const CompiledScene& scene, const Piece& piece) {
 }
 
 /// Of a piece that moves with one that stands still, which is in the world.
-EdgePair pairWithWorld(const CompiledScene& scene, const EdgeScene& edges, int a, int b,
-                       double margin) {
-  const Piece of_a = edges.pieces[at(a)];
-  Piece of_b = edges.pieces[at(b)];
-  if (at(b) >= edges.pieces.listed().size()) of_b.scale = scaleOf(scene, of_b);
+EdgePair pairWithWorld(const CompiledScene& scene, int a, const Piece& of_a, int b,
+                       const Piece& of_b, double margin) {
   EdgePair e{};
   e.a = a;
   e.b = b;
@@ -109,13 +106,9 @@ class EdgeSceneBuilder {
     for (std::size_t b = 0; b < end; ++b)
       for (const collision::Geometry& g : scene_.bodies()[b].geometries)
         addPiece(static_cast<int>(b), g);
-    std::vector<EdgePair> pairs;
-    pairs.reserve(scene_.pairs().listedCount());
-    for (std::size_t p = 0; p < scene_.pairs().listedCount(); ++p)
-      pairs.push_back(pairOf(static_cast<int>(p)));
-    sortPairs(pairs);
+    addPairs();
     addRows();
-    for (const EdgePair& pair : pairs) {
+    for (const EdgePair& pair : pairs_.listed_) {
       edges_.has_surface_pairs = edges_.has_surface_pairs || pair.by_surfaces;
       pairs_.most_rounding_ = collision::greatest(pairs_.most_rounding_, pair.rounding);
     }
@@ -123,6 +116,7 @@ class EdgeSceneBuilder {
 
  private:
   Piece piece(int i) const { return edges_.pieces[at(i)]; }
+  const Piece& listed(int i) const { return edges_.pieces.listed_[at(i)]; }
 
   void addPiece(int body, const collision::Geometry& g) {
     const auto index = static_cast<int>(edges_.pieces.listed().size());
@@ -138,13 +132,37 @@ class EdgeSceneBuilder {
     edges_.pieces.listed_.push_back(piece);
   }
 
+  /// By their first piece, then as in the scene: by counting.
+  void addPairs() {
+    const collision::ScenePairs& all = scene_.pairs();
+    // The first piece of each pair, and after them where the next pair of each piece goes.
+    std::vector<int> first(all.listedCount());
+    std::vector<std::size_t> places(edges_.pieces.listed().size() + 1, 0);
+    std::size_t of_robot = 0;
+    for (std::size_t p = 0; p < first.size(); ++p) {
+      const collision::ScenePair pair = all[p];
+      const bool is_reversed =
+          compiled_.isOfRobot(pair) && model_.pairs[of_robot++].is_reversed;
+      first[p] = is_reversed ? collision::SceneAccess::geometryIndex(scene_, pair.body_b,
+                                                                     pair.geometry_b)
+                             : collision::SceneAccess::geometryIndex(scene_, pair.body_a,
+                                                                     pair.geometry_a);
+      ++places[at(first[p]) + 1];
+    }
+    std::partial_sum(places.begin(), places.end(), places.begin());
+    pairs_.listed_.resize(first.size());
+    for (std::size_t p = 0; p < first.size(); ++p)
+      pairs_.listed_[places[at(first[p])]++] = pairOf(static_cast<int>(p));
+    pairs_.size_ = first.size();
+  }
+
   EdgePair pairOf(int p) {
     const collision::ScenePair pair = scene_.pairs()[at(p)];
     const int a = collision::SceneAccess::geometryIndex(scene_, pair.body_a, pair.geometry_a);
     const int b = collision::SceneAccess::geometryIndex(scene_, pair.body_b, pair.geometry_b);
     EdgePair e{};
     if (!compiled_.isOfRobot(pair)) {
-      e = pairWithWorld(compiled_, edges_, a, b, pair.margin);
+      e = pairWithWorld(compiled_, a, listed(a), b, listed(b), pair.margin);
       e.scene_pair = p;
       return e;
     }
@@ -155,25 +173,15 @@ class EdgeSceneBuilder {
     e.a = known.is_reversed ? b : a;
     e.b = known.is_reversed ? a : b;
     e.motion = known.motion;
-    e.rounding = roundingOf(model_, piece(e.a), piece(e.b));
+    e.rounding = roundingOf(model_, listed(e.a), listed(e.b));
     e.threshold = pair.margin + e.rounding;
-    e.by_surfaces = sweepsSurfaces(piece(e.a), piece(e.b), pair.margin);
+    e.by_surfaces = sweepsSurfaces(listed(e.a), listed(e.b), pair.margin);
     e.gap = -1;
     if (known.gap != nullptr && static_cast<double>(known.most_gap) > e.threshold) {
       e.gap = static_cast<int>(edges_.gaps.size());
       edges_.gaps.push_back(known.gap);
     }
     return e;
-  }
-
-  /// Stable, by counting.
-  void sortPairs(std::span<const EdgePair> pairs) {
-    std::vector<std::size_t> places(edges_.pieces.listed().size() + 1, 0);
-    for (const EdgePair& e : pairs) ++places[at(e.a) + 1];
-    std::partial_sum(places.begin(), places.end(), places.begin());
-    pairs_.listed_.resize(pairs.size());
-    for (const EdgePair& e : pairs) pairs_.listed_[places[at(e.a)]++] = e;
-    pairs_.size_ = pairs.size();
   }
 
   void addRows() {
@@ -262,8 +270,11 @@ EdgePair EdgePairs::find(std::size_t number) const {
       const collision::ScenePairs& all = compiled_->scene().pairs();
       const std::size_t in_scene = row.scene_begin + number - row.begin;
       const collision::ScenePairs::Place of = all.placeOf(in_scene);
-      EdgePair pair =
-          pairWithWorld(*compiled_, *edges_, row.piece, pieceIn(of.place), all.marginOf(of));
+      const int still = pieceIn(of.place);
+      Piece of_still = edges_->pieces[at(still)];
+      of_still.scale = scaleOf(*compiled_, of_still);
+      EdgePair pair = pairWithWorld(*compiled_, row.piece, edges_->pieces.listed()[at(row.piece)],
+                                    still, of_still, all.marginOf(of));
       pair.scene_pair = static_cast<int>(in_scene);
       return pair;
     }
