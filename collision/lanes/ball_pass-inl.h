@@ -174,19 +174,56 @@ class BallPass {
     }
   }
 
+  /// The box around the sweeps of a group's pieces; NaN where one is.
+  HWY_INLINE void boundGroup(const Sweep::Group& group) {
+    float* const low = &scratch_.low[3 * size(group.piece)];
+    float* const high = &scratch_.high[3 * size(group.piece)];
+    float sum = 0;
+    std::fill_n(low, 3, kFar);
+    std::fill_n(high, 3, -kFar);
+    for (int i = group.begin; i < group.end; ++i) {
+      const std::size_t p = 3 * size(s_.group_members[size(i)]);
+      for (std::size_t k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], scratch_.low[p + k]);
+        high[k] = std::max(high[k], scratch_.high[p + k]);
+        sum += scratch_.high[p + k];
+      }
+    }
+    if (std::isfinite(sum)) return;
+    std::fill_n(low, 3, std::numeric_limits<float>::quiet_NaN());
+    std::fill_n(high, 3, std::numeric_limits<float>::quiet_NaN());
+  }
+
+  /// Whether all pairs of a bundle keep their thresholds, by the balls of the group.
+  HWY_INLINE bool isApart(const Sweep::Bundle& bundle) {
+    const std::size_t a = size(s_.groups[size(bundle.group)].piece), b = size(bundle.other);
+    for (std::size_t k = 0; k < 3; ++k)
+      if (scratch_.low[3 * a + k] - scratch_.high[3 * b + k] > bundle.above ||
+          scratch_.low[3 * b + k] - scratch_.high[3 * a + k] > bundle.above)
+        return true;
+    float growth = 0;
+    for (int i = bundle.motions_begin; i < bundle.motions_end; ++i)
+      growth = std::max(growth, growthOf(s_.bundle_motions[size(i)]));
+    const float fixed = bundle.above + growth + 2 * kernel_.slack;
+    const float above = fixed + s_.pieces[a].outer.radius + s_.pieces[b].outer.radius;
+    scratch_.work->add(kLaneBallWork);
+    if (openToBall<kStill>(scratch_.outer[a], scratch_.outer[b], above, kAll) == 0) return true;
+    placeCover(a);
+    return uncoveredPieces<true>(s_.pieces[a], b, fixed, kAll) == 0;
+  }
+
   HWY_INLINE void cull() {
+    for (std::size_t g = 0; g < s_.groups.size(); ++g) {
+      boundGroup(s_.groups[g]);
+      scratch_.group_near[g] = isNearObstacle(s_.groups[g]) ? 1 : 0;
+    }
     for (std::size_t p = 0; p < s_.wholes; ++p) {
       if ((s_.pieces[p].kinds & kernel_.asked.kinds) == 0) continue;
+      if (s_.pieces[p].group >= 0 && scratch_.group_near[size(s_.pieces[p].group)] == 0) continue;
       const float *low = &scratch_.low[3 * p], *high = &scratch_.high[3 * p];
       float grown_low[3], grown_high[3];
       if (s_.runs) {  // boxes are as they are, and not grown by thresholds
-        const float above = s_.pieces[p].row_above;
-        for (int k = 0; k < 3; ++k) {
-          grown_low[k] = low[k] - above;
-          grown_low[k] -= std::abs(grown_low[k]) * 0x1p-22f;  // rounded outwards
-          grown_high[k] = high[k] + above;
-          grown_high[k] += std::abs(grown_high[k]) * 0x1p-22f;
-        }
+        growBox(low, high, s_.pieces[p].row_above, grown_low, grown_high);
         low = grown_low;
         high = grown_high;
       }
@@ -196,7 +233,72 @@ class BallPass {
     }
     for (const std::int32_t pair : s_.loose_pairs)
       considerObstacle(size(kernel_.pair(pair).a), pair);
-    for (const std::int32_t pair : s_.piece_pairs) considerPieces(pair);
+    std::size_t next = 0;
+    for (const Sweep::Bundle& bundle : s_.bundles) {
+      next = size(bundle.end);
+      if ((bundle.kind & kernel_.asked.kinds) == 0 || isApart(bundle)) continue;
+      for (std::size_t i = size(bundle.begin); i < next; ++i) considerPieces(s_.piece_pairs[i]);
+    }
+    for (; next < s_.piece_pairs.size(); ++next) considerPieces(s_.piece_pairs[next]);
+  }
+
+  /// Rounded outwards.
+  static void growBox(const float* low, const float* high, float above, float* grown_low,
+                      float* grown_high) {
+    for (int k = 0; k < 3; ++k) {
+      grown_low[k] = low[k] - above;
+      grown_low[k] -= std::abs(grown_low[k]) * 0x1p-22f;
+      grown_high[k] = high[k] + above;
+      grown_high[k] += std::abs(grown_high[k]) * 0x1p-22f;
+    }
+  }
+
+  /// Whether some box is near a group.
+  HWY_INLINE bool isNearObstacle(const Sweep::Group& group) {
+    const float *low = &scratch_.low[3 * size(group.piece)],
+                *high = &scratch_.high[3 * size(group.piece)];
+    float grown_low[3], grown_high[3];
+    if (s_.runs) {
+      float above = 0;
+      for (int i = group.begin; i < group.end; ++i)
+        above = std::max(above, s_.pieces[size(s_.group_members[size(i)])].row_above);
+      growBox(low, high, above, grown_low, grown_high);
+      low = grown_low;
+      high = grown_high;
+    }
+    const ObstacleBoxes* const first = s_.boxes->first().get();
+    return (first != nullptr && isNearBoxes(low, high, first->levels())) ||
+           isNearBoxes(low, high, s_.boxes->levels());
+  }
+  bool isNearBoxes(const float* low, const float* high, std::span<const ObstacleBoxes::Level> of) {
+    return !of.empty() && isNearBoxes(low, high, of.data(), of.size() - 1, 0, of.back().size());
+  }
+  /// Of boxes [begin, end) of a level.
+  bool isNearBoxes(const float* low, const float* high, const ObstacleBoxes::Level* levels,
+                   std::size_t level, std::size_t begin, std::size_t end) {
+    const D d;
+    end = std::min(end, levels[level].size());
+    for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
+      std::uint32_t near = nearBoxes(low, high, levels[level], i);
+      if (level == 0 && near != 0) return true;
+      for (std::size_t j = i; near != 0; near >>= 1U, ++j)
+        if ((near & 1U) != 0 && isNearBoxes(low, high, levels, level - 1, ObstacleBoxes::kWidth * j,
+                                            ObstacleBoxes::kWidth * (j + 1)))
+          return true;
+    }
+    return false;
+  }
+  /// A bit for each of the boxes from `i` on, as many as there are lanes, that is near.
+  HWY_INLINE static std::uint32_t nearBoxes(const float* low, const float* high,
+                                            const ObstacleBoxes::Level& boxes, std::size_t i) {
+    const D d;
+    M apart = hn::Lt(hn::Set(d, high[0]), hn::LoadU(d, boxes.low[0].data() + i));
+    for (int k = 0; k < 3; ++k) {
+      if (k > 0)
+        apart = hn::Or(apart, hn::Lt(hn::Set(d, high[k]), hn::LoadU(d, boxes.low[k].data() + i)));
+      apart = hn::Or(apart, hn::Gt(hn::Set(d, low[k]), hn::LoadU(d, boxes.high[k].data() + i)));
+    }
+    return bitsOf(d, hn::Not(apart));
   }
 
   HWY_INLINE void cullBoxes(std::size_t p, const float* low, const float* high,
@@ -214,13 +316,7 @@ class BallPass {
     const ObstacleBoxes::Level& boxes = levels[level];
     end = std::min(end, boxes.size());  // NaN meets nodes that are padding, too
     for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
-      M apart = hn::Lt(hn::Set(d, high[0]), hn::LoadU(d, boxes.low[0].data() + i));
-      for (int k = 0; k < 3; ++k) {
-        if (k > 0)
-          apart = hn::Or(apart, hn::Lt(hn::Set(d, high[k]), hn::LoadU(d, boxes.low[k].data() + i)));
-        apart = hn::Or(apart, hn::Gt(hn::Set(d, low[k]), hn::LoadU(d, boxes.high[k].data() + i)));
-      }
-      std::uint32_t near = bitsOf(d, hn::Not(apart));
+      std::uint32_t near = nearBoxes(low, high, boxes, i);
       for (std::size_t j = i; near != 0; near >>= 1U, ++j) {
         if ((near & 1U) == 0) continue;
         if (level > 0)
@@ -354,12 +450,15 @@ class BallPass {
                            pair.cover_above + growthOf(pair.motion) + 2 * kernel_.slack, lanes);
   }
 
+  /// `kAny`: ends where some lane is open, with that alone.
+  template <bool kAny = false>
   HWY_INLINE std::uint32_t uncoveredPieces(const Sweep::LanePiece& a, std::size_t number,
                                            float fixed, std::uint32_t lanes) {
     placeCover(number);
     const Sweep::LanePiece& b = s_.pieces[number];
     std::uint32_t open = 0;
     for (int i = a.cover; i < a.inner && open != lanes; ++i) {
+      if (kAny && open != 0) break;
       const Placed& ball = scratch_.balls[size(i)];
       const float above = fixed + s_.balls[size(i)].radius;
       scratch_.work->add(kLaneBallWork);

@@ -10,6 +10,7 @@
 #include <memory>
 #include <utility>
 
+#include "collision/base/greatest.h"
 #include "collision/base/numbers.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
@@ -27,6 +28,9 @@ float planeAbove(double threshold, double rounding) {
 float ownPlaneAbove(double threshold, double rounding) {
   return floatAbove(std::max(threshold, 0.0) + 5 * rounding);
 }
+
+/// Fewer pairs are not worth a look at all of them [count].
+constexpr std::size_t kLeastBundle = 3;
 
 /// Rounding of a centre to single precision; added to the radius.
 double centerRounding(const Ball& ball) { return 0x1p-23 * ball.center.lpNorm<1>(); }
@@ -92,6 +96,27 @@ int LaneSweep::addPiece(const Piece& piece) {
   lane.parts_end = static_cast<int>(impl_->parts.size());
   impl_->pieces.push_back(lane);
   return static_cast<int>(impl_->pieces.size()) - 1;
+}
+
+void LaneSweep::addGroup(std::span<const int> pieces, std::span<const Ball> balls) {
+  Piece group;
+  group.frame = impl_->pieces[at(pieces.front())].frame;
+  group.cover.assign(balls.begin(), balls.end());
+  for (const Ball& ball : balls) {
+    group.outer.center += ball.center / static_cast<double>(balls.size());
+    group.reach = std::max(group.reach, ball.center.norm());
+  }
+  for (const Ball& ball : balls)
+    group.outer.radius =
+        std::max(group.outer.radius, (ball.center - group.outer.center).norm() + ball.radius);
+  for (const int piece : pieces) {
+    impl_->pieces[at(piece)].group = static_cast<std::int32_t>(impl_->groups.size());
+    group.reach = std::max(group.reach, impl_->pieces[at(piece)].reach);
+  }
+  const auto begin = static_cast<std::int32_t>(impl_->group_members.size());
+  impl_->group_members.insert(impl_->group_members.end(), pieces.begin(), pieces.end());
+  impl_->groups.push_back(
+      {addPiece(group), begin, static_cast<std::int32_t>(impl_->group_members.size())});
 }
 
 int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG, int place) {
@@ -321,10 +346,82 @@ void LaneSweep::Impl::finish() {
   for (int k = 0; k < 3; ++k) point[k] = stock->point[k].data();
   nearest_fine = stock->nearest_fine.data();
   clusters = stock->clusters.data();
+  findBundles();
   if (runs)
     findRuns();
   else
     findObstacles();
+}
+
+void LaneSweep::Impl::findBundles() {
+  if (groups.empty()) return;
+  struct Member {
+    std::int32_t group, other, pair;
+  };
+  std::vector<Member> members;
+  std::vector<std::int32_t> loose;
+  for (const std::int32_t p : piece_pairs) {
+    const Pair& pair = pairs[at(p)];
+    const std::int32_t of_a = pieces[at(pair.a)].group, of_b = pieces[at(pair.b)].group;
+    if (of_a >= 0)
+      members.push_back({of_a, pair.b, p});
+    else if (of_b >= 0)
+      members.push_back({of_b, pair.a, p});
+    else
+      loose.push_back(p);
+  }
+  std::stable_sort(members.begin(), members.end(), [](const Member& x, const Member& y) {
+    return std::pair(x.group, x.other) < std::pair(y.group, y.other);
+  });
+  piece_pairs.clear();
+  std::vector<std::int32_t> of_one;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    of_one.push_back(members[i].pair);
+    if (i + 1 < members.size() && members[i + 1].group == members[i].group &&
+        members[i + 1].other == members[i].other)
+      continue;
+    const std::size_t before = bundles.size();
+    addBundle(members[i].group, members[i].other, of_one);
+    std::vector<std::int32_t>& to = bundles.size() > before ? piece_pairs : loose;
+    to.insert(to.end(), of_one.begin(), of_one.end());
+    of_one.clear();
+  }
+  piece_pairs.insert(piece_pairs.end(), loose.begin(), loose.end());
+}
+
+// How far centres leave their chords. A pair's motion is that of A's points, seen from B. Where the
+// other piece is A, that is all there is to know: to it the group is one body. Where it is B, the
+// way of a group's point from its chord is the mean of those of the pieces' points that it is a
+// mean of, so it is at most the longest of these, for which each piece must have a pair.
+void LaneSweep::Impl::addBundle(std::int32_t group, std::int32_t other,
+                                std::span<const std::int32_t> of) {
+  const Group& g = groups[at(group)];
+  const std::uint8_t kind = pairs[at(of.front())].kind;
+  const auto first_motion = static_cast<std::int32_t>(bundle_motions.size());
+  double above = 0;
+  bool is_whole = true;
+  std::int32_t of_other = -1;
+  for (const std::int32_t p : of) {
+    const Pair& pair = pairs[at(p)];
+    if (pair.a == other) of_other = pair.motion;
+    is_whole = is_whole && pair.kind == kind;
+    above = greatest(static_cast<double>(pair.cover_above), above);
+  }
+  const bool all_pieces = of.size() == at(g.end - g.begin);
+  if (of.size() < kLeastBundle || !is_whole || (of_other < 0 && !all_pieces)) return;
+  if (of_other >= 0) {
+    bundle_motions.push_back(of_other);
+  } else {
+    for (const std::int32_t p : of) bundle_motions.push_back(pairs[at(p)].motion);
+  }
+  const LanePiece &x = pieces[at(g.piece)], &y = pieces[at(other)];
+  const double rounding =
+      kLaneSweepRounding *
+      (x.reach + y.reach + static_cast<double>(x.outer.radius + y.outer.radius));
+  const auto begin = static_cast<std::int32_t>(piece_pairs.size());
+  bundles.push_back({group, other, begin, begin + static_cast<std::int32_t>(of.size()),
+                     first_motion, static_cast<std::int32_t>(bundle_motions.size()),
+                     floatAbove(above + rounding), kind});
 }
 
 void LaneSweep::Impl::findRuns() {

@@ -70,6 +70,11 @@ class LaneSweep {
   LaneSweep& operator=(const LaneSweep&) = delete;
 
   int addPiece(const Piece& piece);
+  /// Pieces of one frame that are looked at together first: where the balls of all are apart from
+  /// something, no piece is asked by itself. `balls`: of the group, in the frame's axes; they hold
+  /// all pieces with their insides, and their centres are in the hull of those of the pieces'
+  /// balls.
+  void addGroup(std::span<const int> pieces, std::span<const Ball> balls);
   /// A shape that stands still: spheres, capsules, boxes, cylinders and half-spaces as they are, a
   /// cone as a cylinder, all else as a box around it. O(vertices).
   /// `place`: its place in runs, whose shape is asked of LaneRuns; -1: it is in none.

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -61,10 +62,11 @@ struct LaneSweep::Impl {
     LaneBall outer;
     int cover, inner, end;  // balls [cover, inner) and [inner, end)
     double reach;
-    std::int32_t row = -1;   // of pair_of or runs; -1: it meets no obstacle
-    std::uint8_t kinds = 0;  // of its pairs with obstacles
-    float row_above = 0;     // of runs: the greatest free_above of its pairs
-    float inner_reach = 0;   // inner balls are within this of outer's centre [m]
+    std::int32_t row = -1;    // of pair_of or runs; -1: it meets no obstacle
+    std::uint8_t kinds = 0;   // of its pairs with obstacles
+    std::int32_t group = -1;  // index into groups; -1: in none
+    float row_above = 0;      // of runs: the greatest free_above of its pairs
+    float inner_reach = 0;    // inner balls are within this of outer's centre [m]
     // Points whose hull, grown by a radius, holds the piece: `points` a few, `fine` more, with a
     // smaller radius. Both may be the same.
     struct Points {
@@ -156,7 +158,24 @@ struct LaneSweep::Impl {
   std::vector<Obstacle> obstacle_parts;
   std::vector<Pair> pairs;                           // of wholes
   std::size_t pairs_with_parts = 0, most_parts = 0;  // how many, and the largest Pair::parts
-  std::vector<std::int32_t> piece_pairs;             // indices into pairs
+  std::vector<std::int32_t> piece_pairs;             // indices into pairs, those of bundles first
+  /// Pieces that are looked at together: `piece` has their balls.
+  struct Group {
+    std::int32_t piece;
+    std::int32_t begin, end;  // of group_members
+  };
+  std::vector<Group> groups;
+  std::vector<std::int32_t> group_members;  // pieces
+  /// The pairs of a group's pieces with another piece.
+  struct Bundle {
+    std::int32_t group, other;
+    std::int32_t begin, end;                  // of piece_pairs
+    std::int32_t motions_begin, motions_end;  // of bundle_motions: see findBundles()
+    float above;                              // at least cover_above of each pair
+    std::uint8_t kind;
+  };
+  std::vector<Bundle> bundles;
+  std::vector<std::int32_t> bundle_motions;
   // Grown by the largest threshold of any pair of the obstacle; of runs as they are.
   std::shared_ptr<const ObstacleBoxes> boxes;
   // The pair of a piece with the obstacle in a slot of `boxes`; -1: none.
@@ -191,6 +210,8 @@ struct LaneSweep::Impl {
   void addParts();
   void makeViews(std::vector<LanePiece>& of) const;
   void findObstacles();
+  void findBundles();
+  void addBundle(std::int32_t group, std::int32_t other, std::span<const std::int32_t> of);
   /// Adds all points of a cover to the points of `piece`.
   void addPoints(const PointCover& cover, LanePiece& piece);
   static void addCluster(Stock& stock, int begin, int end);
@@ -210,6 +231,7 @@ struct LaneSweep::Scratch::Impl {
   // The run in which the balls of a piece's cover, its inner balls, and a part's ball were placed.
   std::vector<std::uint64_t> cover_stamp, inner_stamp, part_stamp;
   std::vector<float> low, high;  // boxes around pieces' sweeps, three numbers each
+  std::vector<char> group_near;  // whether any obstacle is near a group
   std::vector<Candidate> candidates;
   bool is_full = false;
   PairTable<LaneSweep::Impl::Pair> known;     // of runs

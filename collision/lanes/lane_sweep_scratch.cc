@@ -26,6 +26,7 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   impl_->part_stamp.resize(s.pieces.size());
   impl_->low.resize(3 * s.pieces.size());
   impl_->high.resize(3 * s.pieces.size());
+  impl_->group_near.resize(s.groups.size());
   const std::size_t numbers = s.runs ? s.numbers : s.pairs.size();
   const std::size_t most = s.runs ? std::min(numbers, s.pairs.size() + kMostNear) : numbers;
   using Planes = PairTable<Impl::Plane>;

@@ -141,12 +141,10 @@ class EdgeSceneBuilder {
     std::size_t of_robot = 0;
     for (std::size_t p = 0; p < first.size(); ++p) {
       const collision::ScenePair pair = all[p];
-      const bool is_reversed =
-          compiled_.isOfRobot(pair) && model_.pairs[of_robot++].is_reversed;
-      first[p] = is_reversed ? collision::SceneAccess::geometryIndex(scene_, pair.body_b,
-                                                                     pair.geometry_b)
-                             : collision::SceneAccess::geometryIndex(scene_, pair.body_a,
-                                                                     pair.geometry_a);
+      const bool is_reversed = compiled_.isOfRobot(pair) && model_.pairs[of_robot++].is_reversed;
+      first[p] = is_reversed
+                     ? collision::SceneAccess::geometryIndex(scene_, pair.body_b, pair.geometry_b)
+                     : collision::SceneAccess::geometryIndex(scene_, pair.body_a, pair.geometry_a);
       ++places[at(first[p]) + 1];
     }
     std::partial_sum(places.begin(), places.end(), places.begin());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
@@ -64,6 +65,21 @@ double reachOf(const LaneSweep::Piece& piece) {
   for (const collision::CoverPart& part : piece.parts)
     reach = std::max(reach, part.ball.center.norm());
   return reach;
+}
+
+/// Fewer pieces of a frame are not looked at together, and the balls that hold more [count].
+constexpr std::size_t kLeastGroup = 5, kGroupBalls = 8;
+
+/// The smallest ball around two, its centre between theirs.
+Ball around(const Ball& x, const Ball& y) {
+  const Eigen::Vector3d way = y.center - x.center;
+  const double apart = way.norm();
+  if (apart + y.radius <= x.radius) return x;
+  if (apart + x.radius <= y.radius) return y;
+  Ball both{x.center, (apart + x.radius + y.radius) / 2};
+  both.center += way * ((both.radius - x.radius) / apart);
+  both.radius += collision::kTransferRounding * (both.center.lpNorm<1>() + both.radius);
+  return both;
 }
 
 /// Balls and points of a geometry, in frame F.
@@ -231,6 +247,31 @@ class RobotLanesBuilder {
       for (std::size_t g = 0; g < scene.bodies()[b].geometries.size(); ++g)
         if (used[at(indexOf(static_cast<int>(b), static_cast<int>(g)))] != 0)
           addPiece(static_cast<int>(b), static_cast<int>(g));
+    for (const auto& [frame, group] : of_frames_) addGroup(group);
+  }
+
+  /// What fixed joints join, as grippers.
+  struct Group {
+    std::vector<int> pieces;  // of the sweep
+    std::vector<Ball> balls;  // that hold them
+  };
+
+  void addGroup(const Group& group) {
+    if (group.pieces.size() < kLeastGroup) return;
+    std::vector<Ball> balls = group.balls;
+    // Two by two, always those whose common ball is the smallest.
+    while (balls.size() > kGroupBalls) {
+      Ball best{Eigen::Vector3d::Zero(), kInfinity};
+      std::size_t first = 0, second = 0;
+      for (std::size_t i = 0; i < balls.size(); ++i)
+        for (std::size_t j = i + 1; j < balls.size(); ++j) {
+          const Ball both = around(balls[i], balls[j]);
+          if (both.radius < best.radius) best = both, first = i, second = j;
+        }
+      balls[first] = best;
+      balls.erase(balls.begin() + static_cast<std::ptrdiff_t>(second));
+    }
+    lanes_.sweep.addGroup(group.pieces, balls);
   }
 
   int indexOf(int body, int geometry) const {
@@ -260,6 +301,10 @@ class RobotLanesBuilder {
     lane.reach = reachOf(lane) + (place.frame < 0 ? 0 : reach_[at(place.frame)]);
     result.reach = lane.reach;
     result.piece = lanes_.sweep.addPiece(lane);
+    if (place.frame < 0 || lane.cover.empty()) return;
+    Group& group = of_frames_[place.frame];
+    group.pieces.push_back(result.piece);
+    group.balls.insert(group.balls.end(), lane.cover.begin(), lane.cover.end());
   }
 
   const robots::Model& model_;
@@ -268,6 +313,7 @@ class RobotLanesBuilder {
   std::vector<LinkPlace> places_;  // one a link
   std::vector<double> reach_;      // lengths up to a frame [m]
   std::vector<int> depth_;         // steps up to a frame
+  std::map<int, Group> of_frames_;
 };
 
 }  // namespace

@@ -204,6 +204,31 @@ TEST(EdgeLanes, PartsCertifyOnlyWhatIsApart) {
   EXPECT_GT(count.part_near, 100);
 }
 
+/// Links of many geometries, as grippers are, which lanes look at together.
+TEST(EdgeLanes, GroupsCertifyOnlyWhatIsApart) {
+  Random random(34);
+  Count count;
+  for (int round = 0; round < 24; ++round) {
+    auto model = std::make_shared<robots::Model>(
+        *(round % 3 == 0 ? testing::randomTreeWithShapes(random) : testing::randomArm(random)));
+    for (robots::Link& link : model->links) {
+      if (link.geometries.empty() || random.integer(3) == 0) continue;
+      for (int g = 0; g < 6; ++g) {
+        const double size = random.uniform(0.01, 0.06);
+        link.geometries.push_back(
+            {g % 2 == 0 ? collision::Shape::sphere(size) : testing::randomMesh(random, size),
+             random.pose(0.2), link.name + std::to_string(g)});
+      }
+    }
+    Problem problem = testing::randomProblem(random, model, 8, 1.0);
+    check(random, problem, 25, count);
+  }
+  EXPECT_GT(count.edges, 200);
+  EXPECT_GT(count.certified, 20000);
+  EXPECT_GT(count.open, 100);
+  EXPECT_GT(count.near, 100);
+}
+
 TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
   Random random(32);
   const auto scene = std::make_shared<const CompiledScene>(
