@@ -20,6 +20,10 @@ constexpr double kCutGain = 1e-3;
 /// for the same edges as with one.
 constexpr int kPartChoices = 4;
 
+/// Edges that are asked before the caller is asked whether to stop again, which costs a tenth of
+/// one: some microseconds each.
+constexpr int kStopTurn = 8;
+
 /// A place on the path: t along the edge from waypoint `edge` to the next.
 struct Place {
   std::size_t edge;
@@ -53,7 +57,7 @@ class Shortener {
 
  private:
   bool stopped() {
-    if (!stopped_ && options_.stop && options_.stop()) stopped_ = true;
+    if (!stopped_ && options_.stop && turn_++ % kStopTurn == 0) stopped_ = options_.stop();
     return stopped_;
   }
 
@@ -186,10 +190,10 @@ class Shortener {
     return true;
   }
 
-  /// A stretch of the path in which one joint moves evenly, the others as before.
-  struct Straightened {
-    std::size_t first = 0;
-    std::vector<Point> points;
+  /// A stretch of the path in which one joint is to move evenly, the others as before.
+  struct Stretch {
+    std::size_t first = 0, last = 0;  // waypoints
+    ConfigurationSpace::Part part;
     double gain = 0;
   };
 
@@ -198,40 +202,54 @@ class Shortener {
   /// each edge of it is to be certified.
   bool straightenPart() {
     measure();
-    Straightened best;
+    Stretch best;
     for (int k = 0; k < kPartChoices; ++k)
-      if (Straightened part = straightened(); part.gain > best.gain) best = std::move(part);
+      if (const Stretch stretch = randomStretch(); stretch.gain > best.gain) best = stretch;
     if (!(best.gain > kCutGain * along_.back())) return false;
-    for (std::size_t k = 1; k < best.points.size(); ++k)
-      if (!certified(best.points[k - 1], best.points[k])) return false;
-    const auto first = static_cast<std::ptrdiff_t>(best.first);
-    std::fill_n(rest_.begin() + first, best.points.size() - 1, char{0});
-    std::move(best.points.begin(), best.points.end(), path_.begin() + first);
+    straightened_.resize(std::max(straightened_.size(), best.last - best.first + 1));
+    for (std::size_t k = best.first; k <= best.last; ++k)
+      straighten(best, k, straightened_[k - best.first]);
+    for (std::size_t k = best.first; k < best.last; ++k)
+      if (!certified(straightened_[k - best.first], straightened_[k - best.first + 1]))
+        return false;
+    for (std::size_t k = best.first; k < best.last; ++k) rest_[k] = 0;
+    for (std::size_t k = best.first; k <= best.last; ++k)
+      path_[k].swap(straightened_[k - best.first]);
     return true;
   }
 
   /// Between two random waypoints; without gain where there is nothing to straighten.
-  Straightened straightened() {
+  Stretch randomStretch() {
     const int count = static_cast<int>(path_.size());
     int i = random_.index(count), j = random_.index(count);
     if (i > j) std::swap(i, j);
-    const ConfigurationSpace::Part& part = space_.parts()[static_cast<std::size_t>(
-        random_.index(static_cast<int>(space_.parts().size())))];
-    const auto first = static_cast<std::size_t>(i), last = static_cast<std::size_t>(j);
-    if (last < first + 2) return {};
-    const double span = along_[last] - along_[first];
-    if (!(span > 0)) return {};
-    Straightened result{first, {path_.begin() + i, path_.begin() + j + 1}, 0};
-    const std::size_t width = part.kind == ConfigurationSpace::Kind::kRotation ? 4 : 1;
-    const auto place = static_cast<std::ptrdiff_t>(part.first);
-    Point even(path_[0].size());
-    for (std::size_t k = 1; k + 1 < result.points.size(); ++k) {
-      const double t = (along_[first + k] - along_[first]) / span;
-      space_.interpolate(path_[first], path_[last], t, even);
-      std::copy_n(even.begin() + place, width, result.points[k].begin() + place);
+    Stretch stretch{static_cast<std::size_t>(i), static_cast<std::size_t>(j),
+                    space_.parts()[static_cast<std::size_t>(
+                        random_.index(static_cast<int>(space_.parts().size())))],
+                    0};
+    const double span = along_[stretch.last] - along_[stretch.first];
+    if (stretch.last < stretch.first + 2 || !(span > 0)) return stretch;
+    double length = 0;
+    before_ = path_[stretch.first];
+    for (std::size_t k = stretch.first + 1; k <= stretch.last; ++k) {
+      straighten(stretch, k, after_);
+      length += distance(before_, after_);
+      before_.swap(after_);
     }
-    result.gain = span - pathLength(space_, result.points);
-    return result;
+    stretch.gain = span - length;
+    return stretch;
+  }
+
+  /// Waypoint k, with its part in a stretch where that moves evenly.
+  void straighten(const Stretch& stretch, std::size_t k, Point& point) {
+    point = path_[k];
+    if (k == stretch.first || k == stretch.last) return;
+    const double t = (along_[k] - along_[stretch.first]) /
+                     (along_[stretch.last] - along_[stretch.first]);
+    even_.resize(point.size());
+    space_.interpolate(path_[stretch.first], path_[stretch.last], t, even_);
+    const std::size_t width = stretch.part.kind == ConfigurationSpace::Kind::kRotation ? 4 : 1;
+    std::copy_n(even_.begin() + stretch.part.first, width, point.begin() + stretch.part.first);
   }
 
   /// Moves each waypoint half of the way to its place on the chord of its neighbours, or a quarter,
@@ -266,6 +284,9 @@ class Shortener {
   Random random_;
   SimplifyResult result_;
   std::vector<double> along_;
+  std::vector<Point> straightened_;  ///< as many points as the longest stretch has had
+  Point before_, after_, even_;
+  int turn_ = 0;  ///< of stopped()
   std::vector<char> rest_;  ///< one an edge: 1 for what a cut has left of a certified one
   bool defers_;             ///< certifies them later
   bool stopped_ = false;
