@@ -27,24 +27,6 @@ Random::Random(std::uint64_t seed, std::uint64_t stream) {
   for (std::uint64_t& word : state_) word = splitmix64(counter);
 }
 
-std::uint64_t Random::next() {
-  const std::uint64_t result = std::rotl(state_[0] + state_[3], 23) + state_[0];
-  const std::uint64_t shifted = state_[1] << 17;
-  state_[2] ^= state_[0];
-  state_[3] ^= state_[1];
-  state_[1] ^= state_[2];
-  state_[0] ^= state_[3];
-  state_[2] ^= shifted;
-  state_[3] = std::rotl(state_[3], 45);
-  return result;
-}
-
-double Random::uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
-
-double Random::uniform(double lower, double upper) {
-  return std::clamp(lower + uniform() * (upper - lower), lower, upper);
-}
-
 int Random::index(int count) { return std::min(static_cast<int>(uniform() * count), count - 1); }
 
 double Random::gaussian() {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 
 namespace leeway::planner {
@@ -12,11 +14,23 @@ class Random {
  public:
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0);
 
-  std::uint64_t next();
+  std::uint64_t next() {
+    const std::uint64_t result = std::rotl(state_[0] + state_[3], 23) + state_[0];
+    const std::uint64_t shifted = state_[1] << 17U;
+    state_[2] ^= state_[0];
+    state_[3] ^= state_[1];
+    state_[1] ^= state_[2];
+    state_[0] ^= state_[3];
+    state_[2] ^= shifted;
+    state_[3] = std::rotl(state_[3], 45);
+    return result;
+  }
   /// Uniform in [0, 1), a multiple of 2^-53.
-  double uniform();
+  double uniform() { return static_cast<double>(next() >> 11U) * 0x1p-53; }
   /// Uniform in [lower, upper]; never outside, whatever the rounding.
-  double uniform(double lower, double upper);
+  double uniform(double lower, double upper) {
+    return std::clamp(lower + uniform() * (upper - lower), lower, upper);
+  }
   /// Uniform in {0, ..., count - 1}; count > 0.
   int index(int count);
   /// Mean 0, variance 1: the sum of twelve uniform numbers less six. Its tails end at 6, which is

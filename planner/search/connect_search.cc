@@ -177,12 +177,12 @@ ConnectResult searchAlone(const ConnectQuery& query, const ConnectSettings& sett
                           EdgeCertifier& certifier) {
   Limits& limits = query.limits;
   Worker worker(query, settings, 0, certifier);
-  while (!limits.searchOver() && worker.iterations() < query.most) {
+  bool is_over = limits.searchOver();
+  while (!is_over && worker.iterations() < query.most) {
     const std::uint64_t before = worker.iterations();
     const bool found = worker.advance(std::min({kConnectTurn, limits.left(), query.most - before}));
-    const bool over = limits.iterate(worker.iterations() - before);
+    is_over = limits.iterate(worker.iterations() - before);
     if (found) return {worker.takePath(), worker.narrowWork(), worker.goalBatches()};
-    if (over) break;
   }
   return {std::nullopt, worker.narrowWork(), worker.goalBatches()};
 }

@@ -31,14 +31,20 @@ void Limits::reserve(double fraction) { search_seconds_ = seconds_ * (1 - fracti
 bool Limits::iterate(std::uint64_t count) {
   if (pastCount()) return true;
   iterations_.fetch_add(count, std::memory_order_relaxed);
-  return over() || elapsed() > search_seconds_;
+  const double now = elapsed();
+  return isOverAt(now) || now > search_seconds_;
 }
 
-bool Limits::searchOver() { return pastCount() || over() || elapsed() > search_seconds_; }
-
-bool Limits::over() {
-  if (over_.load(std::memory_order_relaxed)) return true;
+bool Limits::searchOver() {
+  if (pastCount()) return true;
   const double now = elapsed();
+  return isOverAt(now) || now > search_seconds_;
+}
+
+bool Limits::over() { return isOverAt(elapsed()); }
+
+bool Limits::isOverAt(double now) {
+  if (over_.load(std::memory_order_relaxed)) return true;
   bool over = now > seconds_;
   if (stop_ || progress_) {
     const std::lock_guard<std::mutex> lock(callbacks_);

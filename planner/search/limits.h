@@ -45,6 +45,7 @@ class Limits {
 
  private:
   bool pastCount() const;
+  bool isOverAt(double now);
   void report(double now);
 
   Clock::time_point begin_ = Clock::now();

@@ -70,16 +70,11 @@ NearestNodes::Nearest FindNearest(const NearestNodes::Layout& layout, const floa
       node = hn::IfThenElse(hn::RebindMask(du, nearer),
                             hn::Iota(du, static_cast<std::uint32_t>(first + i)), node);
     }
-  float distances[kStride];
-  std::uint32_t nodes[kStride];
-  hn::StoreU(least, d, distances);
-  hn::StoreU(node, du, nodes);
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < lanes; ++i)
-    if (distances[i] < distances[best] ||
-        (distances[i] == distances[best] && nodes[i] < nodes[best]))
-      best = i;
-  return {nodes[best], std::sqrt(distances[best])};
+  const V of_all = hn::MinOfLanes(d, least);
+  const auto none = hn::Set(du, std::numeric_limits<std::uint32_t>::max());
+  const auto first =
+      hn::MinOfLanes(du, hn::IfThenElse(hn::RebindMask(du, hn::Eq(least, of_all)), node, none));
+  return {hn::GetLane(first), std::sqrt(hn::GetLane(of_all))};
 }
 
 }  // namespace HWY_NAMESPACE
