@@ -202,7 +202,7 @@ EdgeCheck EdgeCertifier::Impl::makeCheck(Verdict verdict, int p, double t) {
 /// sixteenths of the edge in which they are. The numbers are those of edge_certifier_impl.h.
 EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
   constexpr std::uint32_t all_lanes = (1U << collision::kLanes) - 1;
-  const EdgeLanes::Parts whole = EdgeLanes::wholeEdge();
+  const EdgeLanes::Parts& whole = EdgeLanes::wholeEdge();
 
   // 1. Balls swept to capsules; planes and points that decided a pair before.
   if (const auto contact = lanes.sweep(frames, asked, demanded); contact.id >= 0)

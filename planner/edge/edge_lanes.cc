@@ -31,15 +31,18 @@ constexpr float kWidth = 1.0F / collision::kLanes;
 constexpr std::uint8_t kOfWorld = 1, kOfRobot = 2;
 
 /// The middles of these parts, less 1/2; exact.
-collision::LaneValues middlesOfEdge() {
-  collision::LaneValues middles;
+constexpr collision::LaneValues kMiddles = [] {
+  collision::LaneValues middles{};
   for (int i = 0; i < collision::kLanes; ++i)
     middles.at[i] = (static_cast<float>(i) + 0.5F) * kWidth - 0.5F;
   return middles;
-}
+}();
 
 void setTurn(double angle, double turn, collision::FrameStep& out) {
-  out.angle = static_cast<float>(angle - kTwoPi * std::nearbyint(angle / kTwoPi));
+  // As std::nearbyint() rounds, without a call: angles are far below 2^51.
+  constexpr double kWholes = 0x1.8p52;
+  const double turns = (angle / kTwoPi + kWholes) - kWholes;
+  out.angle = static_cast<float>(angle - kTwoPi * turns);
   out.turn = static_cast<float>(turn);
 }
 
@@ -321,12 +324,11 @@ class GapProofs final : public LaneSweep::Proofs {
 }  // namespace
 
 LaneSweep::Contact EdgeLanes::sweep(const EdgeFrames& frames, Pairs asked, double demanded) {
-  const collision::LaneValues middles = middlesOfEdge();
-  placeFrames(middles, lane_frames_);
+  placeFrames(kMiddles, lane_frames_);
   const LaneSweep::Contact again =
       lanes_.sweep.meetAgain(lane_frames_, slack_, *scratch_, kindsOf(asked));
   if (again.id >= 0) return again;
-  beginPass(frames, middles);
+  beginPass(frames, kMiddles);
   demandInPass(beyond_);
   const GapProofs proofs(frames, demanded, 0);
   return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_, {kindsOf(asked), &proofs});
@@ -340,9 +342,8 @@ void EdgeLanes::demandInPass(double beyond) {
 }
 
 LaneSweep::Contact EdgeLanes::sweepBeyond(const EdgeFrames& frames, Pairs asked, double beyond) {
-  const collision::LaneValues middles = middlesOfEdge();
-  placeFrames(middles, lane_frames_);
-  beginPass(frames, middles);
+  placeFrames(kMiddles, lane_frames_);
+  beginPass(frames, kMiddles);
   demandInPass(beyond);
   const GapProofs proofs(frames, -std::numeric_limits<double>::infinity(), beyond);
   return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_, {kindsOf(asked), &proofs});
@@ -370,11 +371,14 @@ LaneSweep::Contact EdgeLanes::searchPlanes() {
   return lanes_.sweep.separate(lane_frames_, pass_growth_, slack_, *scratch_);
 }
 
-EdgeLanes::Parts EdgeLanes::wholeEdge() {
-  Parts parts;
-  parts.width = 1.0 / collision::kLanes;
-  for (int i = 0; i < collision::kLanes; ++i) parts.from[i] = i * parts.width;
-  return parts;
+const EdgeLanes::Parts& EdgeLanes::wholeEdge() {
+  static const Parts whole = [] {
+    Parts parts;
+    parts.width = 1.0 / collision::kLanes;
+    for (int i = 0; i < collision::kLanes; ++i) parts.from[i] = i * parts.width;
+    return parts;
+  }();
+  return whole;
 }
 
 LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,

@@ -76,7 +76,7 @@ class EdgeLanes {
     int share = 1;  ///< neighbouring lanes that stand for one part of the pass before
   };
   /// The parts of sweep().
-  static Parts wholeEdge();
+  static const Parts& wholeEdge();
   /// After sweep(): planes and points alone, for some pairs in some of the parts.
   collision::LaneSweep::Contact sweepParts(const Parts& parts,
                                            std::span<const collision::LaneSweep::Open> pairs);
