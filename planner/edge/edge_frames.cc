@@ -26,8 +26,20 @@ EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
   });
   take(scene_->edges());
   joint_motion_.resize(scene_->model().joints.size());
+  findMovedJoints();
   poses_.reserve(at(capacity) * links_);
   centers_.reserve(at(capacity) * moving_.size());
+}
+
+/// All others stand still along every edge.
+void EdgeFrames::findMovedJoints() {
+  const robots::Model& model = scene_->model();
+  std::vector<double> any(model.variables.size(), 0);
+  for (const int v : scene_->space().variables()) any[at(v)] = 1;
+  std::vector<robots::JointMotion> motion(model.joints.size());
+  robots::jointMotion(model, any, motion);
+  for (std::size_t j = 0; j < motion.size(); ++j)
+    if (motion[j].angle != 0 || motion[j].travel != 0) moved_joints_.push_back(static_cast<int>(j));
 }
 
 void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
@@ -141,7 +153,7 @@ bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
   if (!model.isSmooth(a_, b_, difference_)) return false;
   if (!within_limits_ && model.needs_limits) return false;
   expandDifference(scene_->space(), difference_, dq_);
-  robots::jointMotion(scene_->model(), dq_, joint_motion_);
+  robots::jointMotion(scene_->model(), moved_joints_, dq_, joint_motion_);
   watch_reach_ = !within_limits_ || model.reach >= kLargestReach;
   return true;
 }

@@ -153,6 +153,8 @@ class EdgeFrames {
   std::span<const double> difference() const { return difference_; }
   std::span<const double> configurationDifference() const { return dq_; }
   std::span<const robots::JointMotion> jointMotion() const { return joint_motion_; }
+  /// The joints that edges can move.
+  std::span<const int> movedJoints() const { return moved_joints_; }
   /// True when the angles of two joints between a pair's links prove that it keeps more than
   /// `threshold` [m] from t0 to t1 (robots::LinkGap). O(cells of the table that the angles cross).
   bool keepsGap(const EdgePair& pair, double threshold, double t0, double t1) const;
@@ -191,6 +193,7 @@ class EdgeFrames {
 
  private:
   void take(const EdgeScene& edges);
+  void findMovedJoints();
   /// Takes an edge's ends; false as begin().
   bool takeLines(std::span<const double> a, std::span<const double> b);
   bool takeAny(std::span<const double> a, std::span<const double> b);
@@ -224,6 +227,7 @@ class EdgeFrames {
   bool within_limits_ = true, watch_reach_ = false;
   std::vector<double> a_, b_, difference_, point_, q_, dq_;
   std::vector<robots::JointMotion> joint_motion_;
+  std::vector<int> moved_joints_;
   // Slot by slot. Room is reserved for all, and begun slot by slot: few edges use many.
   collision::SpareVector<Pose> poses_;               // one a link
   collision::SpareVector<Eigen::Vector3d> centers_;  // one a moving piece

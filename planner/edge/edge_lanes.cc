@@ -290,7 +290,8 @@ void EdgeLanes::placeFrames(const collision::LaneValues& places,
 void EdgeLanes::beginPass(const EdgeFrames& frames, const collision::LaneValues& middles) {
   collision::moveFrames(frame_steps_, middles, kWidth, lane_frames_);
   const std::span<const robots::JointMotion> motion = frames.jointMotion();
-  for (std::size_t j = 0; j < motion.size(); ++j) {
+  for (const int moved : frames.movedJoints()) {
+    const std::size_t j = at(moved);
     joint_motion_[j] = collision::floatAbove(motion[j].angle);
     joint_motion_[motion.size() + j] = collision::floatAbove(motion[j].travel);
   }

@@ -183,39 +183,50 @@ RelativeMotion relativeMotion(const Model& model, int link, int base,
   return motion;
 }
 
+namespace {
+
+JointMotion motionOf(const Model& model, std::size_t joint, std::span<const double> dq) {
+  const Joint* j = &model.joints[joint];
+  double factor = 1;
+  for (std::size_t steps = 0; j->mimic >= 0 && steps < model.joints.size(); ++steps) {
+    factor *= j->multiplier;
+    j = &model.joints[at(j->mimic)];
+  }
+  JointMotion m;
+  if (j->first_variable < 0 || j->variable_count == 0) return m;
+  const double* d = &dq[at(j->first_variable)];
+  switch (model.joints[joint].type) {
+    case JointType::kFixed:
+      break;
+    case JointType::kRevolute:
+    case JointType::kContinuous:
+      m.angle = std::abs(factor * d[0]);
+      break;
+    case JointType::kPrismatic:
+      m.travel = std::abs(factor * d[0]);
+      break;
+    case JointType::kPlanar:
+      m.travel = std::sqrt(d[0] * d[0] + d[1] * d[1]);
+      m.angle = std::abs(d[2]);
+      break;
+    case JointType::kFloating:
+      m.travel = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+      m.angle = std::sqrt(d[3] * d[3] + d[4] * d[4] + d[5] * d[5]);
+      break;
+  }
+  return m;
+}
+
+}  // namespace
+
 void jointMotion(const Model& model, std::span<const double> dq,
                  std::span<JointMotion> joint_motion) {
-  for (std::size_t i = 0; i < model.joints.size(); ++i) {
-    const Joint* j = &model.joints[i];
-    double factor = 1;
-    for (std::size_t steps = 0; j->mimic >= 0 && steps < model.joints.size(); ++steps) {
-      factor *= j->multiplier;
-      j = &model.joints[at(j->mimic)];
-    }
-    JointMotion& m = joint_motion[i];
-    m = {};
-    if (j->first_variable < 0 || j->variable_count == 0) continue;
-    const double* d = &dq[at(j->first_variable)];
-    switch (model.joints[i].type) {
-      case JointType::kFixed:
-        break;
-      case JointType::kRevolute:
-      case JointType::kContinuous:
-        m.angle = std::abs(factor * d[0]);
-        break;
-      case JointType::kPrismatic:
-        m.travel = std::abs(factor * d[0]);
-        break;
-      case JointType::kPlanar:
-        m.travel = std::sqrt(d[0] * d[0] + d[1] * d[1]);
-        m.angle = std::abs(d[2]);
-        break;
-      case JointType::kFloating:
-        m.travel = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-        m.angle = std::sqrt(d[3] * d[3] + d[4] * d[4] + d[5] * d[5]);
-        break;
-    }
-  }
+  for (std::size_t i = 0; i < model.joints.size(); ++i) joint_motion[i] = motionOf(model, i, dq);
+}
+
+void jointMotion(const Model& model, std::span<const int> joints, std::span<const double> dq,
+                 std::span<JointMotion> joint_motion) {
+  for (const int j : joints) joint_motion[at(j)] = motionOf(model, at(j), dq);
 }
 
 namespace {

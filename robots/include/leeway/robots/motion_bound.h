@@ -60,6 +60,9 @@ struct JointMotion {
 /// place of the quaternion, the rotation vector (body frame) and 0. O(joints).
 void jointMotion(const Model& model, std::span<const double> dq,
                  std::span<JointMotion> joint_motion);
+/// The same for some joints alone: what the others have stays. O(joints asked).
+void jointMotion(const Model& model, std::span<const int> joints, std::span<const double> dq,
+                 std::span<JointMotion> joint_motion);
 
 /// A bound on the acceleration |p''| of the body's points seen from base, t in [0, 1] [m].
 /// O(terms).
