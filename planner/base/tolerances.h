@@ -390,6 +390,7 @@ constexpr double kBoundTolerance = 2.5e-4;
 constexpr double kRoughClearance = 1e-4;
 constexpr double kRoughFirst = 0.03;
 constexpr double kRoughMost = 0.1;
+constexpr double kRoughBeyondGuess = 1.6;
 constexpr int kRoughPasses = 6;
 constexpr std::int64_t kRoughWork = 30'000;
 
