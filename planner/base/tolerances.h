@@ -433,7 +433,7 @@ constexpr int kPartEvery = 3;
 
 /// Sweeps of pulled waypoints, and the fraction of the length that one must gain for another.
 constexpr int kPullSweeps = 4;
-constexpr double kPullGain = 1e-2;
+constexpr double kPullGain = 3e-2;
 
 // Pushing a path off what it hugs
 
