@@ -44,6 +44,7 @@ class BallPass {
       const Sweep::Pair& pair = kernel_.pair(last.pair);
       if (!isAsked(pair)) continue;
       std::int32_t point = last.point;
+      if (point < 0 && isOutOfReach(pair)) continue;
       const std::uint32_t lanes = point < 0
                                       ? contact(pair, kAll)
                                       : pointsInside(kernel_, pair, point, point + 1, kAll, point);
@@ -400,6 +401,16 @@ class BallPass {
     if (piece.frame < 0) return;
     for (int i = piece.inner; i < piece.end; ++i)
       placeBall<true>(frame(piece), s_.balls[size(i)].center, scratch_.balls[size(i)]);
+  }
+
+  /// Whether no inner ball of A can meet the obstacle in any lane, by the ball around them all.
+  HWY_INLINE bool isOutOfReach(const Sweep::Pair& pair) {
+    const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
+    if (pair.pieces || a.frame < 0 || !kernel_.obstacle(pair).exact) return false;
+    placeBall<true>(frame(a), a.outer.center, scratch_.outer[size(pair.a)]);
+    const Sweep::Obstacle& o = kernel_.obstacle(pair);
+    const float below = pair.contact_below - kernel_.slack + o.radius + a.inner_reach;
+    return contactWithObstacle(o, scratch_.outer[size(pair.a)], below) == 0;
   }
 
   /// Lanes of `lanes` in which inner balls prove that the threshold is not kept.
