@@ -279,7 +279,7 @@ struct LaneSweep::Scratch::Impl {
     std::int32_t pair = -1, point = -1;
   };
   // So many are asked first: with four, searches of ur5 take a fifth longer.
-  static constexpr int kContacts = 8;
+  static constexpr int kContacts = 12;
   PastContact contacts[kContacts];  // the last ones first
 };
 
