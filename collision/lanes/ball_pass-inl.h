@@ -338,8 +338,8 @@ class BallPass {
     const float above = requiredGap(pair) + piece.outer.radius;
     float key;
     const std::uint32_t lanes = openToObstacle<kStill>(o, scratch_.outer[p], above, kAll, &key);
-    if (lanes != 0) addCandidate({key - above, number, lanes});
     scratch_.work->add(kLaneBallWork);
+    if (lanes != 0 && !isProven(pair)) addCandidate({key - above, number, lanes});
   }
 
   HWY_INLINE void considerPieces(std::int32_t number) {
@@ -355,10 +355,12 @@ class BallPass {
     const std::uint32_t lanes =
         openToBall<kStill>(scratch_.outer[a], scratch_.outer[b], above, kAll, &key);
     scratch_.work->add(kLaneBallWork);
-    if (lanes == 0) return;
+    if (lanes != 0 && !isProven(pair)) addCandidate({key - above, number, lanes});
+  }
+
+  bool isProven(const Sweep::Pair& pair) const {
     const LaneSweep::Proofs* const proofs = kernel_.asked.proofs;
-    if (pair.has_proof && proofs != nullptr && proofs->keeps(pair.id)) return;
-    addCandidate({key - above, number, lanes});
+    return pair.has_proof && proofs != nullptr && proofs->keeps(pair.id);
   }
 
   /// Of what is listed there is room for all.

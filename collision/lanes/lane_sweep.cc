@@ -135,10 +135,11 @@ int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG, int place) {
 }
 
 void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts,
-                        std::uint8_t kind) {
+                        std::uint8_t kind, bool has_proof) {
   impl_->pairs.push_back(impl_->pairWith(id, piece, impl_->obstacles[at(obstacle)], obstacle, balls,
                                          threshold, by_parts));
   impl_->pairs.back().kind = kind;
+  impl_->pairs.back().has_proof = has_proof;
 }
 
 LaneSweep::Impl::Pair LaneSweep::Impl::pairWith(int id, int piece, const Obstacle& o, int b,

@@ -93,12 +93,11 @@ class LaneSweep {
   /// Piece and obstacle must keep a separation above `threshold` [m]; answers name the pair by
   /// `id`. `balls`: a piece of the world whose balls hold the obstacle, too, or -1; they may settle
   /// lanes that the obstacle's box leaves open. `by_parts`: convex parts may settle them, too.
-  /// `kind`: a bit, see Asked.
+  /// `kind`: a bit, see Asked. `has_proof`: run() asks Proofs about it.
   void addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts = true,
-               std::uint8_t kind = 1);
+               std::uint8_t kind = 1, bool has_proof = false);
   void reservePairs(std::size_t count);
-  /// addPair() of two pieces; `motion` is that of A's points, seen from B's frame. `has_proof`:
-  /// run() asks Proofs about it.
+  /// addPair() of two pieces; `motion` is that of A's points, seen from B's frame.
   void addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts = true,
                     std::uint8_t kind = 1, bool has_proof = false);
   /// Pairs of each row's piece with what stands in `boxes`, a place each. Numbers of pairs in the

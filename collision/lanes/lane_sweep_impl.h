@@ -94,7 +94,7 @@ struct LaneSweep::Impl {
     // free_above for planes that queries find and for planes of each lane's own, without the
     // points' radius; below 0: no such planes.
     float plane_above, own_plane_above;
-    bool by_parts = false, has_proof = false;  // see addPiecePair()
+    bool by_parts = false, has_proof = false;  // see addPair()
     std::uint8_t kind = 1;
     // How many pairs its convex parts make (or one side's parts with the other as a whole), tried
     // where the hulls of wholes are not apart; those of b's parts side by side. Not listed; 0: it

@@ -157,7 +157,7 @@ void SceneLanes::addPairs(const EdgeScene& edges, std::span<const RobotLanes::Pi
     const RobotLanes::Piece& mover = lane_pieces[at(world_a ? pair.b : pair.a)];
     const RobotLanes::Piece& still = lane_pieces[at(world_a ? pair.a : pair.b)];
     sweep.addPair(id, mover.piece, still.obstacle, still.piece, pair.threshold, !pair.by_surfaces,
-                  pair.is_self ? kOfRobot : kOfWorld);
+                  pair.is_self ? kOfRobot : kOfWorld, pair.gap >= 0);
   }
 }
 
