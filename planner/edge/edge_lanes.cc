@@ -112,6 +112,8 @@ std::vector<RobotLanes::Piece> SceneLanes::addPieces(const CompiledScene& scene,
   }
   const std::vector<int>& of_world = scene.edgeModel().robot->motions().of_world;
   std::vector<RobotLanes::Piece> lane_pieces = robot.pieces;
+  // A group's balls may reach where its pieces without pairs do.
+  for (const RobotLanes::Piece& piece : robot.pieces) longest = std::max(longest, piece.reach);
   lane_pieces.resize(listed.size());
   for (std::size_t i = 0; i < listed.size(); ++i) {
     if (used[i] == 0) continue;
