@@ -203,8 +203,10 @@ class BallPass {
           scratch_.low[3 * b + k] - scratch_.high[3 * a + k] > bundle.above)
         return true;
     float growth = 0;
-    for (int i = bundle.motions_begin; i < bundle.motions_end; ++i)
-      growth = std::max(growth, growthOf(s_.bundle_motions[size(i)]));
+    for (int i = bundle.motions_begin; i < bundle.motions_end; ++i) {
+      const float more = growthOf(s_.bundle_motions[size(i)]);
+      growth = std::isnan(growth) || growth >= more ? growth : more;  // NaN stays
+    }
     const float fixed = bundle.above + growth + 2 * kernel_.slack;
     const float above = fixed + s_.pieces[a].outer.radius + s_.pieces[b].outer.radius;
     scratch_.work->add(kLaneBallWork);

@@ -151,7 +151,7 @@ class LaneSweep {
   /// What run() looks at.
   struct Asked {
     std::uint8_t kinds = 0xFF;       ///< pairs of these alone; those in runs are of kind 1
-    const Proofs* proofs = nullptr;  ///< nobody has any
+    const Proofs* proofs = nullptr;  ///< null: there are none
   };
 
   /// What a run changes. Made after finish(); only the constructor allocates.

@@ -170,7 +170,7 @@ struct LaneSweep::Impl {
   struct Bundle {
     std::int32_t group, other;
     std::int32_t begin, end;                  // of piece_pairs
-    std::int32_t motions_begin, motions_end;  // of bundle_motions: see findBundles()
+    std::int32_t motions_begin, motions_end;  // of bundle_motions: see addBundle()
     float above;                              // at least cover_above of each pair
     std::uint8_t kind;
   };

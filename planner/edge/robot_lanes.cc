@@ -1,8 +1,10 @@
 #include "planner/edge/robot_lanes.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
@@ -70,16 +72,27 @@ double reachOf(const LaneSweep::Piece& piece) {
 /// Fewer pieces of a frame are not looked at together, and the balls that hold more [count].
 constexpr std::size_t kLeastGroup = 5, kGroupBalls = 8;
 
-/// The smallest ball around two, its centre between theirs.
-Ball around(const Ball& x, const Ball& y) {
-  const Eigen::Vector3d way = y.center - x.center;
-  const double apart = way.norm();
-  if (apart + y.radius <= x.radius) return x;
-  if (apart + x.radius <= y.radius) return y;
-  Ball both{x.center, (apart + x.radius + y.radius) / 2};
-  both.center += way * ((both.radius - x.radius) / apart);
-  both.radius += collision::kTransferRounding * (both.center.lpNorm<1>() + both.radius);
-  return both;
+/// A ball around some, its centre the middle of theirs.
+Ball around(std::span<const Ball> balls) {
+  Ball all;
+  for (const Ball& ball : balls) all.center += ball.center / static_cast<double>(balls.size());
+  for (const Ball& ball : balls)
+    all.radius = std::max(all.radius, (ball.center - all.center).norm() + ball.radius);
+  all.radius += collision::kTransferRounding * (all.center.lpNorm<1>() + all.radius);
+  return all;
+}
+
+/// Halves at the median along the axis in which the centres spread most; reorders.
+std::size_t halve(std::span<Ball> balls) {
+  Eigen::AlignedBox3d box;
+  for (const Ball& ball : balls) box.extend(ball.center);
+  Eigen::Index axis = 0;
+  box.sizes().maxCoeff(&axis);
+  const std::size_t half = balls.size() / 2;
+  std::nth_element(
+      balls.begin(), balls.begin() + static_cast<std::ptrdiff_t>(half), balls.end(),
+      [axis](const Ball& x, const Ball& y) { return x.center[axis] < y.center[axis]; });
+  return half;
 }
 
 /// Balls and points of a geometry, in frame F.
@@ -256,22 +269,25 @@ class RobotLanesBuilder {
     std::vector<Ball> balls;  // that hold them
   };
 
+  /// O(balls log balls).
   void addGroup(const Group& group) {
     if (group.pieces.size() < kLeastGroup) return;
-    std::vector<Ball> balls = group.balls;
-    // Two by two, always those whose common ball is the smallest.
-    while (balls.size() > kGroupBalls) {
-      Ball best{Eigen::Vector3d::Zero(), kInfinity};
-      std::size_t first = 0, second = 0;
-      for (std::size_t i = 0; i < balls.size(); ++i)
-        for (std::size_t j = i + 1; j < balls.size(); ++j) {
-          const Ball both = around(balls[i], balls[j]);
-          if (both.radius < best.radius) best = both, first = i, second = j;
-        }
-      balls[first] = best;
-      balls.erase(balls.begin() + static_cast<std::ptrdiff_t>(second));
+    std::vector<Ball> balls = group.balls, around_all{around(balls)};
+    std::vector<std::span<Ball>> shares{balls};
+    while (shares.size() < kGroupBalls) {
+      // The share with the largest ball.
+      const auto largest =
+          std::max_element(around_all.begin(), around_all.end(),
+                           [](const Ball& x, const Ball& y) { return x.radius < y.radius; });
+      const auto i = static_cast<std::size_t>(largest - around_all.begin());
+      if (shares[i].size() < 2) break;
+      const std::size_t half = halve(shares[i]);
+      shares.push_back(shares[i].subspan(half));
+      shares[i] = shares[i].first(half);
+      around_all.push_back(around(shares.back()));
+      around_all[i] = around(shares[i]);
     }
-    lanes_.sweep.addGroup(group.pieces, balls);
+    lanes_.sweep.addGroup(group.pieces, around_all);
   }
 
   int indexOf(int body, int geometry) const {

@@ -76,7 +76,8 @@ class Clearances {
   /// Bounds from a few passes of lanes.
   void look() {
     // What a push has kept is mostly what the nearest thing is a little beyond.
-    const double first = guess_ > 0 ? std::min(kRoughBeyondGuess * guess_, kRoughFirst) : kRoughFirst;
+    const double first =
+        guess_ > 0 ? std::min(kRoughBeyondGuess * guess_, kRoughFirst) : kRoughFirst;
     for (const double most : {first, kRoughFirst, kRoughMost}) {
       for (std::size_t i = 0; i < edges_.size(); ++i) {
         for (int pass = 0; pass < kRoughPasses; ++pass) {

@@ -244,8 +244,8 @@ class Shortener {
   void straighten(const Stretch& stretch, std::size_t k, Point& point) {
     point = path_[k];
     if (k == stretch.first || k == stretch.last) return;
-    const double t = (along_[k] - along_[stretch.first]) /
-                     (along_[stretch.last] - along_[stretch.first]);
+    const double t =
+        (along_[k] - along_[stretch.first]) / (along_[stretch.last] - along_[stretch.first]);
     even_.resize(point.size());
     space_.interpolate(path_[stretch.first], path_[stretch.last], t, even_);
     const std::size_t width = stretch.part.kind == ConfigurationSpace::Kind::kRotation ? 4 : 1;
@@ -286,7 +286,7 @@ class Shortener {
   std::vector<double> along_;
   std::vector<Point> straightened_;  ///< as many points as the longest stretch has had
   Point before_, after_, even_;
-  int turn_ = 0;  ///< of stopped()
+  int turn_ = 0;            ///< of stopped()
   std::vector<char> rest_;  ///< one an edge: 1 for what a cut has left of a certified one
   bool defers_;             ///< certifies them later
   bool stopped_ = false;
