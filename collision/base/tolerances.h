@@ -166,7 +166,7 @@ inline constexpr double kFacetRounding = 256;
 // Oriented boxes and swept meshes (box_gaps_simd.cc, mesh_sweep.cc)
 
 /// Rounding of a gap between two oriented boxes in single precision, as a share of the boxes'
-/// halves and the distance of their centres (48 units of 2^-24 are derived in box_gaps_simd.cc),
+/// halves and the distance of their centres (60 units of 2^-24 are derived in box_gaps_simd.cc),
 /// and of the query's centre. Smaller breaks the guarantee; larger visits more nodes.
 inline constexpr float kBoxRounding = 64 * 0x1p-24F;
 inline constexpr float kBoxCenterRounding = 4 * 0x1p-24F;

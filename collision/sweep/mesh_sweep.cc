@@ -192,7 +192,9 @@ class MeshSweep {
   void gaps(const SweptPair& pair, const Stretch& s, const Vector& way, bool of_a,
             const BoxNode& node, float* gap) {
     if (of_a) {
-      sweptBoxGaps(node, placedBox(b_.box(pair.b), s.X_MB), s.of_node, gap);
+      const BoxDirection direction =
+          has_plane_ ? boxDirection(rotated(s.X_MB.rotation, plane_)) : BoxDirection{};
+      sweptBoxGaps(node, placedBox(b_.box(pair.b), s.X_MB), s.of_node, direction, gap);
       return;
     }
     const Vector middle = placed(s.half, a_.center(pair.a));
@@ -202,7 +204,7 @@ class MeshSweep {
     sweep.fixed = roundedUpToFloat(s.turn * static_cast<double>(a_.radius(pair.a)) +
                                    kWayRounding * way.lpNorm<1>());
     for (int k = 0; k < 3; ++k) box.center[k] = static_cast<float>(middle[k]);
-    sweptBoxGaps(node, box, sweep, gap);
+    sweptBoxGaps(node, box, sweep, has_plane_ ? boxDirection(plane_) : BoxDirection{}, gap);
   }
 
   // Whether the pair's own two boxes are apart; one of them is a node's.
@@ -286,24 +288,52 @@ class MeshSweep {
     stack_[size_++] = open;
   }
 
-  // By the plane that separates them in the middle of the interval.
+  // A's corners over an interval: halfway, and their way to either side.
+  struct SweptCorners {
+    Vector half[3], away[3];
+  };
+
+  // What a plane of that unit normal, from A to B, proves of two triangles over the interval.
+  static double gapAlong(const Vector& normal, const SweptCorners& p, const Vector* q) {
+    double reach = -std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 3; ++i)
+      reach = std::max(reach, normal.dot(p.half[i]) + std::abs(normal.dot(p.away[i])));
+    return std::min({normal.dot(q[0]), normal.dot(q[1]), normal.dot(q[2])}) - reach;
+  }
+
+  // By a plane: that which parted two others last, which parts most neighbours; that of either
+  // triangle; or that between their nearest points in the middle of the interval.
   bool trianglesApart(const Stretch& s, int slot_a, int slot_b) {
     ++result_.nodes;
     const Vector* corners = a_.tree().corners(slot_a);
     const Vector* q = b_.tree().corners(slot_b);
-    const Vector p[3] = {placed(s.half, corners[0]), placed(s.half, corners[1]),
-                         placed(s.half, corners[2])};
-    const TrianglePair found = trianglePair(p, q);
-    const Vector& n = found.normal;
-    double reach = -std::numeric_limits<double>::infinity();
-    for (int i = 0; i < 3; ++i)
-      reach = std::max(reach, n.dot(p[i]) + std::abs(n.dot(placed(s.away, corners[i]))));
-    const double lower = std::min({n.dot(q[0]), n.dot(q[1]), n.dot(q[2])}) - reach;
+    SweptCorners p;
+    for (int i = 0; i < 3; ++i) {
+      p.half[i] = placed(s.half, corners[i]);
+      p.away[i] = placed(s.away, corners[i]);
+    }
     // As that of support points, see gjk.cc.
     const double rounding =
         kSupportRounding * kUnitRoundoff *
         (a_.extent() + b_.extent() + s.half.translation.norm() + s.away.translation.norm());
-    return lower - 2 * rounding - s.growth - s.slack > request_.threshold;
+    const double least = request_.threshold + s.growth + s.slack + 2 * rounding;
+    if (has_plane_ && gapAlong(plane_, p, q) > least) return true;
+    const auto parts = [&](const Vector& normal) {
+      if (!(gapAlong(normal, p, q) > least)) return false;
+      has_plane_ = true;
+      plane_ = normal;
+      return true;
+    };
+    for (const Vector* t : {q, static_cast<const Vector*>(p.half)}) {
+      const Vector n = cross(t[1] - t[0], t[2] - t[0]);
+      const double squared = n.squaredNorm();
+      if (!(squared > kLeastSquare)) continue;
+      // Pointing from A to B: by the corners that are not in the plane.
+      const bool is_a = t == p.half;
+      const double side = is_a ? n.dot(q[0] - t[0]) : n.dot(t[0] - p.half[0]);
+      if (parts((side < 0 ? -1 : 1) / std::sqrt(squared) * n)) return true;
+    }
+    return parts(trianglePair(p.half, q).normal);
   }
 
   const DescentSide &side_a_, &side_b_;
@@ -315,6 +345,8 @@ class MeshSweep {
   // Visits convex pieces before triangles: both bodies have pieces. (One body's do not pay.)
   bool by_pieces_ = false;
   std::array<Stretch, SweepScratch::kStretches>& stretches_;
+  bool has_plane_ = false;
+  Vector plane_;  // its unit normal, from A to B, in B's frame
   // A popped pair pushes at most kWidth pairs, one level lower on one side; or its two halves; or
   // itself, opened.
   std::array<SweptPair, 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + kSweepHalvings + 3>

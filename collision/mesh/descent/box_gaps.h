@@ -1,16 +1,28 @@
 #pragma once
 
+#include <array>
+
+#include "collision/base/vector.h"
 #include "collision/mesh/box_tree.h"
 
 namespace leeway::collision {
 
+/// A unit vector, or zero for none, in the node's frame.
+using BoxDirection = std::array<float, 3>;
+
+inline BoxDirection boxDirection(const Vector& unit) {
+  return {static_cast<float>(unit.x()), static_cast<float>(unit.y()), static_cast<float>(unit.z())};
+}
+
 /// Lower bounds on the distances of `query` from the boxes of a node, both in the node's frame [m]:
 /// the best along the axes of either box (six of the fifteen of the separating axis theorem),
-/// across corners, and along the line of the centres. `gap` gets BoxNode::kWidth numbers. Where no
+/// across corners, along the line of the centres, and along a direction that has parted others,
+/// which often parts neighbours, too. `gap` gets BoxNode::kWidth numbers. Where no
 /// axis separates they are negative: the least overlap, which only orders visits. All rounding of
 /// single precision, query.center's own included, is subtracted. The same bytes on every
 /// instruction set.
-void boxGaps(const BoxNode& node, const OrientedBox& query, float* gap);
+void boxGaps(const BoxNode& node, const OrientedBox& query, const BoxDirection& direction,
+             float* gap);
 
 /// The motion of the query's box, or of a node's boxes, during sweptBoxGaps().
 struct BoxSweep {
@@ -24,6 +36,7 @@ struct BoxSweep {
 };
 
 /// boxGaps() of the regions that the boxes sweep over: below 0 where those meet.
-void sweptBoxGaps(const BoxNode& node, const OrientedBox& query, const BoxSweep& sweep, float* gap);
+void sweptBoxGaps(const BoxNode& node, const OrientedBox& query, const BoxSweep& sweep,
+                  const BoxDirection& direction, float* gap);
 
 }  // namespace leeway::collision

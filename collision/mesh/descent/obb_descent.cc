@@ -56,9 +56,9 @@ class PairDescent {
     result_.hull_lower = -kInfinity;
     float gap[BoxNode::kWidth];
     if (b_.isMesh()) {
-      boxGaps(b_.node(0), placedBox(a_.box(a_.root()), X_BA_), gap);
+      boxGaps(b_.node(0), placedBox(a_.box(a_.root()), X_BA_), {}, gap);
     } else {
-      boxGaps(a_.node(0), placedBox(b_.box(-1), X_AB_), gap);
+      boxGaps(a_.node(0), placedBox(b_.box(-1), X_AB_), {}, gap);
     }
     result_.hull_lower = static_cast<double>(gap[0]) - slack_;
     if (result_.hull_lower > bar() || hullsDecide()) {
@@ -148,7 +148,7 @@ class PairDescent {
     const OrientedBox other =
         split_a ? placedBox(b_.box(pair.b), X_AB_) : placedBox(a_.box(pair.a), X_BA_);
     float gap[BoxNode::kWidth];
-    boxGaps(split, other, gap);
+    boxGaps(split, other, split_a ? direction_a_ : direction_b_, gap);
     visited_ += split.count;
     work_.add(split.count * kBoxWork);
     const double bar_now = bar();
@@ -203,6 +203,7 @@ class PairDescent {
     if (bar_now < kInfinity) request.threshold = bar_now;
     DistanceResult r = convexDistance(view_a, X_BA_, view_b, request, scratch_, cache, slack_);
     result_.iterations += r.iterations;
+    if (r.distance.lower > 0) keepPlane(r.normal);
     if (r.distance.lower > bar_now) return {r.distance.lower, r.distance.upper + excess};
     if (r.status != DistanceStatus::kConverged && !(r.distance.upper + excess <= 0 && !deepens_)) {
       // Nearer than the best known pair: query for the distance. Where the hulls overlap, query
@@ -227,11 +228,17 @@ class PairDescent {
     work_.add(kBoxWork);
     const Vector* corners_a = a_.tree().corners(slot_a);
     const Vector* q = b_.tree().corners(slot_b);
+    const double along = gapAlongPlane(corners_a, q);
+    if (along > 0 && along > bar()) {
+      settle(along);
+      return;
+    }
     const Vector p[3] = {placed(X_BA_, corners_a[0]), placed(X_BA_, corners_a[1]),
                          placed(X_BA_, corners_a[2])};
     const TrianglePair pair = trianglePair(p, q);
     ++result_.iterations;
     double lower = pair.below - rounding_, upper = pair.above + rounding_;
+    if (lower > 0) keepPlane(pair.normal);
     const Part a{Kind::kTriangle, slot_a}, b{Kind::kTriangle, slot_b};
     if (lower > 0 && (lower > bar() || upper - lower <= request_.tolerance)) {
       settle(lower);
@@ -261,6 +268,24 @@ class PairDescent {
       r.distance.upper = upper;
     }
     offer(r, r.distance.upper, a, b);
+  }
+
+  void keepPlane(const Vector& normal) {
+    has_plane_ = true;
+    plane_b_ = normal;
+    plane_a_ = rotatedBack(X_BA_.rotation, normal);
+    plane_offset_ = normal.dot(X_BA_.translation);
+    direction_a_ = boxDirection(plane_a_);
+    direction_b_ = boxDirection(plane_b_);
+  }
+
+  // What the plane that parted two triangles proves of another two: for most that are left it is
+  // enough.
+  double gapAlongPlane(const Vector* a, const Vector* b) const {
+    if (!has_plane_) return -kInfinity;
+    const Vector &m = plane_a_, &n = plane_b_;
+    const double top = std::max({m.dot(a[0]), m.dot(a[1]), m.dot(a[2])}) + plane_offset_;
+    return std::min({n.dot(b[0]), n.dot(b[1]), n.dot(b[2])}) - top - rounding_;
   }
 
   void offer(const DistanceResult& r, double upper, const Part& a, const Part& b) {
@@ -314,6 +339,10 @@ class PairDescent {
   double floor_ = kInfinity;
   bool parts_ = false;  // both bodies consist of convex parts; against triangles those do not pay
   bool deepens_ = false, hulls_known_ = false;
+  bool has_plane_ = false;
+  Vector plane_a_, plane_b_;  // unit, from A to B, in either's frame; for B its offset [m], too
+  double plane_offset_ = 0;
+  BoxDirection direction_a_{}, direction_b_{};
   int visited_ = 0;
   int deeper_limit_ = std::numeric_limits<int>::max();
   Part best_a_{Kind::kNode, 0}, best_b_{Kind::kNode, 0};  // these carry the upper end

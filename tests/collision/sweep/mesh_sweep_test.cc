@@ -291,6 +291,7 @@ struct GapCase {
   BoxNode node{};
   OrientedBox query;
   BoxSweep sweep;
+  BoxDirection direction{};
   Eigen::Matrix3d turn;
   Vector3d way;
 };
@@ -319,6 +320,7 @@ GapCase randomGapCase(Random& random) {
   c.sweep.loose = c.sweep.of_node ? static_cast<float>(w.norm() * (1 + 1e-6)) : 0;
   c.sweep.fixed = c.sweep.of_node ? 1e-4F : 0;
   if (!c.sweep.of_node) c.turn.setZero();
+  if (random.below(2) == 0) c.direction = boxDirection((1 + 1e-6) * random.direction());
   return c;
 }
 
@@ -329,7 +331,7 @@ TEST(SweptBoxGaps, AreBelowTheDistanceAtAllPlacesOnTheWay) {
   for (int i = 0; i < casesToAsk(400); ++i) {
     const GapCase c = randomGapCase(random);
     float gap[BoxNode::kWidth];
-    sweptBoxGaps(c.node, c.query, c.sweep, gap);
+    sweptBoxGaps(c.node, c.query, c.sweep, c.direction, gap);
     for (int lane = 0; lane < BoxNode::kWidth; ++lane) {
       double nearest = std::numeric_limits<double>::infinity();
       for (const double s : {-1.0, -0.4, 0.0, 0.7, 1.0}) {
@@ -363,7 +365,7 @@ TEST(SweptBoxGaps, AreTheSameOnEveryInstructionSet) {
     for (int i = 0; i < 200; ++i) {
       const GapCase c = randomGapCase(random);
       float gap[BoxNode::kWidth];
-      sweptBoxGaps(c.node, c.query, c.sweep, gap);
+      sweptBoxGaps(c.node, c.query, c.sweep, c.direction, gap);
       all.insert(all.end(), gap, gap + BoxNode::kWidth);
     }
     return all;
