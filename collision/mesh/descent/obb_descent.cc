@@ -175,6 +175,12 @@ class PairDescent {
       triangles(a.number, b.number);
       return;
     }
+    const double along = gapAlongPlane(a, b);
+    if (along > 0 && along > bar()) {
+      ++visited_;
+      settle(std::max(along, pair.lower));
+      return;
+    }
     PairCache local;
     const bool known = has_warm_ && a == warm_a_ && b == warm_b_;
     const Interval d = known ? warm_ : hullPair(a, b, &local);
@@ -288,6 +294,16 @@ class PairDescent {
     return std::min({n.dot(b[0]), n.dot(b[1]), n.dot(b[2])}) - top - rounding_;
   }
 
+  double gapAlongPlane(const Part& a, const Part& b) const {
+    if (!has_plane_) return -kInfinity;
+    const ConvexView view_a = a_.view(a), view_b = b_.view(b);
+    int hint = 0;
+    const double top = plane_a_.dot(farthest(view_a, plane_a_, hint)) + plane_offset_;
+    hint = 0;
+    return plane_b_.dot(farthest(view_b, -plane_b_, hint)) - top - rounding_ -
+           (view_a.radius + view_a.excess) - (view_b.radius + view_b.excess);
+  }
+
   void offer(const DistanceResult& r, double upper, const Part& a, const Part& b) {
     if (!(upper < result_.upper)) return;
     if (upper <= 0 && result_.upper > 0) {
@@ -359,10 +375,10 @@ class PairDescent {
 
 bool takesPair(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement) {
   if (placement.swept) return false;
-  if (a.tree != nullptr && b.tree != nullptr) {
-    return a.tree->boxes().usable() && b.tree->boxes().usable();
-  }
-  return (hasPieces(a) && isBounded(b)) || (hasPieces(b) && isBounded(a));
+  const auto hasBoxes = [](const DescentSide& side) {
+    return side.tree != nullptr ? side.tree->boxes().usable() : isBounded(side);
+  };
+  return (a.tree != nullptr || b.tree != nullptr) && hasBoxes(a) && hasBoxes(b);
 }
 
 bool deepensPair(const DescentSide& a, const DescentSide& b) {

@@ -14,8 +14,8 @@ DescentResult descendPair(const DescentSide& a, const DescentSide& b,
                           const DescentPlacement& placement, const DistanceRequest& request,
                           Scratch& scratch, PairCache* cache);
 
-/// Whether descendPair() accepts this pair: two meshes, or a mesh with convex pieces and a bounded
-/// convex shape, with sizes and distance well within the range of single precision.
+/// Whether descendPair() accepts this pair: two meshes, or a mesh and a bounded convex shape, with
+/// sizes and distance well within the range of single precision.
 bool takesPair(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement);
 
 /// Whether descendPair() searches for deeper pairs of these bodies.
