@@ -61,9 +61,11 @@ void ContactSlide::placeBefore(std::span<const double> from, std::span<const dou
 
 collision::DistanceResult ContactSlide::distanceOf(int pair,
                                                    const collision::DistanceRequest& request) {
-  scene_.expand(place_, q_);
-  robots::forwardKinematics(scene_.model(), q_, X_WL_);
   const collision::ScenePair of = scene_.scene().pairs()[static_cast<std::size_t>(pair)];
+  const int links[] = {scene_.bodyLink(of.body_a), scene_.bodyLink(of.body_b)};
+  robots::findChain(scene_.model(), links, chain_);
+  scene_.expand(place_, q_);
+  robots::chainKinematics(scene_.model(), q_, chain_, X_WL_);
   for (const int body : {of.body_a, of.body_b}) {
     const int link = scene_.bodyLink(body);
     if (link >= 0) workspace_.setPose(body, X_WL_[static_cast<std::size_t>(link)]);

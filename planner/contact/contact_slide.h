@@ -64,7 +64,8 @@ class ContactSlide {
   collision::Workspace workspace_;
   std::vector<double> inverse_;  ///< of the squared weight of each direction
   std::vector<double> at_, next_, place_, step_, moved_;
-  std::vector<double> q_;  ///< place_ as a configuration of the whole model
+  std::vector<double> q_;   ///< place_ as a configuration of the whole model
+  std::vector<int> chain_;  ///< of the pair that is asked for
   std::vector<robots::Pose> X_WL_;
   std::vector<Contact> contacts_;
 };

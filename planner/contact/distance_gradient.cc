@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/base/numbers.h"
 #include "collision/base/work.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
@@ -15,6 +16,7 @@ DistanceGradient::DistanceGradient(const CompiledScene& scene)
       direction_(gradient_.size()),
       near_(gradient_.size()),
       q_(scene.model().variables.size()),
+      near_q_(q_.size()),
       X_WL_(scene.model().links.size()),
       moved_(scene.model().links.size()) {
   for (const ConfigurationSpace::Part& part : scene.space().parts())
@@ -26,6 +28,22 @@ std::int64_t DistanceGradient::work() const {
   return static_cast<std::int64_t>((gradient_.size() + 1) * X_WL_.size()) * collision::kPlacingWork;
 }
 
+/// Where in the chain the first joint is that stands otherwise in near_q_ than in q_; its size if
+/// none does.
+std::size_t DistanceGradient::firstMoved() const {
+  const auto stands = [this](int link) {
+    const robots::KinematicStep& step = scene_.model().steps[at(link)];
+    if (step.variable < 0) return true;
+    const int count = step.type == robots::JointType::kFloating ? 7
+                      : step.type == robots::JointType::kPlanar ? 3
+                                                                : 1;
+    const auto* variables = &q_[at(step.variable)];
+    return std::equal(variables, variables + count, &near_q_[at(step.variable)]);
+  };
+  return static_cast<std::size_t>(std::find_if_not(chain_.begin(), chain_.end(), stands) -
+                                  chain_.begin());
+}
+
 std::span<const double> DistanceGradient::find(std::span<const double> place,
                                                const EdgeClearance& found,
                                                const CompiledScene& pairs) {
@@ -35,15 +53,20 @@ std::span<const double> DistanceGradient::find(std::span<const double> place,
   const Eigen::Vector3d normal = gap > kPushGap ? ((b - a) / gap).eval() : found.closest.normal;
   if (!(std::abs(normal.squaredNorm() - 1) < 0.5)) return {};
   const int link_a = scene_.bodyLink(pair.body_a), link_b = scene_.bodyLink(pair.body_b);
+  const int links[] = {link_a, link_b};
+  robots::findChain(scene_.model(), links, chain_);
   scene_.expand(place, q_);
-  robots::forwardKinematics(scene_.model(), q_, X_WL_);
+  robots::chainKinematics(scene_.model(), q_, chain_, X_WL_);
   std::fill(gradient_.begin(), gradient_.end(), 0.0);
   for (const std::size_t k : directions_) {
     direction_[k] = 1;
     scene_.space().advance(place, direction_, kPushDifference, near_);
     direction_[k] = 0;
-    scene_.expand(near_, q_);
-    robots::forwardKinematics(scene_.model(), q_, moved_);
+    scene_.expand(near_, near_q_);
+    const std::size_t moved = firstMoved();
+    if (moved == chain_.size()) continue;
+    for (std::size_t i = 0; i < moved; ++i) moved_[at(chain_[i])] = X_WL_[at(chain_[i])];
+    robots::chainKinematics(scene_.model(), near_q_, std::span(chain_).subspan(moved), moved_);
     const auto way = [&](int link, const Eigen::Vector3d& p_W) -> Eigen::Vector3d {
       if (link < 0) return Eigen::Vector3d::Zero();
       const auto l = static_cast<std::size_t>(link);

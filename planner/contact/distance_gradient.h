@@ -23,9 +23,13 @@ class DistanceGradient {
   std::int64_t work() const;
 
  private:
+  std::size_t firstMoved() const;
+
   const CompiledScene& scene_;
-  std::vector<double> gradient_, direction_, near_, q_;
+  std::vector<double> gradient_, direction_, near_;
+  std::vector<double> q_, near_q_;       ///< the place as a configuration, and what is next to it
   std::vector<std::size_t> directions_;  ///< an orientation has three
+  std::vector<int> chain_;               ///< of the pair's links
   std::vector<robots::Pose> X_WL_, moved_;
 };
 

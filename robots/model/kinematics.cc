@@ -79,25 +79,27 @@ inline void localPose(const KinematicStep& step, const double* q, Pose& X_PC) {
   }
 }
 
+inline void placeLink(const Model& model, std::size_t i, const double* q, Pose* X_WL) {
+  const KinematicStep& step = model.steps[i];
+  if (step.parent_link < 0) {
+    localPose(step, q, X_WL[i]);
+    return;
+  }
+  const Pose& X_WP = X_WL[step.parent_link];
+  if (step.type == JointType::kFixed && !step.turned) {
+    X_WL[i].rotation = X_WP.rotation;
+    transform(X_WP, step.translation, X_WL[i].translation);
+    return;
+  }
+  Pose X_PC;
+  localPose(step, q, X_PC);
+  multiply(X_WP.rotation, X_PC.rotation, X_WL[i].rotation);
+  transform(X_WP, X_PC.translation, X_WL[i].translation);
+}
+
 void place(const Model& model, const double* q, Pose* X_WL) {
   const std::size_t count = model.steps.size();
-  Pose X_PC;
-  for (std::size_t i = 0; i < count; ++i) {
-    const KinematicStep& step = model.steps[i];
-    if (step.parent_link < 0) {
-      localPose(step, q, X_WL[i]);
-      continue;
-    }
-    const Pose& X_WP = X_WL[step.parent_link];
-    if (step.type == JointType::kFixed && !step.turned) {
-      X_WL[i].rotation = X_WP.rotation;
-      transform(X_WP, step.translation, X_WL[i].translation);
-      continue;
-    }
-    localPose(step, q, X_PC);
-    multiply(X_WP.rotation, X_PC.rotation, X_WL[i].rotation);
-    transform(X_WP, X_PC.translation, X_WL[i].translation);
-  }
+  for (std::size_t i = 0; i < count; ++i) placeLink(model, i, q, X_WL);
 }
 
 }  // namespace
@@ -111,6 +113,21 @@ void forwardKinematicsBatch(const Model& model, std::span<const double> q, int c
   const std::size_t variables = model.variables.size(), links = model.links.size();
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
     place(model, q.data() + i * variables, X_WL.data() + i * links);
+}
+
+void findChain(const Model& model, std::span<const int> links, std::vector<int>& chain) {
+  chain.clear();
+  for (const int link : links)
+    for (int l = link; l >= 0; l = model.steps[static_cast<std::size_t>(l)].parent_link)
+      chain.push_back(l);
+  std::sort(chain.begin(), chain.end());
+  chain.erase(std::unique(chain.begin(), chain.end()), chain.end());
+}
+
+void chainKinematics(const Model& model, std::span<const double> q, std::span<const int> chain,
+                     std::span<Pose> X_WL) {
+  for (const int link : chain)
+    placeLink(model, static_cast<std::size_t>(link), q.data(), X_WL.data());
 }
 
 double kinematicsRounding(const Model& model, double reach) {

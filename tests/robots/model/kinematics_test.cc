@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -243,6 +244,43 @@ TEST(Kinematics, BatchIsTheSameToTheBit) {
       }
     }
   }
+}
+
+TEST(Kinematics, AChainIsTheSameToTheBitAndNothingElseMoves) {
+  const Folder folder;
+  const auto model = loadModel(folder.write("robot.urdf", kAllJoints), "");
+  const auto count = static_cast<int>(model->links.size());
+  std::mt19937_64 random(9);
+  const auto bytesOf = [](const Pose& X) {
+    std::array<double, 12> all{};
+    std::copy_n(X.rotation.data(), 9, all.begin());
+    std::copy_n(X.translation.data(), 3, all.begin() + 9);
+    return all;
+  };
+  std::vector<int> chain;
+  findChain(*model, std::array{-1, -1}, chain);
+  EXPECT_TRUE(chain.empty());
+  for (int a = -1; a < count; ++a)
+    for (int b = 0; b < count; ++b) {
+      findChain(*model, std::array{a, b}, chain);
+      ASSERT_TRUE(std::is_sorted(chain.begin(), chain.end()));
+      const std::vector<double> q = randomConfiguration(*model, random),
+                                other = randomConfiguration(*model, random);
+      std::vector<Pose> all(model->links.size()), some(model->links.size()), untouched;
+      forwardKinematics(*model, q, all);
+      forwardKinematics(*model, other, some);
+      untouched = some;
+      chainKinematics(*model, q, chain, some);
+      for (int l = 0; l < count; ++l) {
+        const auto i = static_cast<std::size_t>(l);
+        const bool is_in = std::binary_search(chain.begin(), chain.end(), l);
+        EXPECT_TRUE(is_in || (l != a && l != b));
+        if (is_in && model->steps[i].parent_link >= 0) {
+          EXPECT_TRUE(std::binary_search(chain.begin(), chain.end(), model->steps[i].parent_link));
+        }
+        EXPECT_EQ(bytesOf(some[i]), bytesOf(is_in ? all[i] : untouched[i]));
+      }
+    }
 }
 
 TEST(Kinematics, FreeBodyHoldsBoundsAndMoves) {
