@@ -209,7 +209,8 @@ class PairDescent {
     if (bar_now < kInfinity) request.threshold = bar_now;
     DistanceResult r = convexDistance(view_a, X_BA_, view_b, request, scratch_, cache, slack_);
     result_.iterations += r.iterations;
-    if (r.distance.lower > 0) keepPlane(r.normal);
+    // (Closed forms' normals may err by more than rounding_ allows for.)
+    if (r.distance.lower > 0) keepPlane(r.normal.normalized());
     if (r.distance.lower > bar_now) return {r.distance.lower, r.distance.upper + excess};
     if (r.status != DistanceStatus::kConverged && !(r.distance.upper + excess <= 0 && !deepens_)) {
       // Nearer than the best known pair: query for the distance. Where the hulls overlap, query
@@ -277,6 +278,7 @@ class PairDescent {
   }
 
   void keepPlane(const Vector& normal) {
+    if (!(normal.squaredNorm() > 0.5)) return;  // none, or NaN
     has_plane_ = true;
     plane_b_ = normal;
     plane_a_ = rotatedBack(X_BA_.rotation, normal);
