@@ -314,6 +314,7 @@ ConnectChoice connectChoice(const std::map<std::string, std::string>& parameters
   choice.own_balance = parameters.count("balance") == 0;
   choice.settings.dynamic_domain = number("dynamic_domain", 1) != 0;
   choice.own_domain = parameters.count("dynamic_domain") == 0;
+  choice.settings.low_discrepancy = number("low_discrepancy", isBody(space) ? 0 : 1) != 0;
   choice.workers = static_cast<int>(number("workers", 1));
   choice.threads = static_cast<int>(number("threads", 0));
   choice.improve = number("improve", 0);

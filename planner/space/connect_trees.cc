@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "collision/base/sine_cosine.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
@@ -25,6 +26,11 @@ bool isAngle(const ConfigurationSpace& space, int i) {
       joint.type == robots::JointType::kPlanar && v == joint.first_variable + 2;
   return joint.type == robots::JointType::kRevolute ||
          joint.type == robots::JointType::kContinuous || planar_angle;
+}
+
+/// The number `share` of the way from one end to the other; never outside, whatever the rounding.
+double placedBetween(double lower, double upper, double share) {
+  return std::clamp(lower + share * (upper - lower), lower, upper);
 }
 
 /// The weight of a radian where all that is planned is one planar or floating joint; otherwise 0.
@@ -88,6 +94,12 @@ ConnectTrees::ConnectTrees(const ConnectTask& task, const ConnectSettings& setti
   // that have failed once would be out of the search.
   const double least_domain = bodyTurn(task.space) > 0 ? 0 : kLongestRange * extent;
   domain_ = static_cast<float>(std::max(settings_.range, least_domain));
+  if (settings_.low_discrepancy) {
+    std::size_t dimensions = 0;
+    for (const ConfigurationSpace::Part& part : task.space.parts())
+      dimensions += part.kind == ConfigurationSpace::Kind::kRotation ? 3 : 1;
+    sequence_.emplace(dimensions, seed);
+  }
   add(trees_[0], task.start, 0, 0);
   takeGoals();
 }
@@ -117,30 +129,55 @@ std::uint32_t ConnectTrees::add(Tree& tree, std::span<const double> point, std::
   return node;
 }
 
-double ConnectTrees::between(std::size_t i, double weight) {
+double ConnectTrees::draw(std::size_t dimension) {
+  return sequence_ ? sequence_->at(samples_, dimension) : random_.uniform();
+}
+
+void ConnectTrees::drawRotation(std::size_t dimension, double* xyzw) {
+  if (!sequence_) {
+    random_.quaternion(xyzw);
+    return;
+  }
+  // K. Shoemake, "Uniform random rotations", Graphics Gems III, 1992.
+  const double share = draw(dimension);
+  const double radius[] = {std::sqrt(1 - share), std::sqrt(share)};
+  for (std::size_t i = 0; i < 2; ++i) {
+    double sine, cosine;
+    collision::sineCosine(2 * std::numbers::pi * draw(dimension + 1 + i), sine, cosine);
+    xyzw[2 * i] = radius[i] * sine;
+    xyzw[2 * i + 1] = radius[i] * cosine;
+  }
+}
+
+double ConnectTrees::between(std::size_t i, double weight, double drawn) const {
   const auto [low, high] = std::minmax(std::max(trees_[0].lower[i], trees_[1].lower[i]),
                                        std::min(trees_[0].upper[i], trees_[1].upper[i]));
   const double more = kBetweenMore * settings_.range / weight;
   const int v = static_cast<int>(i);
-  return random_.uniform(std::max(low - more, task_.space.lower(v)),
-                         std::min(high + more, task_.space.upper(v)));
+  return placedBetween(std::max(low - more, task_.space.lower(v)),
+                       std::min(high + more, task_.space.upper(v)), drawn);
 }
 
 void ConnectTrees::sample() {
   const bool is_between = task_.slide != nullptr && random_.uniform() < kBetweenShare;
+  ++samples_;
+  std::size_t dimension = 0;
   for (const ConfigurationSpace::Part& part : task_.space.parts()) {
-    double& x = sample_[static_cast<std::size_t>(part.first)];
+    const auto i = static_cast<std::size_t>(part.first);
     switch (part.kind) {
-      case ConfigurationSpace::Kind::kLine:
-        x = is_between
-                ? between(static_cast<std::size_t>(part.first), part.weight)
-                : random_.uniform(task_.space.lower(part.first), task_.space.upper(part.first));
+      case ConfigurationSpace::Kind::kLine: {
+        const double drawn = draw(dimension++);
+        sample_[i] = is_between ? between(i, part.weight, drawn)
+                                : placedBetween(task_.space.lower(part.first),
+                                                task_.space.upper(part.first), drawn);
         break;
+      }
       case ConfigurationSpace::Kind::kCircle:
-        x = -std::numbers::pi + 2 * std::numbers::pi * random_.uniform();
+        sample_[i] = -std::numbers::pi + 2 * std::numbers::pi * draw(dimension++);
         break;
       case ConfigurationSpace::Kind::kRotation:
-        random_.quaternion(&x);
+        drawRotation(dimension, &sample_[i]);
+        dimension += 3;
         break;
     }
   }

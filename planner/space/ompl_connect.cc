@@ -26,6 +26,8 @@ OmplConnect::OmplConnect(const ob::SpaceInformationPtr& space_information)
   declareParam<bool>("balance", this, &OmplConnect::setBalance, &OmplConnect::getBalance, "0,1");
   declareParam<bool>("dynamic_domain", this, &OmplConnect::setDynamicDomain,
                      &OmplConnect::getDynamicDomain, "0,1");
+  declareParam<bool>("low_discrepancy", this, &OmplConnect::setLowDiscrepancy,
+                     &OmplConnect::getLowDiscrepancy, "0,1");
 }
 
 void OmplConnect::setup() {
@@ -66,7 +68,8 @@ ob::PlannerStatus OmplConnect::solve(const ob::PlannerTerminationCondition& stop
       };
   const std::span<const double> start_point = space.point(start);
   const ConnectSettings settings{range_ > 0 ? range_ : defaultRange(space.space()), balance_,
-                                 dynamic_domain_};
+                                 dynamic_domain_,
+                                 low_discrepancy_.value_or(!isBody(space.space()))};
   ConnectTrees trees({space.space(), start_point, goals, is_free}, settings,
                      Random(seed_, runs_++).next());
   bool met = false;

@@ -11,6 +11,7 @@
 #include "collision/base/pose_check.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/kinematics.h"
+#include "robots/base/low_discrepancy.h"
 #include "robots/base/tolerances.h"
 #include "robots/inverse/closed_form.h"
 #include "robots/inverse/reach_proof.h"
@@ -33,41 +34,6 @@ constexpr std::uint64_t kSweep = 8;
 
 /// sample(): searches for one draw.
 constexpr int kStartsOfSample = 3;
-
-std::uint64_t mixed(std::uint64_t x) {  // splitmix64
-  x += 0x9e3779b97f4a7c15U;
-  x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
-  x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
-  return x ^ (x >> 31U);
-}
-
-/// The additive recurrence with the powers of the root of x^(d + 1) = x + 1 (Roberts 2018), a low
-/// discrepancy sequence in d dimensions, shifted by the seed. In integers: exact for any index.
-class Sequence {
- public:
-  Sequence(std::size_t dimensions, std::uint64_t seed) {
-    double root = 1.5;
-    for (int i = 0; i < 60; ++i) {
-      double power = 1;
-      for (std::size_t k = 0; k < dimensions; ++k) power *= root;
-      const double count = static_cast<double>(dimensions + 1);
-      root -= (power * root - root - 1) / (count * power - 1);
-    }
-    double step = 1;
-    for (std::size_t k = 0; k < dimensions; ++k) {
-      step /= root;
-      steps_.push_back(static_cast<std::uint64_t>(step * 0x1p53) << 11U);
-      shifts_.push_back(mixed(seed ^ mixed(k)));
-    }
-  }
-  /// In [0, 1).
-  double at(std::uint64_t index, std::size_t dimension) const {
-    return static_cast<double>((shifts_[dimension] + index * steps_[dimension]) >> 11U) * 0x1p-53;
-  }
-
- private:
-  std::vector<std::uint64_t> steps_, shifts_;
-};
 
 bool isRange(const std::pair<double, double>& range) {
   return std::isfinite(range.first) && std::isfinite(range.second) && range.first <= range.second;
@@ -308,7 +274,7 @@ class Task {
   const std::vector<char>& periodic_;
   std::span<const PoseRegion> regions_;
   std::vector<double> configuration_;
-  Sequence sequence_;
+  LowDiscrepancy sequence_;
   std::vector<Pose> X_WL_;
   std::vector<double> lower_, upper_;  // limits
   std::vector<double> low_, high_;     // of starts
@@ -413,7 +379,7 @@ std::optional<IkSolution> InverseKinematics::sample(std::span<const PoseRegion> 
                                                     std::span<const double> configuration,
                                                     std::uint64_t index, std::uint64_t seed) const {
   check(*model_, regions, configuration);
-  const Sequence sequence(6 * regions.size(), mixed(seed));
+  const LowDiscrepancy sequence(6 * regions.size(), mixed(seed));
   std::vector<PoseRegion> drawn(regions.begin(), regions.end());
   std::size_t dimension = 0;
   for (PoseRegion& region : drawn)

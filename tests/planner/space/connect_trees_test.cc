@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -133,8 +134,8 @@ TEST(ConnectTrees, FindsTheGapWithAnySettings) {
   const Edge edge = wallWithGap(0.1);
   for (const bool balance : {false, true})
     for (const bool dynamic : {false, true})
-      for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-        const ConnectSettings settings{0.3, balance, dynamic};
+      for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        const ConnectSettings settings{0.3, balance, dynamic, seed % 2 == 0};
         const Found found = search(space, start, goals, edge, settings, seed);
         ASSERT_GE(found.path.size(), 2U) << seed;
         EXPECT_EQ(found.path.front(), start);
@@ -144,6 +145,60 @@ TEST(ConnectTrees, FindsTheGapWithAnySettings) {
           EXPECT_LE(space.distance(found.path[i - 1], found.path[i]), 0.3 * (1 + 1e-12));
         }
       }
+}
+
+/// Edges of trees that never grow end in the samples, where the range is as long as the space.
+TEST(ConnectTrees, SamplesOfASequenceFillTheSpaceEvenly) {
+  const ConfigurationSpace space = testing::mixedSpace(false);
+  const std::size_t size = static_cast<std::size_t>(space.size());
+  Random random(3);
+  const std::vector<double> start = testing::randomPoint(random, space);
+  const std::vector<std::vector<double>> goals{testing::randomPoint(random, space)};
+  constexpr int kSamples = 1 << 10, kCells = 32;
+  double worst[2] = {0,
+                     0};  // count in a cell, from its mean, of random samples and of the sequence
+  for (const bool low : {false, true})
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      std::vector<std::vector<double>> asked;
+      const Edge edge = [&](Point a, Point b) {
+        const Point sample = std::equal(a.begin(), a.end(), start.begin()) ? b : a;
+        asked.emplace_back(sample.begin(), sample.end());
+        return false;  // no node is added, and so each sample is asked for
+      };
+      ConnectTrees trees({space, start, goals, edge}, {1e9, true, false, low}, seed);
+      for (int i = 0; i < kSamples; ++i) trees.iterate();
+      ASSERT_GT(asked.size(), static_cast<std::size_t>(kSamples - 10));
+      for (const ConfigurationSpace::Part& part : space.parts()) {
+        const auto i = static_cast<std::size_t>(part.first);
+        if (part.kind == ConfigurationSpace::Kind::kRotation) {
+          double squares[4] = {};
+          for (const std::vector<double>& q : asked) {
+            double squared = 0;
+            for (std::size_t k = 0; k < 4; ++k) squared += q[i + k] * q[i + k];
+            EXPECT_NEAR(squared, 1, 1e-14);
+            for (std::size_t k = 0; k < 4; ++k) squares[k] += q[i + k] * q[i + k] / kSamples;
+          }
+          // The mean square is 1/4, the variance of one 1/16.
+          for (const double mean : squares) EXPECT_NEAR(mean, 0.25, 4 * 0.25 / 32);
+          continue;
+        }
+        const bool is_line = part.kind == ConfigurationSpace::Kind::kLine;
+        const double lower = is_line ? space.lower(part.first) : -std::numbers::pi;
+        const double upper = is_line ? space.upper(part.first) : std::numbers::pi;
+        int counts[kCells] = {};
+        for (const std::vector<double>& q : asked) {
+          ASSERT_EQ(q.size(), size);
+          ASSERT_GE(q[i], lower);
+          ASSERT_LE(q[i], upper);
+          ++counts[std::min(kCells - 1,
+                            static_cast<int>(kCells * (q[i] - lower) / (upper - lower)))];
+        }
+        for (const int count : counts)
+          worst[low] = std::max(worst[low], std::abs(count - double{kSamples} / kCells));
+      }
+    }
+  EXPECT_LE(worst[1], 5);
+  EXPECT_GT(worst[0], 10);
 }
 
 TEST(ConnectTrees, OneSeedIsOnePath) {

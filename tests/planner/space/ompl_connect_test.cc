@@ -95,9 +95,12 @@ TEST_F(OmplConnectTest, TakesParametersByName) {
   EXPECT_TRUE(planner.params().setParam("range", "0.5"));
   EXPECT_TRUE(planner.params().setParam("balance", "0"));
   EXPECT_TRUE(planner.params().setParam("dynamic_domain", "0"));
+  EXPECT_TRUE(planner.getLowDiscrepancy());
+  EXPECT_TRUE(planner.params().setParam("low_discrepancy", "0"));
   EXPECT_EQ(planner.getRange(), 0.5);
   EXPECT_FALSE(planner.getBalance());
   EXPECT_FALSE(planner.getDynamicDomain());
+  EXPECT_FALSE(planner.getLowDiscrepancy());
   const auto problem = definition();
   planner.setProblemDefinition(problem);
   ASSERT_EQ(planner.solve(looks(200000)), ob::PlannerStatus::EXACT_SOLUTION);

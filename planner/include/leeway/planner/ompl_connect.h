@@ -3,6 +3,7 @@
 #include <ompl/base/Planner.h>
 
 #include <cstdint>
+#include <optional>
 
 namespace leeway::planner {
 
@@ -28,10 +29,14 @@ class OmplConnect : public ompl::base::Planner {
   /// Nodes whose edges have failed are extended to near samples only (default).
   void setDynamicDomain(bool dynamic) { dynamic_domain_ = dynamic; }
   bool getDynamicDomain() const { return dynamic_domain_; }
+  /// Samples of a low-discrepancy sequence in place of random ones (default but for one free body).
+  void setLowDiscrepancy(bool low) { low_discrepancy_ = low; }
+  bool getLowDiscrepancy() const { return low_discrepancy_.value_or(true); }
 
  private:
   double range_ = 0;
   bool balance_ = true, dynamic_domain_ = true;
+  std::optional<bool> low_discrepancy_;
   std::uint64_t runs_ = 0;  ///< of solve(), each with another seed
   std::uint64_t seed_;
 };
