@@ -23,16 +23,18 @@ void* memoryOf(Header* block) { return reinterpret_cast<std::byte*>(block) + kBl
 
 void release(Header* block) { ::operator delete (block, std::align_val_t{kBlockAlignment}); }
 
+/// The thread ends: nothing is kept any more. Not a member of Spare, whose destructor's last stores
+/// compilers leave out.
+thread_local bool spare_is_gone = false;
+
 /// The blocks that a thread keeps, the one given back last at the end.
 struct Spare {
   ~Spare() {
     for (std::size_t i = 0; i < count; ++i) release(blocks[i]);
-    count = 0;
-    is_gone = true;
+    spare_is_gone = true;
   }
   Header* blocks[kMostBlocks];
   std::size_t count = 0, bytes = 0;
-  bool is_gone = false;  ///< the thread ends: nothing is kept any more
 };
 thread_local Spare spare;
 
@@ -40,7 +42,7 @@ thread_local Spare spare;
 
 void* takeMemory(std::size_t bytes) {
   // Not one that is far too large: it is another's.
-  for (std::size_t i = spare.count; i-- > 0;) {
+  for (std::size_t i = spare_is_gone ? 0 : spare.count; i-- > 0;) {
     Header* const block = spare.blocks[i];
     if (block->bytes < bytes || block->bytes > 2 * bytes) continue;
     spare.bytes -= block->bytes;
@@ -55,7 +57,7 @@ void* takeMemory(std::size_t bytes) {
 void giveBackMemory(void* memory) noexcept {
   if (memory == nullptr) return;
   Header* const block = headerOf(memory);
-  if (spare.is_gone || block->bytes > kMostBytes) return release(block);
+  if (spare_is_gone || block->bytes > kMostBytes) return release(block);
   // The oldest ones go first.
   std::size_t gone = 0;
   for (; gone < spare.count &&
