@@ -31,6 +31,7 @@ class PairTable {
   /// Room for pairs [0, pairs), in `most` places at most: a power of two. Nothing is known of any.
   /// The only one that allocates.
   void resize(std::size_t pairs, std::size_t most = kMost) {
+    static_assert(alignof(Place) <= 64, "what takeMemory() aligns to");
     clear();
     has_begun_.assign(std::min(pairs, most), 0);
     places_.reset(static_cast<Place*>(takeMemory(has_begun_.size() * sizeof(Place))));
@@ -74,6 +75,7 @@ class PairTable {
     if constexpr (!std::is_trivially_destructible_v<T>)
       for (std::size_t i = 0; i < has_begun_.size(); ++i)
         if (has_begun_[i] != 0) std::destroy_at(places_.get() + i);
+    has_begun_.clear();
   }
   // Room for all places, each begun where a pair first comes to it: most never are.
   std::unique_ptr<Place, GiveBack> places_;

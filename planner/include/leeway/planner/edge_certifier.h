@@ -131,7 +131,8 @@ class EdgeCertifier {
     return edgeClearance(a, b, {.tolerance = tolerance, .cutoff = cutoff});
   }
 
-  /// The least distance at a point, of the pairs that are asked, as the upper end; only pairs below
+  /// A quick upper end at a point: the distance of one of the pairs that are asked, mostly of the
+  /// nearest. Where none is within a few centimetres it may be that of another. Only pairs below
   /// `known` [m] are looked at, and without one the upper end is that. The lower end is -infinity.
   EdgeClearance nearest(std::span<const double> point, Pairs pairs, double known);
 
