@@ -17,8 +17,10 @@ struct Expansion {
   std::array<double, capacity> term;
   std::size_t size = 0;
 
+  // Coordinates beyond the range of the predicates (from a damaged file, say) end in NaN, and in
+  // more terms than fit: the sign is arbitrary then.
   void push(double value) {
-    if (value != 0) term[size++] = value;
+    if (value != 0 && size < capacity) term[size++] = value;
   }
   int sign() const { return size == 0 ? 0 : (term[size - 1] > 0 ? 1 : -1); }
 };

@@ -94,10 +94,10 @@ std::shared_ptr<const BallCover> unpackCover(ByteReader& from) {
 
 MeshAndBytes makeMeshAndBytes(std::span<const Vector3d> vertices,
                               std::span<const TriangleMesh::Triangle> triangles,
-                              const std::function<void()>& checkpoint) {
+                              const MeshOptions& options, const std::function<void()>& checkpoint) {
   BallCover cover;
   const BuiltMesh built = MeshFile::build(
-      vertices, triangles, true,
+      vertices, triangles, options,
       [&](const std::shared_ptr<const TriangleMesh>& mesh) {
         cover = coverWithoutInnerBalls(Shape::mesh(mesh));
       },

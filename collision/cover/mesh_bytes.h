@@ -24,6 +24,7 @@ struct MeshAndBytes {
 /// log n); about 250 bytes a triangle.
 MeshAndBytes makeMeshAndBytes(std::span<const Eigen::Vector3d> vertices,
                               std::span<const TriangleMesh::Triangle> triangles,
+                              const MeshOptions& options = {},
                               const std::function<void()>& checkpoint = {});
 
 /// The same mesh: every query has the same answer, byte for byte. Null where the bytes are none

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "collision/deform/snapshot.h"
-#include "collision/mesh/components.h"
+#include "collision/mesh/topology/components.h"
 #include "collision/shapes/size_limits.h"
 
 namespace leeway::collision {
@@ -92,6 +92,8 @@ std::shared_ptr<const DeformableMesh> DeformableMesh::make(std::span<const Vecto
   MeshComponents components = findComponents(rest, mesh->triangles_);
   mesh->triangle_component_ = std::move(components.component);
   mesh->component_closed_ = std::move(components.closed);
+  mesh->winding_weight_ = std::move(components.weight);
+  mesh->open_edges_ = components.open_edges;
   mesh->component_vertex_.assign(mesh->component_closed_.size(), -1);
   for (std::size_t i = 0; i < mesh->triangles_.size(); ++i) {
     std::int32_t& v =

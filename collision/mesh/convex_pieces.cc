@@ -8,10 +8,10 @@
 #include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
-#include "collision/mesh/components.h"
 #include "collision/mesh/hull_proof.h"
 #include "collision/mesh/mesh_tree.h"
 #include "collision/mesh/surface_patch.h"
+#include "collision/mesh/topology/components.h"
 #include "collision/shapes/hull_of_part.h"
 
 namespace leeway::collision {
@@ -33,13 +33,18 @@ constexpr double kHeadStart = 64;
 constexpr std::size_t kLeastPatch = 4;
 
 // For each triangle of a closed component the triangles across its edges, edge k from corner k to
-// corner k + 1; -1 where the component is open or the triangle names a vertex twice.
+// corner k + 1; -1 where the component is open, other than two of its triangles meet at the edge,
+// or the triangle names a vertex twice.
 std::vector<std::array<std::int32_t, 3>> neighboursOf(const TriangleMesh& mesh) {
   std::vector<EdgeUse> edges = sortedEdges(mesh.triangles(), mesh.vertices().size());
   std::erase_if(edges,
                 [&](const EdgeUse& e) { return !mesh.isClosed(mesh.component(e.triangle)); });
   std::vector<std::array<std::int32_t, 3>> neighbours(mesh.triangles().size(), {-1, -1, -1});
-  for (std::size_t i = 0; i + 1 < edges.size(); i += 2) {
+  for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
+    for (end = i;
+         end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high;)
+      ++end;
+    if (end - i != 2) continue;
     const EdgeUse &e = edges[i], &f = edges[i + 1];
     neighbours[at(e.triangle)][at(e.side)] = f.triangle;
     neighbours[at(f.triangle)][at(f.side)] = e.triangle;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "collision/base/parallel.h"
+#include "collision/mesh/topology/cycles.h"
 #include "collision/shapes/hull_file.h"
 #include "collision/shapes/size_limits.h"
 #include "leeway/collision/shape.h"
@@ -37,7 +38,13 @@ bool areFlags(const std::vector<std::uint8_t>& flags) {
   return std::all_of(flags.begin(), flags.end(), [](std::uint8_t f) { return f <= 1; });
 }
 
-// As TriangleMesh::make() demands.
+bool areWeights(const std::vector<std::uint64_t>& weights, std::size_t triangles) {
+  return (weights.empty() || weights.size() == triangles) &&
+         std::all_of(weights.begin(), weights.end(),
+                     [](std::uint64_t w) { return w < kCyclePrime; });
+}
+
+// As TriangleMesh::make() requires.
 bool areSizes(const std::vector<Vector3d>& vertices) {
   try {
     requireSizes(vertices, "mesh", "vertex");
@@ -136,6 +143,8 @@ void MeshFile::pack(const BuiltMesh& built, ByteWriter& to) {
   to.array(mesh.triangles_);
   to.array(mesh.triangle_component_);
   to.array(mesh.component_closed_);
+  to.array(mesh.winding_weight_);
+  to.value(static_cast<std::uint64_t>(mesh.open_edges_));
   to.array(plan.order);
   to.array(plan.nodes);
   to.array(plan.core);
@@ -158,6 +167,8 @@ std::shared_ptr<TriangleMesh> MeshFile::unpack(ByteReader& from) {
   mesh->triangles_ = from.array<Triangle>();
   mesh->triangle_component_ = from.array<std::int32_t>();
   mesh->component_closed_ = from.array<std::uint8_t>();
+  mesh->winding_weight_ = from.array<std::uint64_t>();
+  mesh->open_edges_ = static_cast<std::size_t>(from.value<std::uint64_t>());
   MeshTreePlanView plan;
   plan.order = from.view<std::int32_t>();
   plan.nodes = from.view<MeshTreePlan::Node>();
@@ -167,7 +178,7 @@ std::shared_ptr<TriangleMesh> MeshFile::unpack(ByteReader& from) {
       !areCorners(mesh->triangles_, mesh->vertices_.size()) ||
       mesh->triangle_component_.size() != count || !areFlags(mesh->component_closed_) ||
       !areComponents(mesh->triangle_component_, mesh->component_closed_.size()) ||
-      !isPlan(plan, mesh->vertices_.size(), count))
+      !areWeights(mesh->winding_weight_, count) || !isPlan(plan, mesh->vertices_.size(), count))
     return nullptr;
   std::shared_ptr<const ConvexHull> hull = unpackHull(from);
   mesh->hull_excess_ = from.value<double>();

@@ -30,8 +30,9 @@ struct MeshFile {
   /// as soon as it has its triangles, hierarchy of nodes and hullExcess(): no query must be asked
   /// then.
   static BuiltMesh build(std::span<const Eigen::Vector3d> vertices,
-                         std::span<const TriangleMesh::Triangle> triangles, bool decompose = true,
-                         const Meanwhile& meanwhile = {}, const Checkpoint& checkpoint = {});
+                         std::span<const TriangleMesh::Triangle> triangles,
+                         const MeshOptions& options = {}, const Meanwhile& meanwhile = {},
+                         const Checkpoint& checkpoint = {});
   /// All of a mesh that takes time to find. O(n).
   static void pack(const BuiltMesh& built, ByteWriter& to);
   /// The mesh that pack() wrote, the same in every byte that queries read. Null where the bytes are

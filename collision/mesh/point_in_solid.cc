@@ -17,13 +17,12 @@ bool boxesMeet(const MeshNode& node, const Vector3d& low, const Vector3d& high) 
 // The winding number about p from the crossings of a segment to q, outside of the component; false
 // when one of them is irregular.
 bool windingNumber(const TriangleMesh& mesh, int component, const Vector3d& p, const Vector3d& q,
-                   int& winding) {
+                   Winding& winding) {
   const MeshTree& tree = mesh.tree();
   const Vector3d low = p.cwiseMin(q), high = p.cwiseMax(q);
   std::array<int, 2 * MeshTree::kMaxDepth> stack;
   std::size_t size = 0;
   stack[size++] = 0;
-  winding = 0;
   while (size > 0) {
     const int id = stack[--size];
     const MeshNode& node = tree.node(id);
@@ -38,7 +37,7 @@ bool windingNumber(const TriangleMesh& mesh, int component, const Vector3d& p, c
       if (mesh.component(tree.triangleOf(slot)) != component) continue;
       const Crossing c = crossing(p, q, tree.corners(slot));
       if (c == Crossing::kIrregular) return false;
-      winding += static_cast<int>(c);
+      winding.add(c, mesh.windingWeight(tree.triangleOf(slot)));
     }
   }
   return true;
@@ -48,7 +47,7 @@ bool windingNumber(const TriangleMesh& mesh, int component, const Vector3d& p, c
 
 Side sideOf(const TriangleMesh& mesh, int component, const Vector3d& point) {
   const MeshTree::Component& c = mesh.tree().components()[static_cast<std::size_t>(component)];
-  return sideByWinding(c.low, c.high, point, [&](const Vector3d& q, int& winding) {
+  return sideByWinding(c.low, c.high, point, [&](const Vector3d& q, Winding& winding) {
     return windingNumber(mesh, component, point, q, winding);
   });
 }

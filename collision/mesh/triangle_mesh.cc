@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -11,11 +12,12 @@
 #include "collision/base/numbers.h"
 #include "collision/base/parallel.h"
 #include "collision/base/tolerances.h"
-#include "collision/mesh/components.h"
 #include "collision/mesh/convex_pieces.h"
 #include "collision/mesh/hull_excess.h"
 #include "collision/mesh/mesh_file.h"
 #include "collision/mesh/mesh_tree.h"
+#include "collision/mesh/topology/components.h"
+#include "collision/mesh/topology/cracks.h"
 #include "collision/shapes/bounding_sphere.h"
 #include "collision/shapes/hull_of_part.h"
 #include "collision/shapes/size_limits.h"
@@ -81,21 +83,54 @@ void weld(std::span<const Vector3d> given, std::span<const Triangle> given_trian
   }
 }
 
+// Adds the triangles that close cracks, and finds the components then. What one round closes ends
+// at vertices that may lie on other edges: further rounds look there.
+MeshComponents closeCracks(std::span<const Vector3d> vertices, std::vector<Triangle>& triangles,
+                           double weld) {
+  constexpr int kRounds = 8;
+  const std::size_t given = triangles.size();
+  MeshComponents components = findComponents(vertices, triangles, weld);
+  std::set<Triangle> added;
+  for (int round = 0; round < kRounds && components.open_edges > 0; ++round) {
+    const std::size_t before = triangles.size();
+    for (const Triangle& filler : crackFillers(vertices, components.seams, weld)) {
+      Triangle corners = filler;
+      std::sort(corners.begin(), corners.end());
+      if (added.insert(corners).second) triangles.push_back(filler);
+    }
+    if (triangles.size() == before) break;
+    components = findComponents(vertices, triangles, weld);
+  }
+  // Those that close nothing go again.
+  std::size_t kept = given;
+  for (std::size_t i = given; i < triangles.size(); ++i) {
+    const bool closes = components.closed[at(components.component[i])] != 0 &&
+                        (components.weight.empty() || components.weight[i] != 0);
+    if (closes) triangles[kept++] = triangles[i];
+  }
+  if (kept == triangles.size()) return components;
+  triangles.resize(kept);
+  return findComponents(vertices, triangles, weld);
+}
+
 }  // namespace
 
 std::shared_ptr<const TriangleMesh> TriangleMesh::make(std::span<const Vector3d> vertices,
                                                        std::span<const Triangle> triangles,
-                                                       bool decompose) {
-  return MeshFile::build(vertices, triangles, decompose).mesh;
+                                                       const MeshOptions& options) {
+  return MeshFile::build(vertices, triangles, options).mesh;
 }
 
 BuiltMesh MeshFile::build(std::span<const Vector3d> vertices, std::span<const Triangle> triangles,
-                          bool decompose, const Meanwhile& meanwhile,
+                          const MeshOptions& options, const Meanwhile& meanwhile,
                           const Checkpoint& checkpoint) {
   const auto pause = [&] {
     if (checkpoint) checkpoint();
   };
   requireUsable(vertices, triangles);
+  if (!(options.weld >= 0 && options.weld <= kLargestSize))
+    throw InvalidShape("mesh: weld is " + std::to_string(options.weld) +
+                       "; 0 or a distance in metres is needed");
   std::shared_ptr<TriangleMesh> mesh(new TriangleMesh);
   // Coordinates too small for the exact predicates become 0: 1e-70 m is far below the rounding of
   // any query.
@@ -106,9 +141,18 @@ BuiltMesh MeshFile::build(std::span<const Vector3d> vertices, std::span<const Tr
     }
   }
   weld(clean, triangles, mesh->vertices_, mesh->triangles_);
-  MeshComponents components = findComponents(mesh->vertices_, mesh->triangles_);
+  MeshComponents components;
+  if (options.solid) {
+    components = closeCracks(mesh->vertices_, mesh->triangles_, options.weld);
+  } else {
+    components = findComponents(mesh->vertices_, mesh->triangles_);
+    std::fill(components.closed.begin(), components.closed.end(), std::uint8_t{0});
+    components.open_edges = 0;
+  }
   mesh->triangle_component_ = std::move(components.component);
   mesh->component_closed_ = std::move(components.closed);
+  mesh->winding_weight_ = std::move(components.weight);
+  mesh->open_edges_ = components.open_edges;
   const bool is_large = mesh->triangles_.size() >= kWorthAThread;
   pause();
   MeshTreePlan plan;
@@ -127,7 +171,7 @@ BuiltMesh MeshFile::build(std::span<const Vector3d> vertices, std::span<const Tr
         pause();
         ConvexPieces pieces;
         pieces.summary.use = PieceSummary::Use::kNotAsked;
-        if (decompose) pieces = convexPieces(*mesh);
+        if (options.decompose) pieces = convexPieces(*mesh);
         mesh->pieces_ = pieces.summary;
         pause();
         made.makeBoxes(mesh->vertices_, mesh->triangles_, pieces.pieces);
@@ -149,7 +193,7 @@ int TriangleMesh::closedComponentCount() const {
 std::size_t TriangleMesh::bytes() const {
   return sizeof(*this) + vertices_.size() * sizeof(Vector3d) +
          triangles_.size() * sizeof(Triangle) + triangle_component_.size() * sizeof(std::int32_t) +
-         component_closed_.size() + tree_->bytes();
+         component_closed_.size() + winding_weight_.size() * sizeof(std::uint64_t) + tree_->bytes();
 }
 
 // Here because shapes/ does not know meshes.

@@ -5,14 +5,31 @@
 #include <Eigen/Core>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "collision/base/exact_predicates.h"
 #include "collision/base/tolerances.h"
 #include "collision/mesh/point_in_solid.h"
+#include "collision/mesh/topology/cycles.h"
 
 namespace leeway::collision {
 
 enum class Crossing : signed char { kIn = -1, kNone = 0, kOut = 1, kIrregular = 2 };
+
+/// A winding number, or a sum of those of several cycles with their weights, modulo kCyclePrime.
+class Winding {
+ public:
+  /// `weight` below kCyclePrime. Irregular crossings count as none.
+  void add(Crossing crossing, std::uint64_t weight) {
+    if (crossing == Crossing::kOut) sum_ += weight;
+    if (crossing == Crossing::kIn) sum_ += kCyclePrime - weight;
+    if (sum_ >= kCyclePrime) sum_ -= kCyclePrime;
+  }
+  bool isZero() const { return sum_ == 0; }
+
+ private:
+  std::uint64_t sum_ = 0;
+};
 
 /// A segment that decides inside or outside leaves the component's box by this share of its size,
 /// and is tilted by multiples of it: enough to miss the edges and vertices of axis-aligned parts at
@@ -79,8 +96,8 @@ Side sideByWinding(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
       q[axis] = best % 2 == 0 ? high[axis] + tilt : low[axis] - tilt;
       q[(axis + 1) % 3] += tilt * (0.37 + attempt);
       q[(axis + 2) % 3] += tilt * (0.71 + attempt * attempt);
-      int winding = 0;
-      if (winding_number(q, winding)) return winding != 0 ? Side::kInside : Side::kOutside;
+      Winding winding;
+      if (winding_number(q, winding)) return winding.isZero() ? Side::kOutside : Side::kInside;
     }
   }
   return Side::kUnknown;

@@ -262,14 +262,14 @@ ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
   throwIfStopped(stop, kReading);
   const auto checkpoint = [&] { throwIfStopped(stop, kReading); };
   const auto alone = [&]() -> ImportedMesh {
-    auto built = collision::MeshFile::build(soup.vertices, soup.triangles, true, {}, checkpoint);
+    auto built = collision::MeshFile::build(soup.vertices, soup.triangles, {}, {}, checkpoint);
     return {collision::Shape::mesh(std::move(built.mesh)), std::move(key)};
   };
   try {
     if (key.empty() || !is_kept) return alone();
     try {
       collision::MeshAndBytes made =
-          collision::makeMeshAndBytes(soup.vertices, soup.triangles, checkpoint);
+          collision::makeMeshAndBytes(soup.vertices, soup.triangles, {}, checkpoint);
       cache.write(key, made.bytes);
       return {collision::Shape::mesh(std::move(made.mesh)), std::move(key)};
     } catch (const std::bad_alloc&) {  // keeping takes more memory than the mesh itself

@@ -24,13 +24,12 @@ bool boxesMeet(const WideBox& box, int lane, const Vector3d& low, const Vector3d
 // Crossings of the segment from p to q with a component, counted with their signs. False when one
 // cannot be counted (Crossing::kIrregular).
 bool windingNumber(const DeformableSnapshotImpl& snapshot, const BoxSource& boxes, int component,
-                   const Vector3d& p, const Vector3d& q, int& winding) {
+                   const Vector3d& p, const Vector3d& q, Winding& winding) {
   const DeformTree& tree = *snapshot.tree;
   const Vector3d low = p.cwiseMin(q), high = p.cwiseMax(q);
   std::array<int, (kWidth - 1) * DeformTree::kMaxDepth + kWidth> stack;
   std::size_t size = 0;
   stack[size++] = 0;
-  winding = 0;
   WideBox room;
   while (size > 0) {
     const int id = stack[--size];
@@ -54,7 +53,7 @@ bool windingNumber(const DeformableSnapshotImpl& snapshot, const BoxSource& boxe
       }
       const Crossing c = crossing(p, q, corners);
       if (c == Crossing::kIrregular) return false;
-      winding += static_cast<int>(c);
+      winding.add(c, snapshot.mesh->windingWeight(tree.triangleOf(slot)));
     }
   }
   return true;
@@ -65,9 +64,10 @@ bool windingNumber(const DeformableSnapshotImpl& snapshot, const BoxSource& boxe
 Side sideOf(const DeformableSnapshotImpl& snapshot, int component, const Vector3d& point,
             Scratch& scratch) {
   const BoxSource boxes(snapshot, scratch.impl().deform);
-  return sideByWinding(snapshot.low, snapshot.high, point, [&](const Vector3d& q, int& winding) {
-    return windingNumber(snapshot, boxes, component, point, q, winding);
-  });
+  return sideByWinding(snapshot.low, snapshot.high, point,
+                       [&](const Vector3d& q, Winding& winding) {
+                         return windingNumber(snapshot, boxes, component, point, q, winding);
+                       });
 }
 
 }  // namespace leeway::collision

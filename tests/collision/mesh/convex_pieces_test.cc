@@ -269,7 +269,8 @@ TEST(ConvexPieces, SayWhyNot) {
   };
   TriangleSoup open = dumbbell(14, 8);
   EXPECT_EQ(use(open), Use::kUsed);
-  EXPECT_EQ(TriangleMesh::make(open.vertices, open.triangles, false)->pieces().use, Use::kNotAsked);
+  EXPECT_EQ(TriangleMesh::make(open.vertices, open.triangles, {.decompose = false})->pieces().use,
+            Use::kNotAsked);
   open.triangles.pop_back();
   EXPECT_EQ(use(open), Use::kOpen);
   EXPECT_EQ(use(boxSoup({1, 1, 1})), Use::kSmall);
@@ -311,7 +312,7 @@ struct Twins {
 
 Twins twins(const std::string& name, const TriangleSoup& soup) {
   return {name, Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles)),
-          Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles, false))};
+          Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles, {.decompose = false}))};
 }
 
 struct Tally {

@@ -10,6 +10,7 @@
 #include "collision/shapes/hull_builder.h"
 #include "collision/shapes/hull_distance.h"
 #include "leeway/collision/convex_hull.h"
+#include "leeway/collision/deformable_mesh.h"
 #include "tests/support/mesh_cases.h"
 
 namespace leeway::collision {
@@ -53,11 +54,21 @@ TEST(TriangleMesh, MendsOrientation) {
 TEST(TriangleMesh, WhatIsNotClosedIsASurface) {
   TriangleSoup hole = boxSoup({1, 1, 1});
   hole.triangles.pop_back();
-  EXPECT_EQ(TriangleMesh::make(hole.vertices, hole.triangles)->closedComponentCount(), 0);
+  const auto open = TriangleMesh::make(hole.vertices, hole.triangles);
+  EXPECT_EQ(open->closedComponentCount(), 0);
+  EXPECT_EQ(open->openEdgeCount(), 3U);
+  EXPECT_EQ(DeformableMesh::make(hole.vertices, hole.triangles)->openEdgeCount(), 3U);
 
-  TriangleSoup twice = boxSoup({1, 1, 1});
-  twice.triangles.push_back(twice.triangles[0]);
-  EXPECT_EQ(TriangleMesh::make(twice.vertices, twice.triangles)->closedComponentCount(), 0);
+  const TriangleSoup box = boxSoup({1, 1, 1});
+  const auto surface = TriangleMesh::make(box.vertices, box.triangles, {.solid = false});
+  EXPECT_EQ(surface->closedComponentCount(), 0);
+  EXPECT_EQ(surface->openEdgeCount(), 0U) << "it was asked for";
+
+  // Nobody means a sheet as a solid, wherever it lies.
+  TriangleSoup sheet;
+  append(sheet, {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}},
+         Random(3).pose(2));
+  EXPECT_EQ(TriangleMesh::make(sheet.vertices, sheet.triangles)->openEdgeCount(), 0U);
 
   // A Moebius strip has a border. A Klein bottle, glued from a grid with one twist, has none, but
   // no orientation either.
@@ -80,6 +91,21 @@ TEST(TriangleMesh, WhatIsNotClosedIsASurface) {
   const auto mesh = TriangleMesh::make(klein.vertices, klein.triangles);
   EXPECT_EQ(mesh->componentCount(), 1);
   EXPECT_EQ(mesh->closedComponentCount(), 0);
+}
+
+TEST(TriangleMesh, ASolidMayHaveFacetsTwiceFinsAndWalls) {
+  TriangleSoup soup = boxSoup({1, 1, 1});
+  soup.triangles.push_back(soup.triangles[0]);            // a facet twice
+  std::swap(soup.triangles[3][0], soup.triangles[3][1]);  // one turned
+  soup.vertices.emplace_back(3, 0, 0);
+  soup.triangles.push_back({1, 3, 8});  // a fin along an edge
+  soup.triangles.push_back({0, 3, 7});  // a wall through the inside
+  const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles);
+  EXPECT_EQ(mesh->triangles().size(), 15U);
+  EXPECT_EQ(mesh->closedComponentCount(), 1);
+  EXPECT_TRUE(mesh->isClosed(mesh->component(0)));
+  EXPECT_FALSE(mesh->isClosed(mesh->component(13)));
+  EXPECT_FALSE(mesh->isClosed(mesh->component(14)));
 }
 
 TEST(TriangleMesh, DegenerateTrianglesStayAndDoNotOpenASolid) {

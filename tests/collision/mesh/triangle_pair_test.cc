@@ -71,7 +71,7 @@ TEST(TrianglePair, SliversEndWhereTheyAre) {
   Scratch scratch;
   const TriangleMesh::Triangle triangle{0, 1, 2};
   const auto meshOf = [&](const std::vector<Vector3d>& corners) {
-    return Shape::mesh(TriangleMesh::make(corners, {&triangle, 1}, false));
+    return Shape::mesh(TriangleMesh::make(corners, {&triangle, 1}, {.decompose = false}));
   };
   for (int i = 0; i < casesToAsk(400); ++i) {
     const Vector3d a = random.vector(), b = random.vector(), aside = random.vector();

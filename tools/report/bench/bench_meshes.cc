@@ -83,7 +83,8 @@ struct Mesh {
   Mesh(const std::string& what, const Soup& soup)
       : name(what),
         shape(Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles))),
-        triangles_only(Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles, false))),
+        triangles_only(
+            Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles, {.decompose = false}))),
         model(std::make_shared<FclModel>()) {
     std::vector<fcl::Triangle> triangles;
     for (const auto& t : soup.triangles) {

@@ -60,9 +60,8 @@ const char* toString(DeformVolume volume);
 std::optional<DeformVolume> deformVolume(std::string_view word);
 
 /// What stays when a mesh deforms: its triangles. Vertices are not welded: two at one place may
-/// part. A component is closed, and a solid at any time, when exactly two triangles share each of
-/// its edges, BY INDEX, and can be turned to run along it in opposite directions (make() does).
-/// Other components are surfaces without an inside.
+/// part. What is solid is decided as for TriangleMesh, but BY INDEX, and for all times: a closed
+/// part stays closed. Other components are surfaces without an inside.
 class DeformableMesh {
  public:
   using Triangle = std::array<std::int32_t, 3>;
@@ -87,6 +86,11 @@ class DeformableMesh {
   int component(int triangle) const {
     return triangle_component_[static_cast<std::size_t>(triangle)];
   }
+  /// As of TriangleMesh.
+  std::size_t openEdgeCount() const { return open_edges_; }
+  std::uint64_t windingWeight(int triangle) const {
+    return winding_weight_.empty() ? 1 : winding_weight_[static_cast<std::size_t>(triangle)];
+  }
   /// Some vertex of a component.
   int componentVertex(int component) const {
     return component_vertex_[static_cast<std::size_t>(component)];
@@ -98,6 +102,8 @@ class DeformableMesh {
   std::vector<Triangle> triangles_;
   std::vector<std::int32_t> triangle_component_, component_vertex_;
   std::vector<std::uint8_t> component_closed_;
+  std::vector<std::uint64_t> winding_weight_;  // empty: 1 each
+  std::size_t open_edges_ = 0;
 };
 
 /// The outcome of an update.

@@ -32,10 +32,24 @@ struct PieceSummary {
   double excess = 0;        ///< no hull stands out of the solid by more, proven [m]
 };
 
-/// A rigid triangle mesh. Vertices are welded by exact equality. Components whose welded edges are
-/// each shared by exactly two triangles of opposite direction are closed and count as solids
-/// (triangles are flipped so that they enclose positive volume); the others are surfaces without an
-/// inside.
+/// How a mesh is made of its triangles.
+struct MeshOptions {
+  /// Also finds convex pieces, see TriangleMesh::pieces(). This about doubles the time and makes
+  /// many queries faster; the guarantees do not depend on it.
+  bool decompose = true;
+  /// False: a surface without an inside, even where it is closed.
+  bool solid = true;
+  /// Where the surface is not closed, triangles are added between vertices that are this near to
+  /// each other, and between edges and vertices this near to them [m]. They are part of the mesh:
+  /// the mesh is larger than the one given, by points that are at most twice as far from it. 0:
+  /// only triangles without area, at vertices that lie exactly on edges.
+  double weld = 0;
+};
+
+/// A rigid triangle mesh. Vertices are joined where they are exactly equal. What the triangles
+/// enclose is solid, whichever way they are turned: each part of the mesh whose facets close
+/// without a gap, also where parts share edges or facets, or facets are given twice. Cavities count
+/// as solid. All other triangles are surfaces without an inside.
 class TriangleMesh {
  public:
   using Triangle = std::array<std::int32_t, 3>;
@@ -43,12 +57,10 @@ class TriangleMesh {
   /// `vertices` [m]. Throws InvalidShape for no triangles, an index out of range, a coordinate that
   /// is not finite or exceeds 1e9 in magnitude, or vertices that differ, but by less than 1e-9 in
   /// all coordinates. Triangles without area are kept: they are segments or points that can be
-  /// touched. O(n log n), and up to about 0.1 s for hullExcess(). `decompose` also finds convex
-  /// pieces, see pieces(), which about doubles the time and makes many queries faster; the
-  /// guarantees do not depend on it.
+  /// touched. O(n log n), and up to about 0.1 s for hullExcess().
   static std::shared_ptr<const TriangleMesh> make(std::span<const Eigen::Vector3d> vertices,
                                                   std::span<const Triangle> triangles,
-                                                  bool decompose = true);
+                                                  const MeshOptions& options = {});
 
   std::span<const Eigen::Vector3d> vertices() const { return vertices_; }
   std::span<const Triangle> triangles() const { return triangles_; }
@@ -60,6 +72,14 @@ class TriangleMesh {
   /// Component of triangle i.
   int component(int triangle) const {
     return triangle_component_[static_cast<std::size_t>(triangle)];
+  }
+  /// How many edges end the surface of parts that are neither solid nor flat: of what was likely
+  /// meant as a solid, whose inside no query sees. 0 with MeshOptions::solid false.
+  std::size_t openEdgeCount() const { return open_edges_; }
+  /// How often a crossing of triangle i counts in its component's winding number, modulo 2^61 - 1:
+  /// for the engine's own use.
+  std::uint64_t windingWeight(int triangle) const {
+    return winding_weight_.empty() ? 1 : winding_weight_[static_cast<std::size_t>(triangle)];
   }
   /// A proven upper bound on how far the convex hull stands out from the mesh: the largest distance
   /// of a point of the hull's facets from the mesh [m].
@@ -79,6 +99,8 @@ class TriangleMesh {
   std::vector<Triangle> triangles_;
   std::vector<std::int32_t> triangle_component_;
   std::vector<std::uint8_t> component_closed_;
+  std::vector<std::uint64_t> winding_weight_;  // empty: 1 each
+  std::size_t open_edges_ = 0;
   double hull_excess_ = 0;
   PieceSummary pieces_;
   std::unique_ptr<const MeshTree> tree_;

@@ -1,0 +1,201 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <vector>
+
+#include "collision/mesh/point_in_solid.h"
+#include "leeway/collision/triangle_mesh.h"
+#include "tests/support/from_environment.h"
+#include "tests/support/mesh_cases.h"
+
+// What is inside a mesh whose solids share edges and facets, whose facets are turned, doubled and
+// cut in several ways, and whose corners meet in T-junctions.
+
+namespace leeway::collision::testing {
+namespace {
+
+using Eigen::Vector3d;
+
+// A convex solid with its facets as polygons. Its coordinates are whole numbers: whether a point is
+// in it is decided by its planes without rounding that matters.
+struct Solid {
+  std::vector<Vector3d> corners;
+  std::vector<std::vector<int>> facets;  // counter-clockwise from outside
+
+  bool holds(const Vector3d& p) const {
+    return std::all_of(facets.begin(), facets.end(), [&](const std::vector<int>& f) {
+      const auto at = [&](std::size_t k) { return corners[static_cast<std::size_t>(f[k])]; };
+      return (at(1) - at(0)).cross(at(2) - at(0)).dot(p - at(0)) < 0;
+    });
+  }
+};
+
+Solid box(const Vector3d& low, const Vector3d& high) {
+  Solid solid;
+  for (int i = 0; i < 8; ++i)
+    solid.corners.emplace_back((i & 1) != 0 ? high.x() : low.x(), (i & 2) != 0 ? high.y() : low.y(),
+                               (i & 4) != 0 ? high.z() : low.z());
+  solid.facets = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                  {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  return solid;
+}
+
+// Half a box, cut along a diagonal of its bottom.
+Solid prism(const Vector3d& low, const Vector3d& high) {
+  Solid solid = box(low, high);
+  solid.facets = {{0, 2, 1}, {4, 5, 6}, {0, 1, 5, 4}, {0, 4, 6, 2}, {1, 2, 6, 5}};
+  return solid;
+}
+
+Solid randomSolid(Random& random) {
+  Vector3d low, high;
+  for (int k = 0; k < 3; ++k) {
+    const int a = random.below(5);
+    low[k] = a;
+    high[k] = a + 1 + random.below(5 - a);
+  }
+  return random.below(3) == 0 ? prism(low, high) : box(low, high);
+}
+
+// A facet of a solid, sometimes with a corner within one of its edges: a T-junction, since the
+// facet across the edge does not have it. Halves and quarters of whole numbers lie exactly on the
+// edge.
+std::vector<Vector3d> polygonOf(const Solid& solid, const std::vector<int>& facet, Random& random) {
+  std::vector<Vector3d> polygon;
+  const std::size_t n = facet.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const Vector3d &a = solid.corners[static_cast<std::size_t>(facet[k])],
+                   &b = solid.corners[static_cast<std::size_t>(facet[(k + 1) % n])];
+    polygon.push_back(a);
+    if (random.below(12) == 0) polygon.push_back(a + 0.25 * (1 + random.below(3)) * (b - a));
+  }
+  return polygon;
+}
+
+// Cuts a facet from a random corner on; `turned` flips it.
+void appendFacet(const std::vector<Vector3d>& polygon, bool turned, Random& random,
+                 TriangleSoup& soup) {
+  const int n = static_cast<int>(polygon.size()), first = random.below(n);
+  for (int k = 1; k + 1 < n; ++k) {
+    const auto v = static_cast<std::int32_t>(soup.vertices.size());
+    for (const int c : {0, k, k + 1})
+      soup.vertices.push_back(polygon[static_cast<std::size_t>((first + c) % n)]);
+    if (turned)
+      soup.triangles.push_back({v, v + 2, v + 1});
+    else
+      soup.triangles.push_back({v, v + 1, v + 2});
+  }
+}
+
+struct Union {
+  std::vector<Solid> solids;
+  TriangleSoup soup;
+
+  bool holds(const Vector3d& p) const {
+    return std::any_of(solids.begin(), solids.end(), [&](const Solid& s) { return s.holds(p); });
+  }
+};
+
+// Up to six solids on a lattice: they touch, overlap and share corners, edges and facets. Some are
+// turned inside out, some facets are turned, and some are there twice, cut in two ways.
+Union randomUnion(Random& random) {
+  Union result;
+  for (int k = 1 + random.below(6); k > 0; --k) {
+    const Solid& solid = result.solids.emplace_back(randomSolid(random));
+    const bool turned = random.below(2) != 0;
+    for (const auto& facet : solid.facets) {
+      const std::vector<Vector3d> polygon = polygonOf(solid, facet, random);
+      appendFacet(polygon, turned != (random.below(8) == 0), random, result.soup);
+      if (random.below(6) == 0) appendFacet(polygon, random.below(2) != 0, random, result.soup);
+    }
+  }
+  return result;
+}
+
+Vector3d randomPoint(Random& random) { return 2.5 * Vector3d::Ones() + 3 * random.vector(); }
+
+bool isInside(const TriangleMesh& mesh, const Vector3d& p) {
+  for (int c = 0; c < mesh.componentCount(); ++c) {
+    if (!mesh.isClosed(c)) continue;
+    const Side side = sideOf(mesh, c, p);
+    EXPECT_NE(side, Side::kUnknown);
+    if (side == Side::kInside) return true;
+  }
+  return false;
+}
+
+// Points of many unions, and how many answers were wrong.
+struct Count {
+  int asked = 0, inside = 0, wrong = 0;
+
+  void compare(bool answer, bool truth) {
+    ++asked;
+    inside += truth ? 1 : 0;
+    wrong += answer != truth ? 1 : 0;
+  }
+  void print() const { std::printf("%d points of unions: %d wrong\n", asked, wrong); }
+};
+
+TEST(SolidParts, UnionsOfTouchingTurnedAndDoubledSolidsHaveTheirInside) {
+  const int unions = static_cast<int>(fromEnvironment("LEEWAY_TEST_UNIONS", 100));
+  Random random(fromEnvironment("LEEWAY_TEST_SEED", 46));
+  Count count;
+  int shared = 0;
+  for (int i = 0; i < unions; ++i) {
+    const Union u = randomUnion(random);
+    const auto mesh = TriangleMesh::make(u.soup.vertices, u.soup.triangles, {.decompose = false});
+    ASSERT_EQ(mesh->openEdgeCount(), 0U) << "union " << i;
+    for (std::size_t t = 0; t < mesh->triangles().size(); ++t)
+      shared += mesh->windingWeight(static_cast<int>(t)) > 1 ? 1 : 0;
+    for (int k = 0; k < 100; ++k) {
+      const Vector3d p = randomPoint(random);
+      count.compare(isInside(*mesh, p), u.holds(p));
+      ASSERT_EQ(count.wrong, 0) << "union " << i << ", point " << p.transpose();
+    }
+  }
+  count.print();
+  EXPECT_GT(count.inside, 5 * unions);
+  EXPECT_GT(shared, unions / 10);  // facets that several solids share
+}
+
+// Files carry noise: each corner of each triangle is rounded for itself, and turned solids meet in
+// T-junctions that are not exact.
+TEST(SolidParts, WeldClosesWhatNoiseHasOpened) {
+  constexpr double kNoise = 1e-7, kWeld = 1e-6;
+  const int unions = static_cast<int>(fromEnvironment("LEEWAY_TEST_UNIONS", 100));
+  Random random(fromEnvironment("LEEWAY_TEST_SEED", 47));
+  Count count;
+  int open = 0;
+  for (int i = 0; i < unions; ++i) {
+    Union u = randomUnion(random);
+    const Pose X = random.pose(10);
+    for (Vector3d& v : u.soup.vertices) v = X * v + kNoise * random.vector();
+    open += TriangleMesh::make(u.soup.vertices, u.soup.triangles, {.decompose = false})
+                        ->openEdgeCount() > 0
+                ? 1
+                : 0;
+    const auto mesh =
+        TriangleMesh::make(u.soup.vertices, u.soup.triangles, {.decompose = false, .weld = kWeld});
+    ASSERT_EQ(mesh->openEdgeCount(), 0U) << "union " << i;
+    for (int k = 0; k < 100; ++k) {
+      const Vector3d p = randomPoint(random);
+      // A point so near to a facet may be on either side of it.
+      const bool is_near = std::any_of(u.solids.begin(), u.solids.end(), [&](const Solid& s) {
+        return s.holds(p + 1e-5 * random.direction()) != s.holds(p - 1e-5 * random.direction());
+      });
+      if (is_near) continue;
+      count.compare(isInside(*mesh, X * p), u.holds(p));
+      ASSERT_EQ(count.wrong, 0) << "union " << i << ", point " << p.transpose();
+    }
+  }
+  count.print();
+  EXPECT_EQ(open, unions);
+  EXPECT_GT(count.inside, 5 * unions);
+}
+
+}  // namespace
+}  // namespace leeway::collision::testing
