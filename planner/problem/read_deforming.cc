@@ -20,6 +20,7 @@ using collision::DeformableMesh;
 using collision::DeformOptions;
 using collision::DeformStrategy;
 using collision::DeformVolume;
+using robots::IndexedMesh;
 
 /// The words of an enumeration up to its last value.
 template <typename Enum>
@@ -61,6 +62,23 @@ DeformOptions readOptions(const YamlReader& entry) {
           static_cast<int>(std::min<std::int64_t>(queries->integer(0), 1 << 30));
   }
   return options;
+}
+
+/// A rectangle of `size` in the plane z = 0, its middle at the origin, in cells of two triangles.
+/// Vertices row by row, x fastest. All arguments positive.
+IndexedMesh gridMesh(double size_x, double size_y, int cells_x, int cells_y) {
+  IndexedMesh mesh;
+  for (int j = 0; j <= cells_y; ++j)
+    for (int i = 0; i <= cells_x; ++i)
+      mesh.vertices.emplace_back(size_x * (static_cast<double>(i) / cells_x - 0.5),
+                                 size_y * (static_cast<double>(j) / cells_y - 0.5), 0);
+  for (int j = 0; j < cells_y; ++j)
+    for (int i = 0; i < cells_x; ++i) {
+      const std::int32_t a = j * (cells_x + 1) + i, b = a + 1, c = a + cells_x + 1, d = c + 1;
+      mesh.triangles.push_back({a, b, d});
+      mesh.triangles.push_back({a, d, c});
+    }
+  return mesh;
 }
 
 IndexedMesh readRestMesh(const YamlReader& entry) {
@@ -143,6 +161,7 @@ void readDeforming(const YamlReader& entry, Problem& problem) {
   const YamlReader name = entry.at("name", "a name of its own");
   requireFreeName(name, problem);
   const IndexedMesh rest = readRestMesh(entry);
+  problem.warnings.insert(problem.warnings.end(), rest.warnings.begin(), rest.warnings.end());
   const auto motion_entry = entry.find("motion");
   const auto motion = motion_entry ? readMotion(*motion_entry, rest, problem.warnings) : nullptr;
   const DeformOptions options = readOptions(entry);

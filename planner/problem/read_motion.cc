@@ -219,7 +219,7 @@ Interpolation readInterpolation(const YamlReader& map) {
   return Interpolation::kSmooth;
 }
 
-IndexedMesh readVertices(const YamlReader& map) {
+robots::IndexedMesh readVertices(const YamlReader& map) {
   const YamlReader file = map.at("file", "an OBJ file");
   const std::string path = resolvedPath(file);
   if (!std::filesystem::is_regular_file(path))
@@ -231,19 +231,11 @@ IndexedMesh readVertices(const YamlReader& map) {
         fmt::format("{} has the ending '{}'; an OBJ is expected, whose vertices have numbers "
                     "that a motion can go by",
                     file.where(), ending));
-  IndexedMesh mesh = readObj(path);
-  if (const auto scale = map.find("scale")) {
-    const Eigen::Vector3d factors =
-        scale->isList() ? scale->vector3()
-                        : Eigen::Vector3d(Eigen::Vector3d::Constant(scale->number()));
-    if ((factors.array() == 0).any())
-      scale->fail(fmt::format("{} holds a zero; other factors are expected", scale->where()));
-    for (Eigen::Vector3d& v : mesh.vertices) v = v.cwiseProduct(factors);
-  }
-  return mesh;
+  return robots::importIndexed(path, readScale(map), file.file(), file.line());
 }
 
-std::shared_ptr<const VertexMotion> readMotion(const YamlReader& motion, const IndexedMesh& rest,
+std::shared_ptr<const VertexMotion> readMotion(const YamlReader& motion,
+                                               const robots::IndexedMesh& rest,
                                                std::vector<std::string>& warnings) {
   motion.expectKeys(keysOf("motion"));
   constexpr std::array<std::string_view, 6> kWords = {"waves",   "lattice", "morph",

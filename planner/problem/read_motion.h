@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "leeway/collision/vertex_motion.h"
-#include "planner/problem/indexed_mesh.h"
 #include "planner/yaml/yaml_reader.h"
+#include "robots/mesh/mesh_import.h"
 
 namespace leeway::planner {
 
@@ -15,11 +15,11 @@ namespace leeway::planner {
 inline constexpr int kMostGridCells = 1'000'000;
 
 /// `file` and `scale` of a map: an OBJ, whose vertices keep their order.
-IndexedMesh readVertices(const YamlReader& map);
+robots::IndexedMesh readVertices(const YamlReader& map);
 
 /// `motion:` of a deforming obstacle whose vertices rest at `rest`.
 std::shared_ptr<const collision::VertexMotion> readMotion(const YamlReader& motion,
-                                                          const IndexedMesh& rest,
+                                                          const robots::IndexedMesh& rest,
                                                           std::vector<std::string>& warnings);
 
 /// `skinned:`, bones that carry the vertices (read_skinning.cc).

@@ -29,29 +29,21 @@ std::string listed(std::span<const std::string_view> words) {
   return text;
 }
 
-Eigen::Vector3d readScale(const YamlReader& mesh) {
-  const auto scale = mesh.find("scale");
-  if (!scale) return Eigen::Vector3d::Ones();
-  Eigen::Vector3d factors = scale->isList()
-                                ? scale->vector3()
-                                : Eigen::Vector3d(Eigen::Vector3d::Constant(scale->number()));
-  if ((factors.array() == 0).any())
-    scale->fail(fmt::format("{} holds a zero; other factors are expected", scale->where()));
-  return factors;
+Shape readMesh(const YamlReader& mesh, std::vector<std::string>& warnings,
+               const robots::LoadOptions& load) {
+  const YamlReader file = mesh.at("file", "a mesh file (STL, OBJ, PLY, DAE, glTF)");
+  return robots::loadMesh(resolvedPath(file), readScale(mesh), file.file(), file.line(), load,
+                          &warnings);
 }
 
-Shape readMesh(const YamlReader& mesh, const robots::LoadOptions& load) {
-  const YamlReader file = mesh.at("file", "a mesh file (STL, OBJ, DAE)");
-  return robots::loadMesh(resolvedPath(file), readScale(mesh), file.file(), file.line(), load);
-}
-
-Shape readConvexHull(const YamlReader& hull, const robots::LoadOptions& load) {
+Shape readConvexHull(const YamlReader& hull, std::vector<std::string>& warnings,
+                     const robots::LoadOptions& load) {
   const auto points = hull.find("points");
   if (points.has_value() == hull.has("file"))
     hull.fail(fmt::format("{} has {}; either is expected", hull.where(),
                           points ? "both 'points' and 'file'" : "neither 'points' nor 'file'"));
   if (!points) {
-    const Shape mesh = readMesh(hull, load);
+    const Shape mesh = readMesh(hull, warnings, load);
     return mesh.mesh() != nullptr ? Shape::convexHull(mesh.mesh()->vertices()) : mesh;
   }
   if (const auto scale = hull.find("scale"))
@@ -63,7 +55,8 @@ Shape readConvexHull(const YamlReader& hull, const robots::LoadOptions& load) {
   return Shape::convexHull(vertices);
 }
 
-Shape readShape(std::string_view word, const YamlReader& sizes, const robots::LoadOptions& load) {
+Shape readShape(std::string_view word, const YamlReader& sizes, std::vector<std::string>& warnings,
+                const robots::LoadOptions& load) {
   if (word != "half_space" || !sizes.isNull()) sizes.expectKeys(keysOf(word));
   if (word == "half_space") return Shape::halfSpace();
   const auto radius = [&] { return sizes.at("radius", "a number [m]").sizeNumber(); };
@@ -78,8 +71,8 @@ Shape readShape(std::string_view word, const YamlReader& sizes, const robots::Lo
     return Shape::cone(radius(), sizes.at("height", "a number [m]").sizeNumber() / 2);
   if (word == "ellipsoid")
     return Shape::ellipsoid(sizes.at("semi_axes", "three numbers [m]").sizeVector3());
-  if (word == "mesh") return readMesh(sizes, load);
-  if (word == "convex_hull") return readConvexHull(sizes, load);
+  if (word == "mesh") return readMesh(sizes, warnings, load);
+  if (word == "convex_hull") return readConvexHull(sizes, warnings, load);
   throw std::logic_error("no reader for the shape: " + std::string(word));
 }
 
@@ -97,11 +90,12 @@ std::string_view shapeWord(const YamlReader& map) {
   return found;
 }
 
-Shape readOneShape(const YamlReader& map, std::string_view word, const robots::LoadOptions& load) {
+Shape readOneShape(const YamlReader& map, std::string_view word, std::vector<std::string>& warnings,
+                   const robots::LoadOptions& load) {
   robots::throwIfStopped(load.stop, "objects were read");
   const YamlReader sizes = map.at(word, "its sizes");
   try {
-    return readShape(word, sizes, load);
+    return readShape(word, sizes, warnings, load);
   } catch (const collision::InvalidShape& error) {
     sizes.fail(fmt::format("{}: {}", sizes.where(), error.what()));
   }
@@ -182,7 +176,7 @@ Geometry readGeometry(const YamlReader& map, const std::string& name,
   if (word.empty())
     map.fail(fmt::format("{} has no shape; {} is expected", map.where(), listed(shapeWords())));
   const auto own_name = map.find("name");
-  return {readOneShape(map, word, load), readPose(map, warnings),
+  return {readOneShape(map, word, warnings, load), readPose(map, warnings),
           own_name ? own_name->text() : name};
 }
 
@@ -205,8 +199,19 @@ std::vector<Geometry> readGeometries(const YamlReader& map, const std::string& o
   if (word.empty())
     map.fail(fmt::format("{} has no shape; {} or 'shapes' is expected", map.where(),
                          listed(shapeWords())));
-  geometries.push_back({readOneShape(map, word, load), Pose(), owner});
+  geometries.push_back({readOneShape(map, word, warnings, load), Pose(), owner});
   return geometries;
+}
+
+Eigen::Vector3d readScale(const YamlReader& map) {
+  const auto scale = map.find("scale");
+  if (!scale) return Eigen::Vector3d::Ones();
+  Eigen::Vector3d factors = scale->isList()
+                                ? scale->vector3()
+                                : Eigen::Vector3d(Eigen::Vector3d::Constant(scale->number()));
+  if ((factors.array() == 0).any())
+    scale->fail(fmt::format("{} holds a zero; other factors are expected", scale->where()));
+  return factors;
 }
 
 std::string resolvedPath(const YamlReader& reader) {

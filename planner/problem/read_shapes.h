@@ -41,6 +41,9 @@ std::vector<collision::Geometry> readGeometries(const YamlReader& map, const std
                                                 std::vector<std::string>& warnings,
                                                 const robots::LoadOptions& load);
 
+/// `scale` of a map, one factor or three; ones without it.
+Eigen::Vector3d readScale(const YamlReader& map);
+
 /// A path named in a YAML file: absolute, or relative to that file's folder.
 std::string resolvedPath(const YamlReader& reader);
 

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace leeway::robots {
@@ -31,13 +32,38 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return previous[b.size()];
 }
 
+/// What a decimal number that is outside of the range of doubles rounds to: 0 or infinity.
+double outOfRange(std::string_view number) {
+  const bool negative = number.front() == '-';
+  const std::size_t mantissa_end = std::min(number.find_first_of("eE"), number.size());
+  long power = 0;  // of ten, above which the first digit that is not 0 stands
+  bool after_point = false, significant = false;
+  for (const char c : number.substr(0, mantissa_end)) {
+    if (c == '.') after_point = true;
+    if (c < '0' || c > '9') continue;
+    significant = significant || c != '0';
+    if (significant && !after_point) ++power;
+    if (!significant && after_point) --power;
+  }
+  std::string_view exponent = number.substr(std::min(mantissa_end + 1, number.size()));
+  const bool small = exponent.starts_with('-');
+  if (small || exponent.starts_with('+')) exponent.remove_prefix(1);
+  long size = 0;
+  for (const char c : exponent) size = std::min(10 * size + (c - '0'), 1L << 40);
+  const double magnitude =
+      power + (small ? -size : size) > 0 ? std::numeric_limits<double>::infinity() : 0;
+  return negative ? -magnitude : magnitude;
+}
+
 }  // namespace
 
 std::optional<double> parseNumber(std::string_view text) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  if (end != text.data() + text.size()) return std::nullopt;
+  if (error == std::errc::result_out_of_range) return outOfRange(text);
+  if (error != std::errc()) return std::nullopt;
   return value;
 }
 

@@ -33,6 +33,17 @@ inline constexpr double kFarthestOrigin = 1e9;
 /// infinite.
 inline constexpr double kGreatestLimit = 1e16;
 
+/// A polygon of a mesh file counts as planar, and as not crossing itself, up to this share of its
+/// coordinates: what single precision and six digits leave of a plane. Its triangles are then one
+/// of the surfaces that it can mean, and no other is farther away. Larger loses cover in silence;
+/// smaller covers flat faces as if they were thick, with a warning.
+inline constexpr double kPlanarShare = 1e-6;
+/// But of coordinates far from the polygon no more counts than so many times its size: digits are
+/// not lost to an offset that double precision has room for ...
+inline constexpr double kPlanarOffset = 10;
+/// ... up to this share of it.
+inline constexpr double kPlanarRounding = 16 * collision::kUnitRoundoff;
+
 /// Rounding of coordinates and angles in provenGaps(): relative, and in metres and radians.
 inline constexpr double kGapSlack = 1e-9;
 

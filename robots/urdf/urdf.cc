@@ -21,11 +21,11 @@
 #include "robots/base/read_on.h"
 #include "robots/cache/content_key.h"
 #include "robots/cache/disk_cache.h"
+#include "robots/mesh/mesh_import.h"
+#include "robots/mesh/mesh_path.h"
 #include "robots/model/model_builder.h"
 #include "robots/motion/gap_file.h"
 #include "robots/motion/link_gaps.h"
-#include "robots/urdf/mesh_import.h"
-#include "robots/urdf/mesh_path.h"
 #include "robots/urdf/srdf.h"
 #include "robots/urdf/urdf_document.h"
 
@@ -58,10 +58,13 @@ class Meshes {
                       [&](const Stop& asked) { runAll(asked); });
   }
 
-  Shape load(const UrdfCollision& collision) {
-    const Loaded& loaded = loaded_.at(keyOf(collision));
+  /// The warnings of a mesh come with its first use.
+  Shape load(const UrdfCollision& collision, std::vector<std::string>& warnings) {
+    Loaded& loaded = loaded_.at(keyOf(collision));
     if (loaded.error) std::rethrow_exception(loaded.error);
     keys_.push_back(loaded.mesh->key);
+    for (std::string& warning : loaded.mesh->warnings) warnings.push_back(std::move(warning));
+    loaded.mesh->warnings.clear();
     return loaded.mesh->shape;
   }
 
@@ -142,7 +145,8 @@ class Meshes {
   std::vector<Task> tasks_;
 };
 
-Shape makeShape(const UrdfCollision& collision, Meshes& meshes, const std::string& urdf_path) {
+Shape makeShape(const UrdfCollision& collision, Meshes& meshes, const std::string& urdf_path,
+                std::vector<std::string>& warnings) {
   try {
     switch (collision.kind) {
       case UrdfCollision::Kind::kBox:
@@ -157,7 +161,7 @@ Shape makeShape(const UrdfCollision& collision, Meshes& meshes, const std::strin
   } catch (const collision::InvalidShape& invalid) {
     throw InputError(urdf_path, collision.line, invalid.what());
   }
-  return meshes.load(collision);
+  return meshes.load(collision, warnings);
 }
 
 /// Link indices of the document, parents before children, depth first, children in the order of
@@ -217,8 +221,8 @@ void appendLink(const UrdfLink& source, int joint, Meshes& meshes, const std::st
   link.joint = joint;
   for (const UrdfCollision& collision : source.collisions)
     readOn(errors, [&] {
-      link.geometries.push_back(
-          {makeShape(collision, meshes, urdf_path), collision.X_LG, collision.name});
+      link.geometries.push_back({makeShape(collision, meshes, urdf_path, model.warnings),
+                                 collision.X_LG, collision.name});
     });
   model.links.push_back(std::move(link));
 }

@@ -7,7 +7,7 @@
 #include "leeway/collision/triangle_mesh.h"
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_shapes.h"
-#include "robots/urdf/mesh_path.h"
+#include "robots/mesh/mesh_path.h"
 
 namespace leeway::planner {
 namespace {
@@ -55,13 +55,14 @@ Shape readPrimitive(const YamlReader& primitive) {
 
 /// Points, and triangles as their indices: shape_msgs/Mesh. Or, as Robowflex and MotionBenchMaker
 /// write it, `resource`, a file by its package, path or URI, and `dimensions`, its scale.
-Shape readSceneMesh(const YamlReader& mesh, const robots::LoadOptions& load) {
+Shape readSceneMesh(const YamlReader& mesh, std::vector<std::string>& warnings,
+                    const robots::LoadOptions& load) {
   if (const auto resource = mesh.find("resource")) {
     const auto scale = mesh.find("dimensions");
     return robots::loadMesh(
         robots::resolveMesh(resource->text(), resource->file(), resource->line(), load),
         scale ? scale->vector3() : Eigen::Vector3d(1, 1, 1), resource->file(), resource->line(),
-        load);
+        load, &warnings);
   }
   const YamlReader points = mesh.at("vertices", "a list of points [m]");
   const YamlReader faces = mesh.at("triangles", "a list of three vertex_indices each");
@@ -153,8 +154,9 @@ Object readCollisionObject(const YamlReader& map, const robots::LoadOptions& loa
     object.X_WO = readMoveitPose(*pose, "position", "orientation", warnings);
   readShapes(map, "primitives", "primitive_poses", object, warnings,
              [](const YamlReader& shape) { return std::pair(readPrimitive(shape), Pose()); });
-  readShapes(map, "meshes", "mesh_poses", object, warnings,
-             [&](const YamlReader& mesh) { return std::pair(readSceneMesh(mesh, load), Pose()); });
+  readShapes(map, "meshes", "mesh_poses", object, warnings, [&](const YamlReader& mesh) {
+    return std::pair(readSceneMesh(mesh, warnings, load), Pose());
+  });
   readShapes(map, "planes", "plane_poses", object, warnings, [](const YamlReader& plane) {
     return std::pair(Shape::halfSpace(), readPlane(plane));
   });

@@ -25,7 +25,7 @@
 #include "planner/problem/other_formats.h"
 #include "planner/problem/read_states.h"
 #include "robots/base/read_file.h"
-#include "robots/urdf/mesh_import.h"
+#include "robots/mesh/mesh_import.h"
 
 namespace leeway::planner {
 namespace {
@@ -217,10 +217,13 @@ class Loader {
     return given;
   }
 
-  robots::CenteredMesh readMesh(const Config::Entry& entry) const {
+  robots::CenteredMesh readMesh(const Config::Entry& entry) {
     const std::filesystem::path folder = std::filesystem::path(config_.file()).parent_path();
     robots::throwIfStopped(stop_, "meshes were read");
-    return robots::importForOmplApp((folder / entry.text).string(), config_.file(), entry.line);
+    robots::CenteredMesh mesh =
+        robots::importForOmplApp((folder / entry.text).string(), config_.file(), entry.line);
+    problem_.warnings.insert(problem_.warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
+    return mesh;
   }
 
   void include(const Eigen::Vector3d& p) {

@@ -36,7 +36,7 @@ def tube(a, b, radii, rings):
         faces.append([0, 1 + n, 1 + s])
         for i in range(rings - 1):
             p, q = 1 + i * SIDES + s, 1 + i * SIDES + n
-            faces.append([p, q, q + SIDES, p + SIDES])
+            faces += [[p, q, q + SIDES], [p, q + SIDES, p + SIDES]]
         faces.append([last, last - SIDES + s, last - SIDES + n])
     return vertices, faces
 

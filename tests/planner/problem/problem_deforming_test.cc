@@ -13,7 +13,7 @@
 #include "leeway/planner/problem.h"
 #include "leeway/robots/input_error.h"
 #include "planner/execute/obstacles.h"
-#include "planner/problem/indexed_mesh.h"
+#include "robots/mesh/mesh_import.h"
 #include "tests/support/folder.h"
 
 namespace leeway::planner {
@@ -76,16 +76,51 @@ class ProblemDeforming : public testing::Test {
 };
 
 TEST_F(ProblemDeforming, AFileKeepsItsVerticesNumbers) {
-  const IndexedMesh mesh = readObj(folder_.path("square.obj"));
+  const robots::IndexedMesh mesh =
+      robots::importIndexed(folder_.path("square.obj"), Eigen::Vector3d::Ones(), "p.yaml", 1);
   ASSERT_EQ(mesh.vertices.size(), 4U);
   EXPECT_EQ(mesh.vertices[2], Eigen::Vector3d(1, 1, 0));
   ASSERT_EQ(mesh.triangles.size(), 2U);
   EXPECT_EQ(mesh.triangles[1], (collision::DeformableMesh::Triangle{0, 2, 3}));
-  const IndexedMesh grid = gridMesh(2, 1, 4, 3);
-  EXPECT_EQ(grid.vertices.size(), 20U);
-  EXPECT_EQ(grid.triangles.size(), 24U);
-  EXPECT_EQ(grid.vertices.front(), Eigen::Vector3d(-1, -0.5, 0));
-  EXPECT_EQ(grid.vertices.back(), Eigen::Vector3d(1, 0.5, 0));
+  const Problem grid =
+      load("deforming:\n  - name: cloth\n    grid: {size: [2, 1], cells: [4, 3]}\n");
+  const collision::DeformableMesh& cloth = *grid.world.deforming.at(0).mesh;
+  EXPECT_EQ(cloth.rest().size(), 20U);
+  EXPECT_EQ(cloth.triangles().size(), 24U);
+  EXPECT_EQ(cloth.rest().front(), Eigen::Vector3d(-1, -0.5, 0));
+  EXPECT_EQ(cloth.rest().back(), Eigen::Vector3d(1, 0.5, 0));
+}
+
+/// The notch of an L is not filled, whatever the face's first corner is.
+TEST_F(ProblemDeforming, ConcaveFacesKeepTheirNotch) {
+  const std::string corners[6] = {"0 2 0", "0 0 0", "3 0 0", "3 1 0", "1 1 0", "1 2 0"};
+  for (int first = 0; first < 6; ++first) {
+    std::string obj;
+    for (int i = 0; i < 6; ++i)
+      obj += "v " + corners[static_cast<std::size_t>((first + i) % 6)] + '\n';
+    write("ell.obj", obj + "f 1 2 3 4 5 6\n");
+    const Problem problem = load(
+        "deforming:\n  - name: sheet\n    position: [0, 0, 0.05]\n    mesh: {file: ell.obj}\n");
+    EXPECT_EQ(problem.world.deforming.at(0).mesh->triangles().size(), 4U);
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    EXPECT_NEAR(certifier.clearance(std::vector<double>{1.3, 1.3, 0}, 1e-4).clearance.lower, 0.2,
+                1e-3)
+        << first;
+  }
+}
+
+/// Faces that are not planar are the triangles that they are cut into, with a warning.
+TEST_F(ProblemDeforming, BentFacesAreTold) {
+  write("bent_face.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3 4\nl 1 2\n");
+  const Problem problem =
+      load("deforming:\n  - name: cloth\n    mesh: {file: bent_face.obj, scale: 2}\n");
+  EXPECT_EQ(problem.world.deforming.at(0).mesh->triangles().size(), 2U);
+  ASSERT_EQ(problem.warnings.size(), 2U);
+  EXPECT_NE(problem.warnings[0].find("bent_face.obj:6: left out"), std::string::npos)
+      << problem.warnings[0];
+  EXPECT_NE(problem.warnings[1].find("bent_face.obj:5: a face is not planar by 0."),
+            std::string::npos)
+      << problem.warnings[1];
 }
 
 TEST_F(ProblemDeforming, EverybodySeesTheStart) {
@@ -286,22 +321,10 @@ TEST_F(ProblemDeforming, Messages) {
                 14, "the motion may reach");
   write("bad.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
   write("bad_face.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n");
-  try {
-    load(head + "    mesh: {file: bad.obj}\n");
-    ADD_FAILURE();
-  } catch (const robots::InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("bad.obj:2: 'nan' is no coordinate"),
-              std::string::npos)
-        << error.what();
-  }
-  try {
-    load(head + "    mesh: {file: bad_face.obj}\n");
-    ADD_FAILURE();
-  } catch (const robots::InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("bad_face.obj:4: names vertex 7 of 3"),
-              std::string::npos)
-        << error.what();
-  }
+  expectRefused(head + "    mesh: {file: bad.obj}\n", 12,
+                "bad.obj:2: the coordinate 'nan' is not finite");
+  expectRefused(head + "    mesh: {file: bad_face.obj}\n", 12,
+                "bad_face.obj:4: the face names vertex 7; 1 to 3 would be accepted");
   expectRefused("objects:\n  - {name: cloth, sphere: {radius: 0.1}}\n" + grid, 13,
                 "name of another object");
 }

@@ -162,7 +162,7 @@ TEST(ProblemMessages, NumbersThatAreNone) {
       {withRobot("margin: .nan\n"), 8, "margin is '.nan'; a finite number is expected"},
       {withRobot("margin: nan\n"), 8, "margin is 'nan'; a finite number is expected"},
       {withRobot("margin: -.inf\n"), 8, "margin is '-.inf'; a finite number is expected"},
-      {withRobot("margin: 1e999\n"), 8, "margin is '1e999'; a number is expected"},
+      {withRobot("margin: 1e999\n"), 8, "margin is '1e999'; a finite number is expected"},
       {withRobot("", "[0, .inf, 0, 0, 0, 0]"), 6,
        "start[1] is '.inf'; a finite number is expected"},
       {box("[1, .nan, 1]"), 9, "objects[0].box.size[1] is '.nan'; a finite number is expected"},

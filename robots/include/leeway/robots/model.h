@@ -188,10 +188,13 @@ std::shared_ptr<const Model> freeBody(const std::string& name, std::vector<Geome
                                       JointType type, const Eigen::Vector3d& lower,
                                       const Eigen::Vector3d& upper);
 
-/// Reads a mesh file (Assimp). Applies the file's unit and node transforms, then `scale`; ignores
-/// its up axis, as RViz and MoveIt do. Throws InputError that names `referrer`:`line`, which asked
-/// for it.
+/// Reads a mesh file: STL, OBJ, PLY and DAE exactly as written, glTF and other formats of Assimp in
+/// single precision. Applies the file's unit and node transforms, then `scale`; ignores its up
+/// axis, as RViz and MoveIt do. Polygons are cut into triangles that cover exactly them; what has
+/// no area is left out. Throws InputError that names `referrer`:`line`, which asked for it, and the
+/// mesh's own line or byte; lesser faults are appended to `warnings`, in the same form.
 collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
-                          const std::string& referrer, int line, const LoadOptions& options = {});
+                          const std::string& referrer, int line, const LoadOptions& options = {},
+                          std::vector<std::string>* warnings = nullptr);
 
 }  // namespace leeway::robots

@@ -7,8 +7,9 @@
 
 namespace leeway::robots {
 
-/// The whole text as a decimal number, "inf" and "nan" included; a plus sign may precede it.
-/// Nothing for any other text. Independent of the locale.
+/// The whole text as a decimal number, correctly rounded, "inf" and "nan" included; a plus sign may
+/// precede it. Beyond the range of doubles it is infinite, below it 0. Nothing for any other text.
+/// Independent of the locale.
 std::optional<double> parseNumber(std::string_view text);
 
 /// parseNumber() for finite numbers only.

@@ -100,13 +100,17 @@ TEST(MeshImport, AsciiStlAndObjPolygons) {
   EXPECT_EQ(obj.mesh()->vertices().size(), 4u);
 }
 
-TEST(MeshImport, LinesAndPointsCanBeTouched) {
+TEST(MeshImport, LinesAndPointsAreNotSolid) {
   const Folder folder;
-  const auto shape = loadMesh(
-      folder.write("l.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 5 0 0\nv 6 0 0\nf 1 2 3\nl 4 5\n"), kOne,
-      "r.urdf", 1);
-  EXPECT_EQ(shape.mesh()->triangles().size(), 2u);
-  EXPECT_EQ(extent(shape).second.x(), 6);
+  std::vector<std::string> warnings;
+  const std::string file = folder.write(
+      "l.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 5 0 0\nv 6 0 0\nf 1 2 3\nl 4 5\nl 5 4\np 4\n");
+  const auto shape = loadMesh(file, kOne, "r.urdf", 1, {}, &warnings);
+  EXPECT_EQ(shape.mesh()->triangles().size(), 1u);
+  EXPECT_EQ(extent(shape).second.x(), 1);
+  EXPECT_EQ(warnings, std::vector<std::string>{"r.urdf:1: mesh " + file +
+                                               ":7: left out, as they have no area: 2 lines and "
+                                               "1 point"});
 }
 
 TEST(MeshImport, ColladaUnitsAndNodesCountTheUpAxisDoesNot) {
@@ -139,7 +143,7 @@ TEST(MeshImport, Messages) {
     expectInputError([&] { loadMesh(file, kOne, "r.urdf", 7); }, "r.urdf", 7, words);
   };
   expect(folder.path("none.stl"),
-         {"mesh " + folder.path("none.stl"), "is not there", "STL, OBJ, DAE"});
+         {"mesh " + folder.path("none.stl"), "is not there", "STL, OBJ, PLY, DAE"});
   expect(folder.write("empty.stl", ""), {"empty.stl", "would be accepted"});
   expect(folder.write("cut.stl", tetrahedronStl().substr(0, 150)),
          {"cut.stl", "would be accepted"});
@@ -152,7 +156,8 @@ TEST(MeshImport, Messages) {
   std::memcpy(&nan_stl[84 + 12], &nan, 4);
   expect(folder.write("nan.stl", nan_stl), {"nan.stl", "finite"});
   expect(folder.write("broken.dae", "<COLLADA><asset>"), {"broken.dae", "would be accepted"});
-  expect(folder.write("what.xyz", "1 2 3"), {"what.xyz", "cannot be read", "STL, OBJ or DAE"});
+  expect(folder.write("what.xyz", "1 2 3"),
+         {"what.xyz", "cannot be read", "STL, OBJ, PLY, DAE or glTF"});
   const std::string good = folder.write("t.stl", tetrahedronStl());
   expectInputError([&] { loadMesh(good, {1, 0, 1}, "r.urdf", 7); }, "r.urdf", 7, {"scale", "zero"});
 }

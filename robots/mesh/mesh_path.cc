@@ -1,4 +1,4 @@
-#include "robots/urdf/mesh_path.h"
+#include "robots/mesh/mesh_path.h"
 
 #include <cstdlib>
 #include <filesystem>

@@ -1,8 +1,12 @@
 #pragma once
 
+// Private to the layers above collision/: mesh files as shapes.
+
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "leeway/collision/shape.h"
 #include "leeway/robots/stopped.h"
@@ -17,6 +21,7 @@ struct ImportedMesh {
   collision::Shape shape;
   /// The ContentKey of all that it depends on; empty where that is not known, or nothing is kept.
   std::string key;
+  std::vector<std::string> warnings;  ///< each with the referrer, and the mesh file's own line
 };
 
 /// loadMesh(), with a cache for what it makes. `stop` is asked from several threads.
@@ -24,9 +29,21 @@ ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
                         const std::string& referrer, int line, const DiskCache& cache,
                         const Stop& stop);
 
+/// A mesh whose vertices keep the numbers that they have in their file.
+struct IndexedMesh {
+  std::vector<Eigen::Vector3d> vertices;  ///< [m]
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  std::vector<std::string> warnings;
+};
+
+/// A Wavefront OBJ file, its polygons cut, its vertices scaled. Throws like loadMesh().
+IndexedMesh importIndexed(const std::string& path, const Eigen::Vector3d& scale,
+                          const std::string& referrer, int line);
+
 struct CenteredMesh {
   collision::Shape shape;
   Eigen::Vector3d center;  ///< mean of the vertices that Assimp keeps apart by their normals [m]
+  std::vector<std::string> warnings;
 };
 
 /// A mesh file as OMPL.app sees it: turned by its up axis, to Assimp's y. Throws like loadMesh().

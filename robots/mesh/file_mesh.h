@@ -1,0 +1,90 @@
+#pragma once
+
+// Private to robots/: what a mesh file holds, before its polygons are cut.
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <memory_resource>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "collision/base/large_pages.h"
+
+namespace leeway::robots {
+
+/// A line of a text file, or a byte of a binary one.
+class FilePlace {
+ public:
+  constexpr FilePlace() = default;  ///< the file as a whole
+  /// Lines count from 1.
+  static constexpr FilePlace line(std::int64_t number) { return FilePlace(number); }
+  static constexpr FilePlace byte(std::size_t offset) {
+    return FilePlace(-1 - static_cast<std::int64_t>(offset));
+  }
+  /// ":12", ", byte 84", or nothing.
+  std::string text() const;
+
+  std::int64_t code() const { return code_; }  ///< for files
+  static FilePlace fromCode(std::int64_t code) { return FilePlace(code); }
+
+ private:
+  explicit constexpr FilePlace(std::int64_t code) : code_(code) {}
+  std::int64_t code_ = 0;
+};
+
+/// Vertices exactly as the file has them, and polygons of them, in the file's order.
+class FileMesh {
+ public:
+  struct Face {
+    std::int32_t first = 0, count = 0;  ///< of the corners
+    FilePlace place;
+  };
+
+  std::pmr::vector<Eigen::Vector3d> vertices{collision::largeArrays()};
+  std::pmr::vector<std::int32_t> corners{collision::largeArrays()};  ///< vertices, from 0
+  std::pmr::vector<Face> faces{collision::largeArrays()};
+
+  void addFace(std::span<const std::int32_t> of, FilePlace place) {
+    faces.push_back(
+        {static_cast<std::int32_t>(corners.size()), static_cast<std::int32_t>(of.size()), place});
+    corners.insert(corners.end(), of.begin(), of.end());
+  }
+  std::span<const std::int32_t> cornersOf(const Face& face) const {
+    return std::span(corners).subspan(static_cast<std::size_t>(face.first),
+                                      static_cast<std::size_t>(face.count));
+  }
+};
+
+/// Something to tell of a file that can be used.
+struct MeshNote {
+  FilePlace place;
+  std::string text;
+};
+
+/// What a file holds that has no area, and is left out.
+struct NotSolid {
+  std::int64_t lines = 0, points = 0, curves = 0;
+  FilePlace first;
+
+  void count(std::int64_t& kind, FilePlace place) {
+    if (lines + points + curves == 0) first = place;
+    ++kind;
+  }
+};
+
+/// A file as a whole: meshes, and where each of them stands, once or several times.
+struct MeshContents {
+  using Placement = Eigen::Matrix<double, 3, 4>;  ///< from a mesh's coordinates to the file's
+  struct Instance {
+    std::size_t mesh;
+    Placement placement;
+  };
+  std::vector<FileMesh> meshes;
+  std::vector<Instance> instances;
+  NotSolid not_solid;
+  std::vector<MeshNote> notes;
+};
+
+}  // namespace leeway::robots

@@ -1,0 +1,52 @@
+#pragma once
+
+// Private to robots/: a mesh file in memory, and how readers complain about it.
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "collision/base/large_pages.h"
+#include "leeway/robots/stopped.h"
+#include "robots/mesh/file_mesh.h"
+
+namespace leeway::robots {
+
+/// A mesh file, read in one go, and the line of another file that names it.
+class MeshSource {
+ public:
+  /// Throws InputError for what is no file or cannot be read, and for what evidently is something
+  /// else: a Git LFS pointer, a web page. `stop` must outlive this.
+  MeshSource(std::string path, std::string referrer, int referrer_line, const Stop& stop);
+
+  const std::string& path() const { return path_; }
+  std::span<const std::byte> bytes() const { return {contents_.data(), contents_.size()}; }
+  /// The same as text, without a byte order mark.
+  std::string_view text() const;
+  /// What follows the last dot, in lower case, with the dot.
+  std::string ending() const;
+
+  /// Throws InputError: "REFERRER:7: mesh PATH MESSAGE", "REFERRER:7: mesh PATH:12: MESSAGE".
+  [[noreturn]] void fail(const std::string& message) const;
+  [[noreturn]] void failAt(FilePlace place, const std::string& message) const;
+  /// The note as a warning, in the same form.
+  std::string warning(const MeshNote& note) const;
+
+  /// Throws Stopped where that was asked for. Readers call it every kLinesBetweenStops lines.
+  void pause() const;
+  static constexpr std::size_t kLinesBetweenStops = std::size_t{1} << 16;
+
+ private:
+  std::string where(FilePlace place) const;
+
+  std::string path_, referrer_;
+  int referrer_line_;
+  const Stop& stop_;
+  collision::LargeBuffer contents_;
+};
+
+/// "'WORD'", cut where it is long or binary.
+std::string shown(std::string_view word);
+
+}  // namespace leeway::robots

@@ -1,0 +1,148 @@
+#include <charconv>
+
+#include "robots/mesh/readers.h"
+#include "robots/mesh/scan.h"
+
+namespace leeway::robots {
+namespace {
+
+class ObjReader {
+ public:
+  explicit ObjReader(const MeshSource& source)
+      : source_(source),
+        text_(source.text()),
+        line_end_(text_.find('\n') == std::string_view::npos ? '\r' : '\n') {}
+
+  MeshContents run() {
+    while (nextStatement()) readStatement();
+    FileMesh& mesh = mesh_;
+    const auto count = static_cast<std::int32_t>(mesh.vertices.size());
+    for (const FileMesh::Face& face : mesh.faces)
+      for (const std::int32_t corner : mesh.cornersOf(face))
+        if (corner >= count)
+          source_.failAt(face.place, "the face names vertex " + std::to_string(corner + 1) +
+                                         "; 1 to " + std::to_string(count) + " would be accepted");
+    contents_.meshes.push_back(std::move(mesh_));
+    contents_.instances.push_back({0, MeshContents::Placement::Identity()});
+    return std::move(contents_);
+  }
+
+ private:
+  /// A line without its comment; where it is a vertex or a face and ends with a backslash, with the
+  /// lines that continue it. (Comments, names and paths may end with one by chance.)
+  bool nextStatement() {
+    if (at_ >= text_.size()) return false;
+    if (++statements_ % MeshSource::kLinesBetweenStops == 0) source_.pause();
+    statement_ = takeLine();
+    line_ = lines_read_;
+    if (!statement_.ends_with('\\') || !isRead(Words(statement_).next())) return true;
+    joined_.clear();
+    while (statement_.ends_with('\\') && at_ < text_.size()) {
+      joined_ += statement_.substr(0, statement_.size() - 1);
+      joined_ += ' ';
+      statement_ = takeLine();
+    }
+    joined_ += statement_;
+    statement_ = joined_;
+    return true;
+  }
+
+  static bool isRead(std::string_view word) { return word == "v" || word == "f" || word == "fo"; }
+
+  std::string_view takeLine() {
+    const std::size_t end = std::min(text_.find(line_end_, at_), text_.size());
+    std::string_view line = text_.substr(at_, end - at_);
+    at_ = end + 1;
+    ++lines_read_;
+    line = line.substr(0, line.find('#'));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
+  }
+
+  FilePlace place() const { return FilePlace::line(line_); }
+
+  void readStatement() {
+    Words words(statement_);
+    const std::string_view word = words.next();
+    if (isRead(word)) return word == "v" ? readVertex(words) : readFace(words);
+    NotSolid& left_out = contents_.not_solid;
+    if (word == "l") left_out.count(left_out.lines, place());
+    if (word == "p") left_out.count(left_out.points, place());
+    if (word == "curv" || word == "curv2") left_out.count(left_out.curves, place());
+    if (word == "surf")
+      source_.failAt(place(), "a free-form surface (surf); polygons would be accepted");
+  }
+
+  /// X Y Z, with a weight W, three colours or four.
+  void readVertex(Words& words) {
+    Eigen::Vector3d& v = mesh_.vertices.emplace_back();
+    requireCountable(source_, mesh_.vertices.size(), place());
+    for (int k = 0; k < 3; ++k) v[k] = coordinate(source_, words.next(), place());
+    int more = 0;
+    double weight = 1;
+    for (std::string_view word = words.next(); !word.empty(); word = words.next(), ++more) {
+      const std::optional<double> value = parseNumber(word);
+      if (!value)
+        source_.failAt(place(), shown(word) +
+                                    " stands where a number is expected; v X Y Z, with "
+                                    "W or colours behind it, would be accepted");
+      if (more == 0) weight = *value;
+    }
+    if (more != 0 && more != 1 && more != 3 && more != 4)
+      source_.failAt(place(), "a vertex of " + std::to_string(3 + more) +
+                                  " numbers; v X Y Z, with W or colours behind it, would be "
+                                  "accepted");
+    if (more != 1 || weight == 1) return;
+    v /= weight;  // as Assimp does
+    if (!(v.cwiseAbs().maxCoeff() <= kGreatestCoordinate))
+      source_.failAt(
+          place(), "a vertex whose weight is " + std::to_string(weight) + "; 1 would be accepted");
+  }
+
+  /// VERTEX, VERTEX/TEXTURE, VERTEX/TEXTURE/NORMAL or VERTEX//NORMAL for each corner.
+  void readFace(Words& words) {
+    const auto first = static_cast<std::int32_t>(mesh_.corners.size());
+    for (std::string_view word = words.next(); !word.empty(); word = words.next())
+      mesh_.corners.push_back(corner(word));
+    requireCountable(source_, mesh_.corners.size(), place());
+    const auto count = static_cast<std::int32_t>(mesh_.corners.size()) - first;
+    if (count < 3)
+      source_.failAt(place(), "a face of " + std::to_string(count) +
+                                  " corners; at least three would be accepted");
+    mesh_.faces.push_back({first, count, place()});
+  }
+
+  /// Negative numbers count back from the last vertex so far; others may name one that follows.
+  std::int32_t corner(std::string_view word) const {
+    std::int32_t number = 0;
+    const char* const end = word.data() + word.size();
+    const auto [rest, error] = std::from_chars(word.data(), end, number);
+    const auto so_far = static_cast<std::int32_t>(mesh_.vertices.size());
+    const auto isReference = [](char c) { return c == '/' || c == '-' || (c >= '0' && c <= '9'); };
+    if (error != std::errc() || (rest != end && *rest != '/') ||
+        !std::all_of(rest, end, isReference) || number == 0)
+      source_.failAt(place(), shown(word) +
+                                  " stands where a corner is expected; the number of a vertex, "
+                                  "1 or more, would be accepted");
+    if (number < -so_far)
+      source_.failAt(place(), "the face names vertex " + std::to_string(number) + " of the " +
+                                  std::to_string(so_far) + " so far; -1 to -" +
+                                  std::to_string(so_far) + " would be accepted");
+    return number > 0 ? number - 1 : so_far + number;
+  }
+
+  const MeshSource& source_;
+  std::string_view text_, statement_;
+  std::string joined_;
+  char line_end_;
+  std::size_t at_ = 0, statements_ = 0;
+  std::int64_t lines_read_ = 0, line_ = 0;
+  FileMesh mesh_;
+  MeshContents contents_;
+};
+
+}  // namespace
+
+MeshContents readObj(const MeshSource& source) { return ObjReader(source).run(); }
+
+}  // namespace leeway::robots

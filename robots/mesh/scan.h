@@ -1,0 +1,97 @@
+#pragma once
+
+// Private to robots/: words, lines and numbers of a text in memory, and numbers of binary data.
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "leeway/robots/text.h"
+#include "robots/mesh/mesh_source.h"
+
+namespace leeway::robots {
+
+/// Magnitudes beyond this are refused where they are read: no shape is as large in any unit, and
+/// the exact predicates have room up to 1e90.
+inline constexpr double kGreatestCoordinate = 1e60;
+
+constexpr bool isBlank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f' || c == '\v';
+}
+
+/// The words of a text, one after the other, and the lines that they stand in.
+class Words {
+ public:
+  /// Lines end with a line feed; in a text without any, with a carriage return.
+  explicit Words(std::string_view text, std::int64_t line = 1)
+      : at_(text.data()),
+        end_(text.data() + text.size()),
+        line_end_(text.find('\n') == std::string_view::npos ? '\r' : '\n'),
+        line_(line) {}
+
+  /// The next word; empty at the end.
+  std::string_view next() {
+    while (at_ != end_ && isBlank(*at_)) line_ += *at_++ == line_end_ ? 1 : 0;
+    const char* const begin = at_;
+    while (at_ != end_ && !isBlank(*at_)) ++at_;
+    return {begin, static_cast<std::size_t>(at_ - begin)};
+  }
+  /// What is left of the line that the last word stands in.
+  std::string_view restOfLine() {
+    const char* const begin = at_;
+    at_ = std::find(at_, end_, line_end_);
+    return {begin, static_cast<std::size_t>(at_ - begin)};
+  }
+  /// Whether nothing but blanks is left.
+  bool atEnd() const { return std::all_of(at_, end_, isBlank); }
+  /// Of the last word.
+  FilePlace place() const { return FilePlace::line(line_); }
+  std::int64_t line() const { return line_; }
+
+ private:
+  const char* at_;
+  const char* end_;
+  char line_end_;
+  std::int64_t line_;
+};
+
+/// A whole word as a coordinate. Fails for what is no finite number.
+inline double coordinate(const MeshSource& source, std::string_view word, FilePlace place) {
+  const std::optional<double> value = parseNumber(word);
+  if (value && std::abs(*value) <= kGreatestCoordinate) return *value;
+  source.failAt(place, word.empty()
+                           ? "ends where a coordinate is expected; a finite number would be "
+                             "accepted"
+                       : !value ? shown(word) +
+                                      " stands where a coordinate is expected; a finite number "
+                                      "would be accepted"
+                                : "the coordinate " + shown(word) +
+                                      (std::isfinite(*value)
+                                           ? " is too large; up to 1e60 would be accepted"
+                                           : " is not finite; a finite number would be accepted"));
+}
+
+/// A number that stands in binary data, little-endian or big-endian.
+template <class T>
+T loadNumber(const std::byte* from, std::endian order = std::endian::little) {
+  std::byte bytes[sizeof(T)];
+  std::memcpy(bytes, from, sizeof(T));
+  if (order != std::endian::native) std::reverse(bytes, bytes + sizeof(T));
+  T value;
+  std::memcpy(&value, bytes, sizeof(T));
+  return value;
+}
+
+/// Fails unless `count`, of vertices or corners, fits into the 32 bits that number them.
+inline void requireCountable(const MeshSource& source, std::size_t count, FilePlace place) {
+  if (count > std::size_t{0x7FFFFFFF})
+    source.failAt(place, "holds more than 2147483647 vertices or corners, the most that is read");
+}
+
+}  // namespace leeway::robots
