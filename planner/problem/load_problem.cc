@@ -15,6 +15,7 @@
 #include "planner/problem/other_formats.h"
 #include "planner/problem/read_deforming.h"
 #include "planner/problem/read_execution.h"
+#include "planner/problem/read_meshes.h"
 #include "planner/problem/read_objective.h"
 #include "planner/problem/read_poses.h"
 #include "planner/problem/read_shapes.h"
@@ -455,14 +456,20 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
 
 }  // namespace
 
-Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options) {
-  if (std::filesystem::path(yaml_path).extension() == ".cfg")
-    return loadOmplApp(yaml_path, options);
+Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
+  if (std::filesystem::path(yaml_path).extension() == ".cfg") return loadOmplApp(yaml_path, given);
+  ProblemOptions options = given;
   const robots::ErrorsSince wrong(options.load.errors);
   const YamlReader file = YamlReader::load(yaml_path, options.load.stop, options.load.errors);
   if (!file.isMap()) file.fail("is no map; a problem file (leeway: 1, ...) is expected");
   requireVersion(file);
   file.expectKeys(keysOf("problem"));
+  std::set<std::string> meshes_found;
+  const auto meshes = file.find("meshes");
+  if (meshes) {
+    options.load.meshes_found = &meshes_found;
+    meshes->readOn([&] { readMeshes(*meshes, options.load); });
+  }
   const auto moveit = file.find("moveit");
   LinkPadding padding;
   Problem problem;
@@ -499,7 +506,9 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options)
     file.readOn([&] { readPairs(file, padding, problem); });
   }
   readPlanner(file, problem);
+  if (meshes) file.readOn([&] { expectMeshesFound(*meshes, meshes_found, problem); });
   wrong.throwFirst();
+  warnOfOpenMeshes(yaml_path, problem);
   return problem;
 }
 

@@ -29,21 +29,22 @@ std::string listed(std::span<const std::string_view> words) {
   return text;
 }
 
-Shape readMesh(const YamlReader& mesh, std::vector<std::string>& warnings,
+Shape readMesh(const YamlReader& mesh, const std::string& owner, std::vector<std::string>& warnings,
                const robots::LoadOptions& load) {
   const YamlReader file = mesh.at("file", "a mesh file (STL, OBJ, PLY, DAE, glTF)");
-  return robots::loadMesh(resolvedPath(file), readScale(mesh), file.file(), file.line(), load,
-                          &warnings);
+  const Shape shape = robots::loadMesh(resolvedPath(file), readScale(mesh), file.file(),
+                                       file.line(), load, &warnings);
+  return robots::treatedMesh(shape, {owner, file.text()}, load);
 }
 
-Shape readConvexHull(const YamlReader& hull, std::vector<std::string>& warnings,
-                     const robots::LoadOptions& load) {
+Shape readConvexHull(const YamlReader& hull, const std::string& owner,
+                     std::vector<std::string>& warnings, const robots::LoadOptions& load) {
   const auto points = hull.find("points");
   if (points.has_value() == hull.has("file"))
     hull.fail(fmt::format("{} has {}; either is expected", hull.where(),
                           points ? "both 'points' and 'file'" : "neither 'points' nor 'file'"));
   if (!points) {
-    const Shape mesh = readMesh(hull, warnings, load);
+    const Shape mesh = readMesh(hull, owner, warnings, load);
     return mesh.mesh() != nullptr ? Shape::convexHull(mesh.mesh()->vertices()) : mesh;
   }
   if (const auto scale = hull.find("scale"))
@@ -55,8 +56,8 @@ Shape readConvexHull(const YamlReader& hull, std::vector<std::string>& warnings,
   return Shape::convexHull(vertices);
 }
 
-Shape readShape(std::string_view word, const YamlReader& sizes, std::vector<std::string>& warnings,
-                const robots::LoadOptions& load) {
+Shape readShape(std::string_view word, const YamlReader& sizes, const std::string& owner,
+                std::vector<std::string>& warnings, const robots::LoadOptions& load) {
   if (word != "half_space" || !sizes.isNull()) sizes.expectKeys(keysOf(word));
   if (word == "half_space") return Shape::halfSpace();
   const auto radius = [&] { return sizes.at("radius", "a number [m]").sizeNumber(); };
@@ -71,8 +72,8 @@ Shape readShape(std::string_view word, const YamlReader& sizes, std::vector<std:
     return Shape::cone(radius(), sizes.at("height", "a number [m]").sizeNumber() / 2);
   if (word == "ellipsoid")
     return Shape::ellipsoid(sizes.at("semi_axes", "three numbers [m]").sizeVector3());
-  if (word == "mesh") return readMesh(sizes, warnings, load);
-  if (word == "convex_hull") return readConvexHull(sizes, warnings, load);
+  if (word == "mesh") return readMesh(sizes, owner, warnings, load);
+  if (word == "convex_hull") return readConvexHull(sizes, owner, warnings, load);
   throw std::logic_error("no reader for the shape: " + std::string(word));
 }
 
@@ -90,12 +91,12 @@ std::string_view shapeWord(const YamlReader& map) {
   return found;
 }
 
-Shape readOneShape(const YamlReader& map, std::string_view word, std::vector<std::string>& warnings,
-                   const robots::LoadOptions& load) {
+Shape readOneShape(const YamlReader& map, std::string_view word, const std::string& owner,
+                   std::vector<std::string>& warnings, const robots::LoadOptions& load) {
   robots::throwIfStopped(load.stop, "objects were read");
   const YamlReader sizes = map.at(word, "its sizes");
   try {
-    return readShape(word, sizes, warnings, load);
+    return readShape(word, sizes, owner, warnings, load);
   } catch (const collision::InvalidShape& error) {
     sizes.fail(fmt::format("{}: {}", sizes.where(), error.what()));
   }
@@ -176,7 +177,7 @@ Geometry readGeometry(const YamlReader& map, const std::string& name,
   if (word.empty())
     map.fail(fmt::format("{} has no shape; {} is expected", map.where(), listed(shapeWords())));
   const auto own_name = map.find("name");
-  return {readOneShape(map, word, warnings, load), readPose(map, warnings),
+  return {readOneShape(map, word, name, warnings, load), readPose(map, warnings),
           own_name ? own_name->text() : name};
 }
 
@@ -199,7 +200,7 @@ std::vector<Geometry> readGeometries(const YamlReader& map, const std::string& o
   if (word.empty())
     map.fail(fmt::format("{} has no shape; {} or 'shapes' is expected", map.where(),
                          listed(shapeWords())));
-  geometries.push_back({readOneShape(map, word, warnings, load), Pose(), owner});
+  geometries.push_back({readOneShape(map, word, owner, warnings, load), Pose(), owner});
   return geometries;
 }
 

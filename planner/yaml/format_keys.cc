@@ -8,10 +8,11 @@ namespace {
 
 using Keys = std::string_view;
 
-constexpr Keys kProblem[] = {"leeway",    "name",      "robot",    "body",    "joints", "start",
-                             "goal",      "goals",     "objects",  "allowed", "margin", "margins",
-                             "planner",   "objective", "simplify", "limits",  "seed",   "moveit",
-                             "deforming", "execution", "frames",   "steps",   "groups", "push"};
+constexpr Keys kProblem[] = {"leeway", "name",    "robot",   "body",      "joints",
+                             "start",  "goal",    "goals",   "objects",   "allowed",
+                             "margin", "margins", "planner", "objective", "simplify",
+                             "limits", "seed",    "moveit",  "deforming", "execution",
+                             "frames", "steps",   "groups",  "push",      "meshes"};
 constexpr Keys kRobot[] = {"urdf", "srdf", "packages", "group"};
 constexpr Keys kBody[] = {"name", "joint", "bounds", "shapes"};
 constexpr Keys kBounds[] = {"lower", "upper"};
@@ -29,6 +30,7 @@ constexpr Keys kRadiusLength[] = {"radius", "length"};
 constexpr Keys kCone[] = {"radius", "height"};
 constexpr Keys kEllipsoid[] = {"semi_axes"};
 constexpr Keys kMesh[] = {"file", "scale"};
+constexpr Keys kMeshTreatment[] = {"solid", "weld"};
 constexpr Keys kConvexHull[] = {"points", "file", "scale"};
 constexpr Keys kAttach[] = {"link", "touch"};
 constexpr Keys kPairMargin[] = {"between", "margin", "wish", "weight"};
@@ -78,6 +80,7 @@ constexpr Keys kAttachStep[] = {"object", "link", "touch"};
 constexpr Keys kPlanarPose[] = {"position", "angle"};
 
 const std::array kFormats = {MapFormat{"problem", kProblem},
+                             MapFormat{"mesh_treatment", kMeshTreatment},
                              MapFormat{"robot", kRobot},
                              MapFormat{"body", kBody},
                              MapFormat{"bounds", kBounds},

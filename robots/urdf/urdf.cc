@@ -23,6 +23,7 @@
 #include "robots/cache/disk_cache.h"
 #include "robots/mesh/mesh_import.h"
 #include "robots/mesh/mesh_path.h"
+#include "robots/mesh/mesh_treatment.h"
 #include "robots/model/model_builder.h"
 #include "robots/motion/gap_file.h"
 #include "robots/motion/link_gaps.h"
@@ -59,13 +60,24 @@ class Meshes {
   }
 
   /// The warnings of a mesh come with its first use.
-  Shape load(const UrdfCollision& collision, std::vector<std::string>& warnings) {
+  Shape load(const UrdfCollision& collision, const std::string& link,
+             std::vector<std::string>& warnings) {
     Loaded& loaded = loaded_.at(keyOf(collision));
     if (loaded.error) std::rethrow_exception(loaded.error);
     keys_.push_back(loaded.mesh->key);
     for (std::string& warning : loaded.mesh->warnings) warnings.push_back(std::move(warning));
     loaded.mesh->warnings.clear();
-    return loaded.mesh->shape;
+    const auto names = {std::string_view(link), std::string_view(collision.mesh_file)};
+    // Proofs about the robot are kept by what its meshes are.
+    if (const MeshTreatment* treatment = treatmentOf(options_, names);
+        treatment != nullptr && !keys_.back().empty()) {
+      ContentKey key("treated");
+      key.add(keys_.back());
+      key.add(static_cast<double>(treatment->solid));
+      key.add(treatment->weld);
+      keys_.back() = key.finish();
+    }
+    return treatedMesh(loaded.mesh->shape, names, options_);
   }
 
   const DiskCache& cache() const { return cache_; }
@@ -145,8 +157,8 @@ class Meshes {
   std::vector<Task> tasks_;
 };
 
-Shape makeShape(const UrdfCollision& collision, Meshes& meshes, const std::string& urdf_path,
-                std::vector<std::string>& warnings) {
+Shape makeShape(const UrdfCollision& collision, const std::string& link, Meshes& meshes,
+                const std::string& urdf_path, std::vector<std::string>& warnings) {
   try {
     switch (collision.kind) {
       case UrdfCollision::Kind::kBox:
@@ -161,7 +173,7 @@ Shape makeShape(const UrdfCollision& collision, Meshes& meshes, const std::strin
   } catch (const collision::InvalidShape& invalid) {
     throw InputError(urdf_path, collision.line, invalid.what());
   }
-  return meshes.load(collision, warnings);
+  return meshes.load(collision, link, warnings);
 }
 
 /// Link indices of the document, parents before children, depth first, children in the order of
@@ -214,6 +226,17 @@ Joint rootJoint(const UrdfDocument& document, const std::string& root_link,
   return joint;
 }
 
+void requireFound(const std::map<std::string, MeshTreatment, std::less<>>& asked,
+                  const std::set<std::string>& found, const std::string& urdf_path) {
+  for (const auto& [name, treatment] : asked)
+    if (found.count(name) == 0)
+      throw InputError(urdf_path, 0,
+                       "meshes names '" + name +
+                           "', which is no link with a mesh and no mesh of the robot; the name of "
+                           "a link that has one, or the path of a mesh as the URDF has it, would "
+                           "be accepted");
+}
+
 void appendLink(const UrdfLink& source, int joint, Meshes& meshes, const std::string& urdf_path,
                 InputErrors* errors, RobotDescription& model) {
   Link link;
@@ -221,8 +244,9 @@ void appendLink(const UrdfLink& source, int joint, Meshes& meshes, const std::st
   link.joint = joint;
   for (const UrdfCollision& collision : source.collisions)
     readOn(errors, [&] {
-      link.geometries.push_back({makeShape(collision, meshes, urdf_path, model.warnings),
-                                 collision.X_LG, collision.name});
+      link.geometries.push_back(
+          {makeShape(collision, source.name, meshes, urdf_path, model.warnings), collision.X_LG,
+           collision.name});
     });
   model.links.push_back(std::move(link));
 }
@@ -349,7 +373,10 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   std::vector<int> link_position(document.links.size());
   for (std::size_t i = 0; i < order.size(); ++i)
     link_position[at(order[i].first)] = static_cast<int>(i);
-  Meshes meshes(urdf_path, options);
+  std::set<std::string> found;
+  LoadOptions noting = options;
+  if (noting.meshes_found == nullptr) noting.meshes_found = &found;
+  Meshes meshes(urdf_path, noting);
   meshes.loadAll(document, order);
   for (const auto& [link, joint] : order) {
     appendLink(document.links[at(link)], static_cast<int>(robot.joints.size()), meshes, urdf_path,
@@ -360,6 +387,11 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
     else
       appendJoint(document.joints[at(joint)], link_position, robot);
   }
+  OpenMeshes open;
+  for (const Link& link : robot.links) open.add(link.name, link.geometries);
+  if (const std::string text = open.text(); !text.empty())
+    robot.warnings.push_back(urdf_path + ": " + text);
+  if (options.meshes_found == nullptr) requireFound(options.meshes, found, urdf_path);
   for (const UrdfJoint& joint : document.joints)
     if (joint.has_mimic) resolveMimic(document, joint, robot);
   for (std::size_t i = 0; i < order.size(); ++i) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "planner/problem/moveit/fields.h"
+#include "planner/problem/read_meshes.h"
 #include "robots/base/read_on.h"
 
 namespace leeway::planner {
@@ -55,6 +56,7 @@ Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string
       loadMoveitUnpadded(std::move(model), scene_path, request_path, options, padding);
   wrong.throwFirst();
   applyLinkPadding(padding, problem);
+  warnOfOpenMeshes(scene_path, problem);
   return problem;
 }
 
@@ -63,6 +65,7 @@ World loadMoveitWorld(const std::string& scene_path, const ProblemOptions& optio
   Problem problem;
   problem.robot.model = std::make_shared<const robots::Model>(robots::RobotDescription());
   readTextScene(scene_path, options.load, problem);
+  warnOfOpenMeshes(scene_path, problem);
   warnings.insert(warnings.end(), problem.warnings.begin(), problem.warnings.end());
   return std::move(problem.world);
 }

@@ -8,6 +8,7 @@
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_shapes.h"
 #include "robots/mesh/mesh_path.h"
+#include "robots/mesh/mesh_treatment.h"
 
 namespace leeway::planner {
 namespace {
@@ -160,6 +161,8 @@ Object readCollisionObject(const YamlReader& map, const robots::LoadOptions& loa
   readShapes(map, "planes", "plane_poses", object, warnings, [](const YamlReader& plane) {
     return std::pair(Shape::halfSpace(), readPlane(plane));
   });
+  for (collision::Geometry& g : object.geometries)
+    g.shape = robots::treatedMesh(g.shape, {object.name}, load);
   return object;
 }
 

@@ -20,6 +20,7 @@
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_shapes.h"
 #include "robots/base/read_file.h"
+#include "robots/mesh/mesh_treatment.h"
 
 namespace leeway::planner {
 namespace {
@@ -195,7 +196,8 @@ void readTextScene(const std::string& path, const robots::LoadOptions& load, Pro
       auto [shape, X_SG] = readShape(words);
       const Pose X_OS = readPose(words);
       for (int i = 0; i < 4; ++i) words.number("r g b a of a colour");
-      object.geometries.push_back({std::move(shape), X_OS * X_SG, object.name});
+      object.geometries.push_back(
+          {robots::treatedMesh(shape, {object.name}, load), X_OS * X_SG, object.name});
     }
     if (*objects_have_poses)
       for (std::size_t left = words.count("a number of subframes"); left > 0; --left) {

@@ -23,6 +23,7 @@
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/problem/other_formats.h"
+#include "planner/problem/read_meshes.h"
 #include "planner/problem/read_states.h"
 #include "robots/base/read_file.h"
 #include "robots/mesh/mesh_import.h"
@@ -295,7 +296,9 @@ class Loader {
 }  // namespace
 
 Problem loadOmplApp(const std::string& path, const ProblemOptions& options) {
-  return Loader(path, options.load.stop).load();
+  Problem problem = Loader(path, options.load.stop).load();
+  warnOfOpenMeshes(path, problem);
+  return problem;
 }
 
 }  // namespace leeway::planner

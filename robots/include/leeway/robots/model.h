@@ -1,7 +1,10 @@
 #pragma once
 
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -159,6 +162,17 @@ class Model : public RobotDescription {
   std::vector<double> defaultConfiguration() const;
 };
 
+/// What a mesh is taken for.
+struct MeshTreatment {
+  enum class Solid : unsigned char {
+    kAuto,     ///< what its triangles enclose is solid, see collision::TriangleMesh
+    kHull,     ///< its convex hull is
+    kSurface,  ///< nothing is: a surface without an inside
+  };
+  Solid solid = Solid::kAuto;
+  double weld = 0;  ///< collision::MeshOptions::weld [m]; 0 for a hull
+};
+
 /// Where package://NAME/... and relative mesh paths are looked for.
 struct LoadOptions {
   /// NAME, DIR; searched before ROS_PACKAGE_PATH and the URDF's own folders.
@@ -171,6 +185,12 @@ struct LoadOptions {
   /// a million triangles a second or two), a proof about a pair of links. Once it is true, reading
   /// ends with Stopped.
   Stop stop = {};
+  /// By the name of a link or object that has meshes, or by the path of a mesh as its file names
+  /// it.
+  std::map<std::string, MeshTreatment, std::less<>> meshes = {};
+  /// Where it is set, it gathers the names in `meshes` that were found, for who loads more than a
+  /// robot. Else loadModel() refuses a name that is not the robot's.
+  std::set<std::string>* meshes_found = nullptr;
   /// Where it is set, it gathers all that is wrong: reading goes on after an error where it can,
   /// and throws the first in the end.
   InputErrors* errors = nullptr;

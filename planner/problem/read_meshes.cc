@@ -1,0 +1,82 @@
+#include "planner/problem/read_meshes.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "planner/base/did_you_mean.h"
+#include "planner/yaml/format_keys.h"
+#include "robots/mesh/mesh_treatment.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::MeshTreatment;
+
+MeshTreatment readTreatment(const YamlReader& entry) {
+  entry.expectKeys(keysOf("mesh_treatment"));
+  MeshTreatment treatment;
+  if (const auto solid = entry.find("solid")) {
+    const std::string word = solid->text();
+    if (word == "hull")
+      treatment.solid = MeshTreatment::Solid::kHull;
+    else if (word == "surface")
+      treatment.solid = MeshTreatment::Solid::kSurface;
+    else if (word != "auto")
+      solid->fail(
+          fmt::format("{} is '{}'; auto, hull or surface is expected", solid->where(), word));
+  }
+  if (const auto weld = entry.find("weld")) {
+    treatment.weld = weld->sizeNumber();
+    if (treatment.solid != MeshTreatment::Solid::kAuto)
+      weld->fail(fmt::format("{} stands beside solid: {}; it goes with auto only", weld->where(),
+                             entry.find("solid")->text()));
+  }
+  return treatment;
+}
+
+}  // namespace
+
+void readMeshes(const YamlReader& meshes, robots::LoadOptions& load) {
+  meshes.eachEntry([&](const std::string& name, const YamlReader& entry) {
+    load.meshes[name] = readTreatment(entry);
+  });
+}
+
+void expectMeshesFound(const YamlReader& meshes, const std::set<std::string>& found,
+                       const Problem& problem) {
+  meshes.eachEntry([&](const std::string& name, const YamlReader& entry) {
+    if (found.count(name) != 0) return;
+    std::vector<std::string> known;
+    const auto add = [&](const std::string& owner, const std::vector<robots::Geometry>& of) {
+      for (const robots::Geometry& g : of) {
+        if (g.shape.mesh() == nullptr) continue;
+        known.push_back(owner);
+        return;
+      }
+    };
+    for (const robots::Link& link : problem.robot.model->links) add(link.name, link.geometries);
+    for (const Object& object : problem.world.objects) add(object.name, object.geometries);
+    for (const Attachment& held : problem.robot.attachments)
+      add(held.object.name, held.object.geometries);
+    entry.fail(fmt::format("no link, object or file with a mesh is named '{}'{}", name,
+                           didYouMean(name, known)));
+  });
+}
+
+void warnOfOpenMeshes(const std::string& file, Problem& problem) {
+  robots::OpenMeshes open;
+  // (The loader of a URDF has told of its links.)
+  if (problem.robot.model->urdf_file.empty())
+    for (const robots::Link& link : problem.robot.model->links)
+      open.add(link.name, link.geometries);
+  for (const Object& object : problem.world.objects) open.add(object.name, object.geometries);
+  for (const Attachment& held : problem.robot.attachments)
+    open.add(held.object.name, held.object.geometries);
+  for (const DeformingObstacle& o : problem.world.deforming)
+    open.add(o.object.name, o.object.geometries);
+  if (const std::string text = open.text(); !text.empty())
+    problem.warnings.push_back(file + ": " + text);
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,57 @@
+#include "robots/mesh/mesh_treatment.h"
+
+#include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/triangle_mesh.h"
+
+namespace leeway::robots {
+
+using collision::Shape;
+
+const MeshTreatment* treatmentOf(const LoadOptions& options,
+                                 std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names) {
+    const auto found = options.meshes.find(name);
+    if (found == options.meshes.end()) continue;
+    if (options.meshes_found != nullptr) options.meshes_found->insert(found->first);
+    return &found->second;
+  }
+  return nullptr;
+}
+
+Shape treatedMesh(const Shape& shape, std::initializer_list<std::string_view> names,
+                  const LoadOptions& options) {
+  if (shape.mesh() == nullptr) return shape;
+  const MeshTreatment* treatment = treatmentOf(options, names);
+  if (treatment == nullptr) return shape;
+  const collision::TriangleMesh& mesh = *shape.mesh();
+  if (treatment->solid == MeshTreatment::Solid::kHull) return Shape::convexHull(mesh.vertices());
+  collision::MeshOptions made;
+  made.solid = treatment->solid != MeshTreatment::Solid::kSurface;
+  made.weld = treatment->weld;
+  return Shape::mesh(collision::TriangleMesh::make(mesh.vertices(), mesh.triangles(), made));
+}
+
+void OpenMeshes::add(std::string_view owner, std::span<const collision::Geometry> geometries) {
+  std::size_t edges = 0;
+  for (const collision::Geometry& g : geometries) {
+    if (g.shape.mesh() != nullptr) edges += g.shape.mesh()->openEdgeCount();
+    if (g.shape.deformable() != nullptr) edges += g.shape.deformable()->mesh().openEdgeCount();
+  }
+  if (edges > 0) open_.emplace_back(owner, edges);
+}
+
+std::string OpenMeshes::text() const {
+  if (open_.empty()) return {};
+  std::string named;
+  for (const auto& [owner, edges] : open_)
+    named += (named.empty() ? "" : ", ") + owner + " (" + std::to_string(edges) +
+             (edges == 1 ? " open edge)" : " open edges)");
+  const bool is_one = open_.size() == 1;
+  return (is_one ? "a mesh is not closed: " : "meshes are not closed: ") + named + "; where " +
+         (is_one ? "it is" : "they are") + " open, what is inside is not seen. The key `meshes: {" +
+         open_.front().first +
+         ": {solid: hull}}` takes the convex hull, `weld: 1e-6` closes cracks of up to a micron, "
+         "`solid: surface` says that it is a surface";
+}
+
+}  // namespace leeway::robots
