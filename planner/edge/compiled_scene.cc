@@ -23,33 +23,24 @@
 #include "planner/edge/edge_model.h"
 #include "planner/edge/prepared_robot.h"
 #include "planner/edge/robot_pairs.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
 
 constexpr const char* kAllowed = "allowed by the problem";
-constexpr const char* kOwnName =
-    "has the name of another object or link; a name of its own is expected";
-
-[[noreturn]] void refuseDeforming(const std::string& problem, const std::string& name,
-                                  const std::string& message) {
-  throw robots::InputError(problem, 0, fmt::format("deforming obstacle '{}' {}", name, message));
-}
 
 /// What a problem adds to its robot: objects of the world, and what is said of pairs by name.
 class Surroundings {
  public:
   Surroundings(const Problem& problem, const PreparedRobot& robot, const robots::Stop& stop)
       : problem_(problem), robot_(robot), builder_(robot.scene()) {
-    names_matter_ = !problem.margins.pairs.empty() || !problem.world.deforming.empty();
+    names_matter_ = !problem.margins.pairs.empty();
     addObjects(stop);
     if (names_matter_) listNames();
-    for (const DeformingObstacle& o : problem.world.deforming) expectSnapshot(o);
     allow();
     builder_.setDefaultMargin(problem.margins.common);
-    for (const PairMargin& m : problem.margins.pairs)
-      for (const int i : named(m.a))
-        for (const int j : named(m.b)) builder_.setMargin(i, j, m.margin);
+    setMargins();
   }
 
   collision::Scene build() && {
@@ -63,6 +54,12 @@ class Surroundings {
   /// Pairs of the robot, and those that the problem allows with the world.
   std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped() const {
     return dropped_ ? dropped_ : robot_.dropped();
+  }
+  /// What the problem says that has no effect.
+  std::vector<std::string> takeWarnings() { return std::move(warnings_); }
+  /// How many bodies are objects; those of deforming obstacles follow.
+  int objects() const {
+    return static_cast<int>(objects_.size() - problem_.world.deforming.size());
   }
 
  private:
@@ -82,11 +79,27 @@ class Surroundings {
   }
 
   void add(const Object& object) {
-    expectPose(problem_.name, object.X_WO, object.name);
-    if (object.geometries.empty()) return;
+    if (object.geometries.empty()) {
+      if (!isNamed(object.name))
+        warnings_.push_back(
+            fmt::format("object '{}' has no shape: nothing is checked against it", object.name));
+      return;
+    }
     objects_.push_back(&object);
     names_matter_ = names_matter_ || robot_.isAllowedName(object.name);
     builder_.add({object.name, object.geometries, false, object.X_WO});
+  }
+
+  /// Whether margins, wishes or contacts speak of it. O(pairs).
+  bool isNamed(const std::string& name) const {
+    const auto isIn = [&](const auto& pair) { return pair.first == name || pair.second == name; };
+    const Margins& margins = problem_.margins;
+    return robot_.isAllowedName(name) ||
+           std::any_of(margins.pairs.begin(), margins.pairs.end(),
+                       [&](const PairMargin& m) { return m.a == name || m.b == name; }) ||
+           std::any_of(margins.wishes.begin(), margins.wishes.end(), [&](const Wish& wish) {
+             return std::any_of(wish.pairs.begin(), wish.pairs.end(), isIn);
+           });
   }
 
   void listNames() {
@@ -101,40 +114,64 @@ class Surroundings {
     return found == named_.end() ? std::span<const int>() : found->second;
   }
 
-  /// Queries find a deforming obstacle by its name, and see it as it is when execution starts.
-  void expectSnapshot(const DeformingObstacle& obstacle) const {
-    const std::string& name = obstacle.object.name;
-    const auto refuse = [&](const std::string& message) {
-      refuseDeforming(problem_.name, name, message);
-    };
-    const collision::DeformableSnapshot* snapshot =
-        obstacle.mesh && obstacle.object.geometries.size() == 1
-            ? obstacle.object.geometries[0].shape.deformable()
-            : nullptr;
-    if (snapshot == nullptr) refuse("has no snapshot; see makeDeformingObstacle()");
-    if (snapshot->time() != problem_.execution.start)
-      refuse(fmt::format("is as it is at {} s; execution starts at {} s", snapshot->time(),
-                         problem_.execution.start));
-    if (named(name).size() != 1) refuse(kOwnName);
+  void setMargins() {
+    std::map<std::string_view, bool> groups;  // by name, whether one of its pairs is checked
+    for (const PairMargin& m : problem_.margins.pairs) {
+      std::string reason;  // why no pair of these names is checked
+      bool is_checked = false;
+      for (const int i : named(m.a))
+        for (const int j : named(m.b)) {
+          builder_.setMargin(i, j, m.margin);
+          if (!is_checked) reason = reasonOf(i, j);
+          is_checked = is_checked || reason.empty();
+        }
+      if (!m.group.empty())
+        groups[m.group] |= is_checked;
+      else if (!is_checked && !isToCome(m.a) && !isToCome(m.b))
+        warnings_.push_back(
+            fmt::format("the margin of '{}' and '{}' has no effect: the pair is not checked ({})",
+                        m.a, m.b, reason.empty() ? "without a shape" : reason));
+    }
+    for (const auto& [group, is_checked] : groups)
+      if (!is_checked)
+        warnings_.push_back(
+            fmt::format("the margin of {} has no effect: none of its pairs is checked", group));
+  }
+  /// Why a pair of bodies is not checked; empty: it is. O(1) but for two of the robot.
+  std::string reasonOf(int i, int j) {
+    const auto bodies = robot_.scene().bodies();
+    const int a = std::min(i, j), b = std::max(i, j);
+    if (a >= carried()) return "neither moves";
+    if (b >= carried()) {
+      if (!bodies[at(a)].moving) return "neither moves";
+      return allowed_.count({a, b}) != 0 ? kAllowed : "";
+    }
+    if (reasons_.empty())
+      for (const CompiledScene::Dropped& d : *robot_.dropped()) reasons_[{d.a, d.b}] = d.reason;
+    const auto found = reasons_.find({bodies[at(a)].name, bodies[at(b)].name});
+    return found == reasons_.end() ? std::string() : std::string(found->second);
+  }
+  /// An object without a shape, which may still come.
+  bool isToCome(const std::string& name) const {
+    return named(name).empty() && problem_.robot.model->findLink(name) < 0;
   }
 
   /// Contacts of the robot with the world that the problem allows. That things of the world stand
   /// beside each other needs no reason, and there may be many of them.
   void allow() {
     if (!names_matter_) return;
-    std::set<std::pair<int, int>> allowed;  // of the robot, of the world
     for (const auto& [x, y] : problem_.contacts.allowed)
       for (const int i : named(x))
         for (const int j : named(y))
-          if ((i < carried()) != (j < carried())) allowed.emplace(std::min(i, j), std::max(i, j));
-    if (allowed.empty()) return;
+          if ((i < carried()) != (j < carried())) allowed_.emplace(std::min(i, j), std::max(i, j));
+    if (allowed_.empty()) return;
     const std::vector<CompiledScene::Dropped>& of_robot = *robot_.dropped();
     std::vector<CompiledScene::Dropped> dropped;
-    auto next = allowed.begin();
+    auto next = allowed_.begin();
     std::size_t d = 0;
     for (int i = 0; i < carried(); ++i) {
       for (; d < robot_.droppedEnd(i); ++d) dropped.push_back(of_robot[d]);
-      for (; next != allowed.end() && next->first == i; ++next) {
+      for (; next != allowed_.end() && next->first == i; ++next) {
         builder_.allow(i, next->second);
         dropped.push_back({robot_.scene().bodies()[at(i)].name,
                            objects_[at(next->second - carried())]->name, kAllowed});
@@ -151,7 +188,10 @@ class Surroundings {
   std::vector<const Object*> objects_;  // that have geometries
   bool names_matter_;                   // listed only where they do: there may be many
   std::unordered_map<std::string, std::vector<int>> named_;  // bodies by name
+  std::set<std::pair<int, int>> allowed_;                    // of the robot, of the world
+  std::map<std::pair<std::string_view, std::string_view>, std::string_view> reasons_;
   std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped_;
+  std::vector<std::string> warnings_;
 };
 
 using BodiesByName = std::multimap<std::string_view, int>;
@@ -184,40 +224,33 @@ std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRob
 
 }  // namespace
 
-/// What a problem says of objects by name, besides the contacts that a PreparedRobot has.
+/// What a problem says of its world, besides the contacts that a PreparedRobot has.
 struct CompiledScene::NamedRules {
   std::string problem;  // its name, for messages
-  double margin;
-  std::vector<PairMargin> margins;
-  std::vector<std::string> deforming;
-
-  /// Adds the objects to a change; returns their bodies.
-  BodiesByName add(std::span<const Object> objects, collision::SceneChange& change) const {
-    BodiesByName bodies;
-    for (const Object& object : objects) {
-      expectPose(problem, object.X_WO, object.name);
-      if (std::find(deforming.begin(), deforming.end(), object.name) != deforming.end())
-        refuseDeforming(problem, object.name, kOwnName);
-      if (!object.geometries.empty())
-        bodies.emplace(object.name,
-                       change.add({object.name, object.geometries, false, object.X_WO}));
-    }
-    return bodies;
-  }
+  Margins margins;
+  double execution_start;
+  int objects;                               // bodies of its objects, behind those of the robot
+  std::vector<DeformingObstacle> deforming;  // whose bodies come next
+  /// Bodies of the world that was compiled by name, made for the first change.
+  struct Index {
+    std::once_flag once;
+    std::unique_ptr<const NameTable> names;
+  };
+  std::shared_ptr<Index> index = std::make_shared<Index>();
 };
 
 CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
-    : model_(problem.robot.model),
+    : model_((validate(problem), problem.robot.model)),
       space_(std::make_shared<ConfigurationSpace>(problem.robot.model, problem.robot.variables)),
       base_configuration_(problem.start) {
   const std::shared_ptr<const PreparedRobot> robot = PreparedRobot::of(problem, *space_, stop);
   Surroundings world(problem, *robot, stop);
   dropped_ = world.dropped();
-  auto rules = std::make_shared<NamedRules>(
-      NamedRules{problem.name, problem.margins.common, problem.margins.pairs, {}});
-  for (const DeformingObstacle& o : problem.world.deforming)
-    rules->deforming.push_back(o.object.name);
-  rules_ = std::move(rules);
+  rules_ = std::make_shared<const NamedRules>(NamedRules{problem.name, problem.margins,
+                                                         problem.execution.start, world.objects(),
+                                                         problem.world.deforming});
+  if (std::vector<std::string> warnings = world.takeWarnings(); !warnings.empty())
+    warnings_ = std::make_shared<const std::vector<std::string>>(std::move(warnings));
   robots::throwIfStopped(stop, "the problem was compiled");
   scene_ = std::move(world).build();
   edge_model_ = makeEdgeModel(robot);
@@ -259,9 +292,49 @@ const SceneLanes& CompiledScene::lanes() const {
   return *shared.lanes;
 }
 
+int CompiledScene::findThing(const std::string& name) const {
+  const auto nameOf = [this](int body) -> std::string_view {
+    return scene_.bodies()[at(body)].name;
+  };
+  const int compiled = worldEnd();
+  NamedRules::Index& index = *rules_->index;
+  std::call_once(index.once, [&] {
+    auto names = std::make_unique<NameTable>(at(compiled));
+    for (int body = 0; body < compiled; ++body) names->insert(body, nameOf(body), nameOf);
+    index.names = std::move(names);
+  });
+  const int found = index.names->numberOf(name, nameOf);
+  if (found >= 0 && !scene_.isRemoved(found)) return found;
+  for (int body = compiled; at(body) < scene_.bodies().size(); ++body)
+    if (nameOf(body) == name && !scene_.isRemoved(body)) return body;
+  return -1;
+}
+
+int CompiledScene::worldEnd() const {
+  return bodiesOfRobot() + rules_->objects + static_cast<int>(rules_->deforming.size());
+}
+
+BodiesByName CompiledScene::addTo(collision::SceneChange& change, std::span<const Object> added,
+                                  std::span<const int> removed) const {
+  std::set<std::string_view> names;
+  BodiesByName bodies;
+  for (const Object& object : added) {
+    if (const std::string fault = objectFault(object); !fault.empty())
+      throw std::invalid_argument(fault);
+    const int other = findThing(object.name);
+    const bool goes = std::find(removed.begin(), removed.end(), other) != removed.end();
+    if (object.name.empty() || !names.insert(object.name).second || (other >= 0 && !goes) ||
+        model_->findLink(object.name) >= 0)
+      throw std::invalid_argument(fmt::format("object '{}' {}", object.name, kNameTaken));
+    if (!object.geometries.empty())
+      bodies.emplace(object.name, change.add({object.name, object.geometries, false, object.X_WO}));
+  }
+  return bodies;
+}
+
 std::shared_ptr<const CompiledScene> CompiledScene::withObjects(
     std::span<const Object> added, std::span<const int> removed) const {
-  if (!rules_)
+  if (is_variant_)
     throw std::invalid_argument(
         "CompiledScene::withObjects(): of a variant with other margins or pairs than the problem "
         "says; the scene that was compiled is expected");
@@ -278,8 +351,8 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjects(
     removed_names.insert(scene_.bodies()[at(body)].name);
   }
   try {
-    const BodiesByName objects = rules_->add(added, change);
-    change.setDefaultMargin(rules_->margin);
+    const BodiesByName objects = addTo(change, added, removed);
+    change.setDefaultMargin(rules_->margins.common);
     changed->dropped_ = applyRules(objects, removed_names, change);
     changed->scene_ = std::move(change).build();
   } catch (const std::invalid_argument& error) {
@@ -294,7 +367,7 @@ std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::applyR
   BodiesByName robot;
   for (int i = 0; i < bodiesOfRobot(); ++i) robot.emplace(scene_.bodies()[at(i)].name, i);
   const auto moves = [this](int body) { return scene_.bodies()[at(body)].moving; };
-  for (const PairMargin& m : rules_->margins)
+  for (const PairMargin& m : rules_->margins.pairs)
     forEachNamed(robot, objects, m.a, m.b, [&](int i, int j) {
       if (moves(i)) change.setMargin(i, j, m.margin);
     });
@@ -324,19 +397,32 @@ std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::applyR
 
 std::shared_ptr<CompiledScene> CompiledScene::variant() const {
   auto other = std::make_shared<CompiledScene>(*this);
-  other->rules_ = nullptr;
+  other->is_variant_ = true;
   return other;
 }
 
 std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
     std::span<const Replacement> shapes) const {
   auto changed = std::make_shared<CompiledScene>(*this);
+  const auto bodies = scene_.bodies();
   for (const Replacement& r : shapes) {
-    if (!(r.growth <= 0)) changed->rules_ = nullptr;
-    // The robot's lanes are made once.
-    if (isOfRobot(r.body))
-      throw std::invalid_argument("CompiledScene::withShapes(): body " + std::to_string(r.body) +
-                                  " is the robot's; a deforming obstacle is expected");
+    const int first = bodiesOfRobot() + rules_->objects;
+    if (r.body < first || r.body >= worldEnd() || r.geometry != 0)
+      throw std::invalid_argument(fmt::format(
+          "CompiledScene::withShapes(): geometry {} of body {}{} is no deforming obstacle; "
+          "geometry "
+          "0 of a body from {} to {} is expected",
+          r.geometry, r.body,
+          r.body >= 0 && at(r.body) < bodies.size() ? " ('" + bodies[at(r.body)].name + "')" : "",
+          first, worldEnd() - 1));
+    const collision::DeformableSnapshot* snapshot = r.shape.deformable();
+    const DeformingObstacle& obstacle = rules_->deforming[at(r.body - first)];
+    if (snapshot == nullptr || &snapshot->mesh() != obstacle.mesh.get())
+      throw std::invalid_argument(
+          fmt::format("CompiledScene::withShapes(): '{}' gets another shape; a snapshot of its own "
+                      "mesh is expected",
+                      obstacle.object.name));
+    if (!(r.growth <= 0)) changed->is_variant_ = true;
     changed->scene_.setShape(r.body, r.geometry, r.shape);
     changed->scene_.growMargins(r.body, r.geometry, r.growth);
   }
@@ -382,6 +468,100 @@ std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
   });
   reduced->edge_model_ = std::move(model);
   return reduced;
+}
+
+namespace {
+
+/// How an object and a body of the world differ; empty: they do not.
+std::string differenceOf(const Object& object, const collision::Body& body) {
+  if (!isSamePose(object.X_WO, body.X_WB)) return "stands elsewhere";
+  return areSameShapes(object.geometries, body.geometries) ? "" : "has another shape";
+}
+
+bool areSameMargins(const Margins& x, const Margins& y) {
+  return x.common == y.common &&
+         std::equal(x.pairs.begin(), x.pairs.end(), y.pairs.begin(), y.pairs.end(),
+                    [](const PairMargin& m, const PairMargin& n) {
+                      return m.a == n.a && m.b == n.b && m.margin == n.margin;
+                    });
+}
+
+bool areSameWishes(const Margins& x, const Margins& y) {
+  return std::equal(x.wishes.begin(), x.wishes.end(), y.wishes.begin(), y.wishes.end(),
+                    [](const Wish& m, const Wish& n) { return m.pairs == n.pairs; });
+}
+
+}  // namespace
+
+/// Between the problem's objects and those of the scene: as they were compiled, or as they are now.
+std::string CompiledScene::objectsDifference(const Problem& problem) const {
+  const auto bodies = scene_.bodies();
+  const auto shaped = [](const Object& object) { return !object.geometries.empty(); };
+  const std::vector<Object>& objects = problem.world.objects;
+  int body = bodiesOfRobot();
+  const int end = body + rules_->objects;
+  const bool is_as_compiled = std::all_of(objects.begin(), objects.end(), [&](const Object& o) {
+    if (!shaped(o)) return true;
+    const bool is_same =
+        body < end && o.name == bodies[at(body)].name && differenceOf(o, bodies[at(body)]).empty();
+    ++body;
+    return is_same;
+  });
+  if (is_as_compiled && body == end) return {};
+  // In any order, and what changes have made of them.
+  std::size_t left = bodies.size() - at(bodiesOfRobot()) - rules_->deforming.size();
+  for (std::size_t b = at(bodiesOfRobot()); b < bodies.size(); ++b)
+    if (scene_.isRemoved(static_cast<int>(b))) --left;
+  for (const Object& object : objects) {
+    if (!shaped(object)) continue;
+    const int found = findThing(object.name);
+    if (found < 0) return fmt::format("the scene has no object '{}'", object.name);
+    const std::string difference = differenceOf(object, bodies[at(found)]);
+    if (!difference.empty()) return fmt::format("object '{}' {} there", object.name, difference);
+    --left;
+  }
+  if (left == 0) return {};
+  for (std::size_t b = at(bodiesOfRobot()); b < bodies.size(); ++b)
+    if (!scene_.isRemoved(static_cast<int>(b)) &&
+        std::none_of(objects.begin(), objects.end(),
+                     [&](const Object& o) { return o.name == bodies[b].name; }))
+      return fmt::format("the scene has an object '{}' besides", bodies[b].name);
+  return "the scene has other objects";
+}
+
+std::string CompiledScene::differenceFrom(const Problem& problem) const {
+  const auto differs = [](const std::string& what) { return what + " differs"; };
+  if (problem.robot.model != model_) return differs("robot.model");
+  if (problem.start.size() != base_configuration_.size()) return differs("the size of start");
+  for (const int v : problem.robot.variables)
+    if (v < 0 || at(v) >= model_->variables.size()) return differs("robot.variables");
+  if (const char* part = edge_model_->robot->differenceFrom(problem)) return differs(part);
+  if (!areSameMargins(rules_->margins, problem.margins)) return differs("margins");
+  if (!areSameWishes(rules_->margins, problem.margins))
+    return differs("margins.wishes, in the pairs that they name,");
+  const std::vector<DeformingObstacle>& deforming = problem.world.deforming;
+  if (deforming.size() != rules_->deforming.size()) return differs("world.deforming");
+  for (std::size_t i = 0; i < deforming.size(); ++i) {
+    const Object &mine = rules_->deforming[i].object, &other = deforming[i].object;
+    if (mine.name != other.name || rules_->deforming[i].mesh != deforming[i].mesh ||
+        !isSamePose(mine.X_WO, other.X_WO) || !areSameShapes(mine.geometries, other.geometries))
+      return differs("world.deforming, at '" + other.name + "',");
+  }
+  if (!deforming.empty() && problem.execution.start != rules_->execution_start)
+    return differs("execution.start");
+  return objectsDifference(problem);
+}
+
+void CompiledScene::requireQuestion(const Problem& problem) const {
+  const std::string difference = differenceFrom(problem);
+  if (!difference.empty())
+    throw robots::InputError(
+        problem.name, 0,
+        fmt::format("the problem is not the one that the scene was compiled from: {}; that problem "
+                    "is expected, or a scene compiled from this one",
+                    difference));
+  if (const auto fault = startFault(problem)) throw robots::InputError(problem.name, 0, *fault);
+  validateQuestion(problem);
 }
 
 void CompiledScene::expand(std::span<const double> point, std::span<double> q) const {

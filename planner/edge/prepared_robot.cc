@@ -23,11 +23,7 @@ std::vector<VariableRange> plannedRanges(const Problem& problem) {
   return ranges;
 }
 
-// What is compared is what preparing reads. Shapes that share no vertices count as different.
-
-bool isSame(const robots::Pose& x, const robots::Pose& y) {
-  return x.rotation == y.rotation && x.translation == y.translation;
-}
+// What is compared is what preparing reads.
 
 bool isSame(const collision::Shape& x, const collision::Shape& y) {
   return x.type() == y.type() && x.radius() == y.radius() && x.halfLength() == y.halfLength() &&
@@ -36,15 +32,12 @@ bool isSame(const collision::Shape& x, const collision::Shape& y) {
 }
 
 bool isSame(const robots::Geometry& x, const robots::Geometry& y) {
-  return x.name == y.name && isSame(x.shape, y.shape) && isSame(x.X_BG, y.X_BG);
+  return x.name == y.name && isSame(x.shape, y.shape) && isSamePose(x.X_BG, y.X_BG);
 }
 
 bool isSame(const Attachment& x, const Attachment& y) {
-  const auto &of_x = x.object.geometries, &of_y = y.object.geometries;
   return x.object.name == y.object.name && x.link == y.link && x.touch_links == y.touch_links &&
-         isSame(x.X_LO, y.X_LO) &&
-         std::equal(of_x.begin(), of_x.end(), of_y.begin(), of_y.end(),
-                    [](const auto& g, const auto& h) { return isSame(g, h); });
+         isSamePose(x.X_LO, y.X_LO) && areSameShapes(x.object.geometries, y.object.geometries);
 }
 
 /// All that proofs ask of margins is which are positive, and which pairs wishes name.
@@ -71,6 +64,15 @@ std::vector<std::string> namesOf(const Contacts& contacts) {
 
 }  // namespace
 
+bool isSamePose(const robots::Pose& x, const robots::Pose& y) {
+  return x.rotation == y.rotation && x.translation == y.translation;
+}
+
+bool areSameShapes(const std::vector<robots::Geometry>& x, const std::vector<robots::Geometry>& y) {
+  return std::equal(x.begin(), x.end(), y.begin(), y.end(),
+                    [](const auto& g, const auto& h) { return isSame(g, h); });
+}
+
 PreparedRobot::PreparedRobot(const Problem& problem, std::vector<VariableRange> ranges,
                              const ConfigurationSpace& space, const robots::Stop& stop)
     : variables_(problem.robot.variables),
@@ -96,19 +98,29 @@ PreparedRobot::PreparedRobot(const Problem& problem, std::vector<VariableRange> 
   motions_ = makeRobotMotions(space, scene_, carriers_, ranges_, gaps);
 }
 
-bool PreparedRobot::fits(const Problem& problem, std::span<const VariableRange> ranges) const {
-  const robots::Model& model = *problem.robot.model;
+const char* PreparedRobot::differenceFrom(const Problem& problem) const {
+  return differenceFrom(problem, plannedRanges(problem));
+}
+
+const char* PreparedRobot::differenceFrom(const Problem& problem,
+                                          std::span<const VariableRange> ranges) const {
   const auto isSameRange = [](const VariableRange& x, const VariableRange& y) {
     return x.lower == y.lower && x.upper == y.upper;
   };
   const auto &of_mine = attachments_, &of_other = problem.robot.attachments;
-  return has_srdf_ == model.has_srdf && variables_ == problem.robot.variables &&
-         std::equal(ranges_.begin(), ranges_.end(), ranges.begin(), ranges.end(), isSameRange) &&
-         std::equal(of_mine.begin(), of_mine.end(), of_other.begin(), of_other.end(),
-                    [](const auto& x, const auto& y) { return isSame(x, y); }) &&
-         contacts_.replace_srdf == problem.contacts.replace_srdf &&
-         contacts_.allowed == problem.contacts.allowed &&
-         (has_srdf_ || contacts_.replace_srdf || isSamePositive(margins_, problem.margins));
+  if (has_srdf_ != problem.robot.model->has_srdf) return "robot.model";
+  if (variables_ != problem.robot.variables) return "robot.variables";
+  if (!std::equal(ranges_.begin(), ranges_.end(), ranges.begin(), ranges.end(), isSameRange))
+    return "start, in a variable that is not planned,";
+  if (!std::equal(of_mine.begin(), of_mine.end(), of_other.begin(), of_other.end(),
+                  [](const auto& x, const auto& y) { return isSame(x, y); }))
+    return "robot.attachments";
+  if (contacts_.replace_srdf != problem.contacts.replace_srdf ||
+      contacts_.allowed != problem.contacts.allowed)
+    return "contacts";
+  if (!has_srdf_ && !contacts_.replace_srdf && !isSamePositive(margins_, problem.margins))
+    return "margins";
+  return nullptr;
 }
 
 std::shared_ptr<const PreparedRobot> PreparedRobot::of(const Problem& problem,
@@ -117,7 +129,7 @@ std::shared_ptr<const PreparedRobot> PreparedRobot::of(const Problem& problem,
   std::vector<VariableRange> ranges = plannedRanges(problem);
   const auto fits = [&](const robots::PreparedStore::Entry& entry) {
     const auto* robot = dynamic_cast<const PreparedRobot*>(&entry);
-    return robot != nullptr && robot->fits(problem, ranges);
+    return robot != nullptr && robot->differenceFrom(problem, ranges) == nullptr;
   };
   const robots::PreparedStore& store = problem.robot.model->prepared;
   std::shared_ptr<const robots::PreparedStore::Entry> entry = store.find(fits);

@@ -18,6 +18,10 @@
 
 namespace leeway::planner {
 
+/// Whether poses and shapes are the same, bit by bit; shapes that share no vertices are not.
+bool isSamePose(const robots::Pose& x, const robots::Pose& y);
+bool areSameShapes(const std::vector<robots::Geometry>& x, const std::vector<robots::Geometry>& y);
+
 /// A robot with what it holds, ready for any world: its bodies and their bounds, the pairs among
 /// them, motions and their bounds. Kept with the model (robots::Model::prepared), and so shared by
 /// all problems that plan the same variables from the same values of the others, with the same held
@@ -25,9 +29,9 @@ namespace leeway::planner {
 class PreparedRobot final : public robots::PreparedStore::Entry {
  public:
   /// That of a problem, prepared now if it is not yet. Thread-safe; two threads may both prepare
-  /// it, and get the same. Throws robots::InputError for poses of held objects that are none, and
-  /// for two half-spaces that may not touch. O(pairs of links * joints), plus milliseconds a pair
-  /// of links for proofs where the robot has no SRDF; these ask `stop`: throws robots::Stopped.
+  /// it, and get the same. Throws robots::InputError for two half-spaces that may not touch.
+  /// O(pairs of links * joints), plus milliseconds a pair of links for proofs where the robot has
+  /// no SRDF; these ask `stop`: throws robots::Stopped.
   static std::shared_ptr<const PreparedRobot> of(const Problem& problem,
                                                  const ConfigurationSpace& space,
                                                  const robots::Stop& stop);
@@ -49,6 +53,9 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
   const Contacts& contacts() const { return contacts_; }
   /// Whether the problem's contacts name it. O(log names).
   bool isAllowedName(const std::string& name) const;
+  /// Which member of a problem is not what the robot was prepared from; null: none. Of margins that
+  /// counts which proofs ask.
+  const char* differenceFrom(const Problem& problem) const;
 
   const RobotMotions& motions() const { return motions_; }
   /// Made by the first who asks. `model`: the problem's.
@@ -61,7 +68,8 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
  private:
   PreparedRobot(const Problem& problem, std::vector<robots::VariableRange> ranges,
                 const ConfigurationSpace& space, const robots::Stop& stop);
-  bool fits(const Problem& problem, std::span<const robots::VariableRange> ranges) const;
+  const char* differenceFrom(const Problem& problem,
+                             std::span<const robots::VariableRange> ranges) const;
 
   // What it was prepared from.
   std::vector<int> variables_;

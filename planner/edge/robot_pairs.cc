@@ -1,13 +1,9 @@
 #include "planner/edge/robot_pairs.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
 
 #include "collision/base/numbers.h"
-#include "collision/base/tolerances.h"
-#include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 
 namespace leeway::planner {
@@ -28,21 +24,6 @@ bool mayTouch(const Attachment& held, int link) {
 }
 
 }  // namespace
-
-void expectPose(const std::string& problem, const robots::Pose& X, const std::string& name) {
-  const double departure =
-      (X.rotation.transpose() * X.rotation - Eigen::Matrix3d::Identity()).norm();
-  if ((X.translation.array().abs() <= collision::kLargestSize).all() &&
-      departure <= collision::kRotationTolerance)
-    return;
-  const Eigen::Vector3d& p = X.translation;
-  throw robots::InputError(
-      problem, 0,
-      fmt::format("the pose of '{}' is at ({}, {}, {}), its rotation {} from orthogonal; numbers "
-                  "up to {} and a rotation within {} are expected",
-                  name, p.x(), p.y(), p.z(), departure, collision::kLargestSize,
-                  collision::kRotationTolerance));
-}
 
 RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableRange> ranges,
                        const robots::Stop& stop)
@@ -110,7 +91,6 @@ void RobotPairs::addLinks() {
 
 void RobotPairs::addAttachments() {
   for (const Attachment& a : problem_.robot.attachments) {
-    expectPose(problem_.name, a.X_LO, a.object.name);
     Body body{a.object.name, a.object.geometries, moves(a.link), poses_[at(a.link)]};
     for (robots::Geometry& g : body.geometries) g.X_BG = a.X_LO * g.X_BG;
     if (!body.geometries.empty()) add({std::move(body), a.link, &a});

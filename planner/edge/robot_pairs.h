@@ -17,16 +17,11 @@
 
 namespace leeway::planner {
 
-/// Throws robots::InputError for a pose that is not finite or no rotation. Readers of files see to
-/// it; programs may pass anything.
-void expectPose(const std::string& problem, const robots::Pose& X, const std::string& name);
-
 /// Bodies: links with geometry, then held objects. A pair is checked unless there is a reason to
 /// drop it; the first reason found stands.
 class RobotPairs {
  public:
-  /// `ranges`: of the model's variables, in this problem. Throws robots::InputError for an object
-  /// whose pose is not finite or no rotation, robots::Stopped.
+  /// `ranges`: of the model's variables, in this problem, which is valid. Throws robots::Stopped.
   RobotPairs(const Problem& problem, std::span<const robots::VariableRange> ranges,
              const robots::Stop& stop);
 

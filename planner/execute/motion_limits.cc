@@ -27,6 +27,7 @@ std::vector<double> velocityLimits(const Problem& problem) {
 }
 
 MotionLimits motionLimits(const Problem& problem) {
+  validate(problem);
   const Execution& execution = problem.execution;
   MotionLimits limits;
   limits.velocity = velocityLimits(problem);

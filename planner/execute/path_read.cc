@@ -277,6 +277,7 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
 }  // namespace
 
 Path readPath(const std::string& file, const Problem& problem) {
+  validate(problem);
   const std::string ending = std::filesystem::path(file).extension().string();
   if (ending == ".json" || ending == ".yaml" || ending == ".yml")
     return matched(file, readTrajectory(YamlReader::load(file)), problem);

@@ -237,13 +237,27 @@ std::string matrixText(const ConfigurationSpace& space, const PlanResult& result
   return text;
 }
 
+/// Refuses a result of other variables than the problem plans.
+void requireResultOf(const Problem& problem, const PlanResult& result) {
+  validate(problem);
+  const std::vector<int>& variables = problem.robot.variables;
+  bool is_same = result.path.names.size() == variables.size();
+  for (std::size_t i = 0; is_same && i < variables.size(); ++i)
+    is_same = result.path.names[i] ==
+              problem.robot.model->variables[static_cast<std::size_t>(variables[i])].name;
+  for (const std::vector<double>& row : result.path.positions)
+    is_same = is_same && row.size() == variables.size();
+  if (!is_same)
+    throw std::invalid_argument(
+        "the path's columns are not the problem's planned variables; a result of this problem is "
+        "expected");
+}
+
 }  // namespace
 
 void writePath(const std::string& file, const Problem& problem, const PlanResult& result) {
+  requireResultOf(problem, result);
   const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
-  for (const std::vector<double>& row : result.path.positions)
-    if (row.size() != problem.robot.variables.size())
-      throw std::invalid_argument("writePath: a row is not as long as the group");
   const std::string ending = std::filesystem::path(file).extension().string();
   if (ending == ".json") return writeFileWhole(file, jsonText(file, problem, space, result));
   if (ending == ".yaml" || ending == ".yml")
@@ -262,6 +276,7 @@ void writePath(const std::string& file, const Problem& problem, const PlanResult
 
 void writeTrajectory(const std::string& file, const Problem& problem, const PlanResult& result,
                      const Trajectory& trajectory, double period) {
+  requireResultOf(problem, result);
   const std::string ending = std::filesystem::path(file).extension().string();
   const bool json = ending == ".json", yaml = ending == ".yaml" || ending == ".yml";
   if (!json && !yaml && ending != ".csv")

@@ -84,6 +84,7 @@ ReplanResult replan(const Problem& problem, const ReplanOptions& options,
 
 void writeTrajectory(const std::string& file, const Problem& problem,
                      std::span<const TimedPoint> trajectory) {
+  validate(problem);
   const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
   std::string text = "time";
   for (const int v : problem.robot.variables)

@@ -17,6 +17,8 @@
 #include "planner/execute/step_certifier.h"
 #include "planner/execute/timed_path.h"
 #include "planner/search/goals.h"
+#include "planner/search/search.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
@@ -26,7 +28,7 @@ using Waypoints = std::vector<std::vector<double>>;
 std::vector<double> startOf(const Problem& problem) {
   std::vector<double> point;
   for (const int v : problem.robot.variables)
-    point.push_back(problem.start.at(static_cast<std::size_t>(v)));
+    point.push_back(problem.start[static_cast<std::size_t>(v)]);
   return point;
 }
 
@@ -34,24 +36,22 @@ std::uint64_t stream(std::uint64_t first, int number) {
   return first + static_cast<std::uint64_t>(number);
 }
 
-void requireSensible(const Problem& problem) {
+/// What only execution asks of a problem.
+const Problem& executable(const Problem& problem) {
   const Execution& e = problem.execution;
-  const auto require = [&](bool good, const char* key, double value, const std::string& expected) {
-    if (good) return;
-    throw robots::InputError(
-        problem.name, 0, fmt::format("execution.{} is {}; {} is expected", key, value, expected));
+  const auto refuse = [&](const std::string& message) {
+    throw robots::InputError(problem.name, 0, message);
   };
-  const auto isSize = [](double value) { return value >= 0 && std::isfinite(value); };
-  require(std::isfinite(e.start), "start", e.start, "a finite number of seconds");
-  require(e.step > 0 && std::isfinite(e.step), "step", e.step, "a finite number above 0 s");
-  require(e.duration >= e.step, "duration", e.duration,
-          fmt::format("at least a step, {} s,", e.step));
-  require(e.speed > 0 && e.speed <= 1, "speed", e.speed, "a share above 0, up to 1,");
-  require(isSize(e.look_ahead), "look_ahead", e.look_ahead, "a finite number of at least 0 s");
-  require(isSize(e.buffer), "buffer", e.buffer, "a finite number of at least 0 m");
-  require(e.patience >= 0, "patience", e.patience, "a number of at least 0 s");
-  require(e.look_ahead <= kLongestLookAhead * e.step, "look_ahead", e.look_ahead,
-          fmt::format("at most {} steps of {} s", kLongestLookAhead, e.step));
+  validate(problem);
+  requireGoals(problem, "a Replanner");
+  if (!(e.look_ahead <= kLongestLookAhead * e.step))
+    refuse(fmt::format("execution.look_ahead is {}; at most {} steps of {} s is expected",
+                       e.look_ahead, kLongestLookAhead, e.step));
+  for (const DeformingObstacle& obstacle : problem.world.deforming)
+    if (const auto fault = speedBoundFault(obstacle, e))
+      refuse(fmt::format("the speed bound of deforming obstacle '{}' {}", obstacle.object.name,
+                         *fault));
+  return problem;
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ const char* toString(Decision decision) {
 
 struct Replanner::Impl {
   Impl(const Problem& given, const ReplanOptions& given_options)
-      : problem((requireSensible(given), given)),
+      : problem(executable(given)),
         options(given_options),
         scene(std::make_shared<const CompiledScene>(problem)),
         obstacles(problem, *scene),
@@ -232,7 +232,7 @@ struct Replanner::Impl {
     bool solved = false;
     for (const double buffer : {execution().buffer, 0.0}) {
       const PlanResult result =
-          planner::plan(scene->withShapes(obstacles.seen(buffer)), from_here, plan_options);
+          planIn(scene->withShapes(obstacles.seen(buffer)), from_here, plan_options);
       step.iterations += result.iterations;
       step.edges += result.edges;
       step.distance_queries += result.distance_queries;

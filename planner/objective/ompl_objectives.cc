@@ -87,7 +87,9 @@ ob::InformedSamplerPtr OmplClearanceObjective::allocInformedStateSampler(
 OmplCostObjective::OmplCostObjective(const ob::SpaceInformationPtr& space_information,
                                      const std::shared_ptr<CertifierPool>& pool,
                                      const Problem& problem)
-    : OmplCostObjective(space_information, pool, PathCost::of(pool->scene(), problem)) {}
+    : OmplCostObjective(
+          space_information, pool,
+          (pool->scene().requireQuestion(problem), PathCost::of(pool->scene(), problem))) {}
 
 OmplCostObjective::OmplCostObjective(const ob::SpaceInformationPtr& space_information,
                                      std::shared_ptr<CertifierPool> pool,

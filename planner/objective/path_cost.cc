@@ -3,21 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <set>
-#include <stdexcept>
 #include <utility>
 
 #include "collision/base/numbers.h"
-#include "leeway/planner/planners.h"
 #include "planner/base/tolerances.h"
 #include "planner/objective/nearness.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
-
-bool isWeight(double weight) { return weight >= 0 && std::isfinite(weight); }
-bool isDistance(double distance) { return distance > 0 && std::isfinite(distance); }
 
 Interval outwards(Interval sum) {
   return {sum.lower - kSumRounding * std::abs(sum.lower),
@@ -52,65 +47,8 @@ std::shared_ptr<const CompiledScene> withPairsOf(const CompiledScene& scene, Pai
 
 }  // namespace
 
-std::optional<std::string> costPlannerError(const Problem& problem) {
-  const PlannerTraits* planner = findPlanner(problem.planner.name);
-  if (planner == nullptr || !planner->optimizing || !PathCost::isAskedBy(problem))
-    return std::nullopt;
-  const auto* cost = std::get_if<MinimumCost>(&problem.objective);
-  const bool adds_up =
-      cost == nullptr || std::none_of(cost->terms.begin(), cost->terms.end(),
-                                      [](const CostTerm& term) { return term.worst; });
-  if (adds_up && planner->costs) return std::nullopt;
-  std::string names;
-  for (const PlannerTraits& other : plannerNames())
-    if (!other.optimizing || (adds_up && other.costs))
-      names += (names.empty() ? "" : ", ") + other.name;
-  return fmt::format("planner '{}' {}; one of {} is expected", planner->name,
-                     adds_up ? "adds up lengths, whatever a path costs"
-                             : "adds up costs of edges, and the worst place of a path does not add "
-                               "up",
-                     names);
-}
-
-bool PathCost::isAskedBy(const Problem& problem) {
-  return std::holds_alternative<MinimumCost>(problem.objective) ||
-         (std::holds_alternative<MinimumLength>(problem.objective) &&
-          !problem.margins.wishes.empty());
-}
-
-std::optional<std::string> PathCost::error(const Problem& problem) {
-  for (const Wish& wish : problem.margins.wishes) {
-    if (!isDistance(wish.clearance))
-      return fmt::format("wish '{}' is {}; a length above 0 is expected", wish.name,
-                         wish.clearance);
-    if (!(isWeight(wish.weight) && wish.weight > 0))
-      return fmt::format("wish '{}' has the weight {}; a number above 0 is expected", wish.name,
-                         wish.weight);
-  }
-  if (!problem.margins.wishes.empty() &&
-      std::holds_alternative<MaximumClearance>(problem.objective))
-    return "wishes stand beside the objective clearance, which has no cost that they could add to; "
-           "another objective, or margins, are expected";
-  const auto* cost = std::get_if<MinimumCost>(&problem.objective);
-  if (cost == nullptr) return std::nullopt;
-  if (!isWeight(cost->length))
-    return fmt::format("the objective weighs length by {}; 0 or more is expected", cost->length);
-  bool counts = cost->length > 0;
-  for (const CostTerm& term : cost->terms) {
-    if (!isWeight(term.weight))
-      return fmt::format("the objective weighs a term by {}; 0 or more is expected", term.weight);
-    if (!isDistance(term.nearness.distance))
-      return fmt::format("the objective has nearness below {} m; a length above 0 is expected",
-                         term.nearness.distance);
-    counts = counts || term.weight > 0;
-  }
-  if (!counts) return "the objective weighs nothing; a weight above 0 is expected";
-  return std::nullopt;
-}
-
 std::shared_ptr<PathCost> PathCost::of(const CompiledScene& scene, const Problem& problem) {
-  if (const auto wrong = error(problem)) throw std::invalid_argument(*wrong);
-  if (!isAskedBy(problem)) return nullptr;
+  if (!asksForCost(problem)) return nullptr;
   return std::shared_ptr<PathCost>(new PathCost(scene, problem));
 }
 

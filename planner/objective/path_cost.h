@@ -13,22 +13,13 @@
 
 namespace leeway::planner {
 
-/// Why the problem's planner cannot serve its objective, and which planners can; nothing where it
-/// can.
-std::optional<std::string> costPlannerError(const Problem& problem);
-
 /// What paths cost in one compiled scene: a weight of their length, and terms of nearness, each of
 /// its own pairs. Every answer is an interval that holds. Thread-safe.
 class PathCost {
  public:
-  /// Of a problem's objective and its wishes; null where neither asks for a cost, with
-  /// MaximumClearance. O(pairs) a term. Throws std::invalid_argument for weights or distances that
-  /// make no sense.
+  /// Of the objective and the wishes of a valid problem; null where neither asks for a cost.
+  /// O(pairs) a term.
   static std::shared_ptr<PathCost> of(const CompiledScene& scene, const Problem& problem);
-  /// Whether of() returns one.
-  static bool isAskedBy(const Problem& problem);
-  /// What is wrong with an objective's or a wish's numbers; nothing when they are right.
-  static std::optional<std::string> error(const Problem& problem);
 
   /// Of an edge: what adds up along a path, weights included, and the greatest nearness of each
   /// term that counts its worst.

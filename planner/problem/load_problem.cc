@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <set>
 #include <string>
 #include <unordered_set>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "leeway/planner/planners.h"
 #include "leeway/planner/problem.h"
 #include "planner/base/did_you_mean.h"
+#include "planner/problem/fail_at.h"
 #include "planner/problem/other_formats.h"
 #include "planner/problem/read_deforming.h"
 #include "planner/problem/read_execution.h"
@@ -21,6 +21,7 @@
 #include "planner/problem/read_shapes.h"
 #include "planner/problem/read_states.h"
 #include "planner/problem/read_steps.h"
+#include "planner/validate/checks.h"
 #include "planner/yaml/format_keys.h"
 #include "planner/yaml/yaml_reader.h"
 #include "robots/base/read_on.h"
@@ -132,16 +133,6 @@ std::vector<std::string> linkNames(const Model& model) {
   return names;
 }
 
-std::vector<std::string> objectNames(const Problem& problem) {
-  std::vector<std::string> names;
-  for (const Object& object : problem.world.objects) names.push_back(object.name);
-  for (const DeformingObstacle& obstacle : problem.world.deforming)
-    names.push_back(obstacle.object.name);
-  for (const Attachment& attachment : problem.robot.attachments)
-    names.push_back(attachment.object.name);
-  return names;
-}
-
 void takeGroup(const std::string& file, int line, const std::string& name, Problem& problem) {
   const int group = problem.robot.model->findGroup(name);
   if (group < 0)
@@ -179,9 +170,7 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
   map.expectKeys(keysOf("object"));
   const YamlReader name = map.at("name", "a name of its own");
   if (!taken.insert(name.text()).second || problem.robot.model->findLink(name.text()) >= 0)
-    name.fail(
-        fmt::format("{} '{}' is the name of another object or link; a name of its own is expected",
-                    name.where(), name.text()));
+    name.fail(fmt::format("{} '{}' {}", name.where(), name.text(), kNameTaken));
   Object object{name.text(), {}, {}};
   // Where something of it is wrong, and reading goes on, its name is still known.
   map.readOn([&] {
@@ -204,31 +193,27 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
 
 /// The names of all links and objects, and of groups of them.
 struct KnownNames {
-  explicit KnownNames(const Problem& problem) : all(linkNames(*problem.robot.model)) {
+  explicit KnownNames(const Problem& problem) : things(problem) {
     std::vector<std::string>& robot = groups["robot"];
-    robot = all;
+    robot = linkNames(*problem.robot.model);
     for (const Attachment& held : problem.robot.attachments) robot.push_back(held.object.name);
-    for (std::string& name : objectNames(problem)) all.push_back(std::move(name));
-    set.insert(all.begin(), all.end());
-    if (set.count("robot") != 0) groups.clear();  // the problem means its own
+    if (things.isKnown("robot")) groups.clear();  // the problem means its own
   }
-  std::vector<std::string> all;
-  std::unordered_set<std::string> set;
+  Names things;
   std::map<std::string, std::vector<std::string>> groups;
 };
 
 void expectKnown(const YamlReader& item, const YamlReader& list, const KnownNames& known) {
-  if (known.set.count(item.text()) != 0) return;
-  std::vector<std::string> names = known.all;
-  for (const auto& [name, members] : known.groups) names.push_back(name);
-  item.fail(fmt::format("unknown link or object '{}' in {}{}", item.text(), list.where(),
-                        didYouMean(item.text(), names)));
+  if (known.things.isKnown(item.text())) return;
+  std::vector<std::string> groups;
+  for (const auto& [name, members] : known.groups) groups.push_back(name);
+  item.fail(fmt::format("{}: {}", list.where(), known.things.unknown(item.text(), groups)));
 }
 
 /// Groups of links and objects, which stand for all of their members.
 void readGroups(const YamlReader& groups, KnownNames& known) {
   groups.eachEntry([&](const std::string& name, const YamlReader& list) {
-    if (known.set.count(name) != 0 || name == "robot")
+    if (known.things.isKnown(name) || name == "robot")
       list.fail(fmt::format("group '{}' has the name of {}; a name of its own is expected", name,
                             name == "robot" ? "the whole robot" : "a link or object"));
     if (list.items().empty())
@@ -241,33 +226,44 @@ void readGroups(const YamlReader& groups, KnownNames& known) {
   });
 }
 
-/// The pairs that two different names of links, objects or groups stand for.
-std::vector<std::pair<std::string, std::string>> readNamePairs(const YamlReader& pair,
-                                                               const KnownNames& known) {
+/// The pairs that two names of links, objects or groups stand for.
+struct NamePairs {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  std::string group = {};  ///< "robot and boxes", where one of them is a group
+};
+
+NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known) {
   const std::vector<YamlReader> items = pair.items();
-  if (items.size() != 2 || items[0].text() == items[1].text())
+  if (items.size() != 2)
     pair.fail(fmt::format("{} is no pair; two different names of links or objects are expected",
                           pair.where()));
+  const std::string names[] = {items[0].text(), items[1].text()};
+  NamePairs read;
   std::vector<std::string> sides[2];
   for (std::size_t i = 0; i < 2; ++i) {
-    const auto group = known.groups.find(items[i].text());
-    if (group != known.groups.end()) {
-      sides[i] = group->second;
+    const auto group = known.groups.find(names[i]);
+    if (group == known.groups.end()) {
+      expectKnown(items[i], pair, known);
+      sides[i] = {names[i]};
       continue;
     }
-    expectKnown(items[i], pair, known);
-    sides[i] = {items[i].text()};
+    sides[i] = group->second;
+    read.group = names[0] + " and " + names[1];
   }
-  std::vector<std::pair<std::string, std::string>> pairs;
+  if (names[0] == names[1]) pair.fail(fmt::format("{}: {}", pair.where(), sameName(names[0])));
   for (const std::string& a : sides[0])
     for (const std::string& b : sides[1])
-      if (a != b) pairs.emplace_back(a, b);
-  return pairs;
+      if (a != b) read.pairs.emplace_back(a, b);
+  if (read.pairs.empty())
+    pair.fail(fmt::format("{}: '{}' and '{}' stand for one thing; two different ones are expected",
+                          pair.where(), names[0], names[1]));
+  return read;
 }
 
 void readObjects(const YamlReader& objects, const robots::LoadOptions& load, Problem& problem) {
   std::unordered_set<std::string> taken;
-  for (std::string& name : objectNames(problem)) taken.insert(std::move(name));
+  for (const Object& object : problem.world.objects) taken.insert(object.name);
+  for (const Attachment& held : problem.robot.attachments) taken.insert(held.object.name);
   objects.eachItem([&](const YamlReader& object) { readObject(object, taken, load, problem); });
 }
 
@@ -281,40 +277,34 @@ double readMargin(const YamlReader& margin, Problem& problem) {
   return value;
 }
 
-double readAbove0(const YamlReader& reader) {
-  const double value = reader.number();
-  if (!(value > 0))
-    reader.fail(fmt::format("{} is {}; a number above 0 is expected", reader.where(), value));
-  return value;
-}
-
-Wish readWish(const YamlReader& entry, const YamlReader& between, const YamlReader& clearance,
-              std::vector<std::pair<std::string, std::string>> pairs) {
-  const std::vector<YamlReader> names = between.items();
-  Wish wish{fmt::format("{} and {}", names[0].text(), names[1].text()), std::move(pairs),
-            readAbove0(clearance)};
-  if (const auto weight = entry.find("weight")) wish.weight = readAbove0(*weight);
-  return wish;
+/// A wish between the pairs of an entry of `margins`.
+void readWish(const YamlReader& entry, const YamlReader& clearance, const NamePairs& read,
+              double margin, Problem& problem) {
+  Wish wish{read.group.empty() ? fmt::format("{} and {}", read.pairs[0].first, read.pairs[0].second)
+                               : read.group,
+            read.pairs, clearance.number()};
+  if (const auto weight = entry.find("weight")) wish.weight = weight->number();
+  if (const auto fault = wishFault(wish, entry.where())) failAt(entry, *fault);
+  if (!(wish.clearance > margin))
+    clearance.fail(fmt::format("{} is {}, no more than the margin {}; more is expected",
+                               clearance.where(), wish.clearance, margin));
+  problem.margins.wishes.push_back(std::move(wish));
 }
 
 void readPairMargin(const YamlReader& entry, const KnownNames& known, Problem& problem) {
   entry.expectKeys(keysOf("pair_margin"));
   if (const auto weight = entry.find("weight"); weight && !entry.find("wish"))
     weight->fail("key 'weight' stands without 'wish', whose weight it is; both are expected");
-  const YamlReader between = entry.at("between", "two names");
-  const auto pairs = readNamePairs(between, known);
+  const NamePairs read = readNamePairs(entry.at("between", "two names"), known);
   const auto wish = entry.find("wish");
   // A wish alone leaves the margin as it is.
   double margin = problem.margins.common;
   if (!wish || entry.has("margin")) {
     margin = readMargin(entry.at("margin", "a number [m]"), problem);
-    for (const auto& [a, b] : pairs) problem.margins.pairs.push_back({a, b, margin});
+    for (const auto& [a, b] : read.pairs)
+      problem.margins.pairs.push_back({a, b, margin, read.group});
   }
-  if (!wish) return;
-  if (!(wish->number() > margin))
-    wish->fail(fmt::format("{} is {}, no more than the margin {}; more is expected", wish->where(),
-                           wish->number(), margin));
-  problem.margins.wishes.push_back(readWish(entry, between, *wish, pairs));
+  if (wish) readWish(entry, *wish, read, margin, problem);
 }
 
 void readPairs(const YamlReader& file, const LinkPadding& padding, Problem& problem) {
@@ -322,7 +312,7 @@ void readPairs(const YamlReader& file, const LinkPadding& padding, Problem& prob
   if (const auto groups = file.find("groups")) readGroups(*groups, known);
   if (const auto allowed = file.find("allowed"))
     allowed->eachItem([&](const YamlReader& pair) {
-      for (auto& names : readNamePairs(pair, known))
+      for (auto& names : readNamePairs(pair, known).pairs)
         problem.contacts.allowed.push_back(std::move(names));
     });
   if (const auto margin = file.find("margin"))
@@ -349,18 +339,15 @@ void readPlannerOf(const YamlReader& planner, Problem& problem) {
 
 void readObjectiveOf(const YamlReader& objective, Problem& problem) {
   problem.objective = readObjective(objective);
-  if (std::holds_alternative<MaximumClearance>(problem.objective) &&
-      !problem.margins.wishes.empty())
-    objective.fail(
-        "objective is clearance, beside margins with a wish, whose cost it cannot weigh; another "
-        "objective, or margins alone, are expected");
+  if (const auto fault = wishesFault(problem)) objective.fail(*fault);
 }
 
 void readLimits(const YamlReader& limits, Problem& problem) {
   limits.expectKeys(keysOf("limits"));
-  if (const auto time = limits.find("time")) problem.limits.time = time->sizeNumber();
+  if (const auto time = limits.find("time")) problem.limits.time = time->number();
   if (const auto iterations = limits.find("iterations"))
     problem.limits.iterations = iterations->integer(0);
+  if (const auto fault = limitsFault(problem.limits)) failAt(limits, *fault);
 }
 
 void readPlanner(const YamlReader& file, Problem& problem) {
@@ -369,7 +356,7 @@ void readPlanner(const YamlReader& file, Problem& problem) {
   };
   section("planner", readPlannerOf);
   section("objective", readObjectiveOf);
-  if (const auto error = improveError(problem))
+  if (const auto error = improveFault(problem))
     file.readOn([&] { file.find("planner")->find("parameters")->find("improve")->fail(*error); });
   section("simplify", [](const YamlReader& simplify, Problem& of) {
     of.planner.simplify = simplify.boolean();
@@ -509,11 +496,12 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
   if (meshes) file.readOn([&] { expectMeshesFound(*meshes, meshes_found, problem); });
   wrong.throwFirst();
   warnOfOpenMeshes(yaml_path, problem);
-  return problem;
+  return validated(std::move(problem), yaml_path);
 }
 
 Problem problemFromStates(std::shared_ptr<const Model> model, const std::string& group,
                           const std::string& start, const std::string& goal) {
+  if (!model) throw InputError("", 0, "a model is missing; one of loadModel() is expected");
   Problem problem;
   problem.name = model->name;
   problem.robot.model = std::move(model);
@@ -521,6 +509,7 @@ Problem problemFromStates(std::shared_ptr<const Model> model, const std::string&
   problem.start = problem.robot.model->defaultConfiguration();
   takeStart("", 0, groupStateRanges("", 0, start, problem), problem);
   problem.goals.push_back(takeGoal("", 0, goal, groupStateRanges("", 0, goal, problem), problem));
+  validate(problem);
   return problem;
 }
 

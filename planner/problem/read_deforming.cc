@@ -10,6 +10,7 @@
 #include "planner/base/did_you_mean.h"
 #include "planner/problem/read_motion.h"
 #include "planner/problem/read_shapes.h"
+#include "planner/validate/checks.h"
 #include "planner/yaml/format_keys.h"
 
 namespace leeway::planner {
@@ -105,36 +106,6 @@ IndexedMesh readRestMesh(const YamlReader& entry) {
   return gridMesh(s[0], s[1], static_cast<int>(x), static_cast<int>(y));
 }
 
-bool isTaken(const std::string& name, const Problem& problem) {
-  const auto taken = [&](const auto& list, const auto& nameOf) {
-    return std::any_of(list.begin(), list.end(),
-                       [&](const auto& entry) { return nameOf(entry) == name; });
-  };
-  return taken(problem.world.objects, [](const Object& o) { return o.name; }) ||
-         taken(problem.world.deforming, [](const DeformingObstacle& o) { return o.object.name; }) ||
-         taken(problem.robot.attachments, [](const Attachment& a) { return a.object.name; }) ||
-         problem.robot.model->findLink(name) >= 0;
-}
-
-void requireFreeName(const YamlReader& name, const Problem& problem) {
-  if (isTaken(name.text(), problem))
-    name.fail(
-        fmt::format("{} '{}' is the name of another object or link; a name of its own is expected",
-                    name.where(), name.text()));
-}
-
-/// A bound below the motion's own would be untrue: it is refused.
-double readSpeedBound(const YamlReader& bound, const collision::VertexMotion* motion,
-                      const Execution& execution) {
-  const double value = bound.sizeNumber();
-  if (motion == nullptr) return value;
-  const double most = motion->speedBound(execution.start, execution.start + execution.duration);
-  if (value < most)
-    bound.fail(fmt::format("{} is {}, and the motion may reach {} m/s; at least that is expected",
-                           bound.where(), value, most));
-  return value;
-}
-
 }  // namespace
 
 DeformingObstacle makeDeformingObstacle(std::string name,
@@ -159,15 +130,15 @@ DeformingObstacle makeDeformingObstacle(std::string name,
 void readDeforming(const YamlReader& entry, Problem& problem) {
   entry.expectKeys(keysOf("deforming"));
   const YamlReader name = entry.at("name", "a name of its own");
-  requireFreeName(name, problem);
+  if (Names(problem).isKnown(name.text()))
+    name.fail(fmt::format("{} '{}' {}", name.where(), name.text(), kNameTaken));
   const IndexedMesh rest = readRestMesh(entry);
   problem.warnings.insert(problem.warnings.end(), rest.warnings.begin(), rest.warnings.end());
   const auto motion_entry = entry.find("motion");
   const auto motion = motion_entry ? readMotion(*motion_entry, rest, problem.warnings) : nullptr;
   const DeformOptions options = readOptions(entry);
   const auto bound = entry.find("speed_bound");
-  const double speed_bound = bound ? readSpeedBound(*bound, motion.get(), problem.execution)
-                                   : std::numeric_limits<double>::infinity();
+  const double speed_bound = bound ? bound->sizeNumber() : std::numeric_limits<double>::infinity();
   try {
     problem.world.deforming.push_back(makeDeformingObstacle(
         name.text(), DeformableMesh::make(rest.vertices, rest.triangles), motion,
@@ -176,12 +147,16 @@ void readDeforming(const YamlReader& entry, Problem& problem) {
     const auto strategy = entry.find("strategy");
     (strategy ? *strategy : entry).fail(fmt::format("{}: {}", entry.where(), error.what()));
   }
+  if (bound)
+    if (const auto fault = speedBoundFault(problem.world.deforming.back(), problem.execution))
+      bound->fail(fmt::format("{} {}", bound->where(), *fault));
   if (const auto margin = entry.find("margin")) {
     const double value = margin->sizeNumber();
+    const std::string group = "robot and " + name.text();
     for (const robots::Link& link : problem.robot.model->links)
-      problem.margins.pairs.push_back({link.name, name.text(), value});
+      problem.margins.pairs.push_back({link.name, name.text(), value, group});
     for (const Attachment& held : problem.robot.attachments)
-      problem.margins.pairs.push_back({held.object.name, name.text(), value});
+      problem.margins.pairs.push_back({held.object.name, name.text(), value, group});
   }
 }
 

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <utility>
 
-#include "planner/base/did_you_mean.h"
-#include "planner/base/tolerances.h"
+#include "planner/problem/fail_at.h"
 #include "planner/yaml/format_keys.h"
 
 namespace leeway::planner {
@@ -16,27 +15,13 @@ void readMotionLimits(const YamlReader& execution, const char* key, const Proble
                       std::map<std::string, double>& limits) {
   const auto given = execution.find(key);
   if (!given) return;
-  const auto limitOf = [](const YamlReader& value) {
-    const double limit = value.number();
-    if (!(limit >= kLeastLimit && limit <= kMostLimit))
-      value.fail(fmt::format("{} is {}; a number from {} to {} is expected", value.where(), limit,
-                             kLeastLimit, kMostLimit));
-    return limit;
-  };
-  std::vector<std::string> known;
-  for (const int v : problem.robot.variables)
-    known.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
-  if (!given->isMap()) {
-    const double limit = limitOf(*given);
-    for (const std::string& name : known) limits[name] = limit;
+  if (given->isMap()) {
+    for (const auto& [name, value] : given->entries()) limits[name] = value.number();
     return;
   }
-  for (const auto& [name, value] : given->entries()) {
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      value.fail(fmt::format("unknown planned variable '{}' in {}{}", name, given->where(),
-                             didYouMean(name, known)));
-    limits[name] = limitOf(value);
-  }
+  const double limit = given->number();
+  for (const int v : problem.robot.variables)
+    limits[problem.robot.model->variables[static_cast<std::size_t>(v)].name] = limit;
 }
 
 }  // namespace
@@ -44,34 +29,18 @@ void readMotionLimits(const YamlReader& execution, const char* key, const Proble
 void readExecution(const YamlReader& reader, Problem& problem) {
   reader.expectKeys(keysOf("execution"));
   Execution& execution = problem.execution;
-  const auto positive = [&](const char* key, double& value) {
-    const auto given = reader.find(key);
-    if (!given) return;
-    value = given->number();
-    if (!(value > 0))
-      given->fail(fmt::format("{} is {}; a number above 0 is expected", given->where(), value));
-  };
-  const auto size = [&](const char* key, double& value) {
-    if (const auto given = reader.find(key)) value = given->sizeNumber();
-  };
-  if (const auto start = reader.find("start")) execution.start = start->number();
-  positive("step", execution.step);
-  positive("duration", execution.duration);
-  if (execution.duration < execution.step)
-    reader.fail(fmt::format("{} lasts {} s, less than a step of {} s; at least one is expected",
-                            reader.where(), execution.duration, execution.step));
-  positive("speed", execution.speed);
-  if (execution.speed > 1 || execution.speed < kLeastLimit)
-    reader.at("speed", "")
-        .fail(fmt::format(
-            "execution.speed is {}; a share of the velocity limits, {} up to 1, is expected",
-            execution.speed, kLeastLimit));
-  size("look_ahead", execution.look_ahead);
-  size("buffer", execution.buffer);
-  size("patience", execution.patience);
+  for (const auto& [key, value] : {std::pair("start", &execution.start),
+                                   {"step", &execution.step},
+                                   {"duration", &execution.duration},
+                                   {"speed", &execution.speed},
+                                   {"look_ahead", &execution.look_ahead},
+                                   {"buffer", &execution.buffer},
+                                   {"patience", &execution.patience}})
+    if (const auto given = reader.find(key)) *value = given->number();
   readMotionLimits(reader, "velocities", problem, execution.velocities);
   readMotionLimits(reader, "accelerations", problem, execution.accelerations);
   readMotionLimits(reader, "jerks", problem, execution.jerks);
+  if (const auto fault = executionFault(problem)) failAt(reader, *fault);
   if (const auto corners = reader.find("corners")) {
     if (corners->text() == "stop")
       execution.corners = Corners::kStop;

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "planner/space/ompl_planners.h"
+#include "planner/problem/fail_at.h"
 #include "planner/yaml/format_keys.h"
 
 namespace leeway::planner {
@@ -52,11 +52,9 @@ CostTerm readTerm(const YamlReader& reader) {
   term.nearness.kind = hinge ? Nearness::Kind::kHinge : Nearness::Kind::kInverse;
   const YamlReader& distance = hinge ? *hinge : *inverse;
   term.nearness.distance = distance.number();
-  if (!(term.nearness.distance > 0))
-    distance.fail(fmt::format("{} is {}; a length above 0 is expected [m]", distance.where(),
-                              term.nearness.distance));
   if (const auto of = reader.find("of")) term.of = readPairsOf(*of);
-  if (const auto weight = reader.find("weight")) term.weight = weight->sizeNumber();
+  if (const auto weight = reader.find("weight")) term.weight = weight->number();
+  if (const auto fault = termFault(term, reader.where())) failAt(reader, *fault);
   return term;
 }
 
@@ -68,11 +66,7 @@ MinimumCost readIntegral(const YamlReader& integral) {
 MinimumCost readWeighted(const YamlReader& weighted) {
   weighted.expectKeys(keysOf("weighted_objective"));
   MinimumCost cost;
-  bool counts = false;
-  if (const auto length = weighted.find("length")) {
-    cost.length = length->sizeNumber();
-    counts = cost.length > 0;
-  }
+  if (const auto length = weighted.find("length")) cost.length = length->sizeNumber();
   for (const char* key : {"integral", "worst"}) {
     const auto terms = weighted.find(key);
     if (!terms) continue;
@@ -80,7 +74,6 @@ MinimumCost readWeighted(const YamlReader& weighted) {
       reader.expectKeys(keysOf("weighted_nearness"));
       cost.terms.push_back(readTerm(reader));
       cost.terms.back().worst = std::string_view(key) == "worst";
-      counts = counts || cost.terms.back().weight > 0;
     };
     if (terms->isMap()) {
       read(*terms);
@@ -88,11 +81,7 @@ MinimumCost readWeighted(const YamlReader& weighted) {
       for (const YamlReader& term : terms->items()) read(term);
     }
   }
-  if (!counts)
-    weighted.fail(
-        fmt::format("{} weighs nothing; length, integral or worst with a weight above 0 "
-                    "is expected",
-                    weighted.where()));
+  if (const auto fault = objectiveFault(cost)) weighted.fail(*fault);
   return cost;
 }
 
@@ -143,21 +132,6 @@ Objective readObjective(const YamlReader& objective) {
                     "expected",
                     objective.where()));
   return *found;
-}
-
-std::optional<std::string> improveError(const Problem& problem) {
-  const auto improve = problem.planner.parameters.find("improve");
-  if (improve == problem.planner.parameters.end()) return std::nullopt;
-  const bool is_asked = parameterNumber(improve->second).value_or(0) > 0;
-  const bool by_length =
-      std::holds_alternative<MinimumLength>(problem.objective) && problem.margins.wishes.empty();
-  if (!is_asked || by_length) return std::nullopt;
-  return fmt::format(
-      "planner parameter 'improve' is {}, beside {}: only paths of the objective length, without "
-      "wishes, become shorter; such a problem, or 0, is expected",
-      improve->second,
-      problem.margins.wishes.empty() ? fmt::format("the objective {}", toString(problem.objective))
-                                     : "margins with a wish");
 }
 
 }  // namespace leeway::planner

@@ -9,6 +9,7 @@
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/read_shapes.h"
+#include "planner/validate/checks.h"
 #include "planner/yaml/format_keys.h"
 
 namespace leeway::planner {
@@ -59,16 +60,6 @@ void takeExactTurns(FramePose& pose) {
   pose.rotation = rotationFromQuaternion(quaternionFromRpy(turn));
 }
 
-double readTolerance(const YamlReader& map, const char* key, double otherwise) {
-  const auto tolerance = map.find(key);
-  if (!tolerance) return otherwise;
-  const double value = tolerance->number();
-  if (!(value >= robots::kLeastPoseTolerance))
-    tolerance->fail(fmt::format("{} is {}; at least {}, which rounding comes near, is expected",
-                                tolerance->where(), value, robots::kLeastPoseTolerance));
-  return value;
-}
-
 FramePose readFramePose(const YamlReader& map, std::vector<std::string>& warnings) {
   map.expectKeys(keysOf("frame_pose"));
   FramePose pose;
@@ -91,8 +82,9 @@ FramePose readFramePose(const YamlReader& map, std::vector<std::string>& warning
     if (rpy) readRanges(*rpy, std::numbers::pi, kLargestAngle, pose.rpy);
     takeExactTurns(pose);
   }
-  pose.position_tolerance = readTolerance(map, "position_tolerance", pose.position_tolerance);
-  pose.angle_tolerance = readTolerance(map, "angle_tolerance", pose.angle_tolerance);
+  for (const auto& [key, tolerance] : {std::pair("position_tolerance", &pose.position_tolerance),
+                                       {"angle_tolerance", &pose.angle_tolerance}})
+    if (const auto given = map.find(key)) *tolerance = given->number();
   return pose;
 }
 
@@ -114,17 +106,12 @@ int readFrameLink(const YamlReader& frame, const robots::Model& model) {
 
 void readFrames(const YamlReader& reader, Problem& problem) {
   const robots::Model& model = *problem.robot.model;
+  const Names names(problem);
   reader.eachEntry([&](const std::string& name, const YamlReader& map) {
     map.expectKeys(keysOf("frame"));
-    const auto taken = [&](const auto& named) { return named.name == name; };
-    bool known = model.findLink(name) >= 0;
-    for (const Object& object : problem.world.objects) known = known || taken(object);
-    for (const Attachment& held : problem.robot.attachments) known = known || taken(held.object);
-    if (known)
-      map.fail(
-          fmt::format("frame '{}' has the name of a link or object; a name of its own is "
-                      "expected",
-                      name));
+    if (names.isKnown(name))
+      map.fail(fmt::format(
+          "frame '{}' has the name of a link or object; a name of its own is expected", name));
     // Where something of it is wrong, and reading goes on, its name is still known.
     Frame frame{name, 0, {}};
     map.readOn([&] {
@@ -161,7 +148,7 @@ std::vector<robots::PoseRegion> readPoseRegions(const YamlReader& map, Problem& 
   std::vector<robots::PoseRegion> regions;
   const std::vector<FramePose> read = readFramePoses(map, problem.warnings);
   for (std::size_t i = 0; i < read.size(); ++i) try {
-      regions.push_back(poseRegion(problem, read[i]));
+      regions.push_back(regionOf(problem, read[i]));
     } catch (const std::invalid_argument& error) {
       places[i].fail(fmt::format("{}: {}", places[i].where(), error.what()));
     }

@@ -9,9 +9,9 @@
 
 #include "collision/base/numbers.h"
 #include "planner/base/did_you_mean.h"
-#include "planner/base/tolerances.h"
 #include "planner/problem/read_poses.h"
 #include "planner/problem/read_shapes.h"
+#include "planner/validate/checks.h"
 #include "planner/yaml/format_keys.h"
 
 namespace leeway::planner {
@@ -182,10 +182,6 @@ class StateReader {
 
 }  // namespace
 
-std::string variableText(const Model& model, int variable) {
-  return "joint '" + model.variables[at(variable)].name + "'";
-}
-
 namespace {
 
 /// Throws unless every planned variable is given and inside its limits. `what` is "start" or the
@@ -194,27 +190,13 @@ void checkPlanned(const std::string& file, int line, const std::string& what,
                   const VariableRanges& given, const Problem& problem) {
   for (const int v : problem.robot.variables) {
     const VariableRange& range = given[at(v)];
-    const robots::Variable& variable = problem.robot.model->variables[at(v)];
     if (!range.given)
       throw InputError(
           file, line,
           fmt::format("{} says nothing of {}; a value for every planned joint is expected: {}",
                       what, variableText(*problem.robot.model, v), plannedNames(problem)));
-    const int at_line = range.line > 0 ? range.line : line;
-    // Written so that NaN fails.
-    if (!(range.lower >= variable.lower && range.upper <= variable.upper))
-      throw InputError(file, at_line,
-                       fmt::format("{} has {} at {}, outside its limits; {} to {} is expected",
-                                   what, variableText(*problem.robot.model, v),
-                                   range.lower >= variable.lower ? range.upper : range.lower,
-                                   variable.lower, variable.upper));
-    if (!(std::abs(range.lower) <= kLargestAngle && std::abs(range.upper) <= kLargestAngle))
-      throw InputError(
-          file, at_line,
-          fmt::format("{} has {} at {}; at most {} is expected", what,
-                      variableText(*problem.robot.model, v),
-                      std::abs(range.lower) <= kLargestAngle ? range.upper : range.lower,
-                      kLargestAngle));
+    if (const auto fault = rangeFault(*problem.robot.model, v, range.lower, range.upper))
+      throw InputError(file, range.line > 0 ? range.line : line, what + " has " + *fault);
   }
 }
 

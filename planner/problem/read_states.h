@@ -17,9 +17,6 @@ struct VariableRange {
 };
 using VariableRanges = std::vector<VariableRange>;
 
-/// A variable in messages: "joint 'elbow'".
-std::string variableText(const robots::Model& model, int variable);
-
 /// Sets problem.start. Throws unless every planned variable is given, single and inside its limits.
 /// Other variables are not checked.
 void takeStart(const std::string& file, int line, const VariableRanges& given, Problem& problem);

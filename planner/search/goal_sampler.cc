@@ -47,7 +47,6 @@ GoalSampler::GoalSampler(EdgeCertifier& certifier, const Problem& problem, std::
     : certifier_(&certifier), problem_(problem), seed_(seed) {
   const ConfigurationSpace& space = certifier.scene().space();
   for (std::size_t g = 0; g < problem.goals.size(); ++g) {
-    checkGoal(problem, space, problem.goals[g]);
     if (!problem.goals[g].poses.empty())
       pose_goals_.push_back({g, canDrawEvenly(problem.goals[g])});
   }

@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
-#include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
-#include "planner/base/tolerances.h"
 
 namespace leeway::planner {
 namespace {
@@ -19,13 +16,6 @@ using Part = ConfigurationSpace::Part;
 using Range = std::pair<double, double>;
 
 using collision::kTwoPi;
-
-bool orientationIsGiven(const Goal& goal, const Part& part) {
-  for (std::size_t k = 0; k < 4; ++k)
-    if (goal.ranges[at(part.first) + k].first != goal.ranges[at(part.first) + k].second)
-      return false;
-  return true;
-}
 
 bool orientationIsFree(const Goal& goal, const Part& part) {
   for (std::size_t k = 0; k < 4; ++k)
@@ -46,16 +36,6 @@ double nearestOnCircle(const Range& range, double x) {
   return std::abs(below) < std::abs(above) ? range.first : range.second;
 }
 
-std::string text(double x) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.17g", x);
-  return buffer;
-}
-
-[[noreturn]] void refuse(const Problem& problem, const std::string& message) {
-  throw robots::InputError(problem.name, 0, message);
-}
-
 bool posesHold(const CompiledScene& scene, const Goal& goal, std::span<const double> q) {
   const robots::Model& model = scene.model();
   std::vector<double> configuration(model.variables.size());
@@ -73,42 +53,6 @@ bool posesHold(const CompiledScene& scene, const Goal& goal, std::span<const dou
 bool isPoint(const Goal& goal) {
   return goal.poses.empty() && std::all_of(goal.ranges.begin(), goal.ranges.end(),
                                            [](const Range& r) { return r.first == r.second; });
-}
-
-void checkGoal(const Problem& problem, const ConfigurationSpace& space, const Goal& goal) {
-  if (!goal.poses.empty()) {
-    if (!goal.ranges.empty())
-      refuse(problem, "goal '" + goal.name + "' has both ranges and poses; one is expected");
-    return;
-  }
-  if (goal.ranges.size() != at(space.size()))
-    refuse(problem, "goal '" + goal.name + "' has " + std::to_string(goal.ranges.size()) +
-                        " values; the group has " + std::to_string(space.size()));
-  for (const Part& part : space.parts()) {
-    const Range& range = goal.ranges[at(part.first)];
-    const std::string& name =
-        problem.robot.model->variables[at(space.variables()[at(part.first)])].name;
-    if (part.kind == Kind::kRotation) {
-      std::vector<double> q;
-      for (std::size_t k = 0; k < 4; ++k) q.push_back(goal.ranges[at(part.first) + k].first);
-      const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-      if (orientationIsFree(goal, part)) continue;
-      if (!orientationIsGiven(goal, part) || !(std::abs(norm - 1) <= kUnitQuaternion))
-        refuse(problem, "goal '" + goal.name + "': the orientation at '" + name +
-                            "' must be one unit quaternion, or free: every number from -1 to 1");
-      continue;
-    }
-    if (!(range.first <= range.second) || !std::isfinite(range.first) ||
-        !std::isfinite(range.second))
-      refuse(problem, "goal '" + goal.name + "': '" + name + "' is " + text(range.first) + " to " +
-                          text(range.second) + "; a finite range, lower end first, is expected");
-    if (part.kind == Kind::kLine &&
-        (range.second < space.lower(part.first) || range.first > space.upper(part.first)))
-      refuse(problem, "goal '" + goal.name + "': '" + name + "' is " + text(range.first) +
-                          (range.first == range.second ? "" : " to " + text(range.second)) +
-                          ", outside its limits " + text(space.lower(part.first)) + " to " +
-                          text(space.upper(part.first)));
-  }
 }
 
 void drawPoint(const ConfigurationSpace& space, const Goal& goal, Random& random,

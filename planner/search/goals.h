@@ -14,10 +14,6 @@
 
 namespace leeway::planner {
 
-/// Refuses (robots::InputError) a goal that nothing can reach: it needs poses, or as many ranges as
-/// variables, each with its lower end first and partly within the limits.
-void checkGoal(const Problem& problem, const ConfigurationSpace& space, const Goal& goal);
-
 /// Whether all ranges of a goal without poses are of no width.
 bool isPoint(const Goal& goal);
 

@@ -5,10 +5,12 @@
 namespace leeway::planner {
 
 Problem placeStart(const Problem& problem) {
+  validate(problem);
   if (problem.start_poses.empty()) return problem;
   Problem placed = problem;
   placed.start_poses.clear();
   Problem task = placed;  // whose goal is the start
+  task.steps.clear();
   task.goals = {{"of the start", {}, problem.start_poses}};
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(task));
   GoalSampler sampler(certifier, task, problem.seed);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/planners.h"
@@ -17,7 +18,6 @@
 #include "planner/base/tolerances.h"
 #include "planner/objective/lower_cost.h"
 #include "planner/objective/path_cost.h"
-#include "planner/problem/read_objective.h"
 #include "planner/search/goal_sampler.h"
 #include "planner/search/half_turns.h"
 #include "planner/search/push.h"
@@ -26,6 +26,7 @@
 #include "planner/search/search.h"
 #include "planner/space/ompl_lock.h"
 #include "planner/space/ompl_planners.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
@@ -41,7 +42,7 @@ class Plan {
         limits_(problem.limits.time, problem.limits.iterations, options.stop, options.progress) {}
 
   PlanResult run() {
-    checkProblem();
+    begin();
     cost_ = PathCost::of(*scene_, problem_);
     pool_ = std::make_shared<CertifierPool>(scene_);
     limits_.enter("plan");
@@ -76,33 +77,19 @@ class Plan {
   }
   EdgeCertifier& certifier() { return pool_->local().certifier; }
 
-  [[noreturn]] void refuse(const std::string& message) const {
-    throw robots::InputError(problem_.name, 0, message);
-  }
-
-  void checkProblem() {
-    if (const auto error = plannerError(problem_.planner.name, problem_.planner.parameters))
-      refuse(*error);
+  void begin() {
     traits_ = findPlanner(problem_.planner.name);
     result_.planner = traits_->name;
     result_.deterministic = traits_->deterministic;
     result_.seed = problem_.seed;
-    if (const auto error = PathCost::error(problem_)) refuse(*error);
-    if (const auto error = costPlannerError(problem_)) refuse(*error);
-    if (const auto error = improveError(problem_)) refuse(*error);
-    if (problem_.goals.empty()) refuse("there is no goal; at least one is expected");
-    if (!problem_.start_poses.empty())
-      refuse("the start is given by poses; placeStart() is expected to find its joint values");
     const ConfigurationSpace& space = scene_->space();
     for (const ConfigurationSpace::Part& part : space.parts())
       if (part.kind == ConfigurationSpace::Kind::kLine &&
           !std::isfinite(space.upper(part.first) - space.lower(part.first)))
-        refuse("variable '" + variableName(part.first) +
-               "' has no limits; a range to plan in is expected");
-    for (const int v : problem_.robot.variables)
-      start_.push_back(problem_.start.at(static_cast<std::size_t>(v)));
-    if (start_.size() != static_cast<std::size_t>(space.size()) || !space.withinLimits(start_))
-      refuseStart();
+        throw robots::InputError(problem_.name, 0,
+                                 "variable '" + variableName(part.first) +
+                                     "' has no limits; a range to plan in is expected");
+    for (const int v : problem_.robot.variables) start_.push_back(problem_.start[at(v)]);
   }
 
   std::string variableName(int i) const {
@@ -110,17 +97,6 @@ class Plan {
         .variables[static_cast<std::size_t>(
             scene_->space().variables()[static_cast<std::size_t>(i)])]
         .name;
-  }
-
-  [[noreturn]] void refuseStart() const {
-    const ConfigurationSpace& space = scene_->space();
-    for (int i = 0; i < space.size() && static_cast<std::size_t>(i) < start_.size(); ++i) {
-      const double x = start_[static_cast<std::size_t>(i)];
-      if (x >= space.lower(i) && x <= space.upper(i)) continue;
-      refuse("start: '" + variableName(i) + "' is " + std::to_string(x) + ", outside its limits " +
-             std::to_string(space.lower(i)) + " to " + std::to_string(space.upper(i)));
-    }
-    refuse("start: the orientation is not a unit quaternion");
   }
 
   /// Whether the start and some goal are valid. If not, the result says what is in the way.
@@ -131,7 +107,8 @@ class Plan {
     }
     sampler_ = std::make_unique<GoalSampler>(certifier(), problem_, problem_.seed);
     goals_ = sampler_->first([this] { return limits_.over(); });
-    result_.warnings = goals_.warnings;
+    result_.warnings = scene_->warnings();
+    result_.warnings.insert(result_.warnings.end(), goals_.warnings.begin(), goals_.warnings.end());
     if (cost_)
       result_.warnings.insert(result_.warnings.end(), cost_->warnings().begin(),
                               cost_->warnings().end());
@@ -407,6 +384,7 @@ const char* toString(PlanStatus status) {
 
 PlanResult plan(const Problem& problem, const PlanOptions& options) {
   const Clock::time_point begin = Clock::now();
+  requireGoals(problem, "plan()");
   if (options.progress) options.progress("compile", 0);
   const auto elapsed = [begin] { return secondsSince(begin); };
   bool is_late = false;
@@ -430,13 +408,21 @@ PlanResult plan(const Problem& problem, const PlanOptions& options) {
     return result;
   }
   const double compile_s = elapsed();
-  PlanResult result = plan(std::move(scene), problem, options);
+  PlanResult result = planIn(std::move(scene), problem, options);
   result.compile_s = compile_s;
   return result;
 }
 
 PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
                 const PlanOptions& options) {
+  if (!scene) throw std::invalid_argument("plan(): a compiled scene is expected");
+  scene->requireQuestion(problem);
+  requireGoals(problem, "plan()");
+  return planIn(std::move(scene), problem, options);
+}
+
+PlanResult planIn(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
+                  const PlanOptions& options) {
   const auto* length = std::get_if<MinimumLength>(&problem.objective);
   if (length != nullptr && std::isfinite(length->clearance))
     scene = scene->withWorldMarginAtLeast(length->clearance);

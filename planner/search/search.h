@@ -124,4 +124,8 @@ double pathClearance(EdgeCertifier& certifier, const Waypoints& path, double tol
 /// The scene with all margins of these pairs at least `margin` [m].
 std::shared_ptr<const CompiledScene> raised(const CompiledScene& scene, Pairs of, double margin);
 
+/// plan() for a problem that was validated, in its scene or a variant of that.
+PlanResult planIn(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
+                  const PlanOptions& options);
+
 }  // namespace leeway::planner

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "leeway/robots/kinematics.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 
@@ -22,7 +23,7 @@ Problem stageOf(const Problem& world, const Step& step) {
   if (move == nullptr) return stage;
   Goal goal = move->goal;
   if (!move->poses.empty()) goal = {step.name, {}, {}};
-  for (const FramePose& pose : move->poses) goal.poses.push_back(poseRegion(world, pose));
+  for (const FramePose& pose : move->poses) goal.poses.push_back(regionOf(world, pose));
   stage.goals = {goal};
   return stage;
 }
@@ -31,9 +32,9 @@ Problem worldAfter(const Problem& world, const Step& step, std::span<const doubl
   Problem after = world;
   after.start.assign(configuration.begin(), configuration.end());
   if (const auto* attach = std::get_if<AttachStep>(&step.action))
-    return attachObject(after, attach->object, attach->link, attach->touch);
+    return attached(after, attach->object, attach->link, attach->touch, {});
   if (const auto* detach = std::get_if<DetachStep>(&step.action))
-    return detachObject(after, detach->object);
+    return detached(after, detach->object, {});
   return after;
 }
 
@@ -45,7 +46,7 @@ LinePlace linePlace(const Problem& world, const LineStep& line,
   pose.relative_to = own_axes || world_axes ? "" : line.relative_to;
   pose.position.fill({0, 0});
   pose.rpy.fill({0, 0});
-  const robots::PoseRegion region = poseRegion(world, pose);
+  const robots::PoseRegion region = regionOf(world, pose);
   std::vector<robots::Pose> X_WL(world.robot.model->links.size());
   robots::forwardKinematics(*world.robot.model, configuration, X_WL);
   LinePlace place{region.link, region.X_LF,

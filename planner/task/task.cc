@@ -16,8 +16,10 @@
 #include "planner/base/tolerances.h"
 #include "planner/objective/path_cost.h"
 #include "planner/search/goal_sampler.h"
+#include "planner/search/search.h"
 #include "planner/task/line_motion.h"
 #include "planner/task/stages.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
@@ -33,10 +35,7 @@ class TaskPlan {
         kinematics_(problem.robot.model, problem.robot.variables) {}
 
   PlanResult run() {
-    if (!problem_.goals.empty())
-      refuse("there are goals beside the steps; one of them is expected");
-    if (!problem_.start_poses.empty())
-      refuse("the start is given by poses; placeStart() is expected to find its joint values");
+    if (problem_.steps.empty()) refuse("there are no steps; at least one is expected");
     result_.seed = problem_.seed;
     result_.planner = problem_.planner.name;
     for (const int v : problem_.robot.variables) {
@@ -66,8 +65,9 @@ class TaskPlan {
     LineDeparture departure;
   };
 
+  double timeLimit() const { return problem_.limits.time > 0 ? problem_.limits.time : kInfinity; }
   bool isOver() const {
-    return secondsSince(begin_) > problem_.limits.time || (options_.stop && options_.stop());
+    return secondsSince(begin_) > timeLimit() || (options_.stop && options_.stop());
   }
 
   /// Remembers why the farthest step failed.
@@ -190,7 +190,7 @@ class TaskPlan {
     const auto moves = std::count_if(
         problem_.steps.begin() + static_cast<std::ptrdiff_t>(step), problem_.steps.end(),
         [](const Step& s) { return std::holds_alternative<MoveStep>(s.action); });
-    stage.limits.time = (problem_.limits.time - secondsSince(begin_)) / static_cast<double>(moves);
+    stage.limits.time = (timeLimit() - secondsSince(begin_)) / static_cast<double>(moves);
     if (!(stage.limits.time > 0)) return fail(step, "the time limit was reached"), false;
     if (stage.limits.iterations == 0) stage.limits.iterations = kStepIterations;
     stage.seed = Random(problem_.seed, kTaskStream + step).next() + at(static_cast<int>(tries_));
@@ -200,7 +200,7 @@ class TaskPlan {
     options.stop = options_.stop;
     options.progress = options_.progress;
     options.detail = CertificateDetail::kPath;
-    PlanResult planned = plan(scene, stage, options);
+    PlanResult planned = planIn(scene, stage, options);
     result_.iterations += planned.iterations;
     result_.states += planned.states;
     result_.edges += planned.edges;
@@ -291,7 +291,14 @@ class TaskPlan {
                             static_cast<int>(path.positions.size()) - 1,
                             stretch.departure.deviation, stretch.departure.turn});
       if (stretch.points.size() < 2) continue;
-      EdgeCertifier certifier(std::make_shared<const CompiledScene>(stretch.stage));
+      const auto scene = std::make_shared<const CompiledScene>(stretch.stage);
+      // What has no effect in any of the steps.
+      const std::vector<std::string> warnings = scene->warnings();
+      if (whole.segments.empty()) result_.warnings = warnings;
+      std::erase_if(result_.warnings, [&](const std::string& warning) {
+        return std::find(warnings.begin(), warnings.end(), warning) == warnings.end();
+      });
+      EdgeCertifier certifier(scene);
       const Certificate part = certify(certifier, {path.names, stretch.points, {}},
                                        options_.clearance_tolerance, options_.detail);
       whole.certified = whole.certified && part.certified;
@@ -329,6 +336,8 @@ class TaskPlan {
 }  // namespace
 
 PlanResult planTask(const Problem& problem, const PlanOptions& options) {
+  validate(problem);
+  requirePlaced(problem);
   return TaskPlan(problem, options).run();
 }
 

@@ -174,7 +174,7 @@ class TaskCheck {
 
   std::optional<VerifyResult> checkStretch(std::size_t s, const Problem& stage,
                                            const Path& stretch) {
-    VerifyResult result = verify(stage, stretch, options_);
+    VerifyResult result = verifyValid(stage, stretch, options_);
     if (result.status == VerifyStatus::kCertified) {
       result_.clearance_lower = std::min(result_.clearance_lower, result.clearance_lower);
       return std::nullopt;

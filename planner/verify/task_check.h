@@ -9,4 +9,7 @@ namespace leeway::planner::verification {
 /// are proven to be as straight as they must, by first-order bounds.
 VerifyResult verifyTask(const Problem& problem, const Path& path, const PlanOptions& options);
 
+/// verify() of a valid problem without steps.
+VerifyResult verifyValid(const Problem& problem, const Path& path, const PlanOptions& options);
+
 }  // namespace leeway::planner::verification

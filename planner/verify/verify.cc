@@ -21,6 +21,7 @@
 #include "leeway/collision/distance.h"
 #include "planner/base/clock.h"
 #include "planner/base/tolerances.h"
+#include "planner/validate/checks.h"
 #include "planner/verify/kinematics.h"
 #include "planner/verify/pairs.h"
 #include "planner/verify/path_check.h"
@@ -349,9 +350,17 @@ class Verifier {
 
 }  // namespace
 
-VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options) {
-  if (!problem.steps.empty()) return verifyTask(problem, path, options);
+VerifyResult verification::verifyValid(const Problem& problem, const Path& path,
+                                       const PlanOptions& options) {
   return Verifier(problem, path, options).run();
+}
+
+VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options) {
+  validate(problem);
+  requirePlaced(problem);
+  if (!problem.steps.empty()) return verifyTask(problem, path, options);
+  requireGoals(problem, "verify()");
+  return verifyValid(problem, path, options);
 }
 
 }  // namespace leeway::planner

@@ -3,18 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "collision/base/numbers.h"
-#include "collision/base/pose_check.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/kinematics.h"
 #include "robots/base/low_discrepancy.h"
 #include "robots/base/tolerances.h"
 #include "robots/inverse/closed_form.h"
 #include "robots/inverse/reach_proof.h"
+#include "robots/inverse/region.h"
 #include "robots/inverse/search.h"
 
 namespace leeway::robots {
@@ -35,10 +36,6 @@ constexpr std::uint64_t kSweep = 8;
 /// sample(): searches for one draw.
 constexpr int kStartsOfSample = 3;
 
-bool isRange(const std::pair<double, double>& range) {
-  return std::isfinite(range.first) && std::isfinite(range.second) && range.first <= range.second;
-}
-
 void check(const Model& model, std::span<const PoseRegion> regions,
            std::span<const double> configuration) {
   const auto demand = [](bool holds, const std::string& what) {
@@ -51,19 +48,8 @@ void check(const Model& model, std::span<const PoseRegion> regions,
                      [](double x) { return std::isfinite(x); }),
          "the configuration has a number that is not finite");
   demand(!regions.empty(), "no region is given");
-  for (const PoseRegion& region : regions) {
-    demand(region.link >= 0 && region.link < static_cast<int>(model.links.size()),
-           "the model has no link " + std::to_string(region.link));
-    demand(collision::isPose(region.X_LF) && collision::isPose(region.X_WR),
-           "a frame has a matrix that is no rotation, or a number that is not finite");
-    for (const auto& range : region.position)
-      demand(isRange(range), "a range of positions is not finite, or its ends are exchanged");
-    for (const auto& range : region.rpy)
-      demand(isRange(range), "a range of angles is not finite, or its ends are exchanged");
-    demand(region.position_tolerance >= kLeastPoseTolerance &&
-               region.angle_tolerance >= kLeastPoseTolerance,
-           "a tolerance is below 1e-12");
-  }
+  for (const PoseRegion& region : regions)
+    if (const std::optional<std::string> fault = regionFault(model, region)) demand(false, *fault);
 }
 
 /// One call's data: what InverseKinematics shares between starts.
@@ -287,6 +273,7 @@ class Task {
 
 InverseKinematics::InverseKinematics(std::shared_ptr<const Model> model, std::vector<int> variables)
     : model_(std::move(model)), variables_(std::move(variables)) {
+  if (!model_) throw std::invalid_argument("InverseKinematics: a model is expected");
   std::vector<char> seen(model_->variables.size(), 0);
   for (const int v : variables_) {
     if (v < 0 || v >= static_cast<int>(seen.size()))

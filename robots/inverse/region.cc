@@ -1,11 +1,14 @@
 #include "robots/inverse/region.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 
 #include "collision/base/numbers.h"
+#include "collision/base/pose_check.h"
 #include "collision/base/sine_cosine.h"
 #include "robots/inverse/arc_tangent.h"
 
@@ -190,6 +193,37 @@ RegionError regionError(const PreparedRegion& region, const Pose& X_RF) {
     if (length > 1e-6) error.free_axis[at(error.free_turns++)] = axis / length;
   }
   return error;
+}
+
+namespace {
+
+std::string shown(double x) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
+}
+
+bool isRigid(const Pose& X) { return collision::isPose(X) && X.rotation.determinant() > 0; }
+
+}  // namespace
+
+std::optional<std::string> regionFault(const Model& model, const PoseRegion& region) {
+  if (region.link < 0 || at(region.link) >= model.links.size())
+    return "link is " + std::to_string(region.link) + "; a link of the model, 0 to " +
+           std::to_string(static_cast<int>(model.links.size()) - 1) + ", is expected";
+  if (!isRigid(region.X_LF) || !isRigid(region.X_WR))
+    return "a frame is not finite, or its matrix is no rotation; an orthonormal, right-handed one "
+           "is expected";
+  for (const auto& [ranges, what] : {std::pair(&region.position, "position"), {&region.rpy, "rpy"}})
+    for (const auto& [from, to] : *ranges)
+      if (!(from <= to) || !std::isfinite(from) || !std::isfinite(to))
+        return std::string(what) + " from " + shown(from) + " to " + shown(to) +
+               "; a finite range, lower end first, is expected";
+  for (const auto& [tolerance, what] : {std::pair(region.position_tolerance, "position_tolerance"),
+                                        {region.angle_tolerance, "angle_tolerance"}})
+    if (!(tolerance >= kLeastPoseTolerance) || !std::isfinite(tolerance))
+      return std::string(what) + " is " + shown(tolerance) + "; at least " +
+             shown(kLeastPoseTolerance) + ", which rounding comes near, is expected";
+  return std::nullopt;
 }
 
 PoseError poseError(const PoseRegion& region, const Pose& X_WL) {

@@ -3,6 +3,8 @@
 // How far a frame is outside of a PoseRegion, with what a solver needs to bring it in.
 
 #include <Eigen/Core>
+#include <optional>
+#include <string>
 
 #include "leeway/robots/inverse_kinematics.h"
 
@@ -28,6 +30,11 @@ struct RegionError {
   int free_turns = 0;
   std::array<Eigen::Vector3d, 3> free_axis;
 };
+
+/// What is wrong with a region, and what is expected: a link that the model does not have, a frame
+/// that is no rigid placement, a range whose ends are exchanged or not finite, a tolerance below
+/// kLeastPoseTolerance. Nothing for a region that makes sense.
+std::optional<std::string> regionFault(const Model& model, const PoseRegion& region);
 
 RegionError regionError(const PreparedRegion& region, const Pose& X_RF);
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "planner/problem/fail_at.h"
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_meshes.h"
 #include "robots/base/read_on.h"
@@ -50,6 +51,7 @@ Problem loadMoveitUnpadded(std::shared_ptr<const robots::Model> model,
 
 Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string& scene_path,
                    const std::string& request_path, const ProblemOptions& options) {
+  if (!model) throw robots::InputError("", 0, "a model is missing; one of loadModel() is expected");
   LinkPadding padding;
   const robots::ErrorsSince wrong(options.load.errors);
   Problem problem =
@@ -57,7 +59,7 @@ Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string
   wrong.throwFirst();
   applyLinkPadding(padding, problem);
   warnOfOpenMeshes(scene_path, problem);
-  return problem;
+  return validated(std::move(problem), request_path);
 }
 
 World loadMoveitWorld(const std::string& scene_path, const ProblemOptions& options,

@@ -243,7 +243,7 @@ void applyLinkPadding(const LinkPadding& padding, Problem& problem) {
   const auto keep = [&](const std::string& name, double distance) {
     if (distance > problem.margins.common)
       for (const std::string& object : world)
-        problem.margins.pairs.push_back({name, object, distance});
+        problem.margins.pairs.push_back({name, object, distance, name + " and the world"});
   };
   for (const auto& [name, distance] : padding) keep(name, distance);
   for (const Attachment& held : problem.robot.attachments)

@@ -22,6 +22,7 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
+#include "planner/problem/fail_at.h"
 #include "planner/problem/other_formats.h"
 #include "planner/problem/read_meshes.h"
 #include "planner/problem/read_states.h"
@@ -298,7 +299,7 @@ class Loader {
 Problem loadOmplApp(const std::string& path, const ProblemOptions& options) {
   Problem problem = Loader(path, options.load.stop).load();
   warnOfOpenMeshes(path, problem);
-  return problem;
+  return validated(std::move(problem), path);
 }
 
 }  // namespace leeway::planner

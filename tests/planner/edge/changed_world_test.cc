@@ -49,12 +49,15 @@ World changed(Random& random, const World& before, int count, const std::string&
   std::vector<int> removed;
   for (int k = 0; k < std::min(count, 5) && !all.empty(); ++k) {
     const auto i = static_cast<std::size_t>(random.integer(static_cast<int>(all.size())));
+    if (all[i].geometries.empty()) continue;  // a name alone
     const int body = before.scene->scene().find(all[i].name);
     removed.push_back(body);
     if (k % 2 == 0) added[static_cast<std::size_t>(k)].name = all[i].name;  // it moves
     all.erase(all.begin() + static_cast<std::ptrdiff_t>(i));
   }
   after.scene = before.scene->withObjects(added, removed);
+  for (const Object& object : added)  // that were a name alone
+    std::erase_if(all, [&](const Object& other) { return other.name == object.name; });
   all.insert(all.end(), added.begin(), added.end());
   return after;
 }
@@ -134,6 +137,11 @@ TEST(ChangedWorld, AnswersAreThoseOfTheWorldCompiledAnew) {
       now.problem.margins.pairs.push_back({link, std::string(name) + "1", 0.05});
     }
     now.problem.margins.pairs.push_back({"more0", link, 0.1});
+    // What comes later, or never, has a name from the start.
+    for (const char* name : {"more1", "again0", "more0", "thing11", "more11", "again01"})
+      if (std::none_of(now.problem.world.objects.begin(), now.problem.world.objects.end(),
+                       [&](const Object& o) { return o.name == name; }))
+        now.problem.world.objects.push_back({name, {}, {}});
     now.scene = std::make_shared<const CompiledScene>(now.problem);
     now = changed(random, now, 5, "more", room);
     expectSame(random, now, counts);

@@ -90,6 +90,7 @@ TEST(CompiledScene, PassiveJointsFoldIntoTheWorld) {
   Problem problem = problemWith(model);
   problem.start[0] = 0.5;  // joint1 is fixed, joints 2 to 4 are planned
   problem.robot.variables = {1, 2, 3};
+  problem.goals.clear();
   const CompiledScene compiled(problem);
   const int link1 = compiled.scene().find("link1"), link2 = compiled.scene().find("link2");
   EXPECT_FALSE(compiled.scene().bodies()[static_cast<std::size_t>(link1)].moving);

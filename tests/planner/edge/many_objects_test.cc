@@ -267,12 +267,34 @@ int expectSameAnswers(const std::shared_ptr<const CompiledScene>& listed,
 using Variant = std::function<std::shared_ptr<const CompiledScene>(
     const std::shared_ptr<const CompiledScene>&)>;
 
-/// Margins and shapes that replace those of a compiled scene.
-std::vector<Variant> variants(int body) {
+const std::shared_ptr<const collision::DeformableMesh>& tetrahedron() {
+  static const auto mesh = collision::DeformableMesh::make(
+      std::vector<Eigen::Vector3d>{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}},
+      std::vector<collision::DeformableMesh::Triangle>{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});
+  return mesh;
+}
+
+/// The tetrahedron as a deforming obstacle.
+void addDeforming(const std::string& name, const Eigen::Vector3d& p, Problem& problem) {
+  problem.world.deforming.push_back(
+      makeDeformingObstacle(name, tetrahedron(), nullptr, test::at(p.x(), p.y(), p.z())));
+}
+
+/// The tetrahedron, so many times as large.
+collision::Shape scaledTetrahedron(double by) {
+  std::vector<Eigen::Vector3d> vertices(tetrahedron()->rest().begin(), tetrahedron()->rest().end());
+  for (Eigen::Vector3d& v : vertices) v *= by;
+  collision::Deformable deformable(tetrahedron());
+  EXPECT_EQ(deformable.update(vertices, 0), collision::UpdateStatus::kUpdated);
+  return collision::Shape::deformable(deformable.snapshot());
+}
+
+/// Margins and shapes that replace those of a compiled scene with "cloth" in it.
+std::vector<Variant> variants() {
   using Scene = std::shared_ptr<const CompiledScene>;
-  const auto replaced = [body](const Scene& scene, double radius, double growth) {
+  const auto replaced = [](const Scene& scene, double size, double growth) {
     const std::vector<CompiledScene::Replacement> shapes = {
-        {body, 0, collision::Shape::sphere(radius), growth}};
+        {scene->scene().find("cloth"), 0, scaledTetrahedron(size), growth}};
     return scene->withShapes(shapes);
   };
   return {[](const Scene& scene) { return scene; },
@@ -287,8 +309,12 @@ std::vector<Variant> variants(int body) {
 
 TEST(ManyObjects, VariantsOfRunsAnswerAsVariantsOfLists) {
   Random random(37), again(37);
-  const auto few = std::make_shared<const CompiledScene>(crowd(random, 0, kAllKinds));
-  const auto many = std::make_shared<const CompiledScene>(crowd(again, kFar, kAllKinds));
+  const auto among = [](Random& draws, int far) {
+    Problem problem = crowd(draws, far, kAllKinds);
+    addDeforming("cloth", {0.5, 2.5, 0.5}, problem);
+    return std::make_shared<const CompiledScene>(problem);
+  };
+  const auto few = among(random, 0), many = among(again, kFar);
   std::vector<std::array<std::vector<double>, 2>> edges;
   for (int i = 0; i < 60; ++i) {
     const std::vector<double> a = somewhere(random);
@@ -297,7 +323,7 @@ TEST(ManyObjects, VariantsOfRunsAnswerAsVariantsOfLists) {
     edges.push_back({a, b});
   }
   std::vector<int> free;
-  for (const Variant& variant : variants(kObjects / 3))
+  for (const Variant& variant : variants())
     free.push_back(expectSameAnswers(variant(few), variant(many), edges));
   EXPECT_GT(free[0], 10);
   EXPECT_LE(free[1], free[0]);
@@ -321,6 +347,7 @@ TEST(ManyObjects, VariantsOfAnArmsRunsAnswerAsVariantsOfLists) {
     Random random(38);
     Problem problem = test::problemOf(model, home, home);
     addCrowd(random, far, kAllKinds, problem, kNear);
+    addDeforming("cloth", {0.5, 2.5, 0.5}, problem);
     problem.margins.common = 0.005;
     return std::make_shared<const CompiledScene>(problem);
   };
@@ -336,7 +363,7 @@ TEST(ManyObjects, VariantsOfAnArmsRunsAnswerAsVariantsOfLists) {
     edges.push_back({a, b});
   }
   std::vector<int> free;
-  for (const Variant& variant : variants(few->bodiesOfRobot() + kNear / 3))
+  for (const Variant& variant : variants())
     free.push_back(expectSameAnswers(variant(few), variant(many), edges));
   EXPECT_GT(free[0], 10);
   EXPECT_LE(free[1], free[0]);
@@ -346,9 +373,14 @@ TEST(ManyObjects, VariantsOfAnArmsRunsAnswerAsVariantsOfLists) {
 // One of many that is never free, however far.
 TEST(ManyObjects, AGrowthOfNaNIsNeverForgotten) {
   Random random(35);
-  const CompiledScene scene(crowd(random, kFar));
+  Problem problem = crowd(random, kFar);
+  addDeforming("near", {0, 3, 0}, problem);
+  addDeforming("far", {50, 0, 0}, problem);
+  addDeforming("farther", {500, 0, 0}, problem);
+  const CompiledScene scene(problem);
   const std::vector<double> q = {0, 0, 0.5, 0, 0, 0, 1};
-  for (const int body : {kObjects / 2, kObjects + 50, kObjects + kFar}) {
+  for (const char* name : {"near", "far", "farther"}) {
+    const int body = scene.scene().find(name);
     const std::vector<CompiledScene::Replacement> shapes = {
         {body, 0, scene.scene().bodies()[static_cast<std::size_t>(body)].geometries[0].shape,
          std::numeric_limits<double>::quiet_NaN()}};
@@ -359,12 +391,10 @@ TEST(ManyObjects, AGrowthOfNaNIsNeverForgotten) {
           return pair.body_b > kObjects && (with || pair.body_b != body);
         }));
       };
-      if (body > kObjects) {
-        EXPECT_NE(only(true).decide(q), Verdict::kFree);
-        EXPECT_NE(only(true).certify(q, q).verdict, Verdict::kFree);
-        EXPECT_NE(only(true).clearance(q, 1e-3).verdict, Verdict::kFree);
-        EXPECT_EQ(only(false).decide(q), Verdict::kFree);
-      }
+      EXPECT_NE(only(true).decide(q), Verdict::kFree);
+      EXPECT_NE(only(true).certify(q, q).verdict, Verdict::kFree);
+      EXPECT_NE(only(true).clearance(q, 1e-3).verdict, Verdict::kFree);
+      EXPECT_EQ(only(false).decide(q), Verdict::kFree);
       EdgeCertifier certifier(variant);
       EXPECT_NE(certifier.decide(q), Verdict::kFree);
       EXPECT_NE(certifier.certify(q, q).verdict, Verdict::kFree);

@@ -8,6 +8,7 @@
 
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/edge_certifier.h"
+#include "leeway/robots/input_error.h"
 #include "planner/edge/edge_frames.h"
 #include "planner/edge/edge_model.h"
 #include "tests/support/random_problem.h"
@@ -41,7 +42,7 @@ std::vector<double> randomPoint(Random& random, const Problem& problem) {
 }
 
 // Regression: a planned joint that its limits lock was placed by the start of the problem that came
-// first, though that start was refused later, for all problems after it.
+// first, for all problems after it, though that start is refused.
 TEST(PreparedRobot, ALockedJointStandsAtItsLimits) {
   const auto makeArm = [] {
     auto robot = robots::testing::chain(
@@ -62,7 +63,7 @@ TEST(PreparedRobot, ALockedJointStandsAtItsLimits) {
   const auto warm = makeArm(), cold = makeArm();
   Problem outside = problemOf(warm);
   outside.start[0] = 1.57;
-  CompiledScene before(outside);
+  EXPECT_THROW(CompiledScene{outside}, robots::InputError);
   EdgeCertifier after(std::make_shared<const CompiledScene>(problemOf(warm)));
   EdgeCertifier alone(std::make_shared<const CompiledScene>(problemOf(cold)));
   int hits = 0;

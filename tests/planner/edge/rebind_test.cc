@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "leeway/collision/deformable_mesh.h"
@@ -27,7 +28,8 @@ struct DiscWorld {
     mesh = DeformableMesh::make(rest, std::vector<DeformableMesh::Triangle>{{0, 1, 2}, {0, 2, 3}});
     problem.world.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0, 1, 0));
     for (std::size_t i = 0; i < far; ++i)
-      problem.world.objects.push_back(test::box("far", {0.1, 0.1, 0.1}, 50, 0.5 * double(i), 0));
+      problem.world.objects.push_back(
+          test::box("far " + std::to_string(i), {0.1, 0.1, 0.1}, 50, 0.5 * double(i), 0));
     problem.world.deforming.push_back(makeDeformingObstacle("square", mesh, nullptr, {}));
     problem.margins.common = 0.01;
     scene = std::make_shared<const CompiledScene>(problem);

@@ -289,13 +289,14 @@ TEST(Replanner, RefusesSettingsThatMakeNoSense) {
     const char* told;
   } cases[] = {
       {&Execution::start, HUGE_VAL, "execution.start is inf; a finite number"},
-      {&Execution::step, 0, "execution.step is 0; a finite number above 0 s"},
+      {&Execution::step, 0, "execution.step is 0; a number above 0 is expected"},
       {&Execution::duration, 0.01, "execution.duration is 0.01; at least a step, 0.05 s,"},
-      {&Execution::speed, 2, "execution.speed is 2; a share above 0, up to 1,"},
-      {&Execution::look_ahead, std::nan(""), "execution.look_ahead is nan; a finite number"},
+      {&Execution::speed, 2,
+       "execution.speed is 2; a share of the velocity limits, 1e-09 up to 1,"},
+      {&Execution::look_ahead, std::nan(""), "execution.look_ahead is nan; zero or more"},
       {&Execution::look_ahead, 51, "execution.look_ahead is 51; at most 1000 steps of 0.05 s"},
-      {&Execution::buffer, -0.5, "execution.buffer is -0.5; a finite number of at least 0"},
-      {&Execution::patience, -1, "execution.patience is -1; a number of at least 0 s"},
+      {&Execution::buffer, -0.5, "execution.buffer is -0.5; zero or more"},
+      {&Execution::patience, -1, "execution.patience is -1; zero or more"},
   };
   for (const auto& c : cases) {
     Problem broken = problem;

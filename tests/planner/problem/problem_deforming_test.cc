@@ -359,9 +359,10 @@ TEST_F(ProblemDeforming, ExecutionIsReadAndRefused) {
                 "a number from 1e-09 to 1000000000 is expected");
   expectRefused("execution: {corners: cut}\n", 10, "stop or blend is expected");
   expectRefused("execution: {step: 0}\n", 10, "execution.step is 0; a number above 0 is expected");
-  expectRefused("execution: {duration: 0.01}\n", 10, "less than a step");
+  expectRefused("execution: {duration: 0.01}\n", 10, "at least a step, 0.05 s, is expected");
   expectRefused("execution: {speed: 1.5}\n", 10, "up to 1");
-  expectRefused("execution: {velocities: {disc/w: 2}}\n", 10, "unknown planned variable 'disc/w'");
+  expectRefused("execution: {velocities: {disc/w: 2}}\n", 10,
+                "execution.velocities: no planned variable is named 'disc/w'; did you mean");
   expectRefused("execution: {foresight: all}\n", 10, "motion or speed_bound is expected");
   expectRefused("execution: {sped: 1}\n", 10, "did you mean 'speed'?");
 }

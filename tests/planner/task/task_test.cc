@@ -213,7 +213,7 @@ TEST(Task, BadStepsAreRefusedWithTheirLine) {
        "position_tolerance is 1e-09; at least 1e-07 is expected"},
       {"  - {attach: {object: can, link: tool}, allowed: [[can, tool]]}\n", 6,
        "nothing moves in this step"},
-      {"  - {move: home, allowed: [[can, cup]]}\n", 6, "unknown link or object 'cup'"},
+      {"  - {move: home, allowed: [[can, cup]]}\n", 6, "no link or object is named 'cup'"},
       {"  - {move: hom}\n", 6, "no group state 'hom'"},
       {"  - {name: go, move: home}\n  - {name: go, detach: can}\n", 7, "two steps are named 'go'"},
       {"  - move: home\n  - {name: move, line: {frame: tool, by: [0, 0, 1]}}\n", 7,

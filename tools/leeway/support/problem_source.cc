@@ -15,8 +15,8 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
 #include "planner/base/tolerances.h"
-#include "planner/problem/read_objective.h"
 #include "planner/space/ompl_planners.h"
+#include "planner/validate/checks.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
@@ -382,7 +382,7 @@ void expectImproves(const PlanOverrides& overrides, const planner::Problem& prob
         fmt::format("{} has no such time; Connect has, and planners that optimise go on for all "
                     "of --time",
                     problem.planner.name));
-  if (planner::improveError(problem))
+  if (planner::improveFault(problem))
     refuse(
         "only paths of the objective length, without wishes, become shorter; others take all of "
         "--time");

@@ -24,14 +24,12 @@ struct SceneLanes;
 /// proven apart are left out. Constant while it is queried.
 class CompiledScene {
  public:
-  /// Throws robots::InputError for an object whose pose is not finite or no rotation, for margins
-  /// that are not finite and for two half-spaces that may not touch; std::invalid_argument for
-  /// variables that do not exist or hold part of an orientation, and for more pairs than an int
-  /// numbers. O(n log n) in things of the world, and O(pairs) as long as these are few. What
-  /// concerns the robot alone is made once for its model and kept with it, for problems that plan
-  /// the same variables, from the same values of the others, with the same held objects and allowed
-  /// contacts: O(pairs of links * joints), plus milliseconds a pair of links for proofs where the
-  /// robot has no SRDF.
+  /// Throws robots::InputError as validate() does, for two half-spaces that may not touch, and for
+  /// more pairs than an int numbers. O(n log n) in things of the world, and O(pairs) as long as
+  /// these are few. What concerns the robot alone is made once for its model and kept with it, for
+  /// problems that plan the same variables, from the same values of the others, with the same held
+  /// objects and allowed contacts: O(pairs of links * joints), plus milliseconds a pair of links
+  /// for proofs where the robot has no SRDF.
   ///
   /// `stop` is asked before each proof, now and then among objects, and before the world's
   /// hierarchy is made, which for a million objects takes a second. Throws robots::Stopped once it
@@ -61,6 +59,21 @@ class CompiledScene {
     std::string a, b, reason;
   };
   const std::vector<Dropped>& dropped() const { return *dropped_; }
+  /// What the problem says that has no effect: margins of pairs that are not checked, objects
+  /// without a shape.
+  std::vector<std::string> warnings() const {
+    return warnings_ ? *warnings_ : std::vector<std::string>();
+  }
+
+  /// How a problem differs from the one that this scene was compiled from, in what compiling reads:
+  /// "margins differs"; empty where it does not. Objects may also be those that withObjects() has
+  /// left; shapes of deforming obstacles, and margins and pairs of variants, are not compared. What
+  /// may differ: the start of planned variables, goals, steps, objective, wishes' numbers, planner,
+  /// limits, seed. O(things of the world).
+  std::string differenceFrom(const Problem& problem) const;
+  /// Throws robots::InputError for a problem that differs, see differenceFrom(), and for what
+  /// validate() refuses in the rest of it.
+  void requireQuestion(const Problem& problem) const;
 
   /// Another world, of which most is this one: objects come and go at the cost of what changes. An
   /// object that moves goes, and comes in its new place. Each time begin with one scene, or with
@@ -68,9 +81,11 @@ class CompiledScene {
   ///
   /// `added` get the next numbers of bodies, those without geometries none. What the problem says
   /// of pairs holds for their names, too. `removed` are numbers of bodies (scene().find()), which
-  /// they keep, without pairs. Throws as the constructor does; std::invalid_argument for a body of
-  /// the robot, or one that is gone, in `removed`, and for a scene that has other margins or pairs
-  /// than the problem says. Costs what collision::SceneChange does.
+  /// they keep, without pairs. Throws robots::InputError for poses and half-spaces as the
+  /// constructor does, and for a name that is empty, or of a link or an object that stays;
+  /// std::invalid_argument for a body of the robot, or one that is gone, in `removed`, and for a
+  /// scene that has other margins or pairs than the problem says. Costs what collision::SceneChange
+  /// does; the first change also O(things of the world) for their names.
   std::shared_ptr<const CompiledScene> withObjects(std::span<const Object> added,
                                                    std::span<const int> removed = {}) const;
 
@@ -98,8 +113,9 @@ class CompiledScene {
     collision::Shape shape;
     double growth = 0;  ///< of the margins of its pairs [m]
   };
-  /// Deforming obstacles take the shapes of another instant. Only geometries of Problem::deforming
-  /// may be named. Pairs keep their numbers. Throws std::invalid_argument for a body of the robot.
+  /// Deforming obstacles take the shapes of another instant. Pairs keep their numbers. Throws
+  /// std::invalid_argument for what is not geometry 0 of one of World::deforming, and for a shape
+  /// that is not a snapshot of that obstacle's mesh.
   std::shared_ptr<const CompiledScene> withShapes(std::span<const Replacement> shapes) const;
 
   /// Only the pairs for which keep(pair) is true are checked.
@@ -126,6 +142,15 @@ class CompiledScene {
   };
 
   struct NamedRules;
+  /// The body that has the name and is not gone; -1: none. O(1), and O(things that changes added).
+  int findThing(const std::string& name) const;
+  /// Bodies from here on were added by changes.
+  int worldEnd() const;
+  std::string objectsDifference(const Problem& problem) const;
+  /// Adds objects to a change that removes those bodies; returns the new bodies by name.
+  std::multimap<std::string_view, int> addTo(collision::SceneChange& change,
+                                             std::span<const Object> added,
+                                             std::span<const int> removed) const;
   /// A copy, to be given other margins or pairs than the problem says.
   std::shared_ptr<CompiledScene> variant() const;
   /// Gives a change the margins and contacts that the problem has for these objects' names. Returns
@@ -140,7 +165,9 @@ class CompiledScene {
   collision::Scene scene_;
   std::vector<int> body_link_;  // of the robot's bodies
   std::shared_ptr<const std::vector<Dropped>> dropped_;
-  std::shared_ptr<const NamedRules> rules_;  // null: of a variant with other margins or pairs
+  std::shared_ptr<const std::vector<std::string>> warnings_;  // null: none
+  std::shared_ptr<const NamedRules> rules_;
+  bool is_variant_ = false;  // with other margins or pairs than the rules say
   std::shared_ptr<const int> pairs_token_ = std::make_shared<const int>();  // see hasPairsOf()
   std::shared_ptr<const EdgeModel> edge_model_;
   OwnShared shared_;

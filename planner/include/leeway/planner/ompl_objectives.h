@@ -59,8 +59,9 @@ class PathCost;
 /// whose arithmetic allows any cost, see PlannerTraits::costs. Thread-safe.
 class OmplCostObjective : public ompl::base::OptimizationObjective {
  public:
-  /// Throws std::invalid_argument for a problem without such costs, or with one that makes no
-  /// sense, or that counts the worst place of a path: that does not add up.
+  /// Throws std::invalid_argument for a problem without such costs, or with one that counts the
+  /// worst place of a path: that does not add up. Throws robots::InputError for a problem that
+  /// makes no sense, or is not the scene's: CompiledScene::requireQuestion().
   OmplCostObjective(const ompl::base::SpaceInformationPtr& space_information,
                     const std::shared_ptr<CertifierPool>& pool, const Problem& problem);
   OmplCostObjective(const ompl::base::SpaceInformationPtr& space_information,

@@ -100,13 +100,13 @@ struct PlanResult {
   /// For an invalid goal of poses that no configuration was found for, and a task that failed: so
   /// in words. `offending` then says nothing.
   std::string reason;
-  bool unreachable = false;           ///< that there is none is proven
-  std::vector<std::string> warnings;  ///< goals left out; that compiling took too long
+  bool unreachable = false;  ///< that there is none is proven
+  /// Margins and objects that have no effect; goals left out; that compiling took too long.
+  std::vector<std::string> warnings;
 };
 
-/// Compiles, plans, simplifies, certifies. Throws robots::InputError only for what a problem file
-/// can get wrong: an unknown planner, a bad parameter, a start outside its limits, a
-/// goal that cannot be met.
+/// Compiles, plans, simplifies, certifies. Throws robots::InputError as validate() does, and for a
+/// problem without goals, with steps, or with a planned variable that has no limits.
 ///
 /// Solved means that every edge of the path as returned is proven to keep its margins. The limits
 /// hold for planning and simplification together, counted from the end of compilation; that may
@@ -134,14 +134,17 @@ struct PlanResult {
 /// deterministic planners (see PlannerTraits), and while no other thread makes generators of OMPL
 /// outside this library. A time limit only cuts such a run short.
 PlanResult plan(const Problem& problem, const PlanOptions& options = {});
-/// plan() in a scene that is already compiled from `problem`.
+/// plan() in a scene that is already compiled from `problem`, or in a variant of it. Refuses
+/// (robots::InputError) a problem that has changed since in what was compiled, naming what differs:
+/// CompiledScene::differenceFrom(), O(things of the world). Start, goals, objective, planner,
+/// limits and seed may be others.
 PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
                 const PlanOptions& options = {});
 
 /// The problem with a start for its start_poses: of the configurations that inverse kinematics
 /// finds for them the valid one nearest to `start` in the space's distance; without a valid one the
-/// nearest, and without any the problem is refused (robots::InputError). Deterministic. The problem
-/// itself without start_poses. Compiles the problem.
+/// nearest, and without any the problem is refused (robots::InputError), as by validate().
+/// Deterministic. The problem itself without start_poses. Compiles the problem.
 Problem placeStart(const Problem& problem);
 
 /// The certificate of any path, its clearances to within tolerance [m]. `world_guess`: a clearance

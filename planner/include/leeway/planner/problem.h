@@ -23,6 +23,8 @@ namespace leeway::planner {
 /// A named thing with a shape: an obstacle, or what a link holds.
 struct Object {
   std::string name;
+  /// None: only a name, which margins and contacts may use before CompiledScene::withObjects()
+  /// adds the thing itself.
   std::vector<robots::Geometry> geometries;
   robots::Pose X_WO;
 };
@@ -148,6 +150,9 @@ struct Contacts {
 struct PairMargin {
   std::string a, b;
   double margin;  ///< [m]
+  /// Pairs that a group's name stands for have one text here, "robot and table": they are warned of
+  /// together, when none of them is checked.
+  std::string group = {};
 };
 
 /// A clearance that pairs keep where that is not too dear. With the objectives length and cost, a
@@ -235,7 +240,7 @@ struct PlannerChoice {
 
 /// When planning and simplification end.
 struct PlanningLimits {
-  double time = 5;              ///< [s]
+  double time = 5;              ///< [s]; 0 or infinity: no limit
   std::int64_t iterations = 0;  ///< of the planner; 0: no limit
 };
 
@@ -277,7 +282,7 @@ struct Execution {
 inline constexpr double kDefaultVelocity = 1;
 
 /// All that a planner needs to know. Made by a loader below or filled by a program, in any order:
-/// who uses it checks it.
+/// every function that takes it calls validate().
 struct Problem {
   std::string name;
   PlannedRobot robot;
@@ -299,6 +304,22 @@ struct Problem {
   /// robot.model->warnings.
   std::vector<std::string> warnings;
 };
+
+/// Throws robots::InputError, which names the member, its value and what is expected, for the first
+/// of these:
+/// - no model; planned variables or links that the model does not have; variables planned twice;
+/// - a start of another size, or outside the limits of planned variables; goals or poses that
+///   nothing can meet; goals beside steps, and steps that name what is not there;
+/// - a name that stands for two things, or that is empty; a name in margins, wishes or contacts
+/// that
+///   stands for nothing; a pair of one name;
+/// - poses that are not finite or not rotations; numbers that are not finite or negative where that
+///   makes no sense; a planner or parameters that do not exist or do not fit the objective;
+/// - deforming obstacles without a snapshot of Execution::start.
+///
+/// Goals may be missing: a scene can be compiled without. O(things + pairs of names), about a
+/// microsecond for a small problem.
+void validate(const Problem& problem);
 
 struct ProblemOptions {
   /// Of robots and meshes; `stop` ends reading of all else, too, and `errors` gathers all of it.
@@ -327,17 +348,19 @@ Problem problemFromStates(std::shared_ptr<const robots::Model> model, const std:
 /// The problem with `object` (one of world.objects) held by `link`, grasped where it stands while
 /// the robot is at `configuration` (all variables of the model; empty: the start). It then moves
 /// with the link and may touch it and `touch_links`. Contacts and margins keep naming it. Throws
-/// std::invalid_argument for unknown names.
+/// robots::InputError as validate(), std::invalid_argument for unknown names and a configuration of
+/// another size.
 Problem attachObject(const Problem& problem, const std::string& object, const std::string& link,
                      const std::vector<std::string>& touch_links = {},
                      std::span<const double> configuration = {});
 
 /// The problem with an attached object put down where it is while the robot is at `configuration`:
-/// the inverse of attachObject().
+/// the inverse of attachObject(), with the same errors.
 Problem detachObject(const Problem& problem, const std::string& object,
                      std::span<const double> configuration = {});
 
 /// The region of a pose where the names of `problem` stand: links as at its start. Throws
+/// robots::InputError for a robot or start that makes no sense, see validate();
 /// std::invalid_argument for names that do not exist, a link or attached object as reference that
 /// planned variables move, ranges that are not finite or have their upper end first, a `rotation`
 /// that is none, and tolerances below robots::kLeastPoseTolerance. O(links).

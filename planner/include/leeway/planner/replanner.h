@@ -94,14 +94,17 @@ struct ReplanOptions {
 /// scenes are constant, for any thread.
 class Replanner {
  public:
-  /// Throws robots::InputError for what a problem file can get wrong.
+  /// Throws robots::InputError as validate() does, and for a problem without goals or with steps, a
+  /// look-ahead of more than 1,000 steps, and a bound on an obstacle's speed that its own motion
+  /// exceeds.
   explicit Replanner(const Problem& problem, const ReplanOptions& options = {});
   ~Replanner();
   Replanner(Replanner&&) noexcept;
   Replanner& operator=(Replanner&&) noexcept;
 
   /// Decides and takes the next step: afterwards time() is that of the next look, and state() the
-  /// end of the motion. Costs as much as planning. Throws InputError for what only planning finds;
+  /// end of the motion. Costs as much as planning. Throws InputError for a planned variable without
+  /// limits, and for a motion that fails;
   /// time, state and path then are as before.
   ReplanStep step();
 

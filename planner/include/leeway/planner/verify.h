@@ -26,7 +26,8 @@ struct VerifyResult {
 /// coarse bounds or caches. Shared are collision::distance() and the definition of an edge.
 /// Conservative advancement, see verify.cc. A bad path is refuted, with a reason. Of a problem with
 /// steps each one's stretch is verified in the world as the steps before have left it, and lines
-/// are proven to be straight; the path must have its steps (Path::steps).
+/// are proven to be straight; the path must have its steps (Path::steps). Throws robots::InputError
+/// for a problem that validate() refuses, and for one without goals and steps.
 VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options = {});
 
 }  // namespace leeway::planner

@@ -1,15 +1,13 @@
 #include <fmt/format.h>
 
-#include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "collision/base/numbers.h"
-#include "collision/base/pose_check.h"
 #include "leeway/planner/problem.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/did_you_mean.h"
+#include "planner/validate/checks.h"
+#include "robots/inverse/region.h"
 
 namespace leeway::planner {
 namespace {
@@ -82,28 +80,9 @@ Pose referencePose(const Problem& problem, const std::string& name) {
   return X_WL[at(place.link)] * place.X_LF;
 }
 
-void checkRange(const std::pair<double, double>& range, const char* what) {
-  if (!(range.first <= range.second) || !std::isfinite(range.first) || !std::isfinite(range.second))
-    refuse(fmt::format("{} from {} to {}; a finite range, lower end first, is expected", what,
-                       range.first, range.second));
-}
-
-void checkTolerance(double tolerance, const char* what) {
-  if (!(tolerance >= robots::kLeastPoseTolerance) || !std::isfinite(tolerance))
-    refuse(fmt::format("{} is {}; at least {}, which rounding comes near, is expected", what,
-                       tolerance, robots::kLeastPoseTolerance));
-}
-
 }  // namespace
 
-robots::PoseRegion poseRegion(const Problem& problem, const FramePose& pose) {
-  for (const auto& range : pose.position) checkRange(range, "position");
-  for (const auto& range : pose.rpy) checkRange(range, "rpy");
-  checkTolerance(pose.position_tolerance, "position_tolerance");
-  checkTolerance(pose.angle_tolerance, "angle_tolerance");
-  if (!collision::isPose({pose.rotation, Eigen::Vector3d::Zero()}) ||
-      !(pose.rotation.determinant() > 0))
-    refuse("the rotation of a pose is none; an orthonormal, right-handed matrix is expected");
+robots::PoseRegion regionOf(const Problem& problem, const FramePose& pose) {
   Place place;
   if (!findOnRobot(problem, pose.frame, place))
     refuse(fmt::format("no frame, link or attached object '{}'{}", pose.frame,
@@ -121,7 +100,13 @@ robots::PoseRegion poseRegion(const Problem& problem, const FramePose& pose) {
   region.rpy = pose.rpy;
   region.position_tolerance = pose.position_tolerance;
   region.angle_tolerance = pose.angle_tolerance;
+  if (const auto fault = robots::regionFault(*problem.robot.model, region)) refuse(*fault);
   return region;
+}
+
+robots::PoseRegion poseRegion(const Problem& problem, const FramePose& pose) {
+  checkRobot(problem);
+  return regionOf(problem, pose);
 }
 
 }  // namespace leeway::planner

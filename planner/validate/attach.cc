@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/problem.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/did_you_mean.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
@@ -26,6 +28,9 @@ Pose linkPose(const Problem& problem, int link, std::span<const double> configur
     throw std::invalid_argument("a configuration of " + std::to_string(configuration.size()) +
                                 " numbers; all " + std::to_string(model.variables.size()) +
                                 " variables of the model are expected");
+  if (!std::all_of(configuration.begin(), configuration.end(),
+                   [](double x) { return std::isfinite(x); }))
+    throw std::invalid_argument("a configuration with a number that is not finite");
   std::vector<Pose> X_WL(model.links.size());
   robots::forwardKinematics(model, configuration, X_WL);
   return X_WL[at(link)];
@@ -33,9 +38,9 @@ Pose linkPose(const Problem& problem, int link, std::span<const double> configur
 
 }  // namespace
 
-Problem attachObject(const Problem& problem, const std::string& object, const std::string& link,
-                     const std::vector<std::string>& touch_links,
-                     std::span<const double> configuration) {
+Problem attached(const Problem& problem, const std::string& object, const std::string& link,
+                 const std::vector<std::string>& touch_links,
+                 std::span<const double> configuration) {
   Problem result = problem;
   const auto found = std::find_if(result.world.objects.begin(), result.world.objects.end(),
                                   [&](const Object& o) { return o.name == object; });
@@ -43,6 +48,11 @@ Problem attachObject(const Problem& problem, const std::string& object, const st
                   [&](const DeformingObstacle& o) { return o.object.name == object; }))
     throw std::invalid_argument("object '" + object + "' deforms: only rigid ones can be attached");
   if (found == result.world.objects.end()) {
+    if (std::any_of(problem.robot.attachments.begin(), problem.robot.attachments.end(),
+                    [&](const Attachment& held) { return held.object.name == object; }))
+      throw std::invalid_argument("object '" + object +
+                                  "' is held already; an object that stands in the world is "
+                                  "expected");
     std::vector<std::string> known;
     for (const Object& o : result.world.objects) known.push_back(o.name);
     throw std::invalid_argument("no object '" + object + "' to attach" + didYouMean(object, known));
@@ -59,8 +69,8 @@ Problem attachObject(const Problem& problem, const std::string& object, const st
   return result;
 }
 
-Problem detachObject(const Problem& problem, const std::string& object,
-                     std::span<const double> configuration) {
+Problem detached(const Problem& problem, const std::string& object,
+                 std::span<const double> configuration) {
   Problem result = problem;
   const auto found = std::find_if(result.robot.attachments.begin(), result.robot.attachments.end(),
                                   [&](const Attachment& a) { return a.object.name == object; });
@@ -75,6 +85,19 @@ Problem detachObject(const Problem& problem, const std::string& object,
   result.robot.attachments.erase(found);
   result.world.objects.push_back(std::move(put_down));
   return result;
+}
+
+Problem attachObject(const Problem& problem, const std::string& object, const std::string& link,
+                     const std::vector<std::string>& touch_links,
+                     std::span<const double> configuration) {
+  validate(problem);
+  return attached(problem, object, link, touch_links, configuration);
+}
+
+Problem detachObject(const Problem& problem, const std::string& object,
+                     std::span<const double> configuration) {
+  validate(problem);
+  return detached(problem, object, configuration);
 }
 
 }  // namespace leeway::planner

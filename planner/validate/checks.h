@@ -1,0 +1,94 @@
+#pragma once
+
+// Private to planner/: what is asked of the parts of a Problem. Readers of problem files name the
+// line of what is wrong, validate() the member; the words are the same.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "leeway/planner/problem.h"
+#include "planner/validate/names.h"
+
+namespace leeway::planner {
+
+/// What is wrong with a section of a problem: the whole message, "limits.time is -1; ...", and
+/// where problem files say it: a key of the section, and for a map by name the name in it.
+struct Fault {
+  std::string message, key, name;
+};
+
+std::optional<Fault> executionFault(const Problem& problem);
+std::optional<Fault> limitsFault(const PlanningLimits& limits);
+
+/// What is wrong with a term of a cost. `where`: of the term.
+std::optional<Fault> termFault(const CostTerm& term, const std::string& where);
+/// What is wrong with an objective alone; its terms are checked one by one.
+std::optional<std::string> objectiveFault(const Objective& objective);
+/// Whether the objective, or wishes beside it, are a cost of paths.
+bool asksForCost(const Problem& problem);
+/// Why the objective does not fit the wishes.
+std::optional<std::string> wishesFault(const Problem& problem);
+/// Why the planner parameter `improve` has no effect on what is optimised.
+std::optional<std::string> improveFault(const Problem& problem);
+/// Why the planner cannot minimise the problem's cost, and which planners can.
+std::optional<std::string> costPlannerFault(const Problem& problem);
+
+/// What is wrong with a wish's numbers. `where`: of its clearance; the weight stands beside it.
+std::optional<Fault> wishFault(const Wish& wish, const std::string& where);
+
+/// "joint 'elbow'", of a variable of the model.
+std::string variableText(const robots::Model& model, int variable);
+/// What is wrong with a range of values of a planned variable, which for a single value has no
+/// width: "joint 'elbow' at 4, outside its limits; -3 to 3 is expected". Nothing for orientations.
+std::optional<std::string> rangeFault(const robots::Model& model, int variable, double lower,
+                                      double upper);
+/// What is wrong with a goal: "goal 'reach' has joint ...". Its poses, or a range for each planned
+/// variable.
+std::optional<std::string> goalFault(const Problem& problem, const Goal& goal);
+/// What is wrong with the start: the whole message.
+std::optional<std::string> startFault(const Problem& problem);
+/// What is wrong with poses as goal or start.
+std::optional<std::string> posesFault(const Problem& problem,
+                                      const std::vector<robots::PoseRegion>& poses);
+
+/// What is wrong with a pose of a problem, "is at (nan, 0, 0); ...", for behind "the pose of 'a'";
+/// empty: nothing. A matrix is a rotation when it is
+/// right-handed and orthogonal within collision::kRotationTolerance.
+std::string poseFault(const robots::Pose& X);
+/// What is wrong with the poses of an object and its shapes: the whole message.
+std::string objectFault(const Object& object);
+
+/// What is wrong with a bound on an obstacle's speed: it is below what the obstacle's own motion
+/// may reach while the execution lasts.
+std::optional<std::string> speedBoundFault(const DeformingObstacle& obstacle,
+                                           const Execution& execution);
+
+/// Throws robots::InputError where the model, the planned variables, the start or
+/// what the robot carries makes no sense: what poses and contacts are looked up in.
+void checkRobot(const Problem& problem);
+
+/// Checks a step in the world that those before have left, and takes it there as far as names go:
+/// objects are taken from where the start has them. Throws std::invalid_argument.
+void takeStep(const Step& step, Problem& world);
+
+/// All of a problem but the robot, its world and the names in margins and contacts: what plan()
+/// checks of a problem whose scene is compiled. Throws robots::InputError.
+void validateQuestion(const Problem& problem);
+
+/// Refuses a problem whose start is given by poses.
+void requirePlaced(const Problem& problem);
+/// And one without goals, or with steps, for a call that needs goals.
+void requireGoals(const Problem& problem, const char* call);
+
+/// attachObject() and detachObject() of a problem that was checked.
+Problem attached(const Problem& problem, const std::string& object, const std::string& link,
+                 const std::vector<std::string>& touch_links,
+                 std::span<const double> configuration);
+Problem detached(const Problem& problem, const std::string& object,
+                 std::span<const double> configuration);
+/// poseRegion() of one.
+robots::PoseRegion regionOf(const Problem& problem, const FramePose& pose);
+
+}  // namespace leeway::planner

@@ -1,0 +1,65 @@
+#include "planner/validate/names.h"
+
+#include <fmt/format.h>
+
+#include "collision/base/numbers.h"
+#include "planner/base/did_you_mean.h"
+
+namespace leeway::planner {
+
+Names::Names(const Problem& problem)
+    : problem_(problem),
+      held_(problem.robot.model->links.size()),
+      objects_(held_ + problem.robot.attachments.size()),
+      deforming_(objects_ + problem.world.objects.size()),
+      table_(at(count())) {
+  const auto nameOf = [this](int thing) -> std::string_view { return name(thing); };
+  for (int thing = 0; thing < count(); ++thing) {
+    const std::string& own = name(thing);
+    if (table_.insert(thing, own, nameOf) == thing && !own.empty()) continue;
+    if (fault_.empty())
+      fault_ = own.empty() ? place(thing) + " is empty; a name of its own is expected"
+                           : fmt::format("{} '{}' {}", place(thing), own, kNameTaken);
+  }
+}
+
+const std::string& Names::name(int thing) const {
+  const std::size_t i = at(thing);
+  if (i < held_) return problem_.robot.model->links[i].name;
+  if (i < objects_) return problem_.robot.attachments[i - held_].object.name;
+  if (i < deforming_) return problem_.world.objects[i - objects_].name;
+  return problem_.world.deforming[i - deforming_].object.name;
+}
+
+std::string Names::place(int thing) const {
+  const std::size_t i = at(thing);
+  if (i < held_) return fmt::format("robot.model->links[{}].name", i);
+  if (i < objects_) return fmt::format("robot.attachments[{}].object.name", i - held_);
+  if (i < deforming_) return fmt::format("world.objects[{}].name", i - objects_);
+  return fmt::format("world.deforming[{}].object.name", i - deforming_);
+}
+
+bool Names::isKnown(std::string_view name) const {
+  return table_.numberOf(name,
+                         [this](int thing) -> std::string_view { return this->name(thing); }) >= 0;
+}
+
+std::string Names::unknown(std::string_view name, std::vector<std::string> others) const {
+  std::vector<std::string> known;
+  for (int thing = 0; thing < count(); ++thing) known.push_back(this->name(thing));
+  known.insert(known.end(), others.begin(), others.end());
+  return fmt::format("no link or object is named '{}'{}", name, didYouMean(name, known));
+}
+
+std::string Names::pairFault(const std::string& a, const std::string& b) const {
+  if (!isKnown(a)) return unknown(a);
+  if (!isKnown(b)) return unknown(b);
+  return a == b ? sameName(a) : std::string();
+}
+
+std::string sameName(const std::string& name) {
+  return fmt::format("'{}' stands twice; two different names of links or objects are expected",
+                     name);
+}
+
+}  // namespace leeway::planner

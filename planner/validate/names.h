@@ -1,0 +1,96 @@
+#pragma once
+
+// Private to planner/: things of a problem by name.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "leeway/planner/problem.h"
+
+namespace leeway::planner {
+
+/// Numbers by name. The names stand elsewhere: nameOf(number) returns that of an inserted number.
+/// 16 to 32 bytes a name. O(1) a call.
+class NameTable {
+ public:
+  /// Room for that many names.
+  explicit NameTable(std::size_t count) {
+    std::size_t size = 16;
+    while (size < 2 * count) size *= 2;
+    places_.assign(size, {0, -1});
+  }
+
+  /// Inserts a number. Returns it, or the number that has the name already.
+  template <class NameOf>
+  int insert(int number, std::string_view name, const NameOf& nameOf) {
+    const std::size_t hash = hashOf(name);
+    Place& place = places_[find(name, hash, nameOf)];
+    if (place.number < 0) place = {bits(hash), number};
+    return place.number;
+  }
+  /// The number that has the name; -1: none.
+  template <class NameOf>
+  int numberOf(std::string_view name, const NameOf& nameOf) const {
+    return places_[find(name, hashOf(name), nameOf)].number;
+  }
+
+ private:
+  struct Place {
+    std::uint32_t bits;  // of the hash; most names differ in them
+    std::int32_t number;
+  };
+  static std::size_t hashOf(std::string_view name) { return std::hash<std::string_view>()(name); }
+  static std::uint32_t bits(std::size_t hash) { return static_cast<std::uint32_t>(hash >> 32U); }
+  /// The place of the name, or the empty one where it would be.
+  template <class NameOf>
+  std::size_t find(std::string_view name, std::size_t hash, const NameOf& nameOf) const {
+    const std::size_t mask = places_.size() - 1;
+    std::size_t i = hash & mask;
+    while (places_[i].number >= 0 &&
+           (places_[i].bits != bits(hash) || nameOf(places_[i].number) != name))
+      i = (i + 1) & mask;
+    return i;
+  }
+
+  std::vector<Place> places_;  // a power of two, at most half of them taken
+};
+
+/// The links, held objects, objects and deforming obstacles of a problem by name. Borrows from the
+/// problem. O(things).
+class Names {
+ public:
+  explicit Names(const Problem& problem);
+
+  bool isKnown(std::string_view name) const;
+  /// What is wrong with a name that is not known: "no link or object is named 'psot'; did you mean
+  /// 'post'?". `others`: names that are accepted besides.
+  std::string unknown(std::string_view name, std::vector<std::string> others = {}) const;
+  /// What is wrong with a pair of names; empty: nothing.
+  std::string pairFault(const std::string& a, const std::string& b) const;
+  /// What is wrong with the first name that is empty or stands for two things, and where it stands:
+  /// "world.objects[3].name 'a' is the name of another object or link; ..."; empty: nothing.
+  const std::string& fault() const { return fault_; }
+
+ private:
+  int count() const { return static_cast<int>(deforming_ + problem_.world.deforming.size()); }
+  const std::string& name(int thing) const;
+  std::string place(int thing) const;
+
+  const Problem& problem_;
+  std::size_t held_, objects_, deforming_;  // numbers of the first ones; links come before
+  NameTable table_;
+  std::string fault_;
+};
+
+/// What is wrong with a pair of one name.
+std::string sameName(const std::string& name);
+/// The end of a message about a name that stands for something else already.
+inline constexpr const char* kNameTaken =
+    "is the name of another object or link; a name of its own is expected";
+
+}  // namespace leeway::planner

@@ -1,0 +1,163 @@
+// States, goals and poses: what a problem's configurations and frames may be.
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "collision/base/numbers.h"
+#include "collision/base/pose_check.h"
+#include "planner/base/tolerances.h"
+#include "planner/validate/checks.h"
+#include "robots/inverse/region.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::Model;
+
+/// Whether a variable is one of the four numbers of an orientation.
+bool isOfOrientation(const Model& model, int variable) {
+  const robots::Joint& joint = model.joints[at(model.variables[at(variable)].joint)];
+  return joint.type == robots::JointType::kFloating && variable - joint.first_variable >= 3;
+}
+
+/// What is wrong with four ranges of a goal that are an orientation: one, or any.
+std::optional<std::string> orientationFault(const Model& model, const Goal& goal, std::size_t first,
+                                            int variable) {
+  bool is_free = true, is_given = true;
+  double squared = 0;
+  for (std::size_t k = first; k < first + 4; ++k) {
+    const auto& [low, high] = goal.ranges[k];
+    is_free = is_free && low <= -1 && high >= 1;
+    is_given = is_given && low == high;
+    squared += low * low;
+  }
+  if (is_free || (is_given && std::abs(std::sqrt(squared) - 1) <= kUnitQuaternion))
+    return std::nullopt;
+  return fmt::format(
+      "{} first of an orientation that is not one unit quaternion; unit length within {}, or -1 to "
+      "1 four times for any orientation, is expected",
+      variableText(model, variable), kUnitQuaternion);
+}
+
+}  // namespace
+
+std::string variableText(const Model& model, int variable) {
+  return "joint '" + model.variables[at(variable)].name + "'";
+}
+
+std::optional<std::string> rangeFault(const Model& model, int v, double lower, double upper) {
+  const robots::Variable& variable = model.variables[at(v)];
+  const auto fault = [&](const std::string& what) { return variableText(model, v) + " " + what; };
+  for (const double x : {lower, upper})
+    if (!std::isfinite(x)) return fault(fmt::format("at {}; a finite number is expected", x));
+  if (lower > upper)
+    return fault(
+        fmt::format("from {} to {}; a range with its lower end first is expected", lower, upper));
+  if (lower < variable.lower || upper > variable.upper) {
+    const bool is_beyond = lower != upper && (lower > variable.upper || upper < variable.lower);
+    return fault(fmt::format("at {}, outside its limits; {} to {} is expected",
+                             is_beyond ? fmt::format("{} to {}", lower, upper)
+                                       : fmt::format("{}", lower < variable.lower ? lower : upper),
+                             variable.lower, variable.upper));
+  }
+  for (const double x : {lower, upper})
+    if (std::abs(x) > kLargestAngle)
+      return fault(fmt::format("at {}; at most {} is expected", x, kLargestAngle));
+  return std::nullopt;
+}
+
+std::optional<std::string> posesFault(const Problem& problem,
+                                      const std::vector<robots::PoseRegion>& poses) {
+  for (const robots::PoseRegion& region : poses)
+    if (auto fault = robots::regionFault(*problem.robot.model, region)) return fault;
+  return std::nullopt;
+}
+
+std::optional<std::string> goalFault(const Problem& problem, const Goal& goal) {
+  const Model& model = *problem.robot.model;
+  const std::vector<int>& variables = problem.robot.variables;
+  const auto fault = [&](const std::string& what) {
+    return fmt::format("goal '{}' {}", goal.name, what);
+  };
+  if (!goal.poses.empty()) {
+    if (!goal.ranges.empty()) return fault("has both ranges and poses; one is expected");
+    if (const auto wrong = posesFault(problem, goal.poses)) return fault("has a pose: " + *wrong);
+    return std::nullopt;
+  }
+  if (goal.ranges.size() != variables.size())
+    return fault(fmt::format("has {} values; {} are expected, one for each planned variable",
+                             goal.ranges.size(), variables.size()));
+  for (std::size_t i = 0; i < variables.size();) {
+    const bool turns = isOfOrientation(model, variables[i]);
+    const auto wrong =
+        turns ? orientationFault(model, goal, i, variables[i])
+              : rangeFault(model, variables[i], goal.ranges[i].first, goal.ranges[i].second);
+    if (wrong) return fault("has " + *wrong);
+    i += turns ? 4 : 1;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> startFault(const Problem& problem) {
+  const Model& model = *problem.robot.model;
+  if (problem.start.size() != model.variables.size())
+    return fmt::format("start has {} values; {} are expected, one for each variable of the model",
+                       problem.start.size(), model.variables.size());
+  for (std::size_t v = 0; v < problem.start.size(); ++v)
+    if (!std::isfinite(problem.start[v]))
+      return fmt::format("start has {} at {}; a finite number is expected",
+                         variableText(model, static_cast<int>(v)), problem.start[v]);
+  for (const int v : problem.robot.variables) {
+    if (!isOfOrientation(model, v)) {
+      if (const auto fault = rangeFault(model, v, problem.start[at(v)], problem.start[at(v)]))
+        return "start has " + *fault;
+      continue;
+    }
+    const int first = model.joints[at(model.variables[at(v)].joint)].first_variable + 3;
+    if (v != first) continue;
+    double squared = 0;
+    for (int k = 0; k < 4; ++k) squared += problem.start[at(v + k)] * problem.start[at(v + k)];
+    if (!(std::abs(squared - 1) <= 2 * kUnitQuaternion))
+      return fmt::format(
+          "start has {} first of a quaternion of length {}; unit length within {} is expected",
+          variableText(model, v), std::sqrt(squared), kUnitQuaternion);
+  }
+  return std::nullopt;
+}
+
+namespace {
+
+bool isOrthogonal(const Eigen::Matrix3d& R) { return collision::checkRotations(R, R).rotations; }
+
+bool isPlacement(const robots::Pose& X) {
+  return isOrthogonal(X.rotation) && X.rotation.determinant() > 0 &&
+         (X.translation.array().abs() <= collision::kLargestSize).all();
+}
+
+}  // namespace
+
+std::string poseFault(const robots::Pose& X) {
+  if (isPlacement(X)) return {};
+  const Eigen::Vector3d& p = X.translation;
+  const Eigen::Matrix3d& R = X.rotation;
+  return fmt::format(
+      "is at ({}, {}, {}), its rotation {:.3g} from orthogonal{}; coordinates up to {} m and a "
+      "right-handed rotation within {} are expected",
+      p.x(), p.y(), p.z(), (R.transpose() * R - Eigen::Matrix3d::Identity()).norm(),
+      isOrthogonal(R) && R.determinant() < 0 ? ", and mirrored" : "", collision::kLargestSize,
+      collision::kRotationTolerance);
+}
+
+std::string objectFault(const Object& object) {
+  if (!isPlacement(object.X_WO))
+    return fmt::format("the pose of '{}' {}", object.name, poseFault(object.X_WO));
+  for (const robots::Geometry& geometry : object.geometries)
+    if (!isPlacement(geometry.X_BG))
+      return fmt::format("the pose of a shape of '{}' {}", object.name, poseFault(geometry.X_BG));
+  return {};
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,282 @@
+// One validation of a whole problem, for programs, files and Python alike.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "collision/base/numbers.h"
+#include "leeway/collision/deformable_mesh.h"
+#include "leeway/planner/planners.h"
+#include "leeway/robots/input_error.h"
+#include "planner/base/did_you_mean.h"
+#include "planner/base/tolerances.h"
+#include "planner/validate/checks.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::Model;
+
+[[noreturn]] void refuse(const Problem& problem, const std::string& message) {
+  throw robots::InputError(problem.name, 0, message);
+}
+
+void require(const Problem& problem, const std::optional<std::string>& fault) {
+  if (fault) refuse(problem, *fault);
+}
+
+void require(const Problem& problem, const std::optional<Fault>& fault) {
+  if (fault) refuse(problem, fault->message);
+}
+
+void requirePose(const Problem& problem, const robots::Pose& X, const std::string& name) {
+  if (const std::string fault = poseFault(X); !fault.empty())
+    refuse(problem, fmt::format("the pose of '{}' {}", name, fault));
+}
+
+void checkVariables(const Problem& problem) {
+  const Model& model = *problem.robot.model;
+  const std::vector<int>& variables = problem.robot.variables;
+  if (variables.empty())
+    refuse(problem, "robot.variables is empty; at least one planned variable is expected");
+  std::vector<char> seen(model.variables.size(), 0);
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    const int v = variables[i];
+    if (v < 0 || at(v) >= seen.size())
+      refuse(problem, fmt::format("robot.variables[{}] is {}; a variable of the model, 0 to {}, is "
+                                  "expected",
+                                  i, v, static_cast<int>(seen.size()) - 1));
+    if (seen[at(v)] != 0)
+      refuse(problem, fmt::format("robot.variables[{}] is {} ({}), which stands there twice; each "
+                                  "planned variable once is expected",
+                                  i, v, variableText(model, v)));
+    seen[at(v)] = 1;
+  }
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    const robots::Joint& joint = model.joints[at(model.variables[at(variables[i])].joint)];
+    const int place = variables[i] - joint.first_variable;
+    if (joint.type != robots::JointType::kFloating || place < 3) continue;
+    const std::size_t first = i - std::min(i, at(place - 3));
+    for (std::size_t k = 0; k < 4; ++k)
+      if (first + k >= variables.size() ||
+          variables[first + k] != joint.first_variable + 3 + static_cast<int>(k))
+        refuse(problem,
+               fmt::format("robot.variables has part of the orientation of joint '{}'; its "
+                           "four variables, in their order, are expected",
+                           joint.name));
+  }
+}
+
+/// Refuses a link's number that the model does not have.
+template <class Where>
+void requireLink(const Problem& problem, int link, const Where& where) {
+  const std::size_t links = problem.robot.model->links.size();
+  if (link >= 0 && at(link) < links) return;
+  refuse(problem, fmt::format("{} is {}; a link of the model, 0 to {}, is expected", where(), link,
+                              static_cast<int>(links) - 1));
+}
+
+void checkCarried(const Problem& problem) {
+  for (std::size_t i = 0; i < problem.robot.attachments.size(); ++i) {
+    const Attachment& held = problem.robot.attachments[i];
+    const auto where = [&] { return fmt::format("robot.attachments[{}]", i); };
+    requireLink(problem, held.link, [&] { return where() + ".link"; });
+    for (const int link : held.touch_links)
+      requireLink(problem, link, [&] { return where() + ".touch_links"; });
+    requirePose(problem, held.X_LO, held.object.name);
+  }
+  for (std::size_t i = 0; i < problem.robot.frames.size(); ++i) {
+    const Frame& frame = problem.robot.frames[i];
+    const auto where = [&] { return fmt::format("robot.frames[{}]", i); };
+    requireLink(problem, frame.link, [&] { return where() + ".link"; });
+    requirePose(problem, frame.X_LF, frame.name);
+  }
+}
+
+/// What is wrong with a deforming obstacle, which execution sees as it is when it begins.
+std::string deformingFault(const DeformingObstacle& obstacle, const Execution& execution) {
+  const collision::DeformableSnapshot* snapshot =
+      obstacle.mesh && obstacle.object.geometries.size() == 1
+          ? obstacle.object.geometries[0].shape.deformable()
+          : nullptr;
+  if (snapshot == nullptr || &snapshot->mesh() != obstacle.mesh.get())
+    return "has no snapshot of its mesh; see makeDeformingObstacle()";
+  if (snapshot->time() != execution.start)
+    return fmt::format("is as it is at {} s; execution starts at {} s", snapshot->time(),
+                       execution.start);
+  if (!(obstacle.speed_bound >= 0))
+    return fmt::format("has the speed bound {}; at least 0 m/s is expected", obstacle.speed_bound);
+  return {};
+}
+
+void requireObject(const Problem& problem, const Object& object) {
+  if (const std::string fault = objectFault(object); !fault.empty()) refuse(problem, fault);
+}
+
+void checkWorld(const Problem& problem) {
+  for (const Object& object : problem.world.objects) requireObject(problem, object);
+  for (const Attachment& held : problem.robot.attachments) requireObject(problem, held.object);
+  for (const DeformingObstacle& obstacle : problem.world.deforming) {
+    requireObject(problem, obstacle.object);
+    if (const std::string fault = deformingFault(obstacle, problem.execution); !fault.empty())
+      refuse(problem, fmt::format("deforming obstacle '{}' {}", obstacle.object.name, fault));
+  }
+}
+
+/// That names are those of one thing each, and that what is said of names is said of something.
+void checkNames(const Problem& problem) {
+  const Names names(problem);
+  if (!names.fault().empty()) refuse(problem, names.fault());
+  std::set<std::string_view> frames;
+  for (std::size_t i = 0; i < problem.robot.frames.size(); ++i) {
+    const std::string& name = problem.robot.frames[i].name;
+    if (name.empty() || names.isKnown(name) || !frames.insert(name).second)
+      refuse(problem,
+             fmt::format("robot.frames[{}].name '{}' is {}; a name of its own is expected", i, name,
+                         name.empty() ? "empty" : "that of another frame, link or object"));
+  }
+  const auto requirePair = [&](const std::string& a, const std::string& b, const auto& where) {
+    if (const std::string fault = names.pairFault(a, b); !fault.empty())
+      refuse(problem, where() + ": " + fault);
+  };
+  const auto& allowed = problem.contacts.allowed;
+  for (std::size_t i = 0; i < allowed.size(); ++i)
+    requirePair(allowed[i].first, allowed[i].second,
+                [i] { return fmt::format("contacts.allowed[{}]", i); });
+  if (!std::isfinite(problem.margins.common))
+    refuse(problem, fmt::format("margins.common is {}; a finite number is expected",
+                                problem.margins.common));
+  const auto& pairs = problem.margins.pairs;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto where = [i] { return fmt::format("margins.pairs[{}]", i); };
+    requirePair(pairs[i].a, pairs[i].b, where);
+    if (!std::isfinite(pairs[i].margin))
+      refuse(problem,
+             fmt::format("{}.margin is {}; a finite number is expected", where(), pairs[i].margin));
+  }
+  const auto& wishes = problem.margins.wishes;
+  for (std::size_t i = 0; i < wishes.size(); ++i) {
+    const auto where = [i] { return fmt::format("margins.wishes[{}]", i); };
+    if (wishes[i].pairs.empty())
+      refuse(problem, where() + ".pairs is empty; at least one pair of names is expected");
+    for (const auto& [a, b] : wishes[i].pairs) requirePair(a, b, where);
+  }
+  for (std::size_t s = 0; s < problem.steps.size(); ++s)
+    for (const auto& [a, b] : problem.steps[s].allowed)
+      requirePair(a, b, [s] { return fmt::format("steps[{}].allowed", s); });
+}
+
+void checkSteps(const Problem& problem) {
+  if (problem.steps.empty()) return;
+  if (!problem.goals.empty())
+    refuse(problem, "there are goals beside the steps; one of them is expected");
+  std::set<std::string_view> names;
+  Problem world = problem;  // as each step finds it
+  world.steps.clear();
+  for (std::size_t s = 0; s < problem.steps.size(); ++s) {
+    const Step& step = problem.steps[s];
+    if (!step.name.empty() && !names.insert(step.name).second)
+      refuse(problem, fmt::format("steps[{}]: two steps are named '{}'; a name of its own is "
+                                  "expected for each",
+                                  s, step.name));
+    try {
+      takeStep(step, world);
+    } catch (const std::invalid_argument& error) {
+      refuse(problem, fmt::format("steps[{}]{}: {}", s,
+                                  step.name.empty() ? "" : " ('" + step.name + "')", error.what()));
+    }
+  }
+}
+
+}  // namespace
+
+void checkRobot(const Problem& problem) {
+  if (!problem.robot.model)
+    refuse(problem, "robot.model is missing; one of loadModel() or freeBody() is expected");
+  checkVariables(problem);
+  require(problem, startFault(problem));
+  checkCarried(problem);
+}
+
+void takeStep(const Step& step, Problem& world) {
+  const bool moves = std::holds_alternative<MoveStep>(step.action) ||
+                     std::holds_alternative<LineStep>(step.action);
+  if (!moves && !step.allowed.empty())
+    throw std::invalid_argument(
+        "nothing moves in this step; a step that moves is expected beside "
+        "'allowed'");
+  if (const auto* move = std::get_if<MoveStep>(&step.action)) {
+    for (const FramePose& pose : move->poses) regionOf(world, pose);
+    if (!move->poses.empty()) {
+      if (move->goal.ranges.empty() && move->goal.poses.empty()) return;
+      throw std::invalid_argument("it has both a goal and poses; one is expected");
+    }
+    if (const auto fault = goalFault(world, move->goal)) throw std::invalid_argument(*fault);
+  } else if (const auto* line = std::get_if<LineStep>(&step.action)) {
+    if (!(line->by.norm() > 0) || !line->by.allFinite())
+      throw std::invalid_argument(
+          fmt::format("by is {}; the way from here [x, y, z] in m is expected",
+                      line->by.isZero(0)
+                          ? "of no length"
+                          : fmt::format("[{}, {}, {}]", line->by.x(), line->by.y(), line->by.z())));
+    for (const auto& [key, value] : {std::pair("position_tolerance", line->position_tolerance),
+                                     {"angle_tolerance", line->angle_tolerance}})
+      if (!(value >= kLeastLineTolerance) || !std::isfinite(value))
+        throw std::invalid_argument(
+            fmt::format("{} is {}; at least {} is expected", key, value, kLeastLineTolerance));
+    FramePose place;
+    place.frame = line->frame;
+    place.relative_to = line->relative_to == "world" ? "" : line->relative_to;
+    place.position.fill({0, 0});
+    place.rpy.fill({0, 0});
+    regionOf(world, place);
+  } else if (const auto* attach = std::get_if<AttachStep>(&step.action)) {
+    world = attached(world, attach->object, attach->link, attach->touch, {});
+  } else {
+    world = detached(world, std::get<DetachStep>(step.action).object, {});
+  }
+}
+
+void validateQuestion(const Problem& problem) {
+  if (const auto wrong = posesFault(problem, problem.start_poses))
+    refuse(problem, "start has a pose: " + *wrong);
+  for (const Goal& goal : problem.goals) require(problem, goalFault(problem, goal));
+  checkSteps(problem);
+  require(problem, objectiveFault(problem.objective));
+  if (const auto* cost = std::get_if<MinimumCost>(&problem.objective))
+    for (std::size_t i = 0; i < cost->terms.size(); ++i)
+      require(problem, termFault(cost->terms[i], fmt::format("objective.terms[{}]", i)));
+  for (std::size_t i = 0; i < problem.margins.wishes.size(); ++i)
+    require(problem, wishFault(problem.margins.wishes[i], fmt::format("margins.wishes[{}]", i)));
+  require(problem, wishesFault(problem));
+  require(problem, plannerError(problem.planner.name, problem.planner.parameters));
+  require(problem, costPlannerFault(problem));
+  require(problem, improveFault(problem));
+  require(problem, limitsFault(problem.limits));
+  require(problem, executionFault(problem));
+}
+
+void validate(const Problem& problem) {
+  checkRobot(problem);
+  checkWorld(problem);
+  checkNames(problem);
+  validateQuestion(problem);
+}
+
+void requirePlaced(const Problem& problem) {
+  if (problem.start_poses.empty()) return;
+  refuse(problem, "the start is given by poses; placeStart() is expected to find its joint values");
+}
+
+void requireGoals(const Problem& problem, const char* call) {
+  requirePlaced(problem);
+  if (!problem.steps.empty())
+    refuse(problem,
+           fmt::format("there are steps, which {} does not follow; goals are expected", call));
+  if (problem.goals.empty()) refuse(problem, "there is no goal; at least one is expected");
+}
+
+}  // namespace leeway::planner
