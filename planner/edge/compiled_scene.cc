@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <mutex>
@@ -429,19 +430,34 @@ std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
   return changed;
 }
 
+namespace {
+
+void requireMargin(const char* call, double margin) {
+  if (std::isnan(margin))
+    throw std::invalid_argument(
+        fmt::format("CompiledScene::{}(): the margin is {}; a number is expected", call, margin));
+}
+
+}  // namespace
+
 std::shared_ptr<const CompiledScene> CompiledScene::withMarginAtLeast(double margin) const {
+  requireMargin("withMarginAtLeast", margin);
   auto raised = variant();
   raised->scene_.raiseMargins(margin);
   return raised;
 }
 
 std::shared_ptr<const CompiledScene> CompiledScene::withWorldMarginAtLeast(double margin) const {
+  requireMargin("withWorldMarginAtLeast", margin);
   auto raised = variant();
   collision::SceneAccess::raiseMargins(raised->scene_, margin, bodiesOfRobot());
   return raised;
 }
 
 std::shared_ptr<const CompiledScene> CompiledScene::withMarginsGrown(double growth) const {
+  if (!(growth >= 0))
+    throw std::invalid_argument(fmt::format(
+        "CompiledScene::withMarginsGrown(): the growth is {}; zero or more is expected", growth));
   auto grown = variant();
   for (std::size_t body = 0; body < body_link_.size(); ++body)
     if (scene_.bodies()[body].moving)  // one of every pair is

@@ -67,8 +67,17 @@ void EdgeCertifier::Impl::takePairs() {
   least_margin[static_cast<std::size_t>(Pairs::kWorld)] = of_world;
 }
 
+namespace {
+
+std::shared_ptr<const CompiledScene> required(std::shared_ptr<const CompiledScene> scene) {
+  if (!scene) throw std::invalid_argument("EdgeCertifier: a compiled scene is expected");
+  return scene;
+}
+
+}  // namespace
+
 EdgeCertifier::EdgeCertifier(std::shared_ptr<const CompiledScene> scene)
-    : impl_(std::make_unique<Impl>(std::move(scene))) {
+    : impl_(std::make_unique<Impl>(required(std::move(scene)))) {
   impl_->statistics = &statistics;
 }
 EdgeCertifier::~EdgeCertifier() = default;
@@ -86,11 +95,10 @@ EdgeCertifier::Statistics& EdgeCertifier::Statistics::operator+=(const Statistic
 }
 
 void EdgeCertifier::rebind(std::shared_ptr<const CompiledScene> scene) {
-  if (!scene->hasPairsOf(*impl_->scene))
+  if (!required(scene)->hasPairsOf(*impl_->scene))
     throw std::invalid_argument(
         "EdgeCertifier::rebind(): a scene with other pairs; a variant of the scene before, with "
-        "other "
-        "shapes or margins, is expected");
+        "other shapes or margins, is expected");
   impl_->frames.rebind(scene);
   impl_->lanes_fit = false;
   impl_->scene = std::move(scene);

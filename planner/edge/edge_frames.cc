@@ -148,6 +148,7 @@ bool EdgeFrames::takeAny(std::span<const double> a, std::span<const double> b) {
 
 bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
   release(0);
+  if (a.size() != a_.size() || b.size() != b_.size()) return false;
   if (only_lines_ ? !takeLines(a, b) : !takeAny(a, b)) return false;
   const EdgeModel& model = scene_->edgeModel();
   if (!model.isSmooth(a_, b_, difference_)) return false;

@@ -63,6 +63,10 @@ ob::SpaceInformationPtr makeSpaceInformation(std::shared_ptr<const CompiledScene
                                              std::uint64_t seed,
                                              std::shared_ptr<CertifierPool> pool) {
   if (!pool) pool = std::make_shared<CertifierPool>(scene);
+  if (&pool->scene() != scene.get())
+    throw std::invalid_argument(
+        "makeSpaceInformation(): the certifiers are of another scene; a pool of this scene is "
+        "expected");
   const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
   const ConfigurationSpace* space_of_scene = &scene->space();
   auto space = std::make_shared<OmplStateSpace>(

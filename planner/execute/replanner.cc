@@ -75,7 +75,7 @@ const char* toString(Decision decision) {
 struct Replanner::Impl {
   Impl(const Problem& given, const ReplanOptions& given_options)
       : problem(executable(given)),
-        options(given_options),
+        options((requireTolerance(given_options.clearance_tolerance, "Replanner"), given_options)),
         scene(std::make_shared<const CompiledScene>(problem)),
         obstacles(problem, *scene),
         certifier(scene, obstacles),

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
@@ -23,6 +24,8 @@ double cubeRoot(double x) {
 }  // namespace
 
 RestToRest::RestToRest(double speed, double acceleration, double jerk) : jerk_(jerk) {
+  if (!(speed > 0 && acceleration > 0 && jerk > 0))
+    throw std::invalid_argument("RestToRest: limits above 0 are expected");
   // Speeding up to v takes v / a + a / j if a is reached, else 2 sqrt(v / j), and covers v / 2
   // times that time.
   const double a = acceleration, reached = jerk == kInfinity ? 0 : a / jerk * a;

@@ -384,6 +384,7 @@ const char* toString(PlanStatus status) {
 
 PlanResult plan(const Problem& problem, const PlanOptions& options) {
   const Clock::time_point begin = Clock::now();
+  requireTolerance(options.clearance_tolerance, "plan()");
   requireGoals(problem, "plan()");
   if (options.progress) options.progress("compile", 0);
   const auto elapsed = [begin] { return secondsSince(begin); };
@@ -416,6 +417,7 @@ PlanResult plan(const Problem& problem, const PlanOptions& options) {
 PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
                 const PlanOptions& options) {
   if (!scene) throw std::invalid_argument("plan(): a compiled scene is expected");
+  requireTolerance(options.clearance_tolerance, "plan()");
   scene->requireQuestion(problem);
   requireGoals(problem, "plan()");
   return planIn(std::move(scene), problem, options);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "planner/base/random.h"
@@ -296,6 +298,11 @@ class Shortener {
 
 SimplifyResult simplify(EdgeCertifier& certifier, std::vector<std::vector<double>>& path,
                         const SimplifyOptions& options) {
+  const auto size = static_cast<std::size_t>(certifier.scene().space().size());
+  for (const std::vector<double>& row : path)
+    if (row.size() != size)
+      throw std::invalid_argument("simplify(): a waypoint of " + std::to_string(row.size()) +
+                                  " numbers; " + std::to_string(size) + " are expected");
   if (path.size() < 2) return {};
   return Shortener(certifier, path, options).run();
 }

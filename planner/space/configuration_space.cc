@@ -130,10 +130,15 @@ double turnWeight(const robots::Model& model, int joint) {
 ConfigurationSpace::ConfigurationSpace(std::shared_ptr<const robots::Model> model,
                                        std::vector<int> variables)
     : model_(std::move(model)), variables_(std::move(variables)) {
+  if (!model_) throw std::invalid_argument("configuration space: a model is expected");
   for (std::size_t i = 0; i < variables_.size();) {
     const int v = variables_[i];
     if (v < 0 || at(v) >= model_->variables.size())
       throw std::invalid_argument("configuration space: variable index out of range");
+    if (std::find(variables_.begin(), variables_.begin() + static_cast<std::ptrdiff_t>(i), v) !=
+        variables_.begin() + static_cast<std::ptrdiff_t>(i))
+      throw std::invalid_argument("configuration space: variable " + std::to_string(v) +
+                                  " is listed twice");
     const robots::Variable& variable = model_->variables[at(v)];
     const robots::Joint& joint = model_->joints[at(variable.joint)];
     const int place = v - joint.first_variable;

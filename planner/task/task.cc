@@ -336,6 +336,7 @@ class TaskPlan {
 }  // namespace
 
 PlanResult planTask(const Problem& problem, const PlanOptions& options) {
+  requireTolerance(options.clearance_tolerance, "planTask()");
   validate(problem);
   requirePlaced(problem);
   return TaskPlan(problem, options).run();

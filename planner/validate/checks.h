@@ -82,6 +82,9 @@ void requirePlaced(const Problem& problem);
 /// And one without goals, or with steps, for a call that needs goals.
 void requireGoals(const Problem& problem, const char* call);
 
+/// Throws std::invalid_argument unless a tolerance of clearances is above 0 [m].
+void requireTolerance(double tolerance, const char* call);
+
 /// attachObject() and detachObject() of a problem that was checked.
 Problem attached(const Problem& problem, const std::string& object, const std::string& link,
                  const std::vector<std::string>& touch_links,

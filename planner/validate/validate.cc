@@ -266,6 +266,12 @@ void validate(const Problem& problem) {
   validateQuestion(problem);
 }
 
+void requireTolerance(double tolerance, const char* call) {
+  if (!(tolerance > 0))
+    throw std::invalid_argument(fmt::format(
+        "{}: clearance_tolerance is {}; a length above 0 is expected [m]", call, tolerance));
+}
+
 void requirePlaced(const Problem& problem) {
   if (problem.start_poses.empty()) return;
   refuse(problem, "the start is given by poses; placeStart() is expected to find its joint values");

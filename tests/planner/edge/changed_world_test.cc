@@ -53,7 +53,7 @@ World changed(Random& random, const World& before, int count, const std::string&
     const int body = before.scene->scene().find(all[i].name);
     removed.push_back(body);
     if (k % 2 == 0) added[static_cast<std::size_t>(k)].name = all[i].name;  // it moves
-    all.erase(all.begin() + static_cast<std::ptrdiff_t>(i));
+    all[i].geometries.clear();  // margins and contacts still name it
   }
   after.scene = before.scene->withObjects(added, removed);
   for (const Object& object : added)  // that were a name alone

@@ -94,7 +94,7 @@ class CompiledScene {
   bool hasPairsOf(const CompiledScene& other) const { return pairs_token_ == other.pairs_token_; }
 
   // Variants. Bodies and their order stay, bounds and meshes are shared: far cheaper than compiling
-  // again.
+  // again. They throw std::invalid_argument for a margin of NaN and a growth below 0.
 
   /// Every pair's margin is at least `margin` [m].
   std::shared_ptr<const CompiledScene> withMarginAtLeast(double margin) const;

@@ -28,7 +28,7 @@ class ConfigurationSpace {
   };
 
   /// `variables`: indices into Model::variables. Throws std::invalid_argument for one that does not
-  /// exist, or for part of an orientation.
+  /// exist or is listed twice, for part of an orientation, and without a model.
   ConfigurationSpace(std::shared_ptr<const robots::Model> model, std::vector<int> variables);
 
   int size() const { return static_cast<int>(variables_.size()); }

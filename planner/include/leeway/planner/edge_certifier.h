@@ -91,7 +91,8 @@ struct EdgeClearance {
 /// multiple articulated robots in complex environments", 2005), but an interval of an edge is
 /// decided by the hull of a body's two placements, grown by h^2 / 8 times a bound on its
 /// acceleration, instead of by path lengths, which shrink only with h. One per thread; allocates in
-/// the constructor only; queries never throw. Points have the size of the scene's space.
+/// the constructor only; queries never throw. Points have the size of the scene's space; of any
+/// other size, or with a number that is not finite, they are undecided.
 ///
 /// Answers and history. Free is a proof whatever was asked before; not free is one to within the
 /// rounding that margins are charged with. But which queries look for the proof depends on earlier
@@ -103,6 +104,7 @@ struct EdgeClearance {
 /// place may differ. The same calls in the same order give the same answers.
 class EdgeCertifier {
  public:
+  /// Throws std::invalid_argument without a scene.
   explicit EdgeCertifier(std::shared_ptr<const CompiledScene> scene);
   ~EdgeCertifier();
 

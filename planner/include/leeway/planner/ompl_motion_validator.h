@@ -32,6 +32,8 @@ class OmplMotionValidator : public ompl::base::MotionValidator {
 
 /// A SpaceInformation for a scene, set up for any of OMPL's geometric planners: an OmplStateSpace
 /// with `seed`, and OmplValidityChecker and OmplMotionValidator over one pool (null: a new one).
+/// Throws std::invalid_argument without a scene, for a pool of another scene, and for a planned
+/// variable without limits.
 ompl::base::SpaceInformationPtr makeSpaceInformation(std::shared_ptr<const CompiledScene> scene,
                                                      std::uint64_t seed = 1,
                                                      std::shared_ptr<CertifierPool> pool = nullptr);

@@ -58,7 +58,7 @@ enum class CertificateDetail : unsigned char { kPath, kEveryEdge };
 struct PlanOptions {
   std::function<bool()> stop;  ///< called often; true ends the run
   std::function<void(const std::string& phase, double elapsed_s)> progress;
-  double clearance_tolerance = 1e-4;  ///< of the certificate [m]
+  double clearance_tolerance = 1e-4;  ///< of the certificate [m], above 0
   CertificateDetail detail = CertificateDetail::kPath;
   /// Called with both ends of every edge that Connect finds free while it searches (of several
   /// searches side by side: the first), or that is in the graph of an OMPL planner when a run of it

@@ -28,7 +28,8 @@ struct SimplifyResult {
 /// between random points of it (Geraerts and Overmars, "Creating high-quality paths for motion
 /// planning", 2007), then pulls vertices towards the chord of their neighbours. Every new edge is
 /// certified as it stands; the path never gets longer, and its ends never change. Deterministic
-/// unless stopped. Certifies O(attempts + vertices log vertices) edges.
+/// unless stopped. Certifies O(attempts + vertices log vertices) edges. Throws
+/// std::invalid_argument for a waypoint of another size.
 SimplifyResult simplify(EdgeCertifier& certifier, std::vector<std::vector<double>>& path,
                         const SimplifyOptions& options = {});
 

@@ -32,7 +32,7 @@ MotionLimits defaultMotionLimits(const ConfigurationSpace& space);
 /// Melchiorri, "Trajectory Planning for Automatic Machines and Robots", 2008, section 3.4).
 class RestToRest {
  public:
-  /// All positive; acceleration and speed finite.
+  /// Acceleration and speed are finite. Throws std::invalid_argument unless all are positive.
   RestToRest(double speed, double acceleration, double jerk);
 
   struct State {
