@@ -75,7 +75,8 @@ const char* toString(UpdateStatus status) {
 }
 
 std::shared_ptr<const DeformableMesh> DeformableMesh::make(std::span<const Vector3d> rest,
-                                                           std::span<const Triangle> triangles) {
+                                                           std::span<const Triangle> triangles,
+                                                           bool solid) {
   if (triangles.empty()) throw InvalidShape("deformable mesh: no triangles; at least 1 is needed");
   requireSizes(rest, "deformable mesh", "vertex");
   for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -90,6 +91,7 @@ std::shared_ptr<const DeformableMesh> DeformableMesh::make(std::span<const Vecto
   mesh->rest_.assign(rest.begin(), rest.end());
   mesh->triangles_.assign(triangles.begin(), triangles.end());
   MeshComponents components = findComponents(rest, mesh->triangles_);
+  if (!solid) components.leaveOpen();
   mesh->triangle_component_ = std::move(components.component);
   mesh->component_closed_ = std::move(components.closed);
   mesh->winding_weight_ = std::move(components.weight);

@@ -146,8 +146,7 @@ BuiltMesh MeshFile::build(std::span<const Vector3d> vertices, std::span<const Tr
     components = closeCracks(mesh->vertices_, mesh->triangles_, options.weld);
   } else {
     components = findComponents(mesh->vertices_, mesh->triangles_);
-    std::fill(components.closed.begin(), components.closed.end(), std::uint8_t{0});
-    components.open_edges = 0;
+    components.leaveOpen();
   }
   mesh->triangle_component_ = std::move(components.component);
   mesh->component_closed_ = std::move(components.closed);

@@ -481,7 +481,7 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
   section("deforming", [&](const YamlReader& deforming) {
     deforming.eachItem([&](const YamlReader& entry) {
       robots::throwIfStopped(options.load.stop, "deforming obstacles were read");
-      if (!entry.readOn([&] { readDeforming(entry, problem); }))
+      if (!entry.readOn([&] { readDeforming(entry, options.load, problem); }))
         entry.readOn([&] { keepName(entry, problem); });
     });
   });

@@ -12,6 +12,7 @@
 #include "planner/problem/read_shapes.h"
 #include "planner/validate/checks.h"
 #include "planner/yaml/format_keys.h"
+#include "robots/mesh/mesh_treatment.h"
 
 namespace leeway::planner {
 namespace {
@@ -106,6 +107,17 @@ IndexedMesh readRestMesh(const YamlReader& entry) {
   return gridMesh(s[0], s[1], static_cast<int>(x), static_cast<int>(y));
 }
 
+/// Whether `meshes` leaves what the obstacle encloses solid.
+bool isSolid(const YamlReader& name, const robots::LoadOptions& load) {
+  const robots::MeshTreatment* treatment = robots::treatmentOf(load, {name.text()});
+  if (treatment == nullptr) return true;
+  if (treatment->solid == robots::MeshTreatment::Solid::kHull || treatment->weld > 0)
+    name.fail(fmt::format("'{}' deforms, and meshes.{} asks for a hull or a weld; solid: auto or "
+                          "surface is expected",
+                          name.text(), name.text()));
+  return treatment->solid == robots::MeshTreatment::Solid::kAuto;
+}
+
 }  // namespace
 
 DeformingObstacle makeDeformingObstacle(std::string name,
@@ -127,7 +139,7 @@ DeformingObstacle makeDeformingObstacle(std::string name,
   return {std::move(object), std::move(mesh), std::move(motion), speed_bound, options};
 }
 
-void readDeforming(const YamlReader& entry, Problem& problem) {
+void readDeforming(const YamlReader& entry, const robots::LoadOptions& load, Problem& problem) {
   entry.expectKeys(keysOf("deforming"));
   const YamlReader name = entry.at("name", "a name of its own");
   if (Names(problem).isKnown(name.text()))
@@ -141,7 +153,8 @@ void readDeforming(const YamlReader& entry, Problem& problem) {
   const double speed_bound = bound ? bound->sizeNumber() : std::numeric_limits<double>::infinity();
   try {
     problem.world.deforming.push_back(makeDeformingObstacle(
-        name.text(), DeformableMesh::make(rest.vertices, rest.triangles), motion,
+        name.text(),
+        DeformableMesh::make(rest.vertices, rest.triangles, isSolid(name, load)), motion,
         readPose(entry, problem.warnings), problem.execution.start, options, speed_bound));
   } catch (const std::invalid_argument& error) {
     const auto strategy = entry.find("strategy");

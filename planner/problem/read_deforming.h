@@ -6,6 +6,6 @@
 namespace leeway::planner {
 
 /// One entry of `deforming:`. After readExecution().
-void readDeforming(const YamlReader& reader, Problem& problem);
+void readDeforming(const YamlReader& reader, const robots::LoadOptions& load, Problem& problem);
 
 }  // namespace leeway::planner

@@ -59,6 +59,7 @@ void expectMeshesFound(const YamlReader& meshes, const std::set<std::string>& fo
     for (const Object& object : problem.world.objects) add(object.name, object.geometries);
     for (const Attachment& held : problem.robot.attachments)
       add(held.object.name, held.object.geometries);
+    for (const DeformingObstacle& o : problem.world.deforming) known.push_back(o.object.name);
     entry.fail(fmt::format("no link, object or file with a mesh is named '{}'{}", name,
                            didYouMean(name, known)));
   });

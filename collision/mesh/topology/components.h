@@ -36,6 +36,12 @@ struct MeshComponents {
   /// The edges (low, high) between two vertices where a surface ends, whether it ends along them or
   /// not: where it could be closed, see crackFillers().
   std::vector<std::pair<std::int32_t, std::int32_t>> seams;
+
+  /// Makes all of them surfaces that are meant so.
+  void leaveOpen() {
+    closed.assign(closed.size(), 0);
+    open_edges = 0;
+  }
 };
 
 /// Finds the solids of a set of triangles, however their facets are turned, repeated and shared.

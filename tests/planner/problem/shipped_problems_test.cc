@@ -140,11 +140,12 @@ TEST(ShippedProblems, ExamplesOfTheReadmeLoad) {
   std::filesystem::create_directories(folder / "problems" / "example");
   std::filesystem::create_directories(folder / "problems" / "my_robot");
   std::filesystem::create_directory_symlink(leeway::sourceFolder() + "/robots", folder / "robots");
+  std::filesystem::create_directory_symlink(kProblems + "/mesh", folder / "problems" / "mesh");
   for (const char* name : {"scene0001.yaml", "request0001.yaml"})
     std::filesystem::copy_file(kProblems + "/moveit/" + name,
                                folder / "problems" / "example" / name);
   const std::vector<std::string> examples = readmeExamples();
-  EXPECT_EQ(examples.size(), 6U);
+  EXPECT_EQ(examples.size(), 7U);
   for (std::string example : examples) {
     if (example.rfind("leeway:", 0) != 0) example = "leeway: 1\n" + example;
     const std::string file = (folder / "problems" / "example" / "problem.yaml").string();

@@ -69,9 +69,10 @@ class DeformableMesh {
   /// `rest` [m]: positions for which the first hierarchy is built. Throws InvalidShape for no
   /// triangles, an index out of range, a coordinate that is not finite or exceeds 1e9 m in
   /// magnitude, or vertices that differ, but by less than 1e-9 m in all coordinates. They may come
-  /// nearer to each other later. O(n log n).
+  /// nearer to each other later. `solid`: as in MeshOptions. O(n log n).
   static std::shared_ptr<const DeformableMesh> make(std::span<const Eigen::Vector3d> rest,
-                                                    std::span<const Triangle> triangles);
+                                                    std::span<const Triangle> triangles,
+                                                    bool solid = true);
 
   std::span<const Eigen::Vector3d> rest() const { return rest_; }
   std::span<const Triangle> triangles() const { return triangles_; }
