@@ -568,7 +568,7 @@ std::string CompiledScene::differenceFrom(const Problem& problem) const {
   return objectsDifference(problem);
 }
 
-void CompiledScene::requireQuestion(const Problem& problem) const {
+void CompiledScene::requireProblem(const Problem& problem) const {
   const std::string difference = differenceFrom(problem);
   if (!difference.empty())
     throw robots::InputError(
@@ -576,8 +576,7 @@ void CompiledScene::requireQuestion(const Problem& problem) const {
         fmt::format("the problem is not the one that the scene was compiled from: {}; that problem "
                     "is expected, or a scene compiled from this one",
                     difference));
-  if (const auto fault = startFault(problem)) throw robots::InputError(problem.name, 0, *fault);
-  validateQuestion(problem);
+  validate(problem);
 }
 
 void CompiledScene::expand(std::span<const double> point, std::span<double> q) const {

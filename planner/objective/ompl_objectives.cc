@@ -89,7 +89,7 @@ OmplCostObjective::OmplCostObjective(const ob::SpaceInformationPtr& space_inform
                                      const Problem& problem)
     : OmplCostObjective(
           space_information, pool,
-          (pool->scene().requireQuestion(problem), PathCost::of(pool->scene(), problem))) {}
+          (pool->scene().requireProblem(problem), PathCost::of(pool->scene(), problem))) {}
 
 OmplCostObjective::OmplCostObjective(const ob::SpaceInformationPtr& space_information,
                                      std::shared_ptr<CertifierPool> pool,

@@ -418,7 +418,7 @@ PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& probl
                 const PlanOptions& options) {
   if (!scene) throw std::invalid_argument("plan(): a compiled scene is expected");
   requireTolerance(options.clearance_tolerance, "plan()");
-  scene->requireQuestion(problem);
+  scene->requireProblem(problem);
   requireGoals(problem, "plan()");
   return planIn(std::move(scene), problem, options);
 }

@@ -73,10 +73,6 @@ void checkRobot(const Problem& problem);
 /// objects are taken from where the start has them. Throws std::invalid_argument.
 void takeStep(const Step& step, Problem& world);
 
-/// All of a problem but the robot, its world and the names in margins and contacts: what plan()
-/// checks of a problem whose scene is compiled. Throws robots::InputError.
-void validateQuestion(const Problem& problem);
-
 /// Refuses a problem whose start is given by poses.
 void requirePlaced(const Problem& problem);
 /// And one without goals, or with steps, for a call that needs goals.

@@ -133,10 +133,12 @@ void checkNames(const Problem& problem) {
   std::set<std::string_view> frames;
   for (std::size_t i = 0; i < problem.robot.frames.size(); ++i) {
     const std::string& name = problem.robot.frames[i].name;
-    if (name.empty() || names.isKnown(name) || !frames.insert(name).second)
-      refuse(problem,
-             fmt::format("robot.frames[{}].name '{}' is {}; a name of its own is expected", i, name,
-                         name.empty() ? "empty" : "that of another frame, link or object"));
+    const char* const fault = name.empty()                  ? "no name"
+                              : names.isKnown(name)         ? "the name of a link or object"
+                              : !frames.insert(name).second ? "the name of another frame"
+                                                            : nullptr;
+    if (fault != nullptr)
+      refuse(problem, fmt::format("frame '{}' has {}; a name of its own is expected", name, fault));
   }
   const auto requirePair = [&](const std::string& a, const std::string& b, const auto& where) {
     if (const std::string fault = names.pairFault(a, b); !fault.empty())
@@ -240,7 +242,10 @@ void takeStep(const Step& step, Problem& world) {
   }
 }
 
-void validateQuestion(const Problem& problem) {
+void validate(const Problem& problem) {
+  checkRobot(problem);
+  checkWorld(problem);
+  checkNames(problem);
   if (const auto wrong = posesFault(problem, problem.start_poses))
     refuse(problem, "start has a pose: " + *wrong);
   for (const Goal& goal : problem.goals) require(problem, goalFault(problem, goal));
@@ -257,13 +262,6 @@ void validateQuestion(const Problem& problem) {
   require(problem, improveFault(problem));
   require(problem, limitsFault(problem.limits));
   require(problem, executionFault(problem));
-}
-
-void validate(const Problem& problem) {
-  checkRobot(problem);
-  checkWorld(problem);
-  checkNames(problem);
-  validateQuestion(problem);
 }
 
 void requireTolerance(double tolerance, const char* call) {

@@ -71,9 +71,8 @@ class CompiledScene {
   /// may differ: the start of planned variables, goals, steps, objective, wishes' numbers, planner,
   /// limits, seed. O(things of the world).
   std::string differenceFrom(const Problem& problem) const;
-  /// Throws robots::InputError for a problem that differs, see differenceFrom(), and for what
-  /// validate() refuses in the rest of it.
-  void requireQuestion(const Problem& problem) const;
+  /// Throws robots::InputError for a problem that differs, and as validate().
+  void requireProblem(const Problem& problem) const;
 
   /// Another world, of which most is this one: objects come and go at the cost of what changes. An
   /// object that moves goes, and comes in its new place. Each time begin with one scene, or with

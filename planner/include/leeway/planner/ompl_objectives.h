@@ -61,7 +61,7 @@ class OmplCostObjective : public ompl::base::OptimizationObjective {
  public:
   /// Throws std::invalid_argument for a problem without such costs, or with one that counts the
   /// worst place of a path: that does not add up. Throws robots::InputError for a problem that
-  /// makes no sense, or is not the scene's: CompiledScene::requireQuestion().
+  /// makes no sense, or is not the scene's: CompiledScene::requireProblem().
   OmplCostObjective(const ompl::base::SpaceInformationPtr& space_information,
                     const std::shared_ptr<CertifierPool>& pool, const Problem& problem);
   OmplCostObjective(const ompl::base::SpaceInformationPtr& space_information,
