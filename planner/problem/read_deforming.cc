@@ -112,9 +112,10 @@ bool isSolid(const YamlReader& name, const robots::LoadOptions& load) {
   const robots::MeshTreatment* treatment = robots::treatmentOf(load, {name.text()});
   if (treatment == nullptr) return true;
   if (treatment->solid == robots::MeshTreatment::Solid::kHull || treatment->weld > 0)
-    name.fail(fmt::format("'{}' deforms, and meshes.{} asks for a hull or a weld; solid: auto or "
-                          "surface is expected",
-                          name.text(), name.text()));
+    name.fail(
+        fmt::format("'{}' deforms, and meshes.{} asks for a hull or a weld; solid: auto or "
+                    "surface is expected",
+                    name.text(), name.text()));
   return treatment->solid == robots::MeshTreatment::Solid::kAuto;
 }
 
@@ -153,9 +154,8 @@ void readDeforming(const YamlReader& entry, const robots::LoadOptions& load, Pro
   const double speed_bound = bound ? bound->sizeNumber() : std::numeric_limits<double>::infinity();
   try {
     problem.world.deforming.push_back(makeDeformingObstacle(
-        name.text(),
-        DeformableMesh::make(rest.vertices, rest.triangles, isSolid(name, load)), motion,
-        readPose(entry, problem.warnings), problem.execution.start, options, speed_bound));
+        name.text(), DeformableMesh::make(rest.vertices, rest.triangles, isSolid(name, load)),
+        motion, readPose(entry, problem.warnings), problem.execution.start, options, speed_bound));
   } catch (const std::invalid_argument& error) {
     const auto strategy = entry.find("strategy");
     (strategy ? *strategy : entry).fail(fmt::format("{}: {}", entry.where(), error.what()));

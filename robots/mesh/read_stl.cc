@@ -71,7 +71,10 @@ class TextStl {
     std::int32_t count = 0;
     for (; isWord(next(), "vertex"); ++count) {
       Eigen::Vector3d& v = mesh_.vertices.emplace_back();
-      for (int k = 0; k < 3; ++k) v[k] = coordinate(source_, next(), words_.place());
+      for (int k = 0; k < 3; ++k) {
+        next();
+        v[k] = coordinate(source_, word_, words_.place());
+      }
       mesh_.corners.push_back(first + count);
     }
     expectEnd("loop", "vertex or endloop");

@@ -112,9 +112,9 @@ TEST_F(ProblemDeforming, ConcaveFacesKeepTheirNotch) {
 /// Faces that are not planar are the triangles that they are cut into, with a warning.
 TEST_F(ProblemDeforming, BentFacesAreTold) {
   write("bent_face.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3 4\nl 1 2\n");
-  const Problem problem =
-      load("deforming:\n  - name: cloth\n    mesh: {file: bent_face.obj, scale: 2}\nmeshes: {cloth: "
-           "{solid: surface}}\n");
+  const Problem problem = load(
+      "deforming:\n  - name: cloth\n    mesh: {file: bent_face.obj, scale: 2}\nmeshes: {cloth: "
+      "{solid: surface}}\n");
   EXPECT_EQ(problem.world.deforming.at(0).mesh->triangles().size(), 2U);
   ASSERT_EQ(problem.warnings.size(), 2U);
   EXPECT_NE(problem.warnings[0].find("bent_face.obj:6: left out"), std::string::npos)

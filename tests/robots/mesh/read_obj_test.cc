@@ -1,0 +1,89 @@
+#include <gtest/gtest.h>
+
+#include "tests/support/mesh_texts.h"
+
+namespace leeway::robots {
+namespace {
+
+using Eigen::Vector3d;
+using testing::Corners;
+using testing::cornersOf;
+using testing::expectRefused;
+using testing::readAs;
+
+TEST(ReadObj, VerticesInAllTheirForms) {
+  const MeshContents contents = readAs(
+      readObj,
+      "# v 9 9 9\nv 0.1 -2e-3 +3 # a comment\n\tv  1 2\t3 1\nv 2 4 6 2\nv 1 2 3 0.5 0.5 0.5\n"
+      "v 1 2 3 1 0 0 1\nvn 0 0 1\nvt 0 0\nvp 0.5\nv \\\n 7 \\\n8 9\nf 1 2 3\n");
+  const FileMesh& mesh = contents.meshes.at(0);
+  ASSERT_EQ(mesh.vertices.size(), 6U);
+  EXPECT_EQ(mesh.vertices[0], Vector3d(0.1, -2e-3, 3));
+  for (const std::size_t i : {1U, 2U, 3U, 4U}) EXPECT_EQ(mesh.vertices[i], Vector3d(1, 2, 3)) << i;
+  EXPECT_EQ(mesh.vertices[5], Vector3d(7, 8, 9));
+  EXPECT_EQ(mesh.faces.at(0).place.text(), ":13");
+}
+
+TEST(ReadObj, FacesInAllTheirForms) {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  for (const char* face :
+       {"f 1 2 3 4", "f 1/1 2/2 3/3 4/4", "f 1//1 2//1 3//1 4//1", "f 1/1/1 2/2/1 3/3/1 4/4/1",
+        "f -4 -3 -2 -1", "f -4//-1 2 3/ -1", "  f\t1 2 \\\n 3 \\\r\n 4", "fo 1 2 3 4  # old"}) {
+    const MeshContents contents = readAs(readObj, square + face + "\n");
+    ASSERT_EQ(contents.meshes[0].faces.size(), 1U) << face;
+    EXPECT_EQ(cornersOf(contents.meshes[0], 0), (Corners{0, 1, 2, 3})) << face;
+  }
+  // Faces may come first, and lines may end in other ways.
+  EXPECT_EQ(readAs(readObj,
+                   "f 1 2 3\r"
+                   "v 0 0 0\r"
+                   "v 1 0 0\r"
+                   "v 0 1 0")
+                .meshes[0]
+                .faces.size(),
+            1U);
+  // Negative numbers count from the last vertex so far.
+  const MeshContents contents =
+      readAs(readObj, square + "f -4 -3 -2\nv 5 5 5\nf -5 -3 -1\nf 1 2 5\n");
+  EXPECT_EQ(cornersOf(contents.meshes[0], 0), (Corners{0, 1, 2}));
+  EXPECT_EQ(cornersOf(contents.meshes[0], 1), (Corners{0, 2, 4}));
+}
+
+TEST(ReadObj, WhatIsLeftOut) {
+  const MeshContents contents = readAs(
+      readObj,
+      "mtllib C:\\models\\\nv 0 0 0\n# a path: C:\\models\\\nv 1 0 0\nv 0 1 0\no a\ng b\\\ns 1\n"
+      "usemtl x\nl 1 2 3\np 1\np 2\ncurv 0 1 1 2\nwhatever 1 2\nf 1 2 3\n");
+  EXPECT_EQ(contents.meshes[0].vertices.size(), 3U);
+  EXPECT_EQ(contents.meshes[0].faces.size(), 1U);
+  EXPECT_EQ(contents.not_solid.lines, 1);
+  EXPECT_EQ(contents.not_solid.points, 2);
+  EXPECT_EQ(contents.not_solid.curves, 1);
+  EXPECT_EQ(contents.not_solid.first.text(), ":10");
+}
+
+TEST(ReadObj, DamagedFiles) {
+  const auto refused = [](const testing::Damaged& damaged) { expectRefused(readObj, damaged); };
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  refused({"v 0 0 0\nv 1 0\n", ":2", {"ends where a coordinate is expected"}});
+  refused({"v 0 0 0\nv", ":2", {"ends where a coordinate is expected"}});
+  refused({"v 0 0 x\n", ":1", {"'x' stands where a coordinate is expected"}});
+  refused({"v 0 0 1.5.5\n", ":1", {"'1.5.5'"}});
+  refused({"v 0 0 inf\n", ":1", {"'inf' is not finite"}});
+  refused({"v 0 0 0 0\n", ":1", {"weight"}});
+  refused({"v 0 0 0 1 2\n", ":1", {"a vertex of 5 numbers", "W or colours"}});
+  refused({"v 0 0 0 1 2 red\n", ":1", {"'red' stands where a number is expected"}});
+  refused({triangle + "f 1 2\n", ":4", {"a face of 2 corners", "at least three"}});
+  refused({triangle + "f", ":4", {"a face of 0 corners"}});
+  refused({triangle + "f 1 2 4\n", ":4", {"vertex 4; 1 to 3"}});
+  refused({triangle + "f 1 2 -4\n", ":4", {"vertex -4 of the 3 so far; -1 to -3"}});
+  refused({triangle + "f 1 2 0\n", ":4", {"'0' stands where a corner is expected"}});
+  refused({triangle + "f 1 2 3x\n", ":4", {"'3x'"}});
+  refused({triangle + "f 1 2 3/x\n", ":4", {"'3/x'"}});
+  refused({triangle + "f 1 2 3.5\n", ":4", {"'3.5'"}});
+  refused({triangle + "f 1 2 99999999999\n", ":4", {"'99999999999'"}});
+  refused({triangle + "surf 0 1 0 1 1 2 3\n", ":4", {"free-form surface"}});
+}
+
+}  // namespace
+}  // namespace leeway::robots
