@@ -35,6 +35,10 @@ constexpr double kVerifyAcross = 1e-300;
 /// refused: kInterpolationRounding would not hold.
 constexpr double kLargestAngle = 1e3;
 
+/// A circle that turns by more than half a turn on a straight line goes along edges on which it
+/// turns by no more than this [rad]: below half a turn, so that rounding sends none the other way.
+constexpr double kLongestLineTurn = 3;
+
 /// How far rounding of a + t dq (three operations) moves a joint within kLargestAngle [rad], and a
 /// free body's orientation.
 constexpr double kInterpolationRounding = 1e-12;
@@ -114,6 +118,13 @@ constexpr double kConstraintSlack = 2e-8;
 /// waypoint may be [rad or m]: rounding of files and of whole turns, nothing that a robot could
 /// feel.
 constexpr double kVerifyWaypoint = 1e-9;
+
+/// When the verifier takes links that meet at a joint for touching [m], as robots' kTouch and
+/// kShallow: rounding of two kinematics must not make it check what the planner leaves out.
+constexpr double kVerifyTouch = 2e-6;
+constexpr double kVerifyShallow = 1.001e-3;
+/// And the places at which it looks whether a joint parts them: those of kTouchLooks.
+constexpr int kVerifyTouchLooks = 32;
 
 /// OMPL writes parameters with six digits: one that reads back within this share was kept.
 constexpr double kParameterDigits = 1e-5;

@@ -29,7 +29,6 @@
 namespace leeway::planner {
 namespace {
 
-constexpr const char* kAllowed = "allowed by the problem";
 
 /// What a problem adds to its robot: objects of the world, and what is said of pairs by name.
 class Surroundings {
@@ -145,7 +144,8 @@ class Surroundings {
     if (a >= carried()) return "neither moves";
     if (b >= carried()) {
       if (!bodies[at(a)].moving) return "neither moves";
-      return allowed_.count({a, b}) != 0 ? kAllowed : "";
+      const auto allowed = allowed_.find({a, b});
+      return allowed == allowed_.end() ? "" : toString(allowed->second);
     }
     if (reasons_.empty())
       for (const CompiledScene::Dropped& d : *robot_.dropped()) reasons_[{d.a, d.b}] = d.reason;
@@ -157,14 +157,18 @@ class Surroundings {
     return named(name).empty() && problem_.robot.model->findLink(name) < 0;
   }
 
-  /// Contacts of the robot with the world that the problem allows. That things of the world stand
-  /// beside each other needs no reason, and there may be many of them.
+  /// Contacts of the robot with the world that the problem or the SRDF allows. That things of the
+  /// world stand beside each other needs no reason, and there may be many of them.
   void allow() {
-    if (!names_matter_) return;
-    for (const auto& [x, y] : problem_.contacts.allowed)
-      for (const int i : named(x))
-        for (const int j : named(y))
-          if ((i < carried()) != (j < carried())) allowed_.emplace(std::min(i, j), std::max(i, j));
+    if (names_matter_)
+      for (const auto& [x, y] : problem_.contacts.allowed)
+        for (const int i : named(x))
+          for (const int j : named(y))
+            if ((i < carried()) != (j < carried()))
+              allowed_.emplace(std::minmax(i, j), Unchecked::kAllowed);
+    for (const int i : robot_.uncheckedBodies())
+      for (int j = 0; j < static_cast<int>(objects_.size()); ++j)
+        allowed_.emplace(std::pair(i, carried() + j), Unchecked::kSrdf);
     if (allowed_.empty()) return;
     const std::vector<CompiledScene::Dropped>& of_robot = *robot_.dropped();
     std::vector<CompiledScene::Dropped> dropped;
@@ -172,10 +176,11 @@ class Surroundings {
     std::size_t d = 0;
     for (int i = 0; i < carried(); ++i) {
       for (; d < robot_.droppedEnd(i); ++d) dropped.push_back(of_robot[d]);
-      for (; next != allowed_.end() && next->first == i; ++next) {
-        builder_.allow(i, next->second);
+      for (; next != allowed_.end() && next->first.first == i; ++next) {
+        const auto& [pair, why] = *next;
+        builder_.allow(i, pair.second);
         dropped.push_back({robot_.scene().bodies()[at(i)].name,
-                           objects_[at(next->second - carried())]->name, kAllowed});
+                           objects_[at(pair.second - carried())]->name, why});
       }
     }
     dropped.insert(dropped.end(), of_robot.begin() + static_cast<std::ptrdiff_t>(d),
@@ -189,7 +194,7 @@ class Surroundings {
   std::vector<const Object*> objects_;  // that have geometries
   bool names_matter_;                   // listed only where they do: there may be many
   std::unordered_map<std::string, std::vector<int>> named_;  // bodies by name
-  std::set<std::pair<int, int>> allowed_;                    // of the robot, of the world
+  std::map<std::pair<int, int>, Unchecked> allowed_;         // of the robot, of the world
   std::map<std::pair<std::string_view, std::string_view>, std::string_view> reasons_;
   std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped_;
   std::vector<std::string> warnings_;
@@ -373,27 +378,42 @@ std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::applyR
       if (moves(i)) change.setMargin(i, j, m.margin);
     });
 
-  const auto isOfRemoved = [&](const Dropped& d) {
-    return d.reason == kAllowed && removed_names.count(d.b) != 0;
-  };
+  const auto isOfRemoved = [&](const Dropped& d) { return removed_names.count(d.b) != 0; };
   const PreparedRobot& prepared = *edge_model_->robot;
   // There may be many contacts, of which none names these objects.
-  if (std::none_of(objects.begin(), objects.end(),
+  if ((prepared.uncheckedBodies().empty() || objects.empty()) &&
+      std::none_of(objects.begin(), objects.end(),
                    [&](const auto& o) { return prepared.isAllowedName(std::string(o.first)); }) &&
       std::none_of(dropped_->begin(), dropped_->end(), isOfRemoved))
     return dropped_;
   std::vector<Dropped> dropped;
   std::remove_copy_if(dropped_->begin(), dropped_->end(), std::back_inserter(dropped), isOfRemoved);
   std::set<std::pair<int, int>> allowed;
-  for (const auto& contact : prepared.contacts().allowed) {
-    forEachNamed(robot, objects, contact.first, contact.second, [&](int i, int j) {
-      if (!allowed.emplace(i, j).second) return;
-      if (moves(i)) change.allow(i, j);
-      const std::string& link = scene_.bodies()[at(i)].name;
-      dropped.push_back({link, link == contact.first ? contact.second : contact.first, kAllowed});
+  const auto allow = [&](int i, int j, const std::string& object, Unchecked why) {
+    if (!allowed.emplace(i, j).second) return;
+    if (moves(i)) change.allow(i, j);
+    dropped.push_back({scene_.bodies()[at(i)].name, object, why});
+  };
+  for (const auto& [a, b] : prepared.contacts().allowed) {
+    forEachNamed(robot, objects, a, b, [&](int i, int j) {
+      allow(i, j, scene_.bodies()[at(i)].name == a ? b : a, Unchecked::kAllowed);
     });
   }
+  for (const int i : prepared.uncheckedBodies())
+    for (const auto& [name, j] : objects) allow(i, j, std::string(name), Unchecked::kSrdf);
   return std::make_shared<const std::vector<Dropped>>(std::move(dropped));
+}
+
+std::string CompiledScene::nothingChecked() const {
+  if (!scene_.pairs().empty()) return {};
+  bool can_move = false;
+  for (int b = 0; b < bodiesOfRobot(); ++b) can_move = can_move || scene_.bodies()[at(b)].moving;
+  if (!can_move) return kNothingMoves;
+  // A robot with shapes that is alone meets nothing. (Things that were removed keep their numbers.)
+  if (std::none_of(dropped().begin(), dropped().end(),
+                   [&](const Dropped& d) { return scene_.find(d.b) >= bodiesOfRobot(); }))
+    return {};
+  return "no pair with the world is checked; " + toString(countUnchecked(dropped()));
 }
 
 std::shared_ptr<CompiledScene> CompiledScene::variant() const {

@@ -90,6 +90,7 @@ PreparedRobot::PreparedRobot(const Problem& problem, std::vector<VariableRange> 
   }
   carriers_ = pairs.carriers();
   has_proven_ = pairs.hasProven();
+  unchecked_bodies_ = pairs.uncheckedBodies();
   dropped_ends_ = pairs.takeDroppedEnds();
   dropped_ = std::make_shared<const std::vector<CompiledScene::Dropped>>(pairs.takeDropped());
   std::vector<const robots::LinkGap*> gaps;

@@ -44,11 +44,13 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
   /// True when a pair was dropped by a proof that holds within the joints' limits only.
   bool hasProven() const { return has_proven_; }
   /// Pairs of bodies that are not checked. Those of the bodies up to the i-th with later ones end
-  /// at droppedEnd(i); after them all, those that are proven apart.
+  /// at droppedEnd(i); after them all, those of which geometry decides.
   const std::shared_ptr<const std::vector<CompiledScene::Dropped>>& dropped() const {
     return dropped_;
   }
   std::size_t droppedEnd(int body) const { return dropped_ends_[static_cast<std::size_t>(body)]; }
+  /// Links that the SRDF lets touch everything.
+  std::span<const int> uncheckedBodies() const { return unchecked_bodies_; }
   /// The problem's.
   const Contacts& contacts() const { return contacts_; }
   /// Whether the problem's contacts name it. O(log names).
@@ -85,6 +87,7 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
   bool has_proven_ = false;
   std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped_;
   std::vector<std::size_t> dropped_ends_;
+  std::vector<int> unchecked_bodies_;
   RobotMotions motions_;
 
   mutable std::once_flag lanes_once_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 
 #include "collision/base/numbers.h"
 #include "leeway/robots/kinematics.h"
@@ -38,14 +39,18 @@ RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableR
   for (std::size_t v = 0; v < ranges.size(); ++v)
     if (ranges[v].lower == ranges[v].upper) fixed[v] = ranges[v].lower;
   robots::forwardKinematics(model_, fixed, poses_);
+  findCarriers();
   addLinks();
   addAttachments();
   findAllowed();
   for (int i = 0; i < count(); ++i) {
-    for (int j = i + 1; j < count(); ++j) drop(i, j, reason(i, j));
+    for (int j = i + 1; j < count(); ++j)
+      if (const std::optional<Reason> why = reason(i, j)) drop(i, j, *why);
     dropped_ends_.push_back(dropped_.size());
   }
-  if (!model_.has_srdf && !problem_.contacts.replace_srdf) dropProven(stop);
+  if (!derivesPairs()) return;
+  dropTouching(stop);
+  dropProven(stop);
 }
 
 collision::SceneBuilder RobotPairs::builder() const {
@@ -53,7 +58,7 @@ collision::SceneBuilder RobotPairs::builder() const {
   // Worlds are added to these pairs, and edges know them by their order: all are listed.
   builder.listAtMost(std::numeric_limits<std::size_t>::max());
   for (const Entry& e : entries_) builder.add(e.body);
-  for (const auto& [pair, why] : reasons_) builder.allow(pair.first, pair.second);
+  for (const auto& [i, j] : is_dropped_) builder.allow(i, j);
   return builder;
 }
 
@@ -61,6 +66,13 @@ std::vector<int> RobotPairs::carriers() const {
   std::vector<int> links;
   for (const Entry& e : entries_) links.push_back(e.link);
   return links;
+}
+
+std::vector<int> RobotPairs::uncheckedBodies() const {
+  std::vector<int> bodies;
+  for (int i = 0; i < count(); ++i)
+    if (isUnchecked(entries_[at(i)])) bodies.push_back(i);
+  return bodies;
 }
 
 const LinkGap* RobotPairs::linkGap(int i, int j) const {
@@ -83,15 +95,13 @@ void RobotPairs::addLinks() {
   for (std::size_t l = 0; l < model_.links.size(); ++l) {
     const robots::Link& link = model_.links[l];
     if (link.geometries.empty()) continue;
-    add({{link.name, link.geometries, moves(static_cast<int>(l)), poses_[l]},
-         static_cast<int>(l),
-         nullptr});
+    add({{link.name, link.geometries, carrier_[l] >= 0, poses_[l]}, static_cast<int>(l), nullptr});
   }
 }
 
 void RobotPairs::addAttachments() {
   for (const Attachment& a : problem_.robot.attachments) {
-    Body body{a.object.name, a.object.geometries, moves(a.link), poses_[at(a.link)]};
+    Body body{a.object.name, a.object.geometries, carrier_[at(a.link)] >= 0, poses_[at(a.link)]};
     for (robots::Geometry& g : body.geometries) g.X_BG = a.X_LO * g.X_BG;
     if (!body.geometries.empty()) add({std::move(body), a.link, &a});
   }
@@ -106,28 +116,61 @@ void RobotPairs::findAllowed() {
         if (i != j) allowed_.emplace(std::min(i, j), std::max(i, j));
 }
 
-/// Empty: the pair is checked.
-std::string RobotPairs::reason(int i, int j) const {
+/// Returns nothing for a pair that is checked. That two bodies do not move against each other
+/// counts first; other reasons are still the words for it.
+std::optional<RobotPairs::Reason> RobotPairs::reason(int i, int j) const {
   const Entry &a = entries_[at(i)], &b = entries_[at(j)];
-  if (a.isLink() && b.isLink()) {
-    if (areAdjacent(a.link, b.link)) return "adjacent";
-    if (!problem_.contacts.replace_srdf)
-      for (const robots::DisabledPair& d : model_.disabled_pairs)
-        if (isPair(d.link_a, d.link_b, a.link, b.link))
-          return "disabled by the SRDF" + (d.reason.empty() ? "" : ": " + d.reason);
-  }
-  if (allowed_.count({i, j}) != 0) return "allowed by the problem";
-  if (a.held != nullptr && b.isLink() && mayTouch(*a.held, b.link)) return "attached";
-  if (b.held != nullptr && a.isLink() && mayTouch(*b.held, a.link)) return "attached";
-  if (!a.body.moving && !b.body.moving) return "neither moves";
-  if (areRigid(a, b)) return "rigidly attached to each other";
-  return {};
+  std::optional<Reason> told = contact(i, j);
+  if (carrier_[at(a.link)] != carrier_[at(b.link)]) return told;
+  if (told) return Reason{Unchecked::kRigid, std::move(told->words)};
+  return Reason{Unchecked::kRigid,
+                a.body.moving ? "rigidly attached to each other" : "neither moves"};
 }
 
-void RobotPairs::drop(int i, int j, const std::string& why) {
-  if (why.empty()) return;
-  reasons_[{i, j}] = why;
-  dropped_.push_back({name(i), name(j), why});
+/// Why two bodies may touch, by what is said of them.
+std::optional<RobotPairs::Reason> RobotPairs::contact(int i, int j) const {
+  const Entry &a = entries_[at(i)], &b = entries_[at(j)];
+  const auto plain = [](Unchecked why) { return Reason{why, toString(why)}; };
+  if (a.isLink() && b.isLink()) {
+    if (areAdjacent(a.link, b.link)) return plain(Unchecked::kAdjacent);
+    if (const robots::DisabledPair* d = findDisabled(a.link, b.link))
+      return Reason{Unchecked::kSrdf,
+                    "disabled by the SRDF" + (d->reason.empty() ? "" : ": " + d->reason)};
+  }
+  if (allowed_.count({i, j}) != 0) return plain(Unchecked::kAllowed);
+  if ((a.held != nullptr && b.isLink() && mayTouch(*a.held, b.link)) ||
+      (b.held != nullptr && a.isLink() && mayTouch(*b.held, a.link)))
+    return plain(Unchecked::kAttached);
+  if (a.isLink() != b.isLink() && (isUnchecked(a) || isUnchecked(b)))
+    return Reason{Unchecked::kSrdf, "disabled by the SRDF: disable_default_collisions"};
+  return std::nullopt;
+}
+
+void RobotPairs::drop(int i, int j, const Reason& reason) {
+  is_dropped_.insert({i, j});
+  dropped_.push_back({name(i), name(j), reason.why, reason.words});
+}
+
+/// Parts that meet at a joint, besides the two links that it joins. Two links between which joints
+/// stand in a row meet nowhere, and are checked.
+void RobotPairs::dropTouching(const robots::Stop& stop) {
+  std::vector<std::pair<int, int>> touching, bodies;
+  for (int i = 0; i < count(); ++i)
+    for (int j = i + 1; j < count(); ++j) {
+      const Entry &a = entries_[at(i)], &b = entries_[at(j)];
+      if (!a.isLink() || !b.isLink() || is_dropped_.count({i, j}) != 0) continue;
+      robots::throwIfStopped(stop, "links that touch were looked for");
+      const int joint = robots::onlyJointBetween(model_, a.link, b.link);
+      if (joint < 0 || !robots::touchAtDefault(model_, a.link, b.link, joint)) continue;
+      touching.emplace_back(a.link, b.link);
+      bodies.emplace_back(i, j);
+    }
+  const std::vector<std::pair<int, int>> always = robots::provenTouching(model_, touching, stop);
+  for (std::size_t k = 0; k < touching.size(); ++k) {
+    const bool is_proven = std::find(always.begin(), always.end(), touching[k]) != always.end();
+    const Unchecked why = is_proven ? Unchecked::kTouchAlways : Unchecked::kTouchAtZero;
+    drop(bodies[k].first, bodies[k].second, {why, toString(why)});
+  }
 }
 
 void RobotPairs::dropProven(const robots::Stop& stop) {
@@ -135,7 +178,7 @@ void RobotPairs::dropProven(const robots::Stop& stop) {
   std::vector<std::pair<int, int>> candidates, bodies;
   for (int i = 0; i < count(); ++i)
     for (int j = i + 1; j < count(); ++j)
-      if (entries_[at(i)].isLink() && entries_[at(j)].isLink() && reasons_.count({i, j}) == 0 &&
+      if (entries_[at(i)].isLink() && entries_[at(j)].isLink() && is_dropped_.count({i, j}) == 0 &&
           !hasMargin(i, j)) {
         candidates.emplace_back(entries_[at(i)].link, entries_[at(j)].link);
         bodies.emplace_back(i, j);
@@ -144,7 +187,8 @@ void RobotPairs::dropProven(const robots::Stop& stop) {
   for (std::size_t k = 0; k < candidates.size(); ++k)
     if (std::find(proven.begin(), proven.end(), candidates[k]) != proven.end()) {
       has_proven_ = true;
-      drop(bodies[k].first, bodies[k].second, "proven never to meet");
+      drop(bodies[k].first, bodies[k].second,
+           {Unchecked::kProvenApart, toString(Unchecked::kProvenApart)});
     }
 }
 
@@ -179,38 +223,88 @@ bool RobotPairs::areNamed(int i, int j, const std::string& a, const std::string&
   return isPair(a, b, name(i), name(j));
 }
 
-bool RobotPairs::moves(int link) const {
-  return !robots::relativeMotion(model_, link, -1, Eigen::Vector3d::Zero(), 0, ranges_)
-              .terms.empty();
-}
-
-bool RobotPairs::areRigid(const Entry& a, const Entry& b) const {
-  return robots::relativeMotion(model_, a.link, b.link, Eigen::Vector3d::Zero(), 0, ranges_)
-      .terms.empty();
-}
-
 int RobotPairs::parentOf(int link) const {
   return model_.joints[at(model_.links[at(link)].joint)].parent_link;
 }
 
-/// The first link of the rigid group that `link` belongs to: up from it through fixed joints.
-int RobotPairs::rigidRoot(int link) const {
-  while (model_.joints[at(model_.links[at(link)].joint)].type == robots::JointType::kFixed) {
-    const int parent = parentOf(link);
-    if (parent < 0) break;
-    link = parent;
+void RobotPairs::findCarriers() {
+  for (int l = 0; l < static_cast<int>(model_.links.size()); ++l) {
+    const int parent = parentOf(l);
+    const bool is_fixed =
+        robots::relativeMotion(model_, l, parent, Eigen::Vector3d::Zero(), 0, ranges_)
+            .terms.empty();
+    carrier_.push_back(!is_fixed ? l : parent < 0 ? -1 : carrier_[at(parent)]);
   }
-  return link;
 }
 
-/// Parent and child; without an SRDF also what fixed joints join to them.
+/// Parent and child, unless the SRDF enables them.
 bool RobotPairs::areAdjacent(int a, int b) const {
-  if (parentOf(a) == b || parentOf(b) == a) return true;
-  if (model_.has_srdf || problem_.contacts.replace_srdf) return false;
-  const int x = rigidRoot(a), y = rigidRoot(b);
-  const int above_x = parentOf(x), above_y = parentOf(y);
-  return x == y || (above_x >= 0 && rigidRoot(above_x) == y) ||
-         (above_y >= 0 && rigidRoot(above_y) == x);
+  if (parentOf(a) != b && parentOf(b) != a) return false;
+  return std::count(model_.enabled_pairs.begin(), model_.enabled_pairs.end(),
+                    std::pair(std::min(a, b), std::max(a, b))) == 0;
+}
+
+const robots::DisabledPair* RobotPairs::findDisabled(int a, int b) const {
+  if (problem_.contacts.replace_srdf) return nullptr;
+  const auto found =
+      std::find_if(model_.disabled_pairs.begin(), model_.disabled_pairs.end(),
+                   [&](const robots::DisabledPair& d) { return isPair(d.link_a, d.link_b, a, b); });
+  return found == model_.disabled_pairs.end() ? nullptr : &*found;
+}
+
+bool RobotPairs::isUnchecked(const Entry& entry) const {
+  return entry.isLink() && !problem_.contacts.replace_srdf &&
+         std::count(model_.unchecked_links.begin(), model_.unchecked_links.end(), entry.link) > 0;
+}
+
+const char* toString(Unchecked why) {
+  switch (why) {
+    case Unchecked::kRigid:
+      return "rigidly attached to each other";
+    case Unchecked::kAdjacent:
+      return "adjacent";
+    case Unchecked::kSrdf:
+      return "disabled by the SRDF";
+    case Unchecked::kAllowed:
+      return "allowed by the problem";
+    case Unchecked::kAttached:
+      return "attached";
+    case Unchecked::kTouchAlways:
+      return "touching in every configuration";
+    case Unchecked::kTouchAtZero:
+      return "touching at the zero configuration";
+    case Unchecked::kProvenApart:
+      break;
+  }
+  return "proven never to meet";
+}
+
+std::vector<UncheckedPairs> countUnchecked(std::span<const CompiledScene::Dropped> dropped) {
+  std::map<Unchecked, UncheckedPairs> groups;
+  for (const CompiledScene::Dropped& d : dropped) {
+    UncheckedPairs& group = groups[d.why];
+    group.why = d.why;
+    ++group.count;
+    if (d.why == Unchecked::kTouchAtZero) group.names.emplace_back(d.a, d.b);
+  }
+  std::vector<UncheckedPairs> counted;
+  for (auto& [why, group] : groups) counted.push_back(std::move(group));
+  return counted;
+}
+
+std::string toString(std::span<const UncheckedPairs> unchecked) {
+  int all = 0;
+  std::string text;
+  for (const UncheckedPairs& group : unchecked) {
+    all += group.count;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", group.count, toString(group.why));
+    std::string names;
+    for (const auto& [a, b] : group.names)
+      names += fmt::format("{}{} and {}", names.empty() ? "" : ", ", a, b);
+    if (!names.empty()) text += " (" + names + ")";
+  }
+  if (all == 0) return "All pairs are checked";
+  return fmt::format("{} pair{} not checked: {}", all, all == 1 ? " is" : "s are", text);
 }
 
 }  // namespace leeway::planner

@@ -2,7 +2,7 @@
 
 // Private to planner/: the bodies of a robot, and which of their pairs are checked.
 
-#include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -33,8 +33,10 @@ class RobotPairs {
 
   /// True when a pair was dropped by a proof that holds within the joints' limits only.
   bool hasProven() const { return has_proven_; }
-  /// Dropped pairs; those of body i with later ones end at droppedEnds()[i]. Last those proven
-  /// apart.
+  /// Links that the SRDF lets touch everything, unless the problem replaces the SRDF.
+  std::vector<int> uncheckedBodies() const;
+  /// Dropped pairs; those of body i with later ones end at droppedEnds()[i]. Last those of which
+  /// geometry decides.
   std::vector<CompiledScene::Dropped> takeDropped() { return std::move(dropped_); }
   std::vector<std::size_t> takeDroppedEnds() { return std::move(dropped_ends_); }
 
@@ -50,20 +52,28 @@ class RobotPairs {
   void addLinks();
   void addAttachments();
 
+  struct Reason {
+    Unchecked why;
+    std::string words;
+  };
+
+  void findCarriers();
   void findAllowed();
-  std::string reason(int i, int j) const;
-  void drop(int i, int j, const std::string& why);
+  std::optional<Reason> reason(int i, int j) const;
+  std::optional<Reason> contact(int i, int j) const;
+  void drop(int i, int j, const Reason& reason);
+  void dropTouching(const robots::Stop& stop);
   void dropProven(const robots::Stop& stop);
 
   int count() const { return static_cast<int>(entries_.size()); }
   const std::string& name(int i) const;
   std::span<const int> named(const std::string& name) const;
   bool areNamed(int i, int j, const std::string& a, const std::string& b) const;
-  bool moves(int link) const;
   int parentOf(int link) const;
-  int rigidRoot(int link) const;
   bool areAdjacent(int a, int b) const;
-  bool areRigid(const Entry& a, const Entry& b) const;
+  const robots::DisabledPair* findDisabled(int a, int b) const;
+  bool isUnchecked(const Entry& entry) const;
+  bool derivesPairs() const { return !model_.has_srdf && !problem_.contacts.replace_srdf; }
   bool hasMargin(int i, int j) const;
   bool isPassiveWithinLimits() const;
 
@@ -74,7 +84,9 @@ class RobotPairs {
   std::vector<Entry> entries_;
   std::unordered_map<std::string, std::vector<int>> named_;  // entries by name
   std::set<std::pair<int, int>> allowed_;                    // by the problem; the lower first
-  std::map<std::pair<int, int>, std::string> reasons_;
+  /// The link below the nearest joint that moves each link; -1: it stands still.
+  std::vector<int> carrier_;
+  std::set<std::pair<int, int>> is_dropped_;
   std::vector<CompiledScene::Dropped> dropped_;
   std::vector<std::size_t> dropped_ends_;
   bool has_proven_ = false;

@@ -245,7 +245,19 @@ void normaliseRotations(const std::string& file, int line, const ConfigurationSp
   }
 }
 
-Path matched(const std::string& file, const Table& table, const Problem& problem) {
+/// Refuses turns that no certifier takes.
+void expectEdges(const std::string& file, const Table& table, const ConfigurationSpace& space,
+                 const Path& path) {
+  for (std::size_t i = 1; i < path.positions.size(); ++i)
+    if (space.edgesAlongLine(path.positions[i - 1], path.positions[i]) == 0)
+      throw InputError(file, table.rows[i].line,
+                       fmt::format("a continuous joint turns by more than half a turn, beyond {} "
+                                   "rad; values within {} rad are expected",
+                                   kLargestAngle, kLargestAngle));
+}
+
+Path matched(const std::string& file, const Table& table, const Problem& problem,
+             const PathReading& options) {
   const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
   const std::vector<int> columns =
       table.names.empty() ? problem.robot.variables : columnVariables(file, table, problem);
@@ -271,18 +283,21 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
     normaliseRotations(file, row.line, space, point);
     path.positions.push_back(std::move(point));
   }
+  if (options.shortest) path.positions = unwrapped(space, std::move(path.positions));
+  expectEdges(file, table, space, path);
   return path;
 }
 
 }  // namespace
 
-Path readPath(const std::string& file, const Problem& problem) {
+Path readPath(const std::string& file, const Problem& problem, const PathReading& options) {
   validate(problem);
   const std::string ending = std::filesystem::path(file).extension().string();
   if (ending == ".json" || ending == ".yaml" || ending == ".yml")
-    return matched(file, readTrajectory(YamlReader::load(file)), problem);
-  if (ending == ".csv") return matched(file, readCsv(file), problem);
-  if (ending == ".path" || ending == ".txt") return matched(file, readMatrix(file), problem);
+    return matched(file, readTrajectory(YamlReader::load(file)), problem, options);
+  if (ending == ".csv") return matched(file, readCsv(file), problem, options);
+  if (ending == ".path" || ending == ".txt")
+    return matched(file, readMatrix(file), problem, options);
   throw InputError(
       file, 0,
       fmt::format("the ending '{}' names no format; .json, .yaml, .csv, .path or .txt is expected",

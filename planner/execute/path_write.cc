@@ -13,6 +13,7 @@
 #include "leeway/robots/input_error.h"
 #include "planner/base/tolerances.h"
 #include "planner/execute/trajectory_samples.h"
+#include "planner/execute/unchecked_json.h"
 
 namespace leeway::planner {
 namespace {
@@ -22,10 +23,11 @@ using robots::InputError;
 /// 17 digits: every double reads back to the bit. JSON has no number that is not finite.
 std::string numberText(double x) { return std::isfinite(x) ? fmt::format("{:.17g}", x) : "null"; }
 
-/// A JSON string is a YAML string too.
-std::string quotedText(const std::string& text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+/// JSON is YAML, too.
+std::string dumped(const nlohmann::ordered_json& value) {
+  return value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
+std::string quotedText(const std::string& text) { return dumped(text); }
 
 std::string rowText(const std::vector<double>& row) {
   std::string text = "[";
@@ -53,31 +55,24 @@ void checkTimes(const std::string& file, double duration, double period) {
                                  duration, kMostRows, period));
 }
 
-/// When each waypoint is passed by a trajectory that stops at the corners [s].
-std::vector<double> waypointTimes(const std::string& file, const Problem& problem,
-                                  const ConfigurationSpace& space,
-                                  const std::vector<std::vector<double>>& rows) {
-  if (rows.empty()) return {};
-  const Trajectory trajectory(std::make_shared<ConfigurationSpace>(space), rows,
+/// When each row is passed by a trajectory that stops at the corners [s].
+std::vector<double> rowTimes(const std::string& file, const Problem& problem,
+                             const ConfigurationSpace& space, const Path& path) {
+  if (path.positions.empty()) return {};
+  const PathEdges edges = edgesOf(space, path);
+  const Trajectory trajectory(std::make_shared<ConfigurationSpace>(space), edges.path.positions,
                               motionLimits(problem));
   checkTimes(file, trajectory.duration(), 0);
-  return {trajectory.times().begin(), trajectory.times().end()};
+  std::vector<double> times = {0};
+  for (std::size_t e = 0; e < edges.places.size(); ++e)
+    if (edges.places[e].t1 == 1) times.push_back(trajectory.times()[e + 1]);
+  return times;
 }
 
 std::string timeText(double seconds) {
   const std::int64_t whole = nanoseconds(seconds);
   return fmt::format("{{\"sec\": {}, \"nanosec\": {}}}", whole / 1'000'000'000,
                      whole % 1'000'000'000);
-}
-
-const char* interpolationName(const ConfigurationSpace& space) {
-  for (const ConfigurationSpace::Part& part : space.parts())
-    if (part.kind == ConfigurationSpace::Kind::kRotation) return "SE(3) geodesic";
-  for (const int v : space.variables())
-    if (space.model().joints[at(space.model().variables[at(v)].joint)].type ==
-        robots::JointType::kPlanar)
-      return "SE(2) geodesic";
-  return "joint-linear";
 }
 
 /// How far every point of the robot may be off the path while margins hold [m]: half of the
@@ -111,13 +106,14 @@ std::vector<std::pair<std::string, std::string>> certificateEntries(
     segments += fmt::format("{}{{\"clearance_lower\": {}}}", i > 0 ? ", " : "",
                             numberText(certificate.segments[i].lower));
   return {{"certified", certificate.certified ? "true" : "false"},
-          {"interpolation", quotedText(interpolationName(space))},
+          {"interpolation", quotedText(space.interpolation())},
           {"margin", numberText(problem.margins.common)},
           {"tracking_tolerance", numberText(trackingTolerance(problem, certificate))},
           {"clearance_lower", numberText(certificate.clearance.lower)},
           {"clearance_upper", numberText(certificate.clearance.upper)},
           {"closest", closest},
-          {"segments", segments + "]"}};
+          {"segments", segments + "]"},
+          {"not_checked", dumped(uncheckedJson(certificate.unchecked))}};
 }
 
 std::string jsonHead(const Problem& problem, const std::vector<std::string>& names) {
@@ -152,8 +148,8 @@ std::string yamlTail(const Entries& certificate, const std::vector<PathStep>& st
 
 std::string jsonText(const std::string& file, const Problem& problem,
                      const ConfigurationSpace& space, const PlanResult& result) {
-  const auto rows = unwrapped(space, result.path.positions);
-  const std::vector<double> times = waypointTimes(file, problem, space, rows);
+  const auto& rows = result.path.positions;
+  const std::vector<double> times = rowTimes(file, problem, space, result.path);
   std::string text = jsonHead(problem, result.path.names);
   for (std::size_t i = 0; i < rows.size(); ++i)
     text += fmt::format("    {{\"positions\": {}, \"time_from_start\": {}}}{}\n", rowText(rows[i]),
@@ -163,8 +159,8 @@ std::string jsonText(const std::string& file, const Problem& problem,
 
 std::string yamlText(const std::string& file, const Problem& problem,
                      const ConfigurationSpace& space, const PlanResult& result) {
-  const auto rows = unwrapped(space, result.path.positions);
-  const std::vector<double> times = waypointTimes(file, problem, space, rows);
+  const auto& rows = result.path.positions;
+  const std::vector<double> times = rowTimes(file, problem, space, result.path);
   std::string text = yamlHead(problem, result.path.names);
   for (std::size_t i = 0; i < rows.size(); ++i)
     text += fmt::format("  - positions: {}\n    time_from_start: {}\n", rowText(rows[i]),
@@ -228,9 +224,9 @@ std::string trajectoryCsv(const std::vector<std::string>& names, const Samples& 
   return csvText(columns, samples.times, rows);
 }
 
-std::string matrixText(const ConfigurationSpace& space, const PlanResult& result) {
+std::string matrixText(const PlanResult& result) {
   std::string text;
-  for (const std::vector<double>& row : unwrapped(space, result.path.positions)) {
+  for (const std::vector<double>& row : result.path.positions) {
     for (std::size_t i = 0; i < row.size(); ++i) text += (i > 0 ? " " : "") + numberText(row[i]);
     text += "\n";
   }
@@ -263,11 +259,11 @@ void writePath(const std::string& file, const Problem& problem, const PlanResult
   if (ending == ".yaml" || ending == ".yml")
     return writeFileWhole(file, yamlText(file, problem, space, result));
   if (ending == ".csv") {
-    const auto rows = unwrapped(space, result.path.positions);
-    return writeFileWhole(
-        file, csvText(result.path.names, waypointTimes(file, problem, space, rows), rows));
+    return writeFileWhole(file,
+                          csvText(result.path.names, rowTimes(file, problem, space, result.path),
+                                  result.path.positions));
   }
-  if (ending == ".path") return writeFileWhole(file, matrixText(space, result));
+  if (ending == ".path") return writeFileWhole(file, matrixText(result));
   throw InputError(
       file, 0,
       fmt::format("the ending '{}' names no format; .json, .yaml, .csv or .path is expected",

@@ -40,6 +40,8 @@ const char* toString(ReplanStatus status) {
       return "unsafe";
     case ReplanStatus::kTimeout:
       return "timeout";
+    case ReplanStatus::kNothingChecked:
+      return "nothing_checked";
     case ReplanStatus::kStopped:
       break;
   }
@@ -55,6 +57,11 @@ ReplanResult replan(const Problem& problem, const ReplanOptions& options,
   result.certified = true;
   for (const int v : problem.robot.variables)
     result.names.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
+  if (!replanner.scene()->nothingChecked().empty()) {
+    result.status = ReplanStatus::kNothingChecked;
+    result.certified = false;
+    return result;
+  }
   const double end = problem.execution.start + problem.execution.duration;
   while (true) {
     if ((options.stop && options.stop()) || (steps > 0 && result.steps >= steps)) {

@@ -79,6 +79,7 @@ struct Replanner::Impl {
         scene(std::make_shared<const CompiledScene>(problem)),
         obstacles(problem, *scene),
         certifier(scene, obstacles),
+        proves(scene->nothingChecked().empty()),
         limits(velocityLimits(problem)),
         seen(scene),
         now(problem.execution.start),
@@ -278,7 +279,7 @@ struct Replanner::Impl {
   }
 
   void take(ReplanStep& step) {
-    if (!isProven(best)) {
+    if (!isProven(best) || !proves) {
       best = standing(state);
       best.decision = Decision::kUnsafe;
     }
@@ -353,6 +354,7 @@ struct Replanner::Impl {
   std::shared_ptr<const CompiledScene> scene;
   Obstacles obstacles;
   StepCertifier certifier;
+  bool proves;  // false: no pair is checked, and so no step is certified
   std::vector<double> limits;
   std::shared_ptr<const CompiledScene> seen;
   double now;

@@ -38,10 +38,7 @@ void StepCertifier::begin() {
 
 EdgeCertifier::Statistics StepCertifier::statistics() const {
   EdgeCertifier::Statistics sum = still_.statistics;
-  sum.states += moving_.statistics.states;
-  sum.edges += moving_.statistics.edges;
-  sum.distance_queries += moving_.statistics.distance_queries;
-  sum.intervals += moving_.statistics.intervals;
+  sum += moving_.statistics;
   return sum;
 }
 

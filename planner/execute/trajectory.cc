@@ -203,13 +203,14 @@ Trajectory trajectoryOf(const Problem& problem, const Path& path) {
   const MotionLimits limits = motionLimits(problem);
   const auto space =
       std::make_shared<const ConfigurationSpace>(problem.robot.model, problem.robot.variables);
+  const std::vector<std::vector<double>> waypoints = edgesOf(*space, path).path.positions;
   std::vector<Blend> blends;
   const bool smooth = std::any_of(limits.jerk.begin(), limits.jerk.end(),
                                   [](double jerk) { return jerk < kInfinity; });
   // The corners of a task lie in different worlds.
   if (problem.execution.corners == Corners::kBlend && !smooth && path.steps.empty())
-    blends = certifiedBlends(std::make_shared<const CompiledScene>(problem), path.positions);
-  return {space, path.positions, limits, blends};
+    blends = certifiedBlends(std::make_shared<const CompiledScene>(problem), waypoints);
+  return {space, waypoints, limits, blends};
 }
 
 }  // namespace leeway::planner

@@ -48,12 +48,6 @@ std::vector<double> sampleTimes(const Trajectory& trajectory, double period) {
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
-std::vector<std::vector<double>> unwrapped(const ConfigurationSpace& space,
-                                           std::vector<std::vector<double>> rows) {
-  for (std::size_t i = 1; i < rows.size(); ++i) space.unwrap(rows[i - 1], rows[i]);
-  return rows;
-}
-
 Samples sample(const Trajectory& trajectory, double period) {
   const ConfigurationSpace& space = trajectory.space();
   const std::size_t size = at(space.size());

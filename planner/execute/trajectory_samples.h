@@ -25,10 +25,6 @@ struct Samples {
 /// and successive quaternions are in one half of the sphere. O(rows).
 Samples sample(const Trajectory& trajectory, double period);
 
-/// The rows with whole turns added to circles: see ConfigurationSpace::unwrap().
-std::vector<std::vector<double>> unwrapped(const ConfigurationSpace& space,
-                                           std::vector<std::vector<double>> rows);
-
 /// The resolution of times in files.
 std::int64_t nanoseconds(double seconds);
 

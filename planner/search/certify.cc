@@ -1,6 +1,9 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/plan.h"
@@ -156,21 +159,76 @@ double leastMarginOf(const CompiledScene& compiled, Pairs pairs) {
 
 }  // namespace
 
+namespace {
+
+bool isAsLong(const ConfigurationSpace& space, const std::vector<double>& row) {
+  return row.size() == at(space.size());
+}
+
+bool haveEdges(const ConfigurationSpace& space, const Waypoints& rows) {
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (!isAsLong(space, rows[i]) || (i > 0 && space.edgesAlongLine(rows[i - 1], rows[i]) == 0))
+      return false;
+  return true;
+}
+
+}  // namespace
+
+PathEdges edgesOf(const ConfigurationSpace& space, const Path& path) {
+  PathEdges edges{{path.names, {}, path.steps}, {}};
+  Waypoints& points = edges.path.positions;
+  std::vector<int> place;  // of each row, among the points
+  for (std::size_t i = 0; i < path.positions.size(); ++i) {
+    place.push_back(static_cast<int>(points.size()));
+    points.push_back(path.positions[i]);
+    if (i + 1 == path.positions.size()) break;
+    const std::vector<double>&a = path.positions[i], &b = path.positions[i + 1];
+    const int count = isAsLong(space, a) && isAsLong(space, b) ? space.edgesAlongLine(a, b) : 0;
+    if (count == 0)
+      throw std::invalid_argument(
+          fmt::format("the line from row {} of a path: rows of {} numbers, and continuous joints "
+                      "within 1000 rad, are expected",
+                      i, space.size()));
+    for (int k = 0; k < count; ++k) {
+      const PathEdges::Place part{static_cast<int>(i), static_cast<double>(k) / count,
+                                  static_cast<double>(k + 1) / count};
+      edges.places.push_back(part);
+      if (k + 1 == count) break;
+      points.emplace_back(a.size());
+      space.alongLine(a, b, part.t1, points.back());
+    }
+  }
+  for (PathStep& step : edges.path.steps) {
+    step.first = place.at(at(step.first));
+    step.last = place.at(at(step.last));
+  }
+  return edges;
+}
+
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance,
                     CertificateDetail detail, double world_guess) {
   const ConfigurationSpace& space = certifier.scene().space();
   Certificate certificate;
+  certificate.unchecked = countUnchecked(certifier.scene().dropped());
   certificate.clearance = certificate.world.clearance =
       certificate.self.clearance = {kInfinity, kInfinity};
-  certificate.certified = !path.positions.empty();
-  for (const std::vector<double>& position : path.positions)
-    if (position.size() != static_cast<std::size_t>(space.size()) || !space.withinLimits(position))
-      certificate.certified = false;
   if (path.positions.empty()) return certificate;
+  if (!haveEdges(space, path.positions)) {
+    for (PathClearance* part :
+         {static_cast<PathClearance*>(&certificate), &certificate.world, &certificate.self})
+      part->clearance.lower = -kInfinity;
+    return certificate;
+  }
+  certificate.certified = certifier.scene().nothingChecked().empty() &&
+                          std::all_of(path.positions.begin(), path.positions.end(),
+                                      [&](const std::vector<double>& position) {
+                                        return space.withinLimits(position);
+                                      });
 
   // A place is an edge without length.
   const bool stays = path.positions.size() == 1;
-  Waypoints positions = path.positions;
+  const PathEdges lines = edgesOf(space, path);
+  Waypoints positions = lines.path.positions;
   if (stays) positions.push_back(positions[0]);
   const std::size_t edges = positions.size() - 1;
   Clearances of_world(certifier, positions, tolerance, Pairs::kWorld, world_guess);
@@ -202,16 +260,21 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
   }
   if (!begins_with_margins) certifyEdges();
 
-  certificate.segments.assign(stays ? 0 : edges, {kInfinity, kInfinity});
+  certificate.segments.assign(path.positions.size() - 1, {kInfinity, kInfinity});
   for (const Clearances* clearances : {&of_world, &of_robot}) {
     PathClearance& part = clearances == &of_world ? certificate.world : certificate.self;
     part = clearances->whole();
+    if (!stays && part.closest_segment >= 0) {
+      const PathEdges::Place& place = lines.places[at(part.closest_segment)];
+      part.closest_segment = place.segment;
+      part.closest_t = place.along(part.closest_t);
+    }
     const double least = std::min(certificate.clearance.lower, part.clearance.lower);
     if (part.clearance.upper < certificate.clearance.upper)
       static_cast<PathClearance&>(certificate) = part;
     certificate.clearance.lower = least;
-    for (std::size_t i = 0; i < certificate.segments.size(); ++i) {
-      Interval& segment = certificate.segments[i];
+    for (std::size_t i = 0; i < lines.places.size(); ++i) {
+      Interval& segment = certificate.segments[at(lines.places[i].segment)];
       const Interval& found = clearances->edges()[i].clearance;
       segment = {std::min(segment.lower, found.lower), std::min(segment.upper, found.upper)};
     }

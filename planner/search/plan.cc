@@ -43,6 +43,11 @@ class Plan {
 
   PlanResult run() {
     begin();
+    result_.reason = scene_->nothingChecked();
+    if (!result_.reason.empty()) {
+      result_.status = PlanStatus::kNothingChecked;
+      return std::move(result_);
+    }
     cost_ = PathCost::of(*scene_, problem_);
     pool_ = std::make_shared<CertifierPool>(scene_);
     limits_.enter("plan");
@@ -243,7 +248,7 @@ class Plan {
 
   bool certifyPath(Waypoints path) {
     splitHalfTurns(scene_->space(), path);
-    result_.path.positions = std::move(path);
+    result_.path.positions = unwrapped(scene_->space(), std::move(path));
     // Who asks for clearance wants to know how much there is.
     const CertificateDetail detail =
         wantsClearance() ? CertificateDetail::kEveryEdge : options_.detail;
@@ -278,7 +283,7 @@ class Plan {
     double straight = kInfinity, length = pathLength(scene_->space(), path);
     for (const std::vector<double>& goal : goals_.points)
       straight = std::min(straight, scene_->space().distance(start_, goal));
-    if (options_.on_path) options_.on_path(path, length);
+    if (options_.on_path) options_.on_path(unwrapped(scene_->space(), path), length);
     limits_.describe([&] { return search.describeLength(length); });
     for (std::uint64_t round = 1;; ++round) {
       const double aim = (1 - kImprovement) * length;
@@ -293,7 +298,7 @@ class Plan {
       if (!(now < length)) continue;
       path = std::move(next);
       length = now;
-      if (options_.on_path) options_.on_path(path, length);
+      if (options_.on_path) options_.on_path(unwrapped(scene_->space(), path), length);
     }
     limits_.describe(nullptr);
     work_ += search.work();
@@ -378,6 +383,8 @@ const char* toString(PlanStatus status) {
       return "invalid_start";
     case PlanStatus::kInvalidGoal:
       return "invalid_goal";
+    case PlanStatus::kNothingChecked:
+      return "nothing_checked";
   }
   return "unsolved";
 }

@@ -251,4 +251,51 @@ void ConfigurationSpace::unwrap(std::span<const double> previous, std::span<doub
   }
 }
 
+const char* ConfigurationSpace::interpolation() const {
+  for (const Part& part : parts_)
+    if (part.kind == Kind::kRotation) return "SE(3) geodesic";
+  for (const int v : variables_)
+    if (model_->joints[at(model_->variables[at(v)].joint)].type == robots::JointType::kPlanar)
+      return "SE(2) geodesic";
+  return "joint-linear";
+}
+
+void ConfigurationSpace::lineDifference(std::span<const double> a, std::span<const double> b,
+                                        std::span<double> dq) const {
+  difference(a, b, dq);
+  for (const Part& part : parts_) {
+    const std::size_t i = at(part.first);
+    if (part.kind == Kind::kCircle) dq[i] = b[i] - a[i];
+  }
+}
+
+void ConfigurationSpace::alongLine(std::span<const double> a, std::span<const double> b, double t,
+                                   std::span<double> result) const {
+  interpolate(a, b, t, result);
+  if (t == 0 || t == 1) return;
+  for (const Part& part : parts_) {
+    const std::size_t i = at(part.first);
+    if (part.kind == Kind::kCircle) result[i] = a[i] + t * (b[i] - a[i]);
+  }
+}
+
+int ConfigurationSpace::edgesAlongLine(std::span<const double> a, std::span<const double> b) const {
+  double most = 0;
+  for (const Part& part : parts_) {
+    const std::size_t i = at(part.first);
+    if (part.kind != Kind::kCircle) continue;
+    const double turn = b[i] - a[i];
+    if (std::remainder(turn, kTwoPi) == turn) continue;
+    if (!(std::abs(a[i]) <= kLargestAngle && std::abs(b[i]) <= kLargestAngle)) return 0;
+    most = std::max(most, std::abs(turn));
+  }
+  return most > 0 ? static_cast<int>(std::ceil(most / kLongestLineTurn)) : 1;
+}
+
+std::vector<std::vector<double>> unwrapped(const ConfigurationSpace& space,
+                                           std::vector<std::vector<double>> rows) {
+  for (std::size_t i = 1; i < rows.size(); ++i) space.unwrap(rows[i - 1], rows[i]);
+  return rows;
+}
+
 }  // namespace leeway::planner

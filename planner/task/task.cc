@@ -6,7 +6,9 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
+#include <string>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/simplify.h"
@@ -70,6 +72,12 @@ class TaskPlan {
     return secondsSince(begin_) > timeLimit() || (options_.stop && options_.stop());
   }
 
+  /// Whether no other way to an end of a step can help.
+  bool isDecided() const {
+    return result_.status == PlanStatus::kInvalidStart ||
+           result_.status == PlanStatus::kNothingChecked;
+  }
+
   /// Remembers why the farthest step failed.
   void fail(std::size_t step, const std::string& why) {
     if (!fault_.empty() && step < fault_step_) return;
@@ -86,9 +94,18 @@ class TaskPlan {
     } catch (const std::invalid_argument& error) {
       refuse(stepText(problem_, step) + ": " + error.what());
     }
-    if (std::holds_alternative<MoveStep>(now.action)) return move(step, world, point);
+    if (std::holds_alternative<AttachStep>(now.action) ||
+        std::holds_alternative<DetachStep>(now.action)) {
+      stretch.points = {point};
+      return after(step, world);
+    }
+    const auto scene = std::make_shared<const CompiledScene>(stretch.stage);
+    if (const std::string nothing = scene->nothingChecked(); !nothing.empty()) {
+      result_.status = PlanStatus::kNothingChecked;
+      return fail(step, nothing), false;
+    }
     if (const auto* line = std::get_if<LineStep>(&now.action)) {
-      EdgeCertifier certifier(std::make_shared<const CompiledScene>(stretch.stage));
+      EdgeCertifier certifier(scene);
       LineMotion motion = followLine(certifier, kinematics_, world, *line, point);
       count(certifier);
       if (motion.points.empty()) return fail(step, motion.fault), false;
@@ -96,8 +113,7 @@ class TaskPlan {
       stretch.departure = motion.departure;
       return after(step, world);
     }
-    stretch.points = {point};
-    return after(step, world);
+    return move(step, world, scene, point);
   }
 
   /// Goes on with the next step from the end of this one.
@@ -115,9 +131,9 @@ class TaskPlan {
     return solveFrom(step + 1, *next, end);
   }
 
-  bool move(std::size_t step, const Problem& world, const std::vector<double>& point) {
+  bool move(std::size_t step, const Problem& world,
+            const std::shared_ptr<const CompiledScene>& scene, const std::vector<double>& point) {
     const Problem stage = stretches_[step].stage;  // the recursion overwrites stretches
-    const auto scene = std::make_shared<const CompiledScene>(stage);
     if (stage.goals[0].poses.empty()) return moveTo(step, world, stage, scene, point);
     EdgeCertifier certifier(scene);
     GoalSampler sampler(certifier, stage, stage.seed);
@@ -144,7 +160,7 @@ class TaskPlan {
         count(certifier);
         return true;
       }
-      if (result_.status == PlanStatus::kInvalidStart) break;
+      if (isDecided()) break;
     }
     count(certifier);
     if (isOver()) fail(step, "the time limit was reached");
@@ -281,6 +297,7 @@ class TaskPlan {
     Certificate& whole = result_.certificate;
     whole.clearance = whole.world.clearance = whole.self.clearance = {kInfinity, kInfinity};
     whole.certified = true;
+    std::set<CompiledScene::Dropped> dropped;  // in some step
     Path& path = result_.path;
     path.positions = {start_};
     for (std::size_t s = 0; s < stretches_.size(); ++s) {
@@ -299,15 +316,18 @@ class TaskPlan {
         return std::find(warnings.begin(), warnings.end(), warning) == warnings.end();
       });
       EdgeCertifier certifier(scene);
-      const Certificate part = certify(certifier, {path.names, stretch.points, {}},
-                                       options_.clearance_tolerance, options_.detail);
+      const Certificate part =
+          certify(certifier, {path.names, unwrapped(scene->space(), stretch.points), {}},
+                  options_.clearance_tolerance, options_.detail);
       whole.certified = whole.certified && part.certified;
+      dropped.insert(certifier.scene().dropped().begin(), certifier.scene().dropped().end());
       whole.segments.insert(whole.segments.end(), part.segments.begin(), part.segments.end());
       takeLeast(whole, part, first);
       takeLeast(whole.world, part.world, first);
       takeLeast(whole.self, part.self, first);
       if (whole.certified) addCost(stretch);
     }
+    whole.unchecked = countUnchecked(std::vector(dropped.begin(), dropped.end()));
     result_.certify_s = secondsSince(begin);
     if (!whole.certified) {
       result_.reason = "a path was found whose certificate could not be repeated";
@@ -317,6 +337,7 @@ class TaskPlan {
       return;
     }
     const ConfigurationSpace space(problem_.robot.model, problem_.robot.variables);
+    path.positions = unwrapped(space, std::move(path.positions));
     result_.length = pathLength(space, path.positions);
     result_.status = PlanStatus::kSolved;
   }

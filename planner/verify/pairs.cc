@@ -1,8 +1,14 @@
 #include "planner/verify/pairs.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
 
 #include "collision/base/numbers.h"
+#include "leeway/collision/distance.h"
+#include "planner/base/tolerances.h"
 #include "planner/verify/kinematics.h"
 
 namespace leeway::planner::verification {
@@ -17,19 +23,35 @@ bool same(const std::pair<std::string, std::string>& names, const std::string& a
   return (names.first == a && names.second == b) || (names.first == b && names.second == a);
 }
 
+template <typename Item>
+bool contains(const std::vector<Item>& items, const Item& item) {
+  return std::find(items.begin(), items.end(), item) != items.end();
+}
+
 /// Which pairs may touch, and the margins of the others.
 class Rules {
  public:
-  explicit Rules(const Problem& problem) : problem_(problem), model_(*problem.robot.model) {}
+  explicit Rules(const Problem& problem)
+      : problem_(problem),
+        model_(*problem.robot.model),
+        derives_(!model_.has_srdf && !problem.contacts.replace_srdf) {}
 
-  bool mayTouch(const Body& a, const Body& b) const {
-    for (const auto& names : problem_.contacts.allowed)
-      if (same(names, a.name, b.name)) return true;
+  /// Why two bodies that move against each other are not checked; nothing: they are.
+  std::optional<Unchecked> reason(const Body& a, const Body& b, const BodyPair& pair) {
     const bool link_a = a.link >= 0 && !a.attached, link_b = b.link >= 0 && !b.attached;
-    if (link_a && link_b) return disabled(a.link, b.link) || adjacent(a.link, b.link);
-    if (a.attached && link_b) return holds(a, b.link);
-    if (b.attached && link_a) return holds(b, a.link);
-    return false;
+    const bool links = link_a && link_b;
+    if (links && adjacent(a.link, b.link)) return Unchecked::kAdjacent;
+    if (links && disabled(a.link, b.link)) return Unchecked::kSrdf;
+    for (const auto& names : problem_.contacts.allowed)
+      if (same(names, a.name, b.name)) return Unchecked::kAllowed;
+    if ((a.attached && link_b && holds(a, b.link)) || (b.attached && link_a && holds(b, a.link)))
+      return Unchecked::kAttached;
+    if (!links && ((link_a && unchecked(a.link)) || (link_b && unchecked(b.link))))
+      return Unchecked::kSrdf;
+    if (links && derives_)
+      if (const int joint = onlyJoint(pair); joint >= 0 && touch(a, b, joint))
+        return Unchecked::kTouchAtZero;
+    return std::nullopt;
   }
 
   double margin(const Body& a, const Body& b) const {
@@ -47,14 +69,20 @@ class Rules {
     for (int k = 0; k < joint->variable_count; ++k) {
       const int v = joint->first_variable + k;
       const robots::Variable& variable = model_.variables[at(v)];
-      if (variable.lower < variable.upper &&
-          std::count(problem_.robot.variables.begin(), problem_.robot.variables.end(), v) > 0)
-        return true;
+      if (variable.lower < variable.upper && contains(problem_.robot.variables, v)) return true;
     }
     return false;
   }
 
  private:
+  int parent(int link) const { return model_.joints[at(model_.links[at(link)].joint)].parent_link; }
+
+  /// Links with one joint between them touch there.
+  bool adjacent(int a, int b) const {
+    return (parent(a) == b || parent(b) == a) &&
+           !contains(model_.enabled_pairs, std::pair(std::min(a, b), std::max(a, b)));
+  }
+
   bool disabled(int a, int b) const {
     if (problem_.contacts.replace_srdf) return false;
     return std::any_of(model_.disabled_pairs.begin(), model_.disabled_pairs.end(),
@@ -64,36 +92,76 @@ class Rules {
                        });
   }
 
-  int parent(int link) const { return model_.joints[at(model_.links[at(link)].joint)].parent_link; }
-
-  /// The highest link that fixed joints tie to this one.
-  int block(int link) const {
-    while (parent(link) >= 0 &&
-           model_.joints[at(model_.links[at(link)].joint)].type == JointType::kFixed)
-      link = parent(link);
-    return link;
-  }
-
-  /// Links with one joint between them touch there. Without an SRDF, or MoveIt's matrix in its
-  /// place, so do the links that fixed joints tie to them.
-  bool adjacent(int a, int b) const {
-    if (parent(a) == b || parent(b) == a) return true;
-    if (model_.has_srdf || problem_.contacts.replace_srdf) return false;
-    const int block_a = block(a), block_b = block(b);
-    const auto above = [&](int x) { return parent(x) < 0 ? -1 : block(parent(x)); };
-    return block_a == block_b || above(block_a) == block_b || above(block_b) == block_a;
+  bool unchecked(int link) const {
+    return !problem_.contacts.replace_srdf && contains(model_.unchecked_links, link);
   }
 
   bool holds(const Body& held, int link) const {
     for (const Attachment& attachment : problem_.robot.attachments)
       if (attachment.object.name == held.name && attachment.link == held.link)
-        return link == held.link ||
-               std::count(attachment.touch_links.begin(), attachment.touch_links.end(), link) > 0;
+        return link == held.link || contains(attachment.touch_links, link);
+    return false;
+  }
+
+  /// The pair's joint that is not fixed; -1: there are several.
+  int onlyJoint(const BodyPair& pair) const {
+    int only = -1;
+    for (const std::vector<int>* joints : {&pair.joints_a, &pair.joints_b})
+      for (const int j : *joints) {
+        if (model_.joints[at(j)].type == JointType::kFixed) continue;
+        if (only >= 0) return -1;
+        only = j;
+      }
+    return only;
+  }
+
+  /// The least separation of two links at a configuration [m].
+  collision::Interval separation(const Body& a, const Body& b, const std::vector<double>& q,
+                                 bool depth) {
+    const std::vector<robots::Pose> X_WL = placeLinks(model_, q);
+    collision::DistanceRequest request;
+    request.depth = depth;
+    collision::Interval least{kInfinity, kInfinity};
+    for (const robots::Geometry& g : *a.geometries)
+      for (const robots::Geometry& h : *b.geometries) {
+        const collision::Interval d =
+            collision::distance(g.shape, X_WL[at(a.link)] * g.X_BG, h.shape,
+                                X_WL[at(b.link)] * h.X_BG, request, scratch_)
+                .distance;
+        least = {std::min(least.lower, d.lower), std::min(least.upper, d.upper)};
+      }
+    return least;
+  }
+
+  /// Whether two links touch where all joints are at zero, and are not apart on both sides of it
+  /// while they overlap there.
+  bool touch(const Body& a, const Body& b, int joint) {
+    if (a.geometries->empty() || b.geometries->empty()) return false;
+    const std::vector<double> zero = model_.defaultConfiguration();
+    if (separation(a, b, zero, false).lower > kVerifyTouch) return false;
+    if (separation(a, b, zero, true).lower >= -kVerifyShallow) return true;
+    const Joint* moving = &model_.joints[at(joint)];
+    while (moving->mimic >= 0) moving = &model_.joints[at(moving->mimic)];
+    const std::size_t v = at(moving->first_variable);
+    const auto part = [&](double end) {
+      std::vector<double> q = zero;
+      for (int k = 1; k <= kVerifyTouchLooks; ++k) {
+        q[v] = zero[v] + (end - zero[v]) * k / kVerifyTouchLooks;
+        if (separation(a, b, q, false).lower > kVerifyTouch) return true;
+      }
+      return false;
+    };
+    if (moving->type == JointType::kContinuous) return !part(zero[v] + 2 * std::numbers::pi);
+    if (moving->type == JointType::kPlanar || moving->type == JointType::kFloating) return false;
+    for (const double end : {model_.variables[v].lower, model_.variables[v].upper})
+      if (end == zero[v] || (std::isfinite(end) && !part(end))) return true;
     return false;
   }
 
   const Problem& problem_;
   const Model& model_;
+  bool derives_;  // which links meet at joints
+  collision::Scratch scratch_;
 };
 
 }  // namespace
@@ -115,26 +183,46 @@ std::vector<Body> collectBodies(const Problem& problem) {
   return bodies;
 }
 
-std::vector<BodyPair> collectPairs(const Problem& problem, const std::vector<Body>& bodies) {
-  const Rules rules(problem);
-  std::vector<BodyPair> pairs;
+Pairs collectPairs(const Problem& problem, const std::vector<Body>& bodies) {
+  Rules rules(problem);
+  Pairs pairs;
+  const auto moves = [&](int joint) { return rules.moves(joint); };
+  const auto hasShape = [&](std::size_t body) { return !bodies[body].geometries->empty(); };
+  bool can_move = false, is_checked = false, has_world = false;  // something with a shape
   // Bodies of the world come last; one of a pair is the robot's.
-  for (std::size_t a = 0; a < bodies.size() && bodies[a].link >= 0; ++a)
+  for (std::size_t a = 0; a < bodies.size() && bodies[a].link >= 0; ++a) {
+    const std::vector<int> above = jointsAbove(*problem.robot.model, bodies[a].link);
+    can_move = can_move || (hasShape(a) && std::any_of(above.begin(), above.end(), moves));
     for (std::size_t b = a + 1; b < bodies.size(); ++b) {
-      if (rules.mayTouch(bodies[a], bodies[b])) continue;
-      BodyPair pair{a, b, rules.margin(bodies[a], bodies[b]),
-                    jointsAbove(*problem.robot.model, bodies[a].link),
+      BodyPair pair{a, b, rules.margin(bodies[a], bodies[b]), above,
                     jointsAbove(*problem.robot.model, bodies[b].link)};
       while (!pair.joints_a.empty() && !pair.joints_b.empty() &&
              pair.joints_a.back() == pair.joints_b.back()) {
         pair.joints_a.pop_back();
         pair.joints_b.pop_back();
       }
-      const auto moves = [&](int joint) { return rules.moves(joint); };
-      if (std::any_of(pair.joints_a.begin(), pair.joints_a.end(), moves) ||
-          std::any_of(pair.joints_b.begin(), pair.joints_b.end(), moves))
-        pairs.push_back(std::move(pair));
+      std::optional<Unchecked> why;
+      if (std::none_of(pair.joints_a.begin(), pair.joints_a.end(), moves) &&
+          std::none_of(pair.joints_b.begin(), pair.joints_b.end(), moves))
+        why = Unchecked::kRigid;
+      else
+        why = rules.reason(bodies[a], bodies[b], pair);
+      const bool has_shapes = hasShape(a) && hasShape(b);
+      if (!why) {
+        is_checked = is_checked || has_shapes;
+        pairs.checked.push_back(std::move(pair));
+      } else if (has_shapes && (*why != Unchecked::kRigid || bodies[b].link >= 0)) {
+        pairs.unchecked.push_back({bodies[a].name, bodies[b].name, *why});
+      }
     }
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    has_world = has_world || (bodies[b].link < 0 && hasShape(b));
+  if (!can_move)
+    pairs.nothing_checked = kNothingMoves;
+  else if (!is_checked && has_world)
+    pairs.nothing_checked =
+        "no pair with the world is checked; " + toString(countUnchecked(pairs.unchecked));
   return pairs;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/problem.h"
 
 namespace leeway::planner::verification {
@@ -26,9 +27,16 @@ struct BodyPair {
 
 std::vector<Body> collectBodies(const Problem& problem);
 
-/// All pairs but allowed ones (SRDF, problem, held objects and what they may touch), adjacent
-/// links, and pairs that no planned joint moves against each other. Pairs that the planner drops by
-/// a proof stay: the verifier trusts none. O(bodies^2).
-std::vector<BodyPair> collectPairs(const Problem& problem, const std::vector<Body>& bodies);
+/// All pairs but those that Unchecked has a reason for. The verifier derives the reasons for
+/// itself, and checks the pairs that the planner has proven never to touch.
+struct Pairs {
+  std::vector<BodyPair> checked;
+  std::vector<CompiledScene::Dropped> unchecked;  ///< of bodies with shapes
+  /// Why checking them proves nothing, in words; else empty. See CompiledScene::nothingChecked().
+  std::string nothing_checked;
+};
+
+/// O(bodies^2), and distance queries where links meet at a joint of a robot without an SRDF.
+Pairs collectPairs(const Problem& problem, const std::vector<Body>& bodies);
 
 }  // namespace leeway::planner::verification

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <set>
 #include <stdexcept>
 
 #include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
 #include "planner/task/stages.h"
 #include "planner/verify/kinematics.h"
+#include "planner/verify/pairs.h"
 #include "planner/verify/path_check.h"
 
 namespace leeway::planner::verification {
@@ -51,7 +53,7 @@ class LineCheck {
 
   VerifyStatus check(const std::vector<double>& a, const std::vector<double>& b, double& t) {
     std::vector<double> difference(a.size()), point(a.size()), dq(model_.variables.size(), 0.0);
-    space_.difference(a, b, difference);
+    space_.lineDifference(a, b, difference);
     for (std::size_t i = 0; i < a.size(); ++i) dq[at(variables_[i])] = difference[i];
     std::deque<std::pair<double, double>> open{{0, 1}};
     VerifyStatus status = VerifyStatus::kCertified;
@@ -60,7 +62,7 @@ class LineCheck {
       open.pop_front();
       t = begin / 2 + end / 2;
       const double half = end / 2 - begin / 2;
-      space_.interpolate(a, b, t, point);
+      space_.alongLine(a, b, t, point);
       for (std::size_t i = 0; i < point.size(); ++i) q_[at(variables_[i])] = point[i];
       const std::vector<Pose> X_WL = placeLinks(model_, q_);
       const Pose X_WF = X_WL[at(place_.link)] * place_.X_LF;
@@ -104,6 +106,13 @@ class TaskCheck {
       : problem_(problem), path_(path), options_(options) {}
 
   VerifyResult run() {
+    VerifyResult result = verifySteps();
+    result.unchecked = countUnchecked(std::vector(unchecked_.begin(), unchecked_.end()));
+    return result;
+  }
+
+ private:
+  VerifyResult verifySteps() {
     result_.clearance_lower = std::numeric_limits<double>::infinity();
     if (std::string reason = wrongSteps(problem_, path_); !reason.empty())
       return refuted(0, std::move(reason));
@@ -125,7 +134,6 @@ class TaskCheck {
     return result_;
   }
 
- private:
   VerifyResult refuted(int waypoint, std::string reason) const {
     VerifyResult result;
     result.status = VerifyStatus::kRefuted;
@@ -175,6 +183,8 @@ class TaskCheck {
   std::optional<VerifyResult> checkStretch(std::size_t s, const Problem& stage,
                                            const Path& stretch) {
     VerifyResult result = verifyValid(stage, stretch, options_);
+    const Pairs pairs = collectPairs(stage, collectBodies(stage));
+    unchecked_.insert(pairs.unchecked.begin(), pairs.unchecked.end());
     if (result.status == VerifyStatus::kCertified) {
       result_.clearance_lower = std::min(result_.clearance_lower, result.clearance_lower);
       return std::nullopt;
@@ -188,6 +198,7 @@ class TaskCheck {
   const Path& path_;
   const PlanOptions& options_;
   VerifyResult result_;
+  std::set<CompiledScene::Dropped> unchecked_;  // in some step
 };
 
 }  // namespace

@@ -70,6 +70,9 @@ class Verifier {
                   fault->reason);
     }
     collectShapes();
+    result_.unchecked = countUnchecked(pairs_.unchecked);
+    if (!pairs_.nothing_checked.empty())
+      return fail(VerifyStatus::kNothingChecked, 0, 0, 1, nullptr, pairs_.nothing_checked);
     // One waypoint is an edge without motion.
     const std::size_t segments = std::max<std::size_t>(1, path_.positions.size() - 1);
     // A trajectory in samples has many edges: what it may cost grows with them.
@@ -78,8 +81,8 @@ class Verifier {
     most_cost_ = kVerifyCost * (most_work_ / kVerifyWork);
     for (std::size_t s = 0; s < segments; ++s)
       if (!checkSegment(s)) break;
-    if (refuted_) return *refuted_;
-    if (undecided_) return *undecided_;
+    for (const std::optional<VerifyResult>& failed : {refuted_, undecided_})
+      if (failed) return *failed;
     result_.status = VerifyStatus::kCertified;
     return result_;
   }
@@ -93,6 +96,7 @@ class Verifier {
                     const ShapePair* pair, const std::string& reason) const {
     VerifyResult result;
     result.status = status;
+    result.unchecked = result_.unchecked;
     result.segment = static_cast<int>(segment);
     result.t0 = t0;
     result.t1 = t1;
@@ -113,7 +117,7 @@ class Verifier {
   void collectShapes() {
     bodies_ = collectBodies(problem_);
     pairs_ = collectPairs(problem_, bodies_);
-    for (const BodyPair& pair : pairs_)
+    for (const BodyPair& pair : pairs_.checked)
       for (const robots::Geometry& a : *bodies_[pair.a].geometries)
         for (const robots::Geometry& b : *bodies_[pair.b].geometries)
           shapes_.push_back({&pair, &a, &b, enclosingSphere(a.shape), enclosingSphere(b.shape)});
@@ -125,7 +129,7 @@ class Verifier {
     a_ = path_.positions[segment];
     b_ = path_.positions[std::min(segment + 1, path_.positions.size() - 1)];
     placed_at_ = std::numeric_limits<double>::quiet_NaN();
-    space_.difference(a_, b_, difference_);
+    space_.lineDifference(a_, b_, difference_);
     std::fill(dq_.begin(), dq_.end(), 0.0);
     for (std::size_t i = 0; i < difference_.size(); ++i)
       dq_[at(problem_.robot.variables[i])] = difference_[i];
@@ -138,17 +142,20 @@ class Verifier {
     return true;
   }
 
-  /// Why the edge is no continuous motion; empty when it is one. Circles wrap to [-pi, pi) inside
-  /// an edge; a mimic that does not turn by whole multiples of its master jumps there.
+  /// Why the edge is not a continuous motion; empty when it is one. The planner's circles wrap to
+  /// [-pi, pi); a mimic that does not turn by whole multiples of its master jumps there.
   std::string notContinuous() const {
     for (const ConfigurationSpace::Part& part : space_.parts()) {
       const std::size_t i = at(part.first);
       if (part.kind == ConfigurationSpace::Kind::kRotation) continue;
       if (std::abs(a_[i]) > kLargestAngle * 10 || std::abs(b_[i]) > kLargestAngle * 10)
         return "a value beyond 10000: rounding is not small there";
+      if (std::abs(difference_[i]) > kLargestAngle &&
+          part.kind == ConfigurationSpace::Kind::kCircle)
+        return "a turn of more than 1000 rad: rounding is not small there";
       if (part.kind != ConfigurationSpace::Kind::kCircle) continue;
       const auto inside = [](double x) { return x >= -std::numbers::pi && x < std::numbers::pi; };
-      if (inside(a_[i]) && inside(b_[i]) && std::abs(b_[i] - a_[i]) <= std::numbers::pi) continue;
+      if (inside(a_[i]) && inside(b_[i])) continue;
       const int master = model_.variables[at(problem_.robot.variables[i])].joint;
       for (const robots::Joint& joint : model_.joints) {
         double factor = 1;
@@ -177,7 +184,7 @@ class Verifier {
   /// The links at t. All pairs of an edge are first looked at in its middle.
   const std::vector<Pose>& poses(double t) {
     if (t == placed_at_) return X_WL_;
-    space_.interpolate(a_, b_, t, point_);
+    space_.alongLine(a_, b_, t, point_);
     for (std::size_t i = 0; i < point_.size(); ++i) q_[at(problem_.robot.variables[i])] = point_[i];
     X_WL_ = placeLinks(model_, q_);
     placed_at_ = t;
@@ -335,7 +342,7 @@ class Verifier {
   const Clock::time_point begin_ = Clock::now();
   ConfigurationSpace space_;
   std::vector<Body> bodies_;
-  std::vector<BodyPair> pairs_;
+  verification::Pairs pairs_;
   std::vector<ShapePair> shapes_;
   std::vector<double> a_, b_, point_, difference_, q_, dq_;
   collision::Work cost_;  // of the distances

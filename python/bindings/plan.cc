@@ -190,9 +190,9 @@ py::list planMany(const py::object& given, const py::kwargs& kwargs) {
   return list;
 }
 
-planner::VerifyResult verify(const Problem& problem, const py::object& path,
+planner::VerifyResult verify(const Problem& problem, const py::object& path, bool shortest,
                              const py::object& stop) {
-  const planner::Path given = pathOf(problem, path);
+  const planner::Path given = pathOf(problem, path, shortest);
   requireGoal(problem);
   Interrupt interrupt(stop);
   const std::shared_ptr<const planner::Problem> value = problem.value;
@@ -211,8 +211,8 @@ planner::Path parted(const planner::ConfigurationSpace& space, const planner::Pa
   for (std::size_t i = 0; i + 1 < path.positions.size(); ++i)
     for (int k = 0; k < parts; ++k) {
       std::vector<double> point(path.positions[i].size());
-      space.interpolate(path.positions[i], path.positions[i + 1], static_cast<double>(k) / parts,
-                        point);
+      space.alongLine(path.positions[i], path.positions[i + 1], static_cast<double>(k) / parts,
+                      point);
       result.positions.push_back(std::move(point));
     }
   result.positions.push_back(path.positions.back());
@@ -220,8 +220,8 @@ planner::Path parted(const planner::ConfigurationSpace& space, const planner::Pa
 }
 
 planner::Certificate clearance(const Problem& problem, const py::object& path, double tolerance,
-                               int parts) {
-  const planner::Path given = pathOf(problem, path);
+                               int parts, bool shortest) {
+  const planner::Path given = pathOf(problem, path, shortest);
   if (given.positions.size() < 2)
     throw py::value_error("path has fewer than two waypoints: there is no edge to measure");
   if (!(tolerance > 0) || parts < 1 || parts > 100000)
@@ -237,9 +237,10 @@ planner::Certificate clearance(const Problem& problem, const py::object& path, d
 }
 
 const char* statusName(planner::VerifyStatus status) {
-  return status == planner::VerifyStatus::kCertified ? "certified"
-         : status == planner::VerifyStatus::kRefuted ? "refuted"
-                                                     : "undecided";
+  return status == planner::VerifyStatus::kCertified        ? "certified"
+         : status == planner::VerifyStatus::kRefuted        ? "refuted"
+         : status == planner::VerifyStatus::kNothingChecked ? "nothing_checked"
+                                                            : "undecided";
 }
 
 void defineVerification(py::module_& module) {
@@ -248,9 +249,10 @@ void defineVerification(py::module_& module) {
                                   "The outcome of an independent proof. True if certified.");
   result.def_property_readonly(
       "status", [](const VerifyResult& self) { return statusName(self.status); },
-      "'certified', 'refuted' or 'undecided'.");
+      "'certified', 'refuted', 'undecided' or 'nothing_checked': no pair of shapes is checked.");
   result.def_readonly("lower", &VerifyResult::clearance_lower,
-                      "Every point of a certified path keeps at least this [m].");
+                      "Every point of a certified path keeps at least this [m]; inf where nothing "
+                      "is near.");
   result.def_readonly("edge", &VerifyResult::segment,
                       "The edge that fails or is undecided; -1: none.");
   result.def_property_readonly(
@@ -260,20 +262,27 @@ void defineVerification(py::module_& module) {
       "pair", [](const VerifyResult& self) { return pairObject(self.a, self.b); },
       "What is too near there, or None.");
   result.def_readonly("reason", &VerifyResult::reason, "In words.");
+  result.def_property_readonly(
+      "unchecked", [](const VerifyResult& self) { return uncheckedList(self.unchecked); },
+      "Pairs that were not looked at, as Certificate.unchecked.");
   result.def("__bool__", [](const VerifyResult& self) {
     return self.status == planner::VerifyStatus::kCertified;
   });
   result.def("__repr__", [](const VerifyResult& self) {
     std::string what = std::string("<leeway.Verification: ") + statusName(self.status);
     if (self.status == planner::VerifyStatus::kCertified)
-      return what + ", at least " + text(self.clearance_lower) + " m>";
+      return what + (std::isinf(self.clearance_lower)
+                         ? ", nothing near>"
+                         : ", at least " + text(self.clearance_lower) + " m>");
     return what + (self.reason.empty() ? "" : ": " + self.reason) + ">";
   });
 }
 
 }  // namespace
 
-planner::Path pathOf(const Problem& problem, const py::object& path) {
+namespace {
+
+planner::Path givenPath(const Problem& problem, const py::object& path) {
   if (py::isinstance<Result>(path)) {
     const Result& result = path.cast<const Result&>();
     const Robot robot = problem.robot();
@@ -299,6 +308,28 @@ planner::Path pathOf(const Problem& problem, const py::object& path) {
   return result;
 }
 
+}  // namespace
+
+planner::Path pathOf(const Problem& problem, const py::object& path, bool shortest) {
+  planner::Path given = givenPath(problem, path);
+  if (shortest) {
+    const planner::Problem& of = *problem.value;
+    given.positions = planner::unwrapped(
+        planner::ConfigurationSpace(of.robot.model, of.robot.variables), given.positions);
+  }
+  return given;
+}
+
+py::list uncheckedList(std::span<const planner::UncheckedPairs> unchecked) {
+  py::list list;
+  for (const planner::UncheckedPairs& group : unchecked) {
+    py::list names;
+    for (const auto& [a, b] : group.names) names.append(py::make_tuple(a, b));
+    list.append(py::make_tuple(toString(group.why), group.count, names));
+  }
+  return list;
+}
+
 void definePlan(py::module_& module) {
   define(module, "plan",
          "(robot, world=None, start=None, goal=None, *, stop=None, progress=None, on_path=None, "
@@ -318,15 +349,17 @@ void definePlan(py::module_& module) {
          "Plans a list of problems on several threads (default: all cores). The results, in the "
          "same order, have the same bytes for any number of threads.",
          planMany, py::arg("problems"));
-  define(module, "verify", "(problem, path, *, stop=None)",
+  define(module, "verify", "(problem, path, *, shortest=False, stop=None)",
          "Proves or refutes that a path keeps all margins, independently of what planned it. "
-         "`path`: a Result, an array (n, joints) or a file.",
-         verify, py::arg("problem"), py::arg("path"), py::kw_only(), py::arg("stop") = py::none());
-  define(module, "clearance", "(problem, path, *, tolerance=0.0001, parts=1)",
+         "`path`: a Result, an array (n, joints) or a file. Rows mean straight lines: a continuous "
+         "joint goes from 3 to -3 by 6 rad; with `shortest` it goes the shorter way.",
+         verify, py::arg("problem"), py::arg("path"), py::kw_only(), py::arg("shortest") = false,
+         py::arg("stop") = py::none());
+  define(module, "clearance", "(problem, path, *, tolerance=0.0001, parts=1, shortest=False)",
          "The clearance along a path, each edge cut into `parts`, to within `tolerance` [m]: a "
-         "Certificate.",
+         "Certificate. `path` and `shortest` as for verify().",
          clearance, py::arg("problem"), py::arg("path"), py::kw_only(), py::arg("tolerance") = 1e-4,
-         py::arg("parts") = 1);
+         py::arg("parts") = 1, py::arg("shortest") = false);
   defineVerification(module);
 }
 

@@ -11,8 +11,11 @@ struct Result {
   planner::PlanResult value;
 };
 
-/// A path from a Result, an array (n, joints) or a file.
-planner::Path pathOf(const Problem& problem, const py::object& path);
+/// A path from a Result, an array (n, joints) or a file. `shortest`: its continuous joints go the
+/// shorter way from row to row.
+planner::Path pathOf(const Problem& problem, const py::object& path, bool shortest);
+/// [(reason, how many, pairs by name where they are assumed), ...]
+py::list uncheckedList(std::span<const planner::UncheckedPairs> unchecked);
 
 void defineResult(py::module_& module);
 void definePlan(py::module_& module);

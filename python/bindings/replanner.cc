@@ -198,7 +198,7 @@ void defineExecuted(py::module_& module) {
                                   "certified.");
   result.def_property_readonly(
       "status", [](const ReplanResult& self) { return toString(self.status); },
-      "'reached', 'unsafe', 'timeout' or 'stopped'.");
+      "'reached', 'unsafe', 'timeout', 'stopped' or 'nothing_checked'.");
   result.def_property_readonly(
       "trajectory",
       [](const ReplanResult& self) { return timedPoints(self.trajectory, self.names.size()); },

@@ -22,14 +22,18 @@ std::string millimetres(double metres) {
 }
 
 std::string clearanceText(const PathClearance& c) {
-  if (c.closest_segment < 0) return "nothing near";
+  if (c.closest_segment < 0)
+    return std::isfinite(c.clearance.lower)
+               ? "nothing nearer than " + text(c.clearance.lower) + " m"
+           : c.clearance.lower > 0 ? "nothing near"
+                                   : "not measured";
   return "clearance " + text(c.clearance.lower) + " to " + text(c.clearance.upper) + " m between " +
          c.closest_a + " and " + c.closest_b;
 }
 
 std::string certificateText(const Certificate& c) {
   const std::string verdict = c.certified ? "certified" : "not certified";
-  return c.closest_segment < 0 ? verdict : verdict + ", " + clearanceText(c);
+  return verdict + ", " + clearanceText(c);
 }
 
 void defineClearance(py::module_& module) {
@@ -83,6 +87,10 @@ void defineCertificate(py::module_& module) {
       },
       "Bounds on the clearance of each edge: (edges, 2) [m]; an upper end may be inf: not looked "
       "for.");
+  certificate.def_property_readonly(
+      "unchecked", [](const Certificate& self) { return uncheckedList(self.unchecked); },
+      "Pairs of which it says nothing: [(reason, how many, pairs), ...]. Pairs are by name where "
+      "they are left out because they touch at the zero configuration, else empty.");
   certificate.def("__bool__", [](const Certificate& self) { return self.certified; });
   certificate.def("__repr__", [](const Certificate& self) {
     return "<leeway.Certificate: " + certificateText(self) + ">";
@@ -116,9 +124,12 @@ std::string htmlOfResult(const Result& self) {
       std::snprintf(buffer, sizeof buffer, "%.4f", value);
       row.emplace_back(buffer);
     }
-    row.push_back(i < r.certificate.segments.size()
-                      ? "at least " + millimetres(r.certificate.segments[i].lower)
-                      : "");
+    std::string clearance;
+    if (i < r.certificate.segments.size()) {
+      const double lower = r.certificate.segments[i].lower;
+      clearance = (std::isfinite(lower) ? "at least " : "") + millimetres(lower);
+    }
+    row.push_back(clearance);
     table.push_back(row);
   }
   return htmlTable(self.problem->name + ": " + toString(r.status) + " with " + r.planner +
@@ -163,7 +174,8 @@ void defineResult(py::module_& module) {
                             "proven to keep its margins.");
   result.def_property_readonly(
       "status", [](const Result& self) { return toString(self.value.status); },
-      "'solved', 'unsolved', 'invalid_start' or 'invalid_goal'.");
+      "'solved', 'unsolved', 'invalid_start', 'invalid_goal' or 'nothing_checked': no pair of "
+      "shapes is checked, and nothing is planned.");
   result.def_property_readonly(
       "path",
       [](const Result& self) {
@@ -192,7 +204,9 @@ void defineResult(py::module_& module) {
       "Of a task: its steps as stretches of the path, PathSteps; else empty.");
   result.def_property_readonly(
       "reason", [](const Result& self) { return self.value.reason; },
-      "Why a task failed, or a goal of poses has no configuration, in words; else ''.");
+      "Why a task failed, a goal of poses has no configuration or nothing is checked, in words; "
+      "else "
+      "''.");
   result.def_property_readonly(
       "unreachable", [](const Result& self) { return self.value.unreachable; },
       "Whether it is proven that a goal of poses has no configuration.");

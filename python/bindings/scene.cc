@@ -52,9 +52,10 @@ py::object valid(const Scene& self, const py::object& states) {
   const Rows points = rows(states, "states", self.size());
   std::vector<char> answers(points.count());
   const planner::ConfigurationSpace& space = self.compiled->space();
+  const bool proves = self.compiled->nothingChecked().empty();
   forEach(self, points.count(), [&](EdgeCertifier& certifier, std::size_t i) {
-    answers[i] =
-        space.withinLimits(points.row(i)) && certifier.decide(points.row(i)) == Verdict::kFree;
+    answers[i] = proves && space.withinLimits(points.row(i)) &&
+                 certifier.decide(points.row(i)) == Verdict::kFree;
   });
   return bools(answers, points.shape);
 }
@@ -95,8 +96,9 @@ py::object validEdges(const Scene& self, const py::object& a, const py::object& 
       persistent ? planner::EdgeRequest::persistent() : planner::EdgeRequest{};
   std::vector<char> answers(from.count());
   const planner::ConfigurationSpace& space = self.compiled->space();
+  const bool proves = self.compiled->nothingChecked().empty();
   forEach(self, from.count(), [&](EdgeCertifier& certifier, std::size_t i) {
-    answers[i] = space.withinLimits(from.row(i)) && space.withinLimits(to.row(i)) &&
+    answers[i] = proves && space.withinLimits(from.row(i)) && space.withinLimits(to.row(i)) &&
                  certifier.certify(from.row(i), to.row(i), request).verdict == Verdict::kFree;
   });
   return bools(answers, from.shape);
@@ -133,6 +135,7 @@ Edge certify(const Scene& self, const py::object& a, const py::object& b) {
   Edge edge;
   forEach(self, 1, [&, &start = from, &end = to](EdgeCertifier& certifier, std::size_t) {
     edge.check = certifier.certify(start.values, end.values, request);
+    if (!certifier.scene().nothingChecked().empty()) edge.check = {};
     std::tie(edge.a, edge.b) = pairNames(certifier.scene(), edge.check.pair);
   });
   return edge;
@@ -155,6 +158,7 @@ State check(const Scene& self, const py::object& state, double tolerance) {
   positiveTolerance(tolerance);
   const planner::CompiledScene& scene = *self.compiled;
   result.limit = brokenLimit(scene.space(), result.point);
+  result.nothing_checked = scene.nothingChecked();
   forEach(self, 1, [&](EdgeCertifier& certifier, std::size_t) {
     result.check = certifier.clearance(result.point, tolerance);
     std::tie(result.a, result.b) = pairNames(scene, result.check.pair);
@@ -171,12 +175,14 @@ State check(const Scene& self, const py::object& state, double tolerance) {
 }
 
 bool isValid(const State& state) {
-  return state.limit.empty() && state.check.verdict == Verdict::kFree;
+  return state.limit.empty() && state.nothing_checked.empty() &&
+         state.check.verdict == Verdict::kFree;
 }
 
 std::string stateText(const State& state) {
   std::string result = std::string("<leeway.State: ") + (isValid(state) ? "valid" : "not valid");
   if (!state.limit.empty()) result += " (" + state.limit + ")";
+  if (!state.nothing_checked.empty()) result += ", nothing was checked: " + state.nothing_checked;
   if (!state.a.empty())
     result += ", clearance " + text(state.check.clearance.lower) + " to " +
               text(state.check.clearance.upper) + " m between " + state.a + " and " + state.b;
@@ -217,10 +223,14 @@ void defineState(py::module_& module) {
   py::class_<State> state(module, "State", "One state against the margins.");
   state.def_property_readonly(
       "valid", isValid,
-      "Within the limits, and proven to keep all margins: undecided is not valid.");
+      "Within the limits, and proven to keep all margins: undecided is not valid, nor is a state "
+      "where nothing is checked.");
   state.def_property_readonly(
-      "verdict", [](const State& self) { return verdictName(self.check.verdict); },
-      "'free', 'not_free' or 'undecided', of the margins alone.");
+      "verdict",
+      [](const State& self) {
+        return self.nothing_checked.empty() ? verdictName(self.check.verdict) : "nothing_checked";
+      },
+      "'free', 'not_free', 'undecided' or 'nothing_checked', of the margins alone.");
   state.def_property_readonly(
       "lower", [](const State& self) { return self.check.clearance.lower; },
       "The clearance is at least this [m]; below 0 it is a depth; inf where nothing is near.");
@@ -356,6 +366,10 @@ void defineScene(py::module_& module) {
   scene.def_property_readonly(
       "pairs", [](const Scene& self) { return self.compiled->scene().pairs().size(); },
       "How many pairs of shapes are checked.");
+  scene.def_property_readonly(
+      "nothing_checked", [](const Scene& self) { return self.compiled->nothingChecked(); },
+      "Why no answer of this scene proves anything, in words: no link that moves has a shape, or "
+      "all pairs with the world are left out. Then no state and no edge is valid. Else ''.");
   scene.def_property_readonly(
       "dropped",
       [](const Scene& self) {

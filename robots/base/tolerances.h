@@ -113,6 +113,17 @@ inline constexpr double kApartTrialShare = 1e-3;
 /// stay checked.
 inline constexpr double kApartSmallest = 1e-3;
 
+/// touchAtDefault(): links this near to each other touch [m]: surfaces that a URDF lets meet are
+/// apart by the rounding of its digits.
+inline constexpr double kTouch = 1e-6;
+/// touchAtDefault(): an overlap of no more than this is a touch [m]. A deeper one may be a
+/// collision, and is looked at: what is larger leaves collisions out, what is smaller checks parts
+/// that a model lets sink into each other.
+inline constexpr double kShallow = 1e-3;
+/// touchAtDefault(): places between the default configuration and either limit at which links are
+/// looked at, and on a whole turn.
+inline constexpr int kTouchLooks = 32;
+
 /// provenGaps(): slices of a turning body. More are tighter and slower.
 inline constexpr int kGapSlices = 24;
 

@@ -12,12 +12,17 @@
 namespace leeway::robots {
 namespace {
 
+/// The claim about two links.
+enum class Wanted { kApart, kTouching };
+
 /// The proof for one pair of links: interval subdivision. At the middle of a box of configurations
-/// the links are farther apart than the whole box can move them; else the box is halved.
-class ApartProof {
+/// the links are farther apart, or overlap deeper, than the whole box can move them; else the box
+/// is halved.
+class PairProof {
  public:
-  ApartProof(const Model& model, int link_a, int link_b)
+  PairProof(const Model& model, int link_a, int link_b, Wanted wanted)
       : model_(model),
+        wanted_(wanted),
         a_(model.links[at(link_a)]),
         b_(model.links[at(link_b)]),
         link_a_(link_a),
@@ -33,8 +38,8 @@ class ApartProof {
       const Box box = stack.back();
       stack.pop_back();
       const Finding found = look(box);
-      if (found == Finding::kMeet) return false;
-      if (found == Finding::kApart) {
+      if (found == Finding::kRefuted) return false;
+      if (found == Finding::kProven) {
         proven += box.share;
         continue;
       }
@@ -56,7 +61,7 @@ class ApartProof {
     std::vector<double> center, half;  // one a variable
     double share;                      // of the first box
   };
-  enum class Finding { kApart, kMeet, kOpen };
+  enum class Finding { kProven, kRefuted, kOpen };
 
   /// False when this proof cannot treat the pair: without shapes, with joints of several variables,
   /// unlimited, or without any motion between the two.
@@ -104,17 +109,25 @@ class ApartProof {
     return true;
   }
 
-  /// Apart over the whole box, or meeting in its middle.
+  /// Proven over the whole box, or refuted in its middle.
   Finding look(const Box& box) {
     forwardKinematics(model_, box.center, poses_);
     jointMotion(model_, box.half, joint_motion_);
+    return wanted_ == Wanted::kApart ? lookApart() : lookTouching();
+  }
+
+  /// A bound on how far the points of geometry i of a move within the box [m]: an edge from the
+  /// middle to any point of the box moves no joint farther than half_.
+  double motionOf(std::size_t i) {
+    return localMotionBound(model_, motions_[i], joint_motion_, poses_, 1).speed + kApartSlack;
+  }
+
+  Finding lookApart() {
     const Pose& X_WA = poses_[at(link_a_)];
     const Pose& X_WB = poses_[at(link_b_)];
     for (std::size_t i = 0; i < a_.geometries.size(); ++i) {
       const Geometry& a = a_.geometries[i];
-      // An edge from the middle to any point of the box moves no joint farther than half_.
-      const double motion =
-          localMotionBound(model_, motions_[i], joint_motion_, poses_, 1).speed + kApartSlack;
+      const double motion = motionOf(i);
       for (const Geometry& b : b_.geometries) {
         const Eigen::Vector3d d =
             X_WA * (a.X_BG * a.shape.boundingCenter()) - X_WB * (b.X_BG * b.shape.boundingCenter());
@@ -124,11 +137,31 @@ class ApartProof {
         request.depth = false;
         const collision::DistanceResult result =
             collision::distance(a.shape, X_WA * a.X_BG, b.shape, X_WB * b.X_BG, request, scratch_);
-        if (result.distance.upper <= 0) return Finding::kMeet;
+        if (result.distance.upper <= 0) return Finding::kRefuted;
         if (!(result.distance.lower > motion)) return Finding::kOpen;
       }
     }
-    return Finding::kApart;
+    return Finding::kProven;
+  }
+
+  /// One geometry of each is enough. The depth of convex ones changes no faster than their points
+  /// move; of others nothing is proven.
+  Finding lookTouching() {
+    bool are_apart = true;
+    for (std::size_t i = 0; i < a_.geometries.size(); ++i)
+      for (const Geometry& b : b_.geometries) {
+        const Geometry& a = a_.geometries[i];
+        const bool convex = a.shape.isConvex() && b.shape.isConvex();
+        collision::DistanceRequest request;
+        request.depth = convex;
+        const collision::Interval found =
+            collision::distance(a.shape, poses_[at(link_a_)] * a.X_BG, b.shape,
+                                poses_[at(link_b_)] * b.X_BG, request, scratch_)
+                .distance;
+        if (convex && found.upper <= -motionOf(i)) return Finding::kProven;
+        are_apart = are_apart && found.lower > 0;
+      }
+    return are_apart ? Finding::kRefuted : Finding::kOpen;
   }
 
   /// The variable whose half width moves the body most.
@@ -152,6 +185,7 @@ class ApartProof {
   }
 
   const Model& model_;
+  Wanted wanted_;
   const Link& a_;
   const Link& b_;
   int link_a_, link_b_;
@@ -222,7 +256,18 @@ std::vector<std::pair<int, int>> provenApart(const Model& model,
   leaveOutMeeting(model, open);
   for (const auto& [a, b] : open) {
     throwIfStopped(stop, "links were proven apart");
-    if (ApartProof(model, a, b).run()) proven.emplace_back(a, b);
+    if (PairProof(model, a, b, Wanted::kApart).run()) proven.emplace_back(a, b);
+  }
+  return proven;
+}
+
+std::vector<std::pair<int, int>> provenTouching(const Model& model,
+                                                std::span<const std::pair<int, int>> candidates,
+                                                const Stop& stop) {
+  std::vector<std::pair<int, int>> proven;
+  for (const auto& [a, b] : candidates) {
+    throwIfStopped(stop, "links were proven to touch");
+    if (PairProof(model, a, b, Wanted::kTouching).run()) proven.emplace_back(a, b);
   }
   return proven;
 }

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "robots/urdf/xml_reader.h"
@@ -45,8 +47,7 @@ class SrdfReader {
     warnUnread();
     readGroups();
     file_.eachChild(file_.root(), "group_state", [&](const XMLElement& e) { readGroupState(e); });
-    file_.eachChild(file_.root(), "disable_collisions",
-                    [&](const XMLElement& e) { readDisabledPair(e); });
+    readCollisions();
     file_.eachChild(file_.root(), "end_effector",
                     [&](const XMLElement& e) { checkEndEffector(e); });
     file_.eachChild(file_.root(), "passive_joint",
@@ -59,9 +60,16 @@ class SrdfReader {
   }
 
   void warnUnread() {
-    static constexpr const char* kKnown[] = {
-        "group",        "group_state",   "disable_collisions",        "virtual_joint",
-        "end_effector", "passive_joint", "link_sphere_approximation", "joint_property"};
+    static constexpr const char* kKnown[] = {"group",
+                                             "group_state",
+                                             "disable_collisions",
+                                             "disable_default_collisions",
+                                             "enable_collisions",
+                                             "virtual_joint",
+                                             "end_effector",
+                                             "passive_joint",
+                                             "link_sphere_approximation",
+                                             "joint_property"};
     for (const XMLElement* e = file_.root().FirstChildElement(); e != nullptr;
          e = e->NextSiblingElement()) {
       const auto same = [&](const char* name) { return std::strcmp(name, e->Name()) == 0; };
@@ -227,26 +235,57 @@ class SrdfReader {
     }
   }
 
-  void readDisabledPair(const XMLElement& e) {
+  /// As MoveIt's matrix (collision_detection, AllowedCollisionMatrix): defaults of links first,
+  /// then the pairs that are enabled, then those that are disabled.
+  void readCollisions() {
+    std::set<std::pair<int, int>> enabled, disabled;
+    file_.eachChild(file_.root(), "disable_collisions", [&](const XMLElement& e) {
+      const std::optional<std::pair<int, int>> pair = readPair(e);
+      if (!pair || !disabled.insert(*pair).second) return;
+      const char* reason = e.Attribute("reason");
+      model_.disabled_pairs.push_back({pair->first, pair->second, reason != nullptr ? reason : ""});
+    });
+    file_.eachChild(file_.root(), "enable_collisions", [&](const XMLElement& e) {
+      const std::optional<std::pair<int, int>> pair = readPair(e);
+      if (pair && disabled.count(*pair) == 0 && enabled.insert(*pair).second)
+        model_.enabled_pairs.push_back(*pair);
+    });
+    std::set<int> unchecked;
+    file_.eachChild(file_.root(), "disable_default_collisions", [&](const XMLElement& e) {
+      const std::string name = file_.attribute(e, "link");
+      const int link = model_.findLink(name);
+      if (link < 0) return warnUnknownLink(e, name);
+      if (unchecked.insert(link).second) model_.unchecked_links.push_back(link);
+    });
+    for (const int link : unchecked)
+      for (int other = 0; other < static_cast<int>(model_.links.size()); ++other) {
+        const std::pair<int, int> pair = std::minmax(link, other);
+        if (other == link || enabled.count(pair) != 0 || !disabled.insert(pair).second) continue;
+        model_.disabled_pairs.push_back({pair.first, pair.second, "disable_default_collisions"});
+      }
+  }
+
+  void warnUnknownLink(const XMLElement& e, const std::string& name) {
+    const std::string nearest = suggestion(name, namesOf(model_.links));
+    warn(e, std::string(e.Name()) + " names the link " + inQuotes(name) +
+                ", which is not defined, and is left out" +
+                (nearest.empty() ? "" : "; " + nearest));
+  }
+
+  /// Two links, the lower number first; nothing, with a warning, unless there are two.
+  std::optional<std::pair<int, int>> readPair(const XMLElement& e) {
     const std::string name_a = file_.attribute(e, "link1"), name_b = file_.attribute(e, "link2");
     const int a = model_.findLink(name_a), b = model_.findLink(name_b);
     if (a < 0 || b < 0) {
-      const std::string& unknown = a < 0 ? name_a : name_b;
-      const std::string nearest = suggestion(unknown, namesOf(model_.links));
-      warn(e, "disable_collisions names the link " + inQuotes(unknown) +
-                  ", which is not defined, and is left out" +
-                  (nearest.empty() ? "" : "; " + nearest));
-      return;
+      warnUnknownLink(e, a < 0 ? name_a : name_b);
+      return std::nullopt;
     }
     if (a == b) {
-      warn(e, "disable_collisions names the link " + inQuotes(name_a) +
+      warn(e, std::string(e.Name()) + " names the link " + inQuotes(name_a) +
                   " twice and is left out; two links would be accepted");
-      return;
+      return std::nullopt;
     }
-    if (!disabled_.insert(std::minmax(a, b)).second) return;
-    const char* reason = e.Attribute("reason");
-    model_.disabled_pairs.push_back(
-        {std::min(a, b), std::max(a, b), reason != nullptr ? reason : ""});
+    return std::pair(std::min(a, b), std::max(a, b));
   }
 
   void checkEndEffector(const XMLElement& e) {
@@ -275,7 +314,6 @@ class SrdfReader {
   RobotDescription& model_;
   std::vector<std::set<int>> group_joints_;
   bool groups_are_whole_ = true;  // none lacks a member that is wrong
-  std::set<std::pair<int, int>> disabled_;
 };
 
 }  // namespace

@@ -29,6 +29,7 @@
 #include "robots/motion/link_gaps.h"
 #include "robots/urdf/srdf.h"
 #include "robots/urdf/urdf_document.h"
+#include "robots/urdf/xml_reader.h"
 
 namespace leeway::robots {
 
@@ -342,6 +343,26 @@ std::string keyOfGaps(const Model& model, const std::vector<std::string>& meshes
   return key.finish();
 }
 
+/// A robot whose moving links have no shapes touches nothing, whatever it does.
+void warnOfNoShapes(const UrdfDocument& document, const std::vector<std::pair<int, int>>& order,
+                    RobotDescription& robot) {
+  std::vector<bool> moves;
+  std::size_t first = robot.links.size();
+  for (std::size_t l = 0; l < robot.links.size(); ++l) {
+    const Joint& joint = robot.joints[l];
+    moves.push_back(joint.type != JointType::kFixed ||
+                    (joint.parent_link >= 0 && moves[at(joint.parent_link)]));
+    if (!moves[l]) continue;
+    if (!document.links[at(order[l].first)].collisions.empty()) return;
+    first = std::min(first, l);
+  }
+  if (first == robot.links.size()) return;
+  robot.warnings.push_back(
+      document.path + ":" + std::to_string(document.links[at(order[first].first)].line) +
+      ": neither link " + inQuotes(robot.links[first].name) +
+      " nor any other that moves has a <collision>: the robot will touch nothing");
+}
+
 /// provenGaps(), kept on disk.
 std::vector<LinkGap> gapsOf(const Model& model, const Meshes& meshes) {
   // (Without meshes nothing is proven.)
@@ -408,6 +429,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   for (const UrdfJoint& joint : document.joints)
     if (joint.has_mimic) limitMaster(joint, robot);
   if (!srdf_path.empty()) readSrdf(srdf_path, robot, options);
+  warnOfNoShapes(document, order, robot);
   wrong.throwFirst();
   auto model = std::make_shared<Model>(std::move(robot));
   model->link_gaps = gapsOf(*model, meshes);

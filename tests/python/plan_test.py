@@ -306,3 +306,82 @@ def test_a_condition_in_python_restricts_the_search(robot, world):
     for wrong in (lambda states: True, lambda states: [True], lambda states: "x", lambda states: None):
         with pytest.raises(TypeError, match="bools"):
             leeway.plan_where(problem, wrong)
+
+
+ARM = '<link name="arm">{}</link><joint name="turn" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>'
+BAR = '<collision><origin xyz="0.5 0 0"/><geometry><box size="1 0.05 0.05"/></geometry></collision>'
+
+
+def spin(tmp_path, shape=BAR):
+    urdf = tmp_path / "spin.urdf"
+    urdf.write_text('<robot name="spin"><link name="base"/>' + ARM.format(shape) + "</robot>")
+    return leeway.Robot(urdf)
+
+
+def test_rows_are_straight_lines(tmp_path):
+    """A controller that interpolates from 3 to -3 passes 0."""
+    robot, world = spin(tmp_path), leeway.World()
+    world.add_box("o", size=(0.1, 0.1, 0.1), position=(0.9, 0, 0))
+    problem = leeway.Problem(robot, world, [3.0], [-3.0])
+    rows = np.array([[3.0], [-3.0]])
+    file = tmp_path / "rows.csv"
+    file.write_text("3.0\n-3.0\n")
+    for path in (rows, file):
+        assert leeway.verify(problem, path).status == "refuted"
+        assert leeway.verify(problem, path, shortest=True).status == "certified"
+        assert leeway.clearance(problem, path).upper < 0
+        for parts in (1, 3):
+            assert len(leeway.clearance(problem, path, parts=parts).edges) == parts
+        assert leeway.clearance(problem, path, shortest=True).lower > 0.1
+    result = leeway.plan(problem)
+    assert result and result.path[-1][0] == pytest.approx(-3 + 2 * np.pi)
+    assert leeway.verify(problem, result) and leeway.verify(problem, result.path)
+
+
+def test_nothing_near_is_said_so(tmp_path):
+    robot, world = spin(tmp_path), leeway.World()
+    alone = leeway.plan(robot, None, [3.0], [-3.0])
+    assert alone and "certified, nothing near" in repr(alone.certificate) and "nothing near" in repr(alone)
+    assert repr(leeway.verify(alone.problem, alone)) == "<leeway.Verification: certified, nothing near>"
+    assert "at least nothing" not in alone._repr_html_()
+    world.add_box("o", size=(0.1, 0.1, 0.1), position=(0.9, 0, 0))
+    far = leeway.plan(robot, world, [3.0], [-3.0])
+    assert far.certificate.lower < np.inf == far.certificate.upper
+    assert "certified, nothing nearer than 0." in repr(far.certificate)
+
+
+def test_nothing_checked_is_never_certified(tmp_path):
+    robot, world = spin(tmp_path, ""), leeway.World()
+    assert "neither link" in robot.warnings[0]
+    world.add_box("room", size=(10, 10, 10))
+    problem = leeway.Problem(robot, world, [0.0], [1.0])
+    result = leeway.plan(problem)
+    assert result.status == "nothing_checked" and not result and len(result.path) == 0
+    assert "no link that moves" in result.reason and "no link that moves" in repr(result)
+    verified = leeway.verify(problem, [[0.0], [1.0]])
+    assert verified.status == "nothing_checked" and not verified and "no link that moves" in verified.reason
+    assert not leeway.clearance(problem, [[0.0], [1.0]])
+    state = leeway.check(problem)
+    assert not state and state.verdict == "nothing_checked" and "nothing was checked" in repr(state)
+    scene = leeway.Scene(problem)
+    assert "no link that moves" in scene.nothing_checked
+    assert not scene.valid([0.0]) and not scene.valid_edges([0.0], [1.0]) and not scene.certify([0.0], [1.0])
+    assert leeway.Scene(spin(tmp_path), None, [0.0], [1.0]).nothing_checked == ""
+    executed = leeway.replan(problem)
+    assert executed.status == "nothing_checked" and not executed and not executed.certified
+
+
+def test_pairs_that_are_not_checked_are_counted(robot, world, tmp_path):
+    result = leeway.plan(robot, world, turned(robot, -0.8), turned(robot, 0.8), margin=0.01)
+    reasons = {reason: count for reason, count, names in result.certificate.unchecked}
+    assert reasons["adjacent"] > 0 and sum(reasons.values()) == len(leeway.Scene(result.problem).dropped)
+    verified = leeway.verify(result.problem, result)
+    assert {reason: count for reason, count, names in verified.unchecked} == reasons
+    # An arm that rests on a part of its base at zero.
+    urdf = tmp_path / "rest.urdf"
+    shape = '<collision><origin xyz="{}"/><geometry><box size="{}"/></geometry></collision>'
+    urdf.write_text('<robot name="r"><link name="base">' + shape.format("0 0 0", "0.2 0.2 0.1") + '</link><link name="rest">' +
+                    shape.format("0.5 0 0", "0.1 0.1 0.1") + '</link><joint name="f" type="fixed"><parent link="base"/><child link="rest"/>'
+                    "</joint>" + ARM.format(shape.format("0.4 0 0.1", "0.8 0.05 0.1")) + "</robot>")
+    resting = leeway.plan(leeway.Robot(urdf), None, [0.0], [1.0])
+    assert ("touching at the zero configuration", 1, [("rest", "arm")]) in resting.certificate.unchecked

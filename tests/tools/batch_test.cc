@@ -272,6 +272,19 @@ TEST_F(Batch, ResumesAnInterruptedRun) {
   EXPECT_FALSE(fs::exists(path("lines.json.partial")));
 }
 
+/// Regression: the time of looking for shorter paths was left out of the whole.
+TEST_F(Batch, TheWholeCountsEveryStage) {
+  write("lines.json",
+        R"({"problem":"reach.yaml","version":1,"options":{},"status":"solved","certificate":)"
+        R"({"certified":true},"time_s":{"load":9,"compile":0.001,"plan":0.01,"simplify":0.1,)"
+        R"("improve":1,"push":0.1,"certify":0.01}})"
+        "\n");
+  const Answer answer = run("batch reach.yaml --output lines.json --resume");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_NE(answer.err.find("median 10.00 ms of planning, 1221.00 ms with"), std::string::npos)
+      << answer.err;
+}
+
 TEST_F(Batch, ResumeTriesBadInputAgain) {
   write("late/1.yaml", "leeway: 1\n");
   write("late/arm.urdf", kUrdf);

@@ -11,6 +11,7 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
+#include "planner/execute/unchecked_json.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/problem_source.h"
@@ -45,8 +46,11 @@ struct CheckedState {
   PairNames world_names, self_names;
   double margin = 0;
   PairNames too_near;  ///< not free: a pair that does not keep its margin; the closest one may
+  std::string nothing_checked = {};  ///< why; else empty
 
-  bool valid() const { return limit.empty() && check.verdict == planner::Verdict::kFree; }
+  bool valid() const {
+    return limit.empty() && nothing_checked.empty() && check.verdict == planner::Verdict::kFree;
+  }
 };
 
 std::vector<double> startPoint(const planner::Problem& problem) {
@@ -217,6 +221,7 @@ CheckedState checkState(planner::EdgeCertifier& certifier, const NamedState& sta
     return checked;
   }
   checked.limit = brokenLimit(certifier.scene().space(), state.point);
+  checked.nothing_checked = certifier.scene().nothingChecked();
   checked.check = certifier.clearance(state.point, tolerance);
   checked.names = pairNames(certifier.scene(), checked.check.pair);
   const auto partOf = [&](planner::Pairs pairs) {  // a state is an edge without length
@@ -274,19 +279,20 @@ Json stateJson(const CheckedState& checked) {
     penetration = {{"depth_lower", jsonNumber(-check.clearance.upper)},
                    {"depth_upper", jsonNumber(-check.clearance.lower)}};
   }
-  return {{"name", checked.state.name},
-          {"positions", checked.state.fault.empty() ? Json(checked.state.point) : Json()},
-          {"valid", checked.valid()},
-          {"verdict", verdictName(check.verdict)},
-          {"limit", checked.limit.empty() ? Json() : Json(checked.limit)},
-          {"clearance_lower", jsonNumber(check.clearance.lower)},
-          {"clearance_upper", jsonNumber(check.clearance.upper)},
-          {"closest", closest},
-          {"world", partJson(checked.world, checked.world_names)},
-          {"self", partJson(checked.self, checked.self_names)},
-          {"penetration", penetration},
-          {"too_near",
-           checked.too_near.a.empty() ? Json() : Json({checked.too_near.a, checked.too_near.b})}};
+  return {
+      {"name", checked.state.name},
+      {"positions", checked.state.fault.empty() ? Json(checked.state.point) : Json()},
+      {"valid", checked.valid()},
+      {"verdict", checked.nothing_checked.empty() ? verdictName(check.verdict) : "nothing_checked"},
+      {"limit", checked.limit.empty() ? Json() : Json(checked.limit)},
+      {"clearance_lower", jsonNumber(check.clearance.lower)},
+      {"clearance_upper", jsonNumber(check.clearance.upper)},
+      {"closest", closest},
+      {"world", partJson(checked.world, checked.world_names)},
+      {"self", partJson(checked.self, checked.self_names)},
+      {"penetration", penetration},
+      {"too_near",
+       checked.too_near.a.empty() ? Json() : Json({checked.too_near.a, checked.too_near.b})}};
 }
 
 std::string pointText(const Eigen::Vector3d& p) {
@@ -303,10 +309,14 @@ std::string stateText(const CheckedState& checked) {
   if (!checked.state.fault.empty()) {
     return text + "\n";
   }
+  if (!checked.nothing_checked.empty()) return text + ", nothing was checked\n";
   if (check.pair < 0) {
-    return text + (checked.check.verdict == planner::Verdict::kFree && checked.limit.empty()
-                       ? ", there is nothing that could be touched\n"
-                       : ", its clearance could not be decided\n");
+    return text + (check.verdict != planner::Verdict::kFree
+                       ? ", its clearance could not be decided\n"
+                   : std::isfinite(check.clearance.lower)
+                       ? fmt::format(", nothing is nearer than {} mm\n",
+                                     formatLower(check.clearance.lower * 1e3, 3))
+                       : ", there is nothing else that it could touch\n");
   }
   const double lower = check.clearance.lower * 1e3;
   const double upper = check.clearance.upper * 1e3;
@@ -342,6 +352,9 @@ int runCheck(const CheckArguments& arguments) {
   apply(arguments.limits, problem);
   const std::vector<NamedState> states = collectStates(problem, arguments.states);
   planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
+  const std::string nothing_checked = certifier.scene().nothingChecked();
+  const std::vector<planner::UncheckedPairs> unchecked =
+      planner::countUnchecked(certifier.scene().dropped());
   bool all_valid = true;
   Json list = Json::array();
   for (const NamedState& state : states) {
@@ -354,8 +367,16 @@ int runCheck(const CheckArguments& arguments) {
     }
   }
   if (arguments.json) {
-    printJson(
-        {{"status", all_valid ? "valid" : "invalid"}, {"seed", problem.seed}, {"states", list}});
+    printJson({{"status", !nothing_checked.empty() ? "nothing_checked"
+                          : all_valid              ? "valid"
+                                                   : "invalid"},
+               {"seed", problem.seed},
+               {"reason", nothing_checked.empty() ? Json() : Json(nothing_checked)},
+               {"states", list},
+               {"not_checked", planner::uncheckedJson(unchecked)}});
+  } else {
+    fmt::print("{}.\n", nothing_checked.empty() ? planner::toString(unchecked)
+                                                : "Nothing was checked: " + nothing_checked);
   }
   return all_valid ? kYes : kNo;
 }

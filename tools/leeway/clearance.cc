@@ -6,14 +6,17 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/robots/input_error.h"
+#include "planner/execute/unchecked_json.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/output_file.h"
+#include "tools/leeway/support/path_ends.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
@@ -34,6 +37,7 @@ struct ClearanceArguments {
   std::vector<std::string> files;
   double tolerance = 1e-4;
   int parts = 1;
+  bool shortest = false;
   std::string svg, csv;
   view::PageChoice view;
   bool json = false;
@@ -74,6 +78,12 @@ struct Profile {
   std::vector<Stretch> stretches;
   Whole all, world, self;
   bool certified = true;
+  std::string nothing_checked;                        ///< why; else empty
+  std::set<planner::CompiledScene::Dropped> dropped;  ///< in some step
+
+  std::vector<planner::UncheckedPairs> unchecked() const {
+    return planner::countUnchecked(std::vector(dropped.begin(), dropped.end()));
+  }
 };
 
 /// RFC 4180: a field with a comma, a quote or a line end stands in quotes, quotes doubled.
@@ -88,24 +98,25 @@ double leastMargin(const planner::CompiledScene& scene) {
   return scene.scene().pairs().leastMargin();
 }
 
+/// Part `part` of `parts` of a segment.
 Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, int segment, int part,
-                const ClearanceArguments& arguments) {
+                int parts, double tolerance) {
   const auto& space = certifier.scene().space();
   const auto& a = path.positions[static_cast<std::size_t>(segment)];
   const auto& b = path.positions[static_cast<std::size_t>(segment) + 1];
   Stretch stretch;
   stretch.segment = segment;
-  stretch.t0 = static_cast<double>(part) / arguments.parts;
-  stretch.t1 = static_cast<double>(part + 1) / arguments.parts;
+  stretch.t0 = static_cast<double>(part) / parts;
+  stretch.t1 = static_cast<double>(part + 1) / parts;
   std::vector<double> from(a.size());
   std::vector<double> to(a.size());
-  space.interpolate(a, b, stretch.t0, from);
-  space.interpolate(a, b, stretch.t1, to);
+  space.alongLine(a, b, stretch.t0, from);
+  space.alongLine(a, b, stretch.t1, to);
   stretch.keeps_margins = certifier.certify(from, to, planner::EdgeRequest::persistent()).verdict ==
                           planner::Verdict::kFree;
   const auto measured = [&](planner::Pairs pairs) {
     const planner::EdgeClearance found =
-        certifier.edgeClearance(from, to, {.tolerance = arguments.tolerance, .pairs = pairs});
+        certifier.edgeClearance(from, to, {.tolerance = tolerance, .pairs = pairs});
     Near near{found.clearance, stretch.t0 + found.t * (stretch.t1 - stretch.t0), found.closest,
               pairNames(certifier.scene(), found.pair)};
     if (stretch.keeps_margins) {
@@ -131,10 +142,16 @@ Profile measure(const std::vector<view::Stage>& stages, const planner::Path& pat
   UnitProgress progress(path.positions.size() - 1);
   for (const view::Stage& stage : stages) {
     if (stage.last == stage.first) continue;  // an object is taken or put down
+    profile.dropped.insert(stage.scene->dropped().begin(), stage.scene->dropped().end());
+    if (profile.nothing_checked.empty()) profile.nothing_checked = stage.scene->nothingChecked();
     planner::EdgeCertifier certifier(stage.scene);
     for (int segment = stage.first; segment < stage.last; ++segment) {
       progress.next("edge");
-      for (int part = 0; part < arguments.parts; ++part) {
+      // A line on which a continuous joint makes more than half a turn is measured in more parts.
+      const auto i = static_cast<std::size_t>(segment);
+      const int parts = arguments.parts * stage.scene->space().edgesAlongLine(
+                                              path.positions[i], path.positions[i + 1]);
+      for (int part = 0; part < parts; ++part) {
         if (options.stop()) {
           // What was not looked at may be anything.
           for (Whole* whole : {&profile.all, &profile.world, &profile.self}) {
@@ -143,7 +160,7 @@ Profile measure(const std::vector<view::Stage>& stages, const planner::Path& pat
           profile.certified = false;
           return profile;
         }
-        Stretch stretch = measure(certifier, path, segment, part, arguments);
+        Stretch stretch = measure(certifier, path, segment, part, parts, arguments.tolerance);
         stretch.step = stage.name;
         const auto index = static_cast<int>(profile.stretches.size());
         profile.all.add(stretch.all, index);
@@ -203,7 +220,11 @@ Json profileJson(const planner::Problem& problem, const Profile& profile) {
     stretches.push_back(stretchJson(stretch));
   }
   Json document = wholeJson(profile, profile.all, &Stretch::all);
-  document["status"] = profile.certified ? "certified" : "not_certified";
+  document["status"] = !profile.nothing_checked.empty() ? "nothing_checked"
+                       : profile.certified              ? "certified"
+                                                        : "not_certified";
+  document["reason"] = profile.nothing_checked.empty() ? Json() : Json(profile.nothing_checked);
+  document["not_checked"] = planner::uncheckedJson(profile.unchecked());
   document["seed"] = problem.seed;
   document["world"] = wholeJson(profile, profile.world, &Stretch::world);
   document["self"] = wholeJson(profile, profile.self, &Stretch::self);
@@ -245,8 +266,9 @@ void writeSvg(const std::string& file, const planner::Problem& problem, const Pr
     stretches.push_back({stretch.segment + stretch.t0, stretch.segment + stretch.t1,
                          stretch.all.clearance.lower, stretch.all.clearance.upper});
   }
-  const std::string note = profile.certified ? "every edge is certified to keep its margins"
-                                             : "not every edge is certified";
+  const std::string note = !profile.nothing_checked.empty() ? "nothing was checked"
+                           : profile.certified ? "every edge is certified to keep its margins"
+                                               : "not every edge is certified";
   planner::writeFileWhole(file, profileSvg(problem.name, note, "edge", stretches, margin));
 }
 
@@ -268,19 +290,31 @@ void printText(const Profile& profile, bool steps) {
                                      "from", "at least [mm]", "at most [mm]",
                                      "at t", "between",       "certified"};
   if (steps) header.push_back("step");
-  fmt::print("{}", formatTable(header, rows, {3, 7, 8, 9}));
+  if (!profile.nothing_checked.empty()) {
+    fmt::print("Nothing was checked: {}.\n", profile.nothing_checked);
+    return;
+  }
+  if (!rows.empty()) fmt::print("{}", formatTable(header, rows, {3, 7, 8, 9}));
   for (const auto& [name, whole] :
        {std::pair("the world", &profile.world), std::pair("the robot itself", &profile.self)}) {
-    if (whole->closest < 0) {
-      fmt::print("Nothing of {} is near.\n", name);
-    } else {
-      fmt::print("The path's least clearance from {} is between {} and {} mm.\n", name,
-                 formatLower(whole->clearance.lower * 1e3, 3),
-                 formatUpper(whole->clearance.upper * 1e3, 3));
-    }
+    const std::string lower = formatLower(whole->clearance.lower * 1e3, 3),
+                      upper = formatUpper(whole->clearance.upper * 1e3, 3);
+    if (whole->closest >= 0 && std::isfinite(whole->clearance.lower))
+      fmt::print("The path's least clearance from {} is between {} and {} mm.\n", name, lower,
+                 upper);
+    else if (whole->closest >= 0)
+      fmt::print("The path's least clearance from {} is at most {} mm; nothing bounds it below.\n",
+                 name, upper);
+    else if (std::isfinite(whole->clearance.lower))
+      fmt::print("Nothing of {} comes nearer than {} mm.\n", name, lower);
+    else
+      fmt::print("{} {}.\n",
+                 whole->clearance.lower > 0 ? "There is nothing of" : "Not measured:", name);
   }
-  fmt::print("{}\n", profile.certified ? "Every edge is certified to keep its margins."
-                                       : "Not every edge is certified to keep its margins.");
+  fmt::print("{}\n{}.\n",
+             profile.certified ? "Every edge is certified to keep its margins."
+                               : "Not every edge is certified to keep its margins.",
+             planner::toString(profile.unchecked()));
 }
 
 int runClearance(ClearanceArguments& arguments) {
@@ -297,7 +331,8 @@ int runClearance(ClearanceArguments& arguments) {
   expectApart(std::array{arguments.svg, arguments.csv, arguments.view.file}, inputs);
   planner::Problem problem = loadProblem(arguments.source, arguments.limits.time_limit);
   apply(arguments.limits, problem);
-  const planner::Path path = planner::readPath(path_file, problem);
+  const planner::Path path =
+      planner::readPath(path_file, problem, {.shortest = arguments.shortest});
   if (path.positions.size() < 2) {
     throw robots::InputError(path_file, 0,
                              "has fewer than two waypoints: there is no edge to measure");
@@ -330,7 +365,7 @@ int runClearance(ClearanceArguments& arguments) {
     if (interrupted()) fmt::print("Interrupted: what is not measured yet is open.\n");
     printText(profile, steps);
   }
-  return profile.certified ? kYes : kNo;
+  return profile.certified && profile.nothing_checked.empty() ? kYes : kNo;
 }
 
 }  // namespace
@@ -349,6 +384,7 @@ Verb addClearance(CLI::App& command) {
       ->type_name("N")
       ->check(countFrom(1, 100000))
       ->capture_default_str();
+  addShortest(*app, arguments->shortest);
   view::addPageOptions(*app, arguments->view);
   app->add_option("--csv", arguments->csv, "also write it as a table")->type_name("FILE.csv");
   app->add_option("--svg", arguments->svg, "also draw it")->type_name("FILE.svg");

@@ -94,8 +94,9 @@ struct CheckedSolution {
   robots::IkSolution solution;
   planner::StateCheck check;
   PairNames names;
+  bool is_checked = true;  ///< false: nothing is, see CompiledScene::nothingChecked()
 
-  bool free() const { return check.verdict == planner::Verdict::kFree; }
+  bool free() const { return is_checked && check.verdict == planner::Verdict::kFree; }
 };
 
 /// With the clearance of the problem's scene, free ones first.
@@ -105,12 +106,13 @@ std::vector<CheckedSolution> checkAll(const planner::Problem& problem, const std
   std::vector<CheckedSolution> list;
   if (result.solutions.empty()) return list;
   planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
+  const bool is_checked = certifier.scene().nothingChecked().empty();
   for (const robots::IkSolution& solution : result.solutions) {
     std::vector<double> all = q, point;
     for (std::size_t c = 0; c < variables.size(); ++c)
       all[static_cast<std::size_t>(variables[c])] = solution.values[c];
     for (const int v : problem.robot.variables) point.push_back(all[static_cast<std::size_t>(v)]);
-    CheckedSolution checked{solution, certifier.clearance(point, 1e-6), {}};
+    CheckedSolution checked{solution, certifier.clearance(point, 1e-6), {}, is_checked};
     checked.names = pairNames(certifier.scene(), checked.check.pair);
     list.push_back(checked);
   }
@@ -125,6 +127,7 @@ std::vector<CheckedSolution> checkAll(const planner::Problem& problem, const std
 const char* statusOf(const robots::IkResult& result, const std::vector<CheckedSolution>& list) {
   if (result.status == robots::IkStatus::kUnreachable) return "unreachable";
   if (list.empty()) return "none";
+  if (!list.front().is_checked) return "nothing_checked";
   return list.front().free() ? "found" : "colliding";
 }
 
@@ -151,7 +154,8 @@ std::string table(const robots::Model& model, const std::vector<int>& variables,
     std::vector<std::string> row = {fmt::format("{}", rows.size() + 1)};
     for (const double value : checked.solution.values) row.push_back(fmt::format("{:.6f}", value));
     row.push_back(formatLower(checked.check.clearance.lower * 1e3, 3));
-    row.push_back(checked.free()                                          ? "free"
+    row.push_back(!checked.is_checked                                     ? "not checked"
+                  : checked.free()                                        ? "free"
                   : checked.check.verdict == planner::Verdict::kUndecided ? "undecided"
                   : checked.check.clearance.upper <= 0                    ? "collision"
                                                                           : "too near");

@@ -96,6 +96,8 @@ void lintWishes(const planner::Problem& problem, const planner::CompiledScene& s
 void lintScene(const planner::Problem& problem, const std::string& file, Findings& findings) {
   planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
   lintWishes(problem, certifier.scene(), file, findings);
+  if (const std::string nothing = certifier.scene().nothingChecked(); !nothing.empty())
+    findings.add({file, 0, false, "nothing is checked: " + nothing});
   const auto look = [&](const std::string& name, const std::vector<double>& point) {
     constexpr double kTolerance = 1e-6;
     const planner::StateCheck check = certifier.clearance(point, kTolerance);

@@ -104,19 +104,24 @@ std::string stepTable(const planner::Problem& problem, const planner::PlanResult
 }
 
 std::string certificateText(const planner::Certificate& certificate) {
-  if (!std::isfinite(certificate.clearance.lower)) {
-    return certificate.certified ? "Certified: there is nothing that could be touched.\n"
+  const planner::Interval& clearance = certificate.clearance;
+  const std::string lower = formatLower(millimetres(clearance.lower), 3);
+  const char* verdict = certificate.certified ? "Certified" : "Not certified against the margins";
+  std::string text;
+  if (std::isfinite(clearance.upper))
+    text = fmt::format(
+        "{}: every point of every edge keeps at least {} mm; the least clearance is between {} and "
+        "{} mm,\n"
+        "from {} to {} on edge {} at t = {:.3f}.\n",
+        verdict, lower, lower, formatUpper(millimetres(clearance.upper), 3), certificate.closest_a,
+        certificate.closest_b, certificate.closest_segment, certificate.closest_t);
+  else if (std::isfinite(clearance.lower))
+    text = fmt::format("{}: nothing comes nearer than {} mm to any point of any edge.\n", verdict,
+                       lower);
+  else
+    text = certificate.certified ? "Certified: there is nothing else that it could touch.\n"
                                  : "Not certified.\n";
-  }
-  return fmt::format(
-      "{}: every point of every edge keeps at least {} mm; the least clearance is between {} and "
-      "{} mm,\n"
-      "from {} to {} on edge {} at t = {:.3f}.\n",
-      certificate.certified ? "Certified" : "Not certified against the margins",
-      formatLower(millimetres(certificate.clearance.lower), 3),
-      formatLower(millimetres(certificate.clearance.lower), 3),
-      formatUpper(millimetres(certificate.clearance.upper), 3), certificate.closest_a,
-      certificate.closest_b, certificate.closest_segment, certificate.closest_t);
+  return text + planner::toString(certificate.unchecked) + ".\n";
 }
 
 /// What the path costs, and which wishes it keeps.
@@ -226,6 +231,9 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
     case planner::PlanStatus::kInvalidStart:
     case planner::PlanStatus::kInvalidGoal:
       fmt::print("{}", offendingText(result));
+      break;
+    case planner::PlanStatus::kNothingChecked:
+      fmt::print("Nothing was checked, and nothing planned: {}.\n", result.reason);
       break;
   }
   fmt::print("{}", timeText(result, load_s));

@@ -47,7 +47,8 @@ constexpr const char* kKeys =
   counts                  looks: instants at which obstacles were placed; edges and distance_queries
                           asked for; iterations of planners
 and at the end, with version:
-  status                  reached, unsafe, timeout (execution: duration), stopped (--steps)
+  status                  reached, unsafe, timeout (execution: duration), stopped (--steps),
+                          nothing_checked (no pair of shapes is: no step is taken)
   problem, seed           what was executed
   certified               every step was
   clearance_lower, clearance_upper
@@ -185,10 +186,14 @@ void printSummary(const planner::Problem& problem, const planner::ReplanResult& 
       "seed {}\n",
       problem.name, planner::toString(result.status), lasted, result.steps, result.plans,
       result.replans, result.waits, result.evasions, result.seed);
-  if (result.certified && std::isfinite(result.clearance.lower)) {
+  if (result.status == planner::ReplanStatus::kNothingChecked) {
+    fmt::print("Nothing was checked: no pair of shapes is. `leeway info` lists them.\n");
+  } else if (result.certified && std::isfinite(result.clearance.lower)) {
     fmt::print("Certified: every step kept at least {} mm while the obstacles moved.\n",
                formatLower(result.clearance.lower * 1e3, 3));
-  } else if (!result.certified) {
+  } else if (result.certified) {
+    fmt::print("Certified: there was nothing else that it could touch.\n");
+  } else {
     fmt::print("Not certified: the last step could not be.\n");
   }
   fmt::print("Computing: {:.2f} s in all, {:.1f} ms for the longest step.\n", result.compute_s,

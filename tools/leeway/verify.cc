@@ -23,6 +23,7 @@ struct VerifyArguments {
   std::vector<std::string> files;
   PlanOverrides limits;
   std::string ends = "near";
+  bool shortest = false;
   bool json = false;
 };
 
@@ -31,11 +32,14 @@ std::string resultText(const planner::Path& path, const planner::VerifyResult& r
     const std::string clearance = std::isfinite(result.clearance_lower)
                                       ? fmt::format("every point keeps at least {} mm",
                                                     formatLower(result.clearance_lower * 1e3, 3))
-                                      : "there is nothing that could be touched";
-    return fmt::format("certified: {} edges, {}\n",
-                       path.positions.empty() ? 0 : path.positions.size() - 1, clearance);
+                                      : "there is nothing else that it could touch";
+    return fmt::format("certified: {} edges, {}\n{}\n",
+                       path.positions.empty() ? 0 : path.positions.size() - 1, clearance,
+                       planner::toString(result.unchecked));
   }
   std::string text = toString(result.status);
+  if (result.status == planner::VerifyStatus::kNothingChecked)
+    return fmt::format("nothing checked: {}\n", result.reason);
   if (result.segment >= 0) {
     text += fmt::format(": edge {} between t = {:.6f} and {:.6f}", result.segment, result.t0,
                         result.t1);
@@ -55,7 +59,8 @@ int runVerify(VerifyArguments& arguments) {
   arguments.source.no_cache = true;
   planner::Problem problem = loadProblem(arguments.source, arguments.limits.time_limit);
   apply(arguments.limits, problem);
-  const planner::Path path = planner::readPath(path_file, problem);
+  const planner::Path path =
+      planner::readPath(path_file, problem, {.shortest = arguments.shortest});
   std::vector<std::string> warnings;
   if (arguments.ends == "near") {
     warnings = takeNearEnds(path, problem);
@@ -92,6 +97,7 @@ Verb addVerify(CLI::App& command) {
                   "within 1e-9, as rounding leaves them")
       ->check(CLI::IsMember({"near", "exact"}))
       ->capture_default_str();
+  addShortest(*app, arguments->shortest);
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer(
       "Example:\n"

@@ -10,6 +10,7 @@
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/output_file.h"
+#include "tools/leeway/support/path_ends.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
@@ -24,6 +25,7 @@ struct ViewArguments {
   std::vector<std::string> files;
   view::PageChoice page{.file = "view.html"};
   std::string svg;
+  bool shortest = false;
 };
 
 /// What to show without a path: a plan, or where obstacles move an execution.
@@ -62,10 +64,11 @@ int runView(ViewArguments& arguments) {
               inputs);
   planner::Problem problem = loadProblem(arguments.source, arguments.overrides.time_limit);
   apply(arguments.overrides, problem);
-  const view::Subject subject = path_file.empty()
-                                    ? solve(problem, arguments)
-                                    : view::subjectOfPath(problem, arguments.source.problem,
-                                                          planner::readPath(path_file, problem));
+  const view::Subject subject =
+      path_file.empty() ? solve(problem, arguments)
+                        : view::subjectOfPath(problem, arguments.source.problem,
+                                              planner::readPath(path_file, problem,
+                                                                {.shortest = arguments.shortest}));
   endProgress();
   if (!arguments.svg.empty()) planner::writeFileWhole(arguments.svg, view::pictureSvg(subject));
   if (!only_picture) view::writePage(arguments.page, subject);
@@ -87,6 +90,7 @@ Verb addView(CLI::App& command) {
       "problem file (not with --robot) and path file; without a path the problem is planned, or "
       "executed where its obstacles move");
   addPlanOverrides(*app, arguments->overrides);
+  addShortest(*app, arguments->shortest);
   CLI::Option* output = app->add_option("--output", arguments->page.file, "the page")
                             ->type_name("FILE.html")
                             ->capture_default_str();

@@ -87,6 +87,8 @@ DeformStrategy strategyOf(MotionKind kind) {
 }
 
 StrategyChoice chooseStrategy(const UpdateState& state, bool by_motion) {
+  // The rest position need not be one of the motion's, whose bounds hold for no other vertices.
+  if (!state.current) return {DeformStrategy::kRefit, "the first snapshot is at rest"};
   const DeformOptions& options = state.options;
   if (needsMotion(options.strategy) && !by_motion)
     return {DeformStrategy::kHybrid, "the vertices are not the motion's"};

@@ -245,14 +245,9 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
                                    largePages());
   state.motion_tree = state.tree;
   impl_->makeBounds();
-  // The first snapshot is refitted whatever the strategy: the rest position need not be one of the
-  // motion's, whose bounds hold for no other vertices.
-  DeformStrategy& strategy = state.options.strategy;
-  const DeformStrategy asked = std::exchange(strategy, DeformStrategy::kRefit);
   const std::span<Vector3d> vertices = nextVertices();
   std::copy(state.mesh->rest().begin(), state.mesh->rest().end(), vertices.begin());
   impl_->take(0, kInfinity, true, kInfinity);
-  strategy = asked;
   measureBuilt(state, state.current->impl());
 }
 

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <map>
+#include <optional>
 #include <set>
 
 #include "collision/base/numbers.h"
@@ -15,20 +16,65 @@ using robots::Joint;
 using robots::JointType;
 using robots::Model;
 
+/// The row and the default of a name in a matrix.
+struct Entry {
+  int row = -1;  ///< -1: none
+  std::optional<bool> by_default;
+  bool isKnown() const { return row >= 0 || by_default.has_value(); }
+};
+
 struct Matrix {
   std::vector<std::string> names;
   std::vector<std::vector<bool>> allowed;
-  int index(const std::string& name) const {
-    const auto found = std::find(names.begin(), names.end(), name);
-    return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+  std::map<std::string, Entry> entries;
+
+  Entry entry(const std::string& name) const {
+    const auto found = entries.find(name);
+    return found == entries.end() ? Entry() : found->second;
+  }
+  /// Whether two names may touch: by their own entry, else by their defaults, both of which must
+  /// allow it. Nothing where the matrix does not say.
+  std::optional<bool> allows(const Entry& a, const Entry& b) const {
+    // A matrix that is not symmetric contradicts itself: a pair needs both entries.
+    if (a.row >= 0 && b.row >= 0)
+      return allowed[at(a.row)][at(b.row)] && allowed[at(b.row)][at(a.row)];
+    if (!a.by_default && !b.by_default) return std::nullopt;
+    return a.by_default.value_or(true) && b.by_default.value_or(true);
   }
 };
 
+void readDefaults(const YamlReader& map, Matrix& matrix) {
+  const auto names = map.find("default_entry_names");
+  const std::vector<YamlReader> name_items =
+      hasContent(names) ? names->items() : std::vector<YamlReader>();
+  const auto values = map.find("default_entry_values");
+  const std::vector<YamlReader> items =
+      hasContent(values) ? values->items() : std::vector<YamlReader>();
+  if (items.size() != name_items.size())
+    (values ? *values : map)
+        .fail(fmt::format("{} default_entry_values for {} default_entry_names; equally many are "
+                          "expected",
+                          items.size(), name_items.size()));
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    std::optional<bool>& by_default = matrix.entries[name_items[i].text()].by_default;
+    if (by_default)
+      name_items[i].fail(fmt::format("'{}' stands twice in {}; once is expected",
+                                     name_items[i].text(), names->where()));
+    by_default = items[i].boolean();
+  }
+}
+
 Matrix readMatrix(const YamlReader& map) {
   Matrix matrix;
+  readDefaults(map, matrix);
   const auto names = map.find("entry_names");
   if (!hasContent(names)) return matrix;
-  for (const YamlReader& name : names->items()) matrix.names.push_back(name.text());
+  for (const YamlReader& name : names->items()) {
+    // The first entry of a name counts.
+    Entry& entry = matrix.entries[name.text()];
+    if (entry.row < 0) entry.row = static_cast<int>(matrix.names.size());
+    matrix.names.push_back(name.text());
+  }
   const YamlReader rows = map.at("entry_values", "a row of true and false for each entry name");
   for (const YamlReader& row : rows.items()) {
     // MoveIt's own writer nests the row under `enabled`.
@@ -46,64 +92,77 @@ Matrix readMatrix(const YamlReader& map) {
   return matrix;
 }
 
-/// The matrix entry that holds for a link; -1: none. A link without one that is fixed to a link
-/// with one and named after it (`torso_2` on `torso`) was split off that link's geometry, and
-/// shares its entry.
-int matrixEntry(const Model& model, const Matrix& matrix, int link) {
+/// The name by which the matrix has a link; its own where it has none. A link without an entry that
+/// is fixed to a link with one and named after it (`torso_2` on `torso`) was split off that link's
+/// geometry, and shares its entry.
+const std::string& matrixName(const Model& model, const Matrix& matrix, int link) {
   const std::string& name = model.links[at(link)].name;
   while (true) {
     const std::string& candidate = model.links[at(link)].name;
-    const int entry = matrix.index(candidate);
-    if (entry >= 0 && (candidate == name || name.rfind(candidate + "_", 0) == 0)) return entry;
+    if (matrix.entry(candidate).isKnown() &&
+        (candidate == name || name.rfind(candidate + "_", 0) == 0))
+      return candidate;
     const Joint& joint = model.joints[at(link)];
-    if (joint.type != JointType::kFixed || joint.parent_link < 0) return -1;
+    if (joint.type != JointType::kFixed || joint.parent_link < 0) return name;
     link = joint.parent_link;
   }
 }
 
-/// Allows pairs of links by the matrix where it has both, by the SRDF where it has not; pairs with
-/// objects by the matrix.
+/// Allows pairs by the matrix; pairs of which it says nothing by the SRDF.
 void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
   const Model& model = *problem.robot.model;
-  problem.contacts.replace_srdf = true;
-  std::vector<int> entry(model.links.size());
-  for (std::size_t l = 0; l < entry.size(); ++l) {
-    entry[l] = matrixEntry(model, matrix, static_cast<int>(l));
-    if (entry[l] >= 0 && matrix.names[at(entry[l])] != model.links[l].name)
-      problem.warnings.push_back(
-          fmt::format("{}:{}: link '{}' is not in the matrix, may touch what '{}' may touch",
-                      map.file(), map.line(), model.links[l].name, matrix.names[at(entry[l])]));
+  // Without an SRDF, defaults alone do not say which links are neighbours.
+  problem.contacts.replace_srdf = !matrix.names.empty() || model.has_srdf;
+  const auto warn = [&](const std::string& message) {
+    problem.warnings.push_back(fmt::format("{}:{}: {}", map.file(), map.line(), message));
+  };
+  const auto allow = [&](const std::string& a, const std::string& b) {
+    problem.contacts.allowed.emplace_back(a, b);
+  };
+  std::map<std::string, Entry> bodies, known;  // of them the matrix says something
+  for (const Object& object : problem.world.objects)
+    bodies.emplace(object.name, matrix.entry(object.name));
+  for (const Attachment& held : problem.robot.attachments)
+    bodies.emplace(held.object.name, matrix.entry(held.object.name));
+  for (const auto& body : bodies)
+    if (body.second.isKnown()) known.insert(body);
+  for (const auto& [name, entry] : matrix.entries)
+    if (known.count(name) == 0 && model.findLink(name) < 0)
+      warn(fmt::format("the matrix names '{}', which is no link and no object", name));
+
+  struct LinkEntry : Entry {
+    const std::string* name;  ///< the matrix's
+  };
+  std::vector<LinkEntry> links;
+  for (std::size_t l = 0; l < model.links.size(); ++l) {
+    const std::string& name = matrixName(model, matrix, static_cast<int>(l));
+    links.push_back({matrix.entry(name), &name});
+    if (name != model.links[l].name)
+      warn(fmt::format("link '{}' is not in the matrix, may touch what '{}' may touch",
+                       model.links[l].name, name));
   }
   std::set<std::pair<int, int>> disabled;
   for (const robots::DisabledPair& pair : model.disabled_pairs)
     disabled.insert(std::minmax(pair.link_a, pair.link_b));
-  // A matrix that is not symmetric contradicts itself: a pair needs both entries.
-  const auto both = [&](int i, int j) {
-    return matrix.allowed[at(i)][at(j)] && matrix.allowed[at(j)][at(i)];
-  };
-  for (std::size_t a = 0; a < entry.size(); ++a)
-    for (std::size_t b = a + 1; b < entry.size(); ++b) {
-      const bool known = entry[a] >= 0 && entry[b] >= 0 && entry[a] != entry[b];
-      if (known ? both(entry[a], entry[b])
-                : disabled.count({static_cast<int>(a), static_cast<int>(b)}) > 0)
-        problem.contacts.allowed.emplace_back(model.links[a].name, model.links[b].name);
+  const std::set<int> unchecked(model.unchecked_links.begin(), model.unchecked_links.end());
+  for (std::size_t a = 0; a < links.size(); ++a) {
+    const int link = static_cast<int>(a);
+    for (std::size_t b = a + 1; b < links.size(); ++b) {
+      std::optional<bool> allowed;
+      if (*links[a].name != *links[b].name) allowed = matrix.allows(links[a], links[b]);
+      if (allowed.value_or(disabled.count({link, static_cast<int>(b)}) > 0))
+        allow(model.links[a].name, model.links[b].name);
     }
-  std::set<std::string> bodies;
-  for (const Object& object : problem.world.objects) bodies.insert(object.name);
-  for (const Attachment& attachment : problem.robot.attachments)
-    bodies.insert(attachment.object.name);
-  for (std::size_t i = 0; i < matrix.names.size(); ++i) {
-    const bool body = bodies.count(matrix.names[i]) > 0;
-    if (!body && model.findLink(matrix.names[i]) < 0)
-      problem.warnings.push_back(
-          fmt::format("{}:{}: the matrix names '{}', which is no link and no object", map.file(),
-                      map.line(), matrix.names[i]));
-    for (std::size_t j = 0; body && j < matrix.names.size(); ++j) {
-      const bool other_body = bodies.count(matrix.names[j]) > 0;
-      if ((other_body ? i < j : model.findLink(matrix.names[j]) >= 0) &&
-          both(static_cast<int>(i), static_cast<int>(j)))
-        problem.contacts.allowed.emplace_back(matrix.names[i], matrix.names[j]);
-    }
+    const bool is_unchecked = unchecked.count(link) > 0;
+    for (const auto& [name, entry] : links[a].by_default || is_unchecked ? bodies : known)
+      if (matrix.allows(links[a], entry).value_or(is_unchecked)) allow(name, model.links[a].name);
+  }
+  // Things of the world do not move against each other.
+  for (const Attachment& held : problem.robot.attachments) {
+    const Entry of_held = matrix.entry(held.object.name);
+    for (const auto& [name, entry] : of_held.by_default ? bodies : known)
+      if (name != held.object.name && matrix.allows(of_held, entry).value_or(false))
+        allow(held.object.name, name);
   }
 }
 
@@ -112,7 +171,7 @@ void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
 void readAllowedCollisions(const YamlReader& scene, Problem& problem) {
   const auto map = scene.find("allowed_collision_matrix");
   if (!map || !map->isMap()) return;
-  if (const Matrix matrix = readMatrix(*map); !matrix.names.empty())
+  if (const Matrix matrix = readMatrix(*map); !matrix.entries.empty())
     takeMatrix(*map, matrix, problem);
 }
 

@@ -106,21 +106,28 @@ Pose readPlane(const YamlReader& plane) {
   return *pose;
 }
 
-/// Shapes of one key with their poses, equally many.
+/// Shapes of one key with their poses. Without any, they stand at the object's pose, as MoveIt has
+/// it; where some are missing, which ones is not known.
 template <class Read>
 void readShapes(const YamlReader& map, const char* key, const char* poses_key, Object& object,
                 std::vector<std::string>& warnings, const Read& read) {
   const auto list = map.find(key), poses = map.find(poses_key);
   const std::size_t count = hasContent(list) ? list->items().size() : 0;
   const std::size_t pose_count = hasContent(poses) ? poses->items().size() : 0;
-  if (count != pose_count)
-    (poses ? *poses : map)
-        .fail(fmt::format("object '{}' has {} {} and {} {}; equally many are expected", object.name,
-                          count, key, pose_count, poses_key));
+  if (pose_count > 0 && pose_count != count)
+    poses->fail(fmt::format("object '{}' has {} {} and {} {}; equally many, or no {}, are expected",
+                            object.name, count, key, pose_count, poses_key, poses_key));
+  if (count > 0 && pose_count == 0 && !map.has("pose"))
+    warnings.push_back(fmt::format(
+        "{}:{}: object '{}' has neither pose nor {}: it stands at the origin of its frame",
+        map.file(), map.line(), object.name, poses_key));
   if (count == 0) return;
-  const std::vector<YamlReader> shapes = list->items(), places = poses->items();
+  const std::vector<YamlReader> shapes = list->items();
+  const std::vector<YamlReader> places =
+      pose_count > 0 ? poses->items() : std::vector<YamlReader>();
   for (std::size_t i = 0; i < count; ++i) {
-    const Pose X_OP = readMoveitPose(places[i], "position", "orientation", warnings);
+    Pose X_OP;
+    if (!places.empty()) X_OP = readMoveitPose(places[i], "position", "orientation", warnings);
     const auto [shape, X_PG] = read(shapes[i]);
     object.geometries.push_back({shape, X_OP * X_PG, object.name});
   }

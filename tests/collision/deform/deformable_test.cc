@@ -123,6 +123,23 @@ TEST(Deformable, RefusesOptionsThatMakeNoSense) {
   EXPECT_NO_THROW(Deformable(mesh, nullptr, least));
 }
 
+/// Whatever is asked for, the first snapshot is refitted: its vertices may not be the motion's.
+TEST(Deformable, TheFirstSnapshotIsRefitted) {
+  const Sheet sheet = testing::cloth(4);
+  const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
+  for (const DeformStrategy strategy :
+       {DeformStrategy::kRefit, DeformStrategy::kRebuild, DeformStrategy::kHybrid,
+        DeformStrategy::kLazy, DeformStrategy::kAuto}) {
+    DeformOptions options;
+    options.strategy = strategy;
+    Deformable deformable(mesh, nullptr, options);
+    EXPECT_EQ(deformable.statistics().strategy, DeformStrategy::kRefit);
+    EXPECT_STREQ(deformable.statistics().reason, "the first snapshot is at rest");
+    ASSERT_EQ(deformable.update(sheet.vertices, 1), UpdateStatus::kUpdated);
+    if (strategy != DeformStrategy::kAuto) EXPECT_EQ(deformable.statistics().strategy, strategy);
+  }
+}
+
 TEST(Deformable, BrokenInputLeavesTheLastGoodState) {
   const Sheet sheet = testing::cloth(20);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);

@@ -98,7 +98,7 @@ TEST(ClearancePairs, IntervalsHoldDenseSamplesOfTheirPairsAlone) {
 
 TEST(ClearancePairs, CertificatesHoldDenseSamplesAndAgreeWithTheirParts) {
   Random random(242);
-  int certified = 0, telling = 0;
+  int certified = 0, telling = 0, longer = 0;
   for (int p = 0; p < 60; ++p) {
     const Problem problem =
         testing::randomProblem(random, testing::randomTreeWithShapes(random), 3, 1.3);
@@ -109,13 +109,18 @@ TEST(ClearancePairs, CertificatesHoldDenseSamplesAndAgreeWithTheirParts) {
     for (int i = 0; i < 3; ++i)
       path.positions.push_back(near(random, *scene, path.positions.back(), 0.15));
     const Certificate certificate = certify(certifier, path, 1e-4, CertificateDetail::kPath);
+    EXPECT_EQ(certificate.segments.size(), path.positions.size() - 1);
+    // Rows are straight lines, of which some are longer than an edge.
+    const PathEdges lines = edgesOf(scene->space(), path);
+    const std::vector<std::vector<double>>& points = lines.path.positions;
+    longer += static_cast<int>(points.size() - path.positions.size());
     certified += certificate.certified ? 1 : 0;
     for (const Pairs pairs : {Pairs::kWorld, Pairs::kSelf}) {
       const PathClearance& part = pairs == Pairs::kWorld ? certificate.world : certificate.self;
       DensePairs dense(*scene, pairs);
       double truth = kInfinity;
-      for (std::size_t i = 1; i < path.positions.size(); ++i)
-        truth = std::min(truth, dense.along(path.positions[i - 1], path.positions[i], 40));
+      for (std::size_t i = 1; i < points.size(); ++i)
+        truth = std::min(truth, dense.along(points[i - 1], points[i], 40));
       EXPECT_LE(part.clearance.lower, truth + 1e-7) << "problem " << p;
       EXPECT_GE(part.clearance.upper, truth - 0.03) << "samples are some 0.03 apart";
       telling += certificate.certified && truth < 0.1 && part.clearance.lower > 0.7 * truth ? 1 : 0;
@@ -131,6 +136,7 @@ TEST(ClearancePairs, CertificatesHoldDenseSamplesAndAgreeWithTheirParts) {
   std::printf("certified %d, telling %d\n", certified, telling);
   EXPECT_GT(certified, 3);
   EXPECT_GT(telling, 2);
+  EXPECT_GT(longer, 5);
 }
 
 }  // namespace

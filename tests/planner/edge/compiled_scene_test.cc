@@ -105,14 +105,14 @@ TEST(CompiledScene, PassiveJointsFoldIntoTheWorld) {
   EXPECT_EQ(q, (std::vector<double>{0.5, 1, 2, 3}));
 }
 
-TEST(CompiledScene, WithoutAnSrdfFixedJointsAreSeenThroughAndProofsCount) {
+TEST(CompiledScene, WithoutAnSrdfProofsCountAndFixedJointsDoNotMakeNeighbours) {
   auto model = column(6, {3});  // link2 and link3 are rigidly joined
   model->has_srdf = false;
   Problem problem = problemWith(model);
   const CompiledScene compiled(problem);
   EXPECT_EQ(reason(compiled, "link2", "link3"), "adjacent");
-  EXPECT_EQ(reason(compiled, "link1", "link3"), "adjacent");
-  EXPECT_EQ(reason(compiled, "link2", "link4"), "adjacent");
+  EXPECT_EQ(reason(compiled, "link1", "link3"), "proven never to meet");
+  EXPECT_EQ(reason(compiled, "link2", "link4"), "proven never to meet");
   // Two joints apart the balls can meet: these pairs stay.
   EXPECT_TRUE(kept(compiled, "link3", "link5"));
   auto stiff = column(4);

@@ -366,22 +366,62 @@ TEST_F(PathIo, TimesThatNoFileCanSayAreRefused) {
 }
 
 /// A controller unaware of wrapping must follow the certified way.
-TEST_F(PathIo, ContinuousJointsAreWrittenUnwrapped) {
+TEST_F(PathIo, RowsAreWrittenAndReadAsStraightLines) {
   const Problem problem = loadProblem(kSource + "/problems/bodies/piano.yaml");
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
   const double pi = 3.14159265358979323846;
   const std::vector<std::vector<double>> rows = {
       {1, 1, 3.0}, {1, 1, -3.0}, {1, 1, -0.5}, {1, 1, 3.1}};
-  writePath(file("piano.csv"), problem, resultOf(problem, rows));
-  const Path path = readPath(file("piano.csv"), problem);
+  for (const char* name : {"piano.csv", "piano.json", "piano.yaml", "piano.path"}) {
+    writePath(file(name), problem, resultOf(problem, rows));
+    EXPECT_TRUE(sameBits(readPath(file(name), problem).positions, rows)) << name;
+    EXPECT_TRUE(sameBits(readPath(file(name), problem, {.shortest = true}).positions,
+                         unwrapped(space, rows)))
+        << name;
+  }
+  const Path path = readPath(file("piano.csv"), problem, {.shortest = true});
   EXPECT_EQ(path.positions[0][2], 3.0);
   EXPECT_EQ(path.positions[1][2], -3.0 + 2 * pi);
   EXPECT_EQ(path.positions[2][2], -0.5 + 2 * pi);
   EXPECT_EQ(path.positions[3][2], 3.1);
   for (std::size_t i = 1; i < 4; ++i)
     EXPECT_LE(std::abs(path.positions[i][2] - path.positions[i - 1][2]), pi + 1e-12);
-  writePath(file("again.csv"), problem,
-            resultOf(problem, path.positions));  // unwrapped values stay bit for bit
-  EXPECT_TRUE(sameBits(readPath(file("again.csv"), problem).positions, path.positions));
+  EXPECT_TRUE(sameBits(unwrapped(space, path.positions), path.positions)) << "bit for bit";
+}
+
+/// Whole turns are edges of less than half a turn each, and no certifier takes thousands of them.
+TEST_F(PathIo, LongTurnsAreEdgesThatGoTheirWay) {
+  const Problem problem = loadProblem(kSource + "/problems/bodies/piano.yaml");
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+  const double pi = 3.14159265358979323846;
+  const Path path{{}, {{1, 1, 3.0}, {3, 1, -3.0}, {3, 1, -3.0 + pi}, {3, 2, 40}}, {{"all", 0, 3}}};
+  const PathEdges edges = edgesOf(space, path);
+  ASSERT_EQ(edges.places.size(), 2U + 1U + 14U);
+  ASSERT_EQ(edges.path.positions.size(), edges.places.size() + 1);
+  EXPECT_EQ(edges.path.steps[0].last, 17);
+  for (std::size_t e = 0; e < edges.places.size(); ++e) {
+    const auto &a = edges.path.positions[e], &b = edges.path.positions[e + 1];
+    std::vector<double> way(3), from(3), middle(3), expected(3);
+    space.difference(a, b, way);
+    EXPECT_NEAR(way[2], b[2] - a[2], 1e-13) << "the shorter way is the straight one";
+    const PathEdges::Place& place = edges.places[e];
+    const auto s = static_cast<std::size_t>(place.segment);
+    space.alongLine(path.positions[s], path.positions[s + 1], place.along(0.5), expected);
+    space.alongLine(a, b, 0.5, middle);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(middle[i], expected[i], 1e-13);
+  }
+  EXPECT_THROW(edgesOf(space, {{}, {{1, 1, 0}, {1, 1, 1e6}}}), std::invalid_argument);
+  EXPECT_THROW(edgesOf(space, {{}, {{1, 1, 0}, {1, 1}}}), std::invalid_argument);
+  writeText(file("far.path"), "1 1 0\n1 1 1e6\n");
+  try {
+    readPath(file("far.path"), problem);
+    ADD_FAILURE();
+  } catch (const robots::InputError& error) {
+    EXPECT_EQ(error.line(), 2);
+    EXPECT_NE(std::string(error.what()).find("more than half a turn, beyond 1000 rad"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 /// An exact half turn follows the certified direction, whatever turns precede it.
@@ -398,7 +438,7 @@ TEST_F(PathIo, HalfTurnsAreWrittenAsTheyWereCertified) {
       const std::size_t before = rows.size();
       splitHalfTurns(space, rows);
       cut += rows.size() > before;
-      writePath(file("turns.csv"), problem, resultOf(problem, rows));
+      writePath(file("turns.csv"), problem, resultOf(problem, unwrapped(space, rows)));
       const Path path = readPath(file("turns.csv"), problem);
       ASSERT_EQ(path.positions.size(), rows.size());
       std::vector<double> certified(3), read(3);

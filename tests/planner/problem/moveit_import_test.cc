@@ -242,6 +242,110 @@ TEST_F(MoveitImport, FalseInTheMatrixOutweighsTheSrdf) {
   EXPECT_EQ(half.contacts.allowed, problem.contacts.allowed);
 }
 
+/// Pairs that the matrix does not hold go by the defaults of their names, both of which must allow.
+TEST_F(MoveitImport, DefaultsOfTheMatrixHoldForPairsWithoutAnEntry) {
+  const auto allowedBy = [&](const std::string& matrix) {
+    const Problem problem = load("\nallowed_collision_matrix:\n" + matrix + kObjects, kRequest);
+    std::set<std::set<std::string>> allowed;
+    for (const auto& [a, b] : problem.contacts.allowed) allowed.insert({a, b});
+    return allowed;
+  };
+  using Pairs = std::set<std::set<std::string>>;
+  std::vector<std::string> links;
+  for (const robots::Link& link : model_->links) links.push_back(link.name);
+  // The SRDF's own pairs stay.
+  Pairs of_can = {{"left", "right"}, {"knob", "right"}};
+  for (const std::string& link : links) of_can.insert({"can", link});
+  EXPECT_EQ(allowedBy("  entry_names: []\n  entry_values: []\n  default_entry_names: [can]\n"
+                      "  default_entry_values: [true]\n"),
+            of_can);
+  Pairs of_both = of_can;
+  for (const std::string& link : links) of_both.insert({"box", link});
+  EXPECT_EQ(allowedBy("  default_entry_names: [can, box]\n  default_entry_values: [true, true]\n"),
+            of_both);
+  // A link's default is for links, those split off it and objects; false holds against the other's
+  // true.
+  Pairs of_link = {{"left", "right"}, {"knob", "right"}, {"left", "can"}};
+  for (const std::string& link : links)
+    if (link != "left" && link.rfind("torso", 0) != 0) of_link.insert({"left", link});
+  EXPECT_EQ(allowedBy("  default_entry_names: [left, box, torso]\n  default_entry_values: [true, "
+                      "false, false]\n"),
+            of_link);
+  // An entry outweighs defaults, and false defaults outweigh the SRDF.
+  Pairs but_entry = of_can;
+  but_entry.erase({"can", "left"});
+  EXPECT_EQ(allowedBy("  entry_names: [left, can]\n  entry_values: [[false, false], [false, "
+                      "false]]\n  default_entry_names: [can]\n  default_entry_values: [true]\n"),
+            but_entry);
+  EXPECT_EQ(allowedBy("  default_entry_names: [right]\n  default_entry_values: [false]\n"),
+            Pairs{});
+}
+
+TEST_F(MoveitImport, DefaultsThatDoNotFitAreRefused) {
+  const auto refused = [&](const std::string& matrix) {
+    return messageOf("\nallowed_collision_matrix:\n" + matrix + kObjects, kRequest);
+  };
+  EXPECT_EQ(refused("  default_entry_names: [can]\n  default_entry_values: []\n"),
+            "scene.yaml:4: 0 default_entry_values for 1 default_entry_names; equally many are "
+            "expected");
+  EXPECT_EQ(refused("  default_entry_names: [can]\n"),
+            "scene.yaml:3: 0 default_entry_values for 1 default_entry_names; equally many are "
+            "expected");
+  EXPECT_EQ(refused("  default_entry_names: [can, can]\n  default_entry_values: [true, false]\n"),
+            "scene.yaml:3: 'can' stands twice in allowed_collision_matrix.default_entry_names; "
+            "once is expected");
+  const Problem problem = load(
+      "\nallowed_collision_matrix:\n  default_entry_names: [ghost]\n  default_entry_values: "
+      "[true]\n" +
+          std::string(kObjects),
+      kRequest);
+  EXPECT_EQ(std::count_if(problem.warnings.begin(), problem.warnings.end(),
+                          [](const std::string& warning) {
+                            return warning.find("the matrix names 'ghost'") != std::string::npos;
+                          }),
+            1);
+}
+
+/// Shapes without poses of their own stand at the object's.
+TEST_F(MoveitImport, ShapesWithoutPosesStandAtTheObjects) {
+  const std::string scene =
+      "name: s\nworld:\n  collision_objects:\n"
+      "    - id: a\n"
+      "      pose: {position: {x: 1, y: 0.5, z: 0}, orientation: {x: 0, y: 0, z: 0, w: 1}}\n"
+      "      primitives: [{type: box, dimensions: [1, 2, 3]}, {type: sphere, dimensions: [4]}]\n"
+      "      meshes: [{vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles: [[0, 1, 2]]}]\n"
+      "      planes: [{coef: [0, 0, 1, -2]}]\n";
+  const Problem problem = load(scene, kRequest);
+  const Object& a = problem.world.objects.at(0);
+  EXPECT_EQ(a.X_WO.translation, Eigen::Vector3d(1, 0.5, 0));
+  ASSERT_EQ(a.geometries.size(), 4U);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(a.geometries[i].X_BG.translation, Eigen::Vector3d::Zero()) << i;
+  EXPECT_EQ(a.geometries[3].X_BG.translation, Eigen::Vector3d(0, 0, 2));
+  const auto said = [](const Problem& of) {
+    return std::any_of(of.warnings.begin(), of.warnings.end(), [](const std::string& warning) {
+      return warning.find("stands at the origin of its frame") != std::string::npos;
+    });
+  };
+  EXPECT_FALSE(said(problem));
+  // Without any pose it stands at its frame's origin, with a warning.
+  EXPECT_TRUE(
+      said(load("name: s\nworld:\n  collision_objects:\n    - id: a\n      primitives: "
+                "[{type: sphere, dimensions: [4]}]\n",
+                kRequest)));
+  // Held things, too.
+  const std::string request = replaced(
+      kRequest, "start_state:\n",
+      "start_state:\n  attached_collision_objects:\n    - {link_name: left, object: {id: cup, "
+      "header: {frame_id: left}, pose: {position: [0.5, 0, 0]}, primitives: [{type: sphere, "
+      "dimensions: [0.1]}]}}\n");
+  const Problem held = load(kScene, request);
+  ASSERT_EQ(held.robot.attachments.size(), 1U);
+  EXPECT_EQ(held.robot.attachments[0].X_LO.translation, Eigen::Vector3d(0.5, 0, 0));
+  EXPECT_EQ(held.robot.attachments[0].object.geometries[0].X_BG.translation,
+            Eigen::Vector3d::Zero());
+}
+
 TEST_F(MoveitImport, WithoutAMatrixTheSrdfHolds) {
   const Problem problem = load(kObjects, kRequest);
   EXPECT_FALSE(problem.contacts.replace_srdf);
@@ -294,8 +398,8 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
          "scene.yaml:21: world.collision_objects[1].primitives[1].dimensions: sphere: radius is "
          "4000000000, but must be a number that is not negative and at most 1e+09 [m]");
   expect(replaced(kScene, ", {}]", "]"), request,
-         "scene.yaml:22: object 'box' has 3 primitives and 2 primitive_poses; equally many are "
-         "expected");
+         "scene.yaml:22: object 'box' has 3 primitives and 2 primitive_poses; equally many, "
+         "or no primitive_poses, are expected");
   expect(replaced(kScene, "id: box", "id: can"), request,
          "scene.yaml:19: object 'can' has the name of another object or link; a name of its own is "
          "expected");
@@ -321,8 +425,9 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
   expect(withMesh("{triangles: [[0, 1]], vertices: [[0, 0, 0], [1, 0, 0]]}"), request,
          "scene.yaml:21: world.collision_objects[1].meshes[0].triangles[0] is a list of 2; three "
          "numbers of vertices are expected");
-  expect(replaced(kScene, "id: box\n", "id: box\n      meshes: [{}]\n"), request,
-         "scene.yaml:19: object 'box' has 1 meshes and 0 mesh_poses; equally many are expected");
+  expect(replaced(kScene, "id: box\n", "id: box\n      mesh_poses: [{}]\n"), request,
+         "scene.yaml:20: object 'box' has 0 meshes and 1 mesh_poses; equally many, or no "
+         "mesh_poses, are expected");
   const auto withPlane = [&](const std::string& coef) {
     return replaced(kScene, "id: box\n",
                     "id: box\n      planes: [{coef: " + coef + "}]\n      plane_poses: [{}]\n");

@@ -285,13 +285,15 @@ TEST(Verify, PassiveJointsDoNotMoveAndFixedBlocksAreAdjacent) {
   b.add("finger", 3, JointType::kPrismatic, shifted(0, 0, 0.2), Vector3d::UnitX(), ball(0.02));
   Problem problem = problemFor(std::make_shared<Model>(b.model), {1});
   problem.robot.variables = {0};
-  EXPECT_EQ(verification::collectPairs(problem, verification::collectBodies(problem)).size(), 2u)
+  EXPECT_EQ(
+      verification::collectPairs(problem, verification::collectBodies(problem)).checked.size(), 2u)
       << "base-finger and cover-finger; the rest is adjacent or rigid";
   b.model.has_srdf = true;
   problem.robot.model = std::make_shared<Model>(b.model);
   // With an SRDF only links that share a joint are adjacent: adds base-tool, cover-arm, cover-tool;
   // arm-finger and tool-finger do not move.
-  EXPECT_EQ(verification::collectPairs(problem, verification::collectBodies(problem)).size(), 5u);
+  EXPECT_EQ(
+      verification::collectPairs(problem, verification::collectBodies(problem)).checked.size(), 5u);
 }
 
 TEST(Verify, AttachedBodiesMoveAndMayTouchWhatTheyMay) {
@@ -383,19 +385,37 @@ TEST(Verify, SolidMeshesHoldWhatIsInsideThem) {
       VerifyStatus::kCertified);
 }
 
-TEST(Verify, ContinuousJointsGoTheShorterWayAndJumpingMimicsAreNotCertified) {
+TEST(Verify, RowsAreStraightLinesAndJumpingMimicsAreNotCertified) {
   Builder b;
   const robots::Geometry bar{Shape::box({0.5, 0.05, 0.05}), shifted(0.5, 0, 0), "bar"};
   b.add("wheel", -1, JointType::kContinuous, {}, Vector3d::UnitZ(), {bar});
   Problem problem = problemFor(std::make_shared<Model>(b.model), {-3});
   problem.start[0] = 3;
   problem.world.objects.push_back(
-      box("post", {0.1, 0.1, 0.1}, 0.7, 0, 0));  // at angle 0: the long way round would hit it
-  EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {-3}})).status, VerifyStatus::kCertified);
-  EXPECT_EQ(verify(problem, pathOf(problem, {{3 - 2 * M_PI}, {-3 + 2 * M_PI}})).status,
-            VerifyStatus::kCertified);
+      box("post", {0.1, 0.1, 0.1}, 0.7, 0, 0));  // at angle 0: the long way round hits it
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+  const auto shortest = [&](Path path) {
+    path.positions = unwrapped(space, std::move(path.positions));
+    return verify(problem, path).status;
+  };
+  const Path across = pathOf(problem, {{3}, {-3}}),
+             around = pathOf(problem, {{3 - 2 * M_PI}, {-3 + 2 * M_PI}});
+  EXPECT_EQ(verify(problem, across).status, VerifyStatus::kRefuted);
+  EXPECT_EQ(verify(problem, around).status, VerifyStatus::kRefuted);
+  EXPECT_EQ(shortest(across), VerifyStatus::kCertified);
+  EXPECT_EQ(shortest(around), VerifyStatus::kCertified);
+  // Two turns pass the post, wherever they begin.
+  EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {-3 + 6 * M_PI}})).status,
+            VerifyStatus::kRefuted);
+  EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {-3 + 1000 * M_PI}})).status,
+            VerifyStatus::kUndecided);
   problem.world.objects[0].X_WO.translation.x() = -0.7;
-  EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {-3}})).status, VerifyStatus::kRefuted);
+  problem.start[0] = 2.5;
+  problem.goals[0].ranges[0] = {-2.5, -2.5};
+  EXPECT_EQ(verify(problem, pathOf(problem, {{2.5}, {-2.5}})).status, VerifyStatus::kCertified);
+  EXPECT_EQ(shortest(pathOf(problem, {{2.5}, {-2.5}})), VerifyStatus::kRefuted);
+  problem.start[0] = 3;
+  problem.goals[0].ranges[0] = {-3, -3};
   // A mimic at half the angle turns the opposite way when its master wraps.
   const int follower =
       b.add("follower", -1, JointType::kContinuous, shifted(0, 0, 5), Vector3d::UnitZ(), {bar});
@@ -407,12 +427,11 @@ TEST(Verify, ContinuousJointsGoTheShorterWayAndJumpingMimicsAreNotCertified) {
   joint.multiplier = 0.5;
   problem.robot.model = std::make_shared<Model>(b.model);
   problem.world.objects.clear();
-  const VerifyResult result = verify(problem, pathOf(problem, {{3}, {-3}}));
+  const VerifyResult result = verify(problem, pathOf(problem, {{3}, {-3 + 2 * M_PI}}));
   EXPECT_EQ(result.status, VerifyStatus::kUndecided);
   EXPECT_NE(result.reason.find("follower_joint mimics wheel_joint"), std::string::npos)
       << result.reason;
-  problem.goals[0].ranges[0] = {1, 1};
-  EXPECT_EQ(verify(problem, pathOf(problem, {{3}, {1}})).status, VerifyStatus::kCertified);
+  EXPECT_EQ(verify(problem, across).status, VerifyStatus::kCertified);
 }
 
 // The planner omits pairs without relative motion. Regression: it was refuted for that.

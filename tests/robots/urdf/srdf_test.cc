@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <map>
 
 #include "leeway/robots/model.h"
 #include "tests/support/build_paths.h"
@@ -12,7 +13,7 @@ namespace {
 
 /// base - j1 - l1 - j2 - l2 - tool_joint (fixed) - tool, and base - k1 - m1 - k2 (mimics k1) - m2.
 constexpr const char* kUrdf = R"(<robot name="two_arms">
-<link name="base"/><link name="l1"/><link name="l2"/><link name="tool"/><link name="m1"/><link name="m2"/>
+<link name="base"/><link name="l1"><collision><geometry><sphere radius="0.1"/></geometry></collision></link><link name="l2"/><link name="tool"/><link name="m1"/><link name="m2"/>
 <joint name="j1" type="continuous"><parent link="base"/><child link="l1"/></joint>
 <joint name="j2" type="revolute"><parent link="l1"/><child link="l2"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
 <joint name="tool_joint" type="fixed"><parent link="l2"/><child link="tool"/></joint>
@@ -102,6 +103,52 @@ TEST_F(Srdf, StatesPairsAndVirtualJoint) {
   EXPECT_LT(model->disabled_pairs[0].link_a, model->disabled_pairs[0].link_b);
   EXPECT_EQ(model->disabled_pairs[0].reason, "Adjacent");
   EXPECT_TRUE(model->warnings.empty()) << model->warnings[0];
+}
+
+/// As MoveIt's matrix is filled: defaults first, then pairs that are enabled, then those that are
+/// disabled.
+TEST_F(Srdf, DefaultsOfLinksGiveWayToPairs) {
+  const auto model = load(R"(<enable_collisions link1="m1" link2="l2"/>
+<enable_collisions link1="l2" link2="tool"/>
+<disable_collisions link1="tool" link2="l2" reason="Never"/>
+<disable_default_collisions link="l2"/>
+<disable_default_collisions link="l2"/>
+<enable_collisions link1="l1" link2="base"/>)");
+  const int l2 = model->findLink("l2");
+  EXPECT_EQ(model->unchecked_links, std::vector<int>{l2});
+  EXPECT_EQ(model->enabled_pairs,
+            (std::vector<std::pair<int, int>>{
+                std::minmax(model->findLink("m1"), l2),
+                std::minmax(model->findLink("base"), model->findLink("l1"))}));
+  std::map<std::string, std::string> reasons;
+  for (const DisabledPair& pair : model->disabled_pairs) {
+    EXPECT_TRUE(pair.link_a == l2 || pair.link_b == l2);
+    reasons[model->links[static_cast<std::size_t>(pair.link_a == l2 ? pair.link_b : pair.link_a)]
+                .name] = pair.reason;
+  }
+  EXPECT_EQ(reasons, (std::map<std::string, std::string>{{"tool", "Never"},
+                                                         {"base", "disable_default_collisions"},
+                                                         {"l1", "disable_default_collisions"},
+                                                         {"m2", "disable_default_collisions"}}));
+  EXPECT_TRUE(model->warnings.empty()) << model->warnings[0];
+}
+
+TEST_F(Srdf, UnknownLinksOfDefaultsAreLeftOut) {
+  const auto model = load(R"(<disable_default_collisions link="l9"/>
+<enable_collisions link1="l1" link2="l8"/>
+<enable_collisions link1="l1" link2="l1"/>)");
+  ASSERT_EQ(model->warnings.size(), 3U);
+  EXPECT_NE(model->warnings[0].find(":3: enable_collisions names the link \"l8\""),
+            std::string::npos)
+      << model->warnings[0];
+  EXPECT_NE(model->warnings[1].find(":4: enable_collisions names the link \"l1\" twice"),
+            std::string::npos)
+      << model->warnings[1];
+  EXPECT_NE(model->warnings[2].find(":2: disable_default_collisions names the link \"l9\""),
+            std::string::npos)
+      << model->warnings[2];
+  EXPECT_TRUE(model->disabled_pairs.empty());
+  expectError("<disable_default_collisions/>", 2, {"<disable_default_collisions> has no link"});
 }
 
 TEST_F(Srdf, FixedVirtualJointAddsNothingToPlan) {

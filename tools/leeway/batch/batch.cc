@@ -58,7 +58,8 @@ struct Arguments {
 
 /// What became of the problems, for the end of stderr and for the exit status.
 struct Tally {
-  int solved = 0, unsolved = 0, invalid = 0, not_verified = 0, bad_input = 0, faults = 0;
+  int solved = 0, unsolved = 0, invalid = 0, nothing_checked = 0, not_verified = 0, bad_input = 0,
+      faults = 0;
   std::vector<double> plan_s, total_s;
 
   int status() const {
@@ -68,7 +69,7 @@ struct Tally {
     if (bad_input > 0) {
       return kBadInput;
     }
-    return unsolved + invalid + not_verified > 0 ? kNo : kYes;
+    return unsolved + invalid + nothing_checked + not_verified > 0 ? kNo : kYes;
   }
 };
 
@@ -229,15 +230,18 @@ void countLine(const Json& document, Tally& tally) {
              flag(document["certificate"], "certified")) {
     // A path without its proof is not an answer.
     ++tally.solved;
+  } else if (status == "nothing_checked") {
+    ++tally.nothing_checked;
   } else {
     status == "solved" || status == "unsolved" ? ++tally.unsolved : ++tally.invalid;
   }
   if (status == "solved" && document.contains("time_s") && document["time_s"].is_object()) {
     const Json& time = document["time_s"];
     tally.plan_s.push_back(time.value("plan", 0.0));
-    tally.total_s.push_back(time.value("compile", 0.0) + time.value("plan", 0.0) +
-                            time.value("simplify", 0.0) + time.value("push", 0.0) +
-                            time.value("certify", 0.0));
+    double total_s = 0;
+    for (const char* stage : {"compile", "plan", "simplify", "improve", "push", "certify"})
+      total_s += time.value(stage, 0.0);
+    tally.total_s.push_back(total_s);
   }
   if (document.contains("verify") && document["verify"].is_object() &&
       document["verify"]["status"] != "certified") {
@@ -346,6 +350,9 @@ void printSummary(const Tally& tally, std::size_t count, std::size_t kept, bool 
   std::string text = fmt::format(
       "{} problems: {} solved, {} unsolved, {} with an invalid start or goal, {} with bad input",
       count, tally.solved, tally.unsolved, tally.invalid, tally.bad_input);
+  if (tally.nothing_checked > 0) {
+    text += fmt::format(", {} with nothing to check", tally.nothing_checked);
+  }
   if (verified) {
     text += fmt::format(", {} not verified", tally.not_verified);
   }
@@ -357,7 +364,8 @@ void printSummary(const Tally& tally, std::size_t count, std::size_t kept, bool 
   }
   if (!tally.plan_s.empty()) {
     text += fmt::format(
-        "; median {:.2f} ms of planning, {:.2f} ms with compiling, simplifying and certifying",
+        "; median {:.2f} ms of planning, {:.2f} ms with compiling, simplifying, improving, pushing "
+        "and certifying",
         median(tally.plan_s) * 1e3, median(tally.total_s) * 1e3);
   }
   fmt::print(stderr, "{}\n", text);
@@ -374,7 +382,7 @@ void printInterrupted(std::size_t done, std::size_t count, const BatchOutput& ou
 void printTable(const std::vector<Tallies::Folder>& folders) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& [folder, tally] : folders) {
-    const int other = tally.invalid + tally.bad_input + tally.faults;
+    const int other = tally.invalid + tally.nothing_checked + tally.bad_input + tally.faults;
     const auto ms = [](double seconds) { return fmt::format("{:.2f}", seconds * 1e3); };
     rows.push_back({folder, fmt::format("{}", tally.solved + tally.unsolved + other),
                     fmt::format("{}", tally.solved), fmt::format("{}", tally.unsolved),

@@ -318,12 +318,14 @@ Json compiledJson(const planner::CompiledScene& scene, int samples, std::uint64_
   }
   const SampledPairs sampled = samplePairsOfBodies(scene, samples, seed);
   const std::size_t bodies = scene.scene().bodies().size();
+  const std::string nothing = scene.nothingChecked();
   return {{"moving_bodies", moving},
           {"static_bodies", static_cast<int>(bodies) - moving},
           {"pairs_kept", scene.scene().pairs().size()},
           {"pairs_dropped", scene.dropped().size()},
           {"dropped_by_reason", reasons},
           {"dropped", dropped},
+          {"nothing_checked", nothing.empty() ? Json() : Json(nothing)},
           {"samples", samples},
           {"seed", seed},
           {"sampled_never_touching", sampled.never},

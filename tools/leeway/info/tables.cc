@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "leeway/planner/compiled_scene.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools::info {
@@ -152,7 +153,14 @@ void printCompiled(const Json& compiled) {
       compiled["pairs_kept"].get<int>(), compiled["pairs_dropped"].get<int>());
   for (const auto& [reason, count] : compiled["dropped_by_reason"].items()) {
     fmt::print("  {} left out: {}\n", count.get<int>(), reason);
+    // These pairs are assumed to touch, so they are listed by name.
+    if (reason != toString(planner::Unchecked::kTouchAtZero)) continue;
+    for (const Json& pair : compiled["dropped"])
+      if (pair["reason"] == reason)
+        fmt::print("    {} with {}\n", pair["a"].get<std::string>(), pair["b"].get<std::string>());
   }
+  if (!compiled["nothing_checked"].is_null())
+    fmt::print("nothing is checked: {}\n", compiled["nothing_checked"].get<std::string>());
   const std::string samples = compiled["samples"].dump();
   printPairs(("touching at all of " + samples + " random configurations, still checked").c_str(),
              compiled["sampled_always_touching"]);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "leeway/robots/input_error.h"
+#include "planner/execute/unchecked_json.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
@@ -35,7 +36,7 @@ Json clearanceJson(const planner::PathClearance& clearance,
           {"closest", closestJson(clearance, trajectory)}};
 }
 
-Json certificateJson(const planner::Certificate& certificate,
+Json certificateJson(const planner::Problem& problem, const planner::Certificate& certificate,
                      const std::optional<planner::Trajectory>& trajectory) {
   Json segments = Json::array();
   for (const auto& segment : certificate.segments) {
@@ -47,6 +48,9 @@ Json certificateJson(const planner::Certificate& certificate,
   document["world"] = clearanceJson(certificate.world, trajectory);
   document["self"] = clearanceJson(certificate.self, trajectory);
   document["segments"] = segments;
+  document["interpolation"] =
+      planner::ConfigurationSpace(problem.robot.model, problem.robot.variables).interpolation();
+  document["not_checked"] = planner::uncheckedJson(certificate.unchecked);
   return document;
 }
 
@@ -142,7 +146,7 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
                                            {"deviation", step.deviation},
                                            {"turn", step.turn}});
     document["length"] = jsonNumber(result.length);
-    document["certificate"] = certificateJson(result.certificate, trajectory);
+    document["certificate"] = certificateJson(problem, result.certificate, trajectory);
     if (trajectory) document["trajectory"] = trajectoryJson(*trajectory);
   }
   if (invalid) {
@@ -158,13 +162,15 @@ Json toJson(const planner::VerifyResult& result) {
   Json document = {{"status", toString(result.status)},
                    {"clearance_lower", certified ? jsonNumber(result.clearance_lower) : Json()}};
   Json where;  // null: certified, or the failure is not at a place of the path
-  if (!certified && result.segment >= 0) {
+  if (!certified && result.status != planner::VerifyStatus::kNothingChecked &&
+      result.segment >= 0) {
     where = {{"segment", result.segment}, {"t0", result.t0}, {"t1", result.t1}};
     where["a"] = result.a.empty() ? Json() : Json(result.a);
     where["b"] = result.b.empty() ? Json() : Json(result.b);
   }
   document["where"] = where;
   document["reason"] = result.reason.empty() ? Json() : Json(result.reason);
+  document["not_checked"] = planner::uncheckedJson(result.unchecked);
   return document;
 }
 
@@ -174,6 +180,8 @@ const char* toString(planner::VerifyStatus status) {
       return "certified";
     case planner::VerifyStatus::kRefuted:
       return "refuted";
+    case planner::VerifyStatus::kNothingChecked:
+      return "nothing_checked";
     case planner::VerifyStatus::kUndecided:
       break;
   }

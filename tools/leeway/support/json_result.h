@@ -22,7 +22,7 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
             const std::optional<planner::Trajectory>& trajectory, double load_s);
 /// The document of `verify --json`.
 Json toJson(const planner::VerifyResult& result);
-const char* toString(planner::VerifyStatus status);  ///< "certified", "refuted", "undecided"
+const char* toString(planner::VerifyStatus status);  ///< "certified", "refuted", ...
 
 /// As text: `indent` -1 for one line. Names and paths that are not UTF-8 are shown with the
 /// replacement character, as JSON has no other way.

@@ -44,6 +44,12 @@ std::vector<double> nearestInGoal(const planner::ConfigurationSpace& space,
 
 }  // namespace
 
+void addShortest(CLI::App& app, bool& shortest) {
+  app.add_flag("--shortest", shortest,
+               "the file's continuous joints go the shorter way from row to row; without it rows "
+               "mean straight lines, and from 3 to -3 a joint turns by 6 rad");
+}
+
 std::vector<std::string> takeNearEnds(const planner::Path& path, planner::Problem& problem) {
   const planner::ConfigurationSpace space(problem.robot.model, problem.robot.variables);
   const auto size = static_cast<std::size_t>(space.size());

@@ -5,7 +5,14 @@
 
 #include "leeway/planner/plan.h"
 
+namespace CLI {
+class App;
+}
+
 namespace leeway::tools {
+
+/// --shortest, for verbs that read a path.
+void addShortest(CLI::App& app, bool& shortest);
 
 /// Paths in single precision miss their ends by some 1e-8. Where an end of `path` is within 1e-6
 /// [rad or m, in the space's distance] of start or goal, the problem's becomes that of the path,

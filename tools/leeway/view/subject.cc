@@ -46,6 +46,11 @@ void noteEnds(Subject& subject) {
       subject.notes.push_back(endNote(subject, end));
 }
 
+void noteNothingChecked(const std::string& why, Subject& subject) {
+  subject.verdict = "nothing checked";
+  subject.notes.push_back("Nothing was checked: " + why + ".");
+}
+
 /// Whether every stretch is proven above every margin, and the least bound of all.
 std::pair<bool, double> least(const Subject& subject) {
   double margin = -std::numeric_limits<double>::infinity();
@@ -97,22 +102,25 @@ void recordSearch(planner::PlanOptions& options, SearchEdges& edges) {
 namespace {
 
 /// Each edge, with what is wrong with it; and the path's clearances where they are not known yet.
-void certifyPath(const planner::Path& path, const planner::Certificate* certificate,
+void certifyPath(const planner::PathEdges& edges, const planner::Certificate* certificate,
                  Subject& subject) {
   planner::EdgeCertifier certifier(subject.scene);
+  const planner::Path& path = edges.path;
   subject.good = true;
-  for (std::size_t i = 1; i < path.positions.size(); ++i) {
-    const planner::EdgeCheck check = certifier.certify(path.positions[i - 1], path.positions[i],
+  for (std::size_t i = 0; i < edges.places.size(); ++i) {
+    const planner::EdgeCheck check = certifier.certify(path.positions[i], path.positions[i + 1],
                                                        planner::EdgeRequest::persistent());
     if (check.verdict == planner::Verdict::kFree) continue;
+    const planner::PathEdges::Place& place = edges.places[i];
+    const double t = place.along(check.t);
     subject.good = false;
     const PairNames names = pairNames(*subject.scene, check.pair);
     const char* what =
         check.verdict == planner::Verdict::kNotFree ? "does not keep its margin" : "is undecided";
     subject.notes.push_back(names.a.empty()
-                                ? fmt::format("Edge {} {} at t = {:.3f}.", i - 1, what, check.t)
-                                : fmt::format("Edge {} {} at t = {:.3f}: {} and {}.", i - 1, what,
-                                              check.t, names.a, names.b));
+                                ? fmt::format("Edge {} {} at t = {:.3f}.", place.segment, what, t)
+                                : fmt::format("Edge {} {} at t = {:.3f}: {} and {}.", place.segment,
+                                              what, t, names.a, names.b));
   }
   if (!subject.good) return;
   noteClearances(certificate != nullptr
@@ -133,12 +141,21 @@ void verifyTask(const planner::Path& path, const planner::Certificate* certifica
 }  // namespace
 
 Subject subjectOfPath(const planner::Problem& problem, const std::string& source,
-                      const planner::Path& path, const planner::Certificate* certificate) {
+                      const planner::Path& given, const planner::Certificate* certificate) {
   Subject subject = begin(problem, source);
+  const planner::PathEdges edges = planner::edgesOf(subject.scene->space(), given);
+  const planner::Path& path = edges.path;
   subject.stages = stagesOf(problem, subject.scene, path);
   subject.timeline = timelineOfPath(problem, subject.scene, path, subject.stages);
+  std::string nothing;
+  for (const Stage& stage : subject.stages)
+    if (nothing.empty() && stage.scene) nothing = stage.scene->nothingChecked();
+  if (!nothing.empty()) {
+    noteNothingChecked(nothing, subject);
+    return subject;
+  }
   if (problem.steps.empty())
-    certifyPath(path, certificate, subject);
+    certifyPath(edges, certificate, subject);
   else
     verifyTask(path, certificate, subject);
   subject.verdict = subject.good ? "certified" : "not certified";
@@ -148,7 +165,8 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
         std::isfinite(lower)
             ? fmt::format("Every point of every edge is proven to keep at least {} mm.",
                           millimetresDown(lower))
-            : "There is nothing that could be touched.");
+            : "There is nothing else that it could touch.");
+  subject.notes.push_back(toString(countUnchecked(subject.first_scene->dropped())) + ".");
   noteEnds(subject);
   return subject;
 }
@@ -167,8 +185,13 @@ Subject subjectOfPlan(const planner::Problem& problem, const std::string& source
   subject.searched = std::move(searched);
   const Stage first{{}, {}, 0, 0, firstProblem(problem), subject.first_scene};
   subject.timeline = timelineOfState(problem, subject.scene, first, subject.ends.front().position);
-  if (!result.reason.empty()) subject.notes.push_back(result.reason + ".");
+  if (result.status == planner::PlanStatus::kNothingChecked)
+    noteNothingChecked(result.reason, subject);
+  else if (!result.reason.empty())
+    subject.notes.push_back(result.reason + ".");
   switch (result.status) {
+    case planner::PlanStatus::kNothingChecked:
+      break;
     case planner::PlanStatus::kInvalidStart:
       subject.verdict = "start not valid";
       break;
@@ -200,6 +223,8 @@ Subject subjectOfExecution(const planner::Problem& problem, const std::string& s
                                      [](const planner::ReplanStep& s) { return s.certified; });
   subject.good = status == planner::ReplanStatus::kReached && certified;
   subject.verdict = fmt::format("{}{}", toString(status), subject.good ? ", certified" : "");
+  if (status == planner::ReplanStatus::kNothingChecked)
+    noteNothingChecked(subject.scene->nothingChecked(), subject);
   const double lower = least(subject).second;
   if (certified && std::isfinite(lower))
     subject.notes.push_back(

@@ -120,7 +120,8 @@ const char* toString(UpdateStatus status);  ///< a few words for messages
 /// What the last update did.
 struct UpdateStatistics {
   DeformStrategy strategy = DeformStrategy::kRebuild;  ///< what was done; never kAuto
-  const char* reason = "";             ///< why kAuto chose it, in a few words; else "asked for"
+  /// Why kAuto chose it, or that the first snapshot is refitted, in a few words; else "asked for".
+  const char* reason = "";
   std::int64_t nodes_touched = 0;      ///< nodes whose bounds were computed [count]
   std::int64_t vertices_touched = 0;   ///< reads of vertices for bounds, repeats included [count]
   std::int64_t triangles_rebuilt = 0;  ///< in subtrees that were built anew [count]

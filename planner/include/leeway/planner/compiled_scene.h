@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <functional>
 #include <map>
 #include <memory>
@@ -7,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "leeway/collision/scene.h"
@@ -19,9 +21,35 @@ struct EdgeModel;
 struct EdgeScene;
 struct SceneLanes;
 
+/// Why a pair of bodies is not checked; the first that holds.
+enum class Unchecked : unsigned char {
+  kRigid,        ///< no planned joint moves them against each other
+  kAdjacent,     ///< a joint joins the two links
+  kSrdf,         ///< the SRDF disables them
+  kAllowed,      ///< the problem allows them to touch
+  kAttached,     ///< an object, and the link that holds it or another that may touch it
+  kTouchAlways,  ///< parts that meet at a joint, proven to touch in every configuration
+  kTouchAtZero,  ///< parts that meet at a joint and touch at the zero configuration
+  kProvenApart,  ///< links that are proven never to touch
+};
+const char* toString(Unchecked why);  ///< "adjacent", "allowed by the problem", ...
+
+/// CompiledScene::nothingChecked() of a robot without shapes.
+inline constexpr const char* kNothingMoves =
+    "no link that moves, and nothing that it holds, has a collision shape";
+
+/// Pairs that are not checked for one reason.
+struct UncheckedPairs {
+  Unchecked why;
+  int count = 0;
+  /// The two bodies of each. Of kTouchAtZero alone, which is the only reason that is assumed.
+  std::vector<std::pair<std::string, std::string>> names = {};
+};
+/// "7 pairs are not checked: 4 adjacent, ..."; of no pairs "All pairs are checked".
+std::string toString(std::span<const UncheckedPairs> unchecked);
 /// A problem reduced to what its queries can need. Only links that the planned variables move are
-/// moving bodies, the rest is folded into the world; pairs that are allowed, rigidly attached or
-/// proven apart are left out. Constant while it is queried.
+/// moving bodies, the rest is folded into the world; pairs for which Unchecked has a reason are
+/// left out. Constant while it is queried.
 class CompiledScene {
  public:
   /// Throws robots::InputError as validate() does, for two half-spaces that may not touch, and for
@@ -56,7 +84,10 @@ class CompiledScene {
 
   /// A pair of bodies that is not checked.
   struct Dropped {
-    std::string a, b, reason;
+    std::string a, b;
+    Unchecked why;
+    std::string reason = toString(why);  ///< in words, with the SRDF's own
+    auto operator<=>(const Dropped&) const = default;
   };
   const std::vector<Dropped>& dropped() const { return *dropped_; }
   /// What the problem says that has no effect: margins of pairs that are not checked, objects
@@ -73,6 +104,12 @@ class CompiledScene {
   std::string differenceFrom(const Problem& problem) const;
   /// Throws robots::InputError for a problem that differs, and as validate().
   void requireProblem(const Problem& problem) const;
+
+  /// Why no answer of this scene proves anything, in words: no pair is checked, because nothing
+  /// that moves has a shape, or because all pairs with the world are left out. Empty where a pair
+  /// is checked, and where a robot with shapes is alone: it meets nothing. O(1) where a pair is
+  /// checked.
+  std::string nothingChecked() const;
 
   /// Another world, of which most is this one: objects come and go at the cost of what changes. An
   /// object that moves goes, and comes in its new place. Each time begin with one scene, or with
@@ -171,5 +208,8 @@ class CompiledScene {
   std::shared_ptr<const EdgeModel> edge_model_;
   OwnShared shared_;
 };
+
+/// How many pairs there are for each reason, in the order of Unchecked. O(dropped).
+std::vector<UncheckedPairs> countUnchecked(std::span<const CompiledScene::Dropped> dropped);
 
 }  // namespace leeway::planner

@@ -56,11 +56,33 @@ class ConfigurationSpace {
   /// circles then goes the same way.
   void unwrap(std::span<const double> previous, std::span<double> next) const;
 
+  /// The name of this interpolation: "joint-linear", "SE(2) geodesic" or "SE(3) geodesic".
+  const char* interpolation() const;
+
+  // Between the rows of a path (plan.h) circles go along straight lines, too: from 3 to -3 by 6
+  // rad, through 0.
+
+  /// difference(), but that circles go straight.
+  void lineDifference(std::span<const double> a, std::span<const double> b,
+                      std::span<double> dq) const;
+  /// interpolate(), but that circles go straight, and are not wrapped. `result` is neither a nor b.
+  void alongLine(std::span<const double> a, std::span<const double> b, double t,
+                 std::span<double> result) const;
+  /// The number of edges of the space, all of the same length, that go along the line from a to b:
+  /// 1 unless a circle turns by more than half a turn; 0 where such a one is beyond 1000 rad, which
+  /// no certifier takes.
+  int edgesAlongLine(std::span<const double> a, std::span<const double> b) const;
+
  private:
   std::shared_ptr<const robots::Model> model_;
   std::vector<int> variables_;
   std::vector<Part> parts_;
   std::vector<double> lower_, upper_;
 };
+
+/// Returns the rows with whole turns added to circles so that each goes the shorter way from row to
+/// row: ConfigurationSpace::unwrap().
+std::vector<std::vector<double>> unwrapped(const ConfigurationSpace& space,
+                                           std::vector<std::vector<double>> rows);
 
 }  // namespace leeway::planner

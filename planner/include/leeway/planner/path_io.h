@@ -7,18 +7,24 @@
 
 namespace leeway::planner {
 
-/// Reads a .json, .yaml, .csv or .path file. Columns are matched to the problem's planned variables
-/// by name (.path: by order); a column of another variable must have the value of the problem's
-/// start. JSON and YAML hold a trajectory_msgs/JointTrajectory, alone or under `joint_trajectory`,
-/// or the output of `leeway plan --json`. Numbers read back to the bit. Throws robots::InputError,
-/// also as validate().
-Path readPath(const std::string& file, const Problem& problem);
+struct PathReading {
+  /// Continuous joints go the shorter way from row to row, where they would go straight: rows are
+  /// read with whole turns added, see unwrapped(). Files whose angles are wrapped mean that.
+  bool shortest = false;
+};
 
-/// Writes the format of the file's ending, whole or not at all (see writeFileWhole()). Continuous
-/// joints are unwrapped. A path has no times: those written are of a trajectory within the
-/// problem's limits (motionLimits()) that stops at every corner; the certificate does not depend on
-/// them. Throws robots::InputError, also as validate(); std::invalid_argument for a result of other
-/// variables than the problem plans.
+/// Reads a .json, .yaml, .csv or .path file, whose rows mean straight lines. Columns are matched to
+/// the problem's planned variables by name (.path: by order); a column of another variable must
+/// have the value of the problem's start. JSON and YAML hold a trajectory_msgs/JointTrajectory,
+/// alone or under `joint_trajectory`, or the output of `leeway plan --json`. Numbers read back to
+/// the bit. Throws robots::InputError, also as validate().
+Path readPath(const std::string& file, const Problem& problem, const PathReading& options = {});
+
+/// Writes the format of the file's ending, whole or not at all (see writeFileWhole()). Rows are
+/// written as they are: those of plan() have continuous joints unwrapped. A path has no times:
+/// those written are of a trajectory within the problem's limits (motionLimits()) that stops at
+/// every corner; the certificate does not depend on them. Throws robots::InputError, also as
+/// validate(); std::invalid_argument for a result of other variables than the problem plans.
 void writePath(const std::string& file, const Problem& problem, const PlanResult& result);
 
 /// Writes a timed motion along the result's path, whole or not at all. .json and .yaml have the

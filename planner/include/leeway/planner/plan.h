@@ -11,8 +11,15 @@
 
 namespace leeway::planner {
 
-enum class PlanStatus : unsigned char { kSolved, kUnsolved, kInvalidStart, kInvalidGoal };
-const char* toString(PlanStatus status);  ///< "solved", "unsolved", "invalid_start", "invalid_goal"
+enum class PlanStatus : unsigned char {
+  kSolved,
+  kUnsolved,
+  kInvalidStart,
+  kInvalidGoal,
+  kNothingChecked,  ///< no pair of shapes is checked: no path could be proven
+};
+/// "solved", "unsolved", "invalid_start", "invalid_goal", "nothing_checked"
+const char* toString(PlanStatus status);
 
 /// The stretch of a task's path that is one of Problem::steps.
 struct PathStep {
@@ -23,12 +30,31 @@ struct PathStep {
   double deviation = 0, turn = 0;
 };
 
-/// A path in the space of a group: rows of planned variables.
+/// A path in the space of a group: rows of planned variables, with straight lines between them. A
+/// continuous joint that goes from 3 to -3 turns by 6 rad, through 0; where it is to go the shorter
+/// way, unwrapped() (configuration_space.h) gives rows that say so. Orientations turn at a constant
+/// rate.
 struct Path {
   std::vector<std::string> names;              ///< variable names, in group order
   std::vector<std::vector<double>> positions;  ///< one row a waypoint
   std::vector<PathStep> steps = {};            ///< of a task, in their order; else empty
 };
+
+/// A path whose every edge is one of the space, on which circles go the shorter way.
+struct PathEdges {
+  /// Those of the path with points added where a line is longer than an edge.
+  Path path;
+  struct Place {
+    int segment;    ///< of the path
+    double t0, t1;  ///< of that segment, in [0, 1]
+    double along(double t) const { return t0 + t * (t1 - t0); }
+  };
+  std::vector<Place> places;  ///< one an edge
+};
+/// The edges that go along a path's lines. Throws std::invalid_argument for rows that are not as
+/// long as the space, and for continuous joints beyond 1000 rad that turn by more than half a turn.
+/// O(edges).
+PathEdges edgesOf(const ConfigurationSpace& space, const Path& path);
 
 /// The clearance of a whole path from something, and where it is least.
 struct PathClearance {
@@ -47,7 +73,8 @@ struct Certificate : PathClearance {
   PathClearance world, self;
   /// One an edge [m]. Under CertificateDetail::kPath an upper end may be infinity: not looked for.
   std::vector<Interval> segments;
-  bool certified = false;  ///< every edge proven to keep its margins
+  bool certified = false;                 ///< every edge proven to keep its margins
+  std::vector<UncheckedPairs> unchecked;  ///< pairs that it does not speak of
 };
 
 /// kPath: the path's clearance to three tenths of itself, or as near as a millisecond of counted
@@ -97,8 +124,8 @@ struct PlanResult {
   Certificate certificate;
   StateCheck offending;  ///< for an invalid start or goal: pair, depth, place
   std::string offending_a, offending_b;
-  /// For an invalid goal of poses that no configuration was found for, and a task that failed: so
-  /// in words. `offending` then says nothing.
+  /// For an invalid goal of poses that no configuration was found for, a task that failed, and
+  /// kNothingChecked: so in words. `offending` then says nothing.
   std::string reason;
   bool unreachable = false;  ///< that there is none is proven
   /// Margins and objects that have no effect; goals left out; that compiling took too long.
@@ -113,6 +140,7 @@ struct PlanResult {
 /// take as long as the time limit, and ten seconds at least. Once options.stop says so, either
 /// ends. A planner that gives up early is started again with other seeds, until the limits.
 ///
+/// Where no pair of shapes is checked nothing is planned (CompiledScene::nothingChecked()).
 /// A start that is not proven valid, or no valid goal, ends the call; the result says what is in
 /// the way. Of several goals the invalid ones are left out with a warning. Of a goal range points
 /// are drawn; it counts as invalid when a thousand of them are. Of a goal of poses configurations

@@ -41,7 +41,8 @@ struct ReplanStep {
   double time = 0;  ///< of the look at the world [s]
   Decision decision = Decision::kUnsafe;
   /// The motion is proven to keep all margins at every time of the step, whatever the obstacles do
-  /// within their known motions or speed bounds. False only for kUnsafe.
+  /// within their known motions or speed bounds. False only for kUnsafe: also where no pair is
+  /// checked at all (CompiledScene::nothingChecked()).
   bool certified = false;
   /// Time after the step for which going on, or standing, is certified [s]; at most
   /// Execution::look_ahead.
@@ -134,12 +135,14 @@ class Replanner {
 };
 
 enum class ReplanStatus : unsigned char {
-  kReached,  ///< in a goal, every step certified
-  kUnsafe,   ///< at some step nothing could be certified: the robot stands there
-  kTimeout,  ///< Execution::duration has passed
-  kStopped,  ///< by the caller, or the number of steps
+  kReached,         ///< in a goal, every step certified
+  kUnsafe,          ///< at some step nothing could be certified: the robot stands there
+  kTimeout,         ///< Execution::duration has passed
+  kStopped,         ///< by the caller, or the number of steps
+  kNothingChecked,  ///< no pair of shapes is checked: no step is taken
 };
-const char* toString(ReplanStatus status);  ///< "reached", "unsafe", "timeout", "stopped"
+/// "reached", "unsafe", "timeout", "stopped", "nothing_checked"
+const char* toString(ReplanStatus status);
 
 /// A whole execution.
 struct ReplanResult {

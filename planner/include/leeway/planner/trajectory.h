@@ -156,7 +156,8 @@ class Trajectory {
 
 /// The trajectory of a path within the limits of the problem's execution, with blends if it asks
 /// for them, limits no jerk, and the path is not a task's; these compile the problem. The path's
-/// edges must be certified for the problem.
+/// edges must be certified for the problem. Its waypoints are those of edgesOf() the path, and its
+/// errors, too.
 Trajectory trajectoryOf(const Problem& problem, const Path& path);
 
 }  // namespace leeway::planner

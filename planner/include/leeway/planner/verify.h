@@ -7,7 +7,12 @@
 
 namespace leeway::planner {
 
-enum class VerifyStatus : unsigned char { kCertified, kRefuted, kUndecided };
+enum class VerifyStatus : unsigned char {
+  kCertified,
+  kRefuted,
+  kUndecided,
+  kNothingChecked,  ///< no pair of shapes is checked: nothing is proven
+};
 
 /// The outcome of an independent proof.
 struct VerifyResult {
@@ -19,9 +24,11 @@ struct VerifyResult {
   /// exceeds the margin by at least a quarter of what the true clearance does.
   double clearance_lower = 0;
   std::string reason;  ///< in words; also a waypoint outside limits, a wrong start or goal
+  std::vector<UncheckedPairs> unchecked;  ///< pairs that were not looked at; of a task in some step
 };
 
-/// Proves or refutes that a path keeps all margins; never samples. Slow, plain, and independent of
+/// Proves or refutes that a path keeps all margins, on the straight lines between its rows; never
+/// samples. Slow, plain, and independent of
 /// the planner: its own kinematics, first-order bounds (speed, not acceleration), no batches,
 /// coarse bounds or caches. Shared are collision::distance() and the definition of an edge.
 /// Conservative advancement, see verify.cc. A bad path is refuted, with a reason. Of a problem with

@@ -131,6 +131,12 @@ struct RobotDescription {
   std::vector<Group> groups;  ///< from the SRDF
   std::vector<GroupState> group_states;
   std::vector<DisabledPair> disabled_pairs;
+  /// Links that may touch everything (SRDF: disable_default_collisions): objects by this list;
+  /// links by `disabled_pairs`, which has all their pairs but those of `enabled_pairs`.
+  std::vector<int> unchecked_links;
+  /// Pairs that are checked though they are neighbours, the lower link first (SRDF:
+  /// enable_collisions).
+  std::vector<std::pair<int, int>> enabled_pairs;
   bool has_srdf = false;
   std::string urdf_file, srdf_file;   ///< as given to loadModel(); empty for a free body
   std::vector<std::string> warnings;  ///< of the loaders, each with file and line

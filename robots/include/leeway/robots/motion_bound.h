@@ -94,4 +94,20 @@ std::vector<std::pair<int, int>> provenApart(const Model& model,
                                              std::span<const std::pair<int, int>> candidates,
                                              const Stop& stop = {});
 
+/// Those of `candidates` that are proven to touch at every configuration within the limits, by the
+/// depths of their convex geometries. Cost and errors as provenApart().
+std::vector<std::pair<int, int>> provenTouching(const Model& model,
+                                                std::span<const std::pair<int, int>> candidates,
+                                                const Stop& stop = {});
+
+/// The only joint that moves two links against each other, whatever its limits; -1: there are none
+/// or several. O(joints).
+int onlyJointBetween(const Model& model, int link_a, int link_b);
+
+/// Whether two links touch as parts that meet at a joint do: they touch at the default
+/// configuration, to within kTouch (tolerances.h), and the joint does not carry them through each
+/// other. It does where they overlap there by more than kShallow and are seen apart on both sides
+/// of it. `joint`: onlyJointBetween() them. A few distance queries, with an overlap some dozen.
+bool touchAtDefault(const Model& model, int link_a, int link_b, int joint);
+
 }  // namespace leeway::robots
