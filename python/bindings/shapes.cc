@@ -87,7 +87,12 @@ Shape mesh(const py::object& file, const py::object& vertices, const py::object&
     Interrupt interrupt;
     robots::LoadOptions options;
     options.stop = interrupt.callback();
-    return interrupt.released([&] { return robots::loadMesh(path, factors, "mesh", 0, options); });
+    std::vector<std::string> warnings;
+    Shape shape = interrupt.released(
+        [&] { return robots::loadMesh(path, factors, "", 0, options, &warnings); });
+    for (const std::string& warning : warnings)
+      if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+    return shape;
   }
   std::vector<Eigen::Vector3d> scaled = points(vertices, "vertices");
   for (Eigen::Vector3d& vertex : scaled) vertex = vertex.cwiseProduct(factors);
@@ -132,8 +137,9 @@ void defineShapes(py::module_& module) {
   defineStatic(shape, "convex_hull", "(points)", "The convex hull of points (n, 3) [m].",
                convexHull, py::arg("points"));
   defineStatic(shape, "mesh", "(file=None, *, vertices=None, triangles=None, scale=1.0)",
-               "A triangle mesh: a file (STL, OBJ, DAE), or vertices (n, 3) [m] and triangles "
-               "(m, 3) of indices. `scale` is one number or three. Closed parts are solid.",
+               "A triangle mesh: a file (STL, OBJ, PLY, DAE, glTF), or vertices (n, 3) [m] and "
+               "triangles (m, 3) of indices. `scale` is one number or three. Closed parts are "
+               "solid. What a file leaves open is a UserWarning.",
                mesh, py::arg("file") = py::none(), py::kw_only(), py::arg("vertices") = py::none(),
                py::arg("triangles") = py::none(), py::arg("scale") = 1.0);
   shape.def_property_readonly(

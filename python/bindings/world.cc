@@ -139,8 +139,9 @@ void defineAdders(WorldClass& world) {
   define(
       world, "add_mesh",
       "(self, name, file=None, *, vertices=None, triangles=None, scale=1.0" + kPlace,
-      std::string("Adds a mesh: a file (STL, OBJ, DAE), or vertices (n, 3) [m] and triangles "
-                  "(m, 3).") +
+      std::string(
+          "Adds a mesh: a file (STL, OBJ, PLY, DAE, glTF), or vertices (n, 3) [m] and triangles "
+          "(m, 3).") +
           kPlaceDoc,
       [](World& self, const std::string& name, const py::object& file, const py::object& vertices,
          const py::object& faces, const py::object& scale, const py::object& position,

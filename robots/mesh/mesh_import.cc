@@ -109,9 +109,9 @@ struct FaceNote {
   void tell(const std::string& one, const std::string& several, const std::string& consequence,
             std::vector<MeshNote>& notes) const {
     if (count == 0) return;
-    notes.push_back({first, (count == 1 ? "a face " + one + " by " + inMetres(largest)
+    notes.push_back({first, (count == 1 ? "a face " + one + ", by " + inMetres(largest)
                                         : std::to_string(count) + " faces, the first one here, " +
-                                              several + " by up to " + inMetres(largest)) +
+                                              several + ", by up to " + inMetres(largest)) +
                                 consequence});
   }
 };
@@ -159,11 +159,21 @@ Soup makeSoup(MeshContents contents, const Eigen::Vector3d& scale, const Eigen::
     for (const CutMesh::Triangle& t : cut->triangles)
       soup.triangles.push_back({base + t[0], base + t[1], base + t[2]});
   }
-  bent.tell("is not planar", "are not planar",
-            "; all that may be meant between the corners of such a face is covered", soup.notes);
+  bent.tell("is not planar", "are not planar", "; every surface between the corners is covered",
+            soup.notes);
   crossing.tell("crosses itself", "cross themselves",
-                "; the triangles of such a face cover its inside, and perhaps more", soup.notes);
+                "; the triangles cover the inside, and perhaps more", soup.notes);
   return soup;
+}
+
+/// (glTF is in single precision by its definition.)
+void noteRounding(Soup& soup) {
+  double largest = 0;
+  for (const Eigen::Vector3d& v : soup.vertices)
+    largest = std::max(largest, v.cwiseAbs().maxCoeff());
+  soup.notes.push_back({{},
+                        "is read in single precision, which moves vertices by up to " +
+                            inMetres(0x1p-24 * largest) + "; STL, OBJ, PLY and DAE are exact"});
 }
 
 Soup readSoup(const MeshSource& source, const Eigen::Vector3d& scale, bool& reads_others,
@@ -171,6 +181,8 @@ Soup readSoup(const MeshSource& source, const Eigen::Vector3d& scale, bool& read
   Soup soup = makeSoup(readContents(source, reads_others), scale, turn, source);
   if (soup.triangles.empty())
     source.fail("holds no triangles or polygons; at least one would be accepted");
+  if (formatOf(source) == Format::kOther && source.ending() != ".gltf" && source.ending() != ".glb")
+    noteRounding(soup);
   return soup;
 }
 
@@ -248,16 +260,16 @@ IndexedMesh importIndexed(const std::string& path, const Eigen::Vector3d& scale,
   noteWhatIsNotSolid(contents.not_solid, notes);
   FaceNote bent, crossing;
   bent.add(cut.bent, scale.asDiagonal());
-  bent.tell("is not planar", "are not planar", "; it is the triangles that it is cut into", notes);
+  bent.tell("is not planar", "are not planar", "; taken as triangles", notes);
   crossing.add(cut.crossing, scale.asDiagonal());
   crossing.tell("crosses itself", "cross themselves",
-                "; the triangles of such a face cover its inside, and perhaps more", notes);
+                "; the triangles cover the inside, and perhaps more", notes);
   return {{mesh.vertices.begin(), mesh.vertices.end()},
           {cut.triangles.begin(), cut.triangles.end()},
           warningsOf(source, notes)};
 }
 
-CenteredMesh importForOmplApp(const std::string& path, const std::string& referrer, int line) {
+ImportedMesh importForOmplApp(const std::string& path, const std::string& referrer, int line) {
   const Stop never;
   const MeshSource source(path, referrer, line, never);
   bool reads_others = false;
@@ -266,10 +278,16 @@ CenteredMesh importForOmplApp(const std::string& path, const std::string& referr
                formatOf(source) == Format::kDae ? upAxisToY(source) : Eigen::Matrix3d::Identity());
   try {
     return {collision::Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles)),
-            meanOfAssimpsVertices(source), warningsOf(source, soup.notes)};
+            {},
+            warningsOf(source, soup.notes)};
   } catch (const collision::InvalidShape& invalid) {
     source.fail("cannot be used: " + std::string(invalid.what()));
   }
+}
+
+Eigen::Vector3d originForOmplApp(const std::string& path, const std::string& referrer, int line) {
+  const Stop never;
+  return meanOfAssimpsVertices(MeshSource(path, referrer, line, never));
 }
 
 ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,

@@ -40,13 +40,13 @@ struct IndexedMesh {
 IndexedMesh importIndexed(const std::string& path, const Eigen::Vector3d& scale,
                           const std::string& referrer, int line);
 
-struct CenteredMesh {
-  collision::Shape shape;
-  Eigen::Vector3d center;  ///< mean of the vertices that Assimp keeps apart by their normals [m]
-  std::vector<std::string> warnings;
-};
+/// A mesh file as OMPL.app sees it: turned by its up axis, to Assimp's y. Nothing is kept of it.
+/// Throws like loadMesh().
+ImportedMesh importForOmplApp(const std::string& path, const std::string& referrer, int line);
 
-/// A mesh file as OMPL.app sees it: turned by its up axis, to Assimp's y. Throws like loadMesh().
-CenteredMesh importForOmplApp(const std::string& path, const std::string& referrer, int line);
+/// Where OMPL.app has the origin of a body of that mesh, in the mesh's coordinates [m]: the mean of
+/// the vertices that Assimp keeps apart by their normals, in single precision. Throws like
+/// loadMesh().
+Eigen::Vector3d originForOmplApp(const std::string& path, const std::string& referrer, int line);
 
 }  // namespace leeway::robots

@@ -29,8 +29,8 @@ Eigen::Matrix3d upAxisToY(const MeshSource& source);
 /// one were read.
 MeshContents readByAssimp(const MeshSource& source, bool& reads_others);
 
-/// The mean of the vertices that Assimp keeps apart by their normals, with the up axis turned to y:
-/// where OMPL.app has a body's origin [m].
+/// The mean of the vertices that Assimp keeps apart by their normals, with the up axis turned to y
+/// [m].
 Eigen::Vector3d meanOfAssimpsVertices(const MeshSource& source);
 
 }  // namespace leeway::robots

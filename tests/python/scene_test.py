@@ -101,6 +101,16 @@ def test_meshes_from_numpy_and_from_files():
     assert np.isfinite(vertices).all()
 
 
+def test_what_a_mesh_file_leaves_out_is_told(tmp_path):
+    file = tmp_path / "m.obj"
+    file.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\n")
+    with pytest.warns(UserWarning, match="m.obj:5: left out, as they have no area: 1 line"):
+        leeway.Shape.mesh(file)
+    file.write_text("v 0 0 0\nv 1 0\n")
+    with pytest.raises(leeway.InputError, match="^mesh .*m.obj:2: ends where a coordinate is expected"):
+        leeway.Shape.mesh(file)
+
+
 def test_deforming_meshes():
     x, y = np.meshgrid(np.linspace(0, 1, 11), np.linspace(0, 1, 11))
     rest = np.column_stack([x.ravel(), y.ravel(), np.zeros(121)])

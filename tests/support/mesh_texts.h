@@ -15,7 +15,7 @@
 #include "robots/mesh/readers.h"
 #include "tests/support/folder.h"
 
-namespace leeway::robots::testing {
+namespace leeway::robots::mesh_texts {
 
 using Reader = MeshContents (*)(const MeshSource&);
 
@@ -94,4 +94,4 @@ inline std::string binaryStl(const std::vector<std::vector<float>>& triangles, s
   return bytes.text();
 }
 
-}  // namespace leeway::robots::testing
+}  // namespace leeway::robots::mesh_texts

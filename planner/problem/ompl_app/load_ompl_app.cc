@@ -219,13 +219,16 @@ class Loader {
     return given;
   }
 
-  robots::CenteredMesh readMesh(const Config::Entry& entry) {
-    const std::filesystem::path folder = std::filesystem::path(config_.file()).parent_path();
+  std::string meshFile(const Config::Entry& entry) const {
+    return (std::filesystem::path(config_.file()).parent_path() / entry.text).string();
+  }
+
+  collision::Shape readMesh(const Config::Entry& entry) {
     robots::throwIfStopped(stop_, "meshes were read");
-    robots::CenteredMesh mesh =
-        robots::importForOmplApp((folder / entry.text).string(), config_.file(), entry.line);
+    robots::ImportedMesh mesh =
+        robots::importForOmplApp(meshFile(entry), config_.file(), entry.line);
     problem_.warnings.insert(problem_.warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
-    return mesh;
+    return mesh.shape;
   }
 
   void include(const Eigen::Vector3d& p) {
@@ -250,10 +253,10 @@ class Loader {
                                             lower_[i], upper_[i]));
     }
     if (const Config::Entry* world = config_.find("world")) {
-      const robots::CenteredMesh mesh = readMesh(*world);
-      for (const Eigen::Vector3d& v : mesh.shape.mesh()->vertices())
+      const collision::Shape mesh = readMesh(*world);
+      for (const Eigen::Vector3d& v : mesh.mesh()->vertices())
         if (!has_volume) include(v);
-      problem_.world.objects.push_back({"world", {{mesh.shape, {}, "world"}}, {}});
+      problem_.world.objects.push_back({"world", {{mesh, {}, "world"}}, {}});
     } else if (!has_volume) {
       config_.fail(0,
                    "[problem] has neither 'world' nor 'volume'; one of them bounds where the body "
@@ -264,12 +267,13 @@ class Loader {
   }
 
   void readRobot() {
-    const robots::CenteredMesh mesh = readMesh(config_.at("robot", "the file of the body's mesh"));
+    const Config::Entry& file = config_.at("robot", "the file of the body's mesh");
+    const collision::Shape mesh = readMesh(file);
     robots::Pose X_LG;
-    X_LG.translation = -mesh.center;
+    X_LG.translation = -robots::originForOmplApp(meshFile(file), config_.file(), file.line);
     if (planar_) X_LG.translation.z() = 0;
     problem_.robot.model = robots::freeBody(
-        "robot", {{mesh.shape, X_LG, "robot"}},
+        "robot", {{mesh, X_LG, "robot"}},
         planar_ ? robots::JointType::kPlanar : robots::JointType::kFloating, lower_, upper_);
     for (int i = 0; i < static_cast<int>(problem_.robot.model->variables.size()); ++i)
       problem_.robot.variables.push_back(i);

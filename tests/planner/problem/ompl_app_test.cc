@@ -133,6 +133,19 @@ TEST_F(OmplApp, ZUpIsTurnedToYUp) {
   EXPECT_NEAR(lowest, -2, 1e-6);
 }
 
+/// The world comes exactly, even where Assimp would not read it, and warnings with the problem.
+TEST_F(OmplApp, MeshesAreReadExactly) {
+  folder_.write("far.obj", std::string(kWorld) + "v 4000000.04 0 0\nf 1 2 9\nl 1 2\n");
+  const Problem problem = load(replaced(kSpace, "world.obj", "far.obj") + kVolume);
+  const auto& vertices = problem.world.objects.at(0).geometries.at(0).shape.mesh()->vertices();
+  EXPECT_EQ(vertices[0].x(), 9.9);
+  EXPECT_EQ(vertices.back().x(), 4000000.04);
+  ASSERT_EQ(problem.warnings.size(), 1U);
+  EXPECT_NE(problem.warnings[0].find("p.cfg:4: mesh " + folder_.path("far.obj") + ":17: left out"),
+            std::string::npos)
+      << problem.warnings[0];
+}
+
 TEST_F(OmplApp, UnknownKeysAreTold) {
   const Problem problem = load(kSpace + kVolume + "volum.min.x = 3\n");
   ASSERT_EQ(problem.warnings.size(), 1U);

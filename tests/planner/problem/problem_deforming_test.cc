@@ -119,7 +119,7 @@ TEST_F(ProblemDeforming, BentFacesAreTold) {
   ASSERT_EQ(problem.warnings.size(), 2U);
   EXPECT_NE(problem.warnings[0].find("bent_face.obj:6: left out"), std::string::npos)
       << problem.warnings[0];
-  EXPECT_NE(problem.warnings[1].find("bent_face.obj:5: a face is not planar by 0."),
+  EXPECT_NE(problem.warnings[1].find("bent_face.obj:5: a face is not planar, by 0."),
             std::string::npos)
       << problem.warnings[1];
 }

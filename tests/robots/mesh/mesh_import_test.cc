@@ -318,6 +318,114 @@ TEST(MeshImport, KeepsOnlyWhatDependsOnOneFile) {
   EXPECT_EQ(filesIn(cache).size(), 2U);
 }
 
+/// A box of 1, 2 and 3 with one corner moved by `bend`, which its faces are quadrangles of.
+std::string boxObj(double bend = 0) {
+  std::string obj;
+  for (int i = 0; i < 8; ++i)
+    obj += "v " + std::to_string(i & 1) + ' ' + std::to_string(i & 2) + ' ' +
+           (i == 7 ? std::to_string(3 + bend) : std::to_string(3 * (i >> 2))) + '\n';
+  return obj + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+}
+
+TEST(MeshImport, PolygonsOfASolidKeepItClosed) {
+  const Folder folder;
+  std::vector<std::string> warnings;
+  const auto plain = loadMesh(folder.write("b.obj", boxObj()), kOne, "r.urdf", 1, {}, &warnings);
+  EXPECT_EQ(plain.mesh()->triangles().size(), 12U);
+  EXPECT_EQ(plain.mesh()->closedComponentCount(), 1);
+  EXPECT_TRUE(warnings.empty());
+  // Three faces meet at the corner that is moved; one of them stays in its plane.
+  const std::string file = folder.write("bent.obj", boxObj(0.1));
+  const auto bent = loadMesh(file, {2, 2, 2}, "r.urdf", 1, {}, &warnings);
+  EXPECT_EQ(bent.mesh()->triangles().size(), 12U + 4);
+  EXPECT_EQ(bent.mesh()->componentCount(), 2);
+  EXPECT_EQ(bent.mesh()->closedComponentCount(), 2);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].find("r.urdf:1: mesh " + file +
+                             ":10: a face is not planar, by 0.1 m; every surface between"),
+            0U)
+      << warnings[0];
+}
+
+TEST(MeshImport, CoordinatesAreThoseOfTheFile) {
+  const Folder folder;
+  const auto shape = loadMesh(
+      folder.write("far.obj", "v 4000000.04 0 0\nv 4000000.04 0 3\nv 4000000.04 2 0\nf 1 2 3\n"),
+      kOne, "r.urdf", 1);
+  EXPECT_EQ(extent(shape).first.x(), 4000000.04);
+}
+
+/// Warnings are told again by those who take a mesh from the cache.
+TEST(MeshImport, WarningsAreKeptWithTheMesh) {
+  const Folder folder;
+  LoadOptions options;
+  options.cache = folder.path("cache");
+  const std::string file =
+      folder.write("bent.obj", boxObj(0.1) + "l 1 2\n" + std::string(5000, '#'));
+  std::vector<std::string> cold, warm, other;
+  const auto made = loadMesh(file, kOne, "r.urdf", 1, options, &cold);
+  EXPECT_EQ(filesIn(options.cache).size(), 1U);
+  expectSame(made, loadMesh(file, kOne, "r.urdf", 1, options, &warm));
+  EXPECT_EQ(cold.size(), 2U);
+  EXPECT_EQ(cold, warm);
+  const std::string copy = folder.write("copy.obj", readText(file));
+  loadMesh(copy, kOne, "p.yaml", 9, options, &other);
+  EXPECT_EQ(filesIn(options.cache).size(), 1U);
+  ASSERT_EQ(other.size(), 2U);
+  EXPECT_EQ(other[0].find("p.yaml:9: mesh " + copy + ":15: left out"), 0U) << other[0];
+}
+
+TEST(MeshImport, WarningsComeWithTheModel) {
+  const Folder folder;
+  folder.write("bent.obj", boxObj(0.1));
+  const std::string collision =
+      "<collision><geometry>\n<mesh filename=\"bent.obj\"/></geometry></collision>\n";
+  const std::string urdf = folder.write("r.urdf", "<robot name=\"r\"><link name=\"a\">\n" +
+                                                      collision + collision + "</link></robot>");
+  const auto model = loadModel(urdf, "");
+  ASSERT_EQ(model->warnings.size(), 1U);  // one a file
+  EXPECT_EQ(model->warnings[0].find(urdf + ":3: mesh " + folder.path("bent.obj") + ":10: a face"),
+            0U)
+      << model->warnings[0];
+}
+
+TEST(MeshImport, EndingsThatNobodyKnows) {
+  const Folder folder;
+  const std::string dae = collada("", "Z_UP", kIdentity);
+  EXPECT_EQ(extent(loadMesh(folder.write("a.xml", dae), kOne, "r", 1)).second,
+            Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(extent(loadMesh(folder.write("b", dae), kOne, "r", 1)).second,
+            Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(loadMesh(folder.write("c.what",
+                                  "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+                                  "vertex 0 0.1 0\nendloop\nendfacet\nendsolid\n"),
+                     kOne, "r", 1)
+                .mesh()
+                ->triangles()
+                .size(),
+            1U);
+}
+
+/// Formats without a reader of our own are cut by us, too, and lose digits.
+TEST(MeshImport, OtherFormatsComeThroughAssimp) {
+  const Folder folder;
+  std::vector<std::string> warnings;
+  const auto shape = loadMesh(
+      folder.write("ell.off",
+                   "OFF\n6 1 0\n0 2 0\n0 0 0\n3 0 0\n3 1 0\n1 1 0\n1 2 0\n6 0 1 2 3 4 5\n"),
+      kOne, "r.urdf", 1, {}, &warnings);
+  EXPECT_EQ(shape.mesh()->triangles().size(), 4U);
+  collision::Pose X;
+  X.translation = {1.3, 1.3, 0};
+  EXPECT_NEAR(collision::distance(shape, {}, collision::Shape::sphere(0), X).distance.lower, 0.3,
+              1e-6);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(
+      warnings[0].find("is read in single precision, which moves vertices by up to 1.8e-07 m"),
+      std::string::npos)
+      << warnings[0];
+}
+
 class MeshPath : public testing::Test {
  protected:
   /// Loads a URDF whose single link has the mesh.

@@ -8,10 +8,10 @@ namespace leeway::robots {
 namespace {
 
 using Eigen::Vector3d;
-using testing::Corners;
-using testing::cornersOf;
-using testing::expectRefused;
-using testing::readAs;
+using mesh_texts::Corners;
+using mesh_texts::cornersOf;
+using mesh_texts::expectRefused;
+using mesh_texts::readAs;
 
 const std::string kSource =
     "<source id=\"p\"><float_array id=\"pa\" count=\"12\">0 0 0 1 0 0\n1 1 0 0 1 0.1</float_array>"
@@ -165,7 +165,7 @@ TEST(ReadDae, NodesInNodesAndInstances) {
 }
 
 TEST(ReadDae, DamagedFiles) {
-  const auto refused = [](const testing::Damaged& damaged) { expectRefused(readDae, damaged); };
+  const auto refused = [](const mesh_texts::Damaged& damaged) { expectRefused(readDae, damaged); };
   const auto asset = [&](const std::string& text) { return dae(kTriangle, node(kInstance), text); };
   for (const char* meter : {"0", "-1", "-0.01", "inf", "nan", "x", "", "1 2", "1e400"})
     refused({asset("<unit meter=\"" + std::string(meter) + "\"/>"),

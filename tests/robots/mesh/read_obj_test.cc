@@ -6,10 +6,10 @@ namespace leeway::robots {
 namespace {
 
 using Eigen::Vector3d;
-using testing::Corners;
-using testing::cornersOf;
-using testing::expectRefused;
-using testing::readAs;
+using mesh_texts::Corners;
+using mesh_texts::cornersOf;
+using mesh_texts::expectRefused;
+using mesh_texts::readAs;
 
 TEST(ReadObj, VerticesInAllTheirForms) {
   const MeshContents contents = readAs(
@@ -63,7 +63,7 @@ TEST(ReadObj, WhatIsLeftOut) {
 }
 
 TEST(ReadObj, DamagedFiles) {
-  const auto refused = [](const testing::Damaged& damaged) { expectRefused(readObj, damaged); };
+  const auto refused = [](const mesh_texts::Damaged& damaged) { expectRefused(readObj, damaged); };
   const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   refused({"v 0 0 0\nv 1 0\n", ":2", {"ends where a coordinate is expected"}});
   refused({"v 0 0 0\nv", ":2", {"ends where a coordinate is expected"}});

@@ -6,11 +6,11 @@ namespace leeway::robots {
 namespace {
 
 using Eigen::Vector3d;
-using testing::Bytes;
-using testing::Corners;
-using testing::cornersOf;
-using testing::expectRefused;
-using testing::readAs;
+using mesh_texts::Bytes;
+using mesh_texts::Corners;
+using mesh_texts::cornersOf;
+using mesh_texts::expectRefused;
+using mesh_texts::readAs;
 
 /// A square, whose corners are (0, 0, 0.1), (1, 0, 0.1), (1, 1, 0.1), (0, 1, 0.1).
 void expectSquare(const MeshContents& contents, double z = 0.1) {
@@ -100,7 +100,7 @@ TEST(ReadPly, WhatHasNoAreaIsCounted) {
 }
 
 TEST(ReadPly, DamagedFiles) {
-  const auto refused = [](const testing::Damaged& damaged) { expectRefused(readPly, damaged); };
+  const auto refused = [](const mesh_texts::Damaged& damaged) { expectRefused(readPly, damaged); };
   const auto replaced = [](std::string text, const std::string& a, const std::string& b) {
     return text.replace(text.find(a), a.size(), b);
   };

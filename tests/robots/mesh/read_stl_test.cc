@@ -8,9 +8,9 @@ namespace leeway::robots {
 namespace {
 
 using Eigen::Vector3d;
-using testing::binaryStl;
-using testing::expectRefused;
-using testing::readAs;
+using mesh_texts::binaryStl;
+using mesh_texts::expectRefused;
+using mesh_texts::readAs;
 
 const std::string kFacet =
     "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1.5 0 0\nvertex 0 1e-3 +7\nendloop\n"
@@ -92,7 +92,7 @@ TEST(ReadStl, BytesAfterTheTrianglesAreTold) {
 }
 
 TEST(ReadStl, DamagedFiles) {
-  const auto refused = [](const testing::Damaged& damaged) { expectRefused(readStl, damaged); };
+  const auto refused = [](const mesh_texts::Damaged& damaged) { expectRefused(readStl, damaged); };
   const std::string begin = "solid s\n" + kFacet;
   // Cut anywhere but behind the last word.
   const std::string whole = begin + kFacet + "endsolid s";
@@ -141,7 +141,7 @@ TEST(ReadStl, DamagedFiles) {
 }
 
 TEST(ReadStl, NoMeshAtAll) {
-  const auto refused = [](const testing::Damaged& damaged) { expectRefused(readStl, damaged); };
+  const auto refused = [](const mesh_texts::Damaged& damaged) { expectRefused(readStl, damaged); };
   refused({"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 12345\n",
            "",
            {"is a Git LFS pointer", "git lfs pull"}});
