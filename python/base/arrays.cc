@@ -210,6 +210,52 @@ py::array_t<double> array(const std::vector<std::vector<double>>& rows, std::siz
 
 namespace {
 
+/// A list that refuses to be changed. Its copies are plain lists.
+py::handle readOnlyList() {
+  static PyObject* const type = [] {
+    py::dict methods;
+    const py::cpp_function refuse([](const py::args&, const py::kwargs&) {
+      throw py::type_error("this list is read-only; list() makes one to change of it");
+    });
+    for (const char* name : {"append", "extend", "insert", "remove", "pop", "clear", "sort",
+                             "reverse", "__setitem__", "__delitem__", "__iadd__", "__imul__"})
+      methods[name] = refuse;
+    methods["__module__"] = "leeway";
+    const py::object list = py::type::of(py::list());
+    py::object made = py::type::of(list)("ReadOnlyList", py::make_tuple(list), methods);
+    made.attr("__reduce__") = py::cpp_function(
+        [](const py::object& self) {
+          return py::make_tuple(py::type::of(py::list()), py::make_tuple(py::tuple(self)));
+        },
+        py::is_method(made));
+    return made.release().ptr();
+  }();
+  return type;
+}
+
+}  // namespace
+
+py::object constant(const py::object& value) {
+  if (py::isinstance<py::array>(value)) {
+    value.attr("flags").attr("writeable") = false;
+    return value;
+  }
+  const bool is_list = py::isinstance<py::list>(value);
+  if (is_list || py::isinstance<py::tuple>(value)) {
+    py::list items;
+    for (const py::handle item : value)
+      items.append(constant(py::reinterpret_borrow<py::object>(item)));
+    return is_list ? readOnlyList()(items) : py::object(py::tuple(items));
+  }
+  if (!py::isinstance<py::dict>(value)) return value;
+  py::dict result;
+  for (const auto& [key, item] : py::reinterpret_borrow<py::dict>(value))
+    result[key] = constant(py::reinterpret_borrow<py::object>(item));
+  return py::reinterpret_steal<py::object>(PyDictProxy_New(result.ptr()));
+}
+
+namespace {
+
 py::array readOnly(py::array array) {
   array.attr("flags").attr("writeable") = false;
   return array;

@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "python/base/arrays.h"
+
 namespace leeway::python {
 
 namespace py = pybind11;
@@ -49,6 +51,15 @@ void defineStatic(Class& scope, const char* name, const std::string& signature,
   const std::string text = withSignature(name, signature, doc);
   scope.def_static(name, std::forward<Function>(function), extra..., text.c_str());
   shortenErrors(scope.attr(name), name + signature);
+}
+
+/// A property that cannot be set. What it gives cannot be changed either, see constant(): a change
+/// of a copy would be lost.
+template <typename Class, typename Getter>
+void defineConstant(Class& scope, const char* name, Getter&& getter, const char* doc) {
+  const py::cpp_function get(std::forward<Getter>(getter), py::is_method(scope));
+  scope.def_property_readonly(
+      name, [get](const py::object& self) { return constant(get(self)); }, doc);
 }
 
 /// A property that can be set.

@@ -398,11 +398,11 @@ void defineDeforming(py::module_& module) {
          update, py::arg("vertices"), py::arg("time") = 0.0, py::arg("speed_bound") = py::none());
   define(body, "follow", "(self, time)", "Moves the vertices to where `motion` has them [s].",
          follow, py::arg("time"));
-  body.def_property_readonly(
-      "shape", [](const Body& self) { return collision::Shape::deformable(self.snapshot); },
+  defineConstant(
+      body, "shape", [](const Body& self) { return collision::Shape::deformable(self.snapshot); },
       "The mesh at the last update, for distance() and World.add(): constant, for any thread.");
-  body.def_property_readonly(
-      "vertices",
+  defineConstant(
+      body, "vertices",
       [](const Body& self) {
         auto snapshot = self.snapshot;
         const auto vertices = snapshot->vertices();
@@ -412,14 +412,15 @@ void defineDeforming(py::module_& module) {
         return view(vertices, owner);
       },
       "The vertices at the last update, without a copy: (n, 3), read-only [m].");
-  body.def_property_readonly(
-      "time", [](const Body& self) { return self.snapshot->time(); },
+  defineConstant(
+      body, "time", [](const Body& self) { return self.snapshot->time(); },
       "The time of the last update [s].");
-  body.def_property_readonly(
-      "strategy", [](const Body& self) { return toString(self.statistics.strategy); },
+  defineConstant(
+      body, "strategy", [](const Body& self) { return toString(self.statistics.strategy); },
       "What the last update did.");
-  body.def_property_readonly(
-      "reason", [](const Body& self) { return self.statistics.reason; }, "Why 'auto' chose that.");
+  defineConstant(
+      body, "reason", [](const Body& self) { return self.statistics.reason; },
+      "Why 'auto' chose that.");
   define(body, "self_distance", "(self)",
          "The least distance between two triangles that share no vertex, at most 0 where they "
          "cross.",

@@ -130,23 +130,23 @@ void defineResults(py::module_& module) {
       module, "Distance",
       "The signed distance of two bodies: lower <= distance <= upper, rounding included. Below 0 "
       "they overlap by that depth.");
-  result.def_property_readonly(
-      "lower", [](const DistanceResult& self) { return self.distance.lower; },
+  defineConstant(
+      result, "lower", [](const DistanceResult& self) { return self.distance.lower; },
       "The distance is at least this [m].");
-  result.def_property_readonly(
-      "upper", [](const DistanceResult& self) { return self.distance.upper; },
+  defineConstant(
+      result, "upper", [](const DistanceResult& self) { return self.distance.upper; },
       "The distance is at most this [m].");
-  result.def_property_readonly(
-      "status", [](const DistanceResult& self) { return statusName(self.status); },
+  defineConstant(
+      result, "status", [](const DistanceResult& self) { return statusName(self.status); },
       "'converged', 'above_threshold', 'not_above_threshold', 'overlap', 'limit' or 'invalid'.");
-  result.def_property_readonly(
-      "point_a", [](const DistanceResult& self) { return array(self.point_a); },
+  defineConstant(
+      result, "point_a", [](const DistanceResult& self) { return array(self.point_a); },
       "Nearest point on A, or the deepest one: (3,), world [m].");
-  result.def_property_readonly(
-      "point_b", [](const DistanceResult& self) { return array(self.point_b); },
+  defineConstant(
+      result, "point_b", [](const DistanceResult& self) { return array(self.point_b); },
       "Nearest point on B, or the deepest one: (3,), world [m].");
-  result.def_property_readonly(
-      "normal", [](const DistanceResult& self) { return array(self.normal); },
+  defineConstant(
+      result, "normal", [](const DistanceResult& self) { return array(self.normal); },
       "Unit vector from A to B: (3,).");
   result.def("__repr__", [](const DistanceResult& self) {
     return "<leeway.Distance " + text(self.distance.lower) + " to " + text(self.distance.upper) +
@@ -155,15 +155,16 @@ void defineResults(py::module_& module) {
   using collision::SeparationResult;
   py::class_<SeparationResult> separation(
       module, "Separation", "A translation of B after which it is proven to be away from A.");
-  separation.def_property_readonly(
-      "translation", [](const SeparationResult& self) { return array(self.translation); },
+  defineConstant(
+      separation, "translation",
+      [](const SeparationResult& self) { return array(self.translation); },
       "What moves B away: (3,), world [m]; 0 unless status is 'separated'.");
   separation.def_readonly("clearance", &SeparationResult::clearance,
                           "Proven distance after the translation [m].");
   separation.def_readonly("least", &SeparationResult::least,
                           "Proven: no shorter translation separates [m].");
-  separation.def_property_readonly(
-      "status", [](const SeparationResult& self) { return statusName(self.status); },
+  defineConstant(
+      separation, "status", [](const SeparationResult& self) { return statusName(self.status); },
       "'apart' (nothing to do), 'separated', 'not_found' or 'invalid'.");
   separation.def("__repr__", [](const SeparationResult& self) {
     return std::string("<leeway.Separation, ") + statusName(self.status) + ": " +

@@ -220,13 +220,11 @@ void setGoals(planner::Problem& problem, const py::object& goal, bool several) {
   } else if (several) {
     for (const py::handle item : py::list(goal))
       goals.push_back(goalOf(problem, py::reinterpret_borrow<py::object>(item)));
-    if (goals.empty()) throw py::value_error("goals are empty; at least one is expected");
     for (std::size_t i = 1; i < goals.size(); ++i)
       if (goals[i].name == "goal") goals[i].name += " " + std::to_string(i + 1);
   } else {
     goals.push_back(goalOf(problem, goal));
   }
-  if (!goals.empty()) problem.steps.clear();
   problem.goals = std::move(goals);
 }
 
@@ -304,7 +302,7 @@ std::vector<std::pair<std::string, std::string>> namePairs(const planner::Proble
     std::vector<std::string> known = robot;
     for (const std::string& object : objectNames(world)) known.push_back(object);
     const std::string* const near = robots::nearestName(given, known);
-    throw py::value_error(std::string(name) + ": no link or object '" + given + "'" +
+    throw py::value_error(std::string(name) + ": no link or object is named '" + given + "'" +
                           (near != nullptr ? "; did you mean '" + *near + "'?" : ""));
   };
   const auto pair = py::reinterpret_borrow<py::sequence>(item);
@@ -315,7 +313,9 @@ std::vector<std::pair<std::string, std::string>> namePairs(const planner::Proble
     else
       add(side, sides[i]);
   }
-  if (sides[0] == sides[1] && sides[0].size() == 1) fail();
+  if (sides[0] == sides[1] && sides[0].size() == 1)
+    throw py::value_error(std::string(name) + ": '" + sides[0][0] +
+                          "' stands twice; two different names of links or objects are expected");
   std::vector<std::pair<std::string, std::string>> pairs;
   for (const std::string& a : sides[0])
     for (const std::string& b : sides[1])
@@ -343,14 +343,14 @@ void defineGoals(py::module_& module) {
              py::arg("orientation") = py::none(), py::arg("rpy") = py::none(), py::kw_only(),
              py::arg("relative_to") = py::none(), py::arg("position_tolerance") = 1e-9,
              py::arg("angle_tolerance") = 1e-9);
-  pose.def_property_readonly(
-      "frame", [](const FramePose& self) { return self.given.frame; },
+  defineConstant(
+      pose, "frame", [](const FramePose& self) { return self.given.frame; },
       "The frame's name; of one that a problem has looked up, its link's.");
-  pose.def_property_readonly(
-      "position", [](const FramePose& self) { return rangeArray(self.given.position); },
+  defineConstant(
+      pose, "position", [](const FramePose& self) { return rangeArray(self.given.position); },
       "Ranges of its origin: (3, 2) [m].");
-  pose.def_property_readonly(
-      "rpy", [](const FramePose& self) { return rangeArray(self.given.rpy); },
+  defineConstant(
+      pose, "rpy", [](const FramePose& self) { return rangeArray(self.given.rpy); },
       "Ranges of roll, pitch and yaw besides what is exact: (3, 2) [rad].");
   pose.def("__repr__", [](const FramePose& self) {
     return "<leeway.FramePose of '" + self.given.frame + "'" +

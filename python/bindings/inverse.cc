@@ -49,11 +49,11 @@ Inverse solve(const Robot& robot, const std::string& link, const py::object& tar
 void defineInverse(py::module_& module) {
   py::class_<Inverse> inverse(module, "Inverse",
                               "What inverse_kinematics() found. True if there is a solution.");
-  inverse.def_property_readonly(
-      "status", [](const Inverse& self) { return statusName(self.value.status); },
+  defineConstant(
+      inverse, "status", [](const Inverse& self) { return statusName(self.value.status); },
       "'found', 'none' (there may be one) or 'unreachable' (proven: there is none).");
-  inverse.def_property_readonly(
-      "solutions",
+  defineConstant(
+      inverse, "solutions",
       [](const Inverse& self) {
         std::vector<std::vector<double>> rows;
         for (const robots::IkSolution& solution : self.value.solutions)
@@ -61,8 +61,8 @@ void defineInverse(py::module_& module) {
         return array(rows, self.columns);
       },
       "Configurations within the limits: (n, joints) [rad or m], the nearest to the start first.");
-  inverse.def_property_readonly(
-      "nearest",
+  defineConstant(
+      inverse, "nearest",
       [](const Inverse& self) {
         const robots::IkSolution& best =
             self.value.solutions.empty() ? self.value.nearest : self.value.solutions.front();

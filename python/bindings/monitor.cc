@@ -61,7 +61,7 @@ Monitor::Monitor(Scene of, std::vector<double> velocities, std::vector<double> a
       schedule(scene.compiled->scene()),
       velocity_limits(std::move(velocities)),
       acceleration_limits(std::move(accelerations)),
-      q(scene.problem.value->start) {
+      q(scene.problem->start) {
   const auto bodies = scene.compiled->scene().bodies();
   for (int body = 0; body < static_cast<int>(bodies.size()); ++body) {
     const int link = scene.compiled->bodyLink(body);
@@ -148,11 +148,12 @@ void defineMonitor(py::module_& module) {
   py::class_<Report> report(module, "Impact", "What a Monitor says of one look.");
   report.def_readonly("safe_until", &Report::safe_until,
                       "No pair can come down to its margin before this time [s].");
-  report.def_property_readonly(
-      "next", [](const Report& self) { return pairObject(self.next.first, self.next.second); },
+  defineConstant(
+      report, "next",
+      [](const Report& self) { return pairObject(self.next.first, self.next.second); },
       "The pair that is due next, or None.");
-  report.def_property_readonly(
-      "imminent",
+  defineConstant(
+      report, "imminent",
       [](const Report& self) {
         py::list list;
         for (const auto& [a, b] : self.imminent) list.append(py::make_tuple(a, b));
@@ -183,8 +184,8 @@ void defineMonitor(py::module_& module) {
          "[rad/s or m/s], and what could come to its margin within `horizon` [s]: an Impact. Times "
          "must not run backwards.",
          look, py::arg("time"), py::arg("q"), py::arg("rates"), py::arg("horizon") = 0.1);
-  monitor.def_property_readonly(
-      "counts",
+  defineConstant(
+      monitor, "counts",
       [](const Monitor& self) {
         py::dict counts;
         counts["looks"] = self.schedule.statistics.advances;

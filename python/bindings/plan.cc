@@ -80,7 +80,7 @@ Result planOne(const py::args& args, const py::kwargs& kwargs) {
   requireGoal(problem);
   Interrupt interrupt(options.stop);
   const planner::PlanOptions run = options.with(interrupt);
-  const std::shared_ptr<const planner::Problem> value = problem.value;
+  const std::shared_ptr<const planner::Problem> value = problem.value();
   Result result{value, released([&] { return planner::solve(*value, run); })};
   interrupt.rethrow();
   return result;
@@ -89,7 +89,8 @@ Result planOne(const py::args& args, const py::kwargs& kwargs) {
 /// Problems planned by several threads, each by one: the same results whatever their number.
 class Crew {
  public:
-  Crew(std::span<const Problem> problems, const planner::PlanOptions& options, int threads)
+  using Problems = std::vector<std::shared_ptr<const planner::Problem>>;
+  Crew(const Problems& problems, const planner::PlanOptions& options, int threads)
       : problems_(problems), options_(options), results_(problems.size()) {
     options_.stop = [this] { return stop_.load(); };
     for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
@@ -124,7 +125,7 @@ class Crew {
   void work() {
     for (std::size_t i = next_++; i < problems_.size() && !stop_; i = next_++) {
       try {
-        results_[i] = planner::solve(*problems_[i].value, options_);
+        results_[i] = planner::solve(*problems_[i], options_);
       } catch (...) {
         const std::lock_guard lock(mutex_);
         if (!error_ || i < first_error_) {
@@ -138,7 +139,7 @@ class Crew {
     done_.notify_all();
   }
 
-  std::span<const Problem> problems_;
+  const Problems& problems_;
   planner::PlanOptions options_;
   std::vector<planner::PlanResult> results_;
   std::atomic<std::size_t> next_ = 0;
@@ -169,8 +170,11 @@ py::list planMany(const py::object& given, const py::kwargs& kwargs) {
     if (isSetting(py::str(key))) settings[key] = value;
   for (const auto& [key, value] : settings) keywords.attr("pop")(key);
   noMore("plan_many", keywords);
-  if (!settings.empty())
-    for (Problem& problem : problems) applySettings(problem.change(), settings);
+  Crew::Problems values;
+  for (Problem& problem : problems) {
+    if (!settings.empty()) problem.apply(settings);
+    values.push_back(problem.value());
+  }
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   if (!wanted.is_none()) {
     threads = wanted.cast<int>();
@@ -179,14 +183,14 @@ py::list planMany(const py::object& given, const py::kwargs& kwargs) {
   threads = std::min(threads, static_cast<int>(std::max<std::size_t>(1, problems.size())));
   Interrupt interrupt(options.stop);
   std::vector<planner::PlanResult> results = released([&] {
-    Crew crew(problems, options.plan, threads);
+    Crew crew(values, options.plan, threads);
     crew.wait(interrupt);
     return crew.take();
   });
   interrupt.rethrow();
   py::list list;
-  for (std::size_t i = 0; i < problems.size(); ++i)
-    list.append(Result{problems[i].value, std::move(results[i])});
+  for (std::size_t i = 0; i < values.size(); ++i)
+    list.append(Result{values[i], std::move(results[i])});
   return list;
 }
 
@@ -195,7 +199,7 @@ planner::VerifyResult verify(const Problem& problem, const py::object& path, boo
   const planner::Path given = pathOf(problem, path, shortest);
   requireGoal(problem);
   Interrupt interrupt(stop);
-  const std::shared_ptr<const planner::Problem> value = problem.value;
+  const std::shared_ptr<const planner::Problem> value = problem.value();
   planner::PlanOptions options;
   options.stop = interrupt.callback();
   planner::VerifyResult result = released([&] { return planner::verify(*value, given, options); });
@@ -226,7 +230,7 @@ planner::Certificate clearance(const Problem& problem, const py::object& path, d
     throw py::value_error("path has fewer than two waypoints: there is no edge to measure");
   if (!(tolerance > 0) || parts < 1 || parts > 100000)
     throw py::value_error("tolerance must be positive and parts between 1 and 100000");
-  const std::shared_ptr<const planner::Problem> value = problem.value;
+  const std::shared_ptr<const planner::Problem> value = problem.value();
   Interrupt interrupt;
   return interrupt.released([&] {
     const auto scene = std::make_shared<const planner::CompiledScene>(*value, interrupt.callback());
@@ -247,23 +251,23 @@ void defineVerification(py::module_& module) {
   using planner::VerifyResult;
   py::class_<VerifyResult> result(module, "Verification",
                                   "The outcome of an independent proof. True if certified.");
-  result.def_property_readonly(
-      "status", [](const VerifyResult& self) { return statusName(self.status); },
+  defineConstant(
+      result, "status", [](const VerifyResult& self) { return statusName(self.status); },
       "'certified', 'refuted', 'undecided' or 'nothing_checked': no pair of shapes is checked.");
   result.def_readonly("lower", &VerifyResult::clearance_lower,
                       "Every point of a certified path keeps at least this [m]; inf where nothing "
                       "is near.");
   result.def_readonly("edge", &VerifyResult::segment,
                       "The edge that fails or is undecided; -1: none.");
-  result.def_property_readonly(
-      "t", [](const VerifyResult& self) { return py::make_tuple(self.t0, self.t1); },
+  defineConstant(
+      result, "t", [](const VerifyResult& self) { return py::make_tuple(self.t0, self.t1); },
       "The part of that edge, in [0, 1].");
-  result.def_property_readonly(
-      "pair", [](const VerifyResult& self) { return pairObject(self.a, self.b); },
+  defineConstant(
+      result, "pair", [](const VerifyResult& self) { return pairObject(self.a, self.b); },
       "What is too near there, or None.");
   result.def_readonly("reason", &VerifyResult::reason, "In words.");
-  result.def_property_readonly(
-      "unchecked", [](const VerifyResult& self) { return uncheckedList(self.unchecked); },
+  defineConstant(
+      result, "unchecked", [](const VerifyResult& self) { return uncheckedList(self.unchecked); },
       "Pairs that were not looked at, as Certificate.unchecked.");
   result.def("__bool__", [](const VerifyResult& self) {
     return self.status == planner::VerifyStatus::kCertified;
@@ -294,7 +298,7 @@ planner::Path givenPath(const Problem& problem, const py::object& path) {
   }
   if (py::isinstance<py::str>(path) || py::hasattr(path, "__fspath__")) {
     const std::string file = fileName(path, "path");
-    const std::shared_ptr<const planner::Problem> value = problem.value;
+    const std::shared_ptr<const planner::Problem> value = problem.value();
     return released([&] { return planner::readPath(file, *value); });
   }
   const Rows given = rows(path, "path", problem.size(), 2);

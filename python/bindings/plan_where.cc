@@ -170,12 +170,12 @@ Result planWhere(const Problem& problem, const py::object& accept, const py::obj
         "is expected");
   const double apart = number(resolution, "resolution");
   if (!(apart > 0)) throw py::value_error("resolution is " + text(apart) + "; above 0 is expected");
-  if (problem.value->goals.size() != 1)
+  if (problem->goals.size() != 1)
     throw py::value_error("one goal is expected; the problem has " +
-                          std::to_string(problem.value->goals.size()));
+                          std::to_string(problem->goals.size()));
   const Point start = statePoint(problem, py::str("start")),
               goal = statePoint(problem, py::str("goal"));
-  const std::shared_ptr<const planner::Problem> value = problem.value;
+  const std::shared_ptr<const planner::Problem> value = problem.value();
   Interrupt interrupt(stop);
   const Quiet quiet;
   planner::PlanResult result = interrupt.released([&] {
@@ -185,9 +185,10 @@ Result planWhere(const Problem& problem, const py::object& accept, const py::obj
     information->setMotionValidator(std::make_shared<ConditionalMotions>(
         information, information->getMotionValidator(), condition));
     information->setup();
-    const double end = seconds() + value->limits.time;
-    planner::PlanResult found = search(*value, *scene, information, start, goal,
-                                       [&] { return interrupt() || seconds() > end; });
+    const double begin = seconds(), limit = value->limits.time;
+    planner::PlanResult found = search(*value, *scene, information, start, goal, [&] {
+      return interrupt() || (limit > 0 && seconds() - begin > limit);
+    });
     if (!found.path.positions.empty()) certifyPlan(scene, found);
     return found;
   });

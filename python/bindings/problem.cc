@@ -25,7 +25,7 @@ Problem makeProblem(const Robot& robot, const World* world) {
   problem.robot.variables.assign(robot.space->variables().begin(), robot.space->variables().end());
   problem.start = robot.model->defaultConfiguration();
   if (world != nullptr) problem.world = world->value;
-  return {std::make_shared<const planner::Problem>(std::move(problem))};
+  return Problem(std::make_shared<const planner::Problem>(std::move(problem)));
 }
 
 /// What args or keywords give for parameter `i`, taken out of the keywords; None where nothing
@@ -53,8 +53,8 @@ py::object load(const py::object& file, const py::object& packages, bool cache) 
   Interrupt interrupt;
   options.load.stop = interrupt.callback();
   return py::cast(interrupt.released([&] {
-    return Problem{std::make_shared<const planner::Problem>(
-        planner::placeStart(planner::loadProblem(path, options)))};
+    return Problem(std::make_shared<const planner::Problem>(
+        planner::placeStart(planner::loadProblem(path, options))));
   }));
 }
 
@@ -66,30 +66,30 @@ Problem loadMoveit(const Robot& robot, const py::object& scene, const py::object
   planner::ProblemOptions options;
   options.load.stop = interrupt.callback();
   return interrupt.released([&] {
-    return Problem{std::make_shared<const planner::Problem>(
-        planner::loadMoveit(model, scene_file, request_file, options))};
+    return Problem(std::make_shared<const planner::Problem>(
+        planner::loadMoveit(model, scene_file, request_file, options)));
   });
 }
 
 std::vector<double> configurationFor(const Problem& self, const py::object& state) {
-  std::vector<double> q = self.value->start;
+  std::vector<double> q = self->start;
   if (!state.is_none()) self.robot().expand(statePoint(self, state), q);
   return q;
 }
 
 Problem attach(const Problem& self, const std::string& object, const std::string& link,
                const std::vector<std::string>& touch, const py::object& state) {
-  return {std::make_shared<const planner::Problem>(
-      planner::attachObject(*self.value, object, link, touch, configurationFor(self, state)))};
+  return Problem(std::make_shared<const planner::Problem>(
+      planner::attachObject(*self, object, link, touch, configurationFor(self, state))));
 }
 
 Problem detach(const Problem& self, const std::string& object, const py::object& state) {
-  return {std::make_shared<const planner::Problem>(
-      planner::detachObject(*self.value, object, configurationFor(self, state)))};
+  return Problem(std::make_shared<const planner::Problem>(
+      planner::detachObject(*self, object, configurationFor(self, state))));
 }
 
 std::string html(const Problem& problem) {
-  const planner::Problem& p = *problem.value;
+  const planner::Problem& p = *problem;
   std::vector<std::vector<std::string>> table;
   const std::vector<double> start = startPoint(p);
   const Robot robot = problem.robot();
@@ -113,11 +113,6 @@ std::string html(const Problem& problem) {
 }
 
 }  // namespace
-
-planner::Problem& Problem::change() {
-  if (value.use_count() > 1) value = std::make_shared<const planner::Problem>(*value);
-  return const_cast<planner::Problem&>(*value);  // made non-const, and nobody else holds it
-}
 
 Problem problemOf(const char* call, const py::args& args, py::dict& keywords) {
   static constexpr std::array kNames = {"robot", "world", "start", "goal"};
@@ -154,12 +149,12 @@ Problem problemOf(const char* call, const py::args& args, py::dict& keywords) {
       settings[key] = value;
       keywords.attr("pop")(key);
     }
-  if (!settings.empty()) applySettings(problem.change(), settings);
+  if (!settings.empty()) problem.apply(settings);
   return problem;
 }
 
 void requireGoal(const Problem& problem) {
-  if (problem.value->goals.empty() && problem.value->steps.empty())
+  if (problem->goals.empty() && problem->steps.empty())
     throw py::value_error(
         "no goal is given; a group state, numbers, a dict by joint, a FramePose or steps are "
         "expected");
@@ -197,11 +192,11 @@ std::vector<double> goalPoint(const planner::Problem& problem, const planner::Go
 std::vector<double> statePoint(const Problem& problem, const py::object& state) {
   if (py::isinstance<py::str>(state)) {
     const auto name = state.cast<std::string>();
-    if (name == "start") return startPoint(*problem.value);
-    if (name == "goal" && !problem.value->goals.empty())
-      return goalPoint(*problem.value, problem.value->goals.front());
+    if (name == "start") return startPoint(*problem);
+    if (name == "goal" && !problem->goals.empty())
+      return goalPoint(*problem, problem->goals.front());
   }
-  planner::Problem at_state = *problem.value;
+  planner::Problem at_state = *problem;
   setStart(at_state, state);
   if (at_state.start_poses.empty()) return startPoint(at_state);
   return startPoint(released([&] { return planner::placeStart(at_state); }));
@@ -229,12 +224,16 @@ void defineProblem(py::module_& module) {
           "time [s], iterations (0: no limit): when planning ends. seed: same seed, same bytes.\n"
           "others: {joint: value} of joints that are not planned.\n"
           "Settings of execution: speed, velocities, accelerations, jerks, corners, start_time, "
-          "step, duration, foresight, look_ahead, buffer, patience; see problems/README.md.")
+          "step, duration, foresight, look_ahead, buffer, patience; see problems/README.md.\n\n"
+          "A problem copies what it is given. What its attributes hand out is its own: "
+          "problem.world.add_box(...), problem.margins[a, b] = m, problem.start[0] = 1 change it. "
+          "It is checked when it is made or set, and whenever it is used: InputError.")
           .c_str());
   defineInit(problem, init, [](const py::args& args, const py::kwargs& kwargs) {
     py::dict keywords = kwargs.attr("copy")();
     Problem made = problemOf("Problem", args, keywords);
     noMore("Problem", keywords);
+    planner::validate(*made);
     return made;
   });
   defineStatic(problem, "load", "(file, *, packages=None, cache=True)",
@@ -257,17 +256,17 @@ void defineProblem(py::module_& module) {
   define(problem, "copy", "(self)", "Another problem with the same content.",
          [](const Problem& self) { return self; });
   defineSettings(problem);
-  problem.def_property_readonly(
-      "robot", [](const Problem& self) { return self.robot(); },
+  defineConstant(
+      problem, "robot", [](const Problem& self) { return self.robot(); },
       "The robot and its planned group.");
-  problem.def_property_readonly(
-      "warnings", [](const Problem& self) { return listOf(self.value->warnings); },
+  defineConstant(
+      problem, "warnings", [](const Problem& self) { return listOf(self->warnings); },
       "What the loader found odd, each with file and line.");
   problem.def("__repr__", [](const Problem& self) {
-    return "<leeway.Problem '" + self.value->name + "': " + std::to_string(self.size()) +
+    return "<leeway.Problem '" + self->name + "': " + std::to_string(self.size()) +
            " planned joints among " +
-           std::to_string(self.value->world.objects.size() + self.value->world.deforming.size()) +
-           " objects, margin " + text(self.value->margins.common) + " m>";
+           std::to_string(self->world.objects.size() + self->world.deforming.size()) +
+           " objects, margin " + text(self->margins.common) + " m>";
   });
   problem.def("_repr_html_", html);
   define(module, "load", "(file, *, packages=None, cache=True)",

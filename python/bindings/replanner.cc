@@ -47,7 +47,7 @@ std::unique_ptr<Execution> makeExecution(const py::args& args, const py::kwargs&
   made->problem = problemOf("Replanner", args, keywords);
   noMore("Replanner", keywords);
   requireGoal(made->problem);
-  const std::shared_ptr<const planner::Problem> value = made->problem.value;
+  const std::shared_ptr<const planner::Problem> value = made->problem.value();
   planner::ReplanOptions options;
   options.stop = [self = made.get()] { return self->interrupt != nullptr && (*self->interrupt)(); };
   made->replanner = released([&] { return std::make_unique<planner::Replanner>(*value, options); });
@@ -123,7 +123,7 @@ ReplanResult replan(const py::args& args, const py::kwargs& kwargs) {
         interrupt.fail();
       }
     };
-  const std::shared_ptr<const planner::Problem> value = problem.value;
+  const std::shared_ptr<const planner::Problem> value = problem.value();
   ReplanResult result = released([&] { return planner::replan(*value, options, told, steps); });
   interrupt.rethrow();
   return result;
@@ -133,8 +133,8 @@ void defineStep(py::module_& module) {
   py::class_<Step> step_class(module, "Step",
                               "One step of an execution: from one look at the world to the next.");
   const auto property = [&](const char* name, auto get, const char* doc) {
-    step_class.def_property_readonly(
-        name, [get](const Step& self) { return get(self.value); }, doc);
+    defineConstant(
+        step_class, name, [get](const Step& self) { return get(self.value); }, doc);
   };
   property(
       "index", [](const ReplanStep& s) { return s.index; }, "Counts from 0.");
@@ -181,8 +181,9 @@ void defineStep(py::module_& module) {
         return times;
       },
       "What it took [s]: {update, certify, plan, clearance}.");
-  step_class.def_property_readonly(
-      "motion", [](const Step& self) { return timedPoints(self.value.motion, self.columns); },
+  defineConstant(
+      step_class, "motion",
+      [](const Step& self) { return timedPoints(self.value.motion, self.columns); },
       "Where to be when: (n, 1 + joints), the time [s] and the joints' values; between two rows at "
       "constant speed.");
   step_class.def("__repr__", [](const Step& self) {
@@ -196,24 +197,24 @@ void defineExecuted(py::module_& module) {
   py::class_<ReplanResult> result(module, "Executed",
                                   "A whole execution. True if the goal is reached, every step "
                                   "certified.");
-  result.def_property_readonly(
-      "status", [](const ReplanResult& self) { return toString(self.status); },
+  defineConstant(
+      result, "status", [](const ReplanResult& self) { return toString(self.status); },
       "'reached', 'unsafe', 'timeout', 'stopped' or 'nothing_checked'.");
-  result.def_property_readonly(
-      "trajectory",
+  defineConstant(
+      result, "trajectory",
       [](const ReplanResult& self) { return timedPoints(self.trajectory, self.names.size()); },
       "What was executed: (n, 1 + joints), the time [s] and the joints' values.");
-  result.def_property_readonly(
-      "joint_names", [](const ReplanResult& self) { return listOf(self.names); },
+  defineConstant(
+      result, "joint_names", [](const ReplanResult& self) { return listOf(self.names); },
       "Names of the trajectory's columns after the first.");
   result.def_readonly("steps", &ReplanResult::steps, "Steps taken.");
   result.def_readonly("replans", &ReplanResult::replans, "Paths planned besides the first.");
   result.def_readonly("certified", &ReplanResult::certified, "Every step was.");
-  result.def_property_readonly(
-      "lower", [](const ReplanResult& self) { return self.clearance.lower; },
+  defineConstant(
+      result, "lower", [](const ReplanResult& self) { return self.clearance.lower; },
       "The clearance of all steps is at least this [m].");
-  result.def_property_readonly(
-      "upper", [](const ReplanResult& self) { return self.clearance.upper; },
+  defineConstant(
+      result, "upper", [](const ReplanResult& self) { return self.clearance.upper; },
       "The least clearance is at most this [m].");
   result.def("__bool__", [](const ReplanResult& self) {
     return self.status == planner::ReplanStatus::kReached;
@@ -247,25 +248,25 @@ void defineReplanner(py::module_& module) {
          "faster than `speed_bound` [m/s] from then on. Replaces its motion for good.",
          setVertices, py::arg("name"), py::arg("vertices"), py::arg("time") = py::none(),
          py::arg("speed_bound") = py::none());
-  defineProperty(execution, "state",
-                 "The robot's state now: (joints,); set it to where the robot truly is.",
-                 reading([](Execution& self) { return array(self.replanner->state()); }), setState);
-  execution.def_property_readonly("time",
-                                  reading([](Execution& self) { return self.replanner->time(); }),
-                                  "Of the next look at the world [s].");
-  execution.def_property_readonly(
-      "path", reading([](Execution& self) { return array(self.replanner->path(), self.size()); }),
-      "The rest of the path: (n, joints); (0, joints) without one.");
-  execution.def_property_readonly(
-      "reached", reading([](Execution& self) { return self.replanner->reached(); }),
-      "The state is in a goal, and the path is used up.");
-  execution.def_property_readonly(
-      "replans", reading([](Execution& self) { return self.replanner->replans(); }),
-      "Paths planned besides the first.");
-  execution.def_property_readonly("scene", reading([](Execution& self) {
-                                    return Scene(self.problem, self.replanner->scene());
-                                  }),
-                                  "The Scene of the last look: constant, for any thread.");
+  defineProperty(
+      execution, "state", "The robot's state now: (joints,); set it to where the robot truly is.",
+      reading([](Execution& self) { return constant(array(self.replanner->state())); }), setState);
+  defineConstant(execution, "time", reading([](Execution& self) { return self.replanner->time(); }),
+                 "Of the next look at the world [s].");
+  defineConstant(execution, "path", reading([](Execution& self) {
+                   return array(self.replanner->path(), self.size());
+                 }),
+                 "The rest of the path: (n, joints); (0, joints) without one.");
+  defineConstant(execution, "reached",
+                 reading([](Execution& self) { return self.replanner->reached(); }),
+                 "The state is in a goal, and the path is used up.");
+  defineConstant(execution, "replans",
+                 reading([](Execution& self) { return self.replanner->replans(); }),
+                 "Paths planned besides the first.");
+  defineConstant(execution, "scene", reading([](Execution& self) {
+                   return Scene(self.problem, self.replanner->scene());
+                 }),
+                 "The Scene of the last look: constant, for any thread.");
   execution.def("__repr__", [](Execution& self) {
     return self.busy ? std::string("<leeway.Replanner, in a step>")
                      : "<leeway.Replanner at " + text(self.replanner->time()) + " s>";

@@ -40,24 +40,24 @@ void defineClearance(py::module_& module) {
   py::class_<PathClearance> clearance(module, "PathClearance",
                                       "Bounds on the least clearance along a path, and where it "
                                       "is.");
-  clearance.def_property_readonly(
-      "lower", [](const PathClearance& self) { return self.clearance.lower; },
+  defineConstant(
+      clearance, "lower", [](const PathClearance& self) { return self.clearance.lower; },
       "Every point of every edge keeps at least this [m]; inf where nothing is near.");
-  clearance.def_property_readonly(
-      "upper", [](const PathClearance& self) { return self.clearance.upper; },
+  defineConstant(
+      clearance, "upper", [](const PathClearance& self) { return self.clearance.upper; },
       "The least clearance is at most this [m].");
-  clearance.def_property_readonly(
-      "closest",
+  defineConstant(
+      clearance, "closest",
       [](const PathClearance& self) { return pairObject(self.closest_a, self.closest_b); },
       "Names of the pair that is nearest, or None.");
   clearance.def_readonly("closest_edge", &PathClearance::closest_segment,
                          "The edge where that is; -1: none.");
   clearance.def_readonly("closest_t", &PathClearance::closest_t, "And where on it, in [0, 1].");
-  clearance.def_property_readonly(
-      "point_a", [](const PathClearance& self) { return array(self.closest_point_a); },
+  defineConstant(
+      clearance, "point_a", [](const PathClearance& self) { return array(self.closest_point_a); },
       "On the first of `closest`: (3,), world [m].");
-  clearance.def_property_readonly(
-      "point_b", [](const PathClearance& self) { return array(self.closest_point_b); },
+  defineConstant(
+      clearance, "point_b", [](const PathClearance& self) { return array(self.closest_point_b); },
       "On the second: (3,), world [m].");
   clearance.def("__repr__", [](const PathClearance& self) {
     return "<leeway.PathClearance: " + clearanceText(self) + ">";
@@ -71,14 +71,14 @@ void defineCertificate(py::module_& module) {
       "over the pairs that are checked.");
   certificate.def_readonly("certified", &Certificate::certified,
                            "Every edge is proven to keep its margins.");
-  certificate.def_property_readonly(
-      "world", [](const Certificate& self) { return self.world; },
+  defineConstant(
+      certificate, "world", [](const Certificate& self) { return self.world; },
       "The clearance from the world alone: a PathClearance.");
-  certificate.def_property_readonly(
-      "self", [](const Certificate& self) { return self.self; },
+  defineConstant(
+      certificate, "self", [](const Certificate& self) { return self.self; },
       "The clearance among the robot's own links and what it holds: a PathClearance.");
-  certificate.def_property_readonly(
-      "edges",
+  defineConstant(
+      certificate, "edges",
       [](const Certificate& self) {
         std::vector<double> values;
         for (const planner::Interval& edge : self.segments)
@@ -87,8 +87,9 @@ void defineCertificate(py::module_& module) {
       },
       "Bounds on the clearance of each edge: (edges, 2) [m]; an upper end may be inf: not looked "
       "for.");
-  certificate.def_property_readonly(
-      "unchecked", [](const Certificate& self) { return uncheckedList(self.unchecked); },
+  defineConstant(
+      certificate, "unchecked",
+      [](const Certificate& self) { return uncheckedList(self.unchecked); },
       "Pairs of which it says nothing: [(reason, how many, pairs), ...]. Pairs are by name where "
       "they are left out because they touch at the zero configuration, else empty.");
   certificate.def("__bool__", [](const Certificate& self) { return self.certified; });
@@ -172,46 +173,46 @@ void defineResult(py::module_& module) {
   py::class_<Result> result(module, "Result",
                             "What plan() found. True if it is solved: then every edge of `path` is "
                             "proven to keep its margins.");
-  result.def_property_readonly(
-      "status", [](const Result& self) { return toString(self.value.status); },
+  defineConstant(
+      result, "status", [](const Result& self) { return toString(self.value.status); },
       "'solved', 'unsolved', 'invalid_start', 'invalid_goal' or 'nothing_checked': no pair of "
       "shapes is checked, and nothing is planned.");
-  result.def_property_readonly(
-      "path",
+  defineConstant(
+      result, "path",
       [](const Result& self) {
         return array(self.value.path.positions, self.problem->robot.variables.size());
       },
       "The waypoints: (n, joints) [rad or m]; (0, joints) unless solved.");
-  result.def_property_readonly(
-      "joint_names", [](const Result& self) { return listOf(self.value.path.names); },
+  defineConstant(
+      result, "joint_names", [](const Result& self) { return listOf(self.value.path.names); },
       "Names of the path's columns.");
-  result.def_property_readonly(
-      "certificate", [](const Result& self) { return self.value.certificate; },
+  defineConstant(
+      result, "certificate", [](const Result& self) { return self.value.certificate; },
       "The proof of the path.");
-  result.def_property_readonly(
-      "length", [](const Result& self) { return self.value.length; },
+  defineConstant(
+      result, "length", [](const Result& self) { return self.value.length; },
       "Length of the path, see Robot.distance().");
-  result.def_property_readonly(
-      "goal", [](const Result& self) { return self.value.goal; },
+  defineConstant(
+      result, "goal", [](const Result& self) { return self.value.goal; },
       "Index of the goal that is reached; -1: none.");
-  result.def_property_readonly(
-      "steps",
+  defineConstant(
+      result, "steps",
       [](const Result& self) {
         py::list steps;
         for (const planner::PathStep& step : self.value.path.steps) steps.append(step);
         return steps;
       },
       "Of a task: its steps as stretches of the path, PathSteps; else empty.");
-  result.def_property_readonly(
-      "reason", [](const Result& self) { return self.value.reason; },
+  defineConstant(
+      result, "reason", [](const Result& self) { return self.value.reason; },
       "Why a task failed, a goal of poses has no configuration or nothing is checked, in words; "
       "else "
       "''.");
-  result.def_property_readonly(
-      "unreachable", [](const Result& self) { return self.value.unreachable; },
+  defineConstant(
+      result, "unreachable", [](const Result& self) { return self.value.unreachable; },
       "Whether it is proven that a goal of poses has no configuration.");
-  result.def_property_readonly(
-      "cost",
+  defineConstant(
+      result, "cost",
       [](const Result& self) {
         return std::isinf(self.value.cost.upper)
                    ? py::object(py::none())
@@ -219,8 +220,8 @@ void defineResult(py::module_& module) {
       },
       "Bounds on what the path costs, (lower, upper), where the problem has such an objective, or "
       "wishes; else None.");
-  result.def_property_readonly(
-      "wishes",
+  defineConstant(
+      result, "wishes",
       [](const Result& self) {
         py::list wishes;
         for (std::size_t i = 0; i < self.value.wishes.size(); ++i) {
@@ -238,31 +239,32 @@ void defineResult(py::module_& module) {
       "What became of each of the problem's wishes: dicts of `between`, `wish` [m], `kept` "
       "(everywhere: proven True or False; None: not decided), and bounds on its least `clearance` "
       "[m] and on its `cost`. Empty unless solved.");
-  result.def_property_readonly(
-      "clearance_bound", [](const Result& self) { return self.value.clearance_bound; },
+  defineConstant(
+      result, "clearance_bound", [](const Result& self) { return self.value.clearance_bound; },
       "With the objective 'clearance': no path has more than this, because its start or its goals "
       "have not [m].");
-  result.def_property_readonly(
-      "planner", [](const Result& self) { return self.value.planner; }, "The planner's name.");
-  result.def_property_readonly(
-      "seed", [](const Result& self) { return self.value.seed; }, "The seed.");
-  result.def_property_readonly(
-      "deterministic", [](const Result& self) { return self.value.deterministic; },
+  defineConstant(
+      result, "planner", [](const Result& self) { return self.value.planner; },
+      "The planner's name.");
+  defineConstant(
+      result, "seed", [](const Result& self) { return self.value.seed; }, "The seed.");
+  defineConstant(
+      result, "deterministic", [](const Result& self) { return self.value.deterministic; },
       "False for planners with threads or clocks of their own.");
-  result.def_property_readonly(
-      "times", times, "What it took [s]: {compile, plan, simplify, improve, push, certify}.");
-  result.def_property_readonly("counts", counts,
-                               "{iterations, states, edges, undecided_edges, distance_queries}.");
-  result.def_property_readonly(
-      "warnings", [](const Result& self) { return listOf(self.value.warnings); },
+  defineConstant(result, "times", times,
+                 "What it took [s]: {compile, plan, simplify, improve, push, certify}.");
+  defineConstant(result, "counts", counts,
+                 "{iterations, states, edges, undecided_edges, distance_queries}.");
+  defineConstant(
+      result, "warnings", [](const Result& self) { return listOf(self.value.warnings); },
       "Goals that were left out.");
-  result.def_property_readonly(
-      "offending",
+  defineConstant(
+      result, "offending",
       [](const Result& self) { return pairObject(self.value.offending_a, self.value.offending_b); },
       "Of an invalid start or goal: the pair that is too near, or None.");
-  result.def_property_readonly(
-      "problem", [](const Result& self) { return Problem{self.problem}; },
-      "The problem that it answers.");
+  defineConstant(
+      result, "problem", [](const Result& self) { return Problem(self.problem, true); },
+      "The problem that it answers, constant; copy() gives one to change.");
   define(
       result, "trajectory", "(self, period=0.01)",
       "The path with times, within the limits of the problem's execution: along the certified "

@@ -235,30 +235,30 @@ void defineRobot(py::module_& module) {
         return self.space->distance(numbers(a, "a", self.size()), numbers(b, "b", self.size()));
       },
       py::arg("a"), py::arg("b"));
-  robot.def_property_readonly(
-      "name", [](const Robot& self) { return self.model->name; }, "The robot's name.");
-  robot.def_property_readonly(
-      "group", [](const Robot& self) { return self.group; }, "The planned group's name.");
-  robot.def_property_readonly(
-      "joint_names", [](const Robot& self) { return listOf(variableNames(self)); },
+  defineConstant(
+      robot, "name", [](const Robot& self) { return self.model->name; }, "The robot's name.");
+  defineConstant(
+      robot, "group", [](const Robot& self) { return self.group; }, "The planned group's name.");
+  defineConstant(
+      robot, "joint_names", [](const Robot& self) { return listOf(variableNames(self)); },
       "Names of the planned variables, in the order of points.");
-  robot.def_property_readonly(
-      "lower", [](const Robot& self) { return limits(self, false); },
+  defineConstant(
+      robot, "lower", [](const Robot& self) { return limits(self, false); },
       "Lower limits of the planned joints: (joints,) [rad or m]; -inf where there are none.");
-  robot.def_property_readonly(
-      "upper", [](const Robot& self) { return limits(self, true); },
+  defineConstant(
+      robot, "upper", [](const Robot& self) { return limits(self, true); },
       "Upper limits of the planned joints: (joints,) [rad or m]; inf where there are none.");
-  robot.def_property_readonly(
-      "links", [](const Robot& self) { return listOf(namesOf(self.model->links)); },
+  defineConstant(
+      robot, "links", [](const Robot& self) { return listOf(namesOf(self.model->links)); },
       "Names of all links, parents before children.");
-  robot.def_property_readonly(
-      "groups", [](const Robot& self) { return listOf(namesOf(self.model->groups)); },
+  defineConstant(
+      robot, "groups", [](const Robot& self) { return listOf(namesOf(self.model->groups)); },
       "Names of the groups that may be planned.");
-  robot.def_property_readonly(
-      "states", [](const Robot& self) { return listOf(namesOf(self.model->group_states)); },
+  defineConstant(
+      robot, "states", [](const Robot& self) { return listOf(namesOf(self.model->group_states)); },
       "Names of the SRDF's group states.");
-  robot.def_property_readonly(
-      "warnings", [](const Robot& self) { return listOf(self.model->warnings); },
+  defineConstant(
+      robot, "warnings", [](const Robot& self) { return listOf(self.model->warnings); },
       "What the loader found odd, each with file and line.");
   robot.def("__repr__", [](const Robot& self) {
     return "<leeway.Robot '" + self.model->name + "', group '" + self.group +

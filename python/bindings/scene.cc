@@ -200,7 +200,7 @@ Scene makeScene(const py::args& args, const py::kwargs& kwargs) {
   py::dict keywords = kwargs.attr("copy")();
   Problem problem = problemOf("Scene", args, keywords);
   noMore("Scene", keywords);
-  const std::shared_ptr<const planner::Problem> value = problem.value;
+  const std::shared_ptr<const planner::Problem> value = problem.value();
   auto compiled = compile(*value);
   return Scene(problem, std::move(compiled));
 }
@@ -214,67 +214,69 @@ State checkProblem(const py::args& args, const py::kwargs& kwargs) {
     tolerance = number(keywords.attr("pop")("tolerance"), "tolerance");
   Problem problem = problemOf("check", args, keywords);
   noMore("check", keywords);
-  const std::shared_ptr<const planner::Problem> value = problem.value;
+  const std::shared_ptr<const planner::Problem> value = problem.value();
   auto compiled = compile(*value);
   return check(Scene(problem, std::move(compiled)), state, tolerance);
 }
 
 void defineState(py::module_& module) {
   py::class_<State> state(module, "State", "One state against the margins.");
-  state.def_property_readonly(
-      "valid", isValid,
+  defineConstant(
+      state, "valid", isValid,
       "Within the limits, and proven to keep all margins: undecided is not valid, nor is a state "
       "where nothing is checked.");
-  state.def_property_readonly(
-      "verdict",
+  defineConstant(
+      state, "verdict",
       [](const State& self) {
         return self.nothing_checked.empty() ? verdictName(self.check.verdict) : "nothing_checked";
       },
       "'free', 'not_free', 'undecided' or 'nothing_checked', of the margins alone.");
-  state.def_property_readonly(
-      "lower", [](const State& self) { return self.check.clearance.lower; },
+  defineConstant(
+      state, "lower", [](const State& self) { return self.check.clearance.lower; },
       "The clearance is at least this [m]; below 0 it is a depth; inf where nothing is near.");
-  state.def_property_readonly(
-      "upper", [](const State& self) { return self.check.clearance.upper; },
+  defineConstant(
+      state, "upper", [](const State& self) { return self.check.clearance.upper; },
       "The clearance is at most this [m].");
-  state.def_property_readonly(
-      "closest", [](const State& self) { return pairObject(self.a, self.b); },
+  defineConstant(
+      state, "closest", [](const State& self) { return pairObject(self.a, self.b); },
       "Names of the closest pair, or None.");
-  state.def_property_readonly(
-      "too_near", [](const State& self) { return pairObject(self.near_a, self.near_b); },
+  defineConstant(
+      state, "too_near", [](const State& self) { return pairObject(self.near_a, self.near_b); },
       "Names of a pair that does not keep its margin, or None.");
-  state.def_property_readonly(
-      "point_a", [](const State& self) { return array(self.check.closest.point_a); },
+  defineConstant(
+      state, "point_a", [](const State& self) { return array(self.check.closest.point_a); },
       "Nearest point on the first of `closest`: (3,), world [m].");
-  state.def_property_readonly(
-      "point_b", [](const State& self) { return array(self.check.closest.point_b); },
+  defineConstant(
+      state, "point_b", [](const State& self) { return array(self.check.closest.point_b); },
       "Nearest point on the second: (3,), world [m].");
-  state.def_property_readonly(
-      "normal", [](const State& self) { return array(self.check.closest.normal); },
+  defineConstant(
+      state, "normal", [](const State& self) { return array(self.check.closest.normal); },
       "Unit vector from the first to the second: (3,).");
-  state.def_property_readonly(
-      "limit",
+  defineConstant(
+      state, "limit",
       [](const State& self) {
         return self.limit.empty() ? py::object(py::none()) : py::object(py::str(self.limit));
       },
       "The first joint limit that is broken, in words, or None.");
-  state.def_property_readonly(
-      "positions", [](const State& self) { return array(std::span<const double>(self.point)); },
+  defineConstant(
+      state, "positions",
+      [](const State& self) { return array(std::span<const double>(self.point)); },
       "The state: (joints,) [rad or m].");
   state.def("__bool__", isValid);
   state.def("__repr__", stateText);
 
   py::class_<Edge> edge(module, "Edge", "How far an edge is certified.");
-  edge.def_property_readonly(
-      "verdict", [](const Edge& self) { return verdictName(self.check.verdict); },
+  defineConstant(
+      edge, "verdict", [](const Edge& self) { return verdictName(self.check.verdict); },
       "'free': every point of it is proven to keep all margins; 'not_free' or 'undecided'.");
-  edge.def_property_readonly(
-      "last_valid", [](const Edge& self) { return self.check.last_valid; },
+  defineConstant(
+      edge, "last_valid", [](const Edge& self) { return self.check.last_valid; },
       "Certified from 0 to this t; 1 when free.");
-  edge.def_property_readonly(
-      "t", [](const Edge& self) { return self.check.t; }, "Where it is not free or undecided.");
-  edge.def_property_readonly(
-      "pair", [](const Edge& self) { return pairObject(self.a, self.b); },
+  defineConstant(
+      edge, "t", [](const Edge& self) { return self.check.t; },
+      "Where it is not free or undecided.");
+  defineConstant(
+      edge, "pair", [](const Edge& self) { return pairObject(self.a, self.b); },
       "And between what, or None.");
   edge.def("__bool__", [](const Edge& self) { return self.check.verdict == Verdict::kFree; });
   edge.def("__repr__", [](const Edge& self) {
@@ -359,19 +361,20 @@ void defineScene(py::module_& module) {
   define(scene, "certify", "(self, a, b)",
          "How far the edge from a to b is certified, and what is in the way.", certify,
          py::arg("a"), py::arg("b"));
-  scene.def_property_readonly(
-      "problem", [](const Scene& self) { return self.problem; }, "The problem that was compiled.");
-  scene.def_property_readonly(
-      "robot", [](const Scene& self) { return self.problem.robot(); }, "Its robot.");
-  scene.def_property_readonly(
-      "pairs", [](const Scene& self) { return self.compiled->scene().pairs().size(); },
+  defineConstant(
+      scene, "problem", [](const Scene& self) { return Problem(self.problem.value(), true); },
+      "The problem that was compiled, constant; copy() gives one to change.");
+  defineConstant(
+      scene, "robot", [](const Scene& self) { return self.problem.robot(); }, "Its robot.");
+  defineConstant(
+      scene, "pairs", [](const Scene& self) { return self.compiled->scene().pairs().size(); },
       "How many pairs of shapes are checked.");
-  scene.def_property_readonly(
-      "nothing_checked", [](const Scene& self) { return self.compiled->nothingChecked(); },
+  defineConstant(
+      scene, "nothing_checked", [](const Scene& self) { return self.compiled->nothingChecked(); },
       "Why no answer of this scene proves anything, in words: no link that moves has a shape, or "
       "all pairs with the world are left out. Then no state and no edge is valid. Else ''.");
-  scene.def_property_readonly(
-      "dropped",
+  defineConstant(
+      scene, "dropped",
       [](const Scene& self) {
         py::list list;
         for (const auto& dropped : self.compiled->dropped())
@@ -380,7 +383,7 @@ void defineScene(py::module_& module) {
       },
       "Pairs of bodies that are not checked, and why: (a, b, reason).");
   scene.def("__repr__", [](const Scene& self) {
-    return "<leeway.Scene of '" + self.problem.value->name +
+    return "<leeway.Scene of '" + self.problem->name +
            "': " + std::to_string(self.compiled->scene().pairs().size()) + " pairs>";
   });
   define(

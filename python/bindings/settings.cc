@@ -12,6 +12,14 @@
 #include "python/base/released.h"
 
 namespace leeway::python {
+
+struct Setting {
+  const char* name;
+  const char* doc;
+  py::object (*get)(const planner::Problem&);
+  void (*set)(planner::Problem&, const py::object&);
+};
+
 namespace {
 
 std::string word(const py::object& value, const char* name) {
@@ -32,27 +40,12 @@ std::int64_t whole(const py::object& value, const char* name) {
   return result;
 }
 
-double notNegative(const py::object& value, const char* name) {
-  const double given = number(value, name);
-  if (given < 0)
-    throw py::value_error(std::string(name) + " is " + text(given) + "; at least 0 is expected");
-  return given;
-}
-
-double positiveNumber(const py::object& value, const char* name) {
-  const double given = number(value, name);
-  if (!(given > 0))
-    throw py::value_error(std::string(name) + " is " + text(given) +
-                          "; a positive number is expected");
-  return given;
-}
-
 py::dict dictOf(const py::object& value, const char* name) {
   if (value.is_none()) return {};
-  if (!py::isinstance<py::dict>(value))
+  if (!py::isinstance<py::dict>(value) && Py_TYPE(value.ptr()) != &PyDictProxy_Type)
     throw py::type_error(std::string(name) + " is of type " + Py_TYPE(value.ptr())->tp_name +
                          "; a dict is expected");
-  return py::reinterpret_borrow<py::dict>(value);
+  return py::dict(value);
 }
 
 // ---- Maps by joint.
@@ -64,15 +57,14 @@ std::map<std::string, double> byJoint(const planner::Problem& problem, const py:
   std::map<std::string, double> result;
   if (value.is_none()) return result;
   if (!py::isinstance<py::dict>(value)) {
-    const double all = positiveNumber(value, name);
+    const double all = number(value, name);
     for (const int variable : problem.robot.variables)
       result[problem.robot.model->variables[at(variable)].name] = all;
     return result;
   }
   for (const auto& [joint, limit] : py::reinterpret_borrow<py::dict>(value)) {
     const int variable = variableOf(problem, py::str(joint));
-    result[problem.robot.model->variables[at(variable)].name] =
-        positiveNumber(py::reinterpret_borrow<py::object>(limit), name);
+    result[problem.robot.model->variables[at(variable)].name] = number(limit, name);
   }
   return result;
 }
@@ -81,12 +73,6 @@ void setFrames(planner::Problem& problem, const py::object& value) {
   std::vector<planner::Frame> frames;
   for (const auto& [key, entry] : dictOf(value, "frames")) {
     const std::string name = py::str(key);
-    const auto named = [&](const auto& thing) { return thing.name == name; };
-    const auto& held = problem.robot.attachments;
-    if (problem.robot.model->findLink(name) >= 0 || hasObject(problem.world, name) ||
-        std::any_of(held.begin(), held.end(), [&](const auto& a) { return named(a.object); }))
-      throw py::value_error("frame '" + name +
-                            "' has the name of a link or object; a name of its own is expected");
     if (!py::isinstance<py::tuple>(entry) || py::len(entry) != 2)
       throw py::type_error("frame '" + name + "' is " + shown(entry) +
                            "; (link, pose) is expected");
@@ -101,22 +87,54 @@ void setFrames(planner::Problem& problem, const py::object& value) {
 
 // ---- What a path costs.
 
+using NamePairs = std::vector<std::pair<std::string, std::string>>;
+
+/// Pairs as they were given: names of one side, and of the other.
+py::tuple sidesOf(const NamePairs& pairs) {
+  std::vector<std::string> sides[2];
+  for (const auto& [a, b] : pairs) {
+    if (std::find(sides[0].begin(), sides[0].end(), a) == sides[0].end()) sides[0].push_back(a);
+    if (std::find(sides[1].begin(), sides[1].end(), b) == sides[1].end()) sides[1].push_back(b);
+  }
+  const auto side = [](const std::vector<std::string>& names) {
+    return names.size() == 1 ? py::object(py::str(names[0])) : py::object(py::tuple(listOf(names)));
+  };
+  return py::make_tuple(side(sides[0]), side(sides[1]));
+}
+
+/// "robot and tray".
+std::string textOf(py::handle key) {
+  std::string text_of;
+  for (const py::handle side : py::reinterpret_borrow<py::tuple>(key))
+    text_of += (text_of.empty() ? "" : " and ") +
+               std::string(py::isinstance<py::str>(side) ? py::str(side) : py::repr(side));
+  return text_of;
+}
+
+py::object getMargins(const planner::Problem& problem) {
+  py::dict margins;
+  for (const planner::PairMargin& m : problem.margins.pairs)
+    margins[py::make_tuple(m.a, m.b)] = m.margin;
+  return py::object(margins);
+}
+
+void setMargins(planner::Problem& problem, const py::object& value) {
+  std::map<std::pair<std::string, std::string>, std::string> groups;  // as read back
+  for (const planner::PairMargin& m : problem.margins.pairs) groups[{m.a, m.b}] = m.group;
+  std::vector<planner::PairMargin> margins;
+  for (const auto& [key, entry] : dictOf(value, "margins")) {
+    const double margin = number(entry, "margins");
+    const NamePairs pairs = namePairs(problem, key, "margins");
+    for (const auto& [a, b] : pairs)
+      margins.push_back({a, b, margin, pairs.size() > 1 ? textOf(key) : groups[{a, b}]});
+  }
+  problem.margins.pairs = std::move(margins);
+}
+
 py::object getWishes(const planner::Problem& problem) {
   py::dict wishes;
-  for (const planner::Wish& wish : problem.margins.wishes) {
-    // As they were given: names of one side, and of the other.
-    std::vector<std::string> sides[2];
-    for (const auto& [a, b] : wish.pairs) {
-      if (std::find(sides[0].begin(), sides[0].end(), a) == sides[0].end()) sides[0].push_back(a);
-      if (std::find(sides[1].begin(), sides[1].end(), b) == sides[1].end()) sides[1].push_back(b);
-    }
-    const auto side = [](const std::vector<std::string>& names) {
-      return names.size() == 1 ? py::object(py::str(names[0]))
-                               : py::object(py::tuple(py::cast(names)));
-    };
-    wishes[py::make_tuple(side(sides[0]), side(sides[1]))] =
-        py::make_tuple(wish.clearance, wish.weight);
-  }
+  for (const planner::Wish& wish : problem.margins.wishes)
+    wishes[sidesOf(wish.pairs)] = py::make_tuple(wish.clearance, wish.weight);
   return wishes;
 }
 
@@ -129,19 +147,36 @@ void setWishes(planner::Problem& problem, const py::object& value) {
       const auto pair = py::reinterpret_borrow<py::tuple>(given);
       if (pair.size() != 2)
         throw py::type_error("wishes: " + shown(given) + "; (clearance, weight) is expected");
-      wish.weight = positiveNumber(pair[1], "wishes: a weight");
+      wish.weight = number(pair[1], "wishes: a weight");
       given = pair[0];
     }
-    wish.clearance = positiveNumber(given, "wishes: a clearance");
+    wish.clearance = number(given, "wishes: a clearance");
     wish.pairs = namePairs(problem, key, "wishes");
-    const auto sides = py::reinterpret_borrow<py::tuple>(key);
-    for (std::size_t i = 0; i < 2; ++i)
-      wish.name += (i == 1 ? " and " : "") + (py::isinstance<py::str>(sides[i])
-                                                  ? std::string(py::str(sides[i]))
-                                                  : std::string(py::repr(sides[i])));
+    wish.name = textOf(key);
     wishes.push_back(std::move(wish));
   }
   problem.margins.wishes = std::move(wishes);
+}
+
+/// Of joints that are not planned.
+py::object getOthers(const planner::Problem& problem) {
+  py::dict values;
+  const std::vector<int>& planned = problem.robot.variables;
+  for (std::size_t v = 0; v < problem.start.size(); ++v)
+    if (std::find(planned.begin(), planned.end(), static_cast<int>(v)) == planned.end())
+      values[py::str(problem.robot.model->variables[v].name)] = problem.start[v];
+  return values;
+}
+
+void setOthers(planner::Problem& problem, const py::object& value) {
+  for (const auto& [name, number_of] : dictOf(value, "others")) {
+    const std::string joint = py::str(name);
+    const int variable = variableOf(problem, joint);
+    const std::vector<int>& planned = problem.robot.variables;
+    if (std::find(planned.begin(), planned.end(), variable) != planned.end())
+      throw py::value_error("joint '" + joint + "' is planned; its value belongs to start");
+    problem.start[at(variable)] = number(number_of, ("others: " + joint).c_str());
+  }
 }
 
 const char* wordOf(planner::Pairs pairs) {
@@ -191,8 +226,8 @@ planner::CostTerm costTerm(const py::object& value, const std::string& name, boo
   planner::CostTerm term;
   const char* kind = map.contains("hinge") ? "hinge" : "inverse";
   if (map.contains("inverse")) term.nearness.kind = planner::Nearness::Kind::kInverse;
-  term.nearness.distance = positiveNumber(map[kind], kind);
-  if (map.contains("weight")) term.weight = notNegative(map["weight"], "weight");
+  term.nearness.distance = number(map[kind], kind);
+  if (map.contains("weight")) term.weight = number(map["weight"], "weight");
   if (!map.contains("of")) return term;
   const std::string of = word(map["of"], "of");
   for (const planner::Pairs pairs :
@@ -214,7 +249,7 @@ planner::MinimumCost costOf(const py::dict& objective) {
   const py::dict weighted = dictOf(objective["weighted"], "weighted");
   expectKeys(weighted, {"length", "integral", "worst"}, "weighted");
   planner::MinimumCost cost;
-  if (weighted.contains("length")) cost.length = notNegative(weighted["length"], "length");
+  if (weighted.contains("length")) cost.length = number(weighted["length"], "length");
   for (const char* key : {"integral", "worst"}) {
     if (!weighted.contains(key)) continue;
     const py::object terms = weighted[key];
@@ -228,15 +263,6 @@ planner::MinimumCost costOf(const py::dict& objective) {
   return cost;
 }
 
-// ---- The table.
-
-struct Setting {
-  const char* name;
-  const char* doc;
-  py::object (*get)(const planner::Problem&);
-  void (*set)(planner::Problem&, const py::object&);
-};
-
 using P = planner::Problem;
 using V = const py::object&;
 
@@ -244,8 +270,7 @@ const Setting kSettings[] = {
     {"name", "The problem's name, for messages.",
      [](const P& p) { return py::object(py::str(p.name)); },
      [](P& p, V v) { p.name = word(v, "name"); }},
-    {"world", "The world, as a copy: set it to change it.",
-     [](const P& p) { return py::cast(World{p.world}); },
+    {"world", "The world; to set it copies.", [](const P& p) { return py::cast(World{p.world}); },
      [](P& p, V v) {
        if (!py::isinstance<World>(v)) throw py::type_error("world is no World");
        p.world = v.cast<const World&>().value;
@@ -259,14 +284,7 @@ const Setting kSettings[] = {
        return py::object(frames);
      },
      setFrames},
-    {"others", "Values of all joints at the start, those not planned included: {joint: value}.",
-     [](const P& p) {
-       py::dict values;
-       for (std::size_t i = 0; i < p.start.size(); ++i)
-         values[py::str(p.robot.model->variables[i].name)] = p.start[i];
-       return py::object(values);
-     },
-     [](P& p, V v) { setStart(p, dictOf(v, "others")); }},
+    {"others", "Values of the joints that are not planned: {joint: value}.", getOthers, setOthers},
     {"start",
      "The planned joints' values at the start: (joints,) [rad or m]. Poses become such values: the "
      "valid ones that are nearest to what the start was.",
@@ -296,20 +314,7 @@ const Setting kSettings[] = {
      "Pairs with a margin of their own: {(a, b): margin} [m]; a and b are names, tuples of names, "
      "or "
      "'robot'. Of entries that name the same pair the last holds.",
-     [](const P& p) {
-       py::dict margins;
-       for (const planner::PairMargin& m : p.margins.pairs)
-         margins[py::make_tuple(m.a, m.b)] = m.margin;
-       return py::object(margins);
-     },
-     [](P& p, V v) {
-       std::vector<planner::PairMargin> pairs;
-       for (const auto& [key, value] : dictOf(v, "margins")) {
-         const double margin = number(value, "margins");
-         for (const auto& [a, b] : namePairs(p, key, "margins")) pairs.push_back({a, b, margin});
-       }
-       p.margins.pairs = std::move(pairs);
-     }},
+     getMargins, setMargins},
     {"allowed", "Pairs (a, b) that may touch, besides those of the SRDF; as in `margins`.",
      [](const P& p) {
        py::list pairs;
@@ -356,7 +361,7 @@ const Setting kSettings[] = {
      [](P& p, V v) {
        planner::MinimumLength minimum;
        if (!v.is_none()) {
-         minimum.clearance = notNegative(v, "keep");
+         minimum.clearance = number(v, "keep");
          if (!std::holds_alternative<planner::MinimumLength>(p.objective))
            throw py::value_error(std::string("keep stands beside the objective '") +
                                  toString(p.objective) + "'; 'length' is expected");
@@ -398,7 +403,7 @@ const Setting kSettings[] = {
            clearance->at_most_longer = std::numeric_limits<double>::infinity();
          return;
        }
-       const double longer = notNegative(v, "at_most_longer");
+       const double longer = number(v, "at_most_longer");
        if (clearance == nullptr)
          throw py::value_error(std::string("at_most_longer stands beside the objective '") +
                                toString(p.objective) + "'; 'clearance' is expected");
@@ -406,19 +411,13 @@ const Setting kSettings[] = {
      }},
     {"planner", "Name of the planner, see planners().",
      [](const P& p) { return py::object(py::str(p.planner.name)); },
-     [](P& p, V v) {
-       if (const auto error = planner::plannerError(word(v, "planner"), {}))
-         throw py::value_error(*error);
-       p.planner.name = word(v, "planner");
-     }},
+     [](P& p, V v) { p.planner.name = word(v, "planner"); }},
     {"parameters", "Parameters of the planner, by its names, as text.",
      [](const P& p) { return py::cast(p.planner.parameters); },
      [](P& p, V v) {
        std::map<std::string, std::string> parameters;
        for (const auto& [key, value] : dictOf(v, "parameters"))
          parameters[py::str(key)] = py::str(value);
-       if (const auto error = planner::plannerError(p.planner.name, parameters))
-         throw py::value_error(*error);
        p.planner.parameters = std::move(parameters);
      }},
     {"simplify", "Whether the path that is found is shortened.",
@@ -429,7 +428,7 @@ const Setting kSettings[] = {
      [](P& p, V v) { p.planner.push = py::bool_(v); }},
     {"time", "Planning and simplification end after this [s].",
      [](const P& p) { return py::object(py::float_(p.limits.time)); },
-     [](P& p, V v) { p.limits.time = positiveNumber(v, "time"); }},
+     [](P& p, V v) { p.limits.time = number(v, "time"); }},
     {"iterations", "The planner ends after so many iterations; 0: no limit.",
      [](const P& p) { return py::object(py::int_(p.limits.iterations)); },
      [](P& p, V v) { p.limits.iterations = whole(v, "iterations"); }},
@@ -441,17 +440,13 @@ const Setting kSettings[] = {
      [](P& p, V v) { p.execution.start = number(v, "start_time"); }},
     {"step", "From one look at the world to the next, in execution [s].",
      [](const P& p) { return py::object(py::float_(p.execution.step)); },
-     [](P& p, V v) { p.execution.step = positiveNumber(v, "step"); }},
+     [](P& p, V v) { p.execution.step = number(v, "step"); }},
     {"duration", "An execution that has not reached the goal within this fails [s].",
      [](const P& p) { return py::object(py::float_(p.execution.duration)); },
-     [](P& p, V v) { p.execution.duration = positiveNumber(v, "duration"); }},
+     [](P& p, V v) { p.execution.duration = number(v, "duration"); }},
     {"speed", "Share of the velocity limits that is used, in (0, 1].",
      [](const P& p) { return py::object(py::float_(p.execution.speed)); },
-     [](P& p, V v) {
-       if (positiveNumber(v, "speed") > 1)
-         throw py::value_error("speed is above 1; (0, 1] is expected");
-       p.execution.speed = number(v, "speed");
-     }},
+     [](P& p, V v) { p.execution.speed = number(v, "speed"); }},
     {"velocities", "Velocity limits: {joint: limit}, or one number for all [rad/s or m/s].",
      [](const P& p) { return getByJoint(p.execution.velocities); },
      [](P& p, V v) { p.execution.velocities = byJoint(p, v, "velocities"); }},
@@ -485,13 +480,13 @@ const Setting kSettings[] = {
      }},
     {"look_ahead", "After each step so much more should be certified [s].",
      [](const P& p) { return py::object(py::float_(p.execution.look_ahead)); },
-     [](P& p, V v) { p.execution.look_ahead = notNegative(v, "look_ahead"); }},
+     [](P& p, V v) { p.execution.look_ahead = number(v, "look_ahead"); }},
     {"buffer", "Paths keep this besides the margin from what deforms, where they can [m].",
      [](const P& p) { return py::object(py::float_(p.execution.buffer)); },
-     [](P& p, V v) { p.execution.buffer = notNegative(v, "buffer"); }},
+     [](P& p, V v) { p.execution.buffer = number(v, "buffer"); }},
     {"patience", "How long to wait for a valid path before planning another [s].",
      [](const P& p) { return py::object(py::float_(p.execution.patience)); },
-     [](P& p, V v) { p.execution.patience = notNegative(v, "patience"); }},
+     [](P& p, V v) { p.execution.patience = number(v, "patience"); }},
 };
 
 const Setting* findSetting(const std::string& name) {
@@ -515,17 +510,141 @@ void placeStart(planner::Problem& problem) {
 
 }  // namespace
 
-void applySettings(planner::Problem& problem, const py::dict& settings) {
+namespace {
+
+/// Goals or steps that are set take the place of the others.
+void replaceEnds(const std::string& name, planner::Problem& problem) {
+  if ((name == "goal" || name == "goals") && !problem.goals.empty()) problem.steps.clear();
+  if (name == "steps" && !problem.steps.empty()) problem.goals.clear();
+}
+
+/// What was handed out stays the problem's: of these kinds.
+bool canChange(const py::object& value) {
+  return py::isinstance<py::list>(value) || py::isinstance<py::dict>(value) ||
+         py::isinstance<py::array>(value) || py::isinstance<World>(value);
+}
+
+/// What tells whether something has changed: another image.
+py::object imageOf(const py::object& value) {
+  if (py::isinstance<World>(value)) return py::int_(value.cast<const World&>().changes);
+  if (py::isinstance<py::array>(value))
+    return py::make_tuple(value.attr("shape"), py::str(value.attr("dtype")),
+                          value.attr("tobytes")());
+  py::list images;
+  if (py::isinstance<py::dict>(value)) {
+    for (const auto& [key, item] : py::reinterpret_borrow<py::dict>(value)) {
+      images.append(key);
+      images.append(imageOf(py::reinterpret_borrow<py::object>(item)));
+    }
+  } else if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) {
+    for (const py::handle item : value)
+      images.append(imageOf(py::reinterpret_borrow<py::object>(item)));
+  } else {
+    return value;
+  }
+  return py::tuple(images);
+}
+
+bool isSameImage(const py::object& x, const py::object& y) {
+  const int same = PyObject_RichCompareBool(x.ptr(), y.ptr(), Py_EQ);
+  if (same < 0) PyErr_Clear();  // what cannot be compared is read again
+  return same == 1;
+}
+
+/// Gives a thing that was handed out the content of another of its kind.
+void refill(const py::object& handed_out, const py::object& fresh) {
+  if (py::isinstance<World>(handed_out)) {
+    handed_out.cast<World&>().value = fresh.cast<const World&>().value;
+  } else if (py::isinstance<py::dict>(handed_out)) {
+    handed_out.attr("clear")();
+    handed_out.attr("update")(fresh);
+  } else {
+    const py::object all = py::isinstance<py::array>(handed_out)
+                               ? py::object(py::ellipsis())
+                               : py::object(py::slice(std::nullopt, std::nullopt, std::nullopt));
+    handed_out[all] = fresh;
+  }
+}
+
+}  // namespace
+
+void Problem::takeChanges(const std::string& except) const {
+  std::shared_ptr<planner::Problem> changed;
+  for (const Setting& setting : kSettings) {
+    const auto found = handed_out_.find(setting.name);
+    if (found == handed_out_.end() || setting.name == except) continue;
+    const py::object image = imageOf(found->second.object);
+    if (isSameImage(image, found->second.image)) continue;
+    if (!changed) changed = std::make_shared<planner::Problem>(*value_);
+    setting.set(*changed, found->second.object);
+  }
+  if (!changed) return;
+  value_ = std::move(changed);
+  for (auto& [name, handed_out] : handed_out_)
+    if (name != except) handed_out.image = imageOf(handed_out.object);
+}
+
+const std::shared_ptr<const planner::Problem>& Problem::value() const {
+  takeChanges();
+  return value_;
+}
+
+void Problem::apply(const py::dict& settings) {
   const auto given = [&](const char* name) {
     return settings.contains(name) && !py::object(settings[name]).is_none();
   };
   if (given("steps") && (given("goal") || given("goals")))
     throw py::value_error("steps are given beside a goal; one of them is expected");
+  planner::Problem changed = **this;
   // In the table's order: a planner before its parameters, frames before poses.
-  for (const Setting& setting : kSettings)
-    if (settings.contains(setting.name))
-      setting.set(problem, py::reinterpret_borrow<py::object>(settings[setting.name]));
-  placeStart(problem);
+  for (const Setting& setting : kSettings) {
+    if (!settings.contains(setting.name)) continue;
+    setting.set(changed, py::reinterpret_borrow<py::object>(settings[setting.name]));
+    replaceEnds(setting.name, changed);
+  }
+  placeStart(changed);
+  handed_out_.clear();
+  value_ = std::make_shared<const planner::Problem>(std::move(changed));
+}
+
+py::object Problem::attribute(const Setting& setting) const {
+  const std::string name = setting.name;
+  if (is_constant_) {
+    const py::object value = setting.get(*value_);
+    if (py::isinstance<World>(value)) value.cast<World&>().is_constant = true;
+    return constant(value);
+  }
+  if (name == "goal") {  // that of the list, so that a change of it counts
+    const py::object goals = attribute(*findSetting("goals"));
+    return py::len(goals) == 0 ? py::object(py::none()) : py::object(goals[py::int_(0)]);
+  }
+  const auto found = handed_out_.find(name);
+  if (found != handed_out_.end()) return found->second.object;
+  const py::object value = setting.get(*value_);
+  if (canChange(value)) handed_out_[name] = {value, imageOf(value)};
+  return value;
+}
+
+void Problem::set(const Setting& setting, const py::object& value) {
+  const std::string name = setting.name, replaced = name == "goal" ? "goals" : name;
+  if (is_constant_)
+    throw py::attribute_error("'" + name +
+                              "' is of a problem that was compiled or answered; copy() gives one "
+                              "to change");
+  takeChanges(replaced);
+  planner::Problem changed = *value_;
+  setting.set(changed, value);
+  replaceEnds(name, changed);
+  placeStart(changed);
+  planner::validate(changed);
+  handed_out_.erase(replaced);
+  for (auto& [other, handed_out] : handed_out_) {  // that this has changed, too
+    const Setting& of = *findSetting(other);
+    if (isSameImage(imageOf(of.get(*value_)), imageOf(of.get(changed)))) continue;
+    refill(handed_out.object, of.get(changed));
+    handed_out.image = imageOf(handed_out.object);
+  }
+  value_ = std::make_shared<const planner::Problem>(std::move(changed));
 }
 
 std::string shown(py::handle value) {
@@ -538,13 +657,8 @@ void defineSettings(py::class_<Problem>& problem) {
   for (const Setting& setting : kSettings)
     defineProperty(
         problem, setting.name, setting.doc,
-        [get = setting.get](const Problem& self) { return get(*self.value); },
-        [&setting](Problem& self, const py::object& value) {
-          planner::Problem changed = *self.value;
-          setting.set(changed, value);
-          placeStart(changed);
-          self.change() = std::move(changed);
-        });
+        [&setting](const Problem& self) { return self.attribute(setting); },
+        [&setting](Problem& self, const py::object& value) { self.set(setting, value); });
 }
 
 void noMore(const char* call, const py::dict& keywords) {

@@ -142,14 +142,14 @@ void defineShapes(py::module_& module) {
                "solid. What a file leaves open is a UserWarning.",
                mesh, py::arg("file") = py::none(), py::kw_only(), py::arg("vertices") = py::none(),
                py::arg("triangles") = py::none(), py::arg("scale") = 1.0);
-  shape.def_property_readonly(
-      "type", [](const Shape& self) { return collision::toString(self.type()); },
+  defineConstant(
+      shape, "type", [](const Shape& self) { return collision::toString(self.type()); },
       "'sphere', 'capsule', 'box', 'cylinder', 'cone', 'ellipsoid', 'half_space', 'convex_hull', "
       "'mesh' or 'deformable'.");
-  shape.def_property_readonly("bounding_radius", &Shape::boundingRadius,
-                              "Radius of a ball that holds the shape [m].");
-  shape.def_property_readonly(
-      "vertices",
+  defineConstant(shape, "bounding_radius", &Shape::boundingRadius,
+                 "Radius of a ball that holds the shape [m].");
+  defineConstant(
+      shape, "vertices",
       [](const py::object& self) -> py::object {
         const auto& of = self.cast<const Shape&>();
         if (of.mesh() != nullptr) return view(of.mesh()->vertices(), self);
@@ -157,8 +157,8 @@ void defineShapes(py::module_& module) {
         return py::none();
       },
       "Vertices of a mesh or hull, without a copy: (n, 3), read-only [m]; else None.");
-  shape.def_property_readonly(
-      "triangles",
+  defineConstant(
+      shape, "triangles",
       [](const py::object& self) -> py::object {
         const auto& of = self.cast<const Shape&>();
         if (of.mesh() != nullptr) return view(of.mesh()->triangles(), self);

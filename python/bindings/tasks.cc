@@ -128,7 +128,6 @@ void setSteps(planner::Problem& problem, const py::object& steps) {
     const int count = ++unnamed[kindOf(given)];
     made.back().name = kindOf(given) + (count == 1 ? "" : " " + std::to_string(count));
   }
-  if (!made.empty()) problem.goals.clear();
   problem.steps = std::move(made);
 }
 
@@ -183,7 +182,7 @@ void defineTasks(py::module_& module) {
                "A held object is let go of, and stays where it is.", detachStep, py::arg("object"),
                py::kw_only(), py::arg("name") = py::none());
   step.def_readonly("name", &TaskStep::name, "Its name; '': what it does.");
-  step.def_property_readonly("kind", kindOf, "'move', 'line', 'attach' or 'detach'.");
+  defineConstant(step, "kind", kindOf, "'move', 'line', 'attach' or 'detach'.");
   step.def("__repr__", lineOfStep);
 }
 

@@ -73,39 +73,40 @@ void defineTrajectory(py::module_& module) {
       module, "Trajectory",
       "A path with times: it follows the certified edges, or proven blends at corners. Between "
       "times of `knots` joints on an edge move on cubics.");
-  trajectory.def_property_readonly(
-      "duration", [](const Trajectory& self) { return self.value.duration(); }, "[s]");
-  trajectory.def_property_readonly(
-      "times",
+  defineConstant(
+      trajectory, "duration", [](const Trajectory& self) { return self.value.duration(); }, "[s]");
+  defineConstant(
+      trajectory, "times",
       [](const Trajectory& self) {
         const std::vector<double> times = sampleTimes(self);
         return array(std::span<const double>(times));
       },
       "0, period, ... and the end: (n,) [s].");
-  trajectory.def_property_readonly(
-      "positions",
+  defineConstant(
+      trajectory, "positions",
       [](const Trajectory& self) { return sampled(self, &planner::Trajectory::configuration); },
       "At `times`: (n, joints) [rad or m].");
-  trajectory.def_property_readonly(
-      "velocities",
+  defineConstant(
+      trajectory, "velocities",
       [](const Trajectory& self) { return sampled(self, &planner::Trajectory::velocity); },
       "At `times`: (n, joints) [rad/s or m/s].");
-  trajectory.def_property_readonly(
-      "accelerations",
+  defineConstant(
+      trajectory, "accelerations",
       [](const Trajectory& self) { return sampled(self, &planner::Trajectory::acceleration); },
       "At `times`: (n, joints) [rad/s^2 or m/s^2].");
-  trajectory.def_property_readonly(
-      "knots",
+  defineConstant(
+      trajectory, "knots",
       [](const Trajectory& self) {
         const std::vector<double> knots = self.value.knots();
         return array(std::span<const double>(knots));
       },
       "Times at which acceleration along the path or its derivative jumps: (n,) [s].");
-  trajectory.def_property_readonly(
-      "waypoint_times", [](const Trajectory& self) { return array(self.value.times()); },
+  defineConstant(
+      trajectory, "waypoint_times",
+      [](const Trajectory& self) { return array(self.value.times()); },
       "When each waypoint is passed, or the middle of its blend: (waypoints,) [s].");
-  trajectory.def_property_readonly(
-      "blends", [](const Trajectory& self) { return self.value.blends().size(); },
+  defineConstant(
+      trajectory, "blends", [](const Trajectory& self) { return self.value.blends().size(); },
       "How many corners are blended.");
   define(trajectory, "position", "(self, time)",
          "Configurations at times (...,) [s]: (..., joints); held before 0 and after the end.",

@@ -24,7 +24,7 @@ void requireNew(const World& world, const std::string& name) {
   if (name.empty()) throw py::value_error("name is empty; a name of its own is expected");
   if (world.has(name))
     throw py::value_error("'" + name +
-                          "' is the name of another object; a name of its own is "
+                          "' is the name of another object or link; a name of its own is "
                           "expected");
 }
 
@@ -32,7 +32,7 @@ void add(World& world, const std::string& name, std::vector<collision::Geometry>
          const py::object& position, const py::object& orientation, const py::object& rpy) {
   requireNew(world, name);
   const collision::Pose X_WO = pose(position, orientation, rpy);
-  world.value.objects.push_back({name, std::move(geometries), X_WO});
+  world.change().objects.push_back({name, std::move(geometries), X_WO});
 }
 
 /// A method that adds one shape. `Sizes` are the factory's arguments, all Python objects.
@@ -55,21 +55,21 @@ void defineAdder(WorldClass& world, const char* name, const std::string& sizes, 
 
 void remove(World& world, const std::string& name) {
   const auto named = [&](const Object& object) { return object.name == name; };
-  const std::size_t erased = std::erase_if(world.value.objects, named) +
-                             std::erase_if(world.value.deforming, [&](const DeformingObstacle& o) {
-                               return named(o.object);
-                             });
-  if (erased == 0) unknown(name);
+  if (!world.has(name)) unknown(name);
+  planner::World& changed = world.change();
+  std::erase_if(changed.objects, named);
+  std::erase_if(changed.deforming, [&](const DeformingObstacle& o) { return named(o.object); });
 }
 
 void move(World& world, const std::string& name, const py::object& position,
           const py::object& orientation, const py::object& rpy) {
   const collision::Pose X_WO = pose(position, orientation, rpy);
-  for (Object& object : world.value.objects)
-    if (object.name == name) return void(object.X_WO = X_WO);
-  for (DeformingObstacle& obstacle : world.value.deforming)
-    if (obstacle.object.name == name) return void(obstacle.object.X_WO = X_WO);
-  unknown(name);
+  if (!world.has(name)) unknown(name);
+  planner::World& changed = world.change();
+  for (Object& object : changed.objects)
+    if (object.name == name) object.X_WO = X_WO;
+  for (DeformingObstacle& obstacle : changed.deforming)
+    if (obstacle.object.name == name) obstacle.object.X_WO = X_WO;
 }
 
 collision::Pose poseOf(const World& world, const std::string& name) {
@@ -109,7 +109,7 @@ void addDeforming(World& world, const std::string& name, const py::object& verti
     return planner::makeDeformingObstacle(name, mesh, moves, X_WO, 0, options, speed_bound);
   });
   requireNew(world, name);  // another thread may have added one meanwhile
-  world.value.deforming.push_back(std::move(made));
+  world.change().deforming.push_back(std::move(made));
 }
 
 void defineAdders(WorldClass& world) {
@@ -195,6 +195,15 @@ std::vector<std::string> objectNames(const planner::World& world) {
 
 bool World::has(const std::string& name) const { return hasObject(value, name); }
 
+planner::World& World::change() {
+  if (is_constant)
+    throw py::type_error(
+        "this World is that of a problem that was compiled or answered; copy() gives one to "
+        "change");
+  ++changes;
+  return value;
+}
+
 void defineWorld(py::module_& module) {
   WorldClass world(module, "World",
                    withSignature("World", "()",
@@ -209,13 +218,15 @@ void defineWorld(py::module_& module) {
   define(world, "remove", "(self, name)", "Removes an object. KeyError where there is none.",
          remove, py::arg("name"));
   define(
-      world, "pose", "(self, name)", "Where an object is: (4, 4).",
-      [](const World& self, const std::string& name) { return matrix(poseOf(self, name)); },
+      world, "pose", "(self, name)", "Where an object is: (4, 4), read-only; move() changes it.",
+      [](const World& self, const std::string& name) {
+        return constant(matrix(poseOf(self, name)));
+      },
       py::arg("name"));
   define(world, "copy", "(self)", "Another world with the same objects; shapes are shared.",
-         [](const World& self) { return self; });
-  world.def_property_readonly(
-      "names", [](const World& self) { return listOf(objectNames(self.value)); },
+         [](const World& self) { return World{self.value}; });
+  defineConstant(
+      world, "names", [](const World& self) { return listOf(objectNames(self.value)); },
       "Names of all objects.");
   world.def("__len__", [](const World& self) {
     return self.value.objects.size() + self.value.deforming.size();

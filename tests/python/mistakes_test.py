@@ -1,0 +1,348 @@
+"""Programs with one mistake each, refused with the words of tests/data/mistakes.txt: where a problem is made, where it is set, and where what a problem has
+handed out is changed. A new check is a new line there, and a row here. And: whatever an object hands out is live, or refuses to be changed."""
+
+import copy
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+import leeway
+from leeway import FramePose, TaskStep
+
+NAN = float("nan")
+TUCKED = [0, -0.6, 0, -2.05, 0, 1.6, 0]
+
+
+def lines():
+    """tests/data/mistakes.txt: {name: (who, words)}."""
+    rows = [line.rstrip("\n").split(" | ", 2) for line in open("tests/data/mistakes.txt") if line.strip() and line[0] != "#"]
+    return {name: (who, words) for name, who, words in rows}
+
+
+def worlds():
+    world = leeway.World()
+    world.add_cylinder("post", radius=0.05, length=1, position=(0.5, 0.5, 0.5))
+    return world
+
+
+def good(robot, **settings):
+    return leeway.Problem(robot, worlds(), **{"start": "ready", "goal": TUCKED} | ({"goal": None} if "steps" in settings else {}) | settings)
+
+
+def settings(**given):
+    """A mistake in keywords: made with them, and set one by one."""
+    def set_all(problem):
+        for name, value in given.items():
+            setattr(problem, name, value)
+    return given, set_all
+
+
+def edits(change):
+    """A mistake in what the problem has handed out."""
+    return {}, change
+
+
+def put(container, key, value):
+    container[key] = value
+
+
+def clothes(world, name):
+    world.add_deforming(name, np.eye(3), [[0, 1, 2]], position=(5, 0, 0))
+
+
+MISTAKES = {
+    "frame_like_link": [settings(frames={"hand": ("hand", None)}), edits(lambda p: put(p.frames, "hand", ("hand", None)))],
+    "start_outside": [settings(start=[0, 9, 0, 0, 0, 0, 0]), edits(lambda p: put(p.start, 1, 9))],
+    "goal_outside": [settings(goal=[0, 9, 0, 0, 0, 0, 0]), edits(lambda p: put(p.goal, 1, 9)), edits(lambda p: put(p.goals, 0, [0, 9, 0, 0, 0, 0, 0]))],
+    "goal_partly_outside": [settings(goal=[0, (1, 3), 0, 0, 0, 0, 0]), edits(lambda p: put(p.goals[0], 1, (1, 3)))],
+    "margin_of_nothing": [settings(margins={("hand", "psot"): 0.1}), edits(lambda p: put(p.margins, ("hand", "psot"), 0.1))],
+    "allowed_of_nothing": [settings(allowed=[("finger_let", "post")]), edits(lambda p: p.allowed.append(("finger_let", "post")))],
+    "wish_of_nothing": [settings(wishes={("hand", "psot"): 0.1}), edits(lambda p: put(p.wishes, ("hand", "psot"), 0.1))],
+    "margin_of_one": [settings(margins={("post", "post"): 0.1}), edits(lambda p: put(p.margins, ("post", "post"), 0.1))],
+    "allowed_of_one": [settings(allowed=[("hand", "hand")]), edits(lambda p: p.allowed.append(("hand", "hand")))],
+    "wish_of_one": [settings(wishes={("post", "post"): 0.1})],
+    "object_like_link": [edits(lambda p: p.world.add_sphere("hand", 0.1, position=(5, 0, 0)))],
+    "object_twice": [edits(lambda p: p.world.add_sphere("post", 0.1))],
+    "deforming_like_object": [edits(lambda p: clothes(p.world, "post"))],
+    "wish_of_no_length": [settings(wishes={("hand", "post"): 0}), edits(lambda p: put(p.wishes, ("hand", "post"), 0))],
+    "wish_of_no_weight": [settings(wishes={("hand", "post"): (0.1, -1)})],
+    "time_negative": [settings(time=-1)],
+    "step_of_no_time": [settings(step=0)],
+    "duration_below_step": [settings(duration=0.01)],
+    "speed_above_1": [settings(speed=2)],
+    "buffer_negative": [settings(buffer=-1)],
+    "velocity_of_unplanned": [settings(velocities={"finger_joint": 1}), edits(lambda p: put(p.velocities, "finger_joint", 1))],
+    "velocity_of_0": [settings(velocities={"joint1": 0}), edits(lambda p: put(p.velocities, "joint1", 0))],
+    "nearness_of_no_length": [settings(objective={"integral": {"hinge": 0}})],
+    "weighs_nothing": [settings(objective={"weighted": {"length": 0}})],
+    "wish_beside_clearance": [settings(wishes={("hand", "post"): 0.1}, objective="clearance")],
+    "planner_unknown": [settings(planner="RRTConect")],
+    "parameter_unknown": [settings(parameters={"rnge": 1}), edits(lambda p: put(p.parameters, "rnge", "1"))],
+    "planner_without_costs": [settings(planner="LBTRRT", objective={"integral": {"hinge": 0.1}})],
+    "improve_beside_clearance": [settings(parameters={"improve": 1}, objective="clearance")],
+    "deforming_of_another_time": [edits(lambda p: (clothes(p.world, "cloth"), setattr(p, "start_time", 1)))],
+    "step_allows_nothing": [settings(steps=[TaskStep.move(TUCKED, allowed=[("hand", "psot")])])],
+    "step_takes_nothing": [settings(steps=[TaskStep.attach("psot", "hand")])],
+    "step_held_by_nothing": [settings(steps=[TaskStep.attach("post", "hnad")])],
+    "step_lets_go_of_nothing": [settings(steps=[TaskStep.detach("post")])],
+    "step_takes_twice": [settings(steps=[TaskStep.attach("post", "hand"), TaskStep.attach("post", "hand")])],
+    "step_to_nothing": [settings(steps=[TaskStep.move(FramePose("tol", (0, 0, 0)))])],
+}
+
+#: Every call that takes a problem.
+CALLS = {
+    "plan": leeway.plan,
+    "plan_many": lambda p: leeway.plan_many([p]),
+    "plan_where": lambda p: leeway.plan_where(p, lambda states: np.ones(len(states), bool)),
+    "verify": lambda p: leeway.verify(p, [TUCKED, TUCKED]),
+    "clearance": lambda p: leeway.clearance(p, [TUCKED, TUCKED]),
+    "check": leeway.check,
+    "Scene": leeway.Scene,
+    "Replanner": leeway.Replanner,
+    "replan": leeway.replan,
+    "attach": lambda p: p.attach("post", "hand"),
+}
+
+
+def refusal(call):
+    try:
+        call()
+    except ValueError as error:  # an InputError is one
+        return str(error)
+    return "accepted"
+
+
+def test_list_and_rows_are_the_same():
+    assert set(MISTAKES) == {name for name, (who, _) in lines().items() if "p" in who}
+
+
+def test_what_the_rows_change_is_a_good_problem(robot):
+    assert leeway.plan(good(robot))
+    assert leeway.plan(good(robot, steps=[TaskStep.move(TUCKED)]))
+    for call in CALLS.values():
+        assert call(good(robot)) is not None
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_refused_where_it_is_made_or_used(robot, name):
+    words = lines()[name][1]
+    for given, change in MISTAKES[name]:
+        if given:
+            said = refusal(lambda: good(robot, **given))
+            assert words in said and "\n" not in said, said
+            said = refusal(lambda: leeway.plan(good(robot), **given))
+            assert words in said, said
+        for call in CALLS:
+            problem = good(robot)
+            said = refusal(lambda: (change(problem), CALLS[call](problem)))
+            assert words in said and "\n" not in said, (call, said)
+
+
+# ---- What is handed out is live.
+
+
+def same(a, b):
+    return a.path.tobytes() == b.path.tobytes()
+
+
+LIVE = {
+    "world": (lambda p: p.world.add_sphere("ball", 0.1, position=(0.5, 0, 0.5)), lambda p: "ball" in p.world),
+    "world moved": (lambda p: p.world.move("post", (0.5, 0, 0.5)), lambda p: p.world.pose("post")[1, 3] == 0),
+    "world removed": (lambda p: p.world.remove("post"), lambda p: len(p.world) == 0),
+    "margins": (lambda p: put(p.margins, ("hand", "post"), 0.02), lambda p: p.margins == {("hand", "post"): 0.02}),
+    "margins updated": (lambda p: p.margins.update({("robot", "post"): 0.02}), lambda p: p.margins.get(("link3", "post")) == 0.02),
+    "allowed": (lambda p: p.allowed.append(("hand", "post")), lambda p: p.allowed == [("hand", "post")]),
+    "wishes": (lambda p: put(p.wishes, ("hand", "post"), (0.1, 2.0)), lambda p: p.wishes == {("hand", "post"): (0.1, 2.0)}),
+    "start": (lambda p: put(p.start, 0, 0.25), lambda p: p.start[0] == 0.25),
+    "start in place": (lambda p: np.add(p.start, 0.01, out=p.start), lambda p: p.start[0] == 0.01),
+    "start sliced": (lambda p: p.start[2:4].fill(-0.5), lambda p: list(p.start[2:4]) == [-0.5, -0.5]),
+    "goal": (lambda p: put(p.goal, 0, 0.3), lambda p: list(p.goal[0]) == [0.3, 0.3] and list(p.goals[0][0]) == [0.3, 0.3]),
+    "goal's range": (lambda p: put(p.goals[0][6], 1, 1), lambda p: list(p.goal[6]) == [0, 1]),
+    "goals": (lambda p: p.goals.append("upright"), lambda p: len(p.goals) == 2 and p.goals[1][1, 0] == 0),
+    "goals cleared": (lambda p: p.goals.clear(), lambda p: p.goal is None),
+    "others": (lambda p: put(p.others, "finger_joint", 0.03), lambda p: p.others == {"finger_joint": 0.03}),
+    "frames": (lambda p: put(p.frames, "tip", ("hand", (0, 0, 0.1))), lambda p: "tip" in p.frames and p.frames["tip"][1][2, 3] == 0.1),
+    "parameters": (lambda p: put(p.parameters, "range", 0.5), lambda p: p.parameters == {"range": "0.5"}),
+    "velocities": (lambda p: put(p.velocities, "joint1", 0.5), lambda p: p.velocities == {"joint1": 0.5}),
+    "accelerations": (lambda p: put(p.accelerations, "joint1", 0.5), lambda p: p.accelerations == {"joint1": 0.5}),
+    "jerks": (lambda p: put(p.jerks, "joint1", 0.5), lambda p: p.jerks == {"joint1": 0.5}),
+}
+
+
+@pytest.mark.parametrize("name", LIVE)
+def test_edits_are_live(robot, name):
+    edit, holds = LIVE[name]
+    problem = good(robot)
+    assert not holds(problem)
+    edit(problem)
+    assert holds(problem.copy())
+    if name != "goals cleared":
+        assert holds(leeway.plan(problem, time=1, iterations=20).problem)
+    held = leeway.Scene(problem).problem
+    assert holds(held)
+    problem.seed = 9  # another setting leaves it
+    assert holds(problem.copy())
+
+
+def test_nested_objectives_and_steps_are_live(robot):
+    problem = good(robot, objective={"weighted": {"length": 1, "integral": [{"hinge": 0.1}]}})
+    problem.objective["weighted"]["integral"][0]["hinge"] = 0.2
+    assert problem.copy().objective["weighted"]["integral"][0]["hinge"] == 0.2
+    problem.objective["weighted"]["integral"].append({"inverse": 0.3})
+    assert len(problem.copy().objective["weighted"]["integral"]) == 2
+    task = good(robot, steps=[TaskStep.move(TUCKED)])
+    task.steps.append(TaskStep.move("ready", name="back"))
+    assert [step.name for step in leeway.plan(task).steps] == ["move", "back"]
+    task.goals.append(TUCKED)
+    assert "goals beside the steps" in refusal(lambda: leeway.plan(task))
+    task.steps.clear()
+    assert leeway.plan(task)
+
+
+def test_an_obstacle_that_is_added_to_the_problems_world_is_avoided(robot):
+    """The programs of the issue: each of these was certified without what was asked."""
+    problem = good(robot, start=[-0.8, 0.4, 0, -1.6, 0, 1.1416, 0], goal=[0.8, 0.4, 0, -1.6, 0, 1.1416, 0])
+    free = leeway.plan(problem)
+    problem.world.add_box("wall", (0.1, 0.1, 1), position=(0.5, 0, 0.5))
+    around = leeway.plan(problem)
+    assert around and not same(free, around) and leeway.verify(problem, around)
+    assert leeway.verify(problem, free).status == "refuted"
+    problem.margins[("robot", ("wall", "post"))] = 0.03
+    wide = leeway.plan(problem)
+    assert wide and leeway.verify(problem, wide) and wide.certificate.world.lower >= 0.03
+    problem.start[0] = -0.9
+    assert leeway.plan(problem).path[0, 0] == -0.9
+    problem.allowed.append(("robot", "wall"))
+    assert same(leeway.plan(problem, start=free.path[0]), free)
+
+
+def test_settings_that_change_others_change_what_was_handed_out(robot):
+    problem = good(robot)
+    others, steps, goals = problem.others, problem.steps, problem.goals
+    problem.start = {"joint1": 0.1, "finger_joint": 0.02}
+    assert others == {"finger_joint": 0.02} and problem.others is others
+    problem.steps = [TaskStep.move(TUCKED)]
+    assert goals == [] and problem.steps is not steps
+    problem.goal = TUCKED
+    assert problem.steps == [] and len(problem.goals) == 1
+    with pytest.raises(ValueError, match="'joint1' is planned; its value belongs to start"):
+        problem.others = {"joint1": 0.1}
+
+
+def test_margins_of_groups_stay_groups(robot):
+    """A margin of 'robot' has no effect on the base, which does not move: no warning, as it has for other links."""
+    problem = good(robot, margins={("robot", "post"): 0.02})
+    assert leeway.plan(problem).warnings == []
+    problem.margins[("hand", "post")] = 0.03
+    assert leeway.plan(problem).warnings == []
+    problem.margins[("link1", "link2")] = 0.1
+    assert leeway.plan(problem).warnings == ["the margin of 'link1' and 'link2' has no effect: the pair is not checked (adjacent)"]
+
+
+def test_a_problem_copies_what_it_is_given(robot):
+    world, q, allowed = worlds(), np.array(TUCKED), []
+    problem = leeway.Problem(robot, world, q, q, allowed=allowed)
+    world.add_sphere("ball", 0.1)
+    q[0] = 1
+    allowed.append(("hand", "post"))
+    assert problem.world.names == ["post"] and problem.start[0] == 0 and problem.allowed == []
+    other = problem.copy()
+    other.world.add_sphere("ball", 0.1)
+    assert problem.world.names == ["post"]
+    running = leeway.plan(problem)
+    problem.world.add_sphere("ball", 0.1)
+    assert running.problem.world.names == ["post"]
+
+
+# ---- What is not live cannot be changed.
+
+DEFORMABLE = leeway.Deformable(np.eye(3), [[0, 1, 2]])
+
+
+def objects(robot):
+    """An object of every class that has attributes, by its class's name."""
+    problem = good(robot, start=[-0.8, 0.4, 0, -1.6, 0, 1.1416, 0], wishes={("hand", "post"): 0.05}, time=1)
+    result, scene = leeway.plan(problem), leeway.Scene(problem)
+    moving = leeway.World()
+    moving.add_deforming("cloth", np.eye(3), [[0, 1, 2]], position=(5, 0, 0), speed_bound=0)
+    replanner = leeway.Replanner(robot, moving, "ready", TUCKED)
+    step = replanner.step()
+    monitor = leeway.Monitor(scene, accelerations=[10] * 7)
+    task = leeway.plan(good(robot, steps=[TaskStep.move(TUCKED)]))
+    ball = leeway.Shape.sphere(1)
+    return [robot, problem.world, result, result.certificate, result.certificate.world, result.trajectory(), scene, scene.check("start"),
+            scene.certify(TUCKED, TUCKED), leeway.verify(problem, result), replanner, step, leeway.replan(robot, moving, "ready", TUCKED, steps=1), monitor,
+            monitor.look(0, TUCKED, [0] * 7, horizon=1), task.steps[0], FramePose("hand", (0, 0, 0)), TaskStep.move(TUCKED), ball,
+            leeway.Shape.mesh(vertices=np.eye(3), triangles=[[0, 1, 2]]), leeway.distance(ball, None, ball, (3, 0, 0)), leeway.separation(ball, None, ball, None),
+            leeway.inverse_kinematics(robot, "hand", robot.pose("hand", TUCKED)), DEFORMABLE, result.problem, scene.problem]
+
+
+def attributes(thing):
+    return [name for name in dir(type(thing)) if not name.startswith("_") and isinstance(getattr(type(thing), name), property)]
+
+
+def expect_constant(value, where):
+    """Nothing that could be changed is in it."""
+    if isinstance(value, np.ndarray):
+        assert not value.flags.writeable, where
+        with pytest.raises(ValueError):
+            value[...] = 0
+    elif isinstance(value, list):
+        for change in (lambda: value.append(1), lambda: value.clear(), lambda: value.__setitem__(slice(None), []), lambda: value.sort(), lambda: value.pop(),
+                       lambda: value.__iadd__([1]), lambda: value.__imul__(2), lambda: value.extend([1]), lambda: value.insert(0, 1),
+                       lambda: value.remove(1), lambda: value.reverse(), lambda: value.__delitem__(0)):
+            with pytest.raises(TypeError, match="read-only"):
+                change()
+        for item in value:
+            expect_constant(item, where)
+    elif isinstance(value, tuple):
+        for item in value:
+            expect_constant(item, where)
+    elif isinstance(value, leeway.World):
+        with pytest.raises(TypeError, match="copy"):
+            value.add_sphere("new", 1)
+        for change in (lambda: value.remove("post"), lambda: value.move("post")):
+            with pytest.raises(TypeError, match="copy"):
+                change()
+    elif hasattr(value, "keys"):
+        with pytest.raises(TypeError):
+            value["new"] = 1
+        for item in value.values():
+            expect_constant(item, where)
+
+
+def test_what_is_not_live_cannot_be_changed(robot):
+    seen = set()
+    for thing in objects(robot):
+        kind = type(thing).__name__
+        for name in attributes(thing):
+            seen.add((kind, name))
+            where = f"{kind}.{name}"
+            expect_constant(getattr(thing, name), where)
+            if (kind, name) != ("Replanner", "state"):
+                with pytest.raises(AttributeError):
+                    setattr(thing, name, getattr(thing, name))
+        with pytest.raises(AttributeError):
+            thing.no_such_attribute = 1
+    classes = {name for name in leeway.__all__ if isinstance(getattr(leeway, name), type) and not issubclass(getattr(leeway, name), Exception)}
+    with_attributes = {name for name in classes if any(isinstance(value, property) for value in vars(getattr(leeway, name)).values())}
+    assert with_attributes <= {kind for kind, _ in seen}, with_attributes - {kind for kind, _ in seen}
+
+
+def test_copies_of_what_cannot_be_changed_can(robot):
+    names = robot.joint_names
+    assert names == list(names) and json.dumps(names) and names[:2] == ["joint1", "joint2"]
+    for made in (list(names), copy.copy(names), copy.deepcopy(names), pickle.loads(pickle.dumps(names)), names + ["more"]):
+        made.append("joint8")
+        assert made[-1] == "joint8"
+    lower = robot.lower.copy()
+    lower[0] = 0
+    assert robot.lower[0] < 0
+    world = worlds()
+    with pytest.raises(ValueError):
+        world.pose("post")[0, 3] = 1
+    problem = leeway.Scene(good(robot)).problem.copy()
+    problem.world.add_sphere("ball", 0.1, position=(5, 0, 0))
+    assert "ball" in problem.world
