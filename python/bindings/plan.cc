@@ -317,7 +317,7 @@ planner::Path givenPath(const Problem& problem, const py::object& path) {
 planner::Path pathOf(const Problem& problem, const py::object& path, bool shortest) {
   planner::Path given = givenPath(problem, path);
   if (shortest) {
-    const planner::Problem& of = *problem.value;
+    const planner::Problem& of = *problem.value();
     given.positions = planner::unwrapped(
         planner::ConfigurationSpace(of.robot.model, of.robot.variables), given.positions);
   }

@@ -136,7 +136,9 @@ TEST(Deformable, TheFirstSnapshotIsRefitted) {
     EXPECT_EQ(deformable.statistics().strategy, DeformStrategy::kRefit);
     EXPECT_STREQ(deformable.statistics().reason, "the first snapshot is at rest");
     ASSERT_EQ(deformable.update(sheet.vertices, 1), UpdateStatus::kUpdated);
-    if (strategy != DeformStrategy::kAuto) EXPECT_EQ(deformable.statistics().strategy, strategy);
+    if (strategy != DeformStrategy::kAuto) {
+      EXPECT_EQ(deformable.statistics().strategy, strategy);
+    }
   }
 }
 
