@@ -30,7 +30,7 @@ FileMesh polygon(const std::vector<Vector3d>& corners) {
 
 std::shared_ptr<const TriangleMesh> meshOf(FileMesh& file, CutMesh& cut) {
   cut = triangulate(file, Bent::kCovered);
-  return TriangleMesh::make(file.vertices, cut.triangles, false);
+  return TriangleMesh::make(file.vertices, cut.triangles, {.decompose = false});
 }
 
 /// Largest distance of a triangle's points from a mesh, solids filled.
