@@ -29,7 +29,6 @@
 namespace leeway::planner {
 namespace {
 
-
 /// What a problem adds to its robot: objects of the world, and what is said of pairs by name.
 class Surroundings {
  public:

@@ -39,8 +39,30 @@ int groupOf(const robots::Model& model, const std::string& name) {
   return group;
 }
 
-robots::LoadOptions loadOptions(const py::object& packages, bool cache) {
+/// {name: {"solid": ..., "weld": ...}}
+std::map<std::string, robots::MeshTreatment, std::less<>> treatments(const py::object& meshes) {
+  std::map<std::string, robots::MeshTreatment, std::less<>> result;
+  if (meshes.is_none()) return result;
+  for (const auto& [name, entry] : py::dict(meshes)) {
+    std::string solid = "auto";
+    double weld = 0;
+    for (const auto& [key, value] : py::dict(py::reinterpret_borrow<py::object>(entry))) {
+      const std::string word = py::str(key);
+      if (word == "solid")
+        solid = py::str(value);
+      else if (word == "weld")
+        weld = number(py::reinterpret_borrow<py::object>(value), "weld");
+      else
+        unknown("key of meshes", word, {"solid", "weld"});
+    }
+    result[py::str(name)] = meshTreatment(solid, weld);
+  }
+  return result;
+}
+
+robots::LoadOptions loadOptions(const py::object& packages, const py::object& meshes, bool cache) {
   robots::LoadOptions options;
+  options.meshes = treatments(meshes);
   if (!packages.is_none())
     for (const auto& [name, folder] : py::dict(packages))
       options.packages.emplace_back(py::str(name), py::str(folder));
@@ -49,9 +71,9 @@ robots::LoadOptions loadOptions(const py::object& packages, bool cache) {
 }
 
 Robot loadRobot(const py::object& urdf, const py::object& srdf, const std::string& group,
-                const py::object& packages, bool cache) {
+                const py::object& packages, const py::object& meshes, bool cache) {
   Interrupt interrupt;
-  robots::LoadOptions options = loadOptions(packages, cache);
+  robots::LoadOptions options = loadOptions(packages, meshes, cache);
   options.stop = interrupt.callback();
   const std::string urdf_file = fileName(urdf, "urdf");
   const std::string srdf_file = srdf.is_none() ? "" : fileName(srdf, "srdf");
@@ -172,7 +194,9 @@ void Robot::expand(std::span<const double> point, std::span<double> base) const 
 }
 
 void defineRobot(py::module_& module) {
-  const std::string init = "(urdf, srdf=None, *, group='all', packages=None, cache=True)";
+  const std::string init =
+      "(urdf, srdf=None, *, group='all', packages=None, meshes=None, "
+      "cache=True)";
   py::class_<Robot> robot(
       module, "Robot",
       withSignature("Robot", init,
@@ -184,7 +208,8 @@ void defineRobot(py::module_& module) {
                     "Raises InputError, with file and line.")
           .c_str());
   defineInit(robot, init, loadRobot, py::arg("urdf"), py::arg("srdf") = py::none(), py::kw_only(),
-             py::arg("group") = "all", py::arg("packages") = py::none(), py::arg("cache") = true);
+             py::arg("group") = "all", py::arg("packages") = py::none(),
+             py::arg("meshes") = py::none(), py::arg("cache") = true);
   defineStatic(robot, "free_body", "(name, shapes, *, joint='floating', lower, upper)",
                "One rigid body that moves in space (its point is x y z qx qy qz qw) or, with "
                "joint='planar', in the plane (x y angle). `shapes` is a list of shapes or of pairs "

@@ -71,8 +71,13 @@ Shape convexHull(const py::object& given) {
   return released([&] { return Shape::convexHull(vertices); });
 }
 
-Shape mesh(const py::object& file, const py::object& vertices, const py::object& faces,
-           const py::object& scale) {
+void warn(const std::string& text) {
+  if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+}
+
+/// A mesh from a file, or from vertices and triangles.
+Shape givenMesh(const py::object& file, const py::object& vertices, const py::object& faces,
+                const py::object& scale) {
   if (file.is_none() == (vertices.is_none() || faces.is_none()) ||
       vertices.is_none() != faces.is_none())
     throw py::type_error("a mesh has either a file, or vertices and triangles");
@@ -90,14 +95,45 @@ Shape mesh(const py::object& file, const py::object& vertices, const py::object&
     std::vector<std::string> warnings;
     Shape shape = interrupt.released(
         [&] { return robots::loadMesh(path, factors, "", 0, options, &warnings); });
-    for (const std::string& warning : warnings)
-      if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+    for (const std::string& warning : warnings) warn(warning);
     return shape;
   }
   std::vector<Eigen::Vector3d> scaled = points(vertices, "vertices");
   for (Eigen::Vector3d& vertex : scaled) vertex = vertex.cwiseProduct(factors);
   const auto indices = triangles(faces, "triangles");
   return released([&] { return Shape::mesh(collision::TriangleMesh::make(scaled, indices)); });
+}
+
+robots::MeshTreatment meshTreatment(const std::string& solid, double weld) {
+  robots::MeshTreatment treatment;
+  if (solid == "hull")
+    treatment.solid = robots::MeshTreatment::Solid::kHull;
+  else if (solid == "surface")
+    treatment.solid = robots::MeshTreatment::Solid::kSurface;
+  else if (solid != "auto")
+    throw py::value_error("solid is '" + solid + "'; 'auto', 'hull' or 'surface' is expected");
+  if (!(weld >= 0) || !std::isfinite(weld))
+    throw py::value_error("weld is " + std::to_string(weld) +
+                          "; a finite length of 0 or more is expected");
+  if (weld > 0 && treatment.solid != robots::MeshTreatment::Solid::kAuto)
+    throw py::value_error("weld goes with solid='auto' only");
+  treatment.weld = weld;
+  return treatment;
+}
+
+Shape mesh(const py::object& file, const py::object& vertices, const py::object& faces,
+           const py::object& scale, const std::string& solid, double weld) {
+  const robots::MeshTreatment treatment = meshTreatment(solid, weld);
+  const Shape given = givenMesh(file, vertices, faces, scale);
+  const bool is_asked = treatment.solid != robots::MeshTreatment::Solid::kAuto || weld > 0;
+  const Shape shape =
+      is_asked ? released([&] { return robots::withTreatment(given, treatment); }) : given;
+  if (shape.mesh() != nullptr && shape.mesh()->openEdgeCount() > 0)
+    warn("the mesh is not closed, it has " + std::to_string(shape.mesh()->openEdgeCount()) +
+         " open edges: where it is open, what is inside is not seen; solid='hull' takes its convex "
+         "hull, weld=1e-6 closes cracks of up to a micron, solid='surface' says that it is a "
+         "surface");
+  return shape;
 }
 
 std::vector<collision::Geometry> geometriesOf(const py::object& shapes, const std::string& name) {
@@ -136,12 +172,15 @@ void defineShapes(py::module_& module) {
   defineStatic(shape, "half_space", "()", "All below z = 0 of its frame.", Shape::halfSpace);
   defineStatic(shape, "convex_hull", "(points)", "The convex hull of points (n, 3) [m].",
                convexHull, py::arg("points"));
-  defineStatic(shape, "mesh", "(file=None, *, vertices=None, triangles=None, scale=1.0)",
+  defineStatic(shape, "mesh",
+               "(file=None, *, vertices=None, triangles=None, scale=1.0, solid='auto', weld=0.0)",
                "A triangle mesh: a file (STL, OBJ, PLY, DAE, glTF), or vertices (n, 3) [m] and "
-               "triangles (m, 3) of indices. `scale` is one number or three. Closed parts are "
-               "solid. What a file leaves open is a UserWarning.",
+               "triangles (m, 3) of indices. `scale` is one number or three. What it encloses is "
+               "solid; solid='hull': its convex hull is; 'surface': nothing is. `weld` closes "
+               "cracks that are at most so wide [m]. A mesh that is not closed is a UserWarning.",
                mesh, py::arg("file") = py::none(), py::kw_only(), py::arg("vertices") = py::none(),
-               py::arg("triangles") = py::none(), py::arg("scale") = 1.0);
+               py::arg("triangles") = py::none(), py::arg("scale") = 1.0, py::arg("solid") = "auto",
+               py::arg("weld") = 0.0);
   defineConstant(
       shape, "type", [](const Shape& self) { return collision::toString(self.type()); },
       "'sphere', 'capsule', 'box', 'cylinder', 'cone', 'ellipsoid', 'half_space', 'convex_hull', "

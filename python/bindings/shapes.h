@@ -6,6 +6,7 @@
 #include "leeway/collision/distance.h"
 #include "leeway/collision/scene.h"
 #include "leeway/collision/shape.h"
+#include "leeway/robots/model.h"
 #include "python/base/arrays.h"
 
 namespace leeway::python {
@@ -20,7 +21,10 @@ collision::Shape ellipsoid(const py::object& semi_axes);
 collision::Shape convexHull(const py::object& points);
 /// From a file, or from vertices and triangles.
 collision::Shape mesh(const py::object& file, const py::object& vertices,
-                      const py::object& triangles, const py::object& scale);
+                      const py::object& triangles, const py::object& scale,
+                      const std::string& solid, double weld);
+/// What keywords and dictionaries say of a mesh. Throws ValueError.
+robots::MeshTreatment meshTreatment(const std::string& solid, double weld);
 
 /// A shape, or a list of shapes or pairs (shape, pose). `name` is that of the geometries.
 std::vector<collision::Geometry> geometriesOf(const py::object& shapes, const std::string& name);

@@ -138,19 +138,22 @@ void defineAdders(WorldClass& world) {
       py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
   define(
       world, "add_mesh",
-      "(self, name, file=None, *, vertices=None, triangles=None, scale=1.0" + kPlace,
+      "(self, name, file=None, *, vertices=None, triangles=None, scale=1.0, solid='auto', "
+      "weld=0.0" +
+          kPlace,
       std::string(
           "Adds a mesh: a file (STL, OBJ, PLY, DAE, glTF), or vertices (n, 3) [m] and triangles "
-          "(m, 3).") +
+          "(m, 3). `solid` and `weld` as in Shape.mesh().") +
           kPlaceDoc,
       [](World& self, const std::string& name, const py::object& file, const py::object& vertices,
-         const py::object& faces, const py::object& scale, const py::object& position,
-         const py::object& orientation, const py::object& rpy) {
-        add(self, name, {{mesh(file, vertices, faces, scale), {}, name}}, position, orientation,
-            rpy);
+         const py::object& faces, const py::object& scale, const std::string& solid, double weld,
+         const py::object& position, const py::object& orientation, const py::object& rpy) {
+        add(self, name, {{mesh(file, vertices, faces, scale, solid, weld), {}, name}}, position,
+            orientation, rpy);
       },
       py::arg("name"), py::arg("file") = py::none(), py::kw_only(),
       py::arg("vertices") = py::none(), py::arg("triangles") = py::none(), py::arg("scale") = 1.0,
+      py::arg("solid") = "auto", py::arg("weld") = 0.0,
       py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
       py::arg("rpy") = py::none());
   define(

@@ -18,17 +18,21 @@ const MeshTreatment* treatmentOf(const LoadOptions& options,
   return nullptr;
 }
 
+Shape withTreatment(const Shape& shape, const MeshTreatment& treatment) {
+  if (shape.mesh() == nullptr) return shape;
+  const collision::TriangleMesh& mesh = *shape.mesh();
+  if (treatment.solid == MeshTreatment::Solid::kHull) return Shape::convexHull(mesh.vertices());
+  collision::MeshOptions made;
+  made.solid = treatment.solid != MeshTreatment::Solid::kSurface;
+  made.weld = treatment.weld;
+  return Shape::mesh(collision::TriangleMesh::make(mesh.vertices(), mesh.triangles(), made));
+}
+
 Shape treatedMesh(const Shape& shape, std::initializer_list<std::string_view> names,
                   const LoadOptions& options) {
   if (shape.mesh() == nullptr) return shape;
   const MeshTreatment* treatment = treatmentOf(options, names);
-  if (treatment == nullptr) return shape;
-  const collision::TriangleMesh& mesh = *shape.mesh();
-  if (treatment->solid == MeshTreatment::Solid::kHull) return Shape::convexHull(mesh.vertices());
-  collision::MeshOptions made;
-  made.solid = treatment->solid != MeshTreatment::Solid::kSurface;
-  made.weld = treatment->weld;
-  return Shape::mesh(collision::TriangleMesh::make(mesh.vertices(), mesh.triangles(), made));
+  return treatment == nullptr ? shape : withTreatment(shape, *treatment);
 }
 
 void OpenMeshes::add(std::string_view owner, std::span<const collision::Geometry> geometries) {

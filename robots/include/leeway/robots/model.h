@@ -223,4 +223,8 @@ collision::Shape loadMesh(const std::string& path, const Eigen::Vector3d& scale,
                           const std::string& referrer, int line, const LoadOptions& options = {},
                           std::vector<std::string>* warnings = nullptr);
 
+/// A mesh with a treatment, built again. Other shapes are returned as they are. Throws
+/// collision::InvalidShape. O(n log n).
+collision::Shape withTreatment(const collision::Shape& mesh, const MeshTreatment& treatment);
+
 }  // namespace leeway::robots
