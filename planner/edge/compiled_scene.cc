@@ -254,7 +254,9 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
   rules_ = std::make_shared<const NamedRules>(NamedRules{problem.name, problem.margins,
                                                          problem.execution.start, world.objects(),
                                                          problem.world.deforming});
-  if (std::vector<std::string> warnings = world.takeWarnings(); !warnings.empty())
+  // Steps may take what stands in the world now.
+  if (std::vector<std::string> warnings = world.takeWarnings();
+      problem.steps.empty() && !warnings.empty())
     warnings_ = std::make_shared<const std::vector<std::string>>(std::move(warnings));
   robots::throwIfStopped(stop, "the problem was compiled");
   scene_ = std::move(world).build();

@@ -257,7 +257,7 @@ void defineResult(py::module_& module) {
                  "{iterations, states, edges, undecided_edges, distance_queries}.");
   defineConstant(
       result, "warnings", [](const Result& self) { return listOf(self.value.warnings); },
-      "Goals that were left out.");
+      "Margins and objects that have no effect, and goals that were left out.");
   defineConstant(
       result, "offending",
       [](const Result& self) { return pairObject(self.value.offending_a, self.value.offending_b); },

@@ -382,6 +382,9 @@ void defineScene(py::module_& module) {
         return list;
       },
       "Pairs of bodies that are not checked, and why: (a, b, reason).");
+  defineConstant(
+      scene, "warnings", [](const Scene& self) { return listOf(self.compiled->warnings()); },
+      "What the problem says that has no effect: margins of pairs that are not checked.");
   scene.def("__repr__", [](const Scene& self) {
     return "<leeway.Scene of '" + self.problem->name +
            "': " + std::to_string(self.compiled->scene().pairs().size()) + " pairs>";

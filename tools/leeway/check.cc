@@ -352,6 +352,7 @@ int runCheck(const CheckArguments& arguments) {
   apply(arguments.limits, problem);
   const std::vector<NamedState> states = collectStates(problem, arguments.states);
   planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
+  printWarnings(certifier.scene().warnings());
   const std::string nothing_checked = certifier.scene().nothingChecked();
   const std::vector<planner::UncheckedPairs> unchecked =
       planner::countUnchecked(certifier.scene().dropped());

@@ -342,6 +342,7 @@ int runClearance(ClearanceArguments& arguments) {
       problem.steps.empty() ? std::make_shared<const planner::CompiledScene>(problem) : nullptr,
       path);
   const bool steps = !problem.steps.empty();
+  if (!steps) printWarnings(stages.front().scene->warnings());
   const Profile profile =
       measure(stages, path, arguments, interactivePlanOptions(arguments.limits.time_limit));
   endProgress();

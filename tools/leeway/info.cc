@@ -30,6 +30,7 @@ int runInfo(const InfoArguments& arguments) {
   const info::FileKind kind = info::kindOf(arguments.file);
   const planner::Problem problem = info::loadFile(arguments.file, kind, arguments.source);
   const planner::CompiledScene scene(problem);
+  printWarnings(scene.warnings());
   Json document = {{"file", arguments.file}, {"robot", info::robotJson(*problem.robot.model)}};
   if (kind == info::FileKind::kProblem) {
     document["problem"] = info::problemJson(problem);

@@ -98,6 +98,8 @@ void lintScene(const planner::Problem& problem, const std::string& file, Finding
   lintWishes(problem, certifier.scene(), file, findings);
   if (const std::string nothing = certifier.scene().nothingChecked(); !nothing.empty())
     findings.add({file, 0, false, "nothing is checked: " + nothing});
+  for (const std::string& warning : certifier.scene().warnings())
+    findings.add({file, 0, false, warning});
   const auto look = [&](const std::string& name, const std::vector<double>& point) {
     constexpr double kTolerance = 1e-6;
     const planner::StateCheck check = certifier.clearance(point, kTolerance);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/path_io.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
@@ -67,6 +68,8 @@ int runVerify(VerifyArguments& arguments) {
     for (std::string& warning : warnings) warning.insert(0, path_file + ": ");
     printWarnings(warnings);
   }
+  // The warnings are about margins without effect; the proof takes nothing from the scene.
+  printWarnings(planner::CompiledScene(problem).warnings());
   planner::PlanOptions options = interactivePlanOptions(arguments.limits.time_limit);
   UnitProgress progress(std::max<std::size_t>(2, path.positions.size()) - 1);
   options.progress = [&](const std::string& phase, double) { progress.next(phase); };
