@@ -53,6 +53,9 @@ std::string mastAndBoom(const std::string& mast_xyz, const std::string& type,
          "</robot>";
 }
 
+const char* const kAlways = "touching in every configuration";
+const char* const kAtZero = "touching at the zero configuration";
+
 class NeighbourPairs : public ::testing::Test {
  protected:
   std::shared_ptr<const robots::Model> load(const std::string& urdf, const std::string& srdf = "") {
@@ -76,19 +79,14 @@ class NeighbourPairs : public ::testing::Test {
     const std::string ours = reasonIn(CompiledScene(problem).dropped());
     const std::string theirs = reasonIn(
         verification::collectPairs(problem, verification::collectBodies(problem)).unchecked);
-    if (ours == "proven never to meet")
-      EXPECT_EQ(theirs, "");
-    else if (ours == "touching in every configuration")
-      EXPECT_EQ(theirs, "touching at the zero configuration");
-    else
-      EXPECT_EQ(theirs, ours) << a << " and " << b;
+    const std::string expected = ours == "proven never to meet" ? ""
+                                 : ours == kAlways              ? kAtZero
+                                                                : ours;
+    EXPECT_EQ(theirs, expected) << a << " and " << b;
     return ours;
   }
   Folder folder_;
 };
-
-const char* const kAlways = "touching in every configuration";
-const char* const kAtZero = "touching at the zero configuration";
 
 /// Regression: all links of the two rigid blocks counted as adjacent, and the boom swept through
 /// the mast, certified.

@@ -90,8 +90,8 @@ class CompiledScene {
     auto operator<=>(const Dropped&) const = default;
   };
   const std::vector<Dropped>& dropped() const { return *dropped_; }
-  /// Parts of the problem without effect, if it has no steps: margins of pairs that are not checked,
-  /// objects without a shape.
+  /// Parts of the problem without effect, if it has no steps: margins of pairs that are not
+  /// checked, objects without a shape.
   std::vector<std::string> warnings() const {
     return warnings_ ? *warnings_ : std::vector<std::string>();
   }
