@@ -17,10 +17,12 @@ using Eigen::Vector3d;
 /// In the plane: the third coordinate is 0. The predicates want it so.
 class Clipper {
  public:
-  /// `ring`: places of the corners, no two neighbours of which are equal, in the turn that counts
-  /// as positive.
-  Clipper(std::vector<Vector3d> points, const std::vector<std::int32_t>& ring)
-      : points_(std::move(points)),
+  /// `points`: the corners as they are seen. `ring`: places of the corners, no two neighbours of
+  /// which are equal, in the turn that counts as positive.
+  Clipper(std::span<const Vector3d> corners, std::vector<Vector3d> points,
+          const std::vector<std::int32_t>& ring)
+      : corners_(corners),
+        points_(std::move(points)),
         nodes_(ring.size()),
         left_(ring.size()),
         searches_left_(static_cast<int>(
@@ -166,7 +168,7 @@ class Clipper {
     const std::int32_t a = nodes_[at(node)].previous, c = nodes_[at(node)].next;
     emit(node);
     remove(node);
-    if (left_ > 3 && point(a) == point(c)) {
+    if (left_ > 3 && corners_[at(nodes_[at(a)].corner)] == corners_[at(nodes_[at(c)].corner)]) {
       const std::int32_t next = nodes_[at(c)].next;
       remove(c);
       push(next);
@@ -274,6 +276,7 @@ class Clipper {
     return std::max(least, 0.0);
   }
 
+  std::span<const Vector3d> corners_;
   std::vector<Vector3d> points_;
   std::vector<Node> nodes_;
   std::size_t left_;
@@ -325,11 +328,11 @@ CutPolygon cutPolygon(std::span<const Vector3d> corners) {
   const auto flushed = [](double x) { return std::abs(x) < collision::kSmallestExact ? 0 : x; };
   for (const Vector3d& corner : corners)
     points.emplace_back(flushed(corner[i]), flushed(corner[j]), 0);
-  cut = Clipper(points, ring).run();
+  cut = Clipper(corners, points, ring).run();
   if (cut.crossing == 0) return cut;
   // The turn of a polygon of hardly any area may be the other one.
   for (Vector3d& point : points) std::swap(point.x(), point.y());
-  CutPolygon other = Clipper(std::move(points), ring).run();
+  CutPolygon other = Clipper(corners, std::move(points), ring).run();
   return other.crossing < cut.crossing ? other : cut;
 }
 

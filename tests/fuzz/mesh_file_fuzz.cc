@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <map>
 
+#include "collision/base/tolerances.h"
 #include "leeway/robots/input_error.h"
 #include "robots/mesh/readers.h"
 #include "robots/mesh/triangulate.h"
@@ -19,7 +20,7 @@ using Eigen::Vector3d;
 using robots::FileMesh;
 
 /// Edges of triangles, each with how much more often it is run along than back. Corners at one
-/// place are one.
+/// place are one, and coordinates that meshes take for 0 are.
 class Edges {
  public:
   explicit Edges(const FileMesh& mesh) : mesh_(mesh) {}
@@ -37,7 +38,8 @@ class Edges {
   using Place = std::array<double, 3>;
   Place place(std::int32_t corner) const {
     const Vector3d& v = mesh_.vertices[static_cast<std::size_t>(corner)];
-    return {v.x(), v.y(), v.z()};
+    const auto flushed = [](double x) { return std::abs(x) < collision::kSmallestExact ? 0 : x; };
+    return {flushed(v.x()), flushed(v.y()), flushed(v.z())};
   }
   const FileMesh& mesh_;
   std::map<std::pair<Place, Place>, int> edges_;
