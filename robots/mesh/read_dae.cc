@@ -387,8 +387,13 @@ class DaeReader {
         if (!isNamed(child, kind)) continue;
         if (vertices == nullptr) fail(*body, "<mesh> has no <vertices>, which would be accepted");
         if (mesh.vertices.empty()) readVertices(*body, *vertices, mesh);
-        readFaces(child, *vertices, mesh);
+        return readFaces(child, *vertices, mesh);
       }
+      for (const char* known : {"source", "vertices", "extra"})
+        if (isNamed(child, known)) return;
+      fail(child, "<" + std::string(child.Name()) +
+                      "> stands in a <mesh>; triangles, polylist, polygons, tristrips or trifans "
+                      "would be accepted");
     });
   }
 

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <charconv>
+#include <iterator>
 
 #include "robots/mesh/readers.h"
 #include "robots/mesh/scan.h"
@@ -22,6 +24,14 @@ class ObjReader {
         if (corner >= count)
           source_.failAt(face.place, "the face names vertex " + std::to_string(corner + 1) +
                                          "; 1 to " + std::to_string(count) + " would be accepted");
+    if (unknown_ > 0)
+      contents_.notes.push_back(
+          {first_unknown_.first, first_unknown_.second +
+                                     " is no statement of the format and is "
+                                     "left out" +
+                                     (unknown_ == 1 ? ""
+                                                    : ", as are " + std::to_string(unknown_ - 1) +
+                                                          " more lines like it")});
     contents_.meshes.push_back(std::move(mesh_));
     contents_.instances.push_back({0, MeshContents::Placement::Identity()});
     return std::move(contents_);
@@ -71,6 +81,22 @@ class ObjReader {
     if (word == "curv" || word == "curv2") left_out.count(left_out.curves, place());
     if (word == "surf")
       source_.failAt(place(), "a free-form surface (surf); polygons would be accepted");
+    if (word == "V" || word == "F")
+      source_.failAt(place(), shown(word) + " begins the line; " + (word == "V" ? "v" : "f") +
+                                  " would be accepted");
+    if (!word.empty() && !isKnown(word) && unknown_++ == 0) first_unknown_ = {place(), shown(word)};
+  }
+
+  /// The statements of the format that say nothing of polygons.
+  static bool isKnown(std::string_view word) {
+    static constexpr std::string_view kKnown[] = {
+        "l",      "p",     "curv",   "curv2",    "vt",       "vn",         "vp",
+        "g",      "o",     "s",      "mg",       "mtllib",   "usemtl",     "usemap",
+        "maplib", "bevel", "lod",    "c_interp", "d_interp", "shadow_obj", "trace_obj",
+        "ctech",  "stech", "cstype", "deg",      "bmat",     "step",       "parm",
+        "trim",   "hole",  "scrv",   "sp",       "end",      "con",        "call",
+        "csh",    "bsp",   "bzp",    "cdc",      "cdp",      "res"};
+    return std::find(std::begin(kKnown), std::end(kKnown), word) != std::end(kKnown);
   }
 
   /// X Y Z, with a weight W, three colours or four.
@@ -139,6 +165,8 @@ class ObjReader {
   std::int64_t lines_read_ = 0, line_ = 0;
   FileMesh mesh_;
   MeshContents contents_;
+  std::int64_t unknown_ = 0;  // statements
+  std::pair<FilePlace, std::string> first_unknown_;
 };
 
 }  // namespace

@@ -188,6 +188,10 @@ class PlyReader {
       } else if (element.name == "face" || element.name == "tristrips") {
         readFaces(element, body);
       } else {
+        for (const auto& property : element.properties)
+          if (property.name == "vertex_indices" || property.name == "vertex_index")
+            source_.failAt(element.place, "element " + shown(element.name) + " has " +
+                                              property.name + "; element face would be accepted");
         if (element.name == "edge" && element.count > 0) {
           contents_.not_solid.count(contents_.not_solid.lines, element.place);
           contents_.not_solid.lines += static_cast<std::int64_t>(element.count) - 1;

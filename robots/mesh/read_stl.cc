@@ -154,7 +154,8 @@ FileMesh readBinary(const MeshSource& source, std::vector<MeshNote>& notes) {
     for (std::size_t k = 3 * i; k < 3 * i + 3; ++k) mesh.corners[k] = static_cast<std::int32_t>(k);
   }
   const std::size_t end = kHeader + count * kFacet;
-  if (room > count && (count == 0 || isTriangleOf(mesh, &bytes[end])))
+  const bool fits = (bytes.size() - end) % kFacet == 0;
+  if (room > count && (count == 0 || fits || isTriangleOf(mesh, &bytes[end])))
     source.failAt(FilePlace::byte(kHeader - 4),
                   "the count is " + std::to_string(count) + ", but more triangles follow, up to " +
                       std::to_string(room) + "; their number would be accepted");

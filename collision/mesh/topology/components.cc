@@ -309,8 +309,10 @@ class Components {
 
   void findOpenEdges() {
     std::vector<std::uint8_t> is_open(vertices_.size(), 0);
-    std::size_t suspect = 0;
-    bool any = false;
+    // Edges where a surface with an area ends, and those where it does not go on as one sheet:
+    // parts that close, but enclose nothing that is known (Klein bottles, and what took too long).
+    std::size_t ends = 0, joints = 0;
+    bool any = false, has_area = false;
     forEachEdge([&](std::span<const EdgeUse> uses) {
       std::size_t open = 0, with_area = 0;
       for (const EdgeUse& e : uses) {
@@ -318,17 +320,20 @@ class Components {
         ++open;
         with_area += hasArea(e.triangle) ? 1U : 0U;
       }
+      has_area = has_area || with_area > 0;
+      if (with_area > 0 && open != 2) ++joints;
       if (open % 2 == 0) return;
       is_open[at(uses[0].low)] = is_open[at(uses[0].high)] = 1;
-      suspect += with_area > 0 ? 1U : 0U;
+      ends += with_area > 0 ? 1U : 0U;
       any = true;
     });
+    if (has_area && !isFlat())
+      result_.open_edges = ends > 0 ? ends : std::max<std::size_t>(joints, 1);
     if (!any) return;
     forEachEdge([&](std::span<const EdgeUse> uses) {
       if (is_open[at(uses[0].low)] != 0 || is_open[at(uses[0].high)] != 0)
         result_.seams.emplace_back(uses[0].low, uses[0].high);
     });
-    if (suspect > 0 && !isFlat()) result_.open_edges = suspect;
   }
 
   Vector3d areaNormal(std::int32_t t) const {

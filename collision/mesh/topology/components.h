@@ -30,8 +30,9 @@ struct MeshComponents {
   /// Of each triangle: how often a crossing of it counts in the winding number of its component,
   /// modulo kCyclePrime (cycles.h). Empty: 1 for all.
   std::vector<std::uint64_t> weight;
-  /// How many edges an odd number of triangles with an area share that are in no solid: the surface
-  /// ends there. 0 where all that is in no solid is in one plane, which nobody means as a solid.
+  /// How many edges end the surface of what is in no solid, where it has an area; where none does,
+  /// those where other than two of its triangles meet, and at least 1. 0 where all that is in no
+  /// solid is in one plane, which nobody means as a solid.
   std::size_t open_edges = 0;
   /// The edges (low, high) between two vertices where a surface ends, whether it ends along them or
   /// not: where it could be closed, see crackFillers().

@@ -64,6 +64,10 @@ TEST(ReadObj, WhatIsLeftOut) {
 
 TEST(ReadObj, DamagedFiles) {
   const auto refused = [](const mesh_texts::Damaged& damaged) { expectRefused(readObj, damaged); };
+  refused({"v 0 0 0\nv 1 0 0\nv 0 1 0\nF 1 2 3\n", ":4", {"'F' begins the line; f would be"}});
+  const MeshContents odd = readAs(readObj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nff 1 2 3\nx\n");
+  ASSERT_EQ(odd.notes.size(), 1U);
+  EXPECT_NE(odd.notes[0].text.find("'ff' is no statement of the format"), std::string::npos);
   const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   refused({"v 0 0 0\nv 1 0\n", ":2", {"ends where a coordinate is expected"}});
   refused({"v 0 0 0\nv", ":2", {"ends where a coordinate is expected"}});

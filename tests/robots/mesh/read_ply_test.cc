@@ -101,6 +101,12 @@ TEST(ReadPly, WhatHasNoAreaIsCounted) {
 
 TEST(ReadPly, DamagedFiles) {
   const auto refused = [](const mesh_texts::Damaged& damaged) { expectRefused(readPly, damaged); };
+  refused(
+      {"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+       "float z\nelement faces 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 "
+       "0\n0 1 0\n3 0 1 2\n",
+       ":7",
+       {"element 'faces' has vertex_indices; element face would be accepted"}});
   const auto replaced = [](std::string text, const std::string& a, const std::string& b) {
     return text.replace(text.find(a), a.size(), b);
   };
