@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct Triangle {
   Vector center;
   Quad radius;
   int component;
+  std::uint64_t weight;  // TriangleMesh::windingWeight()
 };
 
 struct PlacedMesh {
@@ -52,6 +54,7 @@ PlacedMesh place(const TriangleMesh& mesh, const Pose& X_WM, const Vector& origi
     t.radius = 0;
     for (const Vector& p : t.p) t.radius = std::max(t.radius, norm(p - t.center));
     t.component = mesh.component(static_cast<int>(i));
+    t.weight = mesh.windingWeight(static_cast<int>(i));
     result.component_point[static_cast<std::size_t>(t.component)] = t.p[0];
     result.triangles.push_back(t);
   }
@@ -62,25 +65,30 @@ ConvexBody body(const Triangle& t) {
   return ConvexBody(std::vector<Vector>(t.p.begin(), t.p.end()));
 }
 
-/// +1: the ray from p along d crosses the triangle; 0: it clearly misses; -1: rounding decides.
-int crosses(const Triangle& t, const Vector& p, const Vector& d) {
+enum class Crossing { kNone, kOut, kIn, kUnclear };
+
+/// How the ray from p along d crosses the triangle; unclear where rounding decides.
+Crossing crossing(const Triangle& t, const Vector& p, const Vector& d) {
   const Vector a = t.p[0] - p, b = t.p[1] - p, c = t.p[2] - p;
   const Quad size = norm(a) + norm(b) + norm(c);
   const Quad tiny = wide(1e-28) * size * size;
   const Quad u = dot(d, cross(a, b)), v = dot(d, cross(b, c)), w = dot(d, cross(c, a));
-  if (absolute(u) <= tiny || absolute(v) <= tiny || absolute(w) <= tiny) return -1;
-  if ((u > 0) != (v > 0) || (u > 0) != (w > 0)) return 0;
+  if (absolute(u) <= tiny || absolute(v) <= tiny || absolute(w) <= tiny) return Crossing::kUnclear;
+  if ((u > 0) != (v > 0) || (u > 0) != (w > 0)) return Crossing::kNone;
   const Vector n = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
   const Quad height = dot(n, a), slope = dot(n, d);
-  return (height > 0) == (slope > 0) ? 1 : 0;
+  if ((height > 0) != (slope > 0)) return Crossing::kNone;
+  return slope > 0 ? Crossing::kOut : Crossing::kIn;
 }
 
 enum class Inside { kNo, kYes, kUnknown };
 
 bool same(const Vector& a, const Vector& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-/// Whether p is inside a closed component: crossing parity of a ray that stays clear of edges.
+/// Whether p is inside a closed component: its winding number, modulo the prime of the weights, by
+/// a ray that stays clear of edges.
 Inside inside(const PlacedMesh& mesh, const Vector& p) {
+  constexpr std::uint64_t kPrime = (std::uint64_t{1} << 61) - 1;
   Inside result = Inside::kNo;
   for (std::size_t component = 0; component < mesh.closed.size(); ++component) {
     if (!mesh.closed[component]) continue;
@@ -89,18 +97,20 @@ Inside inside(const PlacedMesh& mesh, const Vector& p) {
       const Quad k = wide(attempt);
       const Vector d{wide(0.6180339887) + k / 7, wide(0.3028) - k / 11,
                      wide(0.2360679) + k * k / 13};
-      int count = 0;
+      std::uint64_t winding = 0;
       bool clear = true;
       for (const Triangle& t : mesh.triangles) {
         if (t.component != static_cast<int>(component)) continue;
         // A triangle that degenerates to a segment or point bounds nothing.
         if (same(t.p[0], t.p[1]) || same(t.p[1], t.p[2]) || same(t.p[2], t.p[0])) continue;
-        const int hit = crosses(t, p, d);
-        if (hit < 0) clear = false;
-        count += hit;
+        const Crossing hit = crossing(t, p, d);
+        if (hit == Crossing::kUnclear) clear = false;
+        if (hit == Crossing::kOut) winding += t.weight;
+        if (hit == Crossing::kIn) winding += kPrime - t.weight;
+        winding %= kPrime;
       }
       if (!clear) continue;
-      if (count % 2 == 1) return Inside::kYes;
+      if (winding != 0) return Inside::kYes;
       decided = true;
       break;
     }
