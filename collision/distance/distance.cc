@@ -100,6 +100,14 @@ DistanceResult distanceOf(const Shape& a, const Pose& X_WA, const Shape& b, cons
   return distanceOfOthers(a, X_WA, b, X_WB, request, scratch, cache);
 }
 
+/// defaultTolerance() of two shapes whose frames are `offset` apart [m].
+double toleranceOf(const Shape& a, const Shape& b, const Eigen::Vector3d& offset) {
+  const double least = (kDefaultLeastShare * offset).lpNorm<1>() + kLeastSum,
+               tolerance = std::max(std::max(a.defaultTolerance(), b.defaultTolerance()), least);
+  // 0 for NaN and infinity: any interval would meet an infinite tolerance.
+  return least < std::numeric_limits<double>::infinity() ? tolerance : 0;
+}
+
 }  // namespace
 
 double defaultTolerance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {

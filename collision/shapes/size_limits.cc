@@ -5,7 +5,7 @@
 #include <string>
 
 #include "collision/base/tolerances.h"
-#include "leeway/collision/shape.h"
+#include "leeway/collision/invalid_shape.h"
 
 namespace leeway::collision {
 

@@ -13,8 +13,6 @@
 
 namespace leeway::collision {
 
-class VertexMotion;  // vertex_motion.h
-
 /// Boxes are found in the order of the nodes; what they are made from is prefetched so many nodes
 /// ahead. Any value is right.
 inline constexpr std::int32_t kNodesAhead = 3;
@@ -48,11 +46,5 @@ class NodeBounds {
 
   virtual std::size_t bytes() const = 0;  ///< of memory
 };
-
-/// Bounds of the nodes 0 .. nodes - 1 from a motion of kind kMorph, kSkinned, kReduced or kWaves;
-/// null for other kinds. `volume` is for blended vertices, not for skinned ones. Keeps no reference
-/// to the tree. O(nodes x vertices below them).
-std::unique_ptr<const NodeBounds> makeNodeBounds(const VertexMotion& motion, const DeformTree& tree,
-                                                 DeformVolume volume, std::int32_t nodes);
 
 }  // namespace leeway::collision

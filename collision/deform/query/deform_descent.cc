@@ -7,7 +7,6 @@
 #include "collision/base/numbers.h"
 #include "collision/deform/query/descent_state.h"
 #include "collision/deform/query/float_box.h"
-#include "leeway/collision/convex_hull.h"
 
 namespace leeway::collision {
 
@@ -120,32 +119,6 @@ void DescentState::tightenByVolumes(std::int32_t node, const Probe& probe,
     bounds.open &= ~(1U << lane);
     bounds.closed = std::min(bounds.closed, bounds.lower[lane]);
   }
-}
-
-DeformSide deformSide(const Shape& shape) {
-  DeformSide side;
-  if (shape.type() == ShapeType::kDeformable) {
-    side.snapshot = &shape.deformable()->impl();
-    side.low = side.snapshot->low;
-    side.high = side.snapshot->high;
-    side.extent = shape.extent();
-    return side;
-  }
-  side.rigid = descentSide(shape);
-  side.low = side.rigid.low;
-  side.high = side.rigid.high;
-  side.extent = side.rigid.extent;
-  if (shape.type() == ShapeType::kConvexHull) {
-    // Tighter than the box of the sphere around them.
-    Vector3d low = shape.hull()->vertices()[0], high = low;
-    for (const Vector3d& v : shape.hull()->vertices()) {
-      low = low.cwiseMin(v);
-      high = high.cwiseMax(v);
-    }
-    side.low = low;
-    side.high = high;
-  }
-  return side;
 }
 
 DescentResult deformDescend(const DeformSide& a, const DeformSide& b,

@@ -2,20 +2,10 @@
 
 // Private to collision/: branch and bound for two bodies of which at least one is a deforming mesh.
 
-#include "collision/deform/snapshot.h"
+#include "collision/deform/query/deform_side.h"
 #include "collision/mesh/descent/mesh_descent.h"
 
 namespace leeway::collision {
-
-/// One of the two bodies: a snapshot, or a rigid body.
-struct DeformSide {
-  const DeformableSnapshotImpl* snapshot = nullptr;
-  DescentSide rigid;          ///< used when there is no snapshot
-  Eigen::Vector3d low, high;  ///< a box that holds the body, in its own frame; may be infinite
-  double extent = 0;  ///< greatest distance of a point from the frame's origin [m]; may be infinite
-};
-
-DeformSide deformSide(const Shape& shape);
 
 /// descend() for deforming meshes: at least one of the two is a snapshot; `hull_lower` is what the
 /// boxes around the bodies prove. The stages, a file each: pair_descent.cc (two deforming meshes),

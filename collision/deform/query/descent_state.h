@@ -12,7 +12,7 @@
 #include "collision/base/tolerances.h"
 #include "collision/base/work.h"
 #include "collision/deform/bounds/probe_bounds.h"
-#include "collision/deform/query/deform_descent.h"
+#include "collision/deform/query/deform_side.h"
 #include "collision/deform/query/probe.h"
 
 namespace leeway::collision {

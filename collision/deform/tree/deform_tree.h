@@ -213,4 +213,10 @@ class DeformTree {
   std::int32_t upper_count_ = 0;
 };
 
+/// The box of the vertices of a branch of the tree, as far as they are read: x, y, z, x, ... of
+/// several vertices.
+struct alignas(64) BranchBox {
+  double low[12], high[12];
+};
+
 }  // namespace leeway::collision

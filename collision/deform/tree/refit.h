@@ -10,11 +10,6 @@
 
 namespace leeway::collision {
 
-/// The box of the vertices of a branch read so far: x, y, z, x, ... of several vertices.
-struct alignas(64) BranchBox {
-  double low[12], high[12];
-};
-
 /// Function pointers of one instruction set. Every set yields the same bytes. `vertices` are a
 /// snapshot's, or are followed by one more in memory: kernels load four doubles a vertex. Functions
 /// that return bool return false when a vertex is NaN or infinite.

@@ -17,8 +17,8 @@
 #include <limits>
 #include <span>
 
+#include "collision/deform/tree/deform_tree.h"
 #include "collision/deform/tree/node_lanes-inl.h"
-#include "collision/deform/tree/refit.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision {

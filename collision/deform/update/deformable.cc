@@ -9,6 +9,7 @@
 #include "collision/base/numbers.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
+#include "collision/deform/bounds/make_node_bounds.h"
 #include "collision/deform/motion/motion_input.h"
 #include "collision/deform/snapshot_pool.h"
 #include "collision/deform/update/snapshot_box.h"

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "collision/deform/bounds/cached_bounds.h"
-#include "collision/deform/bounds/node_bounds.h"
+#include "collision/deform/bounds/make_node_bounds.h"
 #include "collision/deform/bounds/probe_bounds.h"
 #include "collision/deform/query/probe.h"
 #include "collision/deform/tree/tree_builder.h"

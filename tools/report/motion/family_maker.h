@@ -7,7 +7,7 @@
 #include <deque>
 #include <functional>
 
-#include "tools/report/motion/motion_cases.h"
+#include "tools/report/motion/contact_family.h"
 #include "tools/report/motion/motion_truth.h"
 #include "tools/truth/oracle/generate.h"
 

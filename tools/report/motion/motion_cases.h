@@ -1,27 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "tools/report/base/motion_engine.h"
+#include "tools/report/motion/contact_family.h"
 
 namespace leeway::tools::report {
-
-/// A motion with its truth: the first contact lies in [lower, upper], or there is none.
-struct ContactCase {
-  ContactSpec spec;
-  bool contact = false;
-  double lower = 1, upper = 1;
-};
-
-/// Cases of one kind, and the shapes that they point to.
-struct ContactFamily {
-  std::string name;
-  std::vector<std::unique_ptr<ReportShape>> shapes;
-  std::vector<ContactCase> cases;
-};
 
 /// Names of all families, in the order of the report.
 const std::vector<std::string>& contactFamilies();

@@ -3,9 +3,10 @@
 #include <Eigen/Core>
 #include <memory>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "leeway/collision/invalid_shape.h"
 
 namespace leeway::collision {
 
@@ -28,14 +29,6 @@ enum class ShapeType : unsigned char {
 
 /// "sphere", "capsule", ...: the name used in files and messages.
 const char* toString(ShapeType type);
-
-/// Thrown by the factories of Shape, ConvexHull and TriangleMesh, never by a query: a size is
-/// negative or not finite, the largest one beyond 1e-9 or 1e9 m, or a hull or mesh has no points.
-/// The message names the size, its value and the values that are accepted.
-class InvalidShape : public std::invalid_argument {
- public:
-  using std::invalid_argument::invalid_argument;
-};
 
 /// A body in its own frame G: immutable, cheap to copy (vertices are shared). Sizes may be 0: a
 /// sphere of radius 0 is a point, a box with one half extent of 0 a rectangle. The largest one is 0

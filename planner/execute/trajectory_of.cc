@@ -1,5 +1,3 @@
-#include "leeway/planner/trajectory.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +6,7 @@
 #include <string>
 
 #include "collision/base/numbers.h"
+#include "leeway/planner/trajectory.h"
 #include "planner/base/tolerances.h"
 #include "planner/execute/blend.h"
 #include "planner/execute/path_timing.h"

@@ -1,5 +1,3 @@
-#include "leeway/robots/inverse_kinematics.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +8,7 @@
 
 #include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
+#include "leeway/robots/inverse_kinematics.h"
 #include "leeway/robots/kinematics.h"
 #include "robots/base/low_discrepancy.h"
 #include "robots/base/tolerances.h"

@@ -1,9 +1,9 @@
-#include "collision/convex/pairs/simple_pairs.h"
+#include "collision/convex/pairs/simple_answer.h"
 
 #include "collision/base/tolerances.h"
 #include "collision/convex/pairs/box_pairs.h"
 #include "collision/convex/pairs/cylinder_pairs.h"
-#include "collision/convex/pairs/simple_answer.h"
+#include "collision/convex/pairs/simple_pairs.h"
 
 namespace leeway::collision {
 

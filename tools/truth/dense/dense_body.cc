@@ -1,4 +1,4 @@
-#include "tools/truth/dense/dense_world.h"
+#include "tools/truth/dense/dense_body.h"
 
 #include <fcl/fcl.h>
 #include <yaml-cpp/yaml.h>
@@ -8,8 +8,6 @@
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
-
-#include "tools/truth/dense/dense_body.h"
 
 namespace leeway::dense {
 namespace {

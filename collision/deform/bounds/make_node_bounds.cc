@@ -1,4 +1,4 @@
-#include "collision/deform/bounds/node_bounds.h"
+#include "collision/deform/bounds/make_node_bounds.h"
 
 #include "collision/deform/bounds/blended_bounds.h"
 #include "collision/deform/bounds/skinned_bounds.h"

@@ -6,8 +6,6 @@
 //
 // The remains on both sides go back to the queue.
 
-#include "leeway/planner/verify.h"
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -19,6 +17,7 @@
 #include "collision/base/numbers.h"
 #include "collision/base/work.h"
 #include "leeway/collision/distance.h"
+#include "leeway/planner/verify.h"
 #include "planner/base/clock.h"
 #include "planner/base/tolerances.h"
 #include "planner/validate/checks.h"

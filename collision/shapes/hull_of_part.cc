@@ -1,4 +1,4 @@
-#include "leeway/collision/convex_hull.h"
+#include "collision/shapes/hull_of_part.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/shapes/hull_builder.h"
-#include "collision/shapes/hull_of_part.h"
 #include "collision/shapes/hull_support.h"
 #include "collision/shapes/size_limits.h"
-#include "leeway/collision/shape.h"
+#include "leeway/collision/convex_hull.h"
+#include "leeway/collision/invalid_shape.h"
 
 namespace leeway::collision {
 namespace {

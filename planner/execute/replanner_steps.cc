@@ -1,5 +1,3 @@
-#include "leeway/planner/replanner.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <stdexcept>
 
 #include "collision/base/numbers.h"
+#include "leeway/planner/replanner.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/clock.h"
 #include "planner/base/random.h"
