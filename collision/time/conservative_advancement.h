@@ -28,7 +28,8 @@ double certifiedStep(Problem& problem, const ContactRequest& request, const Cont
 }
 
 /// Conservative advancement with a bound on the closing speed (B. Mirtich 1996) and with sweeps.
-/// Problem has sample(t, tolerance), and isFreeOver(t, step): is [t, t + step] certified free.
+/// Problem has sample() and hasDepth() as for SeparatingPlaneTracker, and isFreeOver(t, step): is
+/// [t, t + step] certified free.
 template <typename Problem>
 ContactResult advanceConservatively(Problem& problem, const ContactRequest& request) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -37,27 +38,30 @@ ContactResult advanceConservatively(Problem& problem, const ContactRequest& requ
   if (!isInRange(request)) return result;
   double t = 0;  // certified free before t; open at t itself
   double tolerance = request.tolerance;
+  ContactSample before;  // the last one that is not in contact
   const auto answer = [&](ContactStatus status, double upper, const ContactSample& s) {
     result.status = status;
     result.time = {t, upper};
     result.distance = s.distance;
+    settleNormal(problem, request, before, result);
     return result;
   };
   while (result.queries < request.query_limit) {
-    const ContactSample now = problem.sample(t, tolerance);
+    const ContactSample now = problem.sample(t, tolerance, false);
     ++result.queries;
     if (now.distance.status == DistanceStatus::kInvalid) {
       result.distance = now.distance;
       return result;
     }
     if (isInContact(now, request)) return answer(ContactStatus::kContact, t, now);
+    before = now;
     const double gap = now.distance.distance.lower - request.margin;
     const double coming = timeToClose(gap, now);
     if (!(coming > request.time_tolerance / 2) || !(gap > 0)) {
       // About to touch, as far as the query can tell: a little later contact may be proven.
       const double later = std::min(t + request.time_tolerance, end);
       if (later > t) {
-        const ContactSample then = problem.sample(later, request.tolerance);
+        const ContactSample then = problem.sample(later, request.tolerance, false);
         ++result.queries;
         if (isInContact(then, request)) return answer(ContactStatus::kContact, later, then);
       }
@@ -79,11 +83,8 @@ ContactResult advanceConservatively(Problem& problem, const ContactRequest& requ
     // An interval of a small share of the gap that the prediction leaves will do.
     tolerance = std::max(request.tolerance, kContactDistanceShare * gap *
                                                 std::max(0.0, 1 - step / std::max(coming, step)));
-    result.distance = now.distance;
   }
-  result.status = ContactStatus::kUndecided;
-  result.time = {t, kInfinity};
-  return result;
+  return answer(ContactStatus::kUndecided, kInfinity, before);
 }
 
 }  // namespace leeway::collision

@@ -37,11 +37,11 @@ inline bool isInRange(const ContactRequest& request) {
          request.end <= 1 && std::isfinite(request.margin);
 }
 
-/// The query of a sample.
-inline DistanceRequest sampleRequest(const ContactRequest& request, double tolerance) {
+/// The query of a sample. Without `depth` it has one only where the margin allows some.
+inline DistanceRequest sampleRequest(const ContactRequest& request, double tolerance, bool depth) {
   DistanceRequest r;
   r.tolerance = tolerance;
-  r.depth = request.margin < 0;
+  r.depth = depth || request.margin < 0;
   return r;
 }
 
@@ -52,6 +52,45 @@ inline DistanceRequest sweepRequest(const ContactRequest& request) {
   r.threshold = request.margin;
   r.depth = false;
   return r;
+}
+
+/// Whether the normal is that of the bodies' nearest points: where their distance is known to
+/// within a share, the angle between the two has a cosine of at least 1 less that share.
+inline bool hasNormal(const DistanceResult& result) {
+  return result.distance.lower > 0 &&
+         result.distance.lower >= (1 - kContactNormalShare) * result.distance.upper;
+}
+
+/// Gives a result the normal that ContactResult promises. At the time of a contact the bodies
+/// overlap, and a query that is not asked for a depth knows no normal; `before` is the last sample
+/// that may have one.
+template <typename Problem>
+void settleNormal(Problem& problem, const ContactRequest& request, const ContactSample& before,
+                  ContactResult& result) {
+  Eigen::Vector3d& normal = result.distance.normal;
+  if (request.margin < 0 || hasNormal(result.distance)) return;
+  if (result.status != ContactStatus::kContact) {
+    if (!(result.distance.distance.lower > 0)) normal.setZero();
+    return;
+  }
+  if (hasNormal(before.distance)) {
+    normal = before.distance.normal;
+    return;
+  }
+  // Farther back the gap is wider, and the same accuracy says more of its direction.
+  for (const double back : {0.0, 4.0, 64.0}) {
+    const double t = result.time.lower - back * request.time_tolerance;
+    if (!(t >= 0) || result.queries >= request.query_limit) break;
+    ++result.queries;
+    const ContactSample s = problem.sample(t, request.tolerance, false);
+    if (!hasNormal(s.distance)) continue;
+    normal = s.distance.normal;
+    return;
+  }
+  normal.setZero();
+  if (!problem.hasDepth() || result.queries >= request.query_limit) return;
+  ++result.queries;
+  normal = problem.sample(result.time.upper, request.tolerance, true).distance.normal;
 }
 
 inline void widen(DistanceResult& result, double slack) {

@@ -16,6 +16,7 @@
 #include "collision/convex/gjk/convex_view.h"
 #include "collision/convex/gjk/support.h"
 #include "collision/deform/snapshot.h"
+#include "collision/time/contact_sample.h"
 #include "collision/time/relative_motion.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/time_of_contact.h"
@@ -279,13 +280,11 @@ ContactResult timeOfContact(const std::shared_ptr<const DeformableSnapshot>& fro
   result.queries = 1;
   result.distance = distance(Shape::deformable(from), Pose{}, b, X_WB, start, scratch);
   if (result.distance.status == DistanceStatus::kInvalid) return result;
-  if (result.distance.distance.upper + rounding <= request.margin) {
-    result.status = ContactStatus::kContact;
-    return result;
-  }
   if (!(result.distance.distance.lower - rounding > request.margin)) {
-    result.status = ContactStatus::kUndecided;
-    result.time = {0, kInfinity};
+    const bool touches = result.distance.distance.upper + rounding <= request.margin;
+    result.status = touches ? ContactStatus::kContact : ContactStatus::kUndecided;
+    if (!touches) result.time = {0, kInfinity};
+    if (!hasNormal(result.distance)) result.distance.normal.setZero();
     return result;
   }
   const DistanceResult at_start = result.distance;

@@ -95,11 +95,14 @@ struct RigidPair {
            planeRounding(X_WA, X_WB);
   }
 
-  ContactSample sample(double t, double tolerance) {
+  bool hasDepth() const { return a.isConvex() && b.isConvex(); }
+
+  ContactSample sample(double t, double tolerance, bool depth) {
     const Pose X_WA = motion_a.pose(t), X_WB = motion_b.pose(t);
     ContactSample s;
     s.t = t;
-    s.distance = distance(a, X_WA, b, X_WB, sampleRequest(request, tolerance), scratch, cache);
+    s.distance =
+        distance(a, X_WA, b, X_WB, sampleRequest(request, tolerance, depth), scratch, cache);
     widen(s.distance, rounding(X_WA, X_WB));
     const Eigen::Vector3d& n = s.distance.normal;
     const FrameVelocity va = motion_a.velocity(t), vb = motion_b.velocity(t);

@@ -32,7 +32,8 @@ inline double leastBetween(double gap0, double gap1, double bend) {
 
 // clang-format off
 /// Follows a motion from separating plane to separating plane. Problem has
-///   ContactSample sample(t, tolerance)   a distance query
+///   ContactSample sample(t, tolerance, depth)   a distance query
+///   bool hasDepth()                      such a query may be asked for a depth
 ///   ContactSample startPlane()           some plane at t = 0 that costs less than a query
 ///   double separationAlong(n, t)         a lower bound of the separation along n
 ///   double accelerationAlong(n, t)       from t on no two points of the bodies accelerate faster
@@ -74,6 +75,7 @@ class SeparatingPlaneTracker {
       if (contact_ - now_.t <= request_.time_tolerance)
         return answer(ContactStatus::kContact, contact_, touch_);
       if (!(gapOf(now_) > 0) || result_.queries >= request_.query_limit) break;
+      if (doubt_ - now_.t <= request_.time_tolerance / 8 && !isProvenLast()) break;
       if (now_.t >= request_.end) return answer(ContactStatus::kFree, kInfinity, now_);
       if (count_ == 0) {
         if (!sampleAhead()) break;
@@ -96,12 +98,13 @@ class SeparatingPlaneTracker {
     result_.status = status;
     result_.time = {status == ContactStatus::kFree ? kInfinity : now_.t, upper};
     result_.distance = s.distance;
+    settleNormal(problem_, request_, now_, result_);
     return result_;
   }
 
   ContactSample sample(double t, double tolerance) {
     ++result_.queries;
-    return problem_.sample(t, tolerance);
+    return problem_.sample(t, tolerance, false);
   }
 
   bool isFreeByStartPlane() {
@@ -137,12 +140,23 @@ class SeparatingPlaneTracker {
     doubt_ = t;
     count_ = 0;
     proveContactAfter(t);
-    return t - now_.t > request_.time_tolerance / 8 || contact_ - now_.t <= request_.time_tolerance;
+    return true;
   }
 
   /// At t the bodies touch as far as the query can tell: a little later contact may be proven.
   void proveContactAfter(double t) {
-    const double later = std::min(t + request_.time_tolerance / 2, request_.end);
+    proveContactAt(std::min(t + request_.time_tolerance / 2, request_.end), t);
+  }
+
+  /// Where the motion is certified up to a time that stays in doubt: at the last time at which a
+  /// contact is near enough.
+  bool isProvenLast() {
+    proveContactAt(std::min(now_.t + 0.999 * request_.time_tolerance, request_.end), doubt_);
+    return contact_ - now_.t <= request_.time_tolerance;
+  }
+
+  /// Contact at a time after t.
+  void proveContactAt(double later, double t) {
     if (!(later > t) || later >= contact_) return;
     const ContactSample s = sample(later, request_.tolerance);
     if (!isInContact(s, request_)) return;
@@ -153,9 +167,12 @@ class SeparatingPlaneTracker {
   bool sampleAhead() {
     const double gap = gapOf(now_), small = request_.time_tolerance / 4;
     const double coming = timeToClose(gap, now_);
-    // Near enough to step past the contact, which proves it.
-    if (coming <= 2 * small)
-      return take(std::min(now_.t + 3.999 * small, request_.end), request_.tolerance);
+    // Near enough to step past the contact, which proves it; where that has failed, half as far.
+    if (coming <= 2 * small) {
+      const double past = std::min(now_.t + 3.999 * small, request_.end);
+      const double t = past < doubt_ ? past : now_.t + (doubt_ - now_.t) / 2;
+      return t > now_.t && take(t, request_.tolerance);
+    }
     const double step = stepTowardsContact(gap, coming);
     const double t = now_.t + step;
     if (!(t > now_.t)) return false;
@@ -186,8 +203,14 @@ class SeparatingPlaneTracker {
     return step;
   }
 
+  /// Where Newton's method expects the bodies to touch before the next sample, and every other time
+  /// in the middle. Bodies without a volume pass through each other, and are apart on both sides:
+  /// the middle alone would come near to the contact only by halves.
   bool sampleBetween() {
-    const double t = now_.t + (ahead_[count_ - 1].t - now_.t) / 2;
+    const double most = ahead_[count_ - 1].t - now_.t;
+    const double coming = timeToClose(std::max(gapOf(now_), now_.plane), now_);
+    halves_ = !halves_ || !(coming < most);
+    const double t = now_.t + (halves_ ? most / 2 : coming);
     if (!(t > now_.t) || !(t < ahead_[count_ - 1].t)) return false;
     return take(t, std::max(request_.tolerance, kContactDistanceShare * gapOf(now_)));
   }
@@ -214,6 +237,7 @@ class SeparatingPlaneTracker {
   ContactSample touch_;                          // of the contact at contact_
   double contact_ = kInfinity;                   // the earliest time of a proven contact
   double doubt_ = kInfinity;                     // the earliest time of neither contact nor gap
+  bool halves_ = true;                           // the last sampleBetween() took the middle
   double span_ = kInfinity;                      // time to min(contact_, doubt_) at the last secant
   std::array<ContactSample, kMostAhead> ahead_;  // apart, the next one last
   std::size_t count_ = 0;

@@ -41,11 +41,31 @@ double speedOf(const MovingTriangle& m) {
   return most * (1 + 16 * kUnitRoundoff);
 }
 
-/// Speed along n of the corner that is fastest along n.
-double speedAlong(const MovingTriangle& m, const Eigen::Vector3d& n) {
-  double most = -kInfinity;
-  for (std::size_t i = 0; i < 3; ++i) most = std::max(most, n.dot(m.to[i] - m.from[i]));
-  return most;
+/// Velocity of the triangle's point that is at `point` while the corners are at p; where these are
+/// on one line, of the longest edge's point.
+Eigen::Vector3d velocityAt(const MovingTriangle& m, const Corners& p,
+                           const Eigen::Vector3d& point) {
+  const auto velocity = [&](std::size_t i) { return Eigen::Vector3d(m.to[i] - m.from[i]); };
+  const Eigen::Vector3d e = p[1] - p[0], f = p[2] - p[0], d = point - p[0];
+  const double ee = e.squaredNorm(), ff = f.squaredNorm(), ef = e.dot(f);
+  const double area = ee * ff - ef * ef;
+  if (area > kParallelEdgesSquared * ee * ff) {
+    const double u = (ff * e.dot(d) - ef * f.dot(d)) / area,
+                 w = (ee * f.dot(d) - ef * e.dot(d)) / area;
+    return (1 - u - w) * velocity(0) + u * velocity(1) + w * velocity(2);
+  }
+  std::size_t first = 0;
+  double longest = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double squared = (p[(i + 1) % 3] - p[i]).squaredNorm();
+    if (!(squared > longest)) continue;
+    longest = squared;
+    first = i;
+  }
+  if (!(longest > 0)) return velocity(0);
+  const std::size_t second = (first + 1) % 3;
+  const double s = (p[second] - p[first]).dot(point - p[first]) / longest;
+  return (1 - s) * velocity(first) + s * velocity(second);
 }
 
 /// The triangle's support along n at t.
@@ -71,15 +91,18 @@ struct MovingTriangles {
   double speed;     ///< of any point against any other
   PairCache cache;
 
-  ContactSample sample(double t, double tolerance) {
+  static bool hasDepth() { return true; }
+
+  ContactSample sample(double t, double tolerance, bool depth) {
     const Corners pa = cornersAt(a, t), pb = cornersAt(b, t);
     ContactSample s;
     s.t = t;
     s.distance =
         convexDistance(viewOfPoints(pa.data(), 3, 0), Pose{}, viewOfPoints(pb.data(), 3, 0),
-                       sampleRequest(request, tolerance), scratch, &cache, rounding);
+                       sampleRequest(request, tolerance, depth), scratch, &cache, rounding);
     const Eigen::Vector3d& n = s.distance.normal;
-    s.closing = speedAlong(a, n) + speedAlong(b, -n);
+    s.closing =
+        n.dot(velocityAt(a, pa, s.distance.point_a) - velocityAt(b, pb, s.distance.point_b));
     s.speed = speed;
     s.plane = s.distance.distance.lower - rounding;
     return s;
@@ -132,7 +155,9 @@ struct TriangleAndBody {
            departure * (between + reach);
   }
 
-  ContactSample sample(double t, double tolerance) {
+  static bool hasDepth() { return true; }
+
+  ContactSample sample(double t, double tolerance, bool depth) {
     const Pose X_WB = motion.pose(t);
     const RelativePose X = relativePose(Pose{}, X_WB);
     const Corners pa = cornersAt(a, t);
@@ -141,14 +166,14 @@ struct TriangleAndBody {
     s.t = t;
     if (!X.valid) return s;
     s.distance = convexDistance(viewOfPoints(pa.data(), 3, 0), X.X_BA, view,
-                                sampleRequest(request, tolerance), scratch, &cache, slack);
+                                sampleRequest(request, tolerance, depth), scratch, &cache, slack);
     s.distance.point_a = X_WB * s.distance.point_a;
     s.distance.point_b = X_WB * s.distance.point_b;
     s.distance.normal = X_WB.rotation * s.distance.normal;
     const Eigen::Vector3d& n = s.distance.normal;
     const FrameVelocity v = motion.velocity(t);
     const Eigen::Vector3d arm = s.distance.point_b - X_WB.translation;
-    s.closing = speedAlong(a, n) - n.dot(v.linear + v.angular.cross(arm));
+    s.closing = n.dot(velocityAt(a, pa, s.distance.point_a) - v.linear - v.angular.cross(arm));
     s.plane = s.distance.distance.lower - slack;
     s.speed = pointSpeed(b, motion.bound(t, request.end)) + speedOf(a);
     return s;

@@ -53,7 +53,8 @@ struct DistanceResult {
   /// Unit vector from A to B. For convex shapes it is the normal of the plane that proves the lower
   /// end: moving B by t * normal adds t to that end. For meshes that overlap, moving B by -lower *
   /// normal separates them. For meshes that are apart it points from the nearest part of A to that
-  /// of B; other parts may get nearer when B moves along it.
+  /// of B; other parts may get nearer when B moves along it. Without meaning where an overlap was
+  /// proven and no depth asked for (kOverlap), and where the status is kInvalid.
   Eigen::Vector3d normal = Eigen::Vector3d::UnitX();
   int iterations = 0;
   /// Indices into TriangleMesh::triangles() of the triangles that carry the upper end; -1: none, a

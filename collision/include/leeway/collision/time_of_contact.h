@@ -139,7 +139,10 @@ struct ContactResult {
   /// Holds the first time of contact; (infinity, infinity) when free.
   Interval time{0, 0};
   /// At time.upper of a contact, else at the last time that was queried; world coordinates. Of
-  /// bodies that are far apart only a lower end may be known.
+  /// bodies that are far apart only a lower end may be known. The normal is that of the bodies
+  /// while they are apart: where they overlap at time.upper, of the time just before the contact.
+  /// In contact at the start it is that of the depth if both bodies are convex. With a margin below
+  /// 0 it is that of the depth at time.upper. It is 0 where no normal is known.
   DistanceResult distance;
   int queries = 0;
   int pair = -1;  ///< index of Scene::pairs(), where a scene was asked
@@ -166,7 +169,10 @@ struct MovingTriangle {
 };
 
 /// The first contact of two such triangles, and of one and a convex shape that moves or stands
-/// still (kInvalid for a mesh).
+/// still (kInvalid for a mesh). A triangle may be an edge or a corner, by equal corners. Such ones
+/// pass through each other in an instant, for which rounding proves no contact at a margin of 0:
+/// the answer is kUndecided, with time.lower within the time tolerance. A margin of 1e-12 of the
+/// coordinates is enough.
 ContactResult timeOfContact(const MovingTriangle& a, const MovingTriangle& b,
                             const ContactRequest& request, Scratch& scratch);
 ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const RigidMotion& motion_b,
