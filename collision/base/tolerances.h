@@ -413,6 +413,11 @@ inline constexpr long kExcessPieces = 40'000;
 /// makes fewer pieces, and more queries that have to look at triangles.
 inline constexpr double kPieceTolerance = 1e-5;
 
+/// A small component counts as convex when no vertex is farther above a triangle than this share of
+/// the largest coordinate: the rounding of vertices to single precision, as mesh files keep them.
+/// Its hull's excess is proven.
+inline constexpr double kConvexRounding = 2e-7;
+
 // Queries of meshes (mesh_descent.cc, obb_descent.cc, triangle_pair.cc, deform_descent.cc)
 
 /// A node is bounded to within this share of the smaller radius, besides its excess: its children

@@ -4,12 +4,16 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <span>
+#include <utility>
 
 #include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
 #include "collision/mesh/hull_proof.h"
 #include "collision/mesh/mesh_tree.h"
+#include "collision/mesh/point_in_solid.h"
 #include "collision/mesh/surface_patch.h"
 #include "collision/mesh/topology/components.h"
 #include "collision/shapes/hull_of_part.h"
@@ -17,8 +21,10 @@
 namespace leeway::collision {
 namespace {
 
-// Meshes of fewer triangles are left alone: their hierarchy is one or two nodes deep.
+// Meshes of fewer triangles are not searched for pieces: their hierarchy is one or two nodes deep.
 constexpr std::size_t kLeastDecomposed = 24;
+// Components with at most this many triangles are tested for convexity, in quadratic time.
+constexpr std::size_t kMostTested = 64;
 // A patch stops growing after so many rejected batches. More finds better pieces.
 constexpr int kMostFailures = 32;
 // Work of a whole decomposition [units of about 0.2 us].
@@ -120,6 +126,109 @@ class Obstacles {
   std::vector<Vector> spanned_;
 };
 
+// Whether a triangle names a vertex twice: it is then no part of the surface around a solid, see
+// components.h.
+bool isCollapsed(const TriangleMesh::Triangle& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
+// A closed component as a piece, where it is convex up to rounding; else without a hull.
+//
+// In the direction n of a triangle's normal let no vertex be farther than h above the triangle, and
+// the middle c of all be r or more below it. If c is inside and r > 0 for all triangles, a ball of
+// the least r about c is in the solid, and so in the hull. The hull shrunk about c by the share
+// h / r, for the largest h, meets no triangle and is in the solid; no point of the hull is farther
+// from it than that share of the farthest vertex' distance from c. O(triangles^2).
+ConvexPiece convexComponent(const TriangleMesh& mesh, std::span<const std::int32_t> triangles) {
+  std::vector<std::int32_t> numbers;
+  for (const std::int32_t t : triangles) {
+    const TriangleMesh::Triangle& corners = mesh.triangles()[at(t)];
+    numbers.insert(numbers.end(), corners.begin(), corners.end());
+  }
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  std::vector<Vector> vertices;
+  Vector middle = Vector::Zero();
+  for (const std::int32_t v : numbers) {
+    vertices.push_back(mesh.vertices()[at(v)]);
+    middle += vertices.back() / static_cast<double>(numbers.size());
+  }
+  double reach = 0;
+  for (const Vector& v : vertices) reach = std::max(reach, (v - middle).norm());
+  const double rounding = 32 * kUnitRoundoff * reach;
+  double above = 0, below = kInfinity;
+  for (const std::int32_t t : triangles) {
+    const TriangleMesh::Triangle& corners = mesh.triangles()[at(t)];
+    if (isCollapsed(corners)) continue;
+    const Vector &p = mesh.vertices()[at(corners[0])], &q = mesh.vertices()[at(corners[1])],
+                 &r = mesh.vertices()[at(corners[2])];
+    const Vector across = cross(q - p, r - p);
+    if (!(across.squaredNorm() > kLeastSquare)) return {};
+    const Vector n = across.normalized();
+    const double lowest = std::min({n.dot(p - middle), n.dot(q - middle), n.dot(r - middle)});
+    below = std::min(below, lowest);
+    for (const Vector& v : vertices) above = std::max(above, n.dot(v - middle) - lowest);
+    if (!(below > 2 * rounding && above <= kConvexRounding * mesh.tree().extent())) return {};
+  }
+  if (sideOf(mesh, mesh.component(triangles.front()), middle) != Side::kInside) return {};
+  const double excess = (above + rounding) / (below - rounding) * reach;
+  return {{triangles.begin(), triangles.end()}, hullOfPart(vertices), excess * kOutwards};
+}
+
+// The triangles of each component, ascending.
+class ComponentTriangles {
+ public:
+  explicit ComponentTriangles(const TriangleMesh& mesh)
+      : end_(at(mesh.componentCount()) + 1, 0), triangles_(mesh.triangles().size()) {
+    const auto count = static_cast<std::int32_t>(triangles_.size());
+    for (std::int32_t t = 0; t < count; ++t) ++end_[at(mesh.component(t)) + 1];
+    std::partial_sum(end_.begin(), end_.end(), end_.begin());
+    std::vector<std::size_t> next(end_.begin(), end_.end() - 1);
+    for (std::int32_t t = 0; t < count; ++t) triangles_[next[at(mesh.component(t))]++] = t;
+  }
+  std::span<const std::int32_t> of(int component) const {
+    const std::size_t c = at(component);
+    return std::span(triangles_).subspan(end_[c], end_[c + 1] - end_[c]);
+  }
+
+ private:
+  std::vector<std::size_t> end_;  // of the component before
+  std::vector<std::int32_t> triangles_;
+};
+
+ConvexPieces unused(PieceSummary::Use why) {
+  ConvexPieces none;
+  none.summary.use = why;
+  return none;
+}
+
+ConvexPieces piecesOf(const TriangleMesh& mesh, std::vector<ConvexPiece> pieces) {
+  ConvexPieces result;
+  result.summary.use = PieceSummary::Use::kUsed;
+  result.summary.pieces = static_cast<int>(pieces.size());
+  std::size_t held = 0;
+  for (const ConvexPiece& piece : pieces) {
+    held += piece.triangles.size();
+    result.summary.excess = std::max(result.summary.excess, piece.excess);
+  }
+  result.summary.loose_triangles = static_cast<int>(mesh.triangles().size() - held);
+  result.pieces = std::move(pieces);
+  return result;
+}
+
+// The components that are convex, as pieces: they pay however few they are. Without one the result
+// has no pieces and the reason `why`.
+ConvexPieces convexComponents(const TriangleMesh& mesh, PieceSummary::Use why) {
+  std::vector<ConvexPiece> pieces;
+  const ComponentTriangles components(mesh);
+  for (int c = 0; c < mesh.componentCount(); ++c) {
+    if (!mesh.isClosed(c) || components.of(c).size() > kMostTested) continue;
+    ConvexPiece piece = convexComponent(mesh, components.of(c));
+    if (piece.hull != nullptr) pieces.push_back(std::move(piece));
+  }
+  return pieces.empty() ? unused(why) : piecesOf(mesh, std::move(pieces));
+}
+
 class Decomposition {
  public:
   explicit Decomposition(const TriangleMesh& mesh)
@@ -131,43 +240,46 @@ class Decomposition {
         patch_(surface_),
         proof_(surface_, largest_excess_, work_left_),
         obstacles_(surface_, proof_),
+        components_(mesh),
+        tested_(at(mesh.componentCount()), 0),
         rejected_(mesh.triangles().size()),
         queued_(mesh.triangles().size()),
         taken_(mesh.triangles().size(), 0) {}
 
   ConvexPieces run() {
-    ConvexPieces result;
+    std::vector<ConvexPiece> pieces;
     const double count = surface_.triangleCount();
     const std::vector<std::int32_t> order = seeds();
     const auto closed = static_cast<double>(order.size());
-    double units = count - closed, done = units, held = 0;
+    double units = count - closed, done = units;
     for (const std::int32_t seed : order) {
       if (taken_[at(seed)] != 0) continue;
-      if (work_left_ < 0 || isHopeless(done / count)) return unused(PieceSummary::Use::kLaborious);
-      ConvexPiece piece;
-      grow(seed, piece);
-      const auto size = static_cast<double>(patch_.size());
-      for (const std::int32_t t : patch_.triangles()) taken_[at(t)] = 1;
+      if (work_left_ < 0 || isHopeless(done / count))
+        return convexComponents(surface_.mesh(), PieceSummary::Use::kLaborious);
+      ConvexPiece piece = wholeComponent(seed);
+      const bool is_whole = piece.hull != nullptr;
+      if (!is_whole) grow(seed, piece);
+      const auto& triangles = is_whole ? piece.triangles : patch_.triangles();
+      for (const std::int32_t t : triangles) taken_[at(t)] = 1;
+      const auto size = static_cast<double>(triangles.size());
       done += size;
-      units += piece.hull != nullptr ? 1 : size;
+      // Whole components pay however few triangles they have.
+      units += piece.hull == nullptr ? size : is_whole ? std::min(1.0, size / kPieceTriangles) : 1;
       if (kPieceTriangles * units > std::min(done + kPieceTriangles * kHeadStart, count))
-        return unused(PieceSummary::Use::kConcave);
-      if (piece.hull == nullptr) continue;
-      held += size;
-      result.summary.excess = std::max(result.summary.excess, piece.excess);
-      result.pieces.push_back(std::move(piece));
+        return convexComponents(surface_.mesh(), PieceSummary::Use::kConcave);
+      if (piece.hull != nullptr) pieces.push_back(std::move(piece));
     }
-    result.summary.use = PieceSummary::Use::kUsed;
-    result.summary.pieces = static_cast<int>(result.pieces.size());
-    result.summary.loose_triangles = static_cast<int>(count - held);
-    return result;
+    return piecesOf(surface_.mesh(), std::move(pieces));
   }
 
  private:
-  static ConvexPieces unused(PieceSummary::Use why) {
-    ConvexPieces none;
-    none.summary.use = why;
-    return none;
+  // The seed's component, if it is small and convex; each is tested once.
+  ConvexPiece wholeComponent(std::int32_t seed) {
+    const int component = surface_.mesh().component(seed);
+    const std::span<const std::int32_t> triangles = components_.of(component);
+    if (triangles.size() > kMostTested || std::exchange(tested_[at(component)], 1) != 0) return {};
+    work_left_ -= 0.02 * static_cast<double>(triangles.size() * triangles.size());
+    return convexComponent(surface_.mesh(), triangles);
   }
 
   // Of the share of the mesh that is done. A mesh that may spend kPieceWork is let spend it.
@@ -304,6 +416,8 @@ class Decomposition {
   SurfacePatch patch_;
   HullProof proof_;
   Obstacles obstacles_;
+  const ComponentTriangles components_;
+  std::vector<std::uint8_t> tested_;  // components, by wholeComponent()
   Marks rejected_, queued_;
   std::vector<std::uint8_t> taken_;  // in a patch that is done
   std::vector<std::int32_t> queue_;
@@ -312,12 +426,9 @@ class Decomposition {
 }  // namespace
 
 ConvexPieces convexPieces(const TriangleMesh& mesh) {
-  ConvexPieces none;
-  if (mesh.closedComponentCount() == 0) {
-    none.summary.use = PieceSummary::Use::kOpen;
-    return none;
-  }
-  if (mesh.triangles().size() < kLeastDecomposed) return none;
+  if (mesh.closedComponentCount() == 0) return unused(PieceSummary::Use::kOpen);
+  if (mesh.triangles().size() < kLeastDecomposed)
+    return convexComponents(mesh, PieceSummary::Use::kSmall);
   return Decomposition(mesh).run();
 }
 

@@ -273,8 +273,127 @@ TEST(ConvexPieces, SayWhyNot) {
             Use::kNotAsked);
   open.triangles.pop_back();
   EXPECT_EQ(use(open), Use::kOpen);
-  EXPECT_EQ(use(boxSoup({1, 1, 1})), Use::kSmall);
+  EXPECT_EQ(use(boxSoup({1, 1, 1})), Use::kUsed);
+  TriangleSoup dented = boxSoup({1, 1, 1});
+  dented.vertices[0] *= 0.3;
+  EXPECT_EQ(use(dented), Use::kSmall);
   EXPECT_EQ(use(ballSoup(12, 16, 0.5, 0.3, random)), Use::kConcave);
+}
+
+/// A box, octahedron or tetrahedron, placed and rounded.
+TriangleSoup smallConvex(int kind, const Pose& X) {
+  TriangleSoup solid = boxSoup({0.3, 0.2, 0.1});
+  if (kind == 1) {
+    solid = {
+        {{0.3, 0, 0}, {-0.3, 0, 0}, {0, 0.2, 0}, {0, -0.2, 0}, {0, 0, 0.4}, {0, 0, -0.1}},
+        {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};
+  }
+  if (kind == 2)
+    solid = {{{0, 0, 0}, {0.4, 0, 0}, {0, 0.4, 0}, {0, 0, 0.4}},
+             {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}};
+  TriangleSoup placed;
+  append(placed, solid, X);
+  return placed;
+}
+
+// Components that are convex are pieces, however few triangles they have. Regression: a box mesh
+// was not, and its depth in a cylinder stayed 4 % wide.
+TEST(ConvexPieces, ConvexComponentsAreWhole) {
+  Random random(90);
+  for (const int count : {1, 2, 5, 40}) {
+    for (int kind = 0; kind < 4; ++kind) {
+      TriangleSoup soup;
+      for (int i = 0; i < count; ++i) {
+        Pose X = random.pose(0.3);
+        X.translation += Vector3d(2 * i, 0, 0);
+        append(soup, smallConvex(kind < 3 ? kind : i % 3, X));
+      }
+      const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles);
+      ASSERT_EQ(mesh->pieces().use, PieceSummary::Use::kUsed) << count << " " << kind;
+      EXPECT_EQ(mesh->pieces().pieces, count);
+      EXPECT_EQ(mesh->pieces().loose_triangles, 0);
+      // Coordinates reach 80 m.
+      EXPECT_LE(mesh->pieces().excess, 1e-12);
+      expectHeld("convex", *mesh, random, casesToAsk(20));
+    }
+  }
+  // The same beside a component that is not convex.
+  TriangleSoup mixed = torusSoup(20, 10, 1, 0.3, 0.2, random);
+  EXPECT_EQ(TriangleMesh::make(mixed.vertices, mixed.triangles)->pieces().use,
+            PieceSummary::Use::kConcave);
+  append(mixed, smallConvex(0, random.pose(0.1)));
+  const auto mesh = TriangleMesh::make(mixed.vertices, mixed.triangles);
+  EXPECT_EQ(mesh->pieces().pieces, 1);
+  EXPECT_EQ(mesh->pieces().loose_triangles, 400);
+  expectHeld("torus and box", *mesh, random, casesToAsk(20));
+}
+
+// A component with a dent deeper than the rounding of mesh files is not convex. The excess covers
+// shallower dents.
+TEST(ConvexPieces, DentedComponentsAreNotWhole) {
+  Random random(93);
+  for (const double depth : {0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.1}) {
+    TriangleSoup soup = boxSoup({0.3, 0.2, 0.1});
+    // A vertex in the middle of the top, a little below it.
+    soup.vertices.emplace_back(0, 0, 0.1 - depth);
+    soup.triangles[2] = {4, 5, 8};
+    soup.triangles[3] = {5, 7, 8};
+    soup.triangles.push_back({7, 6, 8});
+    soup.triangles.push_back({6, 4, 8});
+    TriangleSoup placed;
+    append(placed, soup, random.pose(0.3));
+    const auto mesh = TriangleMesh::make(placed.vertices, placed.triangles);
+    EXPECT_EQ(mesh->closedComponentCount(), 1);
+    if (depth > 2e-7) {
+      EXPECT_EQ(mesh->pieces().use, PieceSummary::Use::kSmall) << depth;
+      continue;
+    }
+    EXPECT_EQ(mesh->pieces().pieces, 1) << depth;
+    EXPECT_GE(mesh->pieces().excess, depth);
+    EXPECT_LE(mesh->pieces().excess, 10 * depth + 1e-14);
+    expectHeld("dented", *mesh, random, casesToAsk(200));
+  }
+}
+
+// The depth of a convex mesh is that of its hull.
+TEST(ConvexPieces, AreAsDeepAsTheirHulls) {
+  Random random(91);
+  Scratch scratch;
+  int deep = 0;
+  for (int i = 0; i < casesToAsk(300); ++i) {
+    const TriangleSoup soup = smallConvex(i % 3, random.pose(0.1)),
+                       other = smallConvex(i / 3 % 3, random.pose(0.1));
+    const Shape mesh = Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles)),
+                hull = Shape::convexHull(soup.vertices);
+    auto partners = sampleConvexShapes(random);
+    partners.emplace_back("mesh", Shape::mesh(TriangleMesh::make(other.vertices, other.triangles)));
+    for (const auto& [name, partner] : partners) {
+      const Shape twin =
+          partner.isConvex() ? partner : Shape::convexHull(partner.mesh()->vertices());
+      const Pose X = random.pose(0.2);
+      const DistanceResult of_hull = distance(hull, {}, twin, X, {}, scratch);
+      if (!(of_hull.distance.upper < -1e-6)) continue;
+      ++deep;
+      const DistanceResult of_mesh = distance(mesh, {}, partner, X, {}, scratch);
+      EXPECT_LE(of_mesh.distance.lower, of_hull.distance.upper) << name;
+      EXPECT_GE(of_mesh.distance.upper, of_hull.distance.lower) << name;
+      EXPECT_LE(of_mesh.distance.width(), std::max(of_hull.distance.width(), 1e-9)) << name;
+    }
+  }
+  EXPECT_GT(deep, casesToAsk(1000));
+}
+
+TEST(ConvexPieces, ACylinderInABoxOfTwelveTriangles) {
+  const TriangleSoup soup = boxSoup({0.5, 0.4, 0.3});
+  const Shape box = Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles)),
+              cylinder = Shape::cylinder(0.1, 0.2);
+  Pose X;
+  X.translation = {0.3, 0.1, 0.05};
+  // Out along x: the cylinder's radius and what the box's face is away.
+  const DistanceResult r = distance(box, {}, cylinder, X);
+  EXPECT_EQ(r.status, DistanceStatus::kConverged);
+  EXPECT_NEAR(r.distance.lower, -0.3, 1e-12);
+  EXPECT_NEAR(r.distance.upper, -0.3, 1e-12);
 }
 
 // Triangles that repeat a vertex attach to solids without opening them, and stay loose.

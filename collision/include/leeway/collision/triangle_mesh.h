@@ -21,7 +21,7 @@ struct PieceSummary {
   enum class Use : unsigned char {
     kUsed,
     kOpen,       ///< no component is closed: there is no inside that pieces could fill
-    kSmall,      ///< so few triangles that pieces would not be faster
+    kSmall,      ///< so few triangles that pieces would not be faster, and not all convex solids
     kConcave,    ///< too many pieces for the number of triangles: they would not be faster
     kLaborious,  ///< finding them takes more work than allowed
     kNotAsked    ///< TriangleMesh::make() was told not to decompose
