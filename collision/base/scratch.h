@@ -8,6 +8,7 @@ struct DeformScratch;      // deform/snapshot.h
 struct PolytopeBuffers;    // convex/epa/polytope_surface.h
 struct SweepFrontScratch;  // mesh/descent/sweep_front.h
 struct SweepScratch;       // sweep/mesh_sweep_scratch.h
+class TouchingTriangles;   // mesh/descent/touching_triangles.h
 struct Work;               // base/work.h
 
 /// The contents of a Scratch: one member for each folder of the engine that keeps some. References
@@ -18,6 +19,7 @@ struct Scratch::Impl {
   DeformScratch& deform;
   SweepScratch& sweep;
   SweepFrontScratch& fronts;
+  TouchingTriangles& touching;
   Work* work;  ///< where work is counted; the scratch's own until countInto()
 
   Impl(const Impl&) = delete;
@@ -26,11 +28,13 @@ struct Scratch::Impl {
 
  protected:
   Impl(PolytopeBuffers& polytope_buffers, DeformScratch& deform_scratch,
-       SweepScratch& sweep_scratch, SweepFrontScratch& sweep_fronts, Work& own_work)
+       SweepScratch& sweep_scratch, SweepFrontScratch& sweep_fronts,
+       TouchingTriangles& touching_triangles, Work& own_work)
       : polytope(polytope_buffers),
         deform(deform_scratch),
         sweep(sweep_scratch),
         fronts(sweep_fronts),
+        touching(touching_triangles),
         work(&own_work) {}
 };
 

@@ -540,8 +540,8 @@ inline constexpr double kContactSweepShare = 0.9;
 /// Tolerance of a distance on the way, as a share of what the last one leaves to expect.
 inline constexpr double kContactDistanceShare = 0.01;
 
-}  // namespace leeway::collision
 /// A contact's normal is taken from a distance before it that is known to within this share: it is
 /// off by 12 degrees at most, where corners meet; elsewhere by far less.
 inline constexpr double kContactNormalShare = 0.02;
 
+}  // namespace leeway::collision

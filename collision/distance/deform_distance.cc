@@ -4,12 +4,15 @@
 #include <array>
 #include <utility>
 
+#include "collision/base/scratch.h"
 #include "collision/base/status.h"
 #include "collision/deform/query/deform_descent.h"
 #include "collision/distance/mesh_distance.h"
 #include "collision/distance/mesh_separation.h"
 #include "collision/distance/round_distance.h"
 #include "collision/mesh/descent/descent_answer.h"
+#include "collision/mesh/descent/touching_triangles.h"
+#include "collision/solids/common_point.h"
 #include "collision/solids/contains_at.h"
 #include "collision/solids/solid_depth.h"
 
@@ -58,6 +61,7 @@ DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b,
   if (!relative.valid) return {};
   const DeformSide side_a = deformSide(a), side_b = deformSide(b);
   const DescentPlacement placement = placementOf(relative, side_a, side_b);
+  scratch.impl().touching.start(touchingWithin(placement, side_a, side_b));
   const DescentResult found = deformDescend(side_a, side_b, placement, request, scratch, &cache);
   remember(found, cache);
 
@@ -69,6 +73,8 @@ DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b,
     if (containment != Containment::kNo) {
       // A body inside must come out through the surface, which is that far away.
       if (containment == Containment::kYes) result.distance.upper = -found.lower;
+      if (containment == Containment::kUndecided)
+        offerCommonPoint(a, b, relative, X_WB, request, scratch, result);
       result.distance.lower = found.hull_lower;
       if (request.depth && !(result.distance.upper <= request.threshold)) {
         const Vector3d way_out = containment == Containment::kYes

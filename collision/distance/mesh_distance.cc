@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "collision/base/pose_check.h"
+#include "collision/base/scratch.h"
 #include "collision/base/status.h"
 #include "collision/base/tolerances.h"
 #include "collision/base/triple.h"
@@ -13,6 +14,8 @@
 #include "collision/mesh/descent/descent_answer.h"
 #include "collision/mesh/descent/mesh_descent.h"
 #include "collision/mesh/descent/obb_descent.h"
+#include "collision/mesh/descent/touching_triangles.h"
+#include "collision/solids/common_point.h"
 #include "collision/solids/contains_at.h"
 #include "collision/solids/solid_depth.h"
 #include "leeway/collision/triangle_mesh.h"
@@ -121,6 +124,7 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
   if (!relative.valid) return {};
   const DescentSide side_a = descentSide(a), side_b = descentSide(b);
   const DescentPlacement placement = placementOf(relative, side_a, side_b);
+  scratch.impl().touching.start(touchingWithin(placement, side_a, side_b));
   PairCache own;
   PairCache& warm = cache != nullptr ? *cache : own;
   DescentResult found;
@@ -147,6 +151,8 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
     if (containment != Containment::kNo) {
       // A body inside must come out through the surface, which is that far away.
       if (containment == Containment::kYes) result.distance.upper = -found.lower;
+      if (containment == Containment::kUndecided)
+        offerCommonPoint(a, b, relative, X_WB, request, scratch, result);
       result.distance.lower = found.hull_lower;
       if (request.depth && !(result.distance.upper <= request.threshold)) {
         const DistanceResult hulls = convexDistance(hullOf(side_a), relative.X_BA, hullOf(side_b),
@@ -157,10 +163,13 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
                                      ? Vector3d(result.point_a - result.point_b)
                                      : result.normal;
         result.normal = X_WB.rotation * hulls.normal;
-        const Vector middle = placed(X_WB, 0.5 * (hulls.point_a + hulls.point_b));
-        const Vector deepest = deepen(a, X_WA, b, X_WB, middle, request, scratch, result);
-        const Vector tries[] = {way_out, deepest};
-        separateMeshes(a, X_WA, b, X_WB, tries, request, scratch, result);
+        // (Convex meshes are as deep as their hulls.)
+        if (result.distance.width() > request.tolerance) {
+          const Vector middle = placed(X_WB, 0.5 * (hulls.point_a + hulls.point_b));
+          const Vector deepest = deepen(a, X_WA, b, X_WB, middle, request, scratch, result);
+          const Vector tries[] = {way_out, deepest};
+          separateMeshes(a, X_WA, b, X_WB, tries, request, scratch, result);
+        }
       }
     }
   }

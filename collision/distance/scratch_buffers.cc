@@ -3,6 +3,7 @@
 #include "collision/convex/epa/epa.h"
 #include "collision/deform/snapshot.h"
 #include "collision/mesh/descent/sweep_front.h"
+#include "collision/mesh/descent/touching_triangles.h"
 #include "collision/sweep/mesh_sweep_scratch.h"
 
 namespace leeway::collision {
@@ -14,6 +15,7 @@ struct Buffers {
   DeformScratch deform;
   SweepScratch sweep;
   SweepFrontScratch fronts;
+  TouchingTriangles touching;
   Work work;
 };
 
@@ -21,7 +23,7 @@ struct Buffers {
 struct OwningImpl : private Buffers, public Scratch::Impl {
   OwningImpl()
       : Scratch::Impl(Buffers::polytope, Buffers::deform, Buffers::sweep, Buffers::fronts,
-                      Buffers::work) {}
+                      Buffers::touching, Buffers::work) {}
 };
 
 }  // namespace

@@ -7,10 +7,8 @@
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
 #include "collision/convex/convex_distance.h"
-#include "collision/deform/query/deform_descent.h"
-#include "collision/deform/query/point_in_snapshot.h"
 #include "collision/deform/snapshot.h"
-#include "collision/mesh/descent/mesh_descent.h"
+#include "collision/solids/point_inside.h"
 
 namespace leeway::collision {
 namespace {
@@ -27,51 +25,7 @@ struct Inside {
   Vector outwards = Vector::Zero();  // unit, in W
 };
 
-template <class Mesh, class SideOf>
-bool isInsideAny(const Mesh& mesh, const SideOf& side) {
-  for (int c = 0; c < mesh.componentCount(); ++c) {
-    if (mesh.isClosed(c) && side(c) == Side::kInside) return true;
-  }
-  return false;
-}
-
-bool isInside(const Shape& shape, const Vector& p, Scratch& scratch) {
-  if (shape.type() == ShapeType::kMesh)
-    return isInsideAny(*shape.mesh(), [&](int c) { return sideOf(*shape.mesh(), c, p); });
-  const DeformableSnapshot& snapshot = *shape.deformable();
-  return isInsideAny(snapshot.mesh(),
-                     [&](int c) { return sideOf(snapshot.impl(), c, p, scratch); });
-}
-
-// The distance of a mesh's surface from a point p, and the direction to it.
-DescentResult surfaceAbout(const Shape& mesh, const Vector& p, const DescentSide& point,
-                           const DistanceRequest& request, Scratch& scratch, Vector& outwards) {
-  DescentPlacement placement;
-  if (mesh.type() == ShapeType::kMesh) {
-    placement.X_BA0.translation = placement.X_BA1.translation = -p;
-    PairCache cache;
-    const DescentResult r = descend(descentSide(mesh), point, placement, request, scratch, &cache);
-    outwards = r.witness.point_a - r.witness.point_b;
-    return r;
-  }
-  // The point is the placed body: a deforming mesh is bounded in its own frame.
-  DeformSide moving;
-  moving.rigid = point;
-  moving.low = moving.high = Vector::Zero();
-  placement.X_BA0.translation = placement.X_BA1.translation = p;
-  PairCache cache;
-  const DescentResult r =
-      deformDescend(moving, deformSide(mesh), placement, request, scratch, &cache);
-  outwards = r.witness.point_b - r.witness.point_a;
-  return r;
-}
-
-bool isSolid(const Shape& shape) {
-  if (shape.type() == ShapeType::kMesh) return shape.mesh()->closedComponentCount() > 0;
-  if (shape.type() == ShapeType::kDeformable)
-    return shape.deformable()->mesh().closedComponentCount() > 0;
-  return shape.isConvex();
-}
+bool isSolid(const Shape& shape) { return shape.isConvex() || isSolidMesh(shape); }
 
 Inside insideOf(const Shape& shape, const Pose& X_WS, const Vector& p_W, int node_limit,
                 Scratch& scratch) {
@@ -86,21 +40,20 @@ Inside insideOf(const Shape& shape, const Pose& X_WS, const Vector& p_W, int nod
                           ? kSolidShare * extent
                           : kSolidTolerance * (extent > 0 ? std::min(extent, 1.0) : 1);
   request.node_limit = node_limit;
-  DescentSide point;
-  point.view.core = Core::kPoint;
-  point.center = point.low = point.high = Vector::Zero();
   Interval distance;
   Vector normal;
   if (shape.isConvex()) {
+    ConvexView point;
+    point.core = Core::kPoint;
     const DistanceResult r = convexDistance(viewOf(shape), Pose{Eigen::Matrix3d::Identity(), -p},
-                                            point.view, request, scratch, nullptr, error);
+                                            point, request, scratch, nullptr, error);
     distance = {-r.distance.upper, -r.distance.lower};
     // From the shape to the point: along it the point leaves the shape.
     normal = r.normal;
   } else {
-    if (!isInside(shape, p, scratch)) return {};
+    if (sideOfMesh(shape, p, scratch) != Side::kInside) return {};
     request.depth = false;
-    const DescentResult r = surfaceAbout(shape, p, point, request, scratch, normal);
+    const DescentResult r = surfaceAbout(shape, p, request, scratch, normal);
     distance = {r.lower - error, r.upper};
   }
   const double norm = normal.norm();

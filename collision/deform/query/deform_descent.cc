@@ -7,6 +7,7 @@
 #include "collision/base/numbers.h"
 #include "collision/deform/query/descent_state.h"
 #include "collision/deform/query/float_box.h"
+#include "collision/mesh/descent/touching_triangles.h"
 
 namespace leeway::collision {
 
@@ -101,7 +102,9 @@ void DescentState::updateBar() {
   double tolerance = request.tolerance;
   if (result.upper <= 0 && !half_space)
     tolerance = std::max(tolerance, kDeeperShare * -result.upper);
-  bar_ = std::min(bar_, result.upper - tolerance);
+  bar_ = std::min(bar_, result.upper > 0 && !placement.swept
+                            ? scratch.impl().touching.bar(result.upper, tolerance)
+                            : result.upper - tolerance);
 }
 
 Probe DescentState::rigidProbe() const {

@@ -4,6 +4,7 @@
 #include "collision/base/status.h"
 #include "collision/convex/gjk/support.h"
 #include "collision/deform/query/descent_state.h"
+#include "collision/mesh/descent/touching_triangles.h"
 
 namespace leeway::collision {
 
@@ -101,6 +102,12 @@ void DescentState::comparePieces(int slot_a, int slot_b) {
     return compareConvex(piece_a, piece_b, threshold, depth);
   });
   settle(r.distance.lower);
+  // (descend() has kept those of a rigid mesh.)
+  if (!placement.swept && a.snapshot != nullptr && b.snapshot != nullptr && r.distance.upper > 0 &&
+      r.distance.lower <= scratch.impl().touching.near()) {
+    for (Vector3d& p : corners_a) p = placement.X_BA0 * p;
+    scratch.impl().touching.add(corners_a, corners_b);
+  }
   if (!(r.distance.upper < result.upper)) return;
   if (r.distance.upper <= 0 && result.upper > 0) overlap_limit_ = visited + kDeeperNodes;
   result.upper = r.distance.upper;

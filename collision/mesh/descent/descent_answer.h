@@ -32,6 +32,14 @@ DescentPlacement placementOf(const RelativePose& relative, const Side& a, const 
   return placement;
 }
 
+/// How near to each other points of two bodies count as touching [m]: a few times the rounding of
+/// their distance.
+template <class Side>
+double touchingWithin(const DescentPlacement& placement, const Side& a, const Side& b) {
+  const double size = a.extent + b.extent + placement.X_BA0.translation.norm();
+  return 4 * (kSupportRounding * kUnitRoundoff * size + placement.slack);
+}
+
 /// Remembers the nearest triangles for the next query.
 inline void remember(const DescentResult& found, PairCache& cache) {
   if (found.witness.triangle_a >= 0 || found.witness.triangle_b >= 0) {

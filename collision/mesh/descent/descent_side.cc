@@ -20,6 +20,9 @@ DescentSide descentSide(const Shape& shape) {
     side.high = root.high;
     side.extent = side.tree->extent();
     side.hull_excess = shape.mesh()->hullExcess();
+    const PieceSummary& pieces = shape.mesh()->pieces();
+    side.has_solid_pieces =
+        pieces.loose_triangles == 0 && pieces.pieces == shape.mesh()->componentCount();
     return side;
   }
   side.view = viewOf(shape);

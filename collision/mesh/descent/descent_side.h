@@ -16,6 +16,7 @@ struct DescentSide {
   double radius = 0;          ///< of that sphere; may be infinite [m]
   Eigen::Vector3d low, high;  ///< a box that holds the body, in its own frame; may be infinite [m]
   double hull_excess = 0;     ///< of a mesh, as TriangleMesh::hullExcess() [m]
+  bool has_solid_pieces = false;  ///< of a mesh: each convex piece is a whole component
   double extent =
       0;  ///< no point is farther from the frame's origin; infinite for a half-space [m]
 };

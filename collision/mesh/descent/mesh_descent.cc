@@ -11,6 +11,7 @@
 #include "collision/base/tolerances.h"
 #include "collision/base/work.h"
 #include "collision/mesh/descent/sweep_front.h"
+#include "collision/mesh/descent/touching_triangles.h"
 
 namespace leeway::collision {
 
@@ -35,6 +36,7 @@ class Descent {
         request_(request),
         scratch_(scratch),
         cache_(cache),
+        touching_(scratch.impl().touching),
         recorder_(scratch.impl().fronts.found, cache) {
     rounding_ = kRelativeRounding *
                     (finite(a.extent) + finite(b.extent) + placement.X_BA0.translation.norm() +
@@ -146,7 +148,10 @@ class Descent {
     // Precision would be wasted: the depth of two meshes is not that of their deepest triangles.
     if (result_.upper <= 0 && !half_space_)
       tolerance = std::max(tolerance, kDeeperShare * -result_.upper);
-    bar = std::min(bar, std::min(result_.upper - tolerance, hulls_upper_));
+    const double nearer = result_.upper > 0 && !placement_.swept
+                              ? touching_.bar(result_.upper, tolerance)
+                              : result_.upper - tolerance;
+    bar = std::min(bar, std::min(nearer, hulls_upper_));
     // A sweep only needs pairs that can lower its lower end.
     return placement_.swept ? std::min(bar, result_.lower) : bar;
   }
@@ -340,6 +345,14 @@ class Descent {
       return convex(view_a, view_b, threshold, request_.tolerance, depth);
     });
     settle(r.distance.lower);
+    // (A triangle of a deforming mesh is a body of three points here.)
+    if (!placement_.swept && r.distance.upper > 0 && r.distance.lower <= touching_.near() &&
+        view_a.count == 3 && view_b.count == 3) {
+      const Vector3d p[3] = {placed(placement_.X_BA0, view_a.points[0]),
+                             placed(placement_.X_BA0, view_a.points[1]),
+                             placed(placement_.X_BA0, view_a.points[2])};
+      touching_.add(p, view_b.points);
+    }
     offer(r, r.distance.upper, slot_a >= 0 ? a_.tree->triangleOf(slot_a) : -1,
           slot_b >= 0 ? b_.tree->triangleOf(slot_b) : -1);
   }
@@ -350,6 +363,7 @@ class Descent {
   const DistanceRequest& request_;
   Scratch& scratch_;
   PairCache& cache_;
+  TouchingTriangles& touching_;
   DescentResult result_;
   DistanceResult hulls_;            // of the hulls, where that is no answer by itself
   double hulls_upper_ = kInfinity;  // the upper end of the bodies' distance that follows from it

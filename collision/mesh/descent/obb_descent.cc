@@ -12,6 +12,7 @@
 #include "collision/convex/gjk/support.h"
 #include "collision/mesh/descent/box_gaps.h"
 #include "collision/mesh/descent/mesh_body.h"
+#include "collision/mesh/descent/touching_triangles.h"
 #include "collision/mesh/descent/triangle_pair.h"
 
 namespace leeway::collision {
@@ -38,6 +39,7 @@ class PairDescent {
         request_(request),
         scratch_(scratch),
         work_(*scratch.impl().work),
+        touching_(scratch.impl().touching),
         cache_(cache) {
     X_AB_ = X_BA_.inverse();
     // As for support points (derived in gjk.cc): corners are placed, and multiplied with a unit
@@ -47,6 +49,7 @@ class PairDescent {
         slack_;
     floor_ = request.threshold == request.threshold ? std::max(request.threshold, 0.0) : kInfinity;
     parts_ = a_.consistsOfPieces() && b_.consistsOfPieces();
+    opens_touching_ = a_.isMesh() && b_.isMesh() && !(a.has_solid_pieces && b.has_solid_pieces);
     deepens_ = request.depth && parts_;
   }
 
@@ -54,6 +57,7 @@ class PairDescent {
     result_.lower = kInfinity;
     result_.upper = kInfinity;
     result_.hull_lower = -kInfinity;
+    updateBar();
     float gap[BoxNode::kWidth];
     if (b_.isMesh()) {
       boxGaps(b_.node(0), placedBox(a_.box(a_.root()), X_BA_), {}, gap);
@@ -82,12 +86,14 @@ class PairDescent {
   }
 
  private:
-  double bar() const {
-    if (result_.upper <= 0) {
-      // Only pairs that are deeper by kDeeperShare.
-      return result_.upper - std::max(request_.tolerance, -kDeeperShare * result_.upper);
+  double bar() const { return bar_; }
+  void updateBar() {
+    if (result_.upper > 0) {
+      bar_ = std::min(floor_, touching_.bar(result_.upper, request_.tolerance));
+      return;
     }
-    return std::min(floor_, result_.upper - request_.tolerance);
+    // Only pairs that are deeper by kDeeperShare.
+    bar_ = result_.upper - std::max(request_.tolerance, -kDeeperShare * result_.upper);
   }
   bool done() const {
     if (result_.upper <= request_.threshold) return true;  // false for NaN
@@ -186,8 +192,11 @@ class PairDescent {
     const Interval d = known ? warm_ : hullPair(a, b, &local);
     const double lower = std::max(d.lower, pair.lower);
     const bool pieces = a.kind == Kind::kPiece || b.kind == Kind::kPiece;
+    // Where patches touch, their triangles say more: whether the solids go on behind them.
+    const bool touch = lower <= touching_.near() && opens_touching_;
+    const bool close = d.upper - d.lower <= request_.tolerance && !touch;
     // (For exact shapes, too, rounding may leave the request open, but triangles would not help.)
-    if (!pieces || lower > bar() || d.upper - d.lower <= request_.tolerance || d.upper <= 0) {
+    if (!pieces || lower > bar() || close || d.upper <= 0) {
       settle(lower);
       return;
     }
@@ -244,11 +253,12 @@ class PairDescent {
                          placed(X_BA_, corners_a[2])};
     const TrianglePair pair = trianglePair(p, q);
     ++result_.iterations;
-    double lower = pair.below - rounding_, upper = pair.above + rounding_;
+    const double lower = pair.below - rounding_, upper = pair.above + rounding_;
     if (lower > 0) keepPlane(pair.normal);
     const Part a{Kind::kTriangle, slot_a}, b{Kind::kTriangle, slot_b};
     if (lower > 0 && (lower > bar() || upper - lower <= request_.tolerance)) {
       settle(lower);
+      if (lower <= touching_.near()) touching_.add(p, q);
       if (!(upper < result_.upper)) return;
       DistanceResult r;
       r.normal = pair.normal;
@@ -268,6 +278,7 @@ class PairDescent {
         convexDistance(a_.view(a), X_BA_, b_.view(b), request, scratch_, none, slack_);
     result_.iterations += r.iterations;
     settle(std::max(lower, r.distance.lower));
+    if (r.distance.upper > 0 && r.distance.lower <= touching_.near()) touching_.add(p, q);
     if (upper < r.distance.upper) {  // the query may have stopped early
       r.point_a = pair.p;
       r.point_b = pair.q;
@@ -313,6 +324,7 @@ class PairDescent {
       deeper_limit_ = std::min(visited_, most) + kDeeperNodes;
     }
     result_.upper = upper;
+    updateBar();
     result_.witness = r;
     result_.witness.triangle_a = a_.triangleOf(a);
     result_.witness.triangle_b = b_.triangleOf(b);
@@ -351,11 +363,13 @@ class PairDescent {
   const DistanceRequest& request_;
   Scratch& scratch_;
   Work& work_;
+  TouchingTriangles& touching_;
   PairCache& cache_;
   DescentResult result_;
   double rounding_ = 0;  // of a pair of triangles, the poses' slack included [m]
-  double floor_ = kInfinity;
+  double floor_ = kInfinity, bar_ = kInfinity;
   bool parts_ = false;  // both bodies consist of convex parts; against triangles those do not pay
+  bool opens_touching_ = false;  // two meshes; not where all pieces are solids
   bool deepens_ = false, hulls_known_ = false;
   bool has_plane_ = false;
   Vector plane_a_, plane_b_;  // unit, from A to B, in either's frame; for B its offset [m], too

@@ -15,9 +15,11 @@
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/configuration_space.h"
+#include "leeway/planner/edge_certifier.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/verify/kinematics.h"
 #include "planner/verify/pairs.h"
+#include "tests/support/polycubes.h"
 #include "tests/support/random_problem.h"
 
 namespace leeway::planner {
@@ -385,6 +387,44 @@ TEST(Verify, SolidMeshesHoldWhatIsInsideThem) {
       VerifyStatus::kCertified);
 }
 
+// Bricks, and concave solids of cells, pass through each other along their faces: no triangle of
+// one crosses a triangle of the other at any time. Regression: paths through them stayed undecided
+// after seconds, and so did states half inside.
+TEST(Verify, SolidsWithFlushSidesAreRefuted) {
+  using collision::testing::Cells;
+  const auto solid = [](const Cells& cells) {
+    const auto soup = collision::testing::cellSoup(cells);
+    return Shape::mesh(collision::TriangleMesh::make(soup.vertices, soup.triangles));
+  };
+  const auto brick = collision::testing::boxSoup({0.5, 0.5, 1}, {0.5, 0.5, 1});
+  const std::vector<std::pair<Shape, Shape>> pairs = {
+      {Shape::mesh(collision::TriangleMesh::make(brick.vertices, brick.triangles)),
+       Shape::mesh(collision::TriangleMesh::make(brick.vertices, brick.triangles))},
+      {solid({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}}), solid({{0, 0, 0}, {0, 0, 1}, {0, 1, 0}})},
+      {solid({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 1}}),
+       solid({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 1, 1}})}};
+  for (const auto& [moving, standing] : pairs) {
+    const auto body = robots::freeBody("moving", {{moving, {}, "moving"}}, JointType::kFloating,
+                                       {-9, -9, -9}, {9, 9, 9});
+    Problem problem = problemFor(body, {0, 0, -5, 0, 0, 0, 1});
+    problem.start = {0, 0, 5, 0, 0, 0, 1};
+    problem.world.objects.push_back({"standing", {{standing, {}, "standing"}}, {}});
+    const std::vector<double> above{0, 0, 5, 0, 0, 0, 1}, below{0, 0, -5, 0, 0, 0, 1},
+        half{0, 0, 1, 0, 0, 0, 1}, away{0, 0, 4, 0, 0, 0, 1};
+    const VerifyResult result = verify(problem, pathOf(problem, {above, below}));
+    EXPECT_EQ(result.status, VerifyStatus::kRefuted) << result.reason;
+    problem.goals[0].ranges[2] = {4, 4};
+    EXPECT_EQ(verify(problem, pathOf(problem, {above, away})).status, VerifyStatus::kCertified);
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    EXPECT_EQ(certifier.certify(above, below).verdict, collision::Verdict::kNotFree);
+    EXPECT_EQ(certifier.certify(above, away).verdict, collision::Verdict::kFree);
+    EXPECT_EQ(certifier.decide(half), collision::Verdict::kNotFree);
+    const StateCheck check = certifier.clearance(half, 1e-6);
+    EXPECT_EQ(check.verdict, collision::Verdict::kNotFree);
+    EXPECT_LT(check.clearance.upper, -0.1);
+  }
+}
+
 TEST(Verify, RowsAreStraightLinesAndJumpingMimicsAreNotCertified) {
   Builder b;
   const robots::Geometry bar{Shape::box({0.5, 0.05, 0.05}), shifted(0.5, 0, 0), "bar"};
@@ -474,7 +514,8 @@ TEST(Verify, DeepMeshesEndWithTheirWork) {
   problem.start = {-0.3, 0, 0};
   problem.world.objects.push_back(
       {"other", {{testing::bumpyRing(), {}, ""}}, shifted(0.2, 0.05, 0.1)});
-  problem.margins.common = -0.5;
+  // Little more than the depth: a coarse tolerance would be met by hulls alone.
+  problem.margins.common = -0.2;
   PlanOptions options;
   int asked = 0;  // every 64 checks
   options.stop = [&asked] { return ++asked > 100; };

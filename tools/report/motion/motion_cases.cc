@@ -177,6 +177,28 @@ void coplanar(FamilyMaker& make) {
   keepTriangles(make, a, b, 1e-9);
 }
 
+/// Equal L-shaped solids side by side, of which one moves along a side of the other: all faces
+/// along its way are flush, and no triangle crosses another when they meet.
+void flush(FamilyMaker& make) {
+  Random& r = make.random;
+  const double size = r.uniform(0.2, 1);
+  const ReportShape* ell = make.known(Shape::mesh(oracle::ellMesh(size)));
+  const int axis = r.below(3);
+  // (The L's height is two thirds of its size.)
+  const double width = axis == 2 ? size / 3 + size / 3 : size, before = r.uniform(0.1, 1) * size,
+               beyond = r.uniform(0.1, 1) * size;
+  const Vector3d along = r.below(2) == 0 ? Vector3d::Unit(axis) : Vector3d(-Vector3d::Unit(axis));
+  const Pose X_WF{r.rotation(), sizes(r, -1, 1)};
+  const auto at = [&](double way) { return Pose{X_WF.rotation, X_WF * (way * along)}; };
+  ContactCase c;
+  c.spec.bodies = {
+      {ell, std::make_shared<collision::StraightMotion>(at(-width - before), at(beyond - width))},
+      {ell, std::make_shared<collision::Still>(X_WF)}};
+  c.spec.pairs = {{0, 1}};
+  const double t = before / (before + beyond);
+  make.keep(std::move(c), {true, t - 1e-12, t + 1e-12, true});
+}
+
 using Recipe = std::function<void(FamilyMaker&)>;
 
 std::vector<std::pair<std::string, Recipe>> recipes() {
@@ -205,6 +227,7 @@ std::vector<std::pair<std::string, Recipe>> recipes() {
           {"tangential rotation", tangentialTurn},
           {"articulated", [chain](FamilyMaker& m) { chain->add(m); }},
           {"meshes", pooled([](FamilyMaker& m) { return m.boxMesh(sizes(m.random, 0.05, 0.5)); })},
+          {"flush meshes", flush},
           {"triangles", triangles},
           {"coplanar sliding", coplanar}};
 }
