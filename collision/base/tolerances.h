@@ -298,7 +298,7 @@ inline constexpr double kLeastScrewTurn = 1e-12;
 // Part 2: what only tunes
 // =================================================================================================
 
-// What is asked for (default_tolerance.h, distance.cc)
+// What is asked for (default_tolerance.h, dispatch.cc)
 
 /// Tolerance of requests that name none, as a share of the larger body's bounding radius ...
 inline constexpr double kDefaultShare = 1e-9;

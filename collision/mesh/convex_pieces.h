@@ -1,10 +1,8 @@
 #pragma once
 
-#include <cstdint>
-#include <memory>
 #include <vector>
 
-#include "leeway/collision/convex_hull.h"
+#include "collision/mesh/mesh_tree.h"
 #include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::collision {
@@ -16,16 +14,6 @@ namespace leeway::collision {
 inline constexpr double kPieceTriangles = 16;
 /// A decomposition is given up after this much work for each triangle [units of about 0.2 us].
 inline constexpr double kPieceWork = 100;
-
-/// A patch of a closed component's triangles and a convex hull that holds all of them. The solid
-/// has a convex part K such that K lies in the hull and no point of the hull is farther than
-/// `excess` from K. So if a convex body is at distance d from the hull (negative: minus its depth),
-/// it is at least d from the patch and at most d + excess from the solid.
-struct ConvexPiece {
-  std::vector<std::int32_t> triangles;  ///< ascending
-  std::shared_ptr<const ConvexHull> hull;
-  double excess = 0;  ///< [m]
-};
 
 struct ConvexPieces {
   std::vector<ConvexPiece> pieces;  ///< disjoint; triangles in none of them stand for themselves

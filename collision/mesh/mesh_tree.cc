@@ -9,7 +9,6 @@
 #include "collision/base/numbers.h"
 #include "collision/base/parallel.h"
 #include "collision/base/tolerances.h"
-#include "collision/mesh/convex_pieces.h"
 #include "leeway/collision/shape.h"
 
 namespace leeway::collision {

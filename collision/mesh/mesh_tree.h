@@ -14,7 +14,15 @@
 
 namespace leeway::collision {
 
-struct ConvexPiece;  // convex_pieces.h
+/// A patch of a closed component's triangles and a convex hull that holds all of them. The solid
+/// has a convex part K such that K lies in the hull and no point of the hull is farther than
+/// `excess` from K. So if a convex body is at distance d from the hull (negative: minus its depth),
+/// it is at least d from the patch and at most d + excess from the solid.
+struct ConvexPiece {
+  std::vector<std::int32_t> triangles;  ///< ascending
+  std::shared_ptr<const ConvexHull> hull;
+  double excess = 0;  ///< [m]
+};
 
 /// A node of MeshTree: bounds of a range of triangles.
 struct MeshNode {

@@ -1,10 +1,9 @@
 #pragma once
 
+#include "collision/mesh/winding.h"
 #include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::collision {
-
-enum class Side : unsigned char { kOutside, kInside, kUnknown };
 
 /// On which side of one closed component of a mesh a point is: inside when the component's winding
 /// number about it is not 0. Exact for the given double coordinates. kUnknown only for a point on

@@ -9,10 +9,12 @@
 
 #include "collision/base/exact_predicates.h"
 #include "collision/base/tolerances.h"
-#include "collision/mesh/point_in_solid.h"
 #include "collision/mesh/topology/cycles.h"
 
 namespace leeway::collision {
+
+/// Where a point is, seen from a closed surface.
+enum class Side : unsigned char { kOutside, kInside, kUnknown };
 
 enum class Crossing : signed char { kIn = -1, kNone = 0, kOut = 1, kIrregular = 2 };
 

@@ -1,7 +1,8 @@
+#include "collision/solids/contains_at.h"
+
 #include "collision/base/tolerances.h"
 #include "collision/deform/snapshot.h"
 #include "collision/mesh/mesh_tree.h"
-#include "collision/solids/contains_at.h"
 #include "collision/solids/point_inside.h"
 
 namespace leeway::collision {

@@ -1,5 +1,3 @@
-#include "leeway/collision/distance.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -12,6 +10,7 @@
 #include "collision/distance/deform_distance.h"
 #include "collision/distance/mesh_distance.h"
 #include "collision/shapes/default_tolerance.h"
+#include "leeway/collision/distance.h"
 
 namespace leeway::collision {
 

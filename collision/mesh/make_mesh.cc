@@ -1,5 +1,3 @@
-#include "leeway/collision/triangle_mesh.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
@@ -22,6 +20,7 @@
 #include "collision/shapes/hull_of_part.h"
 #include "collision/shapes/size_limits.h"
 #include "leeway/collision/shape.h"
+#include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::collision {
 namespace {
