@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
@@ -119,7 +120,9 @@ void blendPoint(const ConfigurationSpace& space, std::span<const double> corner,
 
 std::vector<Blend> certifiedBlends(const std::shared_ptr<const CompiledScene>& scene,
                                    std::span<const std::vector<double>> waypoints) {
+  if (!scene) throw std::invalid_argument("certifiedBlends(): a compiled scene is expected");
   const ConfigurationSpace& space = scene->space();
+  space.requirePath(waypoints, "certifiedBlends()");
   std::vector<Blend> blends;
   if (hasRotation(space) || waypoints.size() < 3) return blends;
   Blending blending(scene);

@@ -49,10 +49,7 @@ Trajectory::Trajectory(std::shared_ptr<const ConfigurationSpace> space,
       blends_(blends.begin(), blends.end()) {
   const std::size_t size = at(space_->size());
   if (waypoints_.empty()) throw std::invalid_argument("trajectory: a path without waypoints");
-  for (const std::vector<double>& row : waypoints_)
-    if (row.size() != size)
-      throw std::invalid_argument("trajectory: a waypoint of " + std::to_string(row.size()) +
-                                  " numbers for " + std::to_string(size) + " variables");
+  space_->requirePath(waypoints_, "trajectory");
   const std::size_t edges = waypoints_.size() - 1;
   for (std::size_t i = 0; i < edges; ++i) {
     differences_.emplace_back(size);

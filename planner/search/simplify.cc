@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "planner/base/random.h"
@@ -298,16 +296,13 @@ class Shortener {
 
 SimplifyResult simplify(EdgeCertifier& certifier, std::vector<std::vector<double>>& path,
                         const SimplifyOptions& options) {
-  const auto size = static_cast<std::size_t>(certifier.scene().space().size());
-  for (const std::vector<double>& row : path)
-    if (row.size() != size)
-      throw std::invalid_argument("simplify(): a waypoint of " + std::to_string(row.size()) +
-                                  " numbers; " + std::to_string(size) + " are expected");
+  certifier.scene().space().requirePath(path, "simplify()");
   if (path.size() < 2) return {};
   return Shortener(certifier, path, options).run();
 }
 
 double pathLength(const ConfigurationSpace& space, const std::vector<std::vector<double>>& path) {
+  space.requirePath(path, "pathLength()");
   double length = 0;
   for (std::size_t i = 1; i < path.size(); ++i) length += space.distance(path[i - 1], path[i]);
   return length;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "collision/base/numbers.h"
@@ -223,6 +224,15 @@ double ConfigurationSpace::distance(std::span<const double> a, std::span<const d
     squared += d * d;
   }
   return std::sqrt(squared);
+}
+
+void ConfigurationSpace::requirePath(std::span<const std::vector<double>> waypoints,
+                                     const char* call) const {
+  for (const std::vector<double>& row : waypoints)
+    if (row.size() != variables_.size())
+      throw std::invalid_argument(std::string(call) + ": a waypoint of " +
+                                  std::to_string(row.size()) + " numbers; " +
+                                  std::to_string(variables_.size()) + " are expected");
 }
 
 bool ConfigurationSpace::withinLimits(std::span<const double> a) const {

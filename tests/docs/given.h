@@ -26,6 +26,7 @@
 #include "leeway/planner/replanner.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/planner/verify.h"
+#include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/link_motion.h"
 

@@ -36,6 +36,25 @@ TEST_F(Lint, FindingsHaveFileLineAndLevel) {
   EXPECT_EQ(document["findings"][0]["line"], 10);
 }
 
+TEST_F(Lint, AMarginWithoutEffectIsToldByEveryVerb) {
+  write("idle.yaml", std::string(kReach) + "margins: [{between: [upper, lower], margin: 0.1}]\n");
+  const std::string words =
+      "the margin of 'upper' and 'lower' has no effect: the pair is not checked (adjacent)";
+  EXPECT_EQ(run("plan idle.yaml --output path.csv").status, 0);
+  for (const char* verb : {"plan idle.yaml", "verify idle.yaml path.csv",
+                           "clearance idle.yaml path.csv", "check idle.yaml --state start",
+                           "info idle.yaml"}) {
+    const Answer answer = run(verb);
+    EXPECT_EQ(answer.status, 0) << verb << answer.err;
+    EXPECT_NE(answer.err.find(words), std::string::npos) << verb << "\n" << answer.err;
+  }
+  const Answer lint = run("lint idle.yaml");
+  EXPECT_NE(lint.out.find("idle.yaml: warning: " + words), std::string::npos) << lint.out;
+  // Where one pair of a group is checked, the margin has an effect.
+  write("whole.yaml", std::string(kReach) + "margins: [{between: [robot, post], margin: 0.01}]\n");
+  EXPECT_EQ(run("check whole.yaml --state start").err, "");
+}
+
 TEST_F(Lint, TellsEveryErrorOfAFile) {
   std::string urdf = kUrdf;
   urdf.replace(urdf.find("size=\"0.4"), 9, "size=\"none");

@@ -747,6 +747,10 @@ TEST(Mistakes, OtherArgumentsAreChecked) {
   EdgeCertifier certifier(scene);
   std::vector<std::vector<double>> path = {{0}, {1}};
   expectThrown(invalid([&] { simplify(certifier, path); }), "a waypoint of 1 numbers; 7");
+  expectThrown(invalid([&] { pathLength(scene->space(), path); }), "a waypoint of 1 numbers; 7");
+  expectThrown(invalid([&] { certifiedBlends(scene, path); }), "a waypoint of 1 numbers; 7");
+  expectThrown(invalid([&] { certifiedBlends(nullptr, path); }), "a compiled scene is expected");
+  expectThrown(invalid([] { RestToRest(1, 0, 1); }), "limits above 0 are expected");
   EXPECT_EQ(certifier.decide(path[0]), Verdict::kUndecided);
   EXPECT_EQ(certifier.certify(path[0], path[1]).verdict, Verdict::kUndecided);
   EXPECT_EQ(certifier.clearance(path[0], 1e-3).verdict, Verdict::kUndecided);

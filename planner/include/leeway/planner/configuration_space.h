@@ -13,7 +13,7 @@ namespace leeway::planner {
 /// two points are. Planner, certificate, verifier and files all interpolate here. A point is a span
 /// of size() doubles in group order [rad or m]. Joints follow straight lines; continuous joints and
 /// the angles of planar ones go the shorter way; floating joints move their origin on a line and
-/// turn at constant rate about a fixed axis.
+/// turn at constant rate about a fixed axis. Functions rely on points of that size.
 class ConfigurationSpace {
  public:
   enum class Kind : unsigned char {
@@ -49,6 +49,9 @@ class ConfigurationSpace {
                    std::span<double> result) const;
   /// Weighted Euclidean length of difference(): rad and m mixed but for turns of whole bodies.
   double distance(std::span<const double> a, std::span<const double> b) const;
+  /// Throws std::invalid_argument, which begins with `call`, for a waypoint that has not size()
+  /// numbers.
+  void requirePath(std::span<const std::vector<double>> waypoints, const char* call) const;
   /// True for finite numbers inside the limits, with orientations of unit length to within 1e-6.
   bool withinLimits(std::span<const double> a) const;
   /// Adds whole turns to the circles of `next` so that each is at most half a turn from `previous`;

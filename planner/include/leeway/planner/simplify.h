@@ -33,7 +33,8 @@ struct SimplifyResult {
 SimplifyResult simplify(EdgeCertifier& certifier, std::vector<std::vector<double>>& path,
                         const SimplifyOptions& options = {});
 
-/// Sum of the space's distances between waypoints.
+/// Sum of the space's distances between waypoints. Throws std::invalid_argument for a waypoint of
+/// another size.
 double pathLength(const ConfigurationSpace& space, const std::vector<std::vector<double>>& path);
 
 }  // namespace leeway::planner

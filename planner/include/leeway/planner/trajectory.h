@@ -66,7 +66,8 @@ struct Blend {
 /// half of the shorter edge, that is proven to keep all margins. The proof certifies chords, with
 /// margins grown by more than the curve departs from them. Corners without a proof, and spaces with
 /// rotations (floating joints), have no blends. Waypoints as for Trajectory. Deterministic.
-/// Certifies O(waypoints) edges.
+/// Certifies O(waypoints) edges. Throws std::invalid_argument without a scene, and for a waypoint
+/// of another size.
 std::vector<Blend> certifiedBlends(const std::shared_ptr<const CompiledScene>& scene,
                                    std::span<const std::vector<double>> waypoints);
 
