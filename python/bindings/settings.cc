@@ -637,12 +637,19 @@ void Problem::set(const Setting& setting, const py::object& value) {
   replaceEnds(name, changed);
   placeStart(changed);
   planner::validate(changed);
-  handed_out_.erase(replaced);
-  for (auto& [other, handed_out] : handed_out_) {  // that this has changed, too
-    const Setting& of = *findSetting(other);
-    if (isSameImage(imageOf(of.get(*value_)), imageOf(of.get(changed)))) continue;
-    refill(handed_out.object, of.get(changed));
-    handed_out.image = imageOf(handed_out.object);
+  // What was handed out stays the problem's, with what this or another setting of it is now.
+  for (auto next = handed_out_.begin(); next != handed_out_.end();) {
+    const auto handed_out = next++;
+    const Setting& of = *findSetting(handed_out->first);
+    const py::object fresh = of.get(changed);
+    if (handed_out->first != replaced && isSameImage(imageOf(of.get(*value_)), imageOf(fresh)))
+      continue;
+    if (Py_TYPE(fresh.ptr()) != Py_TYPE(handed_out->second.object.ptr())) {
+      handed_out_.erase(handed_out);  // an objective that is a word now
+      continue;
+    }
+    refill(handed_out->second.object, fresh);
+    handed_out->second.image = imageOf(handed_out->second.object);
   }
   value_ = std::make_shared<const planner::Problem>(std::move(changed));
 }

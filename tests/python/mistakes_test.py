@@ -224,9 +224,16 @@ def test_settings_that_change_others_change_what_was_handed_out(robot):
     problem.start = {"joint1": 0.1, "finger_joint": 0.02}
     assert others == {"finger_joint": 0.02} and problem.others is others
     problem.steps = [TaskStep.move(TUCKED)]
-    assert goals == [] and problem.steps is not steps
+    assert goals == [] and len(steps) == 1
     problem.goal = TUCKED
-    assert problem.steps == [] and len(problem.goals) == 1
+    assert steps == [] and len(goals) == 1 and problem.goals is goals
+    # A name that was kept stays the problem's.
+    world, margins = problem.world, problem.margins
+    problem.margins = {("hand", "post"): 0.01}
+    margins[("link6", "post")] = 0.02
+    problem.world = worlds()
+    world.add_sphere("ball", 0.1, position=(5, 0, 0))
+    assert problem.copy().margins == {("hand", "post"): 0.01, ("link6", "post"): 0.02} and "ball" in problem.copy().world
     with pytest.raises(ValueError, match="'joint1' is planned; its value belongs to start"):
         problem.others = {"joint1": 0.1}
 
