@@ -80,7 +80,12 @@ class DaeReader {
     index(root);
     Matrix unit = Matrix::Identity();
     unit.diagonal().head<3>().setConstant(unitOf(root));
-    visitChildren(visualScene(root), unit);
+    const XMLElement& scene = visualScene(root);
+    visitChildren(scene, unit);
+    if (contents_.instances.empty())
+      fail(scene,
+           "the visual scene has no geometry; <instance_geometry> in one of its nodes would be "
+           "accepted");
     return std::move(contents_);
   }
 
@@ -145,10 +150,22 @@ class DaeReader {
     return wholeNumber(element, words.next(), placeOf(element));
   }
 
+  /// A finite number. Some exporters write a decimal comma, as their machine has it.
+  double number(std::string_view word, FilePlace place) const {
+    const std::optional<double> value = parseNumber(word);
+    if (value && std::abs(*value) <= kGreatestCoordinate) return *value;
+    return coordinate(source_, value ? std::string(word) : withPoint(word), place);
+  }
+  static std::string withPoint(std::string_view word) {
+    std::string text(word);
+    if (const std::size_t comma = text.find(','); comma != std::string::npos) text[comma] = '.';
+    return text;
+  }
+
   std::vector<double> numbers(const XMLElement& element) const {
     std::vector<double> values;
     eachWord(element, [&](std::string_view word, FilePlace place) {
-      values.push_back(coordinate(source_, word, place));
+      values.push_back(number(word, place));
     });
     return values;
   }
@@ -167,10 +184,7 @@ class DaeReader {
     const char* text = unit == nullptr ? nullptr : unit->Attribute("meter");
     if (text == nullptr) return 1;
     Words words(text);
-    std::string word(words.next());
-    // Some exporters write a decimal comma.
-    if (const std::size_t comma = word.find(','); comma != std::string::npos) word[comma] = '.';
-    const std::optional<double> metres = parseFinite(word);
+    const std::optional<double> metres = parseFinite(withPoint(words.next()));
     if (!metres || !(*metres > 0) || !words.atEnd())
       fail(*unit, "the unit is meter=\"" + std::string(text) +
                       "\"; a finite number above 0 would be accepted");

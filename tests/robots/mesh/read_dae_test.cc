@@ -129,7 +129,8 @@ TEST(ReadDae, UnitsCountTheUpAxisDoesNot) {
   EXPECT_EQ(placed("<translate>1 0 0</translate>", p, "<unit meter=\"0.5\" name=\"x\"/>"),
             Vector3d(0.75, 0.125, 1));
   EXPECT_EQ(placed("", p, "<unit name=\"x\"/>"), p);
-  EXPECT_EQ(placed("", p, "<unit meter=\"0,5\"/>"), Vector3d(0.25, 0.125, 1));
+  EXPECT_EQ(placed("<translate>1,5 0 0</translate>", p, "<unit meter=\"0,5\"/>"),
+            Vector3d(1, 0.125, 1));
   for (const char* up : {"X_UP", "Y_UP", "Z_UP"})
     EXPECT_EQ(placed("", p, std::string("<up_axis>") + up + "</up_axis>"), p) << up;
 }
@@ -212,6 +213,8 @@ TEST(ReadDae, DamagedFiles) {
   refused({nodes(node("<instance_geometry url=\"other.dae#g\"/>")),
            ":8",
            {"refers to 'other.dae#g'; url=\"#ID\""}});
+  refused(
+      {nodes(node("<translate>1 2 3</translate>")), ":8", {"the visual scene has no geometry"}});
   refused({nodes(node("<instance_geometry/>")), ":8", {"has no url"}});
   refused({nodes("<node id=\"a\"><node><instance_node url=\"#a\"/></node></node>"),
            ":8",
@@ -219,6 +222,7 @@ TEST(ReadDae, DamagedFiles) {
   refused({nodes(node("<translate>1 2</translate>" + kInstance)),
            ":8",
            {"<translate> holds 2 numbers; 3"}});
+  refused({nodes(node("<translate>1,5,2 0 0</translate>" + kInstance)), ":8", {"'1.5,2' stands"}});
   refused({nodes(node("<matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1</matrix>" + kInstance)),
            ":8",
            {"last row"}});
