@@ -453,8 +453,9 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
   file.expectKeys(keysOf("problem"));
   std::set<std::string> meshes_found;
   const auto meshes = file.find("meshes");
+  const bool gathers = given.load.meshes_found == nullptr;
+  if (gathers && (meshes || !given.load.meshes.empty())) options.load.meshes_found = &meshes_found;
   if (meshes) {
-    options.load.meshes_found = &meshes_found;
     meshes->readOn([&] { readMeshes(*meshes, options.load); });
   }
   const auto moveit = file.find("moveit");
@@ -493,7 +494,10 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
     file.readOn([&] { readPairs(file, padding, problem); });
   }
   readPlanner(file, problem);
-  if (meshes) file.readOn([&] { expectMeshesFound(*meshes, meshes_found, problem); });
+  if (gathers) {
+    if (meshes) file.readOn([&] { expectMeshesFound(*meshes, meshes_found, problem); });
+    file.readOn([&] { expectMeshesFound(given.load, meshes_found, yaml_path, problem); });
+  }
   wrong.throwFirst();
   warnOfOpenMeshes(yaml_path, problem);
   return validated(std::move(problem), yaml_path);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "planner/base/did_you_mean.h"
@@ -35,6 +36,27 @@ MeshTreatment readTreatment(const YamlReader& entry) {
   return treatment;
 }
 
+/// Whose meshes a name may mean.
+std::vector<std::string> ownersOfMeshes(const Problem& problem) {
+  std::vector<std::string> owners;
+  const auto add = [&](const std::string& owner, const std::vector<robots::Geometry>& of) {
+    if (std::any_of(of.begin(), of.end(),
+                    [](const robots::Geometry& g) { return g.shape.mesh() != nullptr; }))
+      owners.push_back(owner);
+  };
+  for (const robots::Link& link : problem.robot.model->links) add(link.name, link.geometries);
+  for (const Object& object : problem.world.objects) add(object.name, object.geometries);
+  for (const Attachment& held : problem.robot.attachments)
+    add(held.object.name, held.object.geometries);
+  for (const DeformingObstacle& o : problem.world.deforming) owners.push_back(o.object.name);
+  return owners;
+}
+
+std::string unknownMesh(const std::string& name, const Problem& problem) {
+  return fmt::format("no link, object or file with a mesh is named '{}'{}", name,
+                     didYouMean(name, ownersOfMeshes(problem)));
+}
+
 }  // namespace
 
 void readMeshes(const YamlReader& meshes, robots::LoadOptions& load) {
@@ -46,23 +68,19 @@ void readMeshes(const YamlReader& meshes, robots::LoadOptions& load) {
 void expectMeshesFound(const YamlReader& meshes, const std::set<std::string>& found,
                        const Problem& problem) {
   meshes.eachEntry([&](const std::string& name, const YamlReader& entry) {
-    if (found.count(name) != 0) return;
-    std::vector<std::string> known;
-    const auto add = [&](const std::string& owner, const std::vector<robots::Geometry>& of) {
-      for (const robots::Geometry& g : of) {
-        if (g.shape.mesh() == nullptr) continue;
-        known.push_back(owner);
-        return;
-      }
-    };
-    for (const robots::Link& link : problem.robot.model->links) add(link.name, link.geometries);
-    for (const Object& object : problem.world.objects) add(object.name, object.geometries);
-    for (const Attachment& held : problem.robot.attachments)
-      add(held.object.name, held.object.geometries);
-    for (const DeformingObstacle& o : problem.world.deforming) known.push_back(o.object.name);
-    entry.fail(fmt::format("no link, object or file with a mesh is named '{}'{}", name,
-                           didYouMean(name, known)));
+    if (found.count(name) == 0) entry.fail(unknownMesh(name, problem));
   });
+}
+
+void expectMeshesFound(const robots::LoadOptions& load, const std::set<std::string>& found,
+                       const std::string& file, const Problem& problem) {
+  const robots::Model& model = *problem.robot.model;
+  for (const auto& [name, treatment] : load.meshes) {
+    const int link = model.findLink(name);
+    if (found.count(name) == 0 &&
+        (link < 0 || model.links[static_cast<std::size_t>(link)].geometries.empty()))
+      throw robots::InputError(file, 0, "meshes: " + unknownMesh(name, problem));
+  }
 }
 
 void warnOfOpenMeshes(const std::string& file, Problem& problem) {

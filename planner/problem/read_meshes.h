@@ -18,6 +18,10 @@ void readMeshes(const YamlReader& meshes, robots::LoadOptions& load);
 /// all that may have meshes was read.
 void expectMeshesFound(const YamlReader& meshes, const std::set<std::string>& found,
                        const Problem& problem);
+/// The same of LoadOptions::meshes, as a program gives them. The robot may have been loaded before:
+/// names of its links that have meshes count as found. `file`: for the message.
+void expectMeshesFound(const robots::LoadOptions& load, const std::set<std::string>& found,
+                       const std::string& file, const Problem& problem);
 
 /// Appends a warning that begins with `file` where meshes of objects are not closed. (Those of the
 /// robot are in its model's warnings.)

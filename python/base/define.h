@@ -53,6 +53,20 @@ void defineStatic(Class& scope, const char* name, const std::string& signature,
   shortenErrors(scope.attr(name), name + signature);
 }
 
+/// copy.copy() and copy.deepcopy(). `copy(self)`: an independent one with the same content.
+template <typename Class, typename Copy>
+void defineCopies(Class& scope, Copy copy) {
+  scope.def("__copy__", copy);
+  scope.def("__deepcopy__",
+            [copy](typename Class::type& self, const py::object&) { return copy(self); });
+}
+/// The same of what never changes: copies are the object itself.
+template <typename Class>
+void defineCopiesOfConstant(Class& scope) {
+  scope.def("__copy__", [](const py::object& self) { return self; });
+  scope.def("__deepcopy__", [](const py::object& self, const py::object&) { return self; });
+}
+
 /// A property that cannot be set. What it gives cannot be changed either, see constant(): a change
 /// of a copy would be lost.
 template <typename Class, typename Getter>

@@ -58,13 +58,15 @@ py::object load(const py::object& file, const py::object& packages, bool cache) 
   }));
 }
 
-Problem loadMoveit(const Robot& robot, const py::object& scene, const py::object& request) {
+Problem loadMoveit(const Robot& robot, const py::object& scene, const py::object& request,
+                   const py::object& meshes) {
   const std::string scene_file = fileName(scene, "scene"),
                     request_file = fileName(request, "request");
   const auto model = robot.model;
   Interrupt interrupt;
   planner::ProblemOptions options;
   options.load.stop = interrupt.callback();
+  options.load.meshes = treatments(meshes);
   return interrupt.released([&] {
     return Problem(std::make_shared<const planner::Problem>(
         planner::loadMoveit(model, scene_file, request_file, options)));
@@ -240,10 +242,12 @@ void defineProblem(py::module_& module) {
                "Reads a problem file (YAML). Raises InputError with file and line.", load,
                py::arg("file"), py::kw_only(), py::arg("packages") = py::none(),
                py::arg("cache") = true);
-  defineStatic(problem, "load_moveit", "(robot, scene, request)",
+  defineStatic(problem, "load_moveit", "(robot, scene, request, *, meshes=None)",
                "Reads a MoveIt planning scene and a motion plan request (YAML), as "
-               "MotionBenchMaker writes them.",
-               loadMoveit, py::arg("robot"), py::arg("scene"), py::arg("request"));
+               "MotionBenchMaker writes them. meshes: {object: {'solid': ..., 'weld': ...}}, as "
+               "for Robot.",
+               loadMoveit, py::arg("robot"), py::arg("scene"), py::arg("request"), py::kw_only(),
+               py::arg("meshes") = py::none());
   define(problem, "attach", "(self, object, link, touch_links=[], *, state=None)",
          "The problem with an object of the world held by a link, grasped where it stands while "
          "the robot is at `state` (default: the start). It may touch the link and `touch_links`.",
@@ -253,8 +257,10 @@ void defineProblem(py::module_& module) {
   define(problem, "detach", "(self, object, *, state=None)",
          "The problem with a held object put down where it is while the robot is at `state`.",
          detach, py::arg("object"), py::kw_only(), py::arg("state") = py::none());
-  define(problem, "copy", "(self)", "Another problem with the same content.",
+  define(problem, "copy", "(self)",
+         "Another problem with the same content, as copy.copy() and copy.deepcopy() give.",
          [](const Problem& self) { return self; });
+  defineCopies(problem, [](const Problem& self) { return self; });
   defineSettings(problem);
   defineConstant(
       problem, "robot", [](const Problem& self) { return self.robot(); },

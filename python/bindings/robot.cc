@@ -39,27 +39,6 @@ int groupOf(const robots::Model& model, const std::string& name) {
   return group;
 }
 
-/// {name: {"solid": ..., "weld": ...}}
-std::map<std::string, robots::MeshTreatment, std::less<>> treatments(const py::object& meshes) {
-  std::map<std::string, robots::MeshTreatment, std::less<>> result;
-  if (meshes.is_none()) return result;
-  for (const auto& [name, entry] : py::dict(meshes)) {
-    std::string solid = "auto";
-    double weld = 0;
-    for (const auto& [key, value] : py::dict(py::reinterpret_borrow<py::object>(entry))) {
-      const std::string word = py::str(key);
-      if (word == "solid")
-        solid = py::str(value);
-      else if (word == "weld")
-        weld = number(py::reinterpret_borrow<py::object>(value), "weld");
-      else
-        unknown("key of meshes", word, {"solid", "weld"});
-    }
-    result[py::str(name)] = meshTreatment(solid, weld);
-  }
-  return result;
-}
-
 robots::LoadOptions loadOptions(const py::object& packages, const py::object& meshes, bool cache) {
   robots::LoadOptions options;
   options.meshes = treatments(meshes);
@@ -193,6 +172,26 @@ void Robot::expand(std::span<const double> point, std::span<double> base) const 
   for (std::size_t i = 0; i < size(); ++i) base[at(space->variables()[i])] = point[i];
 }
 
+std::map<std::string, robots::MeshTreatment, std::less<>> treatments(const py::object& meshes) {
+  std::map<std::string, robots::MeshTreatment, std::less<>> result;
+  if (meshes.is_none()) return result;
+  for (const auto& [name, entry] : py::dict(meshes)) {
+    std::string solid = "auto";
+    double weld = 0;
+    for (const auto& [key, value] : py::dict(py::reinterpret_borrow<py::object>(entry))) {
+      const std::string word = py::str(key);
+      if (word == "solid")
+        solid = py::str(value);
+      else if (word == "weld")
+        weld = number(py::reinterpret_borrow<py::object>(value), "weld");
+      else
+        unknown("key of meshes", word, {"solid", "weld"});
+    }
+    result[py::str(name)] = meshTreatment(solid, weld);
+  }
+  return result;
+}
+
 void defineRobot(py::module_& module) {
   const std::string init =
       "(urdf, srdf=None, *, group='all', packages=None, meshes=None, "
@@ -216,6 +215,7 @@ void defineRobot(py::module_& module) {
                "(shape, pose). `lower` and `upper` bound its origin [m]: 3 numbers, planar 2.",
                freeBody, py::arg("name"), py::arg("shapes"), py::kw_only(),
                py::arg("joint") = "floating", py::arg("lower"), py::arg("upper"));
+  defineCopiesOfConstant(robot);
   define(
       robot, "with_group", "(self, group)", "The same robot, planned by another group.",
       [](const Robot& self, const std::string& group) { return Robot(self.model, group); },

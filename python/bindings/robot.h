@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +29,9 @@ struct Robot {
   /// `base`.
   void expand(std::span<const double> point, std::span<double> base) const;
 };
+
+/// {name: {"solid": ..., "weld": ...}}; None: nothing. Throws TypeError and ValueError.
+std::map<std::string, robots::MeshTreatment, std::less<>> treatments(const py::object& meshes);
 
 void defineRobot(py::module_& module);
 

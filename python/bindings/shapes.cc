@@ -154,6 +154,7 @@ void defineShapes(py::module_& module) {
   py::class_<Shape> shape(module, "Shape",
                           "A body in its own frame: immutable, shared by threads, cheap to copy. "
                           "Made by its static methods; sizes in metres, as in problem files.");
+  defineCopiesOfConstant(shape);
   defineStatic(shape, "box", "(size)", "A box of whole edges (x, y, z) [m], middle at the origin.",
                box, py::arg("size"));
   defineStatic(shape, "sphere", "(radius)", "A sphere [m]; of radius 0 it is a point.", sphere,

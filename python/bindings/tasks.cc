@@ -157,6 +157,7 @@ void defineTasks(py::module_& module) {
       "Steps follow each other, each in the world as those before have left it. `name` is for "
       "messages; `allowed`: pairs that may touch during this step. What a step names is looked up "
       "when the task is planned.");
+  defineCopiesOfConstant(step);
   defineStatic(step, "move", "(goal, *, name=None, allowed=[])",
                "To a goal, as Problem has it, by whatever path is found.", moveStep,
                py::arg("goal"), py::kw_only(), py::arg("name") = py::none(),

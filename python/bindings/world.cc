@@ -226,8 +226,11 @@ void defineWorld(py::module_& module) {
         return constant(matrix(poseOf(self, name)));
       },
       py::arg("name"));
-  define(world, "copy", "(self)", "Another world with the same objects; shapes are shared.",
+  define(world, "copy", "(self)",
+         "Another world with the same objects, as copy.copy() and copy.deepcopy() give; shapes are "
+         "shared.",
          [](const World& self) { return World{self.value}; });
+  defineCopies(world, [](const World& self) { return World{self.value}; });
   defineConstant(
       world, "names", [](const World& self) { return listOf(objectNames(self.value)); },
       "Names of all objects.");

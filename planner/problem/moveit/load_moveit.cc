@@ -1,6 +1,8 @@
 // MoveIt's planning scene and motion plan request as YAML, as MotionBenchMaker writes them.
 
 #include <filesystem>
+#include <set>
+#include <string>
 
 #include "planner/problem/fail_at.h"
 #include "planner/problem/moveit/fields.h"
@@ -54,9 +56,13 @@ Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string
   if (!model) throw robots::InputError("", 0, "a model is missing; one of loadModel() is expected");
   LinkPadding padding;
   const robots::ErrorsSince wrong(options.load.errors);
-  Problem problem =
-      loadMoveitUnpadded(std::move(model), scene_path, request_path, options, padding);
+  std::set<std::string> found;
+  ProblemOptions noting = options;
+  if (noting.load.meshes_found == nullptr) noting.load.meshes_found = &found;
+  Problem problem = loadMoveitUnpadded(std::move(model), scene_path, request_path, noting, padding);
   wrong.throwFirst();
+  if (options.load.meshes_found == nullptr)
+    expectMeshesFound(options.load, found, scene_path, problem);
   applyLinkPadding(padding, problem);
   warnOfOpenMeshes(scene_path, problem);
   return validated(std::move(problem), request_path);

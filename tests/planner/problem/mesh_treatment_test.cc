@@ -1,4 +1,4 @@
-// What meshes are taken for: `meshes` in problem files, and warnings of meshes that are not closed.
+// How meshes are read: `meshes` in problem files, and warnings of meshes that are not closed.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -70,7 +70,7 @@ TEST(MeshTreatment, WeldHullAndSurfaceDecide) {
     EXPECT_EQ(loaded.start, Verdict::kNotFree) << welded;
     EXPECT_TRUE(loaded.problem.warnings.empty()) << welded;
   }
-  // Cracks that are wider stay, and are told of.
+  // Cracks that are wider stay, and have a warning.
   const Loaded wider = load(folder, withBall("meshes: {cube: {weld: 1.0e-7}}"));
   EXPECT_EQ(wider.start, Verdict::kFree);
   EXPECT_TRUE(warnsOf(wider.problem, "not closed"));
@@ -130,6 +130,64 @@ TEST(MeshTreatment, WrongEntriesAreRefused) {
       EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
     }
   }
+}
+
+/// Objects of MoveIt's scenes, by a problem file or by a program.
+TEST(MeshTreatment, ObjectsOfMoveitsScenesHaveIt) {
+  const Folder folder;
+  folder.write("cube.obj", kCracked);
+  const std::string urdf = folder.write(
+      "r.urdf",
+      "<robot name=\"r\"><link name=\"base\"/><link name=\"ball\"><collision><geometry><sphere "
+      "radius=\"0.01\"/></geometry></collision></link><joint name=\"x\" type=\"prismatic\"><parent "
+      "link=\"base\"/><child link=\"ball\"/><axis xyz=\"1 0 0\"/><limit lower=\"0\" upper=\"3\" "
+      "effort=\"1\" velocity=\"1\"/></joint></robot>");
+  const std::string srdf = folder.write(
+      "r.srdf", "<robot name=\"r\"><group name=\"all\"><joint name=\"x\"/></group></robot>");
+  const std::string scene = folder.write(
+      "scene.yaml",
+      "world:\n  collision_objects:\n    - id: cube\n      meshes: [{resource: cube.obj}]\n      "
+      "mesh_poses: [{position: [0, -0.5, -0.5], orientation: [0, 0, 0, 1]}]\n");
+  const std::string request = folder.write(
+      "request.yaml",
+      "group_name: all\nstart_state: {joint_state: {name: [x], position: [0.5]}}\n"
+      "goal_constraints:\n  - joint_constraints: [{joint_name: x, position: 2, tolerance_above: "
+      "0.01, tolerance_below: 0.01, weight: 1}]\n");
+  const std::string file =
+      "leeway: 1\nrobot: {urdf: r.urdf, srdf: r.srdf}\n"
+      "moveit: {scene: scene.yaml, request: request.yaml}\n";
+  EXPECT_EQ(load(folder, file).start, Verdict::kFree);
+  EXPECT_EQ(load(folder, file + "meshes: {cube: {weld: 1.0e-6}}\n").start, Verdict::kNotFree);
+
+  const auto model = robots::loadModel(urdf, srdf);
+  ProblemOptions options;
+  const auto openEdges = [&] {
+    const Problem problem = loadMoveit(model, scene, request, options);
+    return problem.world.objects.at(0).geometries.at(0).shape.mesh()->openEdgeCount();
+  };
+  EXPECT_EQ(openEdges(), 8U);
+  options.load.meshes["cube"].weld = 1e-6;
+  EXPECT_EQ(openEdges(), 0U);
+  // A name that is not there is refused, wherever it comes in.
+  options.load.meshes["cueb"].weld = 1e-6;
+  const auto refused = [&](const auto& load) {
+    try {
+      load();
+      ADD_FAILURE() << "was accepted";
+    } catch (const robots::InputError& error) {
+      EXPECT_NE(std::string(error.what())
+                    .find("no link, object or file with a mesh is named "
+                          "'cueb'; did you mean 'cube'?"),
+                std::string::npos)
+          << error.what();
+    }
+  };
+  refused([&] { loadMoveit(model, scene, request, options); });
+  const std::string own = folder.write("own.yaml", withBall(""));
+  refused([&] { loadProblem(own, options); });
+  options.load.meshes.erase("cueb");
+  const Problem problem = loadProblem(own, options);
+  EXPECT_EQ(problem.world.objects.at(0).geometries.at(0).shape.mesh()->openEdgeCount(), 0U);
 }
 
 // Two cubes of one file that share a facet, and a facet cut in two where the other solid's is not.
