@@ -169,8 +169,10 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
                 const robots::LoadOptions& load, Problem& problem) {
   map.expectKeys(keysOf("object"));
   const YamlReader name = map.at("name", "a name of its own");
-  if (!taken.insert(name.text()).second || problem.robot.model->findLink(name.text()) >= 0)
-    name.fail(fmt::format("{} '{}' {}", name.where(), name.text(), kNameTaken));
+  const bool is_taken =
+      !taken.insert(name.text()).second || problem.robot.model->findLink(name.text()) >= 0;
+  if (const std::string fault = objectNameFault(name.text(), is_taken); !fault.empty())
+    name.fail(fmt::format("{} '{}' {}", name.where(), name.text(), fault));
   Object object{name.text(), {}, {}};
   // Where something of it is wrong, and reading goes on, its name is still known.
   map.readOn([&] {
@@ -194,10 +196,9 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
 /// The names of all links and objects, and of groups of them.
 struct KnownNames {
   explicit KnownNames(const Problem& problem) : things(problem) {
-    std::vector<std::string>& robot = groups["robot"];
+    std::vector<std::string>& robot = groups[kRobotWord];
     robot = linkNames(*problem.robot.model);
     for (const Attachment& held : problem.robot.attachments) robot.push_back(held.object.name);
-    if (things.isKnown("robot")) groups.clear();  // the problem means its own
   }
   Names things;
   std::map<std::string, std::vector<std::string>> groups;
@@ -213,9 +214,9 @@ void expectKnown(const YamlReader& item, const YamlReader& list, const KnownName
 /// Groups of links and objects, which stand for all of their members.
 void readGroups(const YamlReader& groups, KnownNames& known) {
   groups.eachEntry([&](const std::string& name, const YamlReader& list) {
-    if (known.things.isKnown(name) || name == "robot")
+    if (known.things.isKnown(name) || name == kRobotWord)
       list.fail(fmt::format("group '{}' has the name of {}; a name of its own is expected", name,
-                            name == "robot" ? "the whole robot" : "a link or object"));
+                            name == kRobotWord ? "the whole robot" : "a link or object"));
     if (list.items().empty())
       list.fail(fmt::format("group '{}' is empty; names of links or objects are expected", name));
     std::vector<std::string>& members = known.groups[name];
@@ -248,6 +249,12 @@ NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known) {
       continue;
     }
     sides[i] = group->second;
+    // A body of one link may be named so.
+    if (names[i] == kRobotWord && sides[i].size() > 1 && known.things.isKnown(kRobotWord))
+      items[i].fail(fmt::format(
+          "{}: 'robot' is the name of a link, and stands for all links and what they hold; a "
+          "group of the links that are meant is expected",
+          pair.where()));
     read.group = names[0] + " and " + names[1];
   }
   if (names[0] == names[1]) pair.fail(fmt::format("{}: {}", pair.where(), sameName(names[0])));

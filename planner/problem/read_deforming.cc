@@ -143,8 +143,9 @@ DeformingObstacle makeDeformingObstacle(std::string name,
 void readDeforming(const YamlReader& entry, const robots::LoadOptions& load, Problem& problem) {
   entry.expectKeys(keysOf("deforming"));
   const YamlReader name = entry.at("name", "a name of its own");
-  if (Names(problem).isKnown(name.text()))
-    name.fail(fmt::format("{} '{}' {}", name.where(), name.text(), kNameTaken));
+  if (const std::string fault = objectNameFault(name.text(), Names(problem).isKnown(name.text()));
+      !fault.empty())
+    name.fail(fmt::format("{} '{}' {}", name.where(), name.text(), fault));
   const IndexedMesh rest = readRestMesh(entry);
   problem.warnings.insert(problem.warnings.end(), rest.warnings.begin(), rest.warnings.end());
   const auto motion_entry = entry.find("motion");

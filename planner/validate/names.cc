@@ -16,10 +16,13 @@ Names::Names(const Problem& problem)
   const auto nameOf = [this](int thing) -> std::string_view { return name(thing); };
   for (int thing = 0; thing < count(); ++thing) {
     const std::string& own = name(thing);
-    if (table_.insert(thing, own, nameOf) == thing && !own.empty()) continue;
-    if (fault_.empty())
-      fault_ = own.empty() ? place(thing) + " is empty; a name of its own is expected"
-                           : fmt::format("{} '{}' {}", place(thing), own, kNameTaken);
+    const bool is_taken = table_.insert(thing, own, nameOf) != thing;
+    const std::string fault = own.empty()          ? "is empty; a name of its own is expected"
+                              : at(thing) >= held_ ? objectNameFault(own, is_taken)
+                              : is_taken           ? kNameTaken
+                                                   : "";
+    if (fault_.empty() && !fault.empty())
+      fault_ = place(thing) + (own.empty() ? " " : " '" + own + "' ") + fault;
   }
 }
 
@@ -55,6 +58,10 @@ std::string Names::pairFault(const std::string& a, const std::string& b) const {
   if (!isKnown(a)) return unknown(a);
   if (!isKnown(b)) return unknown(b);
   return a == b ? sameName(a) : std::string();
+}
+
+std::string objectNameFault(std::string_view name, bool is_taken) {
+  return name == kRobotWord ? kNameReserved : is_taken ? kNameTaken : "";
 }
 
 std::string sameName(const std::string& name) {

@@ -18,7 +18,7 @@ namespace leeway::planner {
 /// 16 to 32 bytes a name. O(1) a call.
 class NameTable {
  public:
-  /// Room for that many names.
+  /// Room for `count` names.
   explicit NameTable(std::size_t count) {
     std::size_t size = 16;
     while (size < 2 * count) size *= 2;
@@ -67,12 +67,12 @@ class Names {
   explicit Names(const Problem& problem);
 
   bool isKnown(std::string_view name) const;
-  /// What is wrong with a name that is not known: "no link or object is named 'psot'; did you mean
+  /// The message about a name that is not known: "no link or object is named 'psot'; did you mean
   /// 'post'?". `others`: names that are accepted besides.
   std::string unknown(std::string_view name, std::vector<std::string> others = {}) const;
-  /// What is wrong with a pair of names; empty: nothing.
+  /// Returns the fault of a pair of names; empty: there is none.
   std::string pairFault(const std::string& a, const std::string& b) const;
-  /// What is wrong with the first name that is empty or stands for two things, and where it stands:
+  /// The fault of the first name that is empty, reserved or used twice, and its place:
   /// "world.objects[3].name 'a' is the name of another object or link; ..."; empty: nothing.
   const std::string& fault() const { return fault_; }
 
@@ -87,10 +87,17 @@ class Names {
   std::string fault_;
 };
 
-/// What is wrong with a pair of one name.
+/// The message about a pair of one name.
 std::string sameName(const std::string& name);
 /// The end of a message about a name that stands for something else already.
 inline constexpr const char* kNameTaken =
     "is the name of another object or link; a name of its own is expected";
+
+/// In margins, wishes and contacts: all links and what they hold. No object may have this name.
+inline constexpr const char* kRobotWord = "robot";
+inline constexpr const char* kNameReserved =
+    "stands for all links and what they hold; another name is expected";
+/// The end of a message about an object's name; empty: nothing is wrong with it.
+std::string objectNameFault(std::string_view name, bool is_taken);
 
 }  // namespace leeway::planner

@@ -96,7 +96,7 @@ void checkCarried(const Problem& problem) {
   }
 }
 
-/// What is wrong with a deforming obstacle, which execution sees as it is when it begins.
+/// Returns the fault of a deforming obstacle, which execution sees as it is when it begins.
 std::string deformingFault(const DeformingObstacle& obstacle, const Execution& execution) {
   const collision::DeformableSnapshot* snapshot =
       obstacle.mesh && obstacle.object.geometries.size() == 1
@@ -229,6 +229,12 @@ void takeStep(const Step& step, Problem& world) {
       if (!(value >= kLeastLineTolerance) || !std::isfinite(value))
         throw std::invalid_argument(
             fmt::format("{} is {}; at least {} is expected", key, value, kLeastLineTolerance));
+    if (line->relative_to == "world" && Names(world).isKnown("world") &&
+        world.robot.model->findLink("world") < 0)
+      throw std::invalid_argument(
+          "relative_to 'world' is the name of an object, and stands for the world's axes; an "
+          "object "
+          "of another name is expected");
     FramePose place;
     place.frame = line->frame;
     place.relative_to = line->relative_to == "world" ? "" : line->relative_to;

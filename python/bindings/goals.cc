@@ -296,9 +296,16 @@ std::vector<std::pair<std::string, std::string>> namePairs(const planner::Proble
   const auto add = [&](py::handle member, std::vector<std::string>& side) {
     if (!py::isinstance<py::str>(member)) fail();
     const std::string given = py::str(member);
+    if (given == "robot" &&
+        (robot.size() == 1 || std::find(robot.begin(), robot.end(), given) == robot.end()))
+      return void(side.insert(side.end(), robot.begin(), robot.end()));
+    if (given == "robot")
+      throw py::value_error(std::string(name) +
+                            ": 'robot' is the name of a link, and stands for all links and what "
+                            "they hold; a group of "
+                            "the links that are meant is expected");
     if (hasObject(world, given) || std::find(robot.begin(), robot.end(), given) != robot.end())
       return side.push_back(given);
-    if (given == "robot") return void(side.insert(side.end(), robot.begin(), robot.end()));
     std::vector<std::string> known = robot;
     for (const std::string& object : objectNames(world)) known.push_back(object);
     const std::string* const near = robots::nearestName(given, known);
@@ -343,6 +350,7 @@ void defineGoals(py::module_& module) {
              py::arg("orientation") = py::none(), py::arg("rpy") = py::none(), py::kw_only(),
              py::arg("relative_to") = py::none(), py::arg("position_tolerance") = 1e-9,
              py::arg("angle_tolerance") = 1e-9);
+  defineCopiesOfConstant(pose);
   defineConstant(
       pose, "frame", [](const FramePose& self) { return self.given.frame; },
       "The frame's name; of one that a problem has looked up, its link's.");

@@ -63,6 +63,8 @@ MISTAKES = {
     "margin_of_one": [settings(margins={("post", "post"): 0.1}), edits(lambda p: put(p.margins, ("post", "post"), 0.1))],
     "allowed_of_one": [settings(allowed=[("hand", "hand")]), edits(lambda p: p.allowed.append(("hand", "hand")))],
     "wish_of_one": [settings(wishes={("post", "post"): 0.1})],
+    "object_like_robot": [edits(lambda p: p.world.add_sphere("robot", 0.1, position=(5, 0, 0)))],
+    "deforming_like_robot": [edits(lambda p: clothes(p.world, "robot"))],
     "object_like_link": [edits(lambda p: p.world.add_sphere("hand", 0.1, position=(5, 0, 0)))],
     "object_twice": [edits(lambda p: p.world.add_sphere("post", 0.1))],
     "deforming_like_object": [edits(lambda p: clothes(p.world, "post"))],
@@ -258,6 +260,20 @@ def test_a_problem_copies_what_it_is_given(robot):
     other = problem.copy()
     other.world.add_sphere("ball", 0.1)
     assert problem.world.names == ["post"]
+    for copied in (copy.copy(problem), copy.deepcopy(problem), copy.deepcopy({"one": [problem]})["one"][0]):
+        assert list(copied.start) == list(problem.start) and copied.robot.links == robot.links
+        copied.margins["hand", "post"] = 0.02
+        copied.world.add_sphere("ball", 0.1)
+    assert problem.world.names == ["post"] and problem.margins == {}
+    for copied in (copy.copy(world), copy.deepcopy(world)):
+        copied.remove("ball")
+    assert world.names == ["post", "ball"]
+    shape, pose, step = leeway.Shape.box((1, 1, 1)), FramePose("hand", (0.5, 0, 0.5), rpy=(0, 0, 0)), TaskStep.detach("post")
+    for constant in (robot, shape, pose, step):
+        assert copy.copy(constant) is constant and copy.deepcopy([constant])[0] is constant
+    for thing in (problem, world, robot):
+        with pytest.raises(TypeError, match=f"cannot pickle 'leeway.{type(thing).__name__}' object"):
+            pickle.dumps(thing)
     running = leeway.plan(problem)
     problem.world.add_sphere("ball", 0.1)
     assert running.problem.world.names == ["post"]

@@ -10,6 +10,7 @@
 #include "planner/base/did_you_mean.h"
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_shapes.h"
+#include "planner/validate/names.h"
 
 namespace leeway::planner {
 namespace {
@@ -102,12 +103,9 @@ void SceneObjects::add(const std::string& file, int line, Object object) {
         file, line,
         fmt::format("object '{}' has no shape; primitives, meshes or planes are expected",
                     object.name));
-  if (!names_.insert(object.name).second)
-    throw robots::InputError(
-        file, line,
-        fmt::format(
-            "object '{}' has the name of another object or link; a name of its own is expected",
-            object.name));
+  if (const std::string fault = objectNameFault(object.name, !names_.insert(object.name).second);
+      !fault.empty())
+    throw robots::InputError(file, line, fmt::format("object '{}' {}", object.name, fault));
   problem_.world.objects.push_back(std::move(object));
 }
 
@@ -174,10 +172,9 @@ void readAttached(const YamlReader& map, const Frames& scene_frames,
     world.erase(in_world);
     held.X_LO = X_WL[link].inverse() * held.object.X_WO;
   } else {
-    if (in_world != world.end() || model.findLink(held.object.name) >= 0)
-      of.fail(fmt::format(
-          "object '{}' has the name of another object or link; a name of its own is expected",
-          held.object.name));
+    const bool is_taken = in_world != world.end() || model.findLink(held.object.name) >= 0;
+    if (const std::string fault = objectNameFault(held.object.name, is_taken); !fault.empty())
+      of.fail(fmt::format("object '{}' {}", held.object.name, fault));
     // In the frame of a link, mostly its own, or of the scene.
     Frames frames = scene_frames;
     for (std::size_t i = 0; i < X_WL.size(); ++i) frames[model.links[i].name] = X_WL[i];

@@ -328,7 +328,7 @@ TEST_F(MoveitImport, ShapesWithoutPosesStandAtTheObjects) {
     });
   };
   EXPECT_FALSE(said(problem));
-  // Without any pose it stands at its frame's origin, with a warning.
+  // An object without any pose stands at its frame's origin, with a warning.
   EXPECT_TRUE(
       said(load("name: s\nworld:\n  collision_objects:\n    - id: a\n      primitives: "
                 "[{type: sphere, dimensions: [4]}]\n",
@@ -401,7 +401,7 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
          "scene.yaml:22: object 'box' has 3 primitives and 2 primitive_poses; equally many, "
          "or no primitive_poses, are expected");
   expect(replaced(kScene, "id: box", "id: can"), request,
-         "scene.yaml:19: object 'can' has the name of another object or link; a name of its own is "
+         "scene.yaml:19: object 'can' is the name of another object or link; a name of its own is "
          "expected");
   expect(
       replaced(kScene, "[0, 0, 0.70710678118654757, 0.70710678118654757]", "[0, 0, 1, 1]"), request,
@@ -461,7 +461,7 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
   expect(holding("{link_name: left, object: {id: a}}"), request,
          "scene.yaml:23: object 'a' has no shape, and the world no object of that name");
   expect(holding("{link_name: left, object: {id: can, " + ball + "}}"), request,
-         "scene.yaml:23: object 'can' has the name of another object or link");
+         "scene.yaml:23: object 'can' is the name of another object or link");
   expect(holding("{link_name: left, object: {id: a, planes: [{coef: [0, 0, 1, 0]}]}}"), request,
          "scene.yaml:23: robot_state.attached_collision_objects[0].object.planes is not supported");
   expect(holding("{link_name: left, object: {id: a, " + ball +
@@ -690,7 +690,7 @@ TEST_F(MoveitImport, ScenesSavedAsTextAreTaken) {
   expect("name\n* a\n1e9\n", "room.scene:3: 1000000000 stands where a number of shapes");
   expect("name\n* a\n0\n.\n", "room.scene:2: object 'a' has no shape");
   expect("name\n* left\n" + floor + ".\n",
-         "room.scene:2: object 'left' has the name of another object or link");
+         "room.scene:2: object 'left' is the name of another object or link");
   expect("name\n* a\n1\nmesh\n3 1\n0 0 0 1 0 0 0 1 0\n0 1 3\n",
          "room.scene:7: triangle 0 names vertex 3; 0 to 2 is expected");
   expect("world: {}\n", "room.scene:2: ends early");

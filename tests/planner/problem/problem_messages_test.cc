@@ -66,6 +66,41 @@ TEST(ProblemMessages, WhatTheCasesChangeIsAGoodProblem) {
   EXPECT_NO_THROW(loadProblem(folder.write("body.yaml", withBody(""))));
 }
 
+/// An object may not be named by the word for all links; a link of the robot may.
+TEST(ProblemMessages, TheWordForTheWholeRobot) {
+  const Folder folder;
+  folder.write("r.urdf",
+               "<robot name=\"r\"><link name=\"base\"/><link name=\"robot\"><collision><geometry>"
+               "<sphere radius=\"0.1\"/></geometry></collision></link><joint name=\"x\" "
+               "type=\"prismatic\"><parent link=\"base\"/><child link=\"robot\"/><axis xyz=\"1 0 "
+               "0\"/><limit lower=\"0\" upper=\"3\" effort=\"1\" velocity=\"1\"/></joint></robot>");
+  const auto withLink = [&](const std::string& more) {
+    return "leeway: 1\nrobot: {urdf: " + folder.path("r.urdf") +
+           "}\nstart: [0]\ngoal: [1]\nobjects: [{name: post, position: [0, 1, 0], sphere: {radius: "
+           "0.1}}]\n" +
+           more;
+  };
+  expectMessages(
+      {{withRobot("objects:\n  - {name: robot, sphere: {radius: 0.1}, position: [9, 0, 0]}\n"), 9,
+        "objects[0].name 'robot' stands for all links and what they hold; another name is "
+        "expected"},
+       {withLink("margins: [{between: [robot, post], margin: 0.1}]\n"), 6,
+        "margins[0].between: 'robot' is the name of a link, and stands for all links and what they "
+        "hold; a group of the links that are meant is expected"}});
+  const Problem problem = loadProblem(folder.write(
+      "group.yaml",
+      withLink("groups: {it: [robot]}\nmargins: [{between: [it, post], margin: 0.1}]\n")));
+  ASSERT_EQ(problem.margins.pairs.size(), 1U);
+  EXPECT_EQ(problem.margins.pairs[0].a, "robot");
+  // All links of a body are one.
+  EXPECT_NO_THROW(loadProblem(folder.write(
+      "body.yaml",
+      "leeway: 1\nbody: {name: robot, joint: planar, bounds: {lower: [-1, -1], upper: [1, 1]}, "
+      "shapes: [{sphere: {radius: 0.1}}]}\nstart: {position: [0, 0], angle: 0}\ngoal: {position: "
+      "[0.5, 0], angle: 0}\nobjects: [{name: post, position: [0, 1, 0], sphere: {radius: "
+      "0.1}}]\nmargins: [{between: [robot, post], margin: 0.1}]\n")));
+}
+
 TEST(ProblemMessages, Files) {
   const Folder folder;
   try {

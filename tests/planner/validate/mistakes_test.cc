@@ -233,6 +233,10 @@ std::vector<Mistake> nameMistakes() {
       {"object_twice",
        [](P& p) { p.world.objects.push_back(p.world.objects[0]); },
        {{"objects", "[{name: post, sphere: {radius: 0.1}}, {name: post, sphere: {radius: 0.1}}]"}}},
+      {"object_like_robot",
+       [](P& p) { p.world.objects[0].name = "robot"; },
+       {{"objects", "[{name: robot, sphere: {radius: 0.1}}]"}}},
+      {"deforming_like_robot", [](P& p) { p.world.deforming = {deforming("robot")}; }},
       {"object_unnamed", [](P& p) { p.world.objects[0].name.clear(); }},
       {"held_like_object", [](P& p) { p.robot.attachments = {held("post")}; }},
       {"deforming_like_object", [](P& p) { p.world.deforming = {deforming("post")}; }},
@@ -406,6 +410,13 @@ std::vector<Mistake> stepMistakes() {
          steps(p, {{"go", LineStep{"tool", {0, 0, 0}, {}}, {}}});
        },
        {{"steps", "[{line: {frame: tool, by: [0, 0, 0]}}]"}}},
+      {"step_along_object_world",
+       [](P& p) {
+         p.world.objects[0].name = "world";
+         steps(p, {{"go", LineStep{"tool", {0, 0, 1}, "world"}, {}}});
+       },
+       {{"objects", "[{name: world, sphere: {radius: 0.1}, position: [5, 0, 0]}]"},
+        {"steps", "[{line: {frame: tool, by: [0, 0, 1], relative_to: world}}]"}}},
       {"step_without_tolerance",
        [](P& p) {
          steps(p, {{"go", LineStep{"tool", {0, 0, 1}, {}, 1e-9}, {}}});
@@ -504,7 +515,7 @@ const std::vector<Entry>& entries() {
   return all;
 }
 
-/// What of a problem these refuse first: they have steps, or need none; or a scene, which differs.
+/// Whether a call refuses something else first: steps, missing steps, or a scene that differs.
 bool mayRefuseOtherwise(const std::string& entry, const Problem& problem) {
   if (entry == "plan in a scene" || entry == "OmplCostObjective") return true;
   const bool needs_goals = entry == "plan" || entry == "solve" || entry == "plan in a scene";
@@ -626,7 +637,7 @@ TEST(Mistakes, AProblemThatHasChangedIsNotPlannedInItsScene) {
         << scene->differenceFrom(changed);
     EXPECT_NE(refusal([&] { plan(scene, changed); }).find(words), std::string::npos);
   }
-  // What compiling does not read may be another.
+  // Values that compiling does not read may differ.
   Problem other = good;
   other.seed = 7;
   other.start[0] = 0.1;
@@ -794,7 +805,7 @@ TEST(Mistakes, GoalsAndStepsAreAskedForWhereTheyAreNeeded) {
     expectThrown(refusal(call), "the start is given by poses; placeStart() is expected");
 }
 
-/// A margin that has no effect is told.
+/// A margin that has no effect has a warning.
 TEST(Mistakes, AMarginOfAPairThatIsNotCheckedIsWarnedOf) {
   Problem problem = goodProblem();
   problem.world.objects.push_back(test::box("wall", {0.1, 1, 1}, 5, 0, 0));
