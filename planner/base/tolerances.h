@@ -119,12 +119,11 @@ constexpr double kConstraintSlack = 2e-8;
 /// feel.
 constexpr double kVerifyWaypoint = 1e-9;
 
-/// When the verifier takes links that meet at a joint for touching [m], as robots' kTouch and
-/// kShallow: rounding of two kinematics must not make it check what the planner leaves out.
+/// When the verifier takes links that meet at a joint for touching [m]. It is more than robots'
+/// kTouch: rounding of two kinematics must not make it check what the planner leaves out.
 constexpr double kVerifyTouch = 2e-6;
-constexpr double kVerifyShallow = 1.001e-3;
-/// And the places at which it looks whether a joint parts them: those of kTouchLooks.
-constexpr int kVerifyTouchLooks = 32;
+/// And the steps of the joint after which it looks: those of kTouchLooks.
+constexpr int kVerifyTouchLooks = 128;
 
 /// OMPL writes parameters with six digits: one that reads back within this share was kept.
 constexpr double kParameterDigits = 1e-5;

@@ -54,7 +54,7 @@ class Surroundings {
   std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped() const {
     return dropped_ ? dropped_ : robot_.dropped();
   }
-  /// What the problem says that has no effect.
+  /// Parts of the problem that have no effect.
   std::vector<std::string> takeWarnings() { return std::move(warnings_); }
   /// How many bodies are objects; those of deforming obstacles follow.
   int objects() const {
@@ -136,7 +136,7 @@ class Surroundings {
         warnings_.push_back(
             fmt::format("the margin of {} has no effect: none of its pairs is checked", group));
   }
-  /// Why a pair of bodies is not checked; empty: it is. O(1) but for two of the robot.
+  /// Why a pair of bodies is not checked; empty: it is. O(1), except for two of the robot.
   std::string reasonOf(int i, int j) {
     const auto bodies = robot_.scene().bodies();
     const int a = std::min(i, j), b = std::max(i, j);
@@ -229,7 +229,7 @@ std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRob
 
 }  // namespace
 
-/// What a problem says of its world, besides the contacts that a PreparedRobot has.
+/// The rules of a problem for its world, besides the contacts that a PreparedRobot has.
 struct CompiledScene::NamedRules {
   std::string problem;  // its name, for messages
   Margins margins;
@@ -254,9 +254,11 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
   rules_ = std::make_shared<const NamedRules>(NamedRules{problem.name, problem.margins,
                                                          problem.execution.start, world.objects(),
                                                          problem.world.deforming});
+  std::vector<std::string> warnings = robot->warnings();
   // Steps may take what stands in the world now.
-  if (std::vector<std::string> warnings = world.takeWarnings();
-      problem.steps.empty() && !warnings.empty())
+  if (problem.steps.empty())
+    for (std::string& warning : world.takeWarnings()) warnings.push_back(std::move(warning));
+  if (!warnings.empty())
     warnings_ = std::make_shared<const std::vector<std::string>>(std::move(warnings));
   robots::throwIfStopped(stop, "the problem was compiled");
   scene_ = std::move(world).build();
@@ -330,9 +332,10 @@ BodiesByName CompiledScene::addTo(collision::SceneChange& change, std::span<cons
       throw std::invalid_argument(fault);
     const int other = findThing(object.name);
     const bool goes = std::find(removed.begin(), removed.end(), other) != removed.end();
-    if (object.name.empty() || !names.insert(object.name).second || (other >= 0 && !goes) ||
-        model_->findLink(object.name) >= 0)
-      throw std::invalid_argument(fmt::format("object '{}' {}", object.name, kNameTaken));
+    const bool is_taken = object.name.empty() || !names.insert(object.name).second ||
+                          (other >= 0 && !goes) || model_->findLink(object.name) >= 0;
+    if (const std::string fault = objectNameFault(object.name, is_taken); !fault.empty())
+      throw std::invalid_argument(fmt::format("object '{}' {}", object.name, fault));
     if (!object.geometries.empty())
       bodies.emplace(object.name, change.add({object.name, object.geometries, false, object.X_WO}));
   }

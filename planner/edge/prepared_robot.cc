@@ -23,7 +23,7 @@ std::vector<VariableRange> plannedRanges(const Problem& problem) {
   return ranges;
 }
 
-// What is compared is what preparing reads.
+// Comparison of the members that preparing reads.
 
 bool isSame(const collision::Shape& x, const collision::Shape& y) {
   return x.type() == y.type() && x.radius() == y.radius() && x.halfLength() == y.halfLength() &&
@@ -91,6 +91,7 @@ PreparedRobot::PreparedRobot(const Problem& problem, std::vector<VariableRange> 
   carriers_ = pairs.carriers();
   has_proven_ = pairs.hasProven();
   unchecked_bodies_ = pairs.uncheckedBodies();
+  warnings_ = pairs.takeWarnings();
   dropped_ends_ = pairs.takeDroppedEnds();
   dropped_ = std::make_shared<const std::vector<CompiledScene::Dropped>>(pairs.takeDropped());
   std::vector<const robots::LinkGap*> gaps;

@@ -49,6 +49,8 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
     return dropped_;
   }
   std::size_t droppedEnd(int body) const { return dropped_ends_[static_cast<std::size_t>(body)]; }
+  /// About pairs that are checked although they touch at the zero configuration.
+  const std::vector<std::string>& warnings() const { return warnings_; }
   /// Links that the SRDF lets touch everything.
   std::span<const int> uncheckedBodies() const { return unchecked_bodies_; }
   /// The problem's.
@@ -87,6 +89,7 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
   bool has_proven_ = false;
   std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped_;
   std::vector<std::size_t> dropped_ends_;
+  std::vector<std::string> warnings_;
   std::vector<int> unchecked_bodies_;
   RobotMotions motions_;
 

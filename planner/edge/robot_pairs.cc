@@ -151,8 +151,8 @@ void RobotPairs::drop(int i, int j, const Reason& reason) {
   dropped_.push_back({name(i), name(j), reason.why, reason.words});
 }
 
-/// Parts that meet at a joint, besides the two links that it joins. Two links between which joints
-/// stand in a row meet nowhere, and are checked.
+/// Drops parts that meet at a joint, besides the two links that it joins: they touch wherever they
+/// are looked at. Two links with several joints between them are checked.
 void RobotPairs::dropTouching(const robots::Stop& stop) {
   std::vector<std::pair<int, int>> touching, bodies;
   for (int i = 0; i < count(); ++i)
@@ -161,16 +161,28 @@ void RobotPairs::dropTouching(const robots::Stop& stop) {
       if (!a.isLink() || !b.isLink() || is_dropped_.count({i, j}) != 0) continue;
       robots::throwIfStopped(stop, "links that touch were looked for");
       const int joint = robots::onlyJointBetween(model_, a.link, b.link);
-      if (joint < 0 || !robots::touchAtDefault(model_, a.link, b.link, joint)) continue;
+      if (joint < 0) continue;
+      const robots::Touch touch = robots::touchAtJoint(model_, a.link, b.link, joint);
+      if (touch == robots::Touch::kSometimes) warnOfTouch(i, j);
+      if (touch != robots::Touch::kEverywhere) continue;
       touching.emplace_back(a.link, b.link);
       bodies.emplace_back(i, j);
     }
   const std::vector<std::pair<int, int>> always = robots::provenTouching(model_, touching, stop);
   for (std::size_t k = 0; k < touching.size(); ++k) {
     const bool is_proven = std::find(always.begin(), always.end(), touching[k]) != always.end();
-    const Unchecked why = is_proven ? Unchecked::kTouchAlways : Unchecked::kTouchAtZero;
+    const Unchecked why = is_proven ? Unchecked::kTouchAlways : Unchecked::kTouchSampled;
     drop(bodies[k].first, bodies[k].second, {why, toString(why)});
   }
+}
+
+/// Parts that rest on each other at the default configuration may also be driven into each other
+/// from there, so they are checked.
+void RobotPairs::warnOfTouch(int i, int j) {
+  warnings_.push_back(
+      fmt::format("links '{0}' and '{1}' touch at the zero configuration, but not at others: the "
+                  "pair is checked; 'allowed: [[{0}, {1}]]' or an SRDF would leave it out",
+                  name(i), name(j)));
 }
 
 void RobotPairs::dropProven(const robots::Stop& stop) {
@@ -271,8 +283,8 @@ const char* toString(Unchecked why) {
       return "attached";
     case Unchecked::kTouchAlways:
       return "touching in every configuration";
-    case Unchecked::kTouchAtZero:
-      return "touching at the zero configuration";
+    case Unchecked::kTouchSampled:
+      return "touching at every sampled configuration";
     case Unchecked::kProvenApart:
       break;
   }
@@ -285,7 +297,7 @@ std::vector<UncheckedPairs> countUnchecked(std::span<const CompiledScene::Droppe
     UncheckedPairs& group = groups[d.why];
     group.why = d.why;
     ++group.count;
-    if (d.why == Unchecked::kTouchAtZero) group.names.emplace_back(d.a, d.b);
+    if (d.why == Unchecked::kTouchSampled) group.names.emplace_back(d.a, d.b);
   }
   std::vector<UncheckedPairs> counted;
   for (auto& [why, group] : groups) counted.push_back(std::move(group));

@@ -38,6 +38,8 @@ class RobotPairs {
   /// Dropped pairs; those of body i with later ones end at droppedEnds()[i]. Last those of which
   /// geometry decides.
   std::vector<CompiledScene::Dropped> takeDropped() { return std::move(dropped_); }
+  /// About pairs that are checked although they touch at the zero configuration.
+  std::vector<std::string> takeWarnings() { return std::move(warnings_); }
   std::vector<std::size_t> takeDroppedEnds() { return std::move(dropped_ends_); }
 
  private:
@@ -63,6 +65,7 @@ class RobotPairs {
   std::optional<Reason> contact(int i, int j) const;
   void drop(int i, int j, const Reason& reason);
   void dropTouching(const robots::Stop& stop);
+  void warnOfTouch(int i, int j);
   void dropProven(const robots::Stop& stop);
 
   int count() const { return static_cast<int>(entries_.size()); }
@@ -89,6 +92,7 @@ class RobotPairs {
   std::set<std::pair<int, int>> is_dropped_;
   std::vector<CompiledScene::Dropped> dropped_;
   std::vector<std::size_t> dropped_ends_;
+  std::vector<std::string> warnings_;
   bool has_proven_ = false;
 };
 

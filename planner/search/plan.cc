@@ -87,6 +87,7 @@ class Plan {
     result_.planner = traits_->name;
     result_.deterministic = traits_->deterministic;
     result_.seed = problem_.seed;
+    result_.warnings = scene_->warnings();
     const ConfigurationSpace& space = scene_->space();
     for (const ConfigurationSpace::Part& part : space.parts())
       if (part.kind == ConfigurationSpace::Kind::kLine &&
@@ -112,7 +113,6 @@ class Plan {
     }
     sampler_ = std::make_unique<GoalSampler>(certifier(), problem_, problem_.seed);
     goals_ = sampler_->first([this] { return limits_.over(); });
-    result_.warnings = scene_->warnings();
     result_.warnings.insert(result_.warnings.end(), goals_.warnings.begin(), goals_.warnings.end());
     if (cost_)
       result_.warnings.insert(result_.warnings.end(), cost_->warnings().begin(),

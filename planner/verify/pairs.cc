@@ -50,7 +50,7 @@ class Rules {
       return Unchecked::kSrdf;
     if (links && derives_)
       if (const int joint = onlyJoint(pair); joint >= 0 && touch(a, b, joint))
-        return Unchecked::kTouchAtZero;
+        return Unchecked::kTouchSampled;
     return std::nullopt;
   }
 
@@ -115,47 +115,46 @@ class Rules {
     return only;
   }
 
-  /// The least separation of two links at a configuration [m].
-  collision::Interval separation(const Body& a, const Body& b, const std::vector<double>& q,
-                                 bool depth) {
+  /// How far apart two links are, at least, with all joints but one at zero [m].
+  double gap(const Body& a, const Body& b, std::size_t variable, double position) {
+    std::vector<double> q = model_.defaultConfiguration();
+    q[variable] = position;
     const std::vector<robots::Pose> X_WL = placeLinks(model_, q);
     collision::DistanceRequest request;
-    request.depth = depth;
-    collision::Interval least{kInfinity, kInfinity};
+    request.depth = false;
+    double gap = kInfinity;
     for (const robots::Geometry& g : *a.geometries)
-      for (const robots::Geometry& h : *b.geometries) {
-        const collision::Interval d =
-            collision::distance(g.shape, X_WL[at(a.link)] * g.X_BG, h.shape,
-                                X_WL[at(b.link)] * h.X_BG, request, scratch_)
-                .distance;
-        least = {std::min(least.lower, d.lower), std::min(least.upper, d.upper)};
-      }
-    return least;
+      for (const robots::Geometry& h : *b.geometries)
+        gap = std::min(gap, collision::distance(g.shape, X_WL[at(a.link)] * g.X_BG, h.shape,
+                                                X_WL[at(b.link)] * h.X_BG, request, scratch_)
+                                .distance.lower);
+    return gap;
   }
 
-  /// Whether two links touch where all joints are at zero, and are not apart on both sides of it
-  /// while they overlap there.
+  /// Whether two links touch with all joints at zero and wherever the joint between them is looked
+  /// at. One look at which they are apart is enough to check the pair.
   bool touch(const Body& a, const Body& b, int joint) {
     if (a.geometries->empty() || b.geometries->empty()) return false;
-    const std::vector<double> zero = model_.defaultConfiguration();
-    if (separation(a, b, zero, false).lower > kVerifyTouch) return false;
-    if (separation(a, b, zero, true).lower >= -kVerifyShallow) return true;
-    const Joint* moving = &model_.joints[at(joint)];
-    while (moving->mimic >= 0) moving = &model_.joints[at(moving->mimic)];
-    const std::size_t v = at(moving->first_variable);
-    const auto part = [&](double end) {
-      std::vector<double> q = zero;
-      for (int k = 1; k <= kVerifyTouchLooks; ++k) {
-        q[v] = zero[v] + (end - zero[v]) * k / kVerifyTouchLooks;
-        if (separation(a, b, q, false).lower > kVerifyTouch) return true;
-      }
-      return false;
-    };
-    if (moving->type == JointType::kContinuous) return !part(zero[v] + 2 * std::numbers::pi);
-    if (moving->type == JointType::kPlanar || moving->type == JointType::kFloating) return false;
-    for (const double end : {model_.variables[v].lower, model_.variables[v].upper})
-      if (end == zero[v] || (std::isfinite(end) && !part(end))) return true;
-    return false;
+    double ratio = 1;
+    int moved = joint;
+    while (model_.joints[at(moved)].mimic >= 0) {
+      ratio *= model_.joints[at(moved)].multiplier;
+      moved = model_.joints[at(moved)].mimic;
+    }
+    const JointType type = model_.joints[at(moved)].type;
+    const auto v = at(model_.joints[at(moved)].first_variable);
+    const double zero = model_.defaultConfiguration()[v];
+    if (gap(a, b, v, zero) > kVerifyTouch) return false;
+    if (type == JointType::kPlanar || type == JointType::kFloating) return false;
+    double begin = model_.variables[v].lower, length = model_.variables[v].upper - begin;
+    if (!std::isfinite(length)) {
+      if (model_.joints[at(joint)].type == JointType::kPrismatic || ratio == 0) return false;
+      begin = zero;
+      length = 2 * std::numbers::pi / std::abs(ratio);
+    }
+    for (int k = kVerifyTouchLooks; k >= 0; --k)
+      if (gap(a, b, v, begin + length * k / kVerifyTouchLooks) > kVerifyTouch) return false;
+    return true;
   }
 
   const Problem& problem_;

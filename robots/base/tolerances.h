@@ -38,8 +38,8 @@ inline constexpr double kGreatestLimit = 1e16;
 /// of the surfaces that it can mean, and no other is farther away. Larger loses cover in silence;
 /// smaller covers flat faces as if they were thick, with a warning.
 inline constexpr double kPlanarShare = 1e-6;
-/// But of coordinates far from the polygon no more counts than so many times its size: digits are
-/// not lost to an offset that double precision has room for ...
+/// Coordinates count up to this many times the size of the polygon, however far away it is: digits
+/// are not lost to an offset that double precision has room for ...
 inline constexpr double kPlanarOffset = 10;
 /// ... up to this share of it.
 inline constexpr double kPlanarRounding = 16 * collision::kUnitRoundoff;
@@ -113,16 +113,13 @@ inline constexpr double kApartTrialShare = 1e-3;
 /// stay checked.
 inline constexpr double kApartSmallest = 1e-3;
 
-/// touchAtDefault(): links this near to each other touch [m]: surfaces that a URDF lets meet are
+/// touchAtJoint(): links this near to each other touch [m]: surfaces that a URDF lets meet are
 /// apart by the rounding of its digits.
 inline constexpr double kTouch = 1e-6;
-/// touchAtDefault(): an overlap of no more than this is a touch [m]. A deeper one may be a
-/// collision, and is looked at: what is larger leaves collisions out, what is smaller checks parts
-/// that a model lets sink into each other.
-inline constexpr double kShallow = 1e-3;
-/// touchAtDefault(): places between the default configuration and either limit at which links are
-/// looked at, and on a whole turn.
-inline constexpr int kTouchLooks = 32;
+/// touchAtJoint(): steps from limit to limit, or of a whole turn, at whose ends links are looked
+/// at. More of them find smaller gaps between parts that touch almost everywhere; pairs that come
+/// apart are mostly found by the first.
+inline constexpr int kTouchLooks = 128;
 
 /// provenGaps(): slices of a turning body. More are tighter and slower.
 inline constexpr int kGapSlices = 24;

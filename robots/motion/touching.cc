@@ -1,6 +1,5 @@
 // Links that meet at a joint.
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -14,37 +13,22 @@
 namespace leeway::robots {
 namespace {
 
-/// Two links, looked at while one joint moves.
+/// Two links, seen at one configuration after the other.
 class Looks {
  public:
   Looks(const Model& model, int link_a, int link_b)
       : model_(model), a_(link_a), b_(link_b), X_WL_(model.links.size()) {}
 
-  /// The separation of the links' nearest geometries [m]; without `depth` an overlap has no lower
-  /// end.
-  collision::Interval separation(std::span<const double> q, bool depth) {
+  bool touch(std::span<const double> q) {
     forwardKinematics(model_, q, X_WL_);
     collision::DistanceRequest request;
-    request.depth = depth;
-    collision::Interval least{kInfinity, kInfinity};
+    request.depth = false;
     for (const Geometry& g : model_.links[at(a_)].geometries)
-      for (const Geometry& h : model_.links[at(b_)].geometries) {
-        const collision::Interval found =
-            collision::distance(g.shape, X_WL_[at(a_)] * g.X_BG, h.shape, X_WL_[at(b_)] * h.X_BG,
-                                request, scratch_)
-                .distance;
-        least = {std::min(least.lower, found.lower), std::min(least.upper, found.upper)};
-      }
-    return least;
-  }
-
-  /// Whether they are apart somewhere while variable v goes from its value in `q` to `end`.
-  bool partTowards(std::vector<double> q, std::size_t v, double end) {
-    const double begin = q[v];
-    for (int k = 1; k <= kTouchLooks; ++k) {
-      q[v] = begin + (end - begin) * k / kTouchLooks;
-      if (separation(q, false).lower > kTouch) return true;
-    }
+      for (const Geometry& h : model_.links[at(b_)].geometries)
+        if (!(collision::distance(g.shape, X_WL_[at(a_)] * g.X_BG, h.shape, X_WL_[at(b_)] * h.X_BG,
+                                  request, scratch_)
+                  .distance.lower > kTouch))
+          return true;
     return false;
   }
 
@@ -80,22 +64,29 @@ int onlyJointBetween(const Model& model, int link_a, int link_b) {
   return only;
 }
 
-bool touchAtDefault(const Model& model, int link_a, int link_b, int joint) {
-  const std::vector<double> q = model.defaultConfiguration();
+Touch touchAtJoint(const Model& model, int link_a, int link_b, int joint) {
+  std::vector<double> q = model.defaultConfiguration();
   Looks looks(model, link_a, link_b);
-  if (looks.separation(q, false).lower > kTouch) return false;
-  if (looks.separation(q, true).lower >= -kShallow) return true;
-  const Joint* moving = &model.joints[at(joint)];
-  while (moving->mimic >= 0) moving = &model.joints[at(moving->mimic)];
-  const std::size_t v = at(moving->first_variable);
-  if (moving->type == JointType::kContinuous)
-    return !looks.partTowards(q, v, q[v] + 2 * std::numbers::pi);
-  if (moving->type != JointType::kRevolute && moving->type != JointType::kPrismatic) return false;
-  const auto parts = [&](double end) {  // without a limit anything comes apart
-    return !std::isfinite(end) || (end != q[v] && looks.partTowards(q, v, end));
-  };
-  const Variable& variable = model.variables[v];
-  return !(parts(variable.lower) && parts(variable.upper));
+  if (!looks.touch(q)) return Touch::kApart;
+  const Joint* master = &model.joints[at(joint)];
+  double multiplier = 1;  // how often the joint goes as far as its master
+  for (; master->mimic >= 0; master = &model.joints[at(master->mimic)])
+    multiplier *= master->multiplier;
+  if (master->variable_count != 1) return Touch::kSometimes;
+  const std::size_t v = at(master->first_variable);
+  double lower = model.variables[v].lower, upper = model.variables[v].upper;
+  if (!std::isfinite(lower) || !std::isfinite(upper)) {
+    // A joint that slides without limits parts them.
+    if (model.joints[at(joint)].type == JointType::kPrismatic) return Touch::kSometimes;
+    lower = q[v];
+    upper = q[v] + 2 * std::numbers::pi / std::abs(multiplier);
+    if (!std::isfinite(upper)) return Touch::kSometimes;
+  }
+  for (int k = 0; k <= kTouchLooks; ++k) {
+    q[v] = lower + (upper - lower) * k / kTouchLooks;
+    if (!looks.touch(q)) return Touch::kSometimes;
+  }
+  return Touch::kEverywhere;
 }
 
 }  // namespace leeway::robots

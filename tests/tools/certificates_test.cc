@@ -108,7 +108,7 @@ const char* const kMast =
     "<link name=\"mast\"><collision><origin xyz=\"0 0 0.5\"/><geometry><box size=\"0.05 0.05 1\"/>"
     "</geometry></collision></link>"
     "<joint name=\"mast_fixed\" type=\"fixed\"><parent link=\"base\"/><child link=\"mast\"/>"
-    "<origin xyz=\"0.6 0 0\"/></joint>"
+    "<origin xyz=\"MAST 0 0\"/></joint>"
     "<link name=\"turret\"><collision><origin xyz=\"0 0 0.15\"/><geometry><box size=\"0.1 0.1 "
     "0.1\"/>"
     "</geometry></collision></link>"
@@ -119,10 +119,15 @@ const char* const kMast =
     "<joint name=\"boom_fixed\" type=\"fixed\"><parent link=\"turret\"/><child link=\"boom\"/>"
     "<origin xyz=\"0 0 HEIGHT\"/></joint></robot>";
 
+std::string mastAndBoom(const std::string& mast_x, const std::string& height) {
+  std::string urdf = kMast;
+  urdf.replace(urdf.find("MAST"), 4, mast_x);
+  return urdf.replace(urdf.find("HEIGHT"), 6, height);
+}
+
 /// Regression: a boom was swept through a mast of its own robot, and certified.
 TEST_F(Certificates, ARobotIsNotSweptThroughItself) {
-  std::string urdf = kMast;
-  write("mast.urdf", urdf.replace(urdf.find("HEIGHT"), 6, "0.4"));
+  write("mast.urdf", mastAndBoom("0.6", "0.4"));
   write("mast.yaml", "leeway: 1\nrobot: {urdf: mast.urdf}\nstart: [-1]\ngoal: [1]\n");
   write("sweep.csv", "-1\n1\n");
   EXPECT_EQ(run("plan mast.yaml --iterations 2000").status, 1);
@@ -135,24 +140,25 @@ TEST_F(Certificates, ARobotIsNotSweptThroughItself) {
 }
 
 TEST_F(Certificates, PairsThatAreNotCheckedAreCountedWithReasons) {
-  // The boom rests on the mast at zero, and turns off it.
-  std::string urdf = kMast;
-  write("mast.urdf", urdf.replace(urdf.find("HEIGHT"), 6, "1.025"));
+  // The boom turns on the mast, face to face.
+  write("mast.urdf", mastAndBoom("0", "1.025"));
   write("mast.yaml", "leeway: 1\nrobot: {urdf: mast.urdf}\nstart: [-1]\ngoal: [1]\n");
   const Answer text = run("plan mast.yaml --output p.json");
   EXPECT_EQ(text.status, 0) << text.out;
   EXPECT_TRUE(has(text.out,
                   "\n6 pairs are not checked: 2 rigidly attached to each other, 1 adjacent, 1 "
-                  "touching at the zero configuration (mast and boom), 2 proven never to meet.\n"))
+                  "touching in every configuration, 1 touching at every sampled configuration "
+                  "(mast and boom), 1 proven never to meet.\n"))
       << text.out;
   const json expected = {
       {"pairs", 6},
       {"reasons", json::array({{{"reason", "rigidly attached to each other"}, {"pairs", 2}},
                                {{"reason", "adjacent"}, {"pairs", 1}},
-                               {{"reason", "touching at the zero configuration"},
+                               {{"reason", "touching in every configuration"}, {"pairs", 1}},
+                               {{"reason", "touching at every sampled configuration"},
                                 {"pairs", 1},
                                 {"names", json::array({json::array({"mast", "boom"})})}},
-                               {{"reason", "proven never to meet"}, {"pairs", 2}}})}};
+                               {{"reason", "proven never to meet"}, {"pairs", 1}}})}};
   EXPECT_EQ(run("plan mast.yaml --json").document()["certificate"]["not_checked"], expected);
   EXPECT_EQ(json::parse(read("p.json"))["certificate"]["not_checked"], expected);
   EXPECT_EQ(run("clearance mast.yaml p.json --json").document()["not_checked"], expected);
@@ -160,15 +166,52 @@ TEST_F(Certificates, PairsThatAreNotCheckedAreCountedWithReasons) {
   EXPECT_EQ(run("batch mast.yaml").lines().at(0)["certificate"]["not_checked"], expected);
   // The verifier finds them for itself, and takes no proof for granted.
   const json verified = run("verify mast.yaml p.json --json").document()["not_checked"];
-  EXPECT_EQ(verified["pairs"], 4);
-  EXPECT_EQ(verified["reasons"][2], expected["reasons"][2]);
+  EXPECT_EQ(verified["pairs"], 5);
+  EXPECT_EQ(verified["reasons"][2],
+            json({{"reason", "touching at every sampled configuration"},
+                  {"pairs", 2},
+                  {"names", json::array({json::array({"mast", "turret"}),
+                                         json::array({"mast", "boom"})})}}));
   EXPECT_TRUE(has(run("info mast.urdf").out,
-                  "1 left out: touching at the zero configuration\n    mast with boom\n"));
+                  "1 left out: touching at every sampled configuration\n    mast with boom\n"));
   EXPECT_TRUE(has(run("view mast.yaml p.json --svg v.svg").out, "6 pairs are not checked"));
   // With an SRDF, too.
   EXPECT_EQ(
       run("plan reach.yaml --json").document()["certificate"]["not_checked"],
       json({{"pairs", 1}, {"reasons", json::array({{{"reason", "adjacent"}, {"pairs", 1}}})}}));
+}
+
+/// Regression: a boom that grazed the mast at zero counted as a part that rests on it, and was
+/// swept deep into it, certified.
+TEST_F(Certificates, PartsThatTouchAtZeroOnlyAreCheckedWithAWarning) {
+  // The mast's side and the boom's are together at zero, and the boom turns into the mast.
+  std::string urdf = mastAndBoom("0.6", "0.4");
+  const std::string aside = "<origin xyz=\"0.6 0.0499 0\"/>";
+  urdf.replace(urdf.find("<origin xyz=\"0.6 0 0\"/>"), 23, aside);
+  write("mast.urdf", urdf);
+  write("mast.yaml", "leeway: 1\nrobot: {urdf: mast.urdf}\nstart: [-1]\ngoal: [-0.5]\n");
+  write("sweep.csv", "-1\n1\n");
+  const std::string warning = "links 'mast' and 'boom' touch at the zero configuration";
+  for (const char* command : {"plan mast.yaml", "verify mast.yaml sweep.csv", "info mast.yaml",
+                              "check mast.yaml --state start", "lint mast.yaml"}) {
+    const Answer answer = run(command);
+    EXPECT_TRUE(has(answer.err + answer.out, warning)) << command << answer.err << answer.out;
+  }
+  EXPECT_EQ(run("verify mast.yaml sweep.csv --json").document()["status"], "refuted");
+  EXPECT_EQ(run("check mast.yaml --state 0").status, 1);
+  // Where the zero configuration is the start, the warning says why it is not valid.
+  write("zero.yaml", "leeway: 1\nrobot: {urdf: mast.urdf}\nstart: [0]\ngoal: [-0.5]\n");
+  for (const char* command : {"plan zero.yaml", "batch zero.yaml", "replan zero.yaml"}) {
+    const Answer answer = run(command);
+    EXPECT_EQ(answer.status, 1) << command;
+    EXPECT_TRUE(has(answer.err, warning)) << command << answer.err;
+  }
+  // Allowed by name, nothing is said.
+  write("mast.yaml",
+        "leeway: 1\nrobot: {urdf: mast.urdf}\nstart: [-1]\ngoal: [-0.5]\n"
+        "allowed: [[mast, boom]]\n");
+  EXPECT_FALSE(has(run("check mast.yaml --state 0").err, warning));
+  EXPECT_EQ(run("check mast.yaml --state 0").status, 0);
 }
 
 /// Regression: a robot without collision shapes was certified, with exit status 0.

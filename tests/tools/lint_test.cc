@@ -41,9 +41,9 @@ TEST_F(Lint, AMarginWithoutEffectIsToldByEveryVerb) {
   const std::string words =
       "the margin of 'upper' and 'lower' has no effect: the pair is not checked (adjacent)";
   EXPECT_EQ(run("plan idle.yaml --output path.csv").status, 0);
-  for (const char* verb : {"plan idle.yaml", "verify idle.yaml path.csv",
-                           "clearance idle.yaml path.csv", "check idle.yaml --state start",
-                           "info idle.yaml"}) {
+  for (const char* verb :
+       {"plan idle.yaml", "verify idle.yaml path.csv", "clearance idle.yaml path.csv",
+        "check idle.yaml --state start", "info idle.yaml"}) {
     const Answer answer = run(verb);
     EXPECT_EQ(answer.status, 0) << verb << answer.err;
     EXPECT_NE(answer.err.find(words), std::string::npos) << verb << "\n" << answer.err;

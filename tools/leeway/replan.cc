@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/replanner.h"
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/support/exit_status.h"
@@ -200,8 +201,10 @@ void printSummary(const planner::Problem& problem, const planner::ReplanResult& 
              result.longest_step_s * 1e3);
 }
 
-/// What of the problem an execution does not use.
-void warnOfUnused(const planner::Problem& problem, const std::string& file) {
+/// Warns of pairs that are checked though they touch at zero, and of parts of the problem that an
+/// execution does not use.
+void warnOfProblem(const planner::Problem& problem, const std::string& file) {
+  printWarnings(planner::CompiledScene(problem).warnings());
   for (const planner::DeformingObstacle& obstacle : problem.world.deforming) {
     if (!obstacle.motion) {
       printWarnings({fmt::format("{}: obstacle '{}' has no motion: it stands still here", file,
@@ -272,7 +275,7 @@ int runReplan(const ReplanArguments& arguments) {
   apply(arguments.overrides, problem);
   const double load_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  warnOfUnused(problem, arguments.source.problem);
+  warnOfProblem(problem, arguments.source.problem);
   const bool json = arguments.json || (!arguments.text && isatty(STDOUT_FILENO) != 1);
   StepLog log(arguments.steps, json, !arguments.view.file.empty());
   planner::ReplanOptions options;

@@ -68,7 +68,7 @@ int runVerify(VerifyArguments& arguments) {
     for (std::string& warning : warnings) warning.insert(0, path_file + ": ");
     printWarnings(warnings);
   }
-  // The warnings are about margins without effect; the proof takes nothing from the scene.
+  // The proof takes nothing from this scene.
   printWarnings(planner::CompiledScene(problem).warnings());
   planner::PlanOptions options = interactivePlanOptions(arguments.limits.time_limit);
   UnitProgress progress(std::max<std::size_t>(2, path.positions.size()) - 1);

@@ -154,7 +154,7 @@ void printCompiled(const Json& compiled) {
   for (const auto& [reason, count] : compiled["dropped_by_reason"].items()) {
     fmt::print("  {} left out: {}\n", count.get<int>(), reason);
     // These pairs are assumed to touch, so they are listed by name.
-    if (reason != toString(planner::Unchecked::kTouchAtZero)) continue;
+    if (reason != toString(planner::Unchecked::kTouchSampled)) continue;
     for (const Json& pair : compiled["dropped"])
       if (pair["reason"] == reason)
         fmt::print("    {} with {}\n", pair["a"].get<std::string>(), pair["b"].get<std::string>());

@@ -23,14 +23,14 @@ struct SceneLanes;
 
 /// Why a pair of bodies is not checked; the first that holds.
 enum class Unchecked : unsigned char {
-  kRigid,        ///< no planned joint moves them against each other
-  kAdjacent,     ///< a joint joins the two links
-  kSrdf,         ///< the SRDF disables them
-  kAllowed,      ///< the problem allows them to touch
-  kAttached,     ///< an object, and the link that holds it or another that may touch it
-  kTouchAlways,  ///< parts that meet at a joint, proven to touch in every configuration
-  kTouchAtZero,  ///< parts that meet at a joint and touch at the zero configuration
-  kProvenApart,  ///< links that are proven never to touch
+  kRigid,         ///< no planned joint moves them against each other
+  kAdjacent,      ///< a joint joins the two links
+  kSrdf,          ///< the SRDF disables them
+  kAllowed,       ///< the problem allows them to touch
+  kAttached,      ///< an object, and the link that holds it or another that may touch it
+  kTouchAlways,   ///< parts that meet at a joint, proven to touch in every configuration
+  kTouchSampled,  ///< parts that meet at a joint and touch at every sampled configuration
+  kProvenApart,   ///< links that are proven never to touch
 };
 const char* toString(Unchecked why);  ///< "adjacent", "allowed by the problem", ...
 
@@ -42,7 +42,7 @@ inline constexpr const char* kNothingMoves =
 struct UncheckedPairs {
   Unchecked why;
   int count = 0;
-  /// The two bodies of each. Of kTouchAtZero alone, which is the only reason that is assumed.
+  /// The two bodies of each. Of kTouchSampled alone, which is the only reason that is assumed.
   std::vector<std::pair<std::string, std::string>> names = {};
 };
 /// "7 pairs are not checked: 4 adjacent, ..."; of no pairs "All pairs are checked".
@@ -90,8 +90,9 @@ class CompiledScene {
     auto operator<=>(const Dropped&) const = default;
   };
   const std::vector<Dropped>& dropped() const { return *dropped_; }
-  /// Parts of the problem without effect, if it has no steps: margins of pairs that are not
-  /// checked, objects without a shape.
+  /// Pairs of links that are checked although they touch at the zero configuration of a robot
+  /// without SRDF. If the problem has no steps, also its parts without effect: margins of pairs
+  /// that are not checked, objects without a shape.
   std::vector<std::string> warnings() const {
     return warnings_ ? *warnings_ : std::vector<std::string>();
   }

@@ -104,10 +104,17 @@ std::vector<std::pair<int, int>> provenTouching(const Model& model,
 /// or several. O(joints).
 int onlyJointBetween(const Model& model, int link_a, int link_b);
 
-/// Whether two links touch as parts that meet at a joint do: they touch at the default
-/// configuration, to within kTouch (tolerances.h), and the joint does not carry them through each
-/// other. It does where they overlap there by more than kShallow and are seen apart on both sides
-/// of it. `joint`: onlyJointBetween() them. A few distance queries, with an overlap some dozen.
-bool touchAtDefault(const Model& model, int link_a, int link_b, int joint);
+/// Where two links with one joint between them touch, to within kTouch (tolerances.h).
+enum class Touch : unsigned char {
+  kApart,       ///< they do not touch at the default configuration
+  kSometimes,   ///< they touch there, but not at every sample
+  kEverywhere,  ///< they touch there and at every sample
+};
+
+/// Returns where two links touch. Samples are the joint's positions at even steps from limit to
+/// limit, or over a whole turn. `joint`: onlyJointBetween() them. Nothing is proven between the
+/// samples. One look at each sample until the links are apart, kTouchLooks + 2 at most; a look is a
+/// distance query for each pair of geometries.
+Touch touchAtJoint(const Model& model, int link_a, int link_b, int joint);
 
 }  // namespace leeway::robots
