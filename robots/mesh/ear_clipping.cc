@@ -144,7 +144,7 @@ class Clipper {
     return winding;
   }
 
-  /// Of three points on a line: whether b is not between the others.
+  /// Whether b, of three points on a line, is not between the others.
   bool turnsBack(std::int32_t a, std::int32_t b, std::int32_t c) const {
     return (point(a) - point(b)).dot(point(c) - point(b)) > 0;
   }
@@ -178,7 +178,7 @@ class Clipper {
     push(a);
   }
 
-  /// What is in the triangle of a corner and its neighbours.
+  /// Looks into the triangle of a corner and its neighbours.
   Ear look(std::int32_t a, std::int32_t b, std::int32_t c) const {
     const Vector3d &p = point(a), &q = point(b), &r = point(c);
     Ear ear = Ear::kYes;
@@ -190,7 +190,7 @@ class Clipper {
     return ear;
   }
 
-  /// Calls visit(from, to) for all edges whose box meets that of a corner's triangle, but for the
+  /// Calls visit(from, to) for all edges whose box meets that of a corner's triangle, except the
   /// two of that corner, until it returns false.
   template <class Visit>
   void eachEdgeNear(std::int32_t a, std::int32_t b, std::int32_t c, const Visit& visit) const {
@@ -221,7 +221,7 @@ class Clipper {
   // ----------------------------------------------------------------------------------------------
   // polygons that cross themselves
 
-  /// Clips one corner, though its triangle is no ear.
+  /// Clips one corner, though its triangle is not an ear.
   void clipTheLeastWrong() {
     std::int32_t best = first(), node = best;
     double least = kInfinity;

@@ -45,6 +45,7 @@ class FileMesh {
   std::pmr::vector<Eigen::Vector3d> vertices{collision::largeArrays()};
   std::pmr::vector<std::int32_t> corners{collision::largeArrays()};  ///< vertices, from 0
   std::pmr::vector<Face> faces{collision::largeArrays()};
+  std::vector<std::int32_t> others;  ///< vertices of lines, points and curves, where they are read
 
   void addFace(std::span<const std::int32_t> of, FilePlace place) {
     faces.push_back(
@@ -63,7 +64,7 @@ struct MeshNote {
   std::string text;
 };
 
-/// What a file holds that has no area, and is left out.
+/// Counts the parts of a file that have no area and are left out.
 struct NotSolid {
   std::int64_t lines = 0, points = 0, curves = 0;
   FilePlace first;

@@ -41,7 +41,7 @@ struct Soup {
   std::vector<MeshNote> notes;
 };
 
-/// What a file is taken for: by its ending, as Assimp does; one that nobody knows by its beginning.
+/// The format of a file: by its ending, as Assimp does; if the ending is unknown, by its beginning.
 enum class Format { kStl, kObj, kPly, kDae, kOther };
 
 Format formatOf(const MeshSource& source) {
@@ -86,6 +86,20 @@ void noteWhatIsNotSolid(const NotSolid& left_out, std::vector<MeshNote>& notes) 
   if (!text.empty()) notes.push_back({left_out.first, "left out, as they have no area: " + text});
 }
 
+/// Vertices without a face are the trace of a file that was cut between two lines.
+void noteUnusedVertices(const FileMesh& mesh, std::vector<MeshNote>& notes) {
+  std::vector<std::uint8_t> is_used(mesh.vertices.size(), 0);
+  for (const std::int32_t corner : mesh.corners) is_used[static_cast<std::size_t>(corner)] = 1;
+  for (const std::int32_t other : mesh.others)
+    if (other >= 0 && static_cast<std::size_t>(other) < is_used.size())
+      is_used[static_cast<std::size_t>(other)] = 1;
+  const auto unused = std::count(is_used.begin(), is_used.end(), 0);
+  if (unused > 0)
+    notes.push_back({{},
+                     "has " + std::to_string(unused) + (unused == 1 ? " vertex" : " vertices") +
+                         " that no face uses; faces may be missing from the file"});
+}
+
 std::string inMetres(double length) {
   char text[32];
   const auto result =
@@ -99,7 +113,7 @@ struct FaceNote {
   FilePlace first;
   double largest = 0;  // [m]
 
-  /// Of a mesh; `linear` maps it to metres.
+  /// Adds the faces of a mesh; `linear` maps it to metres.
   void add(const FaceCount& faces, const Eigen::Matrix3d& linear) {
     if (faces.count == 0) return;
     if (count == 0) first = faces.first;
@@ -123,6 +137,12 @@ Soup makeSoup(MeshContents contents, const Eigen::Vector3d& scale, const Eigen::
   Soup soup;
   soup.notes = std::move(contents.notes);
   noteWhatIsNotSolid(contents.not_solid, soup.notes);
+  // (A DAE file that was cut is no XML. Which vertices edges of a PLY file use is not read.)
+  const NotSolid& others = contents.not_solid;
+  const Format format = formatOf(source);
+  if (format == Format::kObj ||
+      (format == Format::kPly && others.lines + others.points + others.curves == 0))
+    for (const FileMesh& mesh : contents.meshes) noteUnusedVertices(mesh, soup.notes);
   std::vector<std::optional<CutMesh>> cuts(contents.meshes.size());
   FaceNote bent, crossing;
   for (const MeshContents::Instance& instance : contents.instances) {
@@ -200,7 +220,7 @@ std::string keyOf(const MeshSource& source, const Eigen::Vector3d& scale) {
   return key.finish();
 }
 
-/// What the cache keeps: the mesh's bytes, the notes, and how many bytes these are.
+/// The content of a file in the cache: the mesh's bytes, the notes, and their number of bytes.
 std::vector<std::byte> withNotes(std::vector<std::byte> mesh, const std::vector<MeshNote>& notes) {
   collision::ByteWriter to;
   for (const MeshNote& note : notes) {
@@ -258,6 +278,7 @@ IndexedMesh importIndexed(const std::string& path, const Eigen::Vector3d& scale,
   for (Eigen::Vector3d& v : mesh.vertices) v = v.cwiseProduct(scale);
   std::vector<MeshNote> notes;
   noteWhatIsNotSolid(contents.not_solid, notes);
+  noteUnusedVertices(mesh, notes);
   FaceNote bent, crossing;
   bent.add(cut.bent, scale.asDiagonal());
   bent.tell("is not planar", "are not planar", "; taken as triangles", notes);

@@ -24,7 +24,7 @@ struct ImportedMesh {
   std::vector<std::string> warnings;  ///< each with the referrer, and the mesh file's own line
 };
 
-/// loadMesh(), with a cache for what it makes. `stop` is asked from several threads.
+/// loadMesh(), with a cache for what it makes. Several threads call `stop`.
 ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
                         const std::string& referrer, int line, const DiskCache& cache,
                         const Stop& stop);

@@ -16,15 +16,15 @@ namespace leeway::robots {
 /// A mesh file, read in one go, and the line of another file that names it.
 class MeshSource {
  public:
-  /// Throws InputError for what is no file or cannot be read, and for what evidently is something
-  /// else: a Git LFS pointer, a web page. `stop` must outlive this.
+  /// Throws InputError for a path that is not a file or cannot be read, and for a file that clearly
+  /// is something else: a Git LFS pointer, a web page. `stop` must outlive this.
   MeshSource(std::string path, std::string referrer, int referrer_line, const Stop& stop);
 
   const std::string& path() const { return path_; }
   std::span<const std::byte> bytes() const { return {contents_.data(), contents_.size()}; }
   /// The same as text, without a byte order mark.
   std::string_view text() const;
-  /// What follows the last dot, in lower case, with the dot.
+  /// The last dot and the text after it, in lower case.
   std::string ending() const;
 
   /// Throws InputError: "REFERRER:7: mesh PATH MESSAGE", "REFERRER:7: mesh PATH:12: MESSAGE".

@@ -20,8 +20,8 @@
 namespace leeway::robots {
 namespace {
 
-/// Gives importers a file from memory, and other files from the disk: but for materials, which say
-/// nothing of shapes. `reads_others` is set where others were read.
+/// Gives importers a file from memory, and other files from the disk, except materials, which have
+/// no shapes. Sets `reads_others` when other files are read.
 class Files final : public Assimp::IOSystem {
  public:
   Files(const MeshSource& source, bool& reads_others)
@@ -81,7 +81,7 @@ class Import {
     importer_.SetIOHandler(new Files(source, reads_others));
     importer_.SetProgressHandler(new Questions(source, ended_));
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, ignore_up_axis);
-    // Bones without a mesh are no shape.
+    // Bones without a mesh have no shape.
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     scene_ = importer_.ReadFile(source.path(), steps);
     if (ended_) std::rethrow_exception(ended_);

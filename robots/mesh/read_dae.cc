@@ -4,6 +4,7 @@
 #include <tinyxml2.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <map>
@@ -11,6 +12,8 @@
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "collision/base/sine_cosine.h"
@@ -27,6 +30,7 @@ using Matrix = Eigen::Matrix4d;
 constexpr int kMostNodes = 1'000'000;
 constexpr std::size_t kDeepest = 1000;
 constexpr int kMostControllers = 100;  // one on top of the other
+constexpr double kFlat = 1e-9;         // volume that a matrix leaves of a cube along its columns
 
 bool isNamed(const XMLElement& element, const char* name) {
   return std::strcmp(element.Name(), name) == 0;
@@ -35,6 +39,22 @@ bool isNamed(const XMLElement& element, const char* name) {
 FilePlace placeOf(const XMLElement& element) { return FilePlace::line(element.GetLineNum()); }
 
 std::string tagOf(const XMLElement& element) { return '<' + std::string(element.Name()) + '>'; }
+
+/// The names that may stand in an element.
+struct KnownNames {
+  std::vector<std::string> names;
+  std::size_t matter;  // how many of them, from the first, place or scale geometry
+};
+const KnownNames kInNode = {
+    {"lookat", "matrix", "rotate", "scale", "skew", "translate", "node", "instance_geometry",
+     "instance_controller", "instance_node", "instance_camera", "instance_light", "asset", "extra"},
+    10};
+const KnownNames kInScene = {{"node", "instance_geometry", "instance_controller", "instance_node",
+                              "asset", "evaluate_scene", "extra"},
+                             4};
+const KnownNames kInAsset = {{"unit", "up_axis", "contributor", "created", "modified", "keywords",
+                              "revision", "subject", "title", "coverage", "extra"},
+                             1};
 
 template <class Visit>
 void eachChild(const XMLElement& parent, const Visit& visit) {
@@ -81,17 +101,39 @@ class DaeReader {
     Matrix unit = Matrix::Identity();
     unit.diagonal().head<3>().setConstant(unitOf(root));
     const XMLElement& scene = visualScene(root);
+    checkChildren(scene, kInScene);
     visitChildren(scene, unit);
     if (contents_.instances.empty())
       fail(scene,
            "the visual scene has no geometry; <instance_geometry> in one of its nodes would be "
            "accepted");
+    if (unknown_ > 0)
+      contents_.notes.push_back(
+          {first_unknown_.first,
+           first_unknown_.second + " is not known and is left out" +
+               (unknown_ == 1 ? "" : ", as are " + std::to_string(unknown_ - 1) + " more")});
     return std::move(contents_);
   }
 
  private:
   [[noreturn]] void fail(const XMLElement& at, const std::string& message) const {
     source_.failAt(placeOf(at), message);
+  }
+
+  /// Refuses children whose misspelt names matter, and counts others that are not known.
+  void checkChildren(const XMLElement& parent, const KnownNames& known) {
+    eachChild(parent, [&](const XMLElement& child) {
+      if (std::find(known.names.begin(), known.names.end(), child.Name()) != known.names.end())
+        return;
+      const std::string* const near = nearestName(child.Name(), known.names);
+      const std::string what = tagOf(child) + " in " + tagOf(parent);
+      if (near != nullptr && static_cast<std::size_t>(near - known.names.data()) < known.matter)
+        fail(child, what + " is not known; <" + *near + "> would be accepted");
+      countUnknown(child, what);
+    });
+  }
+  void countUnknown(const XMLElement& at, const std::string& what) {
+    if (unknown_++ == 0) first_unknown_ = {placeOf(at), what};
   }
 
   // ----------------------------------------------------------------------------------------------
@@ -178,11 +220,32 @@ class DaeReader {
   }
 
   /// In metres, of <asset>.
-  double unitOf(const XMLElement& root) const {
+  double unitOf(const XMLElement& root) {
     const XMLElement* asset = root.FirstChildElement("asset");
-    const XMLElement* unit = asset == nullptr ? nullptr : asset->FirstChildElement("unit");
-    const char* text = unit == nullptr ? nullptr : unit->Attribute("meter");
-    if (text == nullptr) return 1;
+    if (asset == nullptr) return 1;
+    checkChildren(*asset, kInAsset);
+    const XMLElement* unit = asset->FirstChildElement("unit");
+    if (unit == nullptr) return 1;
+    const char* text = unit->Attribute("meter");
+    for (const tinyxml2::XMLAttribute* a = unit->FirstAttribute(); a != nullptr; a = a->Next()) {
+      if (std::strcmp(a->Name(), "meter") == 0 || std::strcmp(a->Name(), "name") == 0) continue;
+      const std::string what = "the attribute " + shown(a->Name()) + " of <unit>";
+      if (text == nullptr) fail(*unit, what + " is not known; meter and name would be accepted");
+      countUnknown(*unit, what);
+    }
+    if (const XMLElement* child = unit->FirstChildElement()) {
+      const std::string what = tagOf(*child) + " in <unit>";
+      if (text == nullptr)
+        fail(*child, what + " is not known; the attribute meter would be accepted");
+      countUnknown(*child, what);
+    }
+    if (text == nullptr) {
+      const char* const name = unit->Attribute("name");
+      if (name != nullptr && std::strcmp(name, "meter") != 0 && std::strcmp(name, "metre") != 0)
+        contents_.notes.push_back({placeOf(*unit), "<unit> is named " + shown(name) +
+                                                       " and has no attribute meter: 1 is taken"});
+      return 1;
+    }
     Words words(text);
     const std::optional<double> metres = parseFinite(withPoint(words.next()));
     if (!metres || !(*metres > 0) || !words.atEnd())
@@ -228,9 +291,12 @@ class DaeReader {
     for (const XMLElement* above : path_)
       if (above == &node) fail(node, "the node is an instance of itself; a tree would be accepted");
     path_.push_back(&node);
+    if (checked_.insert(&node).second) checkChildren(node, kInNode);
     Matrix X = parent;
+    const XMLElement* const flattened_above = flattened_;
     eachChild(node, [&](const XMLElement& child) { transform(child, X); });
     visitChildren(node, X);
+    flattened_ = flattened_above;
     path_.pop_back();
   }
 
@@ -274,6 +340,10 @@ class DaeReader {
   }
 
   void place(const XMLElement& geometry, const Matrix& X) {
+    if (flattened_ != nullptr)
+      fail(*flattened_, tagOf(*flattened_) +
+                            " flattens the geometry of its node; one that keeps its volume would "
+                            "be accepted");
     const auto [entry, is_new] = meshes_.try_emplace(&geometry, contents_.meshes.size());
     if (is_new) {
       contents_.meshes.emplace_back();
@@ -285,7 +355,7 @@ class DaeReader {
   // ----------------------------------------------------------------------------------------------
   // transformations: chapter 5, in their order
 
-  void transform(const XMLElement& element, Matrix& X) const {
+  void transform(const XMLElement& element, Matrix& X) {
     if (isNamed(element, "matrix")) {
       const std::vector<double> m = numbers(element, 16);
       // (The last row of what exporters multiply in single precision.)
@@ -295,12 +365,14 @@ class DaeReader {
         fail(element, "the last row of <matrix> is not 0 0 0 1, as it would be accepted");
       Matrix local = Matrix::Identity();
       for (int i = 0; i < 12; ++i) local(i / 4, i % 4) = m[static_cast<std::size_t>(i)];
+      if (isFlat(local.topLeftCorner<3, 3>())) flattened_ = &element;
       X *= local;
     } else if (isNamed(element, "translate")) {
       const std::vector<double> t = numbers(element, 3);
       X.col(3).head<3>() += X.topLeftCorner<3, 3>() * Eigen::Vector3d(t[0], t[1], t[2]);
     } else if (isNamed(element, "scale")) {
       const std::vector<double> s = numbers(element, 3);
+      if (std::count(s.begin(), s.end(), 0.0) > 0) flattened_ = &element;
       for (int i = 0; i < 3; ++i) X.col(i) *= s[static_cast<std::size_t>(i)];
     } else if (isNamed(element, "rotate")) {
       const std::vector<double> r = numbers(element, 4);
@@ -318,6 +390,17 @@ class DaeReader {
       X.col(3).head<3>() += X.topLeftCorner<3, 3>() * eye;
       turn(X, axes);
     }
+  }
+
+  /// Whether a map takes all points to one plane, within the rounding of exporters.
+  static bool isFlat(const Eigen::Matrix3d& map) {
+    Eigen::Matrix3d unit = map;
+    for (int i = 0; i < 3; ++i) {
+      const double length = unit.col(i).stableNorm();
+      if (!(length > 0)) return true;
+      unit.col(i) /= length;
+    }
+    return !(std::abs(unit.determinant()) > kFlat);
   }
 
   static void turn(Matrix& X, const Eigen::Matrix3d& by) {
@@ -603,6 +686,10 @@ class DaeReader {
   std::map<const XMLElement*, std::size_t> meshes_;
   std::vector<const XMLElement*> path_;
   int nodes_ = 0;
+  std::unordered_set<const XMLElement*> checked_;  // nodes
+  const XMLElement* flattened_ = nullptr;          // the last that takes all to a plane
+  std::int64_t unknown_ = 0;
+  std::pair<FilePlace, std::string> first_unknown_;
   bool has_controllers_ = false;
   MeshContents contents_;
 };

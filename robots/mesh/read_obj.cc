@@ -76,6 +76,7 @@ class ObjReader {
     const std::string_view word = words.next();
     if (isRead(word)) return word == "v" ? readVertex(words) : readFace(words);
     NotSolid& left_out = contents_.not_solid;
+    if (word == "l" || word == "p" || word == "curv") readOthers(words);
     if (word == "l") left_out.count(left_out.lines, place());
     if (word == "p") left_out.count(left_out.points, place());
     if (word == "curv" || word == "curv2") left_out.count(left_out.curves, place());
@@ -136,6 +137,16 @@ class ObjReader {
       source_.failAt(place(), "a face of " + std::to_string(count) +
                                   " corners; at least three would be accepted");
     mesh_.faces.push_back({first, count, place()});
+  }
+
+  /// The vertices that a statement without faces uses. (curv begins with its range.)
+  void readOthers(Words& words) {
+    const auto so_far = static_cast<std::int32_t>(mesh_.vertices.size());
+    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+      std::int32_t number = 0;
+      std::from_chars(word.data(), word.data() + word.size(), number);
+      if (number != 0) mesh_.others.push_back(number > 0 ? number - 1 : so_far + number);
+    }
   }
 
   /// Negative numbers count back from the last vertex so far; others may name one that follows.

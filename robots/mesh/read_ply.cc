@@ -146,7 +146,7 @@ class Body {
                                              : shown(word_) + " cannot be used here") +
                                 std::string("; ") + accepted + " would be accepted");
   }
-  /// Of the last number.
+  /// The place of the last number.
   FilePlace place() const { return order_ ? byteOf(last_) : FilePlace::line(line_); }
   /// No more elements can follow: each has a byte.
   std::size_t left() const { return rest_.size(); }

@@ -42,15 +42,15 @@ class Words {
     while (at_ != end_ && !isBlank(*at_)) ++at_;
     return {begin, static_cast<std::size_t>(at_ - begin)};
   }
-  /// What is left of the line that the last word stands in.
+  /// The rest of the line that has the last word.
   std::string_view restOfLine() {
     const char* const begin = at_;
     at_ = std::find(at_, end_, line_end_);
     return {begin, static_cast<std::size_t>(at_ - begin)};
   }
-  /// Whether nothing but blanks is left.
+  /// Whether only blanks are left.
   bool atEnd() const { return std::all_of(at_, end_, isBlank); }
-  /// Of the last word.
+  /// The place of the last word.
   FilePlace place() const { return FilePlace::line(line_); }
   std::int64_t line() const { return line_; }
 
@@ -61,7 +61,7 @@ class Words {
   std::int64_t line_;
 };
 
-/// A whole word as a coordinate. Fails for what is no finite number.
+/// A whole word as a coordinate. Fails unless it is a finite number.
 inline double coordinate(const MeshSource& source, std::string_view word, FilePlace place) {
   const std::optional<double> value = parseNumber(word);
   if (value && std::abs(*value) <= kGreatestCoordinate) return *value;

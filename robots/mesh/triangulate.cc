@@ -118,7 +118,7 @@ class Cutter {
   }
 
   /// The polygon's triangles on both sides of it, as far from it as it is thick, and walls along
-  /// its edges but for bridges, which it walks twice.
+  /// its edges, except bridges, which it walks twice.
   void coverBySlab() {
     const Vector3d offset = ((1 + 1e-9) * departure_ + rounding_) * normal_;
     const auto count = static_cast<std::int32_t>(points_.size());
@@ -165,7 +165,7 @@ class Cutter {
   FileMesh& mesh_;
   Bent bent_;
   CutMesh result_;
-  // Of the polygon in hand:
+  // The current polygon:
   std::vector<Vector3d> points_;
   Vector3d normal_;
   double departure_ = 0, tolerance_ = 0, rounding_ = 0;

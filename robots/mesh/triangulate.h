@@ -26,7 +26,7 @@ struct CutMesh {
   FaceCount crossing;  ///< crossing themselves
 };
 
-/// What becomes of a polygon that is not planar: it means any surface between its corners.
+/// How a polygon that is not planar is read: it means any surface between its corners.
 enum class Bent {
   kCut,     ///< the triangles that it is cut into
   kCovered  ///< these, and a closed body that holds all such surfaces: of four corners those of all

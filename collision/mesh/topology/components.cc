@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using Triangle = std::array<std::int32_t, 3>;
 
-// What departs from a plane by less than this share of its size is flat: nobody means it as a
+// A surface that departs from a plane by less than this share of its size is flat: a sheet, not a
 // solid.
 constexpr double kFlatShare = 1e-6;
 // A triangle of less height, as a share of an edge's length, is a line.
@@ -346,7 +346,9 @@ class Components {
     return areaNormal(t).norm() > longest * std::max(2 * thickness_, kLine * longest);
   }
 
-  // Whether all that is in no solid is in one plane.
+  // Whether all that is in no solid is in one plane. A sheet, with holes or without, has open edges
+  // by design, and the silence hides no solid: one that has lost facets still has others, in three
+  // planes at least, and of one that has lost all but a plane the file holds nothing.
   bool isFlat() const {
     const auto forEachOpen = [&](const auto& visit) {
       for (std::size_t i = 0; i < triangles_.size(); ++i)

@@ -70,6 +70,20 @@ TEST(TriangleMesh, WhatIsNotClosedIsASurface) {
          Random(3).pose(2));
   EXPECT_EQ(TriangleMesh::make(sheet.vertices, sheet.triangles)->openEdgeCount(), 0U);
 
+  // With a hole, too. Raised by a little it encloses something, perhaps.
+  TriangleSoup panel;
+  for (const double half : {1.0, 0.5})
+    for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
+      panel.vertices.emplace_back(half * x, half * y, 0);
+  for (int i = 0; i < 4; ++i) {
+    const int j = (i + 1) % 4;
+    panel.triangles.push_back({i, j, j + 4});
+    panel.triangles.push_back({i, j + 4, i + 4});
+  }
+  EXPECT_EQ(TriangleMesh::make(panel.vertices, panel.triangles)->openEdgeCount(), 0U);
+  panel.vertices[4].z() = 1e-3;
+  EXPECT_EQ(TriangleMesh::make(panel.vertices, panel.triangles)->openEdgeCount(), 8U);
+
   // A Moebius strip has a border. A Klein bottle, glued from a grid with one twist, has none, but
   // no orientation either.
   TriangleSoup klein;

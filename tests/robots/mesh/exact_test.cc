@@ -283,7 +283,7 @@ TEST(Exact, FromTheFileToTheInterval) {
       const double allowed = 1e-9 * size + 1e-15 * farthest;
       EXPECT_LE(r.distance.lower, oracle::toDouble(truth) + allowed) << mesh.content;
       EXPECT_GE(r.distance.upper, oracle::toDouble(truth) - allowed) << mesh.content;
-      // (Queries round by some 1e-14 of the coordinates.)
+      // (Queries round by about 1e-14 of the coordinates.)
       EXPECT_LE(r.distance.upper - r.distance.lower, allowed + 1e-13 * farthest) << mesh.content;
     }
   }

@@ -355,7 +355,42 @@ TEST(MeshImport, CoordinatesAreThoseOfTheFile) {
   EXPECT_EQ(extent(shape).first.x(), 4000000.04);
 }
 
-/// Warnings are told again by those who take a mesh from the cache.
+/// A file that was cut between two lines has vertices that no face uses any more.
+TEST(MeshImport, VerticesThatNoFaceUsesAreCounted) {
+  const Folder folder;
+  const auto told = [&](const std::string& name, const std::string& text) {
+    std::vector<std::string> warnings;
+    loadMesh(folder.write(name, text), kOne, "r.urdf", 1, {}, &warnings);
+    return warnings;
+  };
+  const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  const std::string faces = "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  EXPECT_TRUE(told("whole.obj", corners + faces).empty());
+  const std::vector<std::string> cut = told("cut.obj", corners + "v 5 5 5\nf 1 3 2\n");
+  ASSERT_EQ(cut.size(), 1U);
+  EXPECT_EQ(cut[0], "r.urdf:1: mesh " + folder.path("cut.obj") +
+                        " has 2 vertices that no face uses; faces may be missing from the file");
+  EXPECT_NE(told("one.obj", corners + "v 5 5 5\n" + faces)[0].find("has 1 vertex that"),
+            std::string::npos);
+  // Lines and points use them.
+  const std::vector<std::string> lines =
+      told("lines.obj", corners + "v 5 5 5\nv 6 6 6\n" + faces + "l 1 -2\np 6\n");
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_NE(lines[0].find("left out"), std::string::npos);
+  EXPECT_EQ(told("more.obj", corners + "v 5 5 5\nv 6 6 6\n" + faces + "l 1 5\n").size(), 2U);
+  const auto ply = [](int vertices) {
+    std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(vertices) +
+                       "\nproperty float x\nproperty float y\nproperty float z\nelement face "
+                       "1\nproperty list int int vertex_indices\nend_header\n";
+    for (int i = 0; i < vertices; ++i)
+      text += std::to_string(i * i) + ' ' + std::to_string(i) + " 0\n";
+    return text + "3 0 1 2\n";
+  };
+  EXPECT_TRUE(told("whole.ply", ply(3)).empty());
+  EXPECT_NE(told("more.ply", ply(5))[0].find("has 2 vertices"), std::string::npos);
+}
+
+/// A mesh from the cache has its warnings again.
 TEST(MeshImport, WarningsAreKeptWithTheMesh) {
   const Folder folder;
   LoadOptions options;

@@ -95,7 +95,7 @@ TEST(ReadDae, AccessorsOfAllKinds) {
                       "count=\"3\" offset=\"2\" stride=\"4\"><param name=\"Z\"/><param/><param "
                       "name=\"X\"/><param name=\"Y\"/>")),
       Vector3d(11, 12, 9));
-  // Without names, the first three.
+  // Accessors without names give the first three numbers.
   EXPECT_EQ(vertexOf(source("1 2 3 4 5 6 7 8 9", "9", "count=\"3\" stride=\"3\"><param/>")),
             Vector3d(7, 8, 9));
 }
@@ -131,6 +131,17 @@ TEST(ReadDae, UnitsCountTheUpAxisDoesNot) {
   EXPECT_EQ(placed("", p, "<unit name=\"x\"/>"), p);
   EXPECT_EQ(placed("<translate>1,5 0 0</translate>", p, "<unit meter=\"0,5\"/>"),
             Vector3d(1, 0.125, 1));
+  // A unit without a length is a metre, whatever its name is.
+  for (const auto& [unit, note] :
+       {std::pair("<unit name=\"millimeter\"/>", "<unit> is named 'millimeter' and has no"),
+        {"<unit meter=\"1\" unit=\"x\"/>", "the attribute 'unit' of <unit> is not known"},
+        {"<author/><units_of_time/>", "<author> in <asset> is not known and is left out, as are 1"},
+        {"<unit name=\"meter\"/><keyword/>", "<keyword> in <asset> is not known"}}) {
+    const MeshContents contents = readAs(readDae, dae(kTriangle, node(kInstance), unit));
+    ASSERT_EQ(contents.notes.size(), 1U) << unit;
+    EXPECT_EQ(contents.notes[0].text.find(note), 0U) << contents.notes[0].text;
+    EXPECT_EQ(contents.notes[0].place.text(), ":1");
+  }
   for (const char* up : {"X_UP", "Y_UP", "Z_UP"})
     EXPECT_EQ(placed("", p, std::string("<up_axis>") + up + "</up_axis>"), p) << up;
 }
@@ -226,6 +237,35 @@ TEST(ReadDae, DamagedFiles) {
   refused({nodes(node("<matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1</matrix>" + kInstance)),
            ":8",
            {"last row"}});
+  // Misspelt names, where they matter.
+  refused({asset("<unit metre=\"0.001\"/>"), ":1", {"'metre' of <unit>", "meter and name would"}});
+  refused({asset("<unit name=\"mm\" Meter=\"0.001\"/>"), ":1", {"'Meter' of <unit>"}});
+  refused({asset("<unit><meter>0.001</meter></unit>"), ":1", {"<meter> in <unit>", "attribute"}});
+  refused({asset("<units meter=\"0.001\"/>"), ":1", {"<units> in <asset>", "<unit> would"}});
+  for (const auto& [wrong, right] : {std::pair("Translate", "translate"),
+                                     {"translation", "translate"},
+                                     {"scal", "scale"},
+                                     {"rotation", "rotate"},
+                                     {"Matrix", "matrix"},
+                                     {"lookAt", "lookat"},
+                                     {"skews", "skew"},
+                                     {"nodes", "node"},
+                                     {"instance_geometri", "instance_geometry"}})
+    refused({nodes(node("<" + std::string(wrong) + ">1 2 3</" + wrong + ">" + kInstance)),
+             ":8",
+             {"<" + std::string(wrong) + "> in <node> is not known; <" + right + "> would"}});
+  refused({nodes("<Node>" + kInstance + "</Node>" + node(kInstance)),
+           ":8",
+           {"<Node> in <visual_scene>", "<node> would"}});
+  // Transformations that flatten a geometry.
+  for (const char* flat : {"<scale>1 0 1</scale>", "<scale>0 0 0</scale>",
+                           "<matrix>1 0 0 0 0 1 0 0 0 0 0 5 0 0 0 1</matrix>",
+                           "<matrix>1 2 3 0 2 4 6 0 0 0 1 0 0 0 0 1</matrix>"}) {
+    refused({nodes(node(flat + kInstance)), ":8", {"flattens the geometry of its node"}});
+    refused({nodes(node(flat + node(kInstance))), ":8", {"flattens the geometry of its node"}});
+    // Where there is none nothing is lost.
+    EXPECT_EQ(readAs(readDae, dae(kTriangle, node(flat) + node(kInstance))).instances.size(), 1U);
+  }
   refused({nodes(node("<rotate>0 0 0 30</rotate>" + kInstance)), ":8", {"no length"}});
   refused({nodes(node("<scale>1 1 nan</scale>" + kInstance)), ":8", {"'nan' is not finite"}});
   const auto replaced = [&](const std::string& a, const std::string& b) {

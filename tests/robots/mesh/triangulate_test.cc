@@ -54,7 +54,7 @@ TEST(Triangulate, PlanarFacesAreCutAlone) {
   EXPECT_EQ(cut.triangles, (decltype(cut.triangles){{0, 1, 2}, {0, 2, 3}}));
   EXPECT_EQ(cut.bent.count, 0);
   EXPECT_EQ(square.vertices.size(), 4U);
-  // What six digits leave of a plane, far from the origin, too.
+  // A plane that is rounded to six digits, far from the origin, too.
   for (const double offset : {0.0, 5.0}) {
     FileMesh rounded =
         polygon({{offset, 0, 0}, {offset + 1, 0, 0}, {offset + 1, 1, 9e-7}, {offset, 1, 0}});
@@ -110,7 +110,7 @@ TEST(Triangulate, BentQuadranglesAreCoveredByTheirTetrahedron) {
     for (const auto& [a, b, c] :
          {std::array<std::size_t, 3>{0, 1, 2}, {0, 2, 3}, {0, 1, 3}, {1, 2, 3}})
       EXPECT_LE(farthest(corners[a], corners[b], corners[c], shape), rounding) << i;
-    // What lies between both, inside the tetrahedron.
+    // Points between both, inside the tetrahedron.
     const Vector3d middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
     EXPECT_LE(farthest(middle, middle, middle, shape), rounding);
   }
@@ -166,7 +166,7 @@ TEST(Triangulate, SlabsKeepWindows) {
   EXPECT_GT(collision::distance(shape, {}, collision::Shape::sphere(0.4), X).distance.lower, 0.05);
 }
 
-/// A bow tie covers both of its halves; it is told.
+/// A bow tie covers both of its halves and has a note.
 TEST(Triangulate, CrossingFacesAreCoveredAndTold) {
   FileMesh file = polygon({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}});
   CutMesh cut;
