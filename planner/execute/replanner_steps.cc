@@ -35,7 +35,7 @@ std::uint64_t stream(std::uint64_t first, int number) {
   return first + static_cast<std::uint64_t>(number);
 }
 
-/// What only execution asks of a problem.
+/// Checks the members that only execution reads.
 const Problem& executable(const Problem& problem) {
   const Execution& e = problem.execution;
   const auto refuse = [&](const std::string& message) {

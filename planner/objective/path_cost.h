@@ -17,7 +17,7 @@ namespace leeway::planner {
 /// its own pairs. Every answer is an interval that holds. Thread-safe.
 class PathCost {
  public:
-  /// Of the objective and the wishes of a valid problem; null where neither asks for a cost.
+  /// The cost by the objective and the wishes of a valid problem; null if neither has a cost.
   /// O(pairs) a term.
   static std::shared_ptr<PathCost> of(const CompiledScene& scene, const Problem& problem);
 

@@ -309,7 +309,7 @@ class TaskPlan {
                             stretch.departure.deviation, stretch.departure.turn});
       if (stretch.points.size() < 2) continue;
       const auto scene = std::make_shared<const CompiledScene>(stretch.stage);
-      // What has no effect in any of the steps.
+      // Keep the warnings that hold in every step.
       const std::vector<std::string> warnings = scene->warnings();
       if (whole.segments.empty()) result_.warnings = warnings;
       std::erase_if(result_.warnings, [&](const std::string& warning) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to planner/: what is asked of the parts of a Problem. Readers of problem files name the
-// line of what is wrong, validate() the member; the words are the same.
+// Private to planner/: checks of the parts of a Problem. Readers of problem files name the line of
+// a fault, validate() the member; the words are the same.
 
 #include <optional>
 #include <span>
@@ -13,7 +13,7 @@
 
 namespace leeway::planner {
 
-/// What is wrong with a section of a problem: the whole message, "limits.time is -1; ...", and
+/// A fault in a section of a problem: the whole message, "limits.time is -1; ...", and
 /// where problem files say it: a key of the section, and for a map by name the name in it.
 struct Fault {
   std::string message, key, name;
@@ -22,9 +22,9 @@ struct Fault {
 std::optional<Fault> executionFault(const Problem& problem);
 std::optional<Fault> limitsFault(const PlanningLimits& limits);
 
-/// What is wrong with a term of a cost. `where`: of the term.
+/// Returns the fault of a term of a cost. `where`: the term.
 std::optional<Fault> termFault(const CostTerm& term, const std::string& where);
-/// What is wrong with an objective alone; its terms are checked one by one.
+/// Returns the fault of an objective alone; its terms are checked one by one.
 std::optional<std::string> objectiveFault(const Objective& objective);
 /// Whether the objective, or wishes beside it, are a cost of paths.
 bool asksForCost(const Problem& problem);
@@ -35,32 +35,32 @@ std::optional<std::string> improveFault(const Problem& problem);
 /// Why the planner cannot minimise the problem's cost, and which planners can.
 std::optional<std::string> costPlannerFault(const Problem& problem);
 
-/// What is wrong with a wish's numbers. `where`: of its clearance; the weight stands beside it.
+/// Returns the fault of a wish's numbers. `where`: its clearance; the weight follows it.
 std::optional<Fault> wishFault(const Wish& wish, const std::string& where);
 
 /// "joint 'elbow'", of a variable of the model.
 std::string variableText(const robots::Model& model, int variable);
-/// What is wrong with a range of values of a planned variable, which for a single value has no
+/// Returns the fault of a range of values of a planned variable, which for one value has no
 /// width: "joint 'elbow' at 4, outside its limits; -3 to 3 is expected". Nothing for orientations.
 std::optional<std::string> rangeFault(const robots::Model& model, int variable, double lower,
                                       double upper);
-/// What is wrong with a goal: "goal 'reach' has joint ...". Its poses, or a range for each planned
-/// variable.
+/// Returns the fault of a goal: "goal 'reach' has joint ...". Its poses, or a range for each
+/// planned variable.
 std::optional<std::string> goalFault(const Problem& problem, const Goal& goal);
-/// What is wrong with the start: the whole message.
+/// Returns the fault of the start: the whole message.
 std::optional<std::string> startFault(const Problem& problem);
-/// What is wrong with poses as goal or start.
+/// Returns the fault of poses as goal or start.
 std::optional<std::string> posesFault(const Problem& problem,
                                       const std::vector<robots::PoseRegion>& poses);
 
-/// What is wrong with a pose of a problem, "is at (nan, 0, 0); ...", for behind "the pose of 'a'";
-/// empty: nothing. A matrix is a rotation when it is
-/// right-handed and orthogonal within collision::kRotationTolerance.
+/// Returns the fault of a pose of a problem, "is at (nan, 0, 0); ...", for behind "the pose of
+/// 'a'"; empty: nothing. A matrix is a rotation when it is right-handed and orthogonal within
+/// collision::kRotationTolerance.
 std::string poseFault(const robots::Pose& X);
-/// What is wrong with the poses of an object and its shapes: the whole message.
+/// Returns the fault of the poses of an object and its shapes: the whole message.
 std::string objectFault(const Object& object);
 
-/// What is wrong with a bound on an obstacle's speed: it is below what the obstacle's own motion
+/// Returns the fault of a bound on an obstacle's speed: it is below what the obstacle's own motion
 /// may reach while the execution lasts.
 std::optional<std::string> speedBoundFault(const DeformingObstacle& obstacle,
                                            const Execution& execution);

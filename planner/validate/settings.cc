@@ -24,7 +24,7 @@ Fault faultAt(const std::string& where, const char* key, double value,
   return {fmt::format("{}.{} is {}; {} is expected", where, key, value, expected), key, {}};
 }
 
-/// What is wrong with limits by the names of planned variables.
+/// Returns the fault of limits by the names of planned variables.
 std::optional<Fault> byVariableFault(const Problem& problem, const char* key,
                                      const std::map<std::string, double>& limits) {
   if (limits.empty()) return std::nullopt;
@@ -88,7 +88,7 @@ std::optional<Fault> termFault(const CostTerm& term, const std::string& where) {
 
 std::optional<std::string> objectiveFault(const Objective& objective) {
   if (const auto* length = std::get_if<MinimumLength>(&objective)) {
-    // -infinity: none is asked for.
+    // (-infinity stands for no clearance.)
     if (isSize(length->clearance) || length->clearance == -kInfinity) return std::nullopt;
     return faultAt("objective", "clearance", length->clearance, "zero or more").message;
   }

@@ -23,7 +23,7 @@ bool isOfOrientation(const Model& model, int variable) {
   return joint.type == robots::JointType::kFloating && variable - joint.first_variable >= 3;
 }
 
-/// What is wrong with four ranges of a goal that are an orientation: one, or any.
+/// Returns the fault of four ranges of a goal that are an orientation: one, or any.
 std::optional<std::string> orientationFault(const Model& model, const Goal& goal, std::size_t first,
                                             int variable) {
   bool is_free = true, is_given = true;

@@ -64,8 +64,9 @@ py::array_t<double> matrix(const collision::Pose& pose);
 
 /// A list of strings.
 py::list listOf(const std::vector<std::string>& names);
-/// What cannot be changed, in place of `value`: lists whose methods refuse it, mapping proxies for
-/// dicts, arrays that are read-only; what they hold, too. Copies of it may be changed.
+/// Returns an object that cannot be changed in place of `value`: lists whose methods refuse it,
+/// mapping proxies for dicts, arrays that are read-only; what they hold, too. Copies of it may be
+/// changed.
 py::object constant(const py::object& value);
 /// A str or os.PathLike.
 std::string fileName(py::handle value, const char* name);

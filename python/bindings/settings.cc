@@ -158,7 +158,7 @@ void setWishes(planner::Problem& problem, const py::object& value) {
   problem.margins.wishes = std::move(wishes);
 }
 
-/// Of joints that are not planned.
+/// The values of joints that are not planned.
 py::object getOthers(const planner::Problem& problem) {
   py::dict values;
   const std::vector<int>& planned = problem.robot.variables;
@@ -518,13 +518,13 @@ void replaceEnds(const std::string& name, planner::Problem& problem) {
   if (name == "steps" && !problem.steps.empty()) problem.goals.clear();
 }
 
-/// What was handed out stays the problem's: of these kinds.
+/// Kinds of objects that a problem hands out and keeps.
 bool canChange(const py::object& value) {
   return py::isinstance<py::list>(value) || py::isinstance<py::dict>(value) ||
          py::isinstance<py::array>(value) || py::isinstance<World>(value);
 }
 
-/// What tells whether something has changed: another image.
+/// Returns an image of an object; another image means that the object has changed.
 py::object imageOf(const py::object& value) {
   if (py::isinstance<World>(value)) return py::int_(value.cast<const World&>().changes);
   if (py::isinstance<py::array>(value))
@@ -637,7 +637,7 @@ void Problem::set(const Setting& setting, const py::object& value) {
   replaceEnds(name, changed);
   placeStart(changed);
   planner::validate(changed);
-  // What was handed out stays the problem's, with what this or another setting of it is now.
+  // Objects that were handed out stay the problem's, with the values that its settings have now.
   for (auto next = handed_out_.begin(); next != handed_out_.end();) {
     const auto handed_out = next++;
     const Setting& of = *findSetting(handed_out->first);

@@ -23,7 +23,7 @@ collision::Shape convexHull(const py::object& points);
 collision::Shape mesh(const py::object& file, const py::object& vertices,
                       const py::object& triangles, const py::object& scale,
                       const std::string& solid, double weld);
-/// What keywords and dictionaries say of a mesh. Throws ValueError.
+/// Returns the treatment of a mesh that keywords give. Throws ValueError.
 robots::MeshTreatment meshTreatment(const std::string& solid, double weld);
 
 /// A shape, or a list of shapes or pairs (shape, pose). `name` is that of the geometries.

@@ -32,7 +32,7 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return previous[b.size()];
 }
 
-/// What a decimal number that is outside of the range of doubles rounds to: 0 or infinity.
+/// Rounds a decimal number outside the range of doubles: to 0 or infinity.
 double outOfRange(std::string_view number) {
   const bool negative = number.front() == '-';
   const std::size_t mantissa_end = std::min(number.find_first_of("eE"), number.size());

@@ -31,8 +31,8 @@ struct RegionError {
   std::array<Eigen::Vector3d, 3> free_axis;
 };
 
-/// What is wrong with a region, and what is expected: a link that the model does not have, a frame
-/// that is no rigid placement, a range whose ends are exchanged or not finite, a tolerance below
+/// Returns the fault of a region, with the accepted values: a link that the model does not have, a
+/// frame that is not rigid, a range whose ends are exchanged or not finite, a tolerance below
 /// kLeastPoseTolerance. Nothing for a region that makes sense.
 std::optional<std::string> regionFault(const Model& model, const PoseRegion& region);
 

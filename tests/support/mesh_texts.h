@@ -19,7 +19,7 @@ namespace leeway::robots::mesh_texts {
 
 using Reader = MeshContents (*)(const MeshSource&);
 
-/// What a reader makes of a file with that content.
+/// The result of a reader for a file with that content.
 inline MeshContents readAs(Reader reader, const std::string& content,
                            const std::string& name = "mesh") {
   static const Stop never;

@@ -17,9 +17,9 @@ struct EdgeUse {
   bool forward;       ///< from low to high
 };
 
-/// The edges of all triangles, sorted by low, high and triangle; but for triangles that name a
-/// vertex twice: such a triangle uses an edge in both directions, and its neighbours match without
-/// it. O(n + vertices), and O(k log k) for a vertex of k edges.
+/// Returns the edges of all triangles, sorted by low, high and triangle. Triangles that name a
+/// vertex twice are left out: such a triangle uses an edge in both directions, and its neighbours
+/// match without it. O(n + vertices), and O(k log k) for a vertex of k edges.
 std::vector<EdgeUse> sortedEdges(std::span<const std::array<std::int32_t, 3>> triangles,
                                  std::size_t vertices);
 
@@ -27,12 +27,12 @@ std::vector<EdgeUse> sortedEdges(std::span<const std::array<std::int32_t, 3>> tr
 struct MeshComponents {
   std::vector<std::int32_t> component;  ///< of each triangle
   std::vector<std::uint8_t> closed;     ///< of each component: not 0 for a solid
-  /// Of each triangle: how often a crossing of it counts in the winding number of its component,
+  /// For each triangle: how often a crossing of it counts in the winding number of its component,
   /// modulo kCyclePrime (cycles.h). Empty: 1 for all.
   std::vector<std::uint64_t> weight;
   /// How many edges end the surface of what is in no solid, where it has an area; where none does,
   /// those where other than two of its triangles meet, and at least 1. 0 where all that is in no
-  /// solid is in one plane, which nobody means as a solid.
+  /// solid is in one plane: a flat sheet, not a solid.
   std::size_t open_edges = 0;
   /// The edges (low, high) between two vertices where a surface ends, whether it ends along them or
   /// not: where it could be closed, see crackFillers().

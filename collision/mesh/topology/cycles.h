@@ -21,9 +21,9 @@ using BorderEquation = std::vector<BorderTerm>;
 
 /// A cycle of patches: weights with which the borders of all patches cancel along every edge.
 struct PatchCycle {
-  /// Of each patch, below kCyclePrime; 0: the patch is in no cycle.
+  /// For each patch, below kCyclePrime; 0: the patch is in no cycle.
   std::vector<std::uint64_t> weight;
-  /// Of each patch: the lowest patch that its borders tie it to; itself where nothing does.
+  /// For each patch: the lowest patch that its borders tie it to; itself where nothing does.
   std::vector<std::int32_t> cluster;
 };
 

@@ -108,10 +108,10 @@ const std::string& matrixName(const Model& model, const Matrix& matrix, int link
   }
 }
 
-/// Allows pairs by the matrix; pairs of which it says nothing by the SRDF.
+/// Allows pairs by the matrix, and pairs that it does not have by the SRDF.
 void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
   const Model& model = *problem.robot.model;
-  // Without an SRDF, defaults alone do not say which links are neighbours.
+  // Defaults without an SRDF do not say which links are neighbours.
   problem.contacts.replace_srdf = !matrix.names.empty() || model.has_srdf;
   const auto warn = [&](const std::string& message) {
     problem.warnings.push_back(fmt::format("{}:{}: {}", map.file(), map.line(), message));

@@ -123,7 +123,7 @@ TEST(Deformable, RefusesOptionsThatMakeNoSense) {
   EXPECT_NO_THROW(Deformable(mesh, nullptr, least));
 }
 
-/// Whatever is asked for, the first snapshot is refitted: its vertices may not be the motion's.
+/// The first snapshot is refitted with every option: its vertices may not be the motion's.
 TEST(Deformable, TheFirstSnapshotIsRefitted) {
   const Sheet sheet = testing::cloth(4);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);

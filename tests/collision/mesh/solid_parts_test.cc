@@ -12,7 +12,7 @@
 #include "tests/support/from_environment.h"
 #include "tests/support/mesh_cases.h"
 
-// What is inside a mesh whose solids share edges and facets, whose facets are turned, doubled and
+// The inside of a mesh whose solids share edges and facets, whose facets are turned, doubled and
 // cut in several ways, and whose corners meet in T-junctions.
 
 namespace leeway::collision::testing {

@@ -137,7 +137,7 @@ TEST(ChangedWorld, AnswersAreThoseOfTheWorldCompiledAnew) {
       now.problem.margins.pairs.push_back({link, std::string(name) + "1", 0.05});
     }
     now.problem.margins.pairs.push_back({"more0", link, 0.1});
-    // What comes later, or never, has a name from the start.
+    // Objects that come later, or never, have a name from the start.
     for (const char* name : {"more1", "again0", "more0", "thing11", "more11", "again01"})
       if (std::none_of(now.problem.world.objects.begin(), now.problem.world.objects.end(),
                        [&](const Object& o) { return o.name == name; }))

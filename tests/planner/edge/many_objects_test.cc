@@ -280,7 +280,7 @@ void addDeforming(const std::string& name, const Eigen::Vector3d& p, Problem& pr
       makeDeformingObstacle(name, tetrahedron(), nullptr, test::at(p.x(), p.y(), p.z())));
 }
 
-/// The tetrahedron, so many times as large.
+/// The tetrahedron, scaled.
 collision::Shape scaledTetrahedron(double by) {
   std::vector<Eigen::Vector3d> vertices(tetrahedron()->rest().begin(), tetrahedron()->rest().end());
   for (Eigen::Vector3d& v : vertices) v *= by;

@@ -91,7 +91,7 @@ TEST_F(ProblemDeforming, AFileKeepsItsVerticesNumbers) {
   EXPECT_EQ(cloth.rest().back(), Eigen::Vector3d(1, 0.5, 0));
 }
 
-/// The notch of an L is not filled, whatever the face's first corner is.
+/// The notch of an L is not filled: every corner may be the face's first.
 TEST_F(ProblemDeforming, ConcaveFacesKeepTheirNotch) {
   const std::string corners[6] = {"0 2 0", "0 0 0", "3 0 0", "3 1 0", "1 1 0", "1 2 0"};
   for (int first = 0; first < 6; ++first) {

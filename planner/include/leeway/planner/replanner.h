@@ -104,7 +104,7 @@ class Replanner {
   Replanner& operator=(Replanner&&) noexcept;
 
   /// Decides and takes the next step: afterwards time() is that of the next look, and state() the
-  /// end of the motion. Costs as much as planning. Throws InputError for a planned variable without
+  /// end of the motion. It plans, and costs that. Throws InputError for a planned variable without
   /// limits, and for a motion that fails;
   /// time, state and path then are as before.
   ReplanStep step();

@@ -168,7 +168,7 @@ class Model : public RobotDescription {
   std::vector<double> defaultConfiguration() const;
 };
 
-/// What a mesh is taken for.
+/// How a mesh is read.
 struct MeshTreatment {
   enum class Solid : unsigned char {
     kAuto,     ///< what its triangles enclose is solid, see collision::TriangleMesh
