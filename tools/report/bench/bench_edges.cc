@@ -208,7 +208,8 @@ Problem bodies(const std::vector<leeway::bench::Soup>& soups, std::uint64_t seed
         {name, {{shapes[i % shapes.size()], {}, name}}, somewhere(random)});
   }
   problem.start = pointAt(somewhere(random));
-  problem.goals.push_back({"goal", std::vector<std::pair<double, double>>(7, {0, 0})});
+  problem.goals.push_back({"goal", {}});  // a valid one, until a free point is found
+  for (const double x : problem.start) problem.goals[0].ranges.emplace_back(x, x);
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
   const auto freePoint = [&] {
     for (;;) {
