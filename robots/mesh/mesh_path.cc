@@ -1,8 +1,15 @@
 #include "robots/mesh/mesh_path.h"
 
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
+#include <initializer_list>
+#include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "leeway/robots/input_error.h"
@@ -13,71 +20,190 @@ namespace {
 
 using std::filesystem::path;
 
-constexpr std::string_view kPackage = "package://";
-constexpr std::string_view kFile = "file://";
-
-/// A folder that is the package itself, or holds it.
-void addPackage(const path& folder, const std::string& name, const std::string& rest,
-                std::vector<path>& places) {
-  places.push_back(folder / name / rest);
-  if (folder.filename() == name) places.push_back(folder / rest);
+std::string trimmed(std::string text) {
+  constexpr std::string_view kSpace = " \t\r\n";
+  text.erase(std::min(text.find_last_not_of(kSpace) + 1, text.size()));
+  text.erase(0, std::min(text.find_first_not_of(kSpace), text.size()));
+  return text;
 }
 
-std::vector<path> packagePlaces(const std::string& name, const std::string& rest,
-                                const path& urdf_folder, const LoadOptions& options) {
-  std::vector<path> places;
-  for (const auto& [package, folder] : options.packages)
-    if (package == name) places.push_back(path(folder) / rest);
-  if (const char* list = std::getenv("ROS_PACKAGE_PATH")) {
-    std::string_view rest_of_list = list;
-    while (!rest_of_list.empty()) {
-      const std::size_t end = std::min(rest_of_list.find(':'), rest_of_list.size());
-      if (end > 0) addPackage(path(rest_of_list.substr(0, end)), name, rest, places);
-      rest_of_list.remove_prefix(std::min(end + 1, rest_of_list.size()));
+/// RFC 3986: %20 is a space.
+std::string percentDecoded(const std::string& text) {
+  std::string decoded;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto isHex = [&](std::size_t k) {
+      return k < text.size() && std::isxdigit(static_cast<unsigned char>(text[k])) != 0;
+    };
+    if (text[i] == '%' && isHex(i + 1) && isHex(i + 2)) {
+      decoded += static_cast<char>(std::stoi(text.substr(i + 1, 2), nullptr, 16));
+      i += 2;
+    } else {
+      decoded += text[i];
     }
   }
+  return decoded;
+}
+
+/// The texts that a file's name may be meant as: as written, then without %20 and its like.
+std::vector<std::string> spellings(const std::string& text) {
+  std::vector<std::string> all = {text};
+  if (std::string decoded = percentDecoded(trimmed(text)); decoded != text)
+    all.push_back(std::move(decoded));
+  return all;
+}
+
+/// Whether the folder has a package.xml that says that the package's name is `name`.
+bool isPackage(const path& folder, const std::string& name) {
+  std::error_code error;
+  const path file = folder / "package.xml";
+  tinyxml2::XMLDocument document;
+  if (!std::filesystem::is_regular_file(file, error) ||
+      document.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS || document.RootElement() == nullptr)
+    return false;
+  const tinyxml2::XMLElement* element = document.RootElement()->FirstChildElement("name");
+  return element != nullptr && element->GetText() != nullptr && trimmed(element->GetText()) == name;
+}
+
+/// Looks for a file in folders of one package, in the order in which they are added.
+class PackageSearch {
+ public:
+  PackageSearch(std::string name, const std::string& rest)
+      : name_(std::move(name)), rests_(spellings(rest)) {}
+
+  /// A folder of the package, if there is one.
+  void look(const path& folder) {
+    std::error_code error;
+    if (std::filesystem::is_directory(folder, error)) lookAt(folder);
+  }
+  /// A folder of the package.
+  void lookAt(const path& folder) {
+    std::error_code error;
+    if (found_) return;
+    const path normal = folder.lexically_normal();
+    if (std::find(folders_.begin(), folders_.end(), normal) != folders_.end()) return;
+    folders_.push_back(normal);
+    for (const std::string& rest : rests_) {
+      const path file = (folder / rest).lexically_normal();
+      if (!std::filesystem::is_regular_file(file, error)) continue;
+      found_ = file.string();
+      return;
+    }
+  }
+  /// A folder that may be the package, or hold it.
+  void lookIn(const path& folder) {
+    if (found_) return;
+    look(folder / name_);
+    if (folder.filename() == name_ || isPackage(folder, name_)) look(folder);
+  }
+  /// A folder that may hold the package under another name.
+  void lookAmongChildren(const path& folder) {
+    if (found_) return;
+    std::error_code error;
+    std::vector<path> packages;  // in the order of their names: that of the disk is any
+    for (std::filesystem::directory_iterator child(folder, error), end; !error && child != end;
+         child.increment(error))
+      if (isPackage(child->path(), name_)) packages.push_back(child->path());
+    std::sort(packages.begin(), packages.end());
+    for (const path& package : packages) look(package);
+  }
+
+  const std::optional<std::string>& found() const { return found_; }
+  /// Folders of the package, which lack the file.
+  const std::vector<path>& folders() const { return folders_; }
+
+ private:
+  std::string name_;
+  std::vector<std::string> rests_;
+  std::vector<path> folders_;
+  std::optional<std::string> found_;
+};
+
+/// The entries of an environment variable that lists folders.
+std::vector<path> listedFolders(const char* variable) {
+  std::vector<path> folders;
+  const char* list = std::getenv(variable);
+  std::string_view rest = list == nullptr ? "" : list;
+  while (!rest.empty()) {
+    const std::size_t end = std::min(rest.find(':'), rest.size());
+    if (end > 0) folders.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return folders;
+}
+
+PackageSearch searchPackage(const std::string& name, const std::string& rest,
+                            const path& urdf_folder, const LoadOptions& options) {
+  PackageSearch search(name, rest);
+  for (const auto& [package, folder] : options.packages)
+    if (package == name) search.lookAt(folder);
+  std::vector<path> above;
   for (path folder = urdf_folder;; folder = folder.parent_path()) {
-    addPackage(folder, name, rest, places);
+    above.push_back(folder);
     if (!folder.has_parent_path() || folder == folder.parent_path()) break;
   }
-  return places;
+  const std::vector<path> workspaces = listedFolders("ROS_PACKAGE_PATH");
+  for (const path& folder : workspaces) search.lookIn(folder);
+  for (const path& folder : listedFolders("AMENT_PREFIX_PATH"))
+    search.look(folder / "share" / name);
+  for (const path& folder : above) search.lookIn(folder);
+  for (const std::vector<path>& folders : {workspaces, above})
+    for (const path& folder : folders) search.lookAmongChildren(folder);
+  return search;
+}
+
+/// The part of `uri` behind any of these beginnings.
+std::optional<std::string> behind(const std::string& uri,
+                                  std::initializer_list<std::string_view> beginnings) {
+  for (const std::string_view beginning : beginnings)
+    if (uri.starts_with(beginning)) return uri.substr(beginning.size());
+  return std::nullopt;
 }
 
 }  // namespace
 
 std::string resolveMesh(const std::string& uri, const std::string& urdf_path, int line,
                         const LoadOptions& options) {
+  const auto fail = [&](const std::string& what) {
+    throw InputError(urdf_path, line, "the mesh \"" + uri + "\" " + what);
+  };
   std::error_code error;
   const path urdf_folder = std::filesystem::absolute(path(urdf_path), error).parent_path();
-  std::vector<path> places;
-  std::string advice = "the path of a mesh file would be accepted";
-  if (uri.starts_with(kPackage)) {
-    const std::string tail = uri.substr(kPackage.size());
-    const std::size_t slash = tail.find('/');
-    if (slash == 0 || slash == std::string::npos || slash + 1 == tail.size())
-      throw InputError(urdf_path, line,
-                       "the mesh \"" + uri +
-                           "\" names no file in a package; package://NAME/PATH would be accepted");
-    const std::string name = tail.substr(0, slash);
-    places = packagePlaces(name, tail.substr(slash + 1), urdf_folder, options);
-    advice = "--package " + name + "=FOLDER says where the package is";
-  } else if (uri.starts_with(kFile)) {
-    places = {path(uri.substr(kFile.size()))};
-  } else if (uri.find("://") != std::string::npos) {
-    throw InputError(urdf_path, line,
-                     "the mesh \"" + uri +
-                         "\" has a scheme that is not known; package://NAME/PATH, file:///PATH or "
-                         "a path would be accepted");
-  } else {
-    places = {urdf_folder / uri};  // an absolute uri replaces the folder
+  if (const auto in_package = behind(uri, {"package://", "model://"})) {
+    // Empty parts of a path mean nothing: NAME//PATH is NAME/PATH.
+    const std::size_t begin = std::min(in_package->find_first_not_of('/'), in_package->size());
+    const std::size_t slash = std::min(in_package->find('/', begin), in_package->size());
+    const std::size_t rest =
+        std::min(in_package->find_first_not_of('/', slash), in_package->size());
+    if (rest == in_package->size())
+      fail("names no file in a package; package://NAME/PATH would be accepted");
+    const std::string name = in_package->substr(begin, slash - begin);
+    const PackageSearch search =
+        searchPackage(name, in_package->substr(rest), urdf_folder, options);
+    if (search.found()) return *search.found();
+    const std::string advice = "; --package " + name + "=FOLDER says where the package is";
+    if (search.folders().empty())
+      fail("was not found: there is no package \"" + name +
+           "\" in ROS_PACKAGE_PATH, AMENT_PREFIX_PATH, the folders from " + urdf_folder.string() +
+           " up and those in them" + advice);
+    std::string folders;
+    for (const path& folder : search.folders())
+      folders += (folders.empty() ? "" : ", ") + folder.string();
+    fail("was not found: the package \"" + name + "\" is " + folders + ", without that file" +
+         advice);
   }
+  const auto in_file = behind(uri, {"file://"});
+  if (!in_file && uri.find("://") != std::string::npos)
+    fail(
+        "has a scheme that is not known; package://NAME/PATH, model://NAME/PATH, file:///PATH or a "
+        "path would be accepted");
   std::string tried;
-  for (const path& place : places) {
-    if (std::filesystem::is_regular_file(place, error)) return place.lexically_normal().string();
-    tried += (tried.empty() ? "" : ", ") + place.lexically_normal().string();
+  for (const std::string& spelling : spellings(in_file ? *in_file : uri)) {
+    const path place = (urdf_folder / spelling).lexically_normal();  // unless it is absolute
+    if (std::filesystem::is_regular_file(place, error)) return place.string();
+    tried += (tried.empty() ? "" : ", ") + place.string();
   }
-  throw InputError(urdf_path, line,
-                   "the mesh \"" + uri + "\" was not found, looked for " + tried + "; " + advice);
+  fail("was not found, looked for " + tried + "; the path of a mesh file would be accepted");
+  return {};  // not reached
 }
 
 }  // namespace leeway::robots

@@ -493,7 +493,44 @@ TEST_F(MeshPath, PackagesAndRelativePaths) {
   EXPECT_NO_THROW(load("package://away/c.stl"));
   ::setenv("ROS_PACKAGE_PATH", folder_.path("far/away").c_str(), 1);
   EXPECT_NO_THROW(load("package://away/c.stl"));
+  ::setenv("ROS_PACKAGE_PATH", folder_.path("none").c_str(), 1);
+  EXPECT_THROW(load("package://away/c.stl"), InputError);
   ::unsetenv("ROS_PACKAGE_PATH");
+  folder_.write("prefix/share/installed/d.stl", tetrahedronStl());
+  ::setenv("AMENT_PREFIX_PATH", (folder_.path("nowhere") + ":" + folder_.path("prefix")).c_str(),
+           1);
+  EXPECT_NO_THROW(load("package://installed/d.stl"));
+  ::unsetenv("AMENT_PREFIX_PATH");
+}
+
+TEST_F(MeshPath, PackagesByTheNameInTheirPackageXml) {
+  const auto package = [&](const std::string& folder, const std::string& name) {
+    folder_.write(
+        folder + "/package.xml",
+        "<?xml version=\"1.0\"?>\n<package format=\"3\"><name>\n " + name + " </name></package>");
+  };
+  package("ws/arm", "arm_description");
+  package("ws/meshes_of_the_arm", "arm_meshes");
+  package("ws/broken", "<name>");
+  folder_.write("ws/arm/meshes/a.stl", tetrahedronStl());
+  folder_.write("ws/meshes_of_the_arm/b.stl", tetrahedronStl());
+  EXPECT_NO_THROW(load("package://arm_description/meshes/a.stl"));
+  EXPECT_NO_THROW(load("package://arm_meshes/b.stl"));  // beside a folder above
+  EXPECT_NO_THROW(load("package://arm/meshes/a.stl"));  // by the folder's own name, still
+  EXPECT_THROW(load("package://meshes_of/b.stl"), InputError);
+}
+
+TEST_F(MeshPath, SpellingsOfOneFile) {
+  folder_.write("ws/arm/meshes/a b.stl", tetrahedronStl());
+  folder_.write("ws/arm/meshes/100%20.stl", tetrahedronStl());
+  folder_.write("ws/arm/urdf/rel.stl", tetrahedronStl());
+  for (const char* uri :
+       {"package://arm/meshes/a b.stl", "package://arm/meshes/a%20b.stl",
+        "package://arm//meshes///a%20b.stl", "package:///arm/meshes/a b.stl",
+        "model://arm/meshes/a b.stl", "../meshes/a%20b.stl", "..//meshes/./a b.stl ",
+        "package://arm/meshes/100%20.stl", "file://../meshes/a b.stl", " rel.stl"})
+    EXPECT_NO_THROW(load(uri)) << uri;
+  EXPECT_THROW(load("../meshes/a%2b.stl"), InputError);
 }
 
 TEST_F(MeshPath, Messages) {
@@ -503,7 +540,11 @@ TEST_F(MeshPath, Messages) {
       [&] {
         load("package://gone/x.stl", {{{"gone", "/no/such"}}});
       },
-      urdf_, 2, {"looked for /no/such/x.stl, ", "--package gone=FOLDER"});
+      urdf_, 2, {"the package \"gone\" is /no/such, without that file", "--package gone=FOLDER"});
+  expectInputError([&] { load("package://gone/x.stl"); }, urdf_, 2,
+                   {"there is no package \"gone\"", "ws/arm/urdf up", "--package gone=FOLDER"});
+  expectInputError([&] { load("package://arm/x.stl"); }, urdf_, 2,
+                   {"the package \"arm\" is " + folder_.path("ws/arm") + ", without that file"});
   expectInputError([&] { load("x.stl"); }, urdf_, 2,
                    {"\"x.stl\" was not found", "looked for", "ws/arm/urdf/x.stl"});
   folder_.write("ws/arm/urdf/bad.stl", "solid");
