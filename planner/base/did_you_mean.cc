@@ -13,4 +13,10 @@ std::string didYouMean(std::string_view name, const std::vector<std::string>& kn
   return known.size() > 12 ? list + ", ..." : list;
 }
 
+std::string didYouMean(const robots::RobotDescription& robot, std::string_view kind,
+                       std::string_view name, const std::vector<std::string>& known) {
+  const std::string why = robot.whyLeftOut(kind, name);
+  return why.empty() ? didYouMean(name, known) : why;
+}
+
 }  // namespace leeway::planner

@@ -128,6 +128,7 @@ const char* PreparedRobot::differenceFrom(const Problem& problem,
 std::shared_ptr<const PreparedRobot> PreparedRobot::of(const Problem& problem,
                                                        const ConfigurationSpace& space,
                                                        const robots::Stop& stop) {
+  problem.robot.model->expectMeshes();
   std::vector<VariableRange> ranges = plannedRanges(problem);
   const auto fits = [&](const robots::PreparedStore::Entry& entry) {
     const auto* robot = dynamic_cast<const PreparedRobot*>(&entry);

@@ -73,6 +73,14 @@ std::shared_ptr<const Model> loadRobot(const YamlReader& robot, const ProblemOpt
                                 name, path));
       load.packages.emplace_back(name, path);
     }
+  if (const auto xacro = robot.find("xacro")) {
+    // The command line's come last and win.
+    decltype(load.xacro) arguments;
+    for (const auto& [name, value] : xacro->entries()) arguments.emplace_back(name, value.text());
+    load.xacro.insert(load.xacro.begin(), arguments.begin(), arguments.end());
+  }
+  if (const auto visual = robot.find("visual_as_collision"))
+    load.visual_as_collision = load.visual_as_collision || visual->boolean();
   const auto expectFile = [](const YamlReader& file) {
     const std::string path = resolvedPath(file);
     std::error_code error;
@@ -138,7 +146,8 @@ void takeGroup(const std::string& file, int line, const std::string& name, Probl
   if (group < 0)
     throw InputError(file, line,
                      fmt::format("robot '{}' has no group '{}'{}", problem.robot.model->name, name,
-                                 didYouMean(name, groupNames(*problem.robot.model))));
+                                 didYouMean(*problem.robot.model, "group", name,
+                                            groupNames(*problem.robot.model))));
   problem.robot.variables = problem.robot.model->groups[at(group)].variables;
   if (problem.robot.variables.empty())
     throw InputError(

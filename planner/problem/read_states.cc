@@ -106,7 +106,7 @@ class StateReader {
     const int index = model_.findJoint(name);
     if (index < 0)
       value.fail(fmt::format("unknown joint '{}' in {}{}", name, map.where(),
-                             didYouMean(name, jointNames(model_))));
+                             didYouMean(model_, "virtual joint", name, jointNames(model_))));
     const Joint& joint = model_.joints[at(index)];
     if (joint.type == JointType::kPlanar || joint.type == JointType::kFloating)
       return readBodyPose(value, joint);
@@ -148,6 +148,11 @@ class StateReader {
         value.fail(fmt::format(
             "{} is 'any', but {} has no limits; a number or a pair [from, to] is expected",
             value.where(), variableText(model_, variable)));
+      if (!circle && !(std::max(-v.lower, v.upper) <= kLargestAngle))
+        value.fail(fmt::format(
+            "{} is 'any', but the limits of {} are {} to {}, beyond +-{}; a number or a pair "
+            "[from, to] is expected",
+            value.where(), variableText(model_, variable), v.lower, v.upper, kLargestAngle));
       return set(variable, circle ? -std::numbers::pi : v.lower,
                  circle ? std::numbers::pi : v.upper, value.line());
     }
@@ -179,10 +184,6 @@ class StateReader {
   bool goal_;
   VariableRanges ranges_;
 };
-
-}  // namespace
-
-namespace {
 
 /// Throws unless every planned variable is given and inside its limits. `what` is "start" or the
 /// goal's name.
@@ -228,6 +229,9 @@ VariableRanges groupStateRanges(const std::string& file, int line, const std::st
                                 const Problem& problem) {
   const Model& model = *problem.robot.model;
   std::vector<std::string> known;
+  const std::string why = model.whyStateLeftOut(name, problem.robot.variables);
+  if (!why.empty())
+    throw InputError(file, line, fmt::format("group state '{}' is not known{}", name, why));
   for (const robots::GroupState& state : model.group_states) {
     const auto covers = [&](int v) {
       return std::any_of(state.values.begin(), state.values.end(),
@@ -245,9 +249,9 @@ VariableRanges groupStateRanges(const std::string& file, int line, const std::st
       if (planned(problem, v)) ranges[at(v)] = {true, value, value, 0};
     return ranges;
   }
-  throw InputError(
-      file, line,
-      fmt::format("no group state '{}' for the planned joints{}", name, didYouMean(name, known)));
+  throw InputError(file, line,
+                   fmt::format("no group state '{}' for the planned joints{}", name,
+                               didYouMean(model, "group state", name, known)));
 }
 
 void readStart(const YamlReader& reader, Problem& problem) {

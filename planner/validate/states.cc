@@ -58,10 +58,12 @@ std::optional<std::string> rangeFault(const Model& model, int v, double lower, d
         fmt::format("from {} to {}; a range with its lower end first is expected", lower, upper));
   if (lower < variable.lower || upper > variable.upper) {
     const bool is_beyond = lower != upper && (lower > variable.upper || upper < variable.lower);
-    return fault(fmt::format("at {}, outside its limits; {} to {} is expected",
+    const std::string& by = variable.narrowed_by;
+    return fault(fmt::format("at {}, outside its limits; {} to {} is expected{}",
                              is_beyond ? fmt::format("{} to {}", lower, upper)
                                        : fmt::format("{}", lower < variable.lower ? lower : upper),
-                             variable.lower, variable.upper));
+                             variable.lower, variable.upper,
+                             by.empty() ? "" : ", because of " + by));
   }
   for (const double x : {lower, upper})
     if (std::abs(x) > kLargestAngle)

@@ -62,6 +62,7 @@ class Verifier {
   }
 
   VerifyResult run() {
+    model_.expectMeshes();
     if (const std::optional<PathFault> fault = findFault(problem_, space_, path_)) {
       const std::size_t last = path_.positions.size() < 2 ? 0 : path_.positions.size() - 2;
       const double t = fault->waypoint > last ? 1 : 0;

@@ -13,7 +13,7 @@ constexpr Keys kProblem[] = {"leeway", "name",    "robot",   "body",      "joint
                              "margin", "margins", "planner", "objective", "simplify",
                              "limits", "seed",    "moveit",  "deforming", "execution",
                              "frames", "steps",   "groups",  "push",      "meshes"};
-constexpr Keys kRobot[] = {"urdf", "srdf", "packages", "group"};
+constexpr Keys kRobot[] = {"urdf", "srdf", "packages", "xacro", "visual_as_collision", "group"};
 constexpr Keys kBody[] = {"name", "joint", "bounds", "shapes"};
 constexpr Keys kBounds[] = {"lower", "upper"};
 constexpr Keys kShapeWords[] = {"box",       "sphere",     "cylinder", "capsule",    "cone",

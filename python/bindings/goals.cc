@@ -39,7 +39,13 @@ Range rangeOf(const planner::Problem& problem, int variable, const py::handle& v
   if (py::isinstance<py::str>(value)) {
     if (value.cast<std::string>() != "any")
       unknownWord("goal", value.cast<std::string>(), "a number, (from, to) or 'any'");
-    if (std::isfinite(v.lower) && std::isfinite(v.upper)) return {v.lower, v.upper};
+    if (std::isfinite(v.lower) && std::isfinite(v.upper)) {
+      if (!(std::max(-v.lower, v.upper) <= kLargestAngle))
+        throw py::value_error("goal: joint '" + v.name + "' is 'any', but its limits are " +
+                              text(v.lower) + " to " + text(v.upper) + ", beyond +-" +
+                              text(kLargestAngle) + "; a number or (from, to) is expected");
+      return {v.lower, v.upper};
+    }
     const robots::Joint& joint = problem.robot.model->joints[at(v.joint)];
     const bool turns =
         joint.type == robots::JointType::kContinuous ||

@@ -31,9 +31,17 @@ std::vector<std::string> namesOf(const Things& things) {
   throw py::value_error(message);
 }
 
+/// `why`: the end of a message, empty for a name that is not left out.
+void refuseLeftOut(const char* what, const std::string& name, const std::string& why) {
+  if (!why.empty()) throw py::value_error("no " + std::string(what) + " '" + name + "'" + why);
+}
+
 int groupOf(const robots::Model& model, const std::string& name) {
   const int group = model.findGroup(name);
-  if (group < 0) unknown("group", name, namesOf(model.groups));
+  if (group < 0) {
+    refuseLeftOut("group", name, model.whyLeftOut("group", name));
+    unknown("group", name, namesOf(model.groups));
+  }
   if (model.groups[at(group)].variables.empty())
     throw py::value_error("group '" + name + "' has no joint that can move");
   return group;
@@ -50,9 +58,15 @@ robots::LoadOptions loadOptions(const py::object& packages, const py::object& me
 }
 
 Robot loadRobot(const py::object& urdf, const py::object& srdf, const std::string& group,
-                const py::object& packages, const py::object& meshes, bool cache) {
+                const py::object& packages, const py::object& xacro, const py::object& meshes,
+                bool kinematics_only, bool visual_as_collision, bool cache) {
   Interrupt interrupt;
   robots::LoadOptions options = loadOptions(packages, meshes, cache);
+  if (!xacro.is_none())
+    for (const auto& [name, value] : py::dict(xacro))
+      options.xacro.emplace_back(py::str(name), py::str(value));
+  options.kinematics_only = kinematics_only;
+  options.visual_as_collision = visual_as_collision;
   options.stop = interrupt.callback();
   const std::string urdf_file = fileName(urdf, "urdf");
   const std::string srdf_file = srdf.is_none() ? "" : fileName(srdf, "srdf");
@@ -80,6 +94,7 @@ Robot freeBody(const std::string& name, const py::list& shapes, const std::strin
 
 std::vector<double> namedState(const Robot& robot, const std::string& name) {
   std::vector<std::string> known;
+  refuseLeftOut("group state", name, robot.model->whyStateLeftOut(name, robot.space->variables()));
   for (const robots::GroupState& state : robot.model->group_states) {
     std::vector<double> point;
     for (const int variable : robot.space->variables())
@@ -89,6 +104,7 @@ std::vector<double> namedState(const Robot& robot, const std::string& name) {
     if (state.name == name) return point;
     known.push_back(state.name);
   }
+  refuseLeftOut("group state", name, robot.model->whyLeftOut("group state", name));
   unknown("group state", name, known);
 }
 
@@ -194,21 +210,27 @@ std::map<std::string, robots::MeshTreatment, std::less<>> treatments(const py::o
 
 void defineRobot(py::module_& module) {
   const std::string init =
-      "(urdf, srdf=None, *, group='all', packages=None, meshes=None, "
-      "cache=True)";
+      "(urdf, srdf=None, *, group='all', packages=None, xacro=None, meshes=None, "
+      "kinematics_only=False, visual_as_collision=False, cache=True)";
   py::class_<Robot> robot(
       module, "Robot",
       withSignature("Robot", init,
                     "A robot from a URDF and an SRDF, and the group of its joints that is planned. "
                     "Constant: threads may share it.\n\n"
                     "`group` is one of the SRDF's, or 'all'. `packages` maps names of package:// "
-                    "to folders. `cache` keeps built meshes and proofs about the robot in "
+                    "to folders. `xacro` maps names of arguments to values, for files that end in "
+                    ".xacro. With `kinematics_only` no mesh file is read; collisions of a robot "
+                    "that has some cannot be checked then. `visual_as_collision` lets the visual "
+                    "shapes of links without collision shapes stand in for these. `cache` keeps "
+                    "built meshes and proofs about the robot in "
                     "$LEEWAY_CACHE_DIR or ~/.cache/leeway; answers are the same.\n"
                     "Raises InputError, with file and line.")
           .c_str());
   defineInit(robot, init, loadRobot, py::arg("urdf"), py::arg("srdf") = py::none(), py::kw_only(),
              py::arg("group") = "all", py::arg("packages") = py::none(),
-             py::arg("meshes") = py::none(), py::arg("cache") = true);
+             py::arg("xacro") = py::none(), py::arg("meshes") = py::none(),
+             py::arg("kinematics_only") = false, py::arg("visual_as_collision") = false,
+             py::arg("cache") = true);
   defineStatic(robot, "free_body", "(name, shapes, *, joint='floating', lower, upper)",
                "One rigid body that moves in space (its point is x y z qx qy qz qw) or, with "
                "joint='planar', in the plane (x y angle). `shapes` is a list of shapes or of pairs "

@@ -39,16 +39,23 @@ std::string compose(const std::string& file, int line, const std::string& messag
 InputError::InputError(std::string file, int line, const std::string& message)
     : std::runtime_error(compose(file, line, message)), file_(std::move(file)), line_(line) {}
 
-bool InputErrors::keep(const InputError& error) {
+std::size_t InputErrors::placeOf(const InputError& error) {
   const std::string_view text = error.what();
   const auto found = std::find_if(list_.begin(), list_.end(),
                                   [&](const InputError& other) { return other.what() == text; });
   const auto place = static_cast<std::size_t>(found - list_.begin());
+  if (place < kMost && found == list_.end()) list_.push_back(error);
+  return place;
+}
+
+bool InputErrors::keep(const InputError& error) {
+  const std::size_t place = placeOf(error);
   if (place == kMost) return false;
-  if (found == list_.end()) list_.push_back(error);
   kept_.push_back(place);
   return true;
 }
+
+bool InputErrors::note(const InputError& error) { return placeOf(error) < kMost; }
 
 void throwOrKeep(const InputError& error, InputErrors* errors) {
   if (errors == nullptr || !errors->keep(error)) throw InputError(error);

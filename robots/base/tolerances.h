@@ -32,6 +32,9 @@ inline constexpr double kFarthestOrigin = 1e9;
 /// And limits of joints [rad or m]. Files that mean none write up to 1e16; more makes the range
 /// infinite.
 inline constexpr double kGreatestLimit = 1e16;
+/// Limits of a mimic joint that narrow a range by no more than this do not [rad or m]: dividing by
+/// a multiplier rounds.
+inline constexpr double kSameLimit = 1e-9;
 
 /// A polygon of a mesh file counts as planar, and as not crossing itself, up to this share of its
 /// coordinates: what single precision and six digits leave of a plane. Its triangles are then one

@@ -85,10 +85,38 @@ int RobotDescription::findGroup(std::string_view wanted) const {
   return findByName(groups, wanted);
 }
 
+std::string RobotDescription::whyLeftOut(std::string_view kind, std::string_view wanted) const {
+  const auto found = std::find_if(left_out.begin(), left_out.end(), [&](const LeftOut& entry) {
+    return entry.kind == kind && entry.name == wanted;
+  });
+  return found == left_out.end() ? "" : "; it is left out: " + found->why;
+}
+
+std::string RobotDescription::whyStateLeftOut(std::string_view state,
+                                              std::span<const int> planned) const {
+  for (const LeftOut& entry : left_out) {
+    if (entry.kind != "group state" || entry.name != state) continue;
+    const int group = findGroup(entry.group);
+    if (group < 0) continue;
+    const std::vector<int>& of = groups[static_cast<std::size_t>(group)].variables;
+    if (std::all_of(planned.begin(), planned.end(),
+                    [&](int v) { return std::find(of.begin(), of.end(), v) != of.end(); }))
+      return "; it is left out: " + entry.why;
+  }
+  return "";
+}
+
+void RobotDescription::expectMeshes() const {
+  if (lacks_meshes)
+    throw InputError(urdf_file, 0,
+                     "was read without its meshes, so that collisions cannot be checked; a robot "
+                     "that is read with them is expected");
+}
+
 Model::Model(RobotDescription description) : RobotDescription(std::move(description)) {
   steps.reserve(joints.size());
   for (const Joint& joint : joints) steps.push_back(compile(*this, joint));
-  if (findGroup("all") < 0) {
+  if (findGroup("all") < 0 && whyLeftOut("group", "all").empty()) {
     Group all;
     all.name = "all";
     for (int i = 0; i < static_cast<int>(variables.size()); ++i) all.variables.push_back(i);

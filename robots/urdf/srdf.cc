@@ -7,12 +7,9 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
-#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
-
-#include "robots/urdf/xml_reader.h"
 
 namespace leeway::robots {
 
@@ -28,13 +25,31 @@ std::vector<std::string> namesOf(const std::vector<Item>& items) {
   return names;
 }
 
+/// Calls read(errors), which gathers all that is wrong with an entry. False: it is left out.
+template <class Read>
+bool readEntry(XmlFile& file, const XMLElement& e, const std::string& kind, RobotDescription& model,
+               const Read& read) {
+  InputErrors wrong;
+  try {
+    readOn(&wrong, [&] { read(wrong); });
+  } catch (const InputError&) {  // there are more than it has room for
+  }
+  if (wrong.list().empty()) return true;
+  const char* name = e.Attribute("name");
+  const char* group = e.Attribute("group");
+  const std::string which = name == nullptr ? "" : ' ' + inQuotes(name);
+  model.left_out.push_back({kind, name == nullptr ? "" : name, group == nullptr ? "" : group,
+                            wrong.list().front().what()});
+  for (const InputError& error : wrong.list()) {
+    file.leaveOut(error, "; the " + kind + which + " is left out");
+    if (!file.gathersErrors()) break;
+  }
+  return false;
+}
+
 class SrdfReader {
  public:
-  SrdfReader(const std::string& path, RobotDescription& model, const LoadOptions& options)
-      : file_(path, "SRDF", options),
-        errors_(options.errors),
-        wrong_(options.errors),
-        model_(model) {}
+  SrdfReader(XmlFile& file, RobotDescription& model) : file_(file), model_(model) {}
 
   void read() {
     model_.has_srdf = true;
@@ -42,24 +57,35 @@ class SrdfReader {
       file_.fail(*link, "<link> is no part of an SRDF: the file is a URDF; an SRDF is expected");
     const char* name = file_.root().Attribute("name");
     if (name != nullptr && name != model_.name)
-      warn(file_.root(), "the SRDF is for the robot " + inQuotes(name) + ", the URDF's is " +
-                             inQuotes(model_.name));
-    warnUnread();
+      file_.warn(file_.root(), "the SRDF is for the robot " + inQuotes(name) + ", the URDF's is " +
+                                   inQuotes(model_.name));
+    leaveOutUnknown();
     readGroups();
-    file_.eachChild(file_.root(), "group_state", [&](const XMLElement& e) { readGroupState(e); });
+    readGroupStates();
     readCollisions();
-    file_.eachChild(file_.root(), "end_effector",
-                    [&](const XMLElement& e) { checkEndEffector(e); });
-    file_.eachChild(file_.root(), "passive_joint",
-                    [&](const XMLElement& e) { checkPassiveJoint(e); });
+    readEntries("end_effector", "end effector",
+                [&](const XMLElement& e, InputErrors& wrong) { checkEndEffector(e, wrong); });
+    readEntries("passive_joint", "passive joint",
+                [&](const XMLElement& e, InputErrors&) { checkPassiveJoint(e); });
   }
 
  private:
-  void warn(const XMLElement& at, const std::string& message) {
-    model_.warnings.push_back(file_.locate(at, message));
+  /// A <group> while groups are read. It may name groups further down.
+  struct RawGroup {
+    const XMLElement* element;
+    std::string name;
+    std::set<int> joints = {};
+    enum class State { kNotRead, kBeingRead, kRead, kWrong } state = State::kNotRead;
+  };
+
+  template <class Read>
+  void readEntries(const char* element, const char* kind, const Read& read) {
+    file_.eachChild(file_.root(), element, [&](const XMLElement& e) {
+      readEntry(file_, e, kind, model_, [&](InputErrors& wrong) { read(e, wrong); });
+    });
   }
 
-  void warnUnread() {
+  void leaveOutUnknown() {
     static constexpr const char* kKnown[] = {"group",
                                              "group_state",
                                              "disable_collisions",
@@ -74,89 +100,103 @@ class SrdfReader {
          e = e->NextSiblingElement()) {
       const auto same = [&](const char* name) { return std::strcmp(name, e->Name()) == 0; };
       if (std::none_of(std::begin(kKnown), std::end(kKnown), same))
-        warn(*e, "<" + std::string(e->Name()) + "> is not known and is left out");
+        file_.leaveOut(*e, "<" + std::string(e->Name()) + "> is not known and is left out");
     }
   }
 
   template <typename Item>
   int require(const XMLElement& at, const char* what, const std::string& name,
-              const std::vector<Item>& items, int found) {
+              const std::vector<Item>& items, int found) const {
     if (found >= 0) return found;
+    const std::string which =
+        "the " + std::string(what) + ' ' + inQuotes(name) + " in <" + at.Name() + "> ";
+    const std::string kind = std::strcmp(what, "joint") == 0 ? "virtual joint" : what;
+    if (!model_.whyLeftOut(kind, name).empty()) file_.fail(at, which + "is left out itself");
     const std::string nearest = suggestion(name, namesOf(items));
     file_.fail(at,
-               "the " + std::string(what) + ' ' + inQuotes(name) + " in <" + at.Name() +
-                   "> is not defined; " +
+               which + "is not defined; " +
                    (nearest.empty() ? "the name of a " + std::string(what) + " would be accepted"
                                     : nearest));
   }
-  int requireLink(const XMLElement& at, const char* attribute) {
+  int requireLink(const XMLElement& at, const char* attribute) const {
     const std::string name = file_.attribute(at, attribute);
     return require(at, "link", name, model_.links, model_.findLink(name));
   }
-  int requireJoint(const XMLElement& at, const char* attribute) {
+  int requireJoint(const XMLElement& at, const char* attribute) const {
     const std::string name = file_.attribute(at, attribute);
     return require(at, "joint", name, model_.joints, model_.findJoint(name));
   }
-  /// Groups may name groups further down: readGroups() reads all names first.
-  int requireGroup(const XMLElement& at, const char* attribute) {
+  int requireGroup(const XMLElement& at, const char* attribute) const {
     const std::string name = file_.attribute(at, attribute);
     return require(at, "group", name, model_.groups, model_.findGroup(name));
   }
 
   void readGroups() {
-    std::vector<const XMLElement*> elements;
-    std::map<std::string, int> lines;
     file_.eachChild(file_.root(), "group", [&](const XMLElement& e) {
-      Group group;
-      group.name = file_.attribute(e, "name");
-      const auto [entry, fresh] = lines.emplace(group.name, e.GetLineNum());
-      if (!fresh)
-        file_.fail(e, "a second group " + inQuotes(group.name) + ", the first is in line " +
-                          std::to_string(entry->second) + "; names must be unique");
-      elements.push_back(&e);
-      model_.groups.push_back(std::move(group));
+      const char* name = e.Attribute("name");
+      raw_groups_.push_back({&e, name == nullptr ? "" : name});
     });
-    group_joints_.resize(elements.size());
-    std::vector<int> state(elements.size(), 0);
-    for (std::size_t i = 0; i < elements.size(); ++i) collect(elements, i, state);
-    for (std::size_t i = 0; i < elements.size(); ++i) fill(model_.groups[i], group_joints_[i]);
-    groups_are_whole_ = !wrong_.any();
+    for (RawGroup& group : raw_groups_) collect(group);
+    for (const RawGroup& group : raw_groups_)
+      if (group.state == RawGroup::State::kRead) keep(group);
   }
 
-  /// state: 0 not begun, 1 being collected, 2 done.
-  void collect(const std::vector<const XMLElement*>& elements, std::size_t i,
-               std::vector<int>& state) {
-    if (state[i] == 2) return;
-    state[i] = 1;
-    for (const XMLElement* e = elements[i]->FirstChildElement(); e != nullptr;
-         e = e->NextSiblingElement())
-      readOn(errors_, [&] { collectMember(elements, i, *e, state); });
-    state[i] = 2;
+  void collect(RawGroup& group) {
+    if (group.state != RawGroup::State::kNotRead) return;
+    group.state = RawGroup::State::kBeingRead;
+    const XMLElement& e = *group.element;
+    const bool is_right = readEntry(file_, e, "group", model_, [&](InputErrors& wrong) {
+      file_.attribute(e, "name");
+      failIfTwice(e, [&](const XMLElement&) { return true; });
+      for (const XMLElement* member = e.FirstChildElement(); member != nullptr;
+           member = member->NextSiblingElement())
+        readOn(&wrong, [&] { collectMember(group, *member); });
+    });
+    group.state = is_right ? RawGroup::State::kRead : RawGroup::State::kWrong;
   }
 
-  void collectMember(const std::vector<const XMLElement*>& elements, std::size_t i,
-                     const XMLElement& e, std::vector<int>& state) {
-    std::set<int>& joints = group_joints_[i];
+  /// Fails where another element of e's kind has its name, and isSame(other): which of them is
+  /// meant cannot be known.
+  template <class IsSame>
+  void failIfTwice(const XMLElement& e, const IsSame& isSame) const {
+    const char* name = e.Attribute("name");
+    for (const XMLElement* other = file_.root().FirstChildElement(e.Name()); other != nullptr;
+         other = other->NextSiblingElement(e.Name()))
+      if (other != &e && other->Attribute("name", name) != nullptr && isSame(*other))
+        file_.fail(e, "<" + std::string(e.Name()) + " name=" + inQuotes(name) +
+                          "> is there twice, in line " + std::to_string(other->GetLineNum()) +
+                          ", too; one would be accepted");
+  }
+
+  void collectMember(RawGroup& group, const XMLElement& e) {
     const std::string kind = e.Name();
     if (kind == "chain") {
-      addChain(e, joints);
+      addChain(e, group.joints);
     } else if (kind == "joint" || kind == "passive_joint") {
-      joints.insert(requireJoint(e, "name"));
+      group.joints.insert(requireJoint(e, "name"));
     } else if (kind == "link") {
-      joints.insert(model_.links[static_cast<std::size_t>(requireLink(e, "name"))].joint);
+      group.joints.insert(model_.links[static_cast<std::size_t>(requireLink(e, "name"))].joint);
     } else if (kind == "group") {
-      const auto other = static_cast<std::size_t>(requireGroup(e, "name"));
-      if (state[other] == 1)
-        file_.fail(e, "the group " + inQuotes(model_.groups[i].name) +
-                          " contains itself by way of " + inQuotes(model_.groups[other].name) +
-                          "; groups below it would be accepted");
-      collect(elements, other, state);
-      joints.insert(group_joints_[other].begin(), group_joints_[other].end());
+      addGroup(e, group);
     } else {
       file_.fail(
           e,
           "<" + kind + "> in <group> is not known; chain, joint, link and group would be accepted");
     }
+  }
+
+  void addGroup(const XMLElement& e, RawGroup& group) {
+    const std::string name = file_.attribute(e, "name");
+    const auto found = std::find_if(raw_groups_.begin(), raw_groups_.end(),
+                                    [&](const RawGroup& other) { return other.name == name; });
+    if (found == raw_groups_.end()) require(e, "group", name, raw_groups_, -1);
+    if (found->state == RawGroup::State::kBeingRead)
+      file_.fail(e, "the group " + inQuotes(group.name) + " contains itself by way of " +
+                        inQuotes(name) + "; groups below it would be accepted");
+    collect(*found);
+    if (found->state == RawGroup::State::kWrong)
+      file_.fail(e, "the group " + inQuotes(name) + " in <group> is left out itself");
+    group.joints.insert(found->joints.begin(), found->joints.end());
   }
 
   /// The joints above `link`, nearest first, the root's last.
@@ -167,7 +207,7 @@ class SrdfReader {
     return joints;
   }
 
-  void addChain(const XMLElement& e, std::set<int>& joints) {
+  void addChain(const XMLElement& e, std::set<int>& joints) const {
     const std::vector<int> base = jointsAbove(requireLink(e, "base_link"));
     const std::vector<int> tip = jointsAbove(requireLink(e, "tip_link"));
     for (int joint : tip)
@@ -176,38 +216,51 @@ class SrdfReader {
       if (std::find(tip.begin(), tip.end(), joint) == tip.end()) joints.insert(joint);
   }
 
-  void fill(Group& group, const std::set<int>& joints) {
-    for (int j : joints) {  // ascending: tree order
+  void keep(const RawGroup& raw) {
+    Group group;
+    group.name = raw.name;
+    for (int j : raw.joints) {  // ascending: tree order
       const Joint& joint = model_.joints[static_cast<std::size_t>(j)];
       group.links.push_back(joint.child_link);
       for (int k = 0; k < joint.variable_count; ++k)
         group.variables.push_back(joint.first_variable + k);
     }
+    model_.groups.push_back(std::move(group));
+    group_joints_.push_back(raw.joints);
   }
 
-  void readGroupState(const XMLElement& e) {
+  void readGroupStates() {
+    readEntries("group_state", "group state", [&](const XMLElement& e, InputErrors& wrong) {
+      GroupState state = readGroupState(e, wrong);
+      if (wrong.list().empty()) model_.group_states.push_back(std::move(state));
+    });
+  }
+
+  GroupState readGroupState(const XMLElement& e, InputErrors& wrong) {
     GroupState state;
     state.name = file_.attribute(e, "name");
     const int group = requireGroup(e, "group");
     state.group = model_.groups[static_cast<std::size_t>(group)].name;
-    for (const GroupState& other : model_.group_states)
-      if (other.name == state.name && other.group == state.group)
-        file_.fail(e, "a second group_state " + inQuotes(state.name) + " of the group " +
-                          inQuotes(state.group) + "; names must be unique in a group");
-    std::map<int, int> lines;
-    file_.eachChild(e, "joint", [&](const XMLElement& value) {
-      const int joint = requireJoint(value, "name");
-      const auto [entry, fresh] = lines.emplace(joint, value.GetLineNum());
-      if (!fresh)
-        file_.fail(value, "a second value for joint " + inQuotes(value.Attribute("name")) +
-                              ", the first is in line " + std::to_string(entry->second) +
-                              "; one would be accepted");
-      if (groups_are_whole_ && group_joints_[static_cast<std::size_t>(group)].count(joint) == 0)
-        file_.fail(value, "joint " + inQuotes(value.Attribute("name")) + " is not in the group " +
-                              inQuotes(state.group) + "; a joint of that group would be accepted");
-      addValue(value, model_.joints[static_cast<std::size_t>(joint)], state);
+    failIfTwice(e, [&](const XMLElement& other) {
+      return other.Attribute("group", state.group.c_str()) != nullptr;
     });
-    model_.group_states.push_back(std::move(state));
+    std::map<int, int> lines;
+    for (const XMLElement* value = e.FirstChildElement("joint"); value != nullptr;
+         value = value->NextSiblingElement("joint"))
+      readOn(&wrong, [&] {
+        const int joint = requireJoint(*value, "name");
+        const auto [entry, is_new] = lines.emplace(joint, value->GetLineNum());
+        if (!is_new)
+          file_.fail(*value, "a second value for joint " + inQuotes(value->Attribute("name")) +
+                                 ", the first is in line " + std::to_string(entry->second) +
+                                 "; one would be accepted");
+        if (group_joints_[static_cast<std::size_t>(group)].count(joint) == 0)
+          file_.fail(*value, "joint " + inQuotes(value->Attribute("name")) +
+                                 " is not in the group " + inQuotes(state.group) +
+                                 "; a joint of that group would be accepted");
+        addValue(*value, model_.joints[static_cast<std::size_t>(joint)], state);
+      });
+    return state;
   }
 
   void addValue(const XMLElement& e, const Joint& joint, GroupState& state) {
@@ -220,17 +273,18 @@ class SrdfReader {
                         " numbers; " + std::to_string(expected) + " would be accepted");
     if (joint.variable_count == 0) {
       if (joint.mimic < 0 && values.front() != 0)
-        warn(e, "joint " + inQuotes(joint.name) + " is fixed: its value " +
-                    inQuotes(e.Attribute("value")) + " is left out");
+        file_.warn(e, "joint " + inQuotes(joint.name) + " is fixed: its value " +
+                          inQuotes(e.Attribute("value")) + " is left out");
       return;  // a mimic joint follows its master
     }
     for (std::size_t k = 0; k < values.size(); ++k) {
       const int index = joint.first_variable + static_cast<int>(k);
       const Variable& variable = model_.variables[static_cast<std::size_t>(index)];
       if (values[k] < variable.lower || values[k] > variable.upper)
-        warn(e, "value " + inQuotes(e.Attribute("value")) + " of joint " + inQuotes(joint.name) +
-                    " in the group state " + inQuotes(state.name) + " is outside of its limits " +
-                    std::to_string(variable.lower) + " to " + std::to_string(variable.upper));
+        file_.warn(e, "value " + inQuotes(e.Attribute("value")) + " of joint " +
+                          inQuotes(joint.name) + " in the group state " + inQuotes(state.name) +
+                          " is outside of its limits " + std::to_string(variable.lower) + " to " +
+                          std::to_string(variable.upper));
       state.values.emplace_back(index, values[k]);
     }
   }
@@ -239,22 +293,20 @@ class SrdfReader {
   /// then the pairs that are enabled, then those that are disabled.
   void readCollisions() {
     std::set<std::pair<int, int>> enabled, disabled;
-    file_.eachChild(file_.root(), "disable_collisions", [&](const XMLElement& e) {
-      const std::optional<std::pair<int, int>> pair = readPair(e);
-      if (!pair || !disabled.insert(*pair).second) return;
+    readEntries("disable_collisions", "disabled pair", [&](const XMLElement& e, InputErrors&) {
+      const std::pair<int, int> pair = readPair(e);
+      if (!disabled.insert(pair).second) return;
       const char* reason = e.Attribute("reason");
-      model_.disabled_pairs.push_back({pair->first, pair->second, reason != nullptr ? reason : ""});
+      model_.disabled_pairs.push_back({pair.first, pair.second, reason != nullptr ? reason : ""});
     });
-    file_.eachChild(file_.root(), "enable_collisions", [&](const XMLElement& e) {
-      const std::optional<std::pair<int, int>> pair = readPair(e);
-      if (pair && disabled.count(*pair) == 0 && enabled.insert(*pair).second)
-        model_.enabled_pairs.push_back(*pair);
+    readEntries("enable_collisions", "enabled pair", [&](const XMLElement& e, InputErrors&) {
+      const std::pair<int, int> pair = readPair(e);
+      if (disabled.count(pair) == 0 && enabled.insert(pair).second)
+        model_.enabled_pairs.push_back(pair);
     });
     std::set<int> unchecked;
-    file_.eachChild(file_.root(), "disable_default_collisions", [&](const XMLElement& e) {
-      const std::string name = file_.attribute(e, "link");
-      const int link = model_.findLink(name);
-      if (link < 0) return warnUnknownLink(e, name);
+    readEntries("disable_default_collisions", "default", [&](const XMLElement& e, InputErrors&) {
+      const int link = requireLink(e, "link");
       if (unchecked.insert(link).second) model_.unchecked_links.push_back(link);
     });
     for (const int link : unchecked)
@@ -265,82 +317,81 @@ class SrdfReader {
       }
   }
 
-  void warnUnknownLink(const XMLElement& e, const std::string& name) {
-    const std::string nearest = suggestion(name, namesOf(model_.links));
-    warn(e, std::string(e.Name()) + " names the link " + inQuotes(name) +
-                ", which is not defined, and is left out" +
-                (nearest.empty() ? "" : "; " + nearest));
+  /// Two links, the lower number first.
+  std::pair<int, int> readPair(const XMLElement& e) const {
+    const std::pair<int, int> pair =
+        std::minmax({requireLink(e, "link1"), requireLink(e, "link2")});
+    if (pair.first == pair.second)
+      file_.fail(e, "<" + std::string(e.Name()) + "> names the link " +
+                        inQuotes(e.Attribute("link1")) + " twice; two links would be accepted");
+    return pair;
   }
 
-  /// Two links, the lower number first; nothing, with a warning, unless there are two.
-  std::optional<std::pair<int, int>> readPair(const XMLElement& e) {
-    const std::string name_a = file_.attribute(e, "link1"), name_b = file_.attribute(e, "link2");
-    const int a = model_.findLink(name_a), b = model_.findLink(name_b);
-    if (a < 0 || b < 0) {
-      warnUnknownLink(e, a < 0 ? name_a : name_b);
-      return std::nullopt;
-    }
-    if (a == b) {
-      warn(e, std::string(e.Name()) + " names the link " + inQuotes(name_a) +
-                  " twice and is left out; two links would be accepted");
-      return std::nullopt;
-    }
-    return std::pair(std::min(a, b), std::max(a, b));
-  }
-
-  void checkEndEffector(const XMLElement& e) {
-    requireGroup(e, "group");
-    requireLink(e, "parent_link");
+  void checkEndEffector(const XMLElement& e, InputErrors& wrong) const {
+    readOn(&wrong, [&] { requireGroup(e, "group"); });
+    readOn(&wrong, [&] { requireLink(e, "parent_link"); });
     if (e.Attribute("parent_group") != nullptr) requireGroup(e, "parent_group");
   }
 
   void checkPassiveJoint(const XMLElement& e) {
-    const std::string name = file_.attribute(e, "name");
-    const int joint = model_.findJoint(name);
-    if (joint < 0) {
-      warn(e, "the passive joint " + inQuotes(name) + " is not defined");
-      return;
-    }
+    const int joint = requireJoint(e, "name");
     if (model_.joints[static_cast<std::size_t>(joint)].variable_count == 0) return;
     for (std::size_t i = 0; i < group_joints_.size(); ++i)
       if (group_joints_[i].count(joint) != 0)
-        warn(e, "the passive joint " + inQuotes(name) + " is in the group " +
-                    inQuotes(model_.groups[i].name) + " and is planned with it");
+        file_.warn(e, "the passive joint " + inQuotes(e.Attribute("name")) + " is in the group " +
+                          inQuotes(model_.groups[i].name) + " and is planned with it");
   }
 
-  XmlFile file_;
-  InputErrors* errors_;
-  ErrorsSince wrong_;
+  XmlFile& file_;
   RobotDescription& model_;
-  std::vector<std::set<int>> group_joints_;
-  bool groups_are_whole_ = true;  // none lacks a member that is wrong
+  std::vector<RawGroup> raw_groups_;
+  std::vector<std::set<int>> group_joints_;  // of each group of the model
 };
 
-}  // namespace
-
-std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path,
-                                             const LoadOptions& options) {
-  const XmlFile file(srdf_path, "SRDF", options);
-  const XMLElement* e = file.onlyChild(file.root(), "virtual_joint");
-  if (e == nullptr) return std::nullopt;
+/// The virtual joint of one element. Fails for one that cannot be the root link's.
+VirtualJoint virtualJointOf(const XmlFile& srdf, const XMLElement& e, const std::string& root_link,
+                            std::span<const std::string> joints) {
   VirtualJoint joint;
-  joint.name = file.attribute(*e, "name");
-  joint.child_link = file.attribute(*e, "child_link");
-  joint.line = e->GetLineNum();
-  const std::string type = file.attribute(*e, "type");
+  joint.name = srdf.attribute(e, "name");
+  const std::string child = srdf.attribute(e, "child_link"), type = srdf.attribute(e, "type");
+  if (child != root_link)
+    srdf.fail(e, "the virtual joint's child_link is " + inQuotes(child) + "; the root link " +
+                     inQuotes(root_link) + " would be accepted");
+  if (std::find(joints.begin(), joints.end(), joint.name) != joints.end())
+    srdf.fail(e, "the virtual joint's name " + inQuotes(joint.name) +
+                     " is that of a joint of the URDF; another name would be accepted");
   if (type == "planar") {
     joint.type = JointType::kPlanar;
   } else if (type == "floating") {
     joint.type = JointType::kFloating;
   } else if (type != "fixed") {
-    file.fail(*e, "the virtual joint's type is " + inQuotes(type) +
-                      "; fixed, planar or floating would be accepted");
+    srdf.fail(e, "the virtual joint's type is " + inQuotes(type) +
+                     "; fixed, planar or floating would be accepted");
   }
+  for (const XMLElement* other = srdf.root().FirstChildElement("virtual_joint"); other != nullptr;
+       other = other->NextSiblingElement("virtual_joint"))
+    if (other != &e && other->Attribute("child_link", child.c_str()) != nullptr)
+      srdf.fail(e, "a virtual joint of the same link is in line " +
+                       std::to_string(other->GetLineNum()) + ", too; one would be accepted");
   return joint;
 }
 
-void readSrdf(const std::string& srdf_path, RobotDescription& model, const LoadOptions& options) {
-  SrdfReader(srdf_path, model, options).read();
+}  // namespace
+
+std::optional<VirtualJoint> readVirtualJoint(XmlFile& srdf, const std::string& root_link,
+                                             std::span<const std::string> joints,
+                                             RobotDescription& model) {
+  std::optional<VirtualJoint> joint;
+  srdf.eachChild(srdf.root(), "virtual_joint", [&](const XMLElement& e) {
+    readEntry(srdf, e, "virtual joint", model,
+              [&](InputErrors&) { joint = virtualJointOf(srdf, e, root_link, joints); });
+  });
+  return joint;
+}
+
+void readSrdf(XmlFile& srdf, RobotDescription& model) {
+  SrdfReader(srdf, model).read();
+  for (std::string& warning : srdf.takeWarnings()) model.warnings.push_back(std::move(warning));
 }
 
 }  // namespace leeway::robots

@@ -1,27 +1,31 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "leeway/robots/model.h"
+#include "robots/urdf/xml_reader.h"
 
 namespace leeway::robots {
+
+// An entry of an SRDF that is wrong is left out: it gets a warning, and an error that does not end
+// the reading where errors are gathered. Groups, group states and virtual joints, which users name,
+// are in the model's left_out, too.
 
 /// The joint between world and root link that an SRDF asks for.
 struct VirtualJoint {
   std::string name;
-  std::string child_link;
   JointType type = JointType::kFixed;
-  int line = 0;
 };
 
-/// The SRDF's virtual joint: nothing when it has none. Throws InputError, and Stopped while
-/// xacro is at work; does not look at links.
-std::optional<VirtualJoint> readVirtualJoint(const std::string& srdf_path,
-                                             const LoadOptions& options);
+/// The virtual joint of the root link, if the SRDF has one. `joints`: the names of the URDF's.
+std::optional<VirtualJoint> readVirtualJoint(XmlFile& srdf, const std::string& root_link,
+                                             std::span<const std::string> joints,
+                                             RobotDescription& model);
 
-/// Adds groups, group states and disabled pairs to a model whose links, joints and variables are
-/// complete. Throws InputError.
-void readSrdf(const std::string& srdf_path, RobotDescription& model, const LoadOptions& options);
+/// Adds groups, group states, disabled pairs and the file's warnings to a model whose links, joints
+/// and variables are complete. Throws InputError for a file that is no SRDF.
+void readSrdf(XmlFile& srdf, RobotDescription& model);
 
 }  // namespace leeway::robots

@@ -19,6 +19,7 @@
 #include "leeway/robots/input_error.h"
 #include "robots/base/interruptible.h"
 #include "robots/base/read_on.h"
+#include "robots/base/tolerances.h"
 #include "robots/cache/content_key.h"
 #include "robots/cache/disk_cache.h"
 #include "robots/mesh/mesh_import.h"
@@ -29,6 +30,7 @@
 #include "robots/motion/link_gaps.h"
 #include "robots/urdf/srdf.h"
 #include "robots/urdf/urdf_document.h"
+#include "robots/urdf/xacro.h"
 #include "robots/urdf/xml_reader.h"
 
 namespace leeway::robots {
@@ -168,6 +170,8 @@ Shape makeShape(const UrdfCollision& collision, const std::string& link, Meshes&
         return Shape::sphere(collision.radius);
       case UrdfCollision::Kind::kCylinder:
         return Shape::cylinder(collision.radius, collision.length / 2);
+      case UrdfCollision::Kind::kCapsule:
+        return Shape::capsule(collision.radius, collision.length / 2);
       case UrdfCollision::Kind::kMesh:
         break;
     }
@@ -200,30 +204,24 @@ std::vector<std::pair<int, int>> treeOrder(const UrdfDocument& document) {
   return order;
 }
 
-Joint rootJoint(const UrdfDocument& document, const std::string& root_link,
-                const std::optional<VirtualJoint>& asked, const std::string& srdf_path) {
+std::vector<std::string> jointNames(const UrdfDocument& document) {
+  std::vector<std::string> names;
+  for (const UrdfJoint& joint : document.joints) names.push_back(joint.name);
+  return names;
+}
+
+Joint rootJoint(const UrdfDocument& document, const std::optional<VirtualJoint>& asked) {
   Joint joint;
   joint.child_link = 0;
   joint.axis = Eigen::Vector3d::UnitZ();
-  const auto taken = [&](const std::string& name) {
-    return std::any_of(document.joints.begin(), document.joints.end(),
-                       [&](const UrdfJoint& j) { return j.name == name; });
-  };
-  if (!asked) {
-    joint.name = "root_joint";
-    while (taken(joint.name)) joint.name += '_';
+  if (asked) {
+    joint.name = asked->name;
+    joint.type = asked->type;
     return joint;
   }
-  if (asked->child_link != root_link)
-    throw InputError(srdf_path, asked->line,
-                     "the virtual joint's child_link is \"" + asked->child_link +
-                         "\"; the root link \"" + root_link + "\" would be accepted");
-  if (taken(asked->name))
-    throw InputError(srdf_path, asked->line,
-                     "the virtual joint's name \"" + asked->name +
-                         "\" is that of a joint of the URDF; another name would be accepted");
-  joint.name = asked->name;
-  joint.type = asked->type;
+  const std::vector<std::string> taken = jointNames(document);
+  joint.name = "root_joint";
+  while (std::find(taken.begin(), taken.end(), joint.name) != taken.end()) joint.name += '_';
   return joint;
 }
 
@@ -239,16 +237,22 @@ void requireFound(const std::map<std::string, MeshTreatment, std::less<>>& asked
 }
 
 void appendLink(const UrdfLink& source, int joint, Meshes& meshes, const std::string& urdf_path,
-                InputErrors* errors, RobotDescription& model) {
+                const LoadOptions& options, RobotDescription& model) {
   Link link;
   link.name = source.name;
   link.joint = joint;
-  for (const UrdfCollision& collision : source.collisions)
-    readOn(errors, [&] {
+  for (const UrdfCollision& collision : source.collisions) {
+    if (collision.kind == UrdfCollision::Kind::kMesh && options.kinematics_only) {
+      model.lacks_meshes = true;
+      static_cast<void>(treatmentOf(options, {link.name, collision.mesh_file}));  // it is known
+      continue;
+    }
+    readOn(options.errors, [&] {
       link.geometries.push_back(
           {makeShape(collision, source.name, meshes, urdf_path, model.warnings), collision.X_LG,
            collision.name});
     });
+  }
   model.links.push_back(std::move(link));
 }
 
@@ -290,6 +294,46 @@ void limitMaster(const UrdfJoint& source, RobotDescription& model) {
   double& velocity = model.variables[at(variable)].velocity;
   const double limit = source.velocity / std::abs(joint.multiplier);
   velocity = velocity > 0 ? std::min(velocity, limit) : limit;
+}
+
+std::string placeOf(const UrdfDocument& document, int line) {
+  return document.path + ":" + std::to_string(line);
+}
+
+void narrow(Variable& variable, double lower, double upper, const std::string& reason) {
+  const bool below = lower > variable.lower + kSameLimit,
+             above = upper < variable.upper - kSameLimit;
+  if (!below && !above) return;
+  if (below) variable.lower = lower;
+  if (above) variable.upper = upper;
+  variable.narrowed_by += (variable.narrowed_by.empty() ? "" : ", ") + reason;
+}
+
+/// Narrows a master's range so that its mimic stays within the mimic's own limits. Many URDFs copy
+/// these limits from the master without the multiplier. If they leave the master no range, they are
+/// left out with a warning.
+void narrowMaster(const UrdfDocument& document, const UrdfJoint& source, RobotDescription& model) {
+  if (source.type != JointType::kRevolute && source.type != JointType::kPrismatic) return;
+  const Joint& joint = model.joints[at(model.findJoint(source.name))];
+  const Joint& master = model.joints[at(joint.mimic)];
+  if (joint.multiplier == 0 || master.first_variable < 0) return;
+  Variable& variable = model.variables[at(master.first_variable)];
+  if (variable.lower == variable.upper) return;
+  double lower = (source.lower - joint.offset) / joint.multiplier;
+  double upper = (source.upper - joint.offset) / joint.multiplier;
+  if (joint.multiplier < 0) std::swap(lower, upper);
+  const std::string name = "joint \"" + source.name + "\", which mimics \"" + master.name + "\"";
+  const char* why = nullptr;
+  if (master.type == JointType::kContinuous)
+    why = "that joint has none";
+  else if (!(std::max(lower, variable.lower) < std::min(upper, variable.upper)))
+    why = "they leave it no range";
+  if (why == nullptr)
+    narrow(variable, lower, upper,
+           "the limits of " + name + " (" + placeOf(document, source.limit_line) + ")");
+  else if (source.lower < source.upper)
+    model.warnings.push_back(placeOf(document, source.limit_line) + ": the limits of " + name +
+                             ", are left out: " + why);
 }
 
 void addPose(const Pose& pose, ContentKey& key) {
@@ -380,10 +424,15 @@ std::vector<LinkGap> gapsOf(const Model& model, const Meshes& meshes) {
 std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::string& srdf_path,
                                        const LoadOptions& options) {
   const ErrorsSince wrong(options.errors);
+  if (!options.xacro.empty() && !isXacro(urdf_path) && !isXacro(srdf_path))
+    throw InputError(urdf_path, 0,
+                     "is no xacro file, and has no use for the xacro argument \"" +
+                         options.xacro.front().first +
+                         "\"; a file that ends in .xacro would be accepted");
   const UrdfDocument document = readUrdf(urdf_path, options);
   compareWithUrdfdom(document);
-  std::optional<VirtualJoint> virtual_joint;
-  if (!srdf_path.empty()) virtual_joint = readVirtualJoint(srdf_path, options);
+  std::optional<XmlFile> srdf;
+  if (!srdf_path.empty()) srdf.emplace(srdf_path, "SRDF", options);
 
   RobotDescription robot;
   robot.name = document.name;
@@ -394,17 +443,20 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   std::vector<int> link_position(document.links.size());
   for (std::size_t i = 0; i < order.size(); ++i)
     link_position[at(order[i].first)] = static_cast<int>(i);
+  std::optional<VirtualJoint> virtual_joint;
+  if (srdf)
+    virtual_joint = readVirtualJoint(*srdf, document.links[at(order.front().first)].name,
+                                     jointNames(document), robot);
   std::set<std::string> found;
   LoadOptions noting = options;
   if (noting.meshes_found == nullptr) noting.meshes_found = &found;
   Meshes meshes(urdf_path, noting);
-  meshes.loadAll(document, order);
+  if (!options.kinematics_only) meshes.loadAll(document, order);
   for (const auto& [link, joint] : order) {
     appendLink(document.links[at(link)], static_cast<int>(robot.joints.size()), meshes, urdf_path,
-               options.errors, robot);
+               noting, robot);
     if (joint < 0)
-      robot.joints.push_back(
-          rootJoint(document, document.links[at(link)].name, virtual_joint, srdf_path));
+      robot.joints.push_back(rootJoint(document, virtual_joint));
     else
       appendJoint(document.joints[at(joint)], link_position, robot);
   }
@@ -426,9 +478,12 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
                     Eigen::Vector3d::Constant(upper),
                     joint != nullptr && joint->has_limit ? joint->velocity : kInfinity);
   }
-  for (const UrdfJoint& joint : document.joints)
-    if (joint.has_mimic) limitMaster(joint, robot);
-  if (!srdf_path.empty()) readSrdf(srdf_path, robot, options);
+  for (const UrdfJoint& joint : document.joints) {
+    if (!joint.has_mimic) continue;
+    limitMaster(joint, robot);
+    narrowMaster(document, joint, robot);
+  }
+  if (srdf) readSrdf(*srdf, robot);
   warnOfNoShapes(document, order, robot);
   wrong.throwFirst();
   auto model = std::make_shared<Model>(std::move(robot));

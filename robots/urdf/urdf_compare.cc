@@ -1,9 +1,12 @@
 // urdfdom, as a second reader, must read the same robot from the file.
 
+#include <console_bridge/console.h>
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include <cmath>
+#include <mutex>
+#include <thread>
 
 #include "leeway/robots/input_error.h"
 #include "robots/urdf/urdf_document.h"
@@ -54,7 +57,8 @@ bool sameShape(const UrdfCollision& a, const urdf::Geometry& b) {
       const auto* sphere = dynamic_cast<const urdf::Sphere*>(&b);
       return sphere != nullptr && sphere->radius == a.radius;
     }
-    case UrdfCollision::Kind::kCylinder: {
+    case UrdfCollision::Kind::kCylinder:
+    case UrdfCollision::Kind::kCapsule: {  // in the essence a cylinder
       const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&b);
       return cylinder != nullptr && cylinder->radius == a.radius && cylinder->length == a.length;
     }
@@ -87,6 +91,38 @@ bool sameJoint(const UrdfDocument& document, const UrdfJoint& a, const urdf::Joi
                           b.mimic->multiplier == a.multiplier && b.mimic->offset == a.offset);
 }
 
+/// Keeps what urdfdom says, which else goes to stderr. What other threads say goes on to the
+/// handler that was there before.
+class Messages final : public console_bridge::OutputHandler {
+ public:
+  Messages() : lock_(mutex()), before_(console_bridge::getOutputHandler()) {
+    console_bridge::useOutputHandler(this);
+  }
+  ~Messages() override { console_bridge::useOutputHandler(before_); }
+  Messages(const Messages&) = delete;
+  Messages& operator=(const Messages&) = delete;
+
+  void log(const std::string& text, console_bridge::LogLevel level, const char* file,
+           int line) override {
+    if (std::this_thread::get_id() == thread_)
+      text_ += (text_.empty() ? "" : "; ") + text;
+    else if (before_ != nullptr)
+      before_->log(text, level, file, line);
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+  }
+
+  std::lock_guard<std::mutex> lock_;  // the handler is the process's
+  console_bridge::OutputHandler* before_;
+  std::thread::id thread_ = std::this_thread::get_id();
+  std::string text_;
+};
+
 }  // namespace
 
 void compareWithUrdfdom(const UrdfDocument& document) {
@@ -95,11 +131,15 @@ void compareWithUrdfdom(const UrdfDocument& document) {
                      "urdfdom reads " + what +
                          " otherwise than is written here; plain URDF 1.0 would be accepted");
   };
-  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(document.essence);
-  if (model == nullptr)
-    throw InputError(document.path, 0,
-                     "urdfdom refuses this file (its reason is printed above); plain URDF 1.0 "
-                     "would be accepted");
+  urdf::ModelInterfaceSharedPtr model;
+  {
+    Messages messages;
+    model = urdf::parseURDF(document.essence);
+    if (model == nullptr)
+      throw InputError(
+          document.path, 0,
+          "urdfdom refuses this file: " + messages.text() + "; plain URDF 1.0 would be accepted");
+  }
   if (model->links_.size() != document.links.size()) fail(0, "the number of links");
   if (model->joints_.size() != document.joints.size()) fail(0, "the number of joints");
   for (const UrdfLink& link : document.links) {

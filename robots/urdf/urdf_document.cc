@@ -7,11 +7,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <map>
+#include <sstream>
 #include <string_view>
 
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/kinematics.h"
+#include "leeway/robots/text.h"
 #include "robots/base/tolerances.h"
 #include "robots/urdf/xml_reader.h"
 
@@ -21,17 +24,22 @@ namespace {
 
 using tinyxml2::XMLElement;
 
+using Names = std::initializer_list<std::string_view>;
+
 class UrdfReader {
  public:
   UrdfReader(const std::string& path, const LoadOptions& options)
-      : file_(path, "URDF", options), errors_(options.errors), wrong_(options.errors) {
+      : file_(path, "URDF", options),
+        errors_(options.errors),
+        wrong_(options.errors),
+        takes_visuals_(options.visual_as_collision) {
     document_.path = path;
   }
 
   UrdfDocument read() {
-    document_.name = file_.attribute(file_.root(), "name");
-    warnUnread(file_.root(), {"link", "joint", "material", "gazebo", "transmission", "sensor",
-                              "ros2_control", "plugin"});
+    readName();
+    leaveOutUnknown(file_.root(), {"link", "joint"},
+                    {"material", "gazebo", "transmission", "sensor", "ros2_control", "plugin"});
     file_.eachChild(file_.root(), "link", [&](const XMLElement& link) { readLink(link); });
     if (document_.links.empty())
       file_.fail(file_.root(), file_.root().FirstChildElement("group") != nullptr
@@ -42,18 +50,46 @@ class UrdfReader {
     // What is between links and joints says little while some of them are wrong.
     wrong_.throwFirst();
     checkStructure(document_);
+    warnOfVisuals();
+    warnOfSoftLimits();
     document_.essence = essence();
+    document_.warnings = file_.takeWarnings();
     return std::move(document_);
   }
 
  private:
-  void warnUnread(const XMLElement& parent, std::initializer_list<std::string_view> known) {
+  void readName() {
+    const char* name = file_.root().Attribute("name");
+    const bool is_given = name != nullptr && *name != '\0';
+    document_.name = is_given ? name : std::filesystem::path(file_.path()).stem().string();
+    if (!is_given)
+      file_.leaveOut(file_.root(),
+                     "<robot> has no name; " + inQuotes(document_.name) + " is taken");
+  }
+
+  /// Leaves out the children of `parent` that are in neither list. One that seems to be a misspelt
+  /// name of the first, which bear on motion and collision, is an error.
+  void leaveOutUnknown(const XMLElement& parent, Names used, Names unused) {
+    const std::vector<std::string> known(used.begin(), used.end());
     for (const XMLElement* child = parent.FirstChildElement(); child != nullptr;
-         child = child->NextSiblingElement())
-      if (std::find(known.begin(), known.end(), child->Name()) == known.end())
-        document_.warnings.push_back(file_.locate(*child, "<" + std::string(child->Name()) +
-                                                              "> in <" + parent.Name() +
-                                                              "> is not known and is left out"));
+         child = child->NextSiblingElement()) {
+      const std::string name = child->Name();
+      if (std::find(known.begin(), known.end(), name) != known.end() ||
+          std::find(unused.begin(), unused.end(), name) != unused.end())
+        continue;
+      const std::string message = "<" + name + "> in <" + parent.Name() + "> is not known";
+      const std::string* meant = isExtension(name) ? nullptr : nearestName(name, known);
+      if (meant != nullptr && (isList(*meant) || !parent.FirstChildElement(meant->c_str())))
+        throwOrKeep(InputError(file_.path(), child->GetLineNum(),
+                               message + "; did you mean <" + *meant + ">?"),
+                    errors_);
+      else
+        file_.leaveOut(*child, message + " and is left out");
+    }
+  }
+  /// Whether there may be several elements of that name beside each other.
+  static bool isList(std::string_view name) {
+    return name == "link" || name == "joint" || name == "collision";
   }
 
   std::string uniqueName(const XMLElement& element, std::map<std::string, int>& lines) {
@@ -69,6 +105,10 @@ class UrdfReader {
   Pose readOrigin(const XMLElement& parent, Eigen::Vector3d* xyz = nullptr) {
     Pose pose;
     if (const XMLElement* origin = file_.onlyChild(parent, "origin")) {
+      for (const tinyxml2::XMLAttribute* a = origin->FirstAttribute(); a != nullptr; a = a->Next())
+        if (std::string_view(a->Name()).starts_with("quat"))  // of URDF 1.1
+          file_.fail(*origin, "<origin> has the attribute " + inQuotes(a->Name()) +
+                                  ", which is not read; known are: xyz, rpy");
       file_.allowAttributes(*origin, {"xyz", "rpy"});
       if (const auto position = file_.vector(*origin, "xyz")) {
         if (!(position->cwiseAbs().maxCoeff() <= kFarthestOrigin))
@@ -93,61 +133,92 @@ class UrdfReader {
     link.line = element.GetLineNum();
     link_index_[link.name] = static_cast<int>(document_.links.size());
     link_names_.push_back(link.name);
-    warnUnread(element,
-               {"visual", "collision", "inertial", "contact", "sensor", "material", "gravity"});
-    file_.eachChild(element, "collision", [&](const XMLElement& collision) {
-      link.collisions.push_back(readCollision(collision));
-    });
+    leaveOutUnknown(element, {"collision"},
+                    {"visual", "inertial", "contact", "sensor", "material", "gravity"});
+    const auto add = [&](const XMLElement& shape) {
+      link.collisions.push_back(readCollision(shape));
+    };
+    if (element.FirstChildElement("collision") == nullptr && takes_visuals_) {
+      file_.eachChild(element, "visual", add);
+      if (!link.collisions.empty()) visual_links_.push_back(link.name);
+    } else {
+      file_.eachChild(element, "collision", add);
+    }
     if (link.collisions.empty() && element.FirstChildElement("visual") != nullptr)
-      document_.warnings.push_back(
-          file_.locate(element, "link " + inQuotes(link.name) +
-                                    " has a <visual> and no <collision>: it will touch nothing"));
+      file_.warn(element, "link " + inQuotes(link.name) +
+                              " has a <visual> and no <collision>: it will touch nothing");
     document_.links.push_back(std::move(link));
   }
 
+  void warnOfVisuals() {
+    if (visual_links_.empty()) return;
+    std::string names;
+    for (const std::string& name : visual_links_)
+      names += (names.empty() ? "" : ", ") + inQuotes(name);
+    file_.warn(file_.root(),
+               "the <visual> shapes of links without <collision> stand in for it: " + names);
+  }
+
+  /// The one element of a <geometry> that is a shape. Others beside it are extensions.
+  const XMLElement& shapeOf(const XMLElement& geometry) {
+    static constexpr std::string_view kShapes[] = {"box", "sphere", "cylinder", "capsule", "mesh"};
+    const std::string accepted =
+        "<box>, <sphere>, <cylinder>, <capsule> or <mesh> would be accepted";
+    const XMLElement* first = geometry.FirstChildElement();
+    if (first == nullptr) file_.fail(geometry, "<geometry> is empty; " + accepted);
+    const XMLElement* shape = nullptr;
+    for (const XMLElement* e = first; e != nullptr; e = e->NextSiblingElement()) {
+      if (std::find(std::begin(kShapes), std::end(kShapes), e->Name()) == std::end(kShapes))
+        continue;
+      if (shape != nullptr)
+        file_.fail(
+            *e,
+            "a second shape <" + std::string(e->Name()) +
+                "> in one <geometry>; one would be accepted, more go into collisions of their own");
+      shape = e;
+    }
+    if (shape == nullptr)
+      file_.fail(*first,
+                 "the geometry <" + std::string(first->Name()) + "> is not known; " + accepted);
+    leaveOutUnknown(geometry, {shape->Name()}, {});
+    return *shape;
+  }
+
   UrdfCollision readCollision(const XMLElement& element) {
-    warnUnread(element, {"origin", "geometry", "material", "verbose", "contact_coefficients"});
+    leaveOutUnknown(element, {"origin", "geometry"},
+                    {"material", "verbose", "contact_coefficients"});
     UrdfCollision collision;
     if (const char* name = element.Attribute("name")) collision.name = name;
     collision.X_LG = readOrigin(element);
-    const XMLElement& geometry = file_.requiredChild(element, "geometry");
-    const XMLElement* shape = geometry.FirstChildElement();
-    const std::string accepted = "<box>, <sphere>, <cylinder> or <mesh> would be accepted";
-    if (shape == nullptr) file_.fail(geometry, "<geometry> is empty; " + accepted);
-    if (const XMLElement* second = shape->NextSiblingElement())
-      file_.fail(
-          *second,
-          "a second shape <" + std::string(second->Name()) +
-              "> in one <geometry>; one would be accepted, more go into collisions of their own");
-    collision.line = shape->GetLineNum();
-    const std::string kind = shape->Name();
+    const XMLElement& shape = shapeOf(file_.requiredChild(element, "geometry"));
+    collision.line = shape.GetLineNum();
+    const std::string kind = shape.Name();
     if (kind == "box") {
       collision.kind = UrdfCollision::Kind::kBox;
-      file_.allowAttributes(*shape, {"size"});
-      file_.attribute(*shape, "size");
-      collision.size = *file_.vector(*shape, "size");
+      file_.allowAttributes(shape, {"size"});
+      file_.attribute(shape, "size");
+      collision.size = *file_.vector(shape, "size");
       if ((collision.size.array() < 0).any())
-        file_.fail(*shape, "size of <box> is " + inQuotes(shape->Attribute("size")) +
-                               "; edges of zero or more would be accepted");
+        file_.fail(shape, "size of <box> is " + inQuotes(shape.Attribute("size")) +
+                              "; edges of zero or more would be accepted");
     } else if (kind == "sphere") {
       collision.kind = UrdfCollision::Kind::kSphere;
-      file_.allowAttributes(*shape, {"radius"});
-      collision.radius = readSize(*shape, "radius");
-    } else if (kind == "cylinder") {
-      collision.kind = UrdfCollision::Kind::kCylinder;
-      file_.allowAttributes(*shape, {"radius", "length"});
-      collision.radius = readSize(*shape, "radius");
-      collision.length = readSize(*shape, "length");
-    } else if (kind == "mesh") {
-      collision.kind = UrdfCollision::Kind::kMesh;
-      file_.allowAttributes(*shape, {"filename", "scale"});
-      collision.mesh_file = file_.attribute(*shape, "filename");
-      if (const auto scale = file_.vector(*shape, "scale")) collision.mesh_scale = *scale;
-      if ((collision.mesh_scale.array() == 0).any())
-        file_.fail(*shape, "scale of <mesh> is " + inQuotes(shape->Attribute("scale")) +
-                               "; three numbers other than zero would be accepted");
+      file_.allowAttributes(shape, {"radius"});
+      collision.radius = readSize(shape, "radius");
+    } else if (kind == "cylinder" || kind == "capsule") {
+      collision.kind =
+          kind == "capsule" ? UrdfCollision::Kind::kCapsule : UrdfCollision::Kind::kCylinder;
+      file_.allowAttributes(shape, {"radius", "length"});
+      collision.radius = readSize(shape, "radius");
+      collision.length = readSize(shape, "length");
     } else {
-      file_.fail(*shape, "the geometry <" + kind + "> is not known; " + accepted);
+      collision.kind = UrdfCollision::Kind::kMesh;
+      file_.allowAttributes(shape, {"filename", "scale"});
+      collision.mesh_file = file_.attribute(shape, "filename");
+      if (const auto scale = file_.vector(shape, "scale")) collision.mesh_scale = *scale;
+      if ((collision.mesh_scale.array() == 0).any())
+        file_.fail(shape, "scale of <mesh> is " + inQuotes(shape.Attribute("scale")) +
+                              "; three numbers other than zero would be accepted");
     }
     return collision;
   }
@@ -183,7 +254,9 @@ class UrdfReader {
     const XMLElement& element = file_.requiredChild(joint, role);
     file_.allowAttributes(element, {"link"});
     const std::string name = file_.attribute(element, "link");
-    const auto found = link_index_.find(name);
+    auto found = link_index_.find(name);
+    if (found == link_index_.end() && name == "world" && std::string_view(role) == "parent")
+      found = addWorld(element);
     if (found == link_index_.end()) {
       const std::string nearest = suggestion(name, link_names_);
       file_.fail(element,
@@ -193,19 +266,36 @@ class UrdfReader {
     return found->second;
   }
 
+  /// Some files join their root to a link "world" that they do not define, as Drake and Gazebo do.
+  std::map<std::string, int>::iterator addWorld(const XMLElement& element) {
+    file_.leaveOut(
+        element, "the parent link \"world\" is not defined; it is taken as a link without shapes");
+    UrdfLink world;
+    world.name = "world";
+    world.line = element.GetLineNum();
+    document_.links.push_back(world);
+    return link_index_.emplace(world.name, static_cast<int>(document_.links.size()) - 1).first;
+  }
+
   void readJoint(const XMLElement& element) {
     UrdfJoint joint;
     joint.name = uniqueName(element, joint_lines_);
     joint.line = element.GetLineNum();
     joint.type = readType(element);
-    warnUnread(element, {"origin", "parent", "child", "axis", "limit", "mimic", "dynamics",
-                         "calibration", "safety_controller", "sensor", "gazebo"});
+    leaveOutUnknown(element,
+                    {"origin", "parent", "child", "axis", "limit", "mimic", "safety_controller"},
+                    {"dynamics", "calibration", "sensor", "gazebo"});
     joint.parent = readLinkReference(element, "parent");
     joint.child = readLinkReference(element, "child");
     joint.X_PJ = readOrigin(element, &joint.xyz);
-    for (const auto part : {&UrdfReader::readAxis, &UrdfReader::readLimit, &UrdfReader::readMimic})
+    for (const auto part : {&UrdfReader::readAxis, &UrdfReader::readLimit,
+                            &UrdfReader::noteSoftLimits, &UrdfReader::readMimic})
       readOn(errors_, [&] { (this->*part)(element, joint); });
     document_.joints.push_back(std::move(joint));
+  }
+
+  static bool isBounded(const UrdfJoint& joint) {
+    return joint.type == JointType::kRevolute || joint.type == JointType::kPrismatic;
   }
 
   void readAxis(const XMLElement& element, UrdfJoint& joint) {
@@ -213,9 +303,8 @@ class UrdfReader {
     const XMLElement* axis = file_.onlyChild(element, "axis");
     if (axis == nullptr) {
       if (joint.type == JointType::kPlanar)
-        document_.warnings.push_back(file_.locate(
-            element,
-            "planar joint " + inQuotes(joint.name) + " has no <axis>: its plane is normal to x"));
+        file_.warn(element, "planar joint " + inQuotes(joint.name) +
+                                " has no <axis>: its plane is normal to x");
       return;
     }
     file_.allowAttributes(*axis, {"xyz"});
@@ -230,10 +319,9 @@ class UrdfReader {
   }
 
   void readLimit(const XMLElement& element, UrdfJoint& joint) {
-    const bool bounded = joint.type == JointType::kRevolute || joint.type == JointType::kPrismatic;
     const XMLElement* limit = file_.onlyChild(element, "limit");
     if (limit == nullptr) {
-      if (bounded)
+      if (isBounded(joint))
         file_.fail(element,
                    "joint " + inQuotes(joint.name) + " has no <limit>; a " +
                        element.Attribute("type") +
@@ -245,35 +333,72 @@ class UrdfReader {
     file_.allowAttributes(
         *limit, {"lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"});
     joint.has_limit = true;
+    joint.limit_line = limit->GetLineNum();
     joint.lower = file_.number(*limit, "lower").value_or(0);
     joint.upper = file_.number(*limit, "upper").value_or(0);
-    file_.requiredNumber(*limit, "effort");
-    joint.velocity = file_.requiredNumber(*limit, "velocity");
+    readVelocity(*limit, joint);
+    if (!isBounded(joint)) return;
     for (const char* name : {"lower", "upper"})
-      if (bounded && !(std::abs(file_.number(*limit, name).value_or(0)) <= kGreatestLimit))
+      if (!(std::abs(file_.number(*limit, name).value_or(0)) <= kGreatestLimit))
         file_.fail(*limit, std::string("the ") + name + " limit " +
                                inQuotes(limit->Attribute(name)) + " of joint " +
                                inQuotes(joint.name) +
                                " is too large; numbers from -1e16 to 1e16 would be accepted");
-    if (bounded && joint.lower > joint.upper)
+    if (joint.lower > joint.upper)
       file_.fail(*limit, "the lower limit " +
                              inQuotes(limit->Attribute("lower") ? limit->Attribute("lower") : "0") +
                              " of joint " + inQuotes(joint.name) + " is above the upper limit " +
                              inQuotes(limit->Attribute("upper") ? limit->Attribute("upper") : "0") +
                              "; lower at most upper would be accepted");
-    if (!(joint.velocity <= kGreatestLimit))
-      file_.fail(*limit, "the velocity limit " + inQuotes(limit->Attribute("velocity")) +
-                             " of joint " + inQuotes(joint.name) +
-                             " is too large; numbers from 0 to 1e16 would be accepted");
-    if (joint.velocity < 0)
-      file_.fail(*limit, "the velocity limit " + inQuotes(limit->Attribute("velocity")) +
-                             " of joint " + inQuotes(joint.name) +
-                             " is negative; zero or more would be accepted");
-    if (joint.velocity == 0 && joint.type != JointType::kFixed &&
-        element.FirstChildElement("mimic") == nullptr)
-      document_.warnings.push_back(file_.locate(
-          *limit, "the velocity limit of joint " + inQuotes(joint.name) +
-                      " is 0, which is taken for none: it may move at 1 rad/s or 1 m/s"));
+    if (joint.lower == joint.upper && element.FirstChildElement("mimic") == nullptr)
+      file_.warn(*limit, "joint " + inQuotes(joint.name) + " cannot move: " +
+                             (limit->Attribute("lower") || limit->Attribute("upper")
+                                  ? "its lower and upper limits are equal"
+                                  : "its lower and upper limits are not given, and 0 then"));
+  }
+
+  /// Efforts are not used. A missing or senseless velocity limit means that there is no limit.
+  void readVelocity(const XMLElement& limit, UrdfJoint& joint) {
+    const bool moves =
+        joint.type != JointType::kFixed && limit.Parent()->FirstChildElement("mimic") == nullptr;
+    try {
+      if (!file_.number(limit, "effort"))
+        file_.leaveOut(limit, "<limit> has no effort, which is not used");
+    } catch (const InputError& error) {
+      file_.leaveOut(error, "; it is not used");
+    }
+    joint.velocity = file_.number(limit, "velocity").value_or(0);
+    if (joint.velocity > 0 && joint.velocity <= kGreatestLimit) return;
+    joint.velocity = 0;
+    const char* given = limit.Attribute("velocity");
+    if (moves)
+      file_.warn(limit, (given ? "the velocity limit " + inQuotes(given) + " of joint " +
+                                     inQuotes(joint.name) + " is taken for none"
+                               : "joint " + inQuotes(joint.name) + " has no velocity limit") +
+                            ": it may move at 1 rad/s or 1 m/s");
+  }
+
+  /// Soft limits are named and not used: published problems have starts and goals beyond them.
+  void noteSoftLimits(const XMLElement& element, UrdfJoint& joint) {
+    const XMLElement* safety = file_.onlyChild(element, "safety_controller");
+    if (safety == nullptr || joint.type == JointType::kFixed) return;
+    try {
+      const auto lower = file_.number(*safety, "soft_lower_limit"),
+                 upper = file_.number(*safety, "soft_upper_limit");
+      if (!lower && !upper) return;
+      const bool narrows = lower.value_or(0) > joint.lower || upper.value_or(0) < joint.upper;
+      if (isBounded(joint) && !narrows) return;  // the other is 0 then, URDF's default
+      if (soft_limited_.empty()) first_soft_limits_ = safety;
+      soft_limited_ += (soft_limited_.empty() ? "" : ", ") + inQuotes(joint.name);
+    } catch (const InputError& error) {
+      file_.leaveOut(error, "; it is not used");
+    }
+  }
+
+  void warnOfSoftLimits() {
+    if (!soft_limited_.empty())
+      file_.warn(*first_soft_limits_,
+                 "soft limits are not used, joints move within their <limit>: " + soft_limited_);
   }
 
   void readMimic(const XMLElement& element, UrdfJoint& joint) {
@@ -295,8 +420,7 @@ class UrdfReader {
     // Grippers are often frozen by making a mimic joint fixed.
     joint.has_mimic = joint.type != JointType::kFixed;
     if (!joint.has_mimic)
-      document_.warnings.push_back(file_.locate(
-          *mimic, "joint " + inQuotes(joint.name) + " is fixed: its <mimic> is left out"));
+      file_.warn(*mimic, "joint " + inQuotes(joint.name) + " is fixed: its <mimic> is left out");
   }
 
   /// Removes all children of `parent` but elements of these names.
@@ -311,18 +435,62 @@ class UrdfReader {
     }
   }
 
+  /// Makes white space in numbers single spaces: urdfdom knows no other.
+  static void spaceNumbers(XMLElement& element) {
+    for (const char* name : {"xyz", "rpy", "size", "scale", "radius", "length", "lower", "upper",
+                             "velocity", "multiplier", "offset"}) {
+      const char* text = element.Attribute(name);
+      if (text == nullptr) continue;
+      std::istringstream words(text);
+      std::string spaced;
+      for (std::string word; words >> word;) spaced += (spaced.empty() ? "" : " ") + word;
+      element.SetAttribute(name, spaced.c_str());
+    }
+    for (XMLElement* child = element.FirstChildElement(); child != nullptr;
+         child = child->NextSiblingElement())
+      spaceNumbers(*child);
+  }
+
+  /// Fills in attributes of <limit> that urdfdom requires and this reader does not use.
+  static void fillLimit(XMLElement& element, const UrdfJoint& joint) {
+    XMLElement* limit = element.FirstChildElement("limit");
+    if (limit == nullptr) return;
+    limit->SetAttribute("effort", "0");
+    if (joint.velocity == 0) limit->SetAttribute("velocity", "0");
+  }
+
+  void keepShapes(XMLElement& link) {
+    const bool visual = link.FirstChildElement("collision") == nullptr && takes_visuals_;
+    keepOnly(link, {visual ? "visual" : "collision"});
+    for (XMLElement* c = link.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
+      c->SetName("collision");
+      keepOnly(*c, {"origin", "geometry"});
+      XMLElement& geometry = *c->FirstChildElement("geometry");
+      keepOnly(geometry, {"box", "sphere", "cylinder", "capsule", "mesh"});
+      if (XMLElement* capsule = geometry.FirstChildElement("capsule")) capsule->SetName("cylinder");
+    }
+  }
+
   std::string essence() {
     XMLElement& robot = *file_.document().RootElement();
     keepOnly(robot, {"link", "joint"});
+    // Versions after 1.0 add capsules, which are read, and quaternions, which are refused.
+    if (const char* version = robot.Attribute("version");
+        version != nullptr && std::string_view(version).starts_with("1."))
+      robot.DeleteAttribute("version");
+    robot.SetAttribute("name", document_.name.c_str());
+    if (link_index_.size() > link_lines_.size())
+      robot.InsertNewChildElement("link")->SetAttribute("name", "world");
+    auto joint = document_.joints.begin();
     for (XMLElement* e = robot.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
       if (std::string_view(e->Name()) == "joint") {
         keepOnly(*e, {"origin", "parent", "child", "axis", "limit", "mimic"});
-        continue;
+        fillLimit(*e, *joint++);
+      } else {
+        keepShapes(*e);
       }
-      keepOnly(*e, {"collision"});
-      for (XMLElement* c = e->FirstChildElement(); c != nullptr; c = c->NextSiblingElement())
-        keepOnly(*c, {"origin", "geometry"});
     }
+    spaceNumbers(robot);
     tinyxml2::XMLPrinter printer;
     robot.Accept(&printer);
     return printer.CStr();
@@ -331,9 +499,13 @@ class UrdfReader {
   XmlFile file_;
   InputErrors* errors_;
   ErrorsSince wrong_;
+  bool takes_visuals_;
   UrdfDocument document_;
   std::map<std::string, int> link_lines_, joint_lines_, link_index_;
   std::vector<std::string> link_names_;
+  std::vector<std::string> visual_links_;  // whose <visual> stands in
+  std::string soft_limited_;               // joints with soft limits, in quotes
+  const XMLElement* first_soft_limits_ = nullptr;
 };
 
 }  // namespace

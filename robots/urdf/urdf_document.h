@@ -9,15 +9,15 @@
 
 namespace leeway::robots {
 
-/// A <collision> of a URDF link, as written.
+/// A <collision> of a URDF link, as written, or a <visual> that stands in for it.
 struct UrdfCollision {
-  enum class Kind : unsigned char { kBox, kSphere, kCylinder, kMesh };
+  enum class Kind : unsigned char { kBox, kSphere, kCylinder, kCapsule, kMesh };
   int line = 0;      ///< of the geometry's element
   std::string name;  ///< may be empty
   Pose X_LG;
   Kind kind = Kind::kBox;
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< box: whole edges [m]
-  double radius = 0, length = 0;                   ///< sphere, cylinder [m]
+  double radius = 0, length = 0;  ///< sphere, cylinder, capsule's straight part [m]
   std::string mesh_file;
   Eigen::Vector3d mesh_scale = Eigen::Vector3d::Ones();
 };
@@ -37,7 +37,9 @@ struct UrdfJoint {
   Pose X_PJ;
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< as written, not normalised
   bool has_limit = false;
-  double lower = 0, upper = 0, velocity = 0;
+  double lower = 0, upper = 0;  ///< 0 where not given, as URDF has it
+  double velocity = 0;          ///< 0: none
+  int limit_line = 0;
   bool has_mimic = false;
   std::string mimic;
   int mimic_line = 0;
@@ -51,7 +53,9 @@ struct UrdfDocument {
   std::vector<UrdfLink> links;    ///< in file order
   std::vector<UrdfJoint> joints;  ///< in file order
   std::vector<std::string> warnings;
-  std::string essence;  ///< the XML that bears on motion and collision
+  /// The XML that bears on motion and collision, in the words of plain URDF 1.0: capsules are
+  /// cylinders in it.
+  std::string essence;
 };
 
 inline std::string lineOf(int line) { return "line " + std::to_string(line); }

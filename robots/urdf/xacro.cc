@@ -6,9 +6,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <csignal>
+#include <string_view>
 
 #include "leeway/robots/input_error.h"
 #include "robots/base/read_file.h"
@@ -45,20 +48,48 @@ class Pipe {
   bool is_open_ = false;
 };
 
-std::string lastLine(std::string text) {
-  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  const std::size_t end = text.rfind('\n');
-  return end == std::string::npos ? text : text.substr(end + 1);
+/// The lines of a text that are not empty, without the white space around them, as one line.
+std::string joinLines(std::string_view text) {
+  constexpr std::string_view kSpace = " \t\r";
+  std::string joined;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    line.remove_prefix(std::min(line.find_first_not_of(kSpace), line.size()));
+    line = line.substr(0, line.find_last_not_of(kSpace) + 1);
+    if (!line.empty()) joined.append(joined.empty() ? "" : " | ").append(line);
+  }
+  return joined;
+}
+
+/// Whether xacro reads NAME:=VALUE as an argument, and not as an option or a file.
+bool isArgumentName(const std::string& name) {
+  const auto fits = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+  };
+  return !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
+         std::all_of(name.begin(), name.end(), fits);
 }
 
 }  // namespace
 
-std::optional<std::string> expandXacro(const std::string& path, const Stop& stop) {
+bool isXacro(const std::string& path) { return path.ends_with(".xacro"); }
+
+std::optional<std::string> expandXacro(
+    const std::string& path, const std::vector<std::pair<std::string, std::string>>& arguments,
+    const Stop& stop) {
   const auto fail = [&](const std::string& what) {
     throw InputError(
         path, 0,
         "xacro cannot expand it: " + what + "; a file that `xacro` expands would be accepted");
   };
+  for (const auto& [name, value] : arguments)
+    if (!isArgumentName(name))
+      throw InputError(path, 0,
+                       "xacro argument \"" + name +
+                           "\" is no name; letters, digits and underscores would be "
+                           "accepted, a letter or an underscore first");
   Pipe output, messages;
   if (!output.isOpen() || !messages.isOpen()) fail("there are no pipes left");
   posix_spawn_file_actions_t actions;
@@ -66,12 +97,14 @@ std::optional<std::string> expandXacro(const std::string& path, const Stop& stop
   ::posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   ::posix_spawn_file_actions_adddup2(&actions, output.writer(), 1);
   ::posix_spawn_file_actions_adddup2(&actions, messages.writer(), 2);
-  std::string program = "xacro", file = path;
-  // A path that begins with a dash is none of its options.
-  if (file.starts_with("-")) file = "./" + file;
-  char* arguments[] = {program.data(), file.data(), nullptr};
+  // A path that begins with a dash would be an option.
+  std::vector<std::string> words = {"xacro", path.starts_with("-") ? "./" + path : path};
+  for (const auto& [name, value] : arguments) words.push_back(name + ":=" + value);
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
   pid_t child = -1;
-  const int error = ::posix_spawnp(&child, "xacro", &actions, nullptr, arguments, environ);
+  const int error = ::posix_spawnp(&child, "xacro", &actions, nullptr, pointers.data(), environ);
   ::posix_spawn_file_actions_destroy(&actions);
   if (error == ENOENT) return std::nullopt;
   if (error != 0) fail("it does not start");
@@ -108,7 +141,7 @@ std::optional<std::string> expandXacro(const std::string& path, const Stop& stop
   if (stopped) throw Stopped("stopped while xacro expanded " + path);
   if (!why.empty()) fail(why);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    fail(texts[1].empty() ? "it fails without a word" : lastLine(texts[1]));
+    fail(joinLines(texts[1]).empty() ? "it fails without a word" : joinLines(texts[1]));
   return std::move(texts[0]);
 }
 

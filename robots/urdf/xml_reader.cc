@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "leeway/robots/text.h"
 #include "robots/base/read_file.h"
@@ -24,7 +25,7 @@ std::string expandCommand(const std::string& path, const std::string& kind) {
   if (target.extension() == ".xacro") target.replace_extension();
   if (target.extension() != extension || target == source)
     target.replace_extension(".expanded" + extension);
-  return "expand it first: xacro " + path + " > " + target.string();
+  return "xacro " + path + " > " + target.string();
 }
 
 const XMLElement* findXacro(const XMLElement& element) {
@@ -47,12 +48,14 @@ std::string suggestion(std::string_view wanted, std::span<const std::string> can
 XmlFile::XmlFile(const std::string& path, const std::string& kind, const LoadOptions& options)
     : path_(path), errors_(options.errors) {
   std::string text = readTextFile(path, "a " + kind + " file");
-  if (std::filesystem::path(path).extension() == ".xacro") {
-    std::optional<std::string> expanded = expandXacro(path, options.stop);
+  if (isXacro(path)) {
+    std::optional<std::string> expanded = expandXacro(path, options.xacro, options.stop);
     if (!expanded)
       throw InputError(path, 0,
                        "is a xacro file, which holds macros and no " + kind +
-                           ", and no xacro is installed; " + expandCommand(path, kind));
+                           ", and no xacro is installed: `pip install xacro` or the package "
+                           "ros-DISTRO-xacro of ROS brings it; or expand it elsewhere: " +
+                           expandCommand(path, kind));
     text = std::move(*expanded);
   }
   if (text.empty()) throw InputError(path, 0, "is empty; a " + kind + " file would be accepted");
@@ -77,15 +80,43 @@ XmlFile::XmlFile(const std::string& path, const std::string& kind, const LoadOpt
                       " file has one <robot>");
   if (const XMLElement* xacro = findXacro(root()))
     fail(*xacro, "<" + std::string(xacro->Name()) + "> is a xacro macro, which a " + kind +
-                     " cannot hold; " + expandCommand(path, kind));
+                     " cannot hold; expand it first: " + expandCommand(path, kind));
 }
 
 void XmlFile::fail(const XMLElement& at, const std::string& message) const {
   throw InputError(path_, at.GetLineNum(), message);
 }
 
-std::string XmlFile::locate(const XMLElement& at, const std::string& message) const {
-  return path_ + ":" + std::to_string(at.GetLineNum()) + ": " + message;
+void XmlFile::warn(const XMLElement& at, const std::string& message) {
+  warnings_.emplace_back(InputError(path_, at.GetLineNum(), message).what());
+}
+
+void XmlFile::leaveOut(const InputError& error, const std::string& consequence) {
+  if (errors_ != nullptr) {
+    if (!errors_->note(error)) throw InputError(error);
+    return;
+  }
+  const std::string warning = error.what() + consequence;
+  const std::string place = path_ + ":" + std::to_string(error.line()) + ": ";
+  const std::string text = warning.starts_with(place) ? warning.substr(place.size()) : warning;
+  const auto [entry, is_new] = left_out_.try_emplace(text, Seen{warnings_.size()});
+  if (is_new)
+    warnings_.push_back(warning);
+  else
+    ++entry->second.more;
+}
+
+void XmlFile::leaveOut(const XMLElement& at, const std::string& message) {
+  leaveOut(InputError(path_, at.GetLineNum(), message), "");
+}
+
+std::vector<std::string> XmlFile::takeWarnings() {
+  for (const auto& [text, seen] : left_out_)
+    if (seen.more > 0)
+      warnings_[seen.place] += " (and in " + std::to_string(seen.more) +
+                               (seen.more == 1 ? " more place)" : " more places)");
+  left_out_.clear();
+  return std::exchange(warnings_, {});
 }
 
 std::string XmlFile::attribute(const XMLElement& element, const char* name) const {
@@ -155,19 +186,28 @@ const XMLElement& XmlFile::requiredChild(const XMLElement& parent, const char* n
   return *child;
 }
 
-void XmlFile::allowAttributes(const XMLElement& element,
-                              std::initializer_list<const char*> names) const {
+void XmlFile::allowAttributes(const XMLElement& element, std::initializer_list<const char*> names) {
+  const std::vector<std::string> known(names.begin(), names.end());
+  std::string list;
+  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
   for (const tinyxml2::XMLAttribute* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
-    const auto known = [&](const char* name) { return std::strcmp(name, a->Name()) == 0; };
-    if (std::any_of(names.begin(), names.end(), known) || std::strncmp(a->Name(), "xmlns", 5) == 0)
+    const std::string name = a->Name();
+    if (std::find(known.begin(), known.end(), name) != known.end() || name.starts_with("xmlns"))
       continue;
-    std::string list;
-    for (const char* name : names) list += (list.empty() ? "" : ", ") + std::string(name);
-    throwOrKeep(InputError(path_, a->GetLineNum(),
-                           "<" + std::string(element.Name()) + "> has the unknown attribute " +
-                               inQuotes(a->Name()) + "; known are: " + list),
-                errors_);
+    const std::string message =
+        "<" + std::string(element.Name()) + "> has the unknown attribute " + inQuotes(name);
+    // Where the nearest name is given, too, this one is hardly meant for it.
+    const std::string* meant = isExtension(name) ? nullptr : nearestName(name, known);
+    if (meant != nullptr && element.Attribute(meant->c_str()) == nullptr)
+      throwOrKeep(
+          InputError(path_, a->GetLineNum(),
+                     message + "; did you mean " + inQuotes(*meant) + "? Known are: " + list),
+          errors_);
+    else
+      leaveOut(InputError(path_, a->GetLineNum(), message + ", which is left out"), "");
   }
 }
+
+bool isExtension(std::string_view name) { return name.find(':') != std::string_view::npos; }
 
 }  // namespace leeway::robots

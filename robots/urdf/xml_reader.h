@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,16 +24,24 @@ class XmlFile {
   /// Reads and parses; `kind` ("URDF", "SRDF") and the root element's name are for messages.
   /// What ends in .xacro is expanded by `xacro`, and lines are those of its output; without that
   /// program, and for macros in other files, it is refused with the command that expands it.
-  /// `options`: stop and errors.
+  /// `options`: stop, errors and xacro.
   XmlFile(const std::string& path, const std::string& kind, const LoadOptions& options);
 
   const std::string& path() const { return path_; }
+  bool gathersErrors() const { return errors_ != nullptr; }
   const tinyxml2::XMLElement& root() const { return *document_.RootElement(); }
   tinyxml2::XMLDocument& document() { return document_; }
 
   [[noreturn]] void fail(const tinyxml2::XMLElement& at, const std::string& message) const;
-  /// "FILE:LINE: message", for warnings.
-  std::string locate(const tinyxml2::XMLElement& at, const std::string& message) const;
+  /// Adds the warning "FILE:LINE: message".
+  void warn(const tinyxml2::XMLElement& at, const std::string& message);
+  /// Reports what is wrong with a part of the file that is left out because planning does not need
+  /// it: an error that does not end the reading where errors are gathered, else a warning with
+  /// `consequence` appended.
+  void leaveOut(const InputError& error, const std::string& consequence);
+  void leaveOut(const tinyxml2::XMLElement& at, const std::string& message);
+  /// The warnings so far, in order; one that came again in other lines once, with their number.
+  std::vector<std::string> takeWarnings();
   /// Calls visit(child) for every child element of that name; after an error with the next one
   /// where errors are gathered.
   template <typename Visit>
@@ -57,15 +66,25 @@ class XmlFile {
   const tinyxml2::XMLElement* onlyChild(const tinyxml2::XMLElement& parent, const char* name) const;
   const tinyxml2::XMLElement& requiredChild(const tinyxml2::XMLElement& parent,
                                             const char* name) const;
-  /// An attribute that is not among the given names is an error that lists them.
+  /// Leaves out attributes other than these. One that seems to be a misspelt name of these is an
+  /// error.
   void allowAttributes(const tinyxml2::XMLElement& element,
-                       std::initializer_list<const char*> names) const;
+                       std::initializer_list<const char*> names);
 
  private:
+  struct Seen {
+    std::size_t place;  // in warnings_
+    int more = 0;       // places that it came from again
+  };
   std::string path_;
   InputErrors* errors_;
   tinyxml2::XMLDocument document_;
+  std::vector<std::string> warnings_;
+  std::map<std::string, Seen> left_out_;  // by the warning's text, without its line
 };
+
+/// Whether a name has the prefix of an XML namespace. URDF and SRDF have none: it is an extension.
+bool isExtension(std::string_view name);
 
 /// "text", quotes included.
 std::string inQuotes(std::string_view text);

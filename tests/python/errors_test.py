@@ -57,6 +57,9 @@ def calls(robot, world, problem, scene):
         "Robot srdf": lambda v: leeway.Robot("robots/arm7/arm7.urdf", v),
         "Robot group": lambda v: leeway.Robot("robots/arm7/arm7.urdf", group=v),
         "Robot packages": lambda v: leeway.Robot("robots/arm7/arm7.urdf", packages=v),
+        "Robot xacro": lambda v: leeway.Robot("robots/arm7/arm7.urdf", xacro=v),
+        "Robot kinematics_only": lambda v: leeway.Robot("robots/arm7/arm7.urdf", kinematics_only=v),
+        "Robot visual_as_collision": lambda v: leeway.Robot("robots/arm7/arm7.urdf", visual_as_collision=v),
         "free_body": lambda v: leeway.Robot.free_body("b", v, lower=(0, 0, 0), upper=(1, 1, 1)),
         "free_body lower": lambda v: leeway.Robot.free_body("b", [ball], lower=v, upper=(1, 1, 1)),
         "state": robot.state, "poses": robot.poses, "pose": lambda v: robot.pose("hand", v), "link": lambda v: robot.pose(v, q),
@@ -169,6 +172,59 @@ def test_files_are_named_with_their_line(tmp_path):
     with pytest.raises(leeway.InputError, match="nowhere.urdf"):
         leeway.Robot("nowhere.urdf")
     assert issubclass(leeway.InputError, ValueError)
+
+
+def one_joint_robot(shape, kind="collision"):
+    return (f'<robot name="r"><link name="a"/><link name="b"><{kind}>\n<geometry>{shape}</geometry></{kind}></link>'
+            '<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>'
+            '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>')
+
+
+def test_kinematics_need_no_meshes(tmp_path):
+    urdf = tmp_path / "r.urdf"
+    urdf.write_text(one_joint_robot('<mesh filename="package://gone/b.stl"/>'))
+    with pytest.raises(leeway.InputError, match='r.urdf:2: the mesh "package://gone/b.stl" was not found'):
+        leeway.Robot(urdf)
+    robot = leeway.Robot(urdf, kinematics_only=True)
+    assert robot.pose("b", [0.5])[1, 0] == pytest.approx(np.sin(0.5))
+    with pytest.raises(leeway.InputError, match="without its meshes"):
+        leeway.Scene(leeway.Problem(robot, start=[0], goal=[1]))
+
+
+def test_visual_shapes_stand_in_where_asked_for(tmp_path):
+    urdf = tmp_path / "r.urdf"
+    urdf.write_text(one_joint_robot('<sphere radius="1"/>', "visual"))
+    world = leeway.World()
+    world.add("ball", leeway.Shape.sphere(1))
+
+    def scene(robot):
+        return leeway.Scene(leeway.Problem(robot, world, [0], [1]))
+
+    assert scene(leeway.Robot(urdf)).nothing_checked
+    assert not scene(leeway.Robot(urdf, visual_as_collision=True)).nothing_checked
+
+
+def test_what_is_left_out_of_an_srdf_is_refused_by_name(tmp_path):
+    urdf, srdf = tmp_path / "r.urdf", tmp_path / "r.srdf"
+    urdf.write_text(one_joint_robot('<sphere radius="1"/>'))
+    srdf.write_text('<robot name="r"><group name="g"><joint name="j"/></group>\n<group name="h"><joint name="k"/></group>'
+                    '\n<group_state name="up" group="g"><joint name="k" value="1"/></group_state></robot>')
+    robot = leeway.Robot(urdf, srdf, group="g")
+    assert len([w for w in robot.warnings if "is left out" in w]) == 2
+    with pytest.raises(ValueError, match="'up'; it is left out: .*r.srdf:3: "):
+        robot.state("up")
+    with pytest.raises(ValueError, match="'h'; it is left out: .*r.srdf:2: "):
+        leeway.Robot(urdf, srdf, group="h")
+
+
+def test_xacro_gets_arguments(tmp_path, monkeypatch):
+    program = tmp_path / "xacro"
+    urdf = one_joint_robot('<sphere radius="1"/>').replace('name="j"', 'name="$2 $3"')
+    program.write_text(f"#!/bin/sh\ncat << END\n{urdf}\nEND\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:/bin:/usr/bin")
+    (tmp_path / "r.urdf.xacro").write_text("<robot/>")
+    assert leeway.Robot(tmp_path / "r.urdf.xacro", xacro={"length": 0.5, "on": "a b"}).joint_names == ["length:=0.5 on:=a b"]
 
 
 def test_arrays_may_change_while_a_call_runs(robot, shelf):

@@ -158,7 +158,7 @@ TEST_F(BadInput, VelocityZeroIsAWarning) {
         replaced(kUrdf, "upper=\"2.5\" velocity=\"1\"", "upper=\"2.5\" velocity=\"0\""));
   const Answer answer = run("check reach.yaml");
   EXPECT_EQ(answer.status, 0);
-  EXPECT_NE(answer.err.find("warning: arm.urdf:15: the velocity limit of joint \"elbow\" is 0"),
+  EXPECT_NE(answer.err.find("warning: arm.urdf:15: the velocity limit \"0\" of joint \"elbow\""),
             std::string::npos)
       << answer.err;
 }

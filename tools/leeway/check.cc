@@ -176,6 +176,7 @@ std::vector<NamedState> collectStates(const planner::Problem& problem,
                                       const std::vector<std::string>& wanted) {
   std::vector<NamedState> states;
   for (const std::string& text : wanted) {
+    refuseLeftOut(problem, text);
     if (text == "goal" && !problem.steps.empty())
       badState(text, "a task has a goal for each of its moves; start or a named state is expected");
     if (problem.goals.empty() && (text == "goal" || (text == "start" && problem.steps.empty()))) {

@@ -25,8 +25,10 @@ struct FkArguments {
 };
 
 int runFk(const FkArguments& arguments) {
+  ProblemSource source = arguments.source;
+  source.kinematics_only = true;
   const planner::Problem problem =
-      info::loadFile(arguments.file, info::kindOf(arguments.file), arguments.source);
+      info::loadFile(arguments.file, info::kindOf(arguments.file), source);
   const robots::Model& model = *problem.robot.model;
   std::vector<int> links;
   for (const std::string& name : arguments.links) links.push_back(parseLink(model, name));

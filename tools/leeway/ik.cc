@@ -94,16 +94,21 @@ struct CheckedSolution {
   robots::IkSolution solution;
   planner::StateCheck check;
   PairNames names;
-  bool is_checked = true;  ///< false: nothing is, see CompiledScene::nothingChecked()
+  bool is_checked = true;  ///< false: CompiledScene::nothingChecked(), or meshes are missing
 
   bool free() const { return is_checked && check.verdict == planner::Verdict::kFree; }
 };
 
-/// With the clearance of the problem's scene, free ones first.
+/// With the clearance of the problem's scene, free ones first; without meshes, as they are found.
 std::vector<CheckedSolution> checkAll(const planner::Problem& problem, const std::vector<double>& q,
                                       const std::vector<int>& variables,
                                       const robots::IkResult& result, bool by_clearance) {
   std::vector<CheckedSolution> list;
+  if (problem.robot.model->lacks_meshes) {
+    for (const robots::IkSolution& solution : result.solutions)
+      list.push_back({solution, {}, {}, false});
+    return list;
+  }
   if (result.solutions.empty()) return list;
   planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
   const bool is_checked = certifier.scene().nothingChecked().empty();
@@ -177,7 +182,7 @@ std::vector<int> solvedVariables(const IkArguments& arguments, const planner::Pr
       std::vector<std::string> known;
       for (const robots::Group& other : model.groups) known.push_back(other.name);
       badUsage(fmt::format("--group '{}': the robot has no such group{}", arguments.group,
-                           planner::didYouMean(arguments.group, known)));
+                           planner::didYouMean(model, "group", arguments.group, known)));
     }
     planned = model.groups[static_cast<std::size_t>(group)].variables;
   }
@@ -226,18 +231,38 @@ void printSolutions(const IkArguments& arguments, const robots::Model& model,
                     const std::vector<int>& variables, const std::vector<CheckedSolution>& list) {
   const auto free =
       std::count_if(list.begin(), list.end(), [](const CheckedSolution& c) { return c.free(); });
-  fmt::print("{}: {} solution{}, {} free; {} first\n{}", arguments.link, list.size(),
-             list.size() == 1 ? "" : "s", free,
+  fmt::print("{}: {} solution{}, {}; {} first\n{}", arguments.link, list.size(),
+             list.size() == 1 ? "" : "s",
+             list.front().is_checked ? fmt::format("{} free", free) : "not checked for collisions",
              arguments.order == "clearance" ? "most clearance" : "nearest to the state",
              table(model, variables, list));
+}
+
+/// A robot whose meshes cannot be read still has kinematics: it is read without them, with a
+/// warning, unless clearance is asked for.
+planner::Problem loadForIk(const IkArguments& arguments) {
+  const info::FileKind kind = info::kindOf(arguments.file);
+  try {
+    return info::loadFile(arguments.file, kind, arguments.source);
+  } catch (const robots::InputError& error) {
+    if (arguments.order == "clearance") throw;
+    ProblemSource source = arguments.source;
+    source.kinematics_only = true;
+    try {
+      planner::Problem problem = info::loadFile(arguments.file, kind, source);
+      printWarnings({fmt::format("{}; solutions are not checked for collisions", error.what())});
+      return problem;
+    } catch (const robots::InputError&) {  // it is not the meshes
+    }
+    throw;
+  }
 }
 
 int runIk(const IkArguments& arguments) {
   if (arguments.solutions < 1)
     badUsage(fmt::format("--solutions {} is below 1", arguments.solutions));
   if (arguments.starts < 1) badUsage(fmt::format("--starts {} is below 1", arguments.starts));
-  planner::Problem problem =
-      info::loadFile(arguments.file, info::kindOf(arguments.file), arguments.source);
+  planner::Problem problem = loadForIk(arguments);
   const robots::Model& model = *problem.robot.model;
   const int link = parseLink(model, arguments.link);
   const std::vector<int> variables = solvedVariables(arguments, problem, link);
@@ -301,7 +326,8 @@ Verb addIk(CLI::App& command) {
       ->type_name("STATE")
       ->capture_default_str();
   app->add_option("--order", arguments->order,
-                  "nearest to the state, or most clearance; free solutions stand first")
+                  "nearest to the state, or most clearance; free solutions stand first. Clearance "
+                  "needs the robot's meshes; without them, nearest ones are not checked")
       ->type_name("nearest|clearance")
       ->check(CLI::IsMember({"nearest", "clearance"}))
       ->capture_default_str();

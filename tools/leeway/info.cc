@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "leeway/planner/compiled_scene.h"
@@ -29,14 +30,19 @@ struct InfoArguments {
 int runInfo(const InfoArguments& arguments) {
   const info::FileKind kind = info::kindOf(arguments.file);
   const planner::Problem problem = info::loadFile(arguments.file, kind, arguments.source);
-  const planner::CompiledScene scene(problem);
-  printWarnings(scene.warnings());
+  // Only a robot with a joint that moves can be compiled.
+  std::optional<planner::CompiledScene> scene;
+  if (!problem.robot.variables.empty()) {
+    scene.emplace(problem);
+    printWarnings(scene->warnings());
+  }
   Json document = {{"file", arguments.file}, {"robot", info::robotJson(*problem.robot.model)}};
   if (kind == info::FileKind::kProblem) {
     document["problem"] = info::problemJson(problem);
   }
   document["geometries"] = info::geometriesJson(problem);
-  document["compiled"] = info::compiledJson(scene, arguments.samples, arguments.seed);
+  document["compiled"] =
+      scene ? info::compiledJson(*scene, arguments.samples, arguments.seed) : Json();
   if (arguments.json) {
     printJson(document);
     return kYes;
@@ -46,7 +52,11 @@ int runInfo(const InfoArguments& arguments) {
   }
   info::printRobot(document["robot"]);
   info::printGeometries(document["geometries"]);
-  info::printCompiled(document["compiled"]);
+  if (scene) {
+    info::printCompiled(document["compiled"]);
+  } else {
+    fmt::print("no joint can move: there is nothing to plan\n");
+  }
   return kYes;
 }
 

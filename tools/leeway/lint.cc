@@ -206,7 +206,8 @@ Json sarifOf(const std::vector<Finding>& findings) {
                        {"locations", Json::array({location})}});
   }
   Json rules = Json::array();
-  rules.push_back({{"id", "wrong"}, {"shortDescription", {{"text", "the file is refused"}}}});
+  rules.push_back({{"id", "wrong"},
+                   {"shortDescription", {{"text", "the file is refused, or a part is left out"}}}});
   rules.push_back({{"id", "odd"}, {"shortDescription", {{"text", "read, with a warning"}}}});
   Json run = {{"tool", {{"driver", {{"name", "leeway lint"}, {"rules", rules}}}}},
               {"results", results}};

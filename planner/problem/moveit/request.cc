@@ -123,7 +123,7 @@ void readJointConstraint(const YamlReader& constraint, VariableRanges& given, Pr
     for (const int variable : problem.robot.variables)
       known.push_back(model.variables[at(variable)].name);
     name.fail(fmt::format("unknown joint '{}' in {}{}", name.text(), constraint.where(),
-                          didYouMean(name.text(), known)));
+                          didYouMean(model, "virtual joint", name.text(), known)));
   }
   if (given[at(v)].given)
     name.fail(fmt::format("joint '{}' has two constraints; one is expected", name.text()));
@@ -191,7 +191,7 @@ void readRequestGroup(const YamlReader& request, Problem& problem) {
     std::vector<std::string> known;
     for (const robots::Group& candidate : model.groups) known.push_back(candidate.name);
     name.fail(fmt::format("robot '{}' has no group '{}'{}", model.name, name.text(),
-                          didYouMean(name.text(), known)));
+                          didYouMean(model, "group", name.text(), known)));
   }
   problem.robot.variables = model.groups[at(group)].variables;
   if (problem.robot.variables.empty())

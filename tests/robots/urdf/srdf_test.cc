@@ -27,8 +27,15 @@ std::string srdf(const std::string& rest) {
 
 class Srdf : public testing::Test {
  protected:
-  std::shared_ptr<const Model> load(const std::string& rest) {
-    return loadModel(folder_.write("r.urdf", kUrdf), folder_.write("r.srdf", srdf(rest)));
+  std::shared_ptr<const Model> load(const std::string& rest, const LoadOptions& options = {}) {
+    return loadModel(folder_.write("r.urdf", kUrdf), folder_.write("r.srdf", srdf(rest)), options);
+  }
+  /// Expects these warnings, each the beginning of ":LINE: text".
+  void expectWarnings(const Model& model, const std::vector<std::string>& expected) {
+    ASSERT_EQ(model.warnings.size(), expected.size()) << testing::PrintToString(model.warnings);
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      EXPECT_EQ(model.warnings[i].rfind(folder_.path("r.srdf") + expected[i], 0), 0U)
+          << model.warnings[i] << " should begin with " << expected[i];
   }
   std::vector<std::string> variables(const Model& model, const std::string& group) {
     std::vector<std::string> names;
@@ -136,19 +143,13 @@ TEST_F(Srdf, DefaultsOfLinksGiveWayToPairs) {
 TEST_F(Srdf, UnknownLinksOfDefaultsAreLeftOut) {
   const auto model = load(R"(<disable_default_collisions link="l9"/>
 <enable_collisions link1="l1" link2="l8"/>
-<enable_collisions link1="l1" link2="l1"/>)");
-  ASSERT_EQ(model->warnings.size(), 3U);
-  EXPECT_NE(model->warnings[0].find(":3: enable_collisions names the link \"l8\""),
-            std::string::npos)
-      << model->warnings[0];
-  EXPECT_NE(model->warnings[1].find(":4: enable_collisions names the link \"l1\" twice"),
-            std::string::npos)
-      << model->warnings[1];
-  EXPECT_NE(model->warnings[2].find(":2: disable_default_collisions names the link \"l9\""),
-            std::string::npos)
-      << model->warnings[2];
+<enable_collisions link1="l1" link2="l1"/>
+<disable_default_collisions/>)");
+  expectWarnings(*model, {":3: the link \"l8\" in <enable_collisions> is not defined",
+                          ":4: <enable_collisions> names the link \"l1\" twice",
+                          ":2: the link \"l9\" in <disable_default_collisions> is not defined",
+                          ":5: <disable_default_collisions> has no link"});
   EXPECT_TRUE(model->disabled_pairs.empty());
-  expectError("<disable_default_collisions/>", 2, {"<disable_default_collisions> has no link"});
 }
 
 TEST_F(Srdf, FixedVirtualJointAddsNothingToPlan) {
@@ -166,18 +167,17 @@ TEST_F(Srdf, Warnings) {
 <group name="arm"><chain base_link="base" tip_link="tool"/></group>
 <group_state name="far" group="arm"><joint name="j2" value="1.5"/><joint name="tool_joint" value="2"/></group_state>
 <passive_joint name="j1"/><passive_joint name="q"/>
-<wheel/>)");
-  const Names expected = {":7: <wheel>",
-                          ":5: value \"1.5\" of joint \"j2\"",
-                          ":5: joint \"tool_joint\" is fixed",
-                          ":2: disable_collisions names the link \"l9\"",
-                          ":3: disable_collisions names the link \"l1\" twice",
-                          ":6: the passive joint \"j1\" is in the group \"arm\"",
-                          ":6: the passive joint \"q\" is not defined"};
-  ASSERT_EQ(model->warnings.size(), expected.size());
-  for (std::size_t i = 0; i < expected.size(); ++i)
-    EXPECT_NE(model->warnings[i].find(expected[i]), std::string::npos)
-        << model->warnings[i] << " should hold " << expected[i];
+<wheel/>
+<disable_collisions link1="l2" link2="l9" reason="Never"/>)");
+  expectWarnings(
+      *model,
+      {":7: <wheel> is not known and is left out", ":5: value \"1.5\" of joint \"j2\"",
+       ":5: joint \"tool_joint\" is fixed",
+       ":2: the link \"l9\" in <disable_collisions> is not defined; did you mean \"l1\"?; the "
+       "disabled pair is left out (and in 1 more place)",
+       ":3: <disable_collisions> names the link \"l1\" twice",
+       ":6: the passive joint \"j1\" is in the group \"arm\"",
+       ":6: the joint \"q\" in <passive_joint> is not defined"});
 }
 
 TEST_F(Srdf, OtherRobotIsAWarning) {
@@ -187,66 +187,205 @@ TEST_F(Srdf, OtherRobotIsAWarning) {
   EXPECT_NE(model->warnings[0].find("\"other\""), std::string::npos);
 }
 
+/// An SRDF with one entry that is left out, and what its only warning says.
+struct BadEntry {
+  const char* name;
+  std::string srdf;
+  int line;
+  std::initializer_list<const char*> words;
+};
+
+const std::string kArm =
+    "<group name=\"arm\"><chain base_link=\"base\" tip_link=\"tool\"/></group>\n";
+
+std::string state(const std::string& joints) {
+  return kArm + "<group_state name=\"s\" group=\"arm\">" + joints + "</group_state>";
+}
+
+const BadEntry kBadEntries[] = {
+    {"GroupWithoutName", "<group/>", 2, {"<group> has no name", "the group is left out"}},
+    {"UnknownLink",
+     "<group name=\"arm\">\n<link name=\"tol\"/></group>",
+     3,
+     {"link \"tol\"", "did you mean \"tool\"?", "the group \"arm\" is left out"}},
+    {"UnknownJoint",
+     "<group name=\"arm\">\n<joint name=\"j9\"/></group>",
+     3,
+     {"joint \"j9\"", "did you mean \"j1\"?", "the group \"arm\" is left out"}},
+    {"UnknownTip",
+     "<group name=\"arm\">\n<chain base_link=\"base\" tip_link=\"tip_of_tool\"/></group>",
+     3,
+     {"link \"tip_of_tool\" in <chain>", "not defined"}},
+    {"NoTip",
+     "<group name=\"arm\">\n<chain base_link=\"base\"/></group>",
+     3,
+     {"<chain> has no tip_link"}},
+    {"UnknownSubgroup",
+     "<group name=\"arm\">\n<group name=\"amr\"/></group>",
+     3,
+     {"group \"amr\"", "did you mean \"arm\"?"}},
+    {"ContainsItself",
+     "<group name=\"arm\">\n<group name=\"arm\"/></group>",
+     3,
+     {"contains itself", "\"arm\""}},
+    {"UnknownMember",
+     "<group name=\"arm\">\n<plane/></group>",
+     3,
+     {"<plane> in <group>", "chain, joint, link and group"}},
+    {"StateOfUnknownGroup",
+     kArm + "<group_state name=\"s\" group=\"arn\"/>",
+     3,
+     {"group \"arn\" in <group_state>", "did you mean \"arm\"?", "group state \"s\" is left out"}},
+    {"StateWithUnknownJoint",
+     state("\n<joint name=\"j3\" value=\"0\"/>"),
+     4,
+     {"joint \"j3\"", "did you mean"}},
+    {"StateWithJointOfAnotherGroup",
+     state("<joint name=\"j1\" value=\"0\"/>\n<joint name=\"k1\" value=\"0\"/>"),
+     4,
+     {"\"k1\" is not in the group \"arm\"", "the group state \"s\" is left out"}},
+    {"StateWithRootJoint",
+     state(
+         "<joint name=\"j1\" value=\"0\"/>\n<joint name=\"root_joint\" value=\"0 0 1 0 0 0 1\"/>"),
+     4,
+     {"\"root_joint\" is not in the group \"arm\""}},
+    {"StateWithNan", state("\n<joint name=\"j1\" value=\"nan\"/>"), 4, {"\"nan\"", "finite"}},
+    {"StateWithTwoNumbers",
+     state("\n<joint name=\"j1\" value=\"0 1\"/>"),
+     4,
+     {"\"0 1\"", "2 numbers; 1 would"}},
+    {"StateWithTwoValues",
+     state("<joint name=\"j1\" value=\"0\"/>\n<joint name=\"j1\" value=\"0\"/>"),
+     4,
+     {"second value", "line 3"}},
+    {"UnknownVirtualJoint",
+     "<virtual_joint name=\"v\" type=\"hinge\" child_link=\"base\"/>",
+     2,
+     {"\"hinge\"", "fixed, planar or floating", "the virtual joint \"v\" is left out"}},
+    {"VirtualJointOfAnotherLink",
+     "<virtual_joint name=\"v\" type=\"planar\" child_link=\"l1\"/>",
+     2,
+     {"\"l1\"", "root link \"base\""}},
+    {"VirtualJointNamedAsAnother",
+     "<virtual_joint name=\"j1\" type=\"planar\" child_link=\"base\"/>",
+     2,
+     {"\"j1\"", "another name"}},
+    {"EndEffectorOfUnknownGroup",
+     "<end_effector name=\"e\" group=\"hand\" parent_link=\"tool\"/>",
+     2,
+     {"group \"hand\" in <end_effector>", "the end effector \"e\" is left out"}},
+    {"EndEffectorOfUnknownLink",
+     kArm + "<end_effector name=\"e\" group=\"arm\" parent_link=\"toll\"/>",
+     3,
+     {"link \"toll\" in <end_effector>", "did you mean \"tool\"?"}},
+    {"PairOfOne", "<disable_collisions link1=\"l1\"/>", 2, {"has no link2"}},
+    {"PassiveJointWithoutName", "<passive_joint/>", 2, {"<passive_joint> has no name"}},
+};
+
+void PrintTo(const BadEntry& bad, std::ostream* stream) { *stream << bad.srdf; }
+
+class SrdfEntry : public Srdf, public testing::WithParamInterface<BadEntry> {};
+
+TEST_P(SrdfEntry, IsLeftOutWithAWarning) {
+  const auto model = load(GetParam().srdf);
+  ASSERT_EQ(model->warnings.size(), 1U) << testing::PrintToString(model->warnings);
+  const std::string& warning = model->warnings[0];
+  EXPECT_EQ(warning.rfind(folder_.path("r.srdf") + ":" + std::to_string(GetParam().line) + ": ", 0),
+            0U)
+      << warning;
+  for (const char* word : GetParam().words)
+    EXPECT_NE(warning.find(word), std::string::npos) << "no \"" << word << "\" in: " << warning;
+  ASSERT_EQ(model->left_out.size(), 1U);
+  EXPECT_EQ(warning.rfind(model->left_out[0].why, 0), 0U);
+  EXPECT_TRUE(model->group_states.empty());
+  EXPECT_TRUE(model->disabled_pairs.empty());
+  EXPECT_EQ(model->joints[0].type, JointType::kFixed);
+}
+
+TEST_P(SrdfEntry, IsAnErrorWhereErrorsAreGathered) {
+  InputErrors errors;
+  LoadOptions options;
+  options.errors = &errors;
+  const auto model = load(GetParam().srdf, options);
+  EXPECT_TRUE(model->warnings.empty());
+  ASSERT_EQ(errors.list().size(), 1U);
+  EXPECT_EQ(errors.list()[0].line(), GetParam().line);
+}
+
+INSTANTIATE_TEST_SUITE_P(Srdf, SrdfEntry, testing::ValuesIn(kBadEntries),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+TEST_F(Srdf, AllThatIsWrongWithAnEntryIsGathered) {
+  InputErrors errors;
+  LoadOptions options;
+  options.errors = &errors;
+  load("<group name=\"arm\">\n<link name=\"x\"/>\n<joint name=\"y\"/></group>", options);
+  ASSERT_EQ(errors.list().size(), 2U);
+  EXPECT_EQ(errors.list()[1].line(), 4);
+}
+
+TEST_F(Srdf, OthersAreKept) {
+  const auto model = load(R"(<group name="bad"><joint name="nothing"/></group>
+<group name="worse"><group name="bad"/></group>
+<group name="arm"><chain base_link="base" tip_link="tool"/></group>
+<group_state name="home" group="bad"/>
+<group_state name="home" group="arm"><joint name="j1" value="1"/><joint name="j2" value="1"/></group_state>
+<group_state name="away" group="arm"><joint name="k1" value="1"/></group_state>
+<disable_collisions link1="l1" link2="l2"/>)");
+  expectWarnings(*model, {":2: the joint \"nothing\" in <joint> is not defined",
+                          ":3: the group \"bad\" in <group> is left out itself",
+                          ":5: the group \"bad\" in <group_state> is left out itself",
+                          ":7: joint \"k1\" is not in the group \"arm\""});
+  ASSERT_EQ(model->groups.size(), 2U);
+  EXPECT_EQ(variables(*model, "arm"), (Names{"j1", "j2"}));
+  ASSERT_EQ(model->group_states.size(), 1U);
+  EXPECT_EQ(model->disabled_pairs.size(), 1U);
+  EXPECT_NE(model->whyLeftOut("group", "worse").find("r.srdf:3: the group \"bad\""),
+            std::string::npos);
+  EXPECT_EQ(model->whyLeftOut("group", "arm"), "");
+  // A state that is left out is in the way of another group's of its name only where it would do.
+  const std::vector<int> arm = {0, 1}, second = {2};
+  EXPECT_NE(model->whyStateLeftOut("away", arm).find("r.srdf:7: "), std::string::npos);
+  EXPECT_EQ(model->whyStateLeftOut("away", second), "");
+  EXPECT_EQ(model->whyStateLeftOut("home", arm), "");
+}
+
+// Which of two is meant cannot be known.
+TEST_F(Srdf, TwoOfOneNameAreBothLeftOut) {
+  const auto model = load(R"(<group name="g"><joint name="j1"/></group>
+<group name="g"><joint name="j2"/></group>
+<group name="arm"><chain base_link="base" tip_link="tool"/></group>
+<group_state name="s" group="arm"><joint name="j1" value="1"/></group_state>
+<group_state name="s" group="arm"><joint name="j1" value="2"/></group_state>
+<virtual_joint name="v" type="planar" child_link="base"/>
+<virtual_joint name="w" type="floating" child_link="base"/>
+<virtual_joint name="u" type="floating" child_link="l1"/>)");
+  EXPECT_EQ(model->groups.size(), 2U);  // arm and all
+  EXPECT_TRUE(model->group_states.empty());
+  EXPECT_EQ(model->joints[0].type, JointType::kFixed);
+  EXPECT_EQ(model->left_out.size(), 7U);
+  EXPECT_NE(model->whyLeftOut("group", "g").find("line 3, too"), std::string::npos);
+}
+
+TEST_F(Srdf, VirtualJointOfTheRootAmongOthers) {
+  const auto model = load(R"(<virtual_joint name="u" type="floating" child_link="l1"/>
+<virtual_joint name="v" type="planar" child_link="base"/>
+<group name="base"><joint name="u"/></group>)");
+  EXPECT_EQ(model->joints[0].name, "v");
+  EXPECT_EQ(model->joints[0].type, JointType::kPlanar);
+  expectWarnings(*model, {":2: the virtual joint's child_link is \"l1\"",
+                          ":4: the joint \"u\" in <joint> is left out itself"});
+}
+
+TEST_F(Srdf, AGroupNamedAllThatIsLeftOutStaysTheUsers) {
+  const auto model = load(R"(<group name="all"><joint name="nothing"/></group>)");
+  EXPECT_EQ(model->findGroup("all"), -1);
+  EXPECT_NE(model->whyLeftOut("group", "all"), "");
+}
+
 TEST_F(Srdf, Messages) {
   expectError("<group name=\"arm\">", 2, {"XML syntax error"});
-  expectError("<group/>", 2, {"<group> has no name"});
-  expectError("<group name=\"g\"/>\n<group name=\"g\"/>", 3, {"second group \"g\"", "line 2"});
-  expectError("<group name=\"arm\">\n<link name=\"tol\"/></group>", 3,
-              {"link \"tol\"", "did you mean \"tool\"?"});
-  expectError("<group name=\"arm\">\n<joint name=\"j9\"/></group>", 3,
-              {"joint \"j9\"", "did you mean \"j1\"?"});
-  expectError("<group name=\"arm\">\n<chain base_link=\"base\" tip_link=\"tip_of_tool\"/></group>",
-              3, {"link \"tip_of_tool\" in <chain>", "not defined"});
-  expectError("<group name=\"arm\">\n<chain base_link=\"base\"/></group>", 3,
-              {"<chain> has no tip_link"});
-  expectError("<group name=\"arm\">\n<group name=\"amr\"/></group>", 3,
-              {"group \"amr\"", "did you mean \"arm\"?"});
-  expectError(
-      "<group name=\"a\"><group name=\"b\"/></group>\n<group name=\"b\"><group "
-      "name=\"a\"/></group>",
-      3, {"contains itself", "\"a\"", "\"b\""});
-  expectError("<group name=\"arm\">\n<plane/></group>", 3,
-              {"<plane> in <group>", "chain, joint, link and group"});
-  const std::string arm =
-      "<group name=\"arm\"><chain base_link=\"base\" tip_link=\"tool\"/></group>\n";
-  expectError(arm + "<group_state name=\"s\" group=\"arn\"/>", 3,
-              {"group \"arn\" in <group_state>", "did you mean \"arm\"?"});
-  expectError(
-      arm +
-          "<group_state name=\"s\" group=\"arm\">\n<joint name=\"j3\" value=\"0\"/></group_state>",
-      4, {"joint \"j3\"", "did you mean"});
-  expectError(
-      arm +
-          "<group_state name=\"s\" group=\"arm\">\n<joint name=\"k1\" value=\"0\"/></group_state>",
-      4, {"\"k1\" is not in the group \"arm\""});
-  expectError(arm +
-                  "<group_state name=\"s\" group=\"arm\">\n<joint name=\"j1\" "
-                  "value=\"nan\"/></group_state>",
-              4, {"\"nan\"", "finite"});
-  expectError(arm +
-                  "<group_state name=\"s\" group=\"arm\">\n<joint name=\"j1\" value=\"0 "
-                  "1\"/></group_state>",
-              4, {"\"0 1\"", "2 numbers; 1 would"});
-  expectError(arm +
-                  "<group_state name=\"s\" group=\"arm\"><joint name=\"j1\" value=\"0\"/>\n<joint "
-                  "name=\"j1\" value=\"0\"/></group_state>",
-              4, {"second value", "line 3"});
-  expectError(
-      arm + "<group_state name=\"s\" group=\"arm\"/>\n<group_state name=\"s\" group=\"arm\"/>", 4,
-      {"second group_state \"s\""});
-  expectError("<virtual_joint name=\"v\" type=\"hinge\" child_link=\"base\"/>", 2,
-              {"\"hinge\"", "fixed, planar or floating"});
-  expectError("<virtual_joint name=\"v\" type=\"fixed\" child_link=\"l1\"/>", 2,
-              {"\"l1\"", "root link \"base\""});
-  expectError("<virtual_joint name=\"j1\" type=\"fixed\" child_link=\"base\"/>", 2,
-              {"\"j1\"", "another name"});
-  expectError(
-      "<virtual_joint name=\"v\" type=\"fixed\" child_link=\"base\"/>\n<virtual_joint name=\"w\" "
-      "type=\"fixed\" child_link=\"base\"/>",
-      3, {"second <virtual_joint>"});
-  expectError("<end_effector name=\"e\" group=\"hand\" parent_link=\"tool\"/>", 2,
-              {"group \"hand\" in <end_effector>"});
-  expectError("<disable_collisions link1=\"l1\"/>", 2, {"has no link2"});
+  expectError("<link name=\"base\"/>", 2, {"the file is a URDF"});
   expectInputError([&] { loadModel(folder_.write("r.urdf", kUrdf), folder_.path("none.srdf")); },
                    folder_.path("none.srdf"), 0, {"no such file", "SRDF"});
   const std::string xacro = folder_.write("r.srdf.xacro", "<robot/>");

@@ -208,7 +208,8 @@ Json robotJson(const robots::Model& model) {
     variables.push_back({{"name", variable.name},
                          {"lower", jsonNumber(variable.lower)},
                          {"upper", jsonNumber(variable.upper)},
-                         {"velocity", jsonNumber(variable.velocity)}});
+                         {"velocity", jsonNumber(variable.velocity)},
+                         {"narrowed_by", variable.narrowed_by}});
   }
   Json groups = Json::array();
   for (const auto& group : model.groups) {
@@ -222,10 +223,11 @@ Json robotJson(const robots::Model& model) {
   for (const auto& state : model.group_states) {
     states.push_back({{"name", state.name}, {"group", state.group}});
   }
-  return {{"name", model.name},     {"links", model.links.size()},
-          {"joints", joint_types},  {"mimic_joints", mimic},
-          {"variables", variables}, {"groups", groups},
-          {"group_states", states}, {"disabled_pairs", model.disabled_pairs.size()}};
+  return {{"name", model.name},        {"links", model.links.size()},
+          {"joints", joint_types},     {"mimic_joints", mimic},
+          {"variables", variables},    {"groups", groups},
+          {"group_states", states},    {"disabled_pairs", model.disabled_pairs.size()},
+          {"warnings", model.warnings}};
 }
 
 Json problemJson(const planner::Problem& problem) {

@@ -71,7 +71,12 @@ void printRobot(const Json& robot) {
     rows.push_back({variable["name"], limitText(variable["lower"]), limitText(variable["upper"]),
                     limitText(variable["velocity"])});
   }
-  fmt::print("{}\n", formatTable({"variable", "lower", "upper", "velocity"}, rows));
+  fmt::print("{}", formatTable({"variable", "lower", "upper", "velocity"}, rows));
+  for (const auto& variable : robot["variables"]) {
+    const std::string by = variable["narrowed_by"];
+    if (!by.empty()) fmt::print("{}: narrowed by {}\n", variable["name"].get<std::string>(), by);
+  }
+  fmt::print("\n");
   for (const auto& group : robot["groups"]) {
     std::string states;
     for (const auto& state : robot["group_states"]) {

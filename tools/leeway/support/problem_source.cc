@@ -107,6 +107,11 @@ void addRobotArguments(CLI::App& app, ProblemSource& source) {
       ->type_name("SRDF");
   app.add_option("--package", source.packages, "where package://NAME/ lies; may be repeated")
       ->type_name("NAME=DIR");
+  app.add_option("--xacro", source.xacro,
+                 "argument of xacro, where the robot's file ends in .xacro; may be repeated")
+      ->type_name("NAME:=VALUE");
+  app.add_flag("--visual-as-collision", source.visual_as_collision,
+               "the <visual> shapes of links without <collision> stand in for it");
   app.add_flag("--no-cache", source.no_cache,
                "neither take meshes from the cache folder ($LEEWAY_CACHE_DIR) nor keep them there");
 }
@@ -257,6 +262,14 @@ robots::LoadOptions loadOptions(const ProblemSource& source) {
     }
     options.packages.emplace_back(package.substr(0, equals), directory);
   }
+  for (const std::string& argument : source.xacro) {
+    const std::size_t sign = argument.find(":=");
+    if (sign == std::string::npos || sign == 0)
+      badUsage(fmt::format("--xacro '{}' is not NAME:=VALUE", argument));
+    options.xacro.emplace_back(argument.substr(0, sign), argument.substr(sign + 2));
+  }
+  options.visual_as_collision = source.visual_as_collision;
+  options.kinematics_only = source.kinematics_only;
   options.stop = source.stop;
   options.errors = source.errors;
   return options;
@@ -298,6 +311,11 @@ planner::Problem loadProblem(const ProblemSource& given, std::optional<double> t
     const InterruptibleReading reading(time_limit);
     source.stop = reading.stop();
     problem = readProblem(source);
+    if (source.kinematics_only && !problem.start_poses.empty()) {
+      // Joint values of such a start are those that collide with nothing.
+      source.kinematics_only = false;
+      problem = readProblem(source);
+    }
   }
   robots::throwIfStopped(interrupted, "the problem was read");  // after the last question
   return planner::placeStart(problem);
@@ -329,9 +347,13 @@ planner::Problem loadProblemOrRobot(const ProblemSource& source) {
     for (int v = 0; v < static_cast<int>(model.variables.size()); ++v)
       problem.robot.variables.push_back(v);
   } else if (problem.robot.variables.empty()) {
-    badUsage(fmt::format("--group '{}' is no group of {} with joints that move; there {} {}",
-                         source.group, source.robot, names.size() == 1 ? "is" : "are",
-                         names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+    const std::string why = model.whyLeftOut("group", source.group);
+    badUsage(fmt::format(
+        "--group '{}' is no group of {} with joints that move{}", source.group, source.robot,
+        !why.empty()    ? why
+        : names.empty() ? "; there is none"
+                        : fmt::format("; there {} {}", names.size() == 1 ? "is" : "are",
+                                      fmt::join(names, ", "))));
   }
   return problem;
 }

@@ -21,6 +21,9 @@ struct ProblemSource {
   std::string scene, request;
   std::vector<std::string> goal_pose;  ///< FRAME x y z qx qy qz qw; several: at once
   std::vector<std::string> packages;   ///< NAME=DIR
+  std::vector<std::string> xacro;      ///< NAME:=VALUE
+  bool visual_as_collision = false;
+  bool kinematics_only = false;  ///< unless the start depends on collisions
   bool no_cache = false;
   robots::Stop stop;  ///< set while it is read
   robots::InputErrors* errors = nullptr;

@@ -24,7 +24,12 @@ std::string meantState(const robots::Model& model, const std::string& text,
     if (std::find(words.begin(), words.end(), state.name) == words.end())
       words.push_back(state.name);
   }
-  return planner::didYouMean(text, words);
+  return planner::didYouMean(model, "group state", text, words);
+}
+
+void refuseLeftOut(const planner::Problem& problem, const std::string& text) {
+  const std::string why = problem.robot.model->whyStateLeftOut(text, problem.robot.variables);
+  if (!why.empty()) badState(text, "is not known" + why);
 }
 
 std::vector<std::string> splitAt(char separator, const std::string& text) {
@@ -62,6 +67,7 @@ std::vector<double> parseConfiguration(const planner::Problem& problem, const st
   const robots::Model& model = *problem.robot.model;
   std::vector<double> q = problem.start;
   if (text == "start") return q;
+  refuseLeftOut(problem, text);
   for (const robots::GroupState& state : model.group_states) {
     if (state.name != text) continue;
     for (const auto& [variable, value] : state.values) q[at(variable)] = value;

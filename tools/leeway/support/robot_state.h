@@ -26,6 +26,10 @@ double parseNumber(const std::string& option, const std::string& text);
 std::string meantState(const robots::Model& model, const std::string& text,
                        std::vector<std::string> words);
 
+/// Throws robots::InputError where `text` names a group state that is left out, of a group that has
+/// the planned joints.
+void refuseLeftOut(const planner::Problem& problem, const std::string& text);
+
 std::vector<std::string> splitAt(char separator, const std::string& text);
 
 }  // namespace leeway::tools

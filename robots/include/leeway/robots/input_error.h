@@ -32,11 +32,17 @@ class InputErrors {
   const std::vector<InputError>& list() const { return list_; }
   /// False, and nothing done, where there is no room.
   bool keep(const InputError& error);
+  /// Lists an error that does not make the reading fail: of an entry that is left out. Returns
+  /// false, and does nothing, where there is no room.
+  bool note(const InputError& error);
   /// How often an error was kept, and the n-th of them.
   std::size_t count() const { return kept_.size(); }
   const InputError& kept(std::size_t n) const { return list_[kept_[n]]; }
 
  private:
+  /// The place of `error` in the list; kMost where there is no room.
+  std::size_t placeOf(const InputError& error);
+
   std::vector<InputError> list_;
   std::vector<std::size_t> kept_;  // places in the list
 };

@@ -62,6 +62,9 @@ struct Variable {
   int joint = -1;
   double lower, upper;  ///< [rad or m]; -+infinity where unlimited
   double velocity;      ///< [rad/s or m/s]; infinity where not given
+  /// What narrows the joint's own limits, with file and line: the limits of joints that mimic it.
+  /// Empty: nothing does.
+  std::string narrowed_by = {};
 };
 
 struct Link {
@@ -85,6 +88,14 @@ struct GroupState {
 struct DisabledPair {
   int link_a, link_b;
   std::string reason;
+};
+
+/// An entry of the SRDF that is wrong. Planning does not need it unless someone names it.
+struct LeftOut {
+  std::string kind;  ///< "group", "group state", "virtual joint", "end effector", ...
+  std::string name;
+  std::string group;  ///< of a group state
+  std::string why;    ///< FILE:LINE: what is wrong
 };
 
 /// Proven distances of two links between which exactly two joints move, by the angles of both. Arc
@@ -137,7 +148,9 @@ struct RobotDescription {
   /// Pairs that are checked though they are neighbours, the lower link first (SRDF:
   /// enable_collisions).
   std::vector<std::pair<int, int>> enabled_pairs;
+  std::vector<LeftOut> left_out;  ///< of the SRDF; each is in `warnings`, too
   bool has_srdf = false;
+  bool lacks_meshes = false;          ///< read with kinematics_only, and the URDF has some
   std::string urdf_file, srdf_file;   ///< as given to loadModel(); empty for a free body
   std::vector<std::string> warnings;  ///< of the loaders, each with file and line
 
@@ -145,6 +158,14 @@ struct RobotDescription {
   int findJoint(std::string_view name) const;
   int findVariable(std::string_view name) const;
   int findGroup(std::string_view name) const;
+  /// The end of a message about an unknown name: "; it is left out: WHY" where left_out has an
+  /// entry of this kind and name, else empty.
+  std::string whyLeftOut(std::string_view kind, std::string_view name) const;
+  /// The same of a group state, for who plans these variables. Empty, too, where the state's group
+  /// lacks some of them.
+  std::string whyStateLeftOut(std::string_view state, std::span<const int> variables) const;
+  /// Throws InputError where lacks_meshes: what is asked of such a robot must not depend on shapes.
+  void expectMeshes() const;
 };
 
 /// A robot, constant from its first use on: what is prepared of it is kept with it. A copy may be
@@ -152,8 +173,8 @@ struct RobotDescription {
 /// order of `variables`.
 class Model : public RobotDescription {
  public:
-  /// Compiles `steps`, and adds the group "all" of every variable and link unless there is one.
-  /// O(joints).
+  /// Compiles `steps`, and adds the group "all" of every variable and link unless there is one, or
+  /// one that is left out. O(joints).
   explicit Model(RobotDescription description);
 
   std::vector<KinematicStep> steps;  ///< one a joint
@@ -179,10 +200,19 @@ struct MeshTreatment {
   double weld = 0;  ///< collision::MeshOptions::weld [m]; 0 for a hull
 };
 
-/// Where package://NAME/... and relative mesh paths are looked for.
+/// How robots and meshes are read.
 struct LoadOptions {
-  /// NAME, DIR; searched before ROS_PACKAGE_PATH and the URDF's own folders.
+  /// NAME, DIR: where package://NAME/... is; searched before ROS_PACKAGE_PATH, AMENT_PREFIX_PATH
+  /// and the folders from the URDF's up.
   std::vector<std::pair<std::string, std::string>> packages = {};
+  /// NAME, VALUE: arguments of xacro, for a URDF or SRDF that ends in .xacro.
+  std::vector<std::pair<std::string, std::string>> xacro = {};
+  /// True: links have no mesh shapes, and no mesh file is read. A model that lacks some then is
+  /// refused by whatever checks collisions (lacks_meshes).
+  bool kinematics_only = false;
+  /// The <visual> shapes of a link stand in for its <collision> shapes, if it has none of these. A
+  /// warning names the links.
+  bool visual_as_collision = false;
   /// The folder that keeps what takes time to make of mesh files and robots, for the next process;
   /// empty: nothing is kept. The answers are the same, byte for byte. cacheFolder()
   /// (cache_folder.h) is the usual one.
