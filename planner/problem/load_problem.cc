@@ -266,10 +266,12 @@ NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known) {
           pair.where()));
     read.group = names[0] + " and " + names[1];
   }
-  if (names[0] == names[1]) pair.fail(fmt::format("{}: {}", pair.where(), sameName(names[0])));
+  // A group beside itself: the pairs within it.
+  if (names[0] == names[1] && read.group.empty())
+    pair.fail(fmt::format("{}: {}", pair.where(), sameName(names[0])));
   for (const std::string& a : sides[0])
     for (const std::string& b : sides[1])
-      if (a != b) read.pairs.emplace_back(a, b);
+      if (a != b && !(names[0] == names[1] && a > b)) read.pairs.emplace_back(a, b);
   if (read.pairs.empty())
     pair.fail(fmt::format("{}: '{}' and '{}' stand for one thing; two different ones are expected",
                           pair.where(), names[0], names[1]));

@@ -213,6 +213,24 @@ allowed: [[o, base]]
             (std::vector<std::pair<std::string, std::string>>{{"o", "base"}}));
 }
 
+TEST(Problem, AGroupBesideItselfStandsForThePairsWithinIt) {
+  const std::string base = robot("arm6", "arm") + kArm6Ends + R"(
+objects: [{name: o, sphere: {radius: 0.1}}]
+groups: {one: [o]}
+)";
+  const Problem problem = load(base + "margins: [{between: [robot, robot], margin: 0.003}]\n");
+  const std::size_t links = problem.robot.model->links.size();
+  EXPECT_EQ(problem.margins.pairs.size(), links * (links - 1) / 2);
+  for (const PairMargin& pair : problem.margins.pairs) {
+    EXPECT_LT(pair.a, pair.b);
+    EXPECT_EQ(pair.margin, 0.003);
+  }
+  for (const char* wrong : {"[one, one]", "[o, o]"})
+    EXPECT_THROW(load(base + "margins: [{between: " + wrong + ", margin: 0.1}]\n"),
+                 robots::InputError)
+        << wrong;
+}
+
 TEST(Problem, GroupsStandForTheirMembersAndObjectivesSayMore) {
   const std::string base = robot("arm6", "arm") + kArm6Ends + R"(
 objects: [{name: o, sphere: {radius: 0.1}}, {name: p, sphere: {radius: 0.1}}]
