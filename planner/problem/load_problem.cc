@@ -529,8 +529,12 @@ Problem problemFromStates(std::shared_ptr<const Model> model, const std::string&
   problem.robot.model = std::move(model);
   takeGroup("", 0, group, problem);
   problem.start = problem.robot.model->defaultConfiguration();
-  takeStart("", 0, groupStateRanges("", 0, start, problem), problem);
-  problem.goals.push_back(takeGoal("", 0, goal, groupStateRanges("", 0, goal, problem), problem));
+  takeStart("", 0, statedRanges("start", start, problem), problem);
+  const VariableRanges ranges = statedRanges("goal", goal, problem);
+  const auto& states = problem.robot.model->group_states;
+  const bool is_named = std::any_of(states.begin(), states.end(),
+                                    [&](const auto& state) { return state.name == goal; });
+  problem.goals.push_back(takeGoal("", 0, is_named ? goal : "goal", ranges, problem));
   validate(problem);
   return problem;
 }

@@ -6,8 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <sstream>
 
 #include "collision/base/numbers.h"
+#include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/problem/read_poses.h"
 #include "planner/problem/read_shapes.h"
@@ -252,6 +255,29 @@ VariableRanges groupStateRanges(const std::string& file, int line, const std::st
   throw InputError(file, line,
                    fmt::format("no group state '{}' for the planned joints{}", name,
                                didYouMean(model, "group state", name, known)));
+}
+
+VariableRanges statedRanges(const std::string& what, const std::string& text,
+                            const Problem& problem) {
+  std::string spaced = text;
+  std::replace(spaced.begin(), spaced.end(), ',', ' ');
+  std::istringstream words(spaced);
+  std::vector<double> values;
+  for (std::string word; words >> word;) {
+    const std::optional<double> value = robots::parseFinite(word);
+    if (!value) return groupStateRanges("", 0, text, problem);
+    values.push_back(*value);
+  }
+  if (values.empty()) return groupStateRanges("", 0, text, problem);
+  const std::vector<int>& variables = problem.robot.variables;
+  if (values.size() != variables.size())
+    throw InputError("", 0,
+                     fmt::format("{} '{}' is {} numbers; {} are expected, of {}", what, text,
+                                 values.size(), variables.size(), plannedNames(problem)));
+  VariableRanges ranges(problem.robot.model->variables.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    ranges[at(variables[i])] = {true, values[i], values[i], 0};
+  return ranges;
 }
 
 void readStart(const YamlReader& reader, Problem& problem) {

@@ -30,6 +30,11 @@ Goal takeGoal(const std::string& file, int line, const std::string& name,
 VariableRanges groupStateRanges(const std::string& file, int line, const std::string& name,
                                 const Problem& problem);
 
+/// The values of a group state, or of "0 1.5" or "0, 1.5": one of each planned variable. Throws
+/// InputError without a file; `what` names the text in messages.
+VariableRanges statedRanges(const std::string& what, const std::string& text,
+                            const Problem& problem);
+
 /// `start:` of a problem file: a group state, a list in group order, a map by joint, or poses.
 void readStart(const YamlReader& reader, Problem& problem);
 

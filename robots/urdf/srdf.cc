@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <map>
 #include <set>
 #include <utility>
@@ -45,6 +46,37 @@ bool readEntry(XmlFile& file, const XMLElement& e, const std::string& kind, Robo
     if (!file.gathersErrors()) break;
   }
   return false;
+}
+
+/// The joints above `link`, the root's among them.
+std::set<int> jointsAbove(const RobotDescription& model, int link) {
+  std::set<int> joints;
+  while (link >= 0) {
+    const int joint = model.links[static_cast<std::size_t>(link)].joint;
+    joints.insert(joint);
+    link = model.joints[static_cast<std::size_t>(joint)].parent_link;
+  }
+  return joints;
+}
+
+std::set<int> chainJoints(const RobotDescription& model, int base_link, int tip_link) {
+  const std::set<int> base = jointsAbove(model, base_link), tip = jointsAbove(model, tip_link);
+  std::set<int> joints;
+  std::set_symmetric_difference(base.begin(), base.end(), tip.begin(), tip.end(),
+                                std::inserter(joints, joints.end()));
+  return joints;
+}
+
+Group groupOf(const RobotDescription& model, const std::string& name, const std::set<int>& joints) {
+  Group group;
+  group.name = name;
+  for (int j : joints) {  // ascending: tree order
+    const Joint& joint = model.joints[static_cast<std::size_t>(j)];
+    group.links.push_back(joint.child_link);
+    for (int k = 0; k < joint.variable_count; ++k)
+      group.variables.push_back(joint.first_variable + k);
+  }
+  return group;
 }
 
 class SrdfReader {
@@ -199,33 +231,12 @@ class SrdfReader {
     group.joints.insert(found->joints.begin(), found->joints.end());
   }
 
-  /// The joints above `link`, nearest first, the root's last.
-  std::vector<int> jointsAbove(int link) const {
-    std::vector<int> joints;
-    for (; link >= 0; link = model_.joints[static_cast<std::size_t>(joints.back())].parent_link)
-      joints.push_back(model_.links[static_cast<std::size_t>(link)].joint);
-    return joints;
-  }
-
   void addChain(const XMLElement& e, std::set<int>& joints) const {
-    const std::vector<int> base = jointsAbove(requireLink(e, "base_link"));
-    const std::vector<int> tip = jointsAbove(requireLink(e, "tip_link"));
-    for (int joint : tip)
-      if (std::find(base.begin(), base.end(), joint) == base.end()) joints.insert(joint);
-    for (int joint : base)
-      if (std::find(tip.begin(), tip.end(), joint) == tip.end()) joints.insert(joint);
+    joints.merge(chainJoints(model_, requireLink(e, "base_link"), requireLink(e, "tip_link")));
   }
 
   void keep(const RawGroup& raw) {
-    Group group;
-    group.name = raw.name;
-    for (int j : raw.joints) {  // ascending: tree order
-      const Joint& joint = model_.joints[static_cast<std::size_t>(j)];
-      group.links.push_back(joint.child_link);
-      for (int k = 0; k < joint.variable_count; ++k)
-        group.variables.push_back(joint.first_variable + k);
-    }
-    model_.groups.push_back(std::move(group));
+    model_.groups.push_back(groupOf(model_, raw.name, raw.joints));
     group_joints_.push_back(raw.joints);
   }
 
@@ -387,6 +398,11 @@ std::optional<VirtualJoint> readVirtualJoint(XmlFile& srdf, const std::string& r
               [&](InputErrors&) { joint = virtualJointOf(srdf, e, root_link, joints); });
   });
   return joint;
+}
+
+Group chainGroup(const RobotDescription& model, const std::string& name, int base_link,
+                 int tip_link) {
+  return groupOf(model, name, chainJoints(model, base_link, tip_link));
 }
 
 void readSrdf(XmlFile& srdf, RobotDescription& model) {

@@ -208,6 +208,38 @@ TEST_F(RobotFiles, XacroGetsArguments) {
   }
 }
 
+TEST_F(RobotFiles, AChainIsPlannedBetweenJointValues) {
+  write("arm.urdf", replaced(kUrdf, "<link name=\"base\"/>",
+                             "<link name=\"base\"><collision><origin xyz=\"-0.8 0 0\"/><geometry>"
+                             "<sphere radius=\"0.1\"/></geometry></collision></link>"));
+  const std::string robot = "--robot arm.urdf --chain base lower ";
+  const std::string ends = "--start '-1 0' --goal '1, 0.25' ";
+  const Answer plan = run("plan " + robot + ends + "--output p.json --json");
+  EXPECT_EQ(plan.status, 0) << plan.out << plan.err;
+  EXPECT_EQ(plan.document()["path"]["joint_names"], json({"shoulder", "elbow"}));
+  const Answer verify = run("verify " + robot + ends + "p.json");
+  EXPECT_EQ(verify.status, 0) << verify.out << verify.err;
+  EXPECT_EQ(run("check " + robot + "--state '-1,0'").status, 0);
+  const Answer part = run("plan --robot arm.urdf --chain upper lower --start 0.5 --goal -1 --json");
+  EXPECT_EQ(part.status, 0) << part.out << part.err;
+  EXPECT_EQ(part.document()["path"]["joint_names"], json({"elbow"}));
+  // As a group of the SRDF.
+  EXPECT_EQ(
+      run("plan --robot arm.urdf --srdf arm.srdf --group arm --start '-1 0' --goal left").status,
+      0);
+  for (const auto& [arguments, words] : std::vector<std::pair<std::string, std::string>>{
+           {"--chain base lowr " + ends, "no link 'lowr'; did you mean 'lower'?"},
+           {"--chain lower lower " + ends, "has no joint"},
+           {"--chain base lower --group all " + ends, "--group and --chain"},
+           {"--chain base lower --start '1 2 3' --goal '0 0'",
+            "start '1 2 3' is 3 numbers; 2 are expected, of shoulder, elbow"},
+           {"--chain base lower --start '0 0' --goal '9 0'", "goal has joint 'shoulder' at 9"},
+           {"--chain base lower --start '0 nan' --goal '0 0'", "no group state '0 nan'"},
+           {"--chain base lower --start '0 0'", "--goal"}})
+    expectRefused("plan --robot arm.urdf " + arguments, {words});
+  expectRefused("plan reach.yaml --chain base lower", {"reach.yaml names its robot"});
+}
+
 TEST_F(RobotFiles, ARobotInWhichNothingMovesIsDescribed) {
   write("box.urdf",
         "<robot name=\"box\"><link name=\"a\"><collision><geometry><sphere radius=\"1\"/>"

@@ -440,6 +440,16 @@ TEST(ProblemFromStates, TakesGroupStates) {
   EXPECT_EQ(message("amr", "home"), "robot 'arm6' has no group 'amr'; did you mean 'arm'?");
   EXPECT_EQ(message("arm", "hoem"),
             "no group state 'hoem' for the planned joints; did you mean 'home'?");
+  const Problem values = problemFromStates(model, "arm", "0 -1.5, 1.5,0 0 0", "1 0 0 0 0 6.2");
+  EXPECT_EQ(values.start[1], -1.5);
+  EXPECT_EQ(values.goals[0].name, "goal");
+  EXPECT_EQ(values.goals[0].ranges[5], std::pair(6.2, 6.2));
+  EXPECT_EQ(message("arm", "0 1"),
+            "start '0 1' is 2 numbers; 6 are expected, of pan_joint, lift_joint, elbow_joint, "
+            "wrist1_joint, wrist2_joint, wrist3_joint");
+  EXPECT_EQ(
+      message("arm", "0 0 0 0 0 7"),
+      "start has joint 'wrist3_joint' at 7, outside its limits; -6.28319 to 6.28319 is expected");
 }
 
 // ---- The robots ----

@@ -14,9 +14,11 @@
 #include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/space/ompl_planners.h"
 #include "planner/validate/checks.h"
+#include "robots/urdf/srdf.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
@@ -30,21 +32,46 @@ constexpr double kMostTime = 1e9;
   throw robots::InputError("command line", 0, message);
 }
 
+/// The planned group: that of --group, or the one that --chain adds.
+std::string plannedGroup(const ProblemSource& source) {
+  if (source.chain.empty()) return source.group;
+  if (!source.group.empty())
+    badUsage("--group and --chain both say which joints are planned; one is expected");
+  return source.chain[0] + " to " + source.chain[1];
+}
+
 std::shared_ptr<const robots::Model> loadRobot(const ProblemSource& source) {
-  auto model = robots::loadModel(source.robot, source.srdf, loadOptions(source));
+  const std::string group = plannedGroup(source);
+  std::shared_ptr<const robots::Model> model =
+      robots::loadModel(source.robot, source.srdf, loadOptions(source));
   printWarnings(model->warnings);
-  return model;
+  if (source.chain.empty()) return model;
+  int ends[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    ends[i] = model->findLink(source.chain[i]);
+    if (ends[i] >= 0) continue;
+    std::vector<std::string> known;
+    for (const robots::Link& link : model->links) known.push_back(link.name);
+    badUsage(fmt::format("--chain: {} has no link '{}'{}", source.robot, source.chain[i],
+                         planner::didYouMean(source.chain[i], known)));
+  }
+  if (model->findGroup(group) >= 0)
+    badUsage(fmt::format("--chain: the SRDF has a group '{}'; --group is expected", group));
+  auto with_chain = std::make_shared<robots::Model>(*model);
+  with_chain->groups.push_back(robots::chainGroup(*model, group, ends[0], ends[1]));
+  return with_chain;
 }
 
 planner::Problem loadFromRobot(const ProblemSource& source) {
   const bool moveit = !source.scene.empty() || !source.request.empty();
-  const bool states = !source.group.empty() || !source.start.empty() || !source.goal.empty();
+  const bool states = !(plannedGroup(source) + source.start + source.goal).empty();
   const bool pose = !source.goal_pose.empty();
   if (pose && !source.goal.empty())
     badUsage("--goal and --goal-pose both say the goal; one is expected");
   if (moveit && states) {
     badUsage(
-        "--scene and --request name start and goal already; leave --group, --start and --goal out");
+        "--scene and --request name start and goal already; leave --group, --chain, --start and "
+        "--goal out");
   }
   if (moveit) {
     if (source.scene.empty() || source.request.empty()) {
@@ -53,12 +80,12 @@ planner::Problem loadFromRobot(const ProblemSource& source) {
     return planner::loadMoveit(loadRobot(source), source.scene, source.request,
                                {.load = loadOptions(source)});
   }
-  if (source.group.empty() || source.start.empty() || (source.goal.empty() && !pose)) {
+  if (plannedGroup(source).empty() || source.start.empty() || (source.goal.empty() && !pose)) {
     badUsage(
-        "beside --robot either --group, --start and --goal (or --goal-pose) are needed, or --scene "
-        "and --request");
+        "beside --robot either --group or --chain, --start and --goal (or --goal-pose) are needed, "
+        "or --scene and --request");
   }
-  return planner::problemFromStates(loadRobot(source), source.group, source.start,
+  return planner::problemFromStates(loadRobot(source), plannedGroup(source), source.start,
                                     pose ? source.start : source.goal);
 }
 
@@ -121,8 +148,15 @@ namespace {
 void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
   addRobotArguments(app, source);
   app.add_option("--group", source.group, "planned group of the SRDF")->type_name("NAME");
-  app.add_option("--start", source.start, "group state to start from")->type_name("NAME");
-  app.add_option("--goal", source.goal, "group state to reach")->type_name("NAME");
+  app.add_option("--chain", source.chain,
+                 "in place of --group: the joints between two links are planned")
+      ->type_name("BASE TIP")
+      ->expected(2);
+  app.add_option("--start", source.start,
+                 "group state to start from, or a value for each planned joint: \"0 -1.5 0\"")
+      ->type_name("STATE");
+  app.add_option("--goal", source.goal, "group state to reach, or values as of --start")
+      ->type_name("STATE");
   app.add_option(
          "--goal-pose", source.goal_pose,
          "pose to reach, in place of the goal: position [m] and quaternion of a frame, link "
@@ -284,7 +318,7 @@ planner::Problem readProblem(const ProblemSource& source) {
         "--scene and --request");
   }
   if (!source.problem.empty() && !(source.robot + source.srdf + source.scene + source.request +
-                                   source.group + source.start + source.goal)
+                                   plannedGroup(source) + source.start + source.goal)
                                       .empty()) {
     badUsage(fmt::format(
         "{} names its robot, start and goal itself; leave the other problem options out",
@@ -338,22 +372,23 @@ planner::Problem loadProblemOrRobot(const ProblemSource& source) {
   const robots::Model& model = *problem.robot.model;
   problem.name = model.name;
   problem.start = model.defaultConfiguration();
+  const std::string planned = plannedGroup(source);
   std::vector<std::string> names;
   for (const robots::Group& group : model.groups) {
     names.push_back(group.name);
-    if (group.name == source.group) problem.robot.variables = group.variables;
+    if (group.name == planned) problem.robot.variables = group.variables;
   }
-  if (source.group.empty()) {
+  if (planned.empty()) {
     for (int v = 0; v < static_cast<int>(model.variables.size()); ++v)
       problem.robot.variables.push_back(v);
   } else if (problem.robot.variables.empty()) {
-    const std::string why = model.whyLeftOut("group", source.group);
-    badUsage(fmt::format(
-        "--group '{}' is no group of {} with joints that move{}", source.group, source.robot,
-        !why.empty()    ? why
-        : names.empty() ? "; there is none"
-                        : fmt::format("; there {} {}", names.size() == 1 ? "is" : "are",
-                                      fmt::join(names, ", "))));
+    const std::string why = model.whyLeftOut("group", planned);
+    badUsage(fmt::format("'{}' is no group of {} with joints that move{}", planned, source.robot,
+                         !why.empty() ? why
+                         : names.empty()
+                             ? "; there is none"
+                             : fmt::format("; there {} {}", names.size() == 1 ? "is" : "are",
+                                           fmt::join(names, ", "))));
   }
   return problem;
 }

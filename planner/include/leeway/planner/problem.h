@@ -340,8 +340,8 @@ Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string
 World loadMoveitWorld(const std::string& scene_path, const ProblemOptions& options,
                       std::vector<std::string>& warnings);
 
-/// A problem from group states, without obstacles. Throws robots::InputError (without a file) for
-/// unknown names.
+/// A problem without obstacles, from group states or values of the planned variables: "0, 1.5".
+/// Throws robots::InputError (without a file) for unknown names and wrong values.
 Problem problemFromStates(std::shared_ptr<const robots::Model> model, const std::string& group,
                           const std::string& start, const std::string& goal);
 
