@@ -4,8 +4,6 @@
 #include <string_view>
 #include <utility>
 
-#include "robots/base/read_on.h"
-
 namespace leeway::robots {
 
 namespace {
@@ -56,9 +54,5 @@ bool InputErrors::keep(const InputError& error) {
 }
 
 bool InputErrors::note(const InputError& error) { return placeOf(error) < kMost; }
-
-void throwOrKeep(const InputError& error, InputErrors* errors) {
-  if (errors == nullptr || !errors->keep(error)) throw InputError(error);
-}
 
 }  // namespace leeway::robots
