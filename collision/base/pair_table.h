@@ -19,9 +19,7 @@ namespace leeway::collision {
 template <class T>
 class PairTable {
  public:
-  static constexpr std::size_t kMost = 1U << 14U;  ///< places [count]
-  /// Of so many pairs that they are in runs few are ever near, and a small table is made sooner.
-  static constexpr std::size_t kMostOfRuns = 1U << 10U;
+  static constexpr std::size_t kMost = 1U << 11U;  ///< places [count]
 
   PairTable() = default;
   PairTable(const PairTable&) = delete;
@@ -34,6 +32,7 @@ class PairTable {
     static_assert(alignof(Place) <= 64, "what takeMemory() aligns to");
     clear();
     has_begun_.assign(std::min(pairs, most), 0);
+    is_shared_ = pairs > most;
     places_.reset(static_cast<Place*>(takeMemory(has_begun_.size() * sizeof(Place))));
   }
 
@@ -54,6 +53,8 @@ class PairTable {
     }
     return place.value;
   }
+  /// Whether pairs share places. Otherwise a value stays where it is.
+  bool isShared() const { return is_shared_; }
   /// The value of a pair; null: nothing is known of it.
   const T* find(std::int32_t pair) const {
     const std::size_t i = indexOf(pair);
@@ -69,7 +70,10 @@ class PairTable {
   };
   std::size_t indexOf(std::int32_t pair) const {
     const auto number = static_cast<std::size_t>(pair);
-    return number < has_begun_.size() ? number : number & (has_begun_.size() - 1);
+    // Numbers of things that are near each other differ by multiples of the same: hashed.
+    return number < has_begun_.size()
+               ? number
+               : (number * 0x9e3779b97f4a7c15U >> 32U) & (has_begun_.size() - 1);
   }
   void clear() {
     if constexpr (!std::is_trivially_destructible_v<T>)
@@ -80,6 +84,7 @@ class PairTable {
   // Room for all places, each begun where a pair first comes to it: most never are.
   std::unique_ptr<Place, GiveBack> places_;
   std::vector<unsigned char> has_begun_;
+  bool is_shared_ = false;
 };
 
 }  // namespace leeway::collision

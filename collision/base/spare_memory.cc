@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kBlockAlignment = 64;
 /// Blocks of a thread, and their bytes together.
-constexpr std::size_t kMostBlocks = 32, kMostBytes = std::size_t{8} << 20U;
+constexpr std::size_t kMostBlocks = 48, kMostBytes = std::size_t{8} << 20U;
 
 /// Before each block.
 struct Header {

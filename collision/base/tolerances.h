@@ -504,7 +504,7 @@ inline constexpr float kLaneTouching = 1e-4F;
 /// How near to the widest gap LaneSweep searches planes [m]: chords and radii leave more open.
 inline constexpr double kLanePlaneTolerance = 5e-4;
 
-// Scenes with runs of pairs (scene_query.cc)
+// Scenes (scene_query.cc)
 
 /// How far beyond the margins decide() looks, and clearance() at first [m]: farther costs looks,
 /// and nearer says less of what is free.

@@ -216,26 +216,13 @@ class BallPass {
   }
 
   HWY_INLINE void cull() {
-    for (std::size_t g = 0; g < s_.groups.size(); ++g) {
-      boundGroup(s_.groups[g]);
-      scratch_.group_near[g] = isNearObstacle(s_.groups[g]) ? 1 : 0;
+    for (const Sweep::Group& group : s_.groups) boundGroup(group);
+    if (s_.world && (LaneSweep::kOfWorld & kernel_.asked.kinds) != 0) cullWorld();
+    for (const Sweep::Loose& loose : s_.loose_pairs) {
+      const std::size_t a = size(s_.pairs[size(loose.pair)].a);
+      if (!isApart(&scratch_.low[3 * a], &scratch_.high[3 * a], loose.low, loose.high))
+        considerObstacle(a, loose.pair);
     }
-    for (std::size_t p = 0; p < s_.wholes; ++p) {
-      if ((s_.pieces[p].kinds & kernel_.asked.kinds) == 0) continue;
-      if (s_.pieces[p].group >= 0 && scratch_.group_near[size(s_.pieces[p].group)] == 0) continue;
-      const float *low = &scratch_.low[3 * p], *high = &scratch_.high[3 * p];
-      float grown_low[3], grown_high[3];
-      if (s_.runs) {  // boxes are as they are, and not grown by thresholds
-        growBox(low, high, s_.pieces[p].row_above, grown_low, grown_high);
-        low = grown_low;
-        high = grown_high;
-      }
-      const ObstacleBoxes* const first = s_.boxes->first().get();
-      if (first != nullptr) cullBoxes(p, low, high, *first, 0);
-      cullBoxes(p, low, high, *s_.boxes, first != nullptr ? first->slots() : 0);
-    }
-    for (const std::int32_t pair : s_.loose_pairs)
-      considerObstacle(size(kernel_.pair(pair).a), pair);
     std::size_t next = 0;
     for (const Sweep::Bundle& bundle : s_.bundles) {
       next = size(bundle.end);
@@ -243,6 +230,29 @@ class BallPass {
       for (std::size_t i = size(bundle.begin); i < next; ++i) considerPieces(s_.piece_pairs[i]);
     }
     for (; next < s_.piece_pairs.size(); ++next) considerPieces(s_.piece_pairs[next]);
+  }
+
+  HWY_INLINE void cullWorld() {
+    const ObstacleBoxes* const first = s_.boxes->first().get();
+    for (std::size_t g = 0; g < s_.groups.size(); ++g)
+      scratch_.group_near[g] = isNearObstacle(s_.groups[g]) ? 1 : 0;
+    for (const LaneSweep::Row& row : s_.rows) {
+      const std::size_t p = size(row.piece);
+      const Sweep::LanePiece& piece = s_.pieces[p];
+      if (piece.group >= 0 && scratch_.group_near[size(piece.group)] == 0) continue;
+      float low[3], high[3];
+      growBox(&scratch_.low[3 * p], &scratch_.high[3 * p], piece.row_above, low, high);
+      if (first != nullptr) cullBoxes(p, low, high, *first, 0);
+      cullBoxes(p, low, high, *s_.boxes, first != nullptr ? first->slots() : 0);
+    }
+  }
+
+  /// Whether two boxes are apart; false with NaN.
+  static bool isApart(const float* low_a, const float* high_a, const float* low_b,
+                      const float* high_b) {
+    bool apart = false;
+    for (int k = 0; k < 3; ++k) apart |= high_a[k] < low_b[k] || low_a[k] > high_b[k];
+    return apart;
   }
 
   /// Rounded outwards.
@@ -258,17 +268,12 @@ class BallPass {
 
   /// Whether some box is near a group.
   HWY_INLINE bool isNearObstacle(const Sweep::Group& group) {
-    const float *low = &scratch_.low[3 * size(group.piece)],
-                *high = &scratch_.high[3 * size(group.piece)];
-    float grown_low[3], grown_high[3];
-    if (s_.runs) {
-      float above = 0;
-      for (int i = group.begin; i < group.end; ++i)
-        above = std::max(above, s_.pieces[size(s_.group_members[size(i)])].row_above);
-      growBox(low, high, above, grown_low, grown_high);
-      low = grown_low;
-      high = grown_high;
-    }
+    float above = 0;
+    for (int i = group.begin; i < group.end; ++i)
+      above = std::max(above, s_.pieces[size(s_.group_members[size(i)])].row_above);
+    float low[3], high[3];
+    growBox(&scratch_.low[3 * size(group.piece)], &scratch_.high[3 * size(group.piece)], above, low,
+            high);
     const ObstacleBoxes* const first = s_.boxes->first().get();
     return (first != nullptr && isNearBoxes(low, high, first->levels())) ||
            isNearBoxes(low, high, s_.boxes->levels());

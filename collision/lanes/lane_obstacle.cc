@@ -85,8 +85,15 @@ LaneSweep::Impl::Obstacle LaneSweep::Impl::obstacleOf(const Shape& shape, const 
   return o;
 }
 
+LaneSweep::Impl::Exact LaneSweep::Impl::keptExactOf(const Shape& shape, const Pose& X_WG) {
+  auto kept = std::make_shared<const Shape>(shape);
+  Exact exact = exactOf(*kept, X_WG);
+  exact.kept = std::move(kept);
+  return exact;
+}
+
 LaneSweep::Impl::Exact LaneSweep::Impl::exactOf(const Shape& shape, const Pose& X_WG) {
-  Exact exact{shape, X_WG, {}};
+  Exact exact{nullptr, &shape, X_WG, {}};
   if (shape.isConvex()) {
     exact.view = viewOf(shape);
   } else if (shape.type() == ShapeType::kMesh) {
@@ -95,16 +102,10 @@ LaneSweep::Impl::Exact LaneSweep::Impl::exactOf(const Shape& shape, const Pose& 
   return exact;
 }
 
-const LaneSweep::Impl::Exact& LaneSweep::Impl::exactOf(const Obstacle& obstacle,
-                                                       Exact& room) const {
-  if (obstacle.own) return *obstacle.own;
-  const auto [shape, X_WG] = runs->placed(obstacle.place);
-  return room = exactOf(*shape, X_WG);
-}
-
 LaneSweep::Impl::Obstacle LaneSweep::Impl::obstacleIn(std::int32_t place) const {
-  const auto [shape, X_WG] = runs->placed(place);
+  const auto [shape, X_WG] = world->placed(place);
   Obstacle o = obstacleOf(*shape, X_WG);
+  o.exact_shape = exactOf(*shape, X_WG);
   o.place = place;
   return o;
 }
@@ -149,9 +150,8 @@ LaneSweep::Impl::Obstacle LaneSweep::Impl::partOf(const CoverPart& part, const P
   const Shape shape = Shape::convexHull(hull);
   Obstacle o = obstacleOf(shape, X_WG);
   for (float& half : o.half) half = floatAbove(static_cast<double>(half) + radius);
-  Exact exact = exactOf(shape, X_WG);
-  exact.view.excess += radius;
-  o.own = std::make_shared<const Exact>(std::move(exact));
+  o.exact_shape = keptExactOf(shape, X_WG);
+  o.exact_shape.view.excess += radius;
   return o;
 }
 

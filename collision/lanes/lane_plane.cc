@@ -34,7 +34,7 @@ LaneSweep::Contact LaneSweepKernel::noteContact(std::int32_t pair, std::int32_t 
     std::swap(contact, previous);
     if (previous.pair == pair || previous.pair < 0) break;
   }
-  return {sweep.runs ? pair : sweep.pairs[at(pair)].id, std::countr_zero(lanes)};
+  return {pair, std::countr_zero(lanes)};
 }
 
 bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
@@ -42,8 +42,7 @@ bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
   const Sweep::LanePiece& a = sweep.pieces[at(pair.a)];
   const Pose X_WA = poseOf(frames[a.frame], lane);
   const Sweep::Obstacle* o = pair.pieces ? nullptr : &obstacle(pair);
-  Sweep::Exact room;
-  const Sweep::Exact* exact = o != nullptr ? &sweep.exactOf(*o, room) : nullptr;
+  const Sweep::Exact* exact = o != nullptr ? &o->exact_shape : nullptr;
   const Pose X_WB =
       o != nullptr ? exact->X_WG : poseOf(frames[sweep.pieces[at(pair.b)].frame], lane);
   const auto viewOfPiece = [closely](const Sweep::LanePiece& piece) -> const ConvexView& {
@@ -80,8 +79,8 @@ void LaneSweepKernel::placePlane(const Sweep::Obstacle& o, Scratch::Plane& plane
   const Eigen::Vector3d n(static_cast<double>(plane.normal[0]),
                           static_cast<double>(plane.normal[1]),
                           static_cast<double>(plane.normal[2]));
-  Sweep::Exact room;
-  const auto& [shape, X_WG, view] = sweep.exactOf(o, room);
+  const Pose& X_WG = o.exact_shape.X_WG;
+  const ConvexView& view = o.exact_shape.view;
   const Eigen::Vector3d n_B = X_WG.rotation.transpose() * n;
   int hint = 0;
   plane.offset = floatAbove(n.dot(X_WG.translation) + n_B.dot(farthest(view, n_B, hint)) +

@@ -122,7 +122,7 @@ void LaneSweep::addGroup(std::span<const int> pieces, std::span<const Ball> ball
 int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG, int place) {
   Impl::Obstacle o = Impl::obstacleOf(shape, X_WG);
   o.place = place;
-  if (place < 0) o.own = std::make_shared<const Impl::Exact>(Impl::exactOf(shape, X_WG));
+  o.exact_shape = place < 0 ? Impl::keptExactOf(shape, X_WG) : Impl::exactOf(shape, X_WG);
   o.parts_begin = o.parts_end = static_cast<int>(impl_->obstacle_parts.size());
   if (shape.type() == ShapeType::kMesh) {
     for (const CoverPart& part : coverOf(shape)->parts) {
@@ -134,8 +134,9 @@ int LaneSweep::addObstacle(const Shape& shape, const Pose& X_WG, int place) {
   return static_cast<int>(impl_->obstacles.size()) - 1;
 }
 
-void LaneSweep::addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts,
+void LaneSweep::addPair(int piece, int obstacle, int balls, double threshold, bool by_parts,
                         std::uint8_t kind, bool has_proof) {
+  const auto id = static_cast<int>(impl_->pairs.size());
   impl_->pairs.push_back(impl_->pairWith(id, piece, impl_->obstacles[at(obstacle)], obstacle, balls,
                                          threshold, by_parts));
   impl_->pairs.back().kind = kind;
@@ -164,20 +165,24 @@ LaneSweep::Impl::Pair LaneSweep::Impl::pairWith(int id, int piece, const Obstacl
           by_parts && has_points && !deforms};
 }
 
-LaneSweep::Impl::Pair LaneSweep::Impl::ofRuns(std::int32_t id) const {
-  const LaneRuns::Pair of = runs->pairOf(id);
-  if (of.added >= 0) return pairs[at(of.added)];
-  const int added = obstacleAt(of.place);
-  const int piece = rows[at(of.row)].piece;
-  Pair pair;
+LaneSweep::Impl::Pair LaneSweep::Impl::pairWithWorld(std::int32_t number) const {
+  const auto in_world =
+      static_cast<std::uint32_t>(number - static_cast<std::int32_t>(pairs.size()));
+  const auto of_row = static_cast<std::uint32_t>(places);
+  const auto row = static_cast<int>(in_world / of_row), place = static_cast<int>(in_world % of_row);
+  const std::optional<LaneWorld::Pair> of = world->pairOf(row, place);
+  Pair pair{};
+  pair.kind = 0;
+  if (!of) return pair;
+  const int added = obstacleAt(place);
+  const int piece = rows[at(row)].piece;
   if (added < 0) {
-    pair = pairWith(id, piece, obstacleIn(of.place), -1 - of.place, -1, of.threshold, of.by_parts);
+    pair = pairWith(number, piece, obstacleIn(place), -1 - place, -1, of->threshold, of->by_parts);
   } else {
     const Obstacle& o = obstacles[at(added)];
-    pair = pairWith(id, piece, o, added, o.balls, of.threshold, of.by_parts);
+    pair = pairWith(number, piece, o, added, o.balls, of->threshold, of->by_parts);
   }
   setParts(pair);
-  pair.number_with_parts = id;
   return pair;
 }
 
@@ -188,20 +193,21 @@ int LaneSweep::Impl::obstacleAt(std::int32_t place) const {
   return found != placed_obstacles.end() && obstacles[at(*found)].place == place ? *found : -1;
 }
 
-void LaneSweep::setRuns(std::shared_ptr<const LaneRuns> runs, std::span<const Row> rows,
-                        std::shared_ptr<const ObstacleBoxes> boxes, std::size_t count,
-                        double scale) {
-  impl_->runs = std::move(runs);
+void LaneSweep::setWorld(std::shared_ptr<const LaneWorld> world, std::span<const Row> rows,
+                         std::size_t places, std::shared_ptr<const ObstacleBoxes> boxes,
+                         double scale) {
+  impl_->world = std::move(world);
   impl_->rows.assign(rows.begin(), rows.end());
+  impl_->places = places;
   impl_->boxes = std::move(boxes);
-  impl_->numbers = count;
-  impl_->scale_of_runs = scale;
+  impl_->scale_of_world = scale;
 }
 
 void LaneSweep::setBalls(int obstacle, int balls) { impl_->obstacles[at(obstacle)].balls = balls; }
 
-void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts,
+void LaneSweep::addPiecePair(int a, int b, int motion, double threshold, bool by_parts,
                              std::uint8_t kind, bool has_proof) {
+  const auto id = static_cast<int>(impl_->pairs.size());
   const Impl::LanePiece &x = impl_->pieces[at(a)], &y = impl_->pieces[at(b)];
   const double rounding =
       kLaneSweepRounding *
@@ -218,15 +224,14 @@ void LaneSweep::addPiecePair(int id, int a, int b, int motion, double threshold,
 
 void LaneSweep::reservePairs(std::size_t count) { impl_->pairs.reserve(count); }
 
-bool LaneSweep::canMeet(int pair) const {
-  const Impl::Pair p =
-      impl_->runs ? impl_->ofRuns(pair) : impl_->pairs[static_cast<std::size_t>(pair)];
+bool LaneSweep::canMeet(int pair, Scratch& scratch) const {
+  const LaneSweepKernel kernel{*impl_, *scratch.impl_, nullptr, nullptr, 0};
+  const Impl::Pair& p = kernel.pair(pair);
   const auto piece = [&](int i) -> const Impl::LanePiece& {
     return impl_->pieces[static_cast<std::size_t>(i)];
   };
   const Impl::LanePiece& a = piece(p.a);
-  const bool exact = !p.pieces && (p.hasObstacle() ? impl_->obstacles[at(p.b)].exact
-                                                   : impl_->obstacleIn(p.place()).exact);
+  const bool exact = !p.pieces && kernel.obstacle(p).exact;
   const bool by_balls = exact || (p.balls >= 0 && piece(p.balls).inner < piece(p.balls).end);
   return (a.inner < a.end && by_balls) || (exact && a.frame >= 0 && a.own >= 0);
 }
@@ -316,8 +321,7 @@ void LaneSweep::Impl::addParts() {
   for (Pair& pair : pairs) {
     setParts(pair);
     if (pair.parts == 0) continue;
-    pair.number_with_parts = runs ? pair.id : static_cast<int>(pairs_with_parts);
-    ++pairs_with_parts;
+    pairs_with_parts = at(pair.id) + 1;
     most_parts = std::max(most_parts, at(pair.parts));
   }
 }
@@ -348,10 +352,8 @@ void LaneSweep::Impl::finish() {
   nearest_fine = stock->nearest_fine.data();
   clusters = stock->clusters.data();
   findBundles();
-  if (runs)
-    findRuns();
-  else
-    findObstacles();
+  findLoosePairs();
+  if (world) findRows();
 }
 
 void LaneSweep::Impl::findBundles() {
@@ -425,10 +427,26 @@ void LaneSweep::Impl::addBundle(std::int32_t group, std::int32_t other,
                      floatAbove(above + rounding), kind});
 }
 
-void LaneSweep::Impl::findRuns() {
-  for (std::int32_t& number : piece_pairs) number = pairs[at(number)].id;
-  for (const Pair& pair : pairs)
-    if (!pair.pieces) loose_pairs.push_back(pair.id);
+// Boxes are rounded outwards; comparing them rounds by less than the pair's own rounding, which
+// free_above has.
+void LaneSweep::Impl::findLoosePairs() {
+  for (const Pair& pair : pairs) {
+    if (pair.pieces) continue;
+    const Exact& exact = obstacles[at(pair.b)].exact_shape;
+    const Eigen::AlignedBox3d box = boxOf(*exact.shape, exact.X_WG);
+    // A threshold of NaN is never kept: such an obstacle is near everything.
+    const double grown = std::isnan(pair.free_above) ? std::numeric_limits<double>::infinity()
+                                                     : static_cast<double>(pair.free_above);
+    Loose loose{pair.id, {}, {}};
+    for (int k = 0; k < 3; ++k) {
+      loose.low[k] = std::max(floatBelow(box.min()[k] - grown), -kFar);
+      loose.high[k] = std::min(floatAbove(box.max()[k] + grown), kFar);
+    }
+    loose_pairs.push_back(loose);
+  }
+}
+
+void LaneSweep::Impl::findRows() {
   std::size_t most_of_obstacles = 1, most_of_pieces = 1;
   for (std::size_t o = 0; o < whole_obstacles; ++o) {
     if (obstacles[o].place < 0) continue;
@@ -441,72 +459,19 @@ void LaneSweep::Impl::findRuns() {
   for (std::size_t row = 0; row < rows.size(); ++row) {
     LanePiece& piece = pieces[at(rows[row].piece)];
     piece.row = static_cast<std::int32_t>(row);
-    piece.kinds = 1;
     // As pairWith() has it. What is never kept is near everything.
     const double above =
         rows[row].most_threshold +
         kLaneSweepRounding *
-            (piece.reach + static_cast<double>(piece.outer.radius) + scale_of_runs);
+            (piece.reach + static_cast<double>(piece.outer.radius) + scale_of_world);
     piece.row_above =
         std::isnan(above) ? std::numeric_limits<float>::infinity() : floatAbove(above);
     most_of_pieces = std::max(most_of_pieces, at(partsOf(pieces, rows[row].piece).size()));
   }
   if (most_of_obstacles * most_of_pieces == 1) return;
-  pairs_with_parts = std::max(pairs_with_parts, numbers);
+  pairs_with_parts = std::max(pairs_with_parts, pairs.size() + rows.size() * places);
   most_parts =
       std::max(most_parts, std::min(most_of_obstacles * most_of_pieces, at(kMostPartPairs)));
-}
-
-// Boxes are rounded outwards; comparing them rounds by less than the pair's own rounding, which
-// free_above has.
-void LaneSweep::Impl::findObstacles() {
-  std::int32_t rows_used = 0;
-  std::vector<double> grown(whole_obstacles, 0.0);
-  for (const Pair& pair : pairs) {
-    if (pair.pieces) continue;
-    if (pieces[at(pair.a)].row < 0) pieces[at(pair.a)].row = rows_used++;
-    pieces[at(pair.a)].kinds |= pair.kind;
-    // A threshold of NaN is never kept: such an obstacle is near everything.
-    double& g = grown[at(pair.b)];
-    g = std::isnan(pair.free_above) ? std::numeric_limits<double>::infinity()
-                                    : std::max(g, static_cast<double>(pair.free_above));
-  }
-  std::vector<ObstacleBoxes::Box> grown_boxes(whole_obstacles);
-  for (std::size_t i = 0; i < whole_obstacles; ++i) {
-    if (!obstacles[i].own) {  // it was to stand in a run, and has no pair here
-      std::fill_n(grown_boxes[i].low, 3, kFar);
-      std::fill_n(grown_boxes[i].high, 3, -kFar);
-      continue;
-    }
-    const Eigen::AlignedBox3d box = boxOf(obstacles[i].own->shape, obstacles[i].own->X_WG);
-    for (int k = 0; k < 3; ++k) {
-      grown_boxes[i].low[k] = std::max(floatBelow(box.min()[k] - grown[i]), -kFar);
-      grown_boxes[i].high[k] = std::min(floatAbove(box.max()[k] + grown[i]), kFar);
-    }
-  }
-  boxes = std::make_shared<const ObstacleBoxes>(grown_boxes);
-  std::vector<std::size_t> slot_of(whole_obstacles);
-  for (std::size_t slot = 0; slot < boxes->slots(); ++slot)
-    if (boxes->obstacle(slot) >= 0) slot_of[at(boxes->obstacle(slot))] = slot;
-  pair_of.assign(at(rows_used) * boxes->slots(), -1);
-  for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const Pair& pair = pairs[p];
-    if (pair.pieces) continue;
-    pair_of[at(pieces[at(pair.a)].row) * boxes->slots() + slot_of[at(pair.b)]] =
-        static_cast<std::int32_t>(p);
-  }
-}
-
-void LaneSweep::nearPairs(int piece, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                          SpareVector<int>& ids) const {
-  const Impl::LanePiece& of = impl_->pieces[at(piece)];
-  if (of.row < 0) return;
-  ObstacleBoxes::Box box;
-  for (int k = 0; k < 3; ++k) box.low[k] = floatBelow(low[k]), box.high[k] = floatAbove(high[k]);
-  impl_->boxes->forEachNear(box, [&](std::size_t slot) {
-    const std::int32_t pair = impl_->pairOf(of, slot);
-    if (pair >= 0) ids.push_back(impl_->pairs[at(pair)].id);
-  });
 }
 
 std::size_t LaneSweep::bytes() const {
@@ -516,8 +481,7 @@ std::size_t LaneSweep::bytes() const {
              (sizeof(Eigen::Vector3d) + 3 * sizeof(float) + sizeof(std::int32_t)) +
          impl_->stock->clusters.size() * sizeof(Impl::Cluster) +
          impl_->obstacles.size() * sizeof(Impl::Obstacle) +
-         (impl_->boxes ? impl_->boxes->bytes() : 0) + impl_->pairs.size() * sizeof(Impl::Pair) +
-         impl_->pair_of.size() * sizeof(std::int32_t);
+         (impl_->boxes ? impl_->boxes->bytes() : 0) + impl_->pairs.size() * sizeof(Impl::Pair);
 }
 
 }  // namespace leeway::collision

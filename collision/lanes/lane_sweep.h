@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -17,22 +18,18 @@
 
 namespace leeway::collision {
 
-/// Pairs of pieces with obstacles that are too many to be listed: told from their numbers. Rows are
-/// pieces, places are things that stand still. Constant.
-class LaneRuns {
+/// The world of a LaneSweep: what stands still, by place. Constant.
+class LaneWorld {
  public:
-  virtual ~LaneRuns() = default;
-  struct Pair {
-    int added = -1;  ///< its number in the order of addition; -1: it is of a row and place
-    int row = -1, place = -1;
-    double threshold = 0;  ///< [m]
-    bool by_parts = true;
-  };
-  virtual Pair pairOf(int id) const = 0;
-  /// The id of a row's pair with the obstacle in a place; -1: there is none.
-  virtual int idOf(int row, int place) const = 0;
-  /// What stands in a place.
+  virtual ~LaneWorld() = default;
+  /// What stands in a place; the shape lives as long as this.
   virtual std::pair<const Shape*, Pose> placed(int place) const = 0;
+  struct Pair {
+    double threshold = 0;  ///< [m]
+    bool by_parts = true;  ///< see LaneSweep::addPair()
+  };
+  /// The pair of a row's piece with what stands in a place; nothing: they may touch.
+  virtual std::optional<Pair> pairOf(int row, int place) const = 0;
 };
 
 /// The coarse pass of edge certification: moving pieces against each other and against obstacles
@@ -76,13 +73,13 @@ class LaneSweep {
   /// balls.
   void addGroup(std::span<const int> pieces, std::span<const Ball> balls);
   /// A shape that stands still: spheres, capsules, boxes, cylinders and half-spaces as they are, a
-  /// cone as a cylinder, all else as a box around it. O(vertices).
-  /// `place`: its place in runs, whose shape is asked of LaneRuns; -1: it is in none.
+  /// cone as a cylinder, all else as a box around it. `place`: its place in the world; -1: it is in
+  /// none, and is kept. O(vertices).
   int addObstacle(const Shape& shape, const Pose& X_WG, int place = -1);
   /// Around such a shape in the world, rounding included.
   static ObstacleBoxes::Box boxAround(const Shape& shape, const Pose& X_WG);
-  /// Whether a shape in runs must be added as an obstacle: it has balls or parts besides its box,
-  /// or deforms, and then is near everything. All others are made from LaneRuns when they are near.
+  /// Whether a shape of the world must be added as an obstacle: it has balls or parts besides its
+  /// box, or deforms, and then is near everything. All others are made when they are near.
   static bool needsObstacle(const Shape& shape) {
     const ShapeType type = shape.type();
     return type == ShapeType::kMesh || type == ShapeType::kConvexHull ||
@@ -90,28 +87,30 @@ class LaneSweep {
   }
   /// What rounding of such an obstacle is relative to, as it stands in the world [m].
   static double scaleOf(const Shape& shape, const Pose& X_WG);
-  /// Piece and obstacle must keep a separation above `threshold` [m]; answers name the pair by
-  /// `id`. `balls`: a piece of the world whose balls hold the obstacle, too, or -1; they may settle
-  /// lanes that the obstacle's box leaves open. `by_parts`: convex parts may settle them, too.
-  /// `kind`: a bit, see Asked. `has_proof`: run() asks Proofs about it.
-  void addPair(int id, int piece, int obstacle, int balls, double threshold, bool by_parts = true,
+  /// Piece and obstacle, one of a few, must keep a separation above `threshold` [m]. Answers name
+  /// the pair by its number in the order of addition. `balls`: a piece of the world whose balls
+  /// hold the obstacle, too, or -1; they may settle lanes that the obstacle's box leaves open.
+  /// `by_parts`: convex parts may settle them, too. `kind`: a bit, see Asked. `has_proof`: run()
+  /// asks Proofs about it.
+  void addPair(int piece, int obstacle, int balls, double threshold, bool by_parts = true,
                std::uint8_t kind = 1, bool has_proof = false);
   void reservePairs(std::size_t count);
   /// addPair() of two pieces; `motion` is that of A's points, seen from B's frame.
-  void addPiecePair(int id, int a, int b, int motion, double threshold, bool by_parts = true,
+  void addPiecePair(int a, int b, int motion, double threshold, bool by_parts = true,
                     std::uint8_t kind = 1, bool has_proof = false);
-  /// Pairs of each row's piece with what stands in `boxes`, a place each. Numbers of pairs in the
-  /// order of addition are ids from now on, of which there are `count`; listed ones with obstacles
-  /// should be few. `scale`: at least scaleOf() of everything in a place [m].
+  /// Pairs of each row's piece with what stands in `boxes`, a place each. Their numbers follow
+  /// those that were added, row by row, one a place; they are of kind kOfWorld. `scale`: at least
+  /// scaleOf() of everything in a place [m].
+  static constexpr std::uint8_t kOfWorld = 1;
   struct Row {
     int piece;
     double most_threshold;  ///< of its pairs, at least 0; NaN where one is [m]
   };
-  void setRuns(std::shared_ptr<const LaneRuns> runs, std::span<const Row> rows,
-               std::shared_ptr<const ObstacleBoxes> boxes, std::size_t count, double scale);
-  /// See addPair(): for pairs in runs.
+  void setWorld(std::shared_ptr<const LaneWorld> world, std::span<const Row> rows,
+                std::size_t places, std::shared_ptr<const ObstacleBoxes> boxes, double scale);
+  /// See addPair(): for an obstacle in a place.
   void setBalls(int obstacle, int balls);
-  /// Pairs that a pass has room for, where there are runs [count].
+  /// Pairs with the world that a pass has room for [count].
   static constexpr std::size_t kMostNear = std::size_t{1} << 16U;
   /// Before a sweep is copied: what finish() makes of its pieces alone is made once, here.
   /// O(points).
@@ -119,11 +118,6 @@ class LaneSweep {
   /// After all additions, before any Scratch.
   void finish();
   std::size_t bytes() const;
-  /// Appends the ids of the pairs of a piece with obstacles that may not keep their thresholds,
-  /// where all of the piece is between `low` and `high` in the world [m]; not of runs. Allocates
-  /// only where `ids` has no room. A descent of the obstacles' boxes: O(obstacles) at worst.
-  void nearPairs(int piece, const Eigen::Vector3d& low, const Eigen::Vector3d& high,
-                 SpareVector<int>& ids) const;
 
   /// A pair and the lanes in which it is not certified.
   struct Open {
@@ -150,7 +144,7 @@ class LaneSweep {
 
   /// What run() looks at.
   struct Asked {
-    std::uint8_t kinds = 0xFF;       ///< pairs of these alone; those in runs are of kind 1
+    std::uint8_t kinds = 0xFF;       ///< pairs of these alone
     const Proofs* proofs = nullptr;  ///< null: there are none
   };
 
@@ -185,8 +179,8 @@ class LaneSweep {
   /// One pass over frames that are placed and moved: by balls, by the last plane of each pair, by
   /// points. growth: h^2 A / 8 of each motion [m]; slack: how far the frames' rounding moves any
   /// capsule [m]. Which contacts are found and what planes leave open depends on the runs before;
-  /// every answer is proven regardless. O(pieces + pairs) at worst, and a descent a piece among
-  /// more than ObstacleBoxes::kMostInList things; never throws or allocates.
+  /// every answer is proven regardless. O(pieces + pairs) at worst, and a descent of the world's
+  /// boxes for each row; never throws or allocates.
   Contact run(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
               Scratch& scratch, const Asked& asked) const;
   /// After a run() that found no contact, with the same frames, growth and slack: searches planes
@@ -194,15 +188,15 @@ class LaneSweep {
   /// query of a few points for some of them.
   Contact separate(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
                    Scratch& scratch) const;
-  /// Planes and points alone, for some pairs in some lanes. The ids given are the pairs' numbers in
-  /// the order of addition. Planes are searched to a smaller tolerance than in separate().
+  /// Planes and points alone, for some pairs in some lanes. Planes are searched to a smaller
+  /// tolerance than in separate().
   Contact runPairs(std::span<const Open> pairs, std::span<const LaneFrame> frames,
                    std::span<const float> growth, float slack, Scratch& scratch) const;
-  /// Looks for a contact of one pair, by its number in the order of addition, in the middle of the
-  /// intervals: by balls and all points. Frames need only be placed.
+  /// Looks for a contact of one pair in the middle of the intervals: by balls and all points.
+  /// Frames need only be placed.
   Contact meet(int pair, std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
   /// False for pairs whose balls and points can never prove a contact. O(1).
-  bool canMeet(int pair) const;
+  bool canMeet(int pair, Scratch& scratch) const;
   /// run() and separate() at single configurations: frames need only be placed.
   Contact runStill(std::span<const LaneFrame> frames, float slack, Scratch& scratch) const;
 

@@ -31,13 +31,13 @@ struct LaneSweep::Impl {
   struct Obstacle;
   /// The shape of an obstacle, in double precision.
   struct Exact {
-    Shape shape = Shape::sphere(0);
+    std::shared_ptr<const Shape> kept;  // null: it is another's, who keeps it
+    const Shape* shape = nullptr;
     Pose X_WG;
     ConvexView view;  // of the shape or its hull; borrows from it
   };
   static Exact exactOf(const Shape& shape, const Pose& X_WG);
-  /// That of an obstacle: its own, or `room`, where it is put.
-  const Exact& exactOf(const Obstacle& obstacle, Exact& room) const;
+  static Exact keptExactOf(const Shape& shape, const Pose& X_WG);
   /// A core (box, cylinder, or the half-space z <= 0), grown by a radius. Points and segments are
   /// boxes without size in some axes.
   struct Obstacle {
@@ -50,9 +50,9 @@ struct LaneSweep::Impl {
     double scale = 0;  // magnitudes that its rounding is relative to [m]
     bool has_view = false, deforms = false;
     int parts_begin = 0, parts_end = 0;  // indices into obstacles
-    std::int32_t place = -1;             // in runs; -1: in none
-    int balls = -1;                      // Pair::balls, of pairs in runs
-    std::shared_ptr<const Exact> own;    // null: in runs
+    std::int32_t place = -1;             // in the world; -1: in none
+    int balls = -1;                      // Pair::balls, of pairs with the world
+    Exact exact_shape;
   };
   struct LaneBall {
     float center[3], radius;
@@ -62,10 +62,9 @@ struct LaneSweep::Impl {
     LaneBall outer;
     int cover, inner, end;  // balls [cover, inner) and [inner, end)
     double reach;
-    std::int32_t row = -1;    // of pair_of or runs; -1: it meets no obstacle
-    std::uint8_t kinds = 0;   // of its pairs with obstacles
+    std::int32_t row = -1;    // -1: it has no pairs with the world
     std::int32_t group = -1;  // index into groups; -1: in none
-    float row_above = 0;      // of runs: the greatest free_above of its pairs
+    float row_above = 0;      // the greatest free_above of its row's pairs
     float inner_reach = 0;    // inner balls are within this of outer's centre [m]
     // Points whose hull, grown by a radius, holds the piece: `points` a few, `fine` more, with a
     // smaller radius. Both may be the same.
@@ -81,8 +80,8 @@ struct LaneSweep::Impl {
     int parts_begin = 0, parts_end = 0;  // indices into pieces
   };
   struct Pair {
-    int id, a;
-    int b;      // of a thing in runs that has no obstacle: -1 - its place
+    int id, a;  // its number; a piece
+    int b;      // of a thing in a place that has no obstacle: -1 - its place
     int balls;  // the piece whose balls hold b, where b is an obstacle; else b; -1: none
     int motion;
     bool pieces;  // b is a piece, too
@@ -95,11 +94,11 @@ struct LaneSweep::Impl {
     // points' radius; below 0: no such planes.
     float plane_above, own_plane_above;
     bool by_parts = false, has_proof = false;  // see addPair()
-    std::uint8_t kind = 1;
+    std::uint8_t kind = 1;                     // 0: there is no such pair
     // How many pairs its convex parts make (or one side's parts with the other as a whole), tried
     // where the hulls of wholes are not apart; those of b's parts side by side. Not listed; 0: it
-    // is not tried by parts. And its number among pairs that have them.
-    int parts = 0, number_with_parts = -1;
+    // is not tried by parts.
+    int parts = 0;
     const Obstacle* made = nullptr;  // where b is none: see LaneSweepKernel::pair()
     bool hasObstacle() const { return b >= 0; }
     std::int32_t place() const { return -1 - b; }
@@ -156,9 +155,10 @@ struct LaneSweep::Impl {
   std::vector<Obstacle> obstacles;  // wholes, then parts
   std::size_t whole_obstacles = 0;
   std::vector<Obstacle> obstacle_parts;
-  std::vector<Pair> pairs;                           // of wholes
-  std::size_t pairs_with_parts = 0, most_parts = 0;  // how many, and the largest Pair::parts
-  std::vector<std::int32_t> piece_pairs;             // indices into pairs, those of bundles first
+  std::vector<Pair> pairs;  // of wholes
+  // Numbers of pairs with parts are below this; and the largest Pair::parts.
+  std::size_t pairs_with_parts = 0, most_parts = 0;
+  std::vector<std::int32_t> piece_pairs;  // indices into pairs, those of bundles first
   /// Pieces that are looked at together: `piece` has their balls.
   struct Group {
     std::int32_t piece;
@@ -176,32 +176,38 @@ struct LaneSweep::Impl {
   };
   std::vector<Bundle> bundles;
   std::vector<std::int32_t> bundle_motions;
-  // Grown by the largest threshold of any pair of the obstacle; of runs as they are.
-  std::shared_ptr<const ObstacleBoxes> boxes;
-  // The pair of a piece with the obstacle in a slot of `boxes`; -1: none.
-  std::vector<std::int32_t> pair_of;
+  std::shared_ptr<const ObstacleBoxes> boxes;  // of the world; null: there is none
+  /// The number of the pair of a piece with what has a slot of `boxes`; -1: the slot is empty.
   std::int32_t pairOf(const LanePiece& piece, std::size_t slot) const {
-    if (!runs) return pair_of[static_cast<std::size_t>(piece.row) * boxes->slots() + slot];
     const std::int32_t place = boxes->obstacle(slot);
-    return place < 0 ? -1 : runs->idOf(piece.row, place);
+    return place < 0 ? -1
+                     : static_cast<std::int32_t>(pairs.size() +
+                                                 static_cast<std::size_t>(piece.row) * places) +
+                           place;
   }
-  // Runs, null where all pairs are listed. With them pairs are numbered by their ids.
-  std::shared_ptr<const LaneRuns> runs;
+  std::shared_ptr<const LaneWorld> world;
   std::vector<Row> rows;
-  std::size_t numbers = 0;                // how many pairs
-  double scale_of_runs = 0;               // see setRuns() [m]
-  std::vector<std::int32_t> loose_pairs;  // with obstacles, in no run
-  std::vector<int> placed_obstacles;      // those in places, ascending by these
+  std::size_t places = 0;
+  double scale_of_world = 0;  // see setWorld() [m]
+  /// Of pairs: those with obstacles, and what cannot be near the obstacle is outside of this.
+  struct Loose {
+    std::int32_t pair;
+    float low[3], high[3];
+  };
+  std::vector<Loose> loose_pairs;
+  std::vector<int> placed_obstacles;  // those in places, ascending by these
   /// The obstacle in a place; -1: none was added.
   int obstacleAt(std::int32_t place) const;
-  /// That of a thing in runs that was not added.
+  /// That of a thing in a place that was not added.
   Obstacle obstacleIn(std::int32_t place) const;
-  Pair ofRuns(std::int32_t id) const;
+  /// Of a number beyond `pairs`; of kind 0 where the two may touch.
+  Pair pairWithWorld(std::int32_t number) const;
   /// `o` is the obstacle of number `b`.
   Pair pairWith(int id, int piece, const Obstacle& o, int b, int balls, double threshold,
                 bool by_parts) const;
   void setParts(Pair& pair) const;
-  void findRuns();
+  void findRows();
+  void findLoosePairs();
   static Obstacle obstacleOf(const Shape& shape, const Pose& X_WG);
   /// Around a shape in the world, but for rounding [m].
   static Eigen::AlignedBox3d boxOf(const Shape& shape, const Pose& X_WG);
@@ -209,7 +215,6 @@ struct LaneSweep::Impl {
   void finish();
   void addParts();
   void makeViews(std::vector<LanePiece>& of) const;
-  void findObstacles();
   void findBundles();
   void addBundle(std::int32_t group, std::int32_t other, std::span<const std::int32_t> of);
   /// Adds all points of a cover to the points of `piece`.
@@ -234,8 +239,8 @@ struct LaneSweep::Scratch::Impl {
   std::vector<char> group_near;  // whether any obstacle is near a group
   std::vector<Candidate> candidates;
   bool is_full = false;
-  PairTable<LaneSweep::Impl::Pair> known;     // of runs
-  PairTable<LaneSweep::Impl::Obstacle> made;  // by places of runs
+  PairTable<LaneSweep::Impl::Pair> known;     // with the world
+  PairTable<LaneSweep::Impl::Obstacle> made;  // by places
   std::vector<Open> open;
   std::vector<std::int32_t> open_pairs;  // indices into pairs, one for each of `open`
   /// A plane in B's frame, its normal from B to A: nothing of B is beyond `offset` along it.
@@ -265,7 +270,7 @@ struct LaneSweep::Scratch::Impl {
   static_assert(std::is_trivially_destructible_v<PartMemory>);
   // Blocks of as many as a pair has at most, as in a PairTable. Begun where a pair is first tried
   // by parts: few ever are.
-  static constexpr std::size_t kPartBlocks = 1U << 10U;
+  static constexpr std::size_t kPartBlocks = 1U << 8U;
   SpareArray<std::byte> part_memory;
   std::vector<std::int32_t> part_owners;  // the pair that has a block; -1: none
   /// The memory of the pairs of parts of a pair.
@@ -296,16 +301,17 @@ struct LaneSweepKernel {
   float slack;
   LaneSweep::Asked asked = {};
 
-  /// Of runs, until the next one is asked.
+  /// With the world, until the next one is asked.
   const Sweep::Pair& pair(std::int32_t number) const {
-    if (!sweep.runs) return sweep.pairs[static_cast<std::size_t>(number)];
-    Sweep::Pair& pair =
-        scratch.known.of(number, [this](std::int32_t id) { return sweep.ofRuns(id); });
-    if (!pair.hasObstacle())
-      pair.made = &scratch.made.of(pair.place(),
-                                   [this](std::int32_t place) { return sweep.obstacleIn(place); });
+    const auto added = static_cast<std::int32_t>(sweep.pairs.size());
+    if (number < added) return sweep.pairs[static_cast<std::size_t>(number)];
+    Sweep::Pair& pair = scratch.known.of(
+        number - added, [this, number](std::int32_t) { return sweep.pairWithWorld(number); });
+    if (pair.made == nullptr ? !pair.hasObstacle() : scratch.made.isShared()) findObstacle(pair);
     return pair;
   }
+  /// Sets Pair::made.
+  void findObstacle(Sweep::Pair& pair) const;
   /// Of a pair that is none of two pieces; `b`: one of partsOfB().
   const Sweep::Obstacle& obstacle(const Sweep::Pair& pair) const { return obstacle(pair, pair.b); }
   const Sweep::Obstacle& obstacle(const Sweep::Pair& pair, int b) const {

@@ -27,20 +27,16 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   impl_->low.resize(3 * s.pieces.size());
   impl_->high.resize(3 * s.pieces.size());
   impl_->group_near.resize(s.groups.size());
-  const std::size_t numbers = s.runs ? s.numbers : s.pairs.size();
-  const std::size_t most = s.runs ? std::min(numbers, s.pairs.size() + kMostNear) : numbers;
-  using Planes = PairTable<Impl::Plane>;
-  const std::size_t places = s.runs ? Planes::kMostOfRuns : Planes::kMost;
+  const std::size_t with_world = s.rows.size() * s.places, numbers = s.pairs.size() + with_world;
+  const std::size_t most = std::min(numbers, s.pairs.size() + kMostNear);
   impl_->candidates.reserve(most);
   impl_->open.reserve(most);
   impl_->open_pairs.reserve(most);
-  impl_->planes.resize(numbers, places);
-  impl_->searches.resize(numbers, places);
-  impl_->part_hints.resize(numbers, places);
-  if (s.runs) {
-    impl_->known.resize(numbers, places);
-    impl_->made.resize(s.boxes->slots(), kMostMade);
-  }
+  impl_->planes.resize(numbers);
+  impl_->searches.resize(numbers);
+  impl_->part_hints.resize(numbers);
+  impl_->known.resize(with_world);
+  impl_->made.resize(s.places, kMostMade);
   impl_->part_owners.assign(std::min(s.pairs_with_parts, Impl::kPartBlocks), -1);
   impl_->part_memory =
       spareArray<std::byte>(impl_->part_owners.size() * s.most_parts * sizeof(Impl::PartMemory));
@@ -67,13 +63,18 @@ LaneSweep::Scratch::~Scratch() = default;
 
 LaneSweep::Scratch::Impl::PartMemory* LaneSweep::Scratch::Impl::partsOf(
     const LaneSweep::Impl::Pair& pair, std::size_t most_parts) {
-  const std::size_t block = at(pair.number_with_parts) % part_owners.size();
+  const std::size_t block = at(pair.id) % part_owners.size();
   std::byte* const room = part_memory.get() + block * most_parts * sizeof(PartMemory);
-  if (part_owners[block] != pair.number_with_parts) {
+  if (part_owners[block] != pair.id) {
     for (int k = 0; k < pair.parts; ++k) ::new (room + at(k) * sizeof(PartMemory)) PartMemory;
-    part_owners[block] = pair.number_with_parts;
+    part_owners[block] = pair.id;
   }
   return std::launder(reinterpret_cast<PartMemory*>(room));
+}
+
+void LaneSweepKernel::findObstacle(Sweep::Pair& pair) const {
+  pair.made = &scratch.made.of(pair.place(),
+                               [this](std::int32_t place) { return sweep.obstacleIn(place); });
 }
 
 bool LaneSweep::Scratch::isFull() const { return impl_->is_full; }

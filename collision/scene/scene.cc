@@ -186,7 +186,7 @@ void Scene::setShape(int body, int geometry, const Shape& shape) {
   Body& changed = things.bodies[at(body) - (is_added ? built : 0)];
   Geometry& g = changed.geometries[at(geometry)];
   const bool is_boxed =
-      pairs_.hasRuns() && body >= pairs_.firstStill() &&
+      pairs_.places() > 0 && body >= pairs_.firstStill() &&
       !(g.shape.type() == ShapeType::kDeformable && shape.type() == ShapeType::kDeformable);
   g.shape = shape;
   GeometryBounds& bounds = things.bounds[at(SceneAccess::geometryIndex(*this, body, geometry)) -
@@ -201,10 +201,10 @@ void Scene::setShape(int body, int geometry, const Shape& shape) {
 
 void Scene::growMargins(int body, int geometry, double growth) {
   if (growth <= 0) return;
-  const bool is_in_runs = pairs_.hasRuns() && body >= pairs_.firstStill();
-  const int first = is_in_runs ? SceneAccess::geometryIndex(*this, body, 0) -
-                                     SceneAccess::geometryIndex(*this, pairs_.firstStill(), 0)
-                               : 0;
+  const bool has_place = pairs_.places() > 0 && body >= pairs_.firstStill();
+  const int first = has_place ? SceneAccess::geometryIndex(*this, body, 0) -
+                                    SceneAccess::geometryIndex(*this, pairs_.firstStill(), 0)
+                              : 0;
   pairs_.grow(body, geometry, growth, at(first));
 }
 
@@ -225,15 +225,16 @@ void SceneBuilder::setMargin(int body_a, int body_b, double margin) {
 
 namespace {
 
-/// Of the pairs in runs.
+/// Of the pairs in the table.
 void requireNoHalfSpaces(std::span<const Body> bodies, const ScenePairs& pairs) {
-  for (std::size_t run = 0; run < pairs.runs().size(); ++run) {
-    const Body& a = bodies[at(pairs.runs()[run].body)];
-    if (!isHalfSpace(a.geometries[at(pairs.runs()[run].geometry)])) continue;
-    for (std::size_t p = pairs.runBegin(run); p < pairs.runBegin(run + 1); ++p) {
-      const ScenePair pair = pairs[p];
-      const Body& b = bodies[at(pair.body_b)];
-      if (isHalfSpace(b.geometries[at(pair.geometry_b)])) refuseHalfSpaces(a, b);
+  for (std::size_t row = 0; row < pairs.rows().size(); ++row) {
+    const Body& a = bodies[at(pairs.rows()[row].body)];
+    if (!isHalfSpace(a.geometries[at(pairs.rows()[row].geometry)])) continue;
+    for (std::size_t place = 0; place < pairs.places(); ++place) {
+      const auto [body, geometry] = pairs.geometryIn(place);
+      const Body& b = bodies[at(body)];
+      if (isHalfSpace(b.geometries[at(geometry)]) && pairs.numberOf(row, place) >= 0)
+        refuseHalfSpaces(a, b);
     }
   }
 }
@@ -318,13 +319,7 @@ Scene SceneBuilder::build() && {
   for (const Body& body : bodies_) requirePoses(body);
 
   Scene scene = std::move(base_);
-  std::vector<ScenePair> base_pairs(scene.pairs_.begin(), scene.pairs_.end());
-  const auto before = [](const ScenePair& x, const ScenePair& y) {
-    return std::minmax(x.body_a, x.body_b) < std::minmax(y.body_a, y.body_b);
-  };
-  // Not where runs or a change had made them.
-  if (!std::is_sorted(base_pairs.begin(), base_pairs.end(), before))
-    std::stable_sort(base_pairs.begin(), base_pairs.end(), before);
+  const ScenePairs base = std::move(scene.pairs_);
   scene.pairs_ = {};
   scene.still_ = {};
   Scene::Things& things = scene.own();
@@ -347,9 +342,22 @@ Scene SceneBuilder::build() && {
   std::vector<int> moving;
   for (int i = 0; i < count; ++i)
     if (bodies[at(i)].moving) moving.push_back(i);
-  addRuns(bodies, std::max(added, moving.empty() ? 0 : moving.back() + 1), scene.pairs_);
-  // Bodies from here on are in runs.
-  const int end = scene.pairs_.hasRuns() ? scene.pairs_.firstStill() : count;
+  // Bodies from there on have places.
+  const int last_moving = moving.empty() ? -1 : moving.back();
+  const bool keeps_places = base.places() > 0 && last_moving < base.firstStill();
+  const int end = lists_all_     ? count
+                  : keeps_places ? base.firstStill()
+                                 : std::max(added, last_moving + 1);
+  addTable(bodies, end, scene.pairs_);
+  std::vector<ScenePair> base_pairs;
+  for (auto pair = base.begin(); !(pair == base.end()); ++pair)
+    if ((*pair).body_b < end) base_pairs.push_back(*pair);
+  const auto before = [](const ScenePair& x, const ScenePair& y) {
+    return std::minmax(x.body_a, x.body_b) < std::minmax(y.body_a, y.body_b);
+  };
+  // Skip pairs that a table or a change created.
+  if (!std::is_sorted(base_pairs.begin(), base_pairs.end(), before))
+    std::stable_sort(base_pairs.begin(), base_pairs.end(), before);
   // The margin of two bodies; none: they may touch.
   const auto marginOf = [&](int i, int j) -> std::optional<double> {
     const Exception* exception = exceptions.find(i, j);
@@ -380,55 +388,64 @@ Scene SceneBuilder::build() && {
         add(i, *j);
     }
   }
-  scene.pairs_.size_ = listed.size();
-  if (!scene.pairs_.hasRuns()) return scene;
-  std::vector<std::size_t> left_out;
-  std::vector<ScenePairs::Own> own;
+  ScenePairs& pairs = scene.pairs_;
+  if (keeps_places) addTableOf(base, pairs);
   exceptions.forEach([&](int a, int b, const Exception& exception) {
     if (!bodies[at(a)].moving || b < end) return;  // (a < b)
-    const auto first_place = at(things.first_geometry[at(b)] - things.first_geometry[at(end)]);
-    for (std::size_t run = 0; run < scene.pairs_.runs_.size(); ++run) {
-      if (scene.pairs_.runs_[run].body != a) continue;
+    const auto first = at(things.first_geometry[at(b)] - things.first_geometry[at(end)]);
+    for (std::size_t row = 0; row < pairs.rows_.size(); ++row) {
+      if (pairs.rows_[row].body != a) continue;
       for (std::size_t h = 0; h < bodies[at(b)].geometries.size(); ++h) {
-        const std::size_t position = run * scene.pairs_.places_ + first_place + h;
         if (exception.allowed)
-          left_out.push_back(position);
+          pairs.leaveOut({row, first + h});
         else
-          own.push_back({position, exception.margin});
+          pairs.setMargin({row, first + h}, exception.margin);
       }
     }
   });
-  std::sort(left_out.begin(), left_out.end());
-  std::sort(own.begin(), own.end(),
-            [](const auto& x, const auto& y) { return x.position < y.position; });
-  scene.pairs_.own_ = std::move(own);
-  scene.pairs_.setLeftOut(left_out);
-  requireNoHalfSpaces(bodies, scene.pairs_);
-  scene.findStill();
+  pairs.count();
+  requireNoHalfSpaces(bodies, pairs);
+  if (pairs.places() > 0) scene.findStill();
   return scene;
 }
 
-/// Where there are many pairs with bodies from first_still on, which all stand still, runs for
-/// them.
-void SceneBuilder::addRuns(std::span<const Body> bodies, int first_still, ScenePairs& pairs) const {
-  std::vector<ScenePairs::Run> runs;
+/// A row for each moving geometry, and a place for each of bodies from first_still on, which all
+/// stand still.
+void SceneBuilder::addTable(std::span<const Body> bodies, int first_still,
+                            ScenePairs& pairs) const {
+  std::vector<ScenePairs::Row> rows;
   for (std::size_t b = 0; b < at(first_still); ++b)
     for (std::size_t g = 0; bodies[b].moving && g < bodies[b].geometries.size(); ++g)
-      runs.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(g), default_margin_});
+      rows.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(g), default_margin_});
   std::size_t places = 0;
   bool is_one_each = true;
   for (const Body& body : bodies.subspan(at(first_still))) {
     places += body.geometries.size();
     is_one_each = is_one_each && body.geometries.size() == 1;
   }
-  if (runs.size() * places <= most_listed_) return;
-  requireNumbers(runs.size(), places);
+  if (rows.empty() || places == 0) return;
+  requireNumbers(rows.size(), places);
+  pairs.rows_ = std::move(rows);
+  pairs.places_ = places;
+  pairs.first_still_ = first_still;
   for (std::size_t b = at(first_still); !is_one_each && b < bodies.size(); ++b)
     for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g)
       pairs.geometries_.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(g)});
-  pairs.runs_ = std::move(runs);
-  pairs.places_ = places;
-  pairs.first_still_ = first_still;
+}
+
+/// Leaves out the pairs that `base` leaves out, whose places are the first.
+void SceneBuilder::addTableOf(const ScenePairs& base, ScenePairs& pairs) {
+  if (base.in_table_ == pairs.rows_.size() * base.places_) return;
+  for (std::size_t row = 0; row < pairs.rows_.size(); ++row) {
+    const ScenePairs::Row& of = pairs.rows_[row];
+    const auto known = std::find_if(base.rows_.begin(), base.rows_.end(), [&](const auto& r) {
+      return r.body == of.body && r.geometry == of.geometry;
+    });
+    const auto in_base = static_cast<std::size_t>(known - base.rows_.begin());
+    for (std::size_t place = 0; place < base.places_; ++place)
+      if (known == base.rows_.end() || !base.find({in_base, place}).has_pair)
+        pairs.leaveOut({row, place});
+  }
 }
 
 }  // namespace leeway::collision

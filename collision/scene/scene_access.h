@@ -32,19 +32,19 @@ struct SceneAccess {
   static void place(Scene& scene, int body, const Pose& X_WB) {
     scene.own().bodies[static_cast<std::size_t>(body)].X_WB = X_WB;
   }
-  /// Scene::raiseMargins() for pairs with a body from `first_body` on. Where pairs have runs, no
-  /// more than their first that stands still.
+  /// Scene::raiseMargins() for pairs with a body from `first_body` on, which is no more than
+  /// ScenePairs::firstStill().
   static void raiseMargins(Scene& scene, double margin, int first_body) {
     scene.pairs_.raise(margin, first_body);
   }
   /// Removes all pairs but those of which keep(pair) is true; asks each once, in their order.
   static void keepPairs(Scene& scene, const std::function<bool(const ScenePair&)>& keep) {
-    scene.pairs_.keep(keep, SceneBuilder::kMostListed);
-    if (!scene.pairs_.hasRuns()) scene.still_ = {};
+    scene.pairs_.keep(keep);
+    if (scene.pairs_.rows().empty()) scene.still_ = {};
   }
-  /// Around what stands still of runs, one a place; null: there are no runs.
+  /// Around what stands still, one a place; null: there are no places.
   static const ObstacleBoxes* boxes(const Scene& scene) { return scene.still_.boxes.get(); }
-  /// What stands in a place of runs.
+  /// What stands in a place.
   static const Geometry& geometryIn(const Scene& scene, int place) {
     const auto [body, geometry] = scene.pairs_.geometryIn(static_cast<std::size_t>(place));
     return scene.bodies()[static_cast<std::size_t>(body)]
@@ -53,7 +53,7 @@ struct SceneAccess {
   static const std::shared_ptr<const ObstacleBoxes>& sharedBoxes(const Scene& scene) {
     return scene.still_.boxes;
   }
-  /// The places of things that LaneSweep::needsObstacle() names, ascending. The scene has runs.
+  /// The places of things that LaneSweep::needsObstacle() names, ascending. There are places.
   static std::span<const std::int32_t> added(const Scene& scene) { return *scene.still_.added; }
   /// At least these two, for everything in a place [m]: the coordinates of its pose's inverse and
   /// of its ball's centre, added up, and LaneSweep::scaleOf().
@@ -68,22 +68,23 @@ struct SceneAccess {
 /// and stand-ins alone. Never throws or allocates. O(1).
 double coarseLowerBound(const Scene& scene, const Workspace& workspace, int pair);
 
-/// Around the geometry of a run, as the workspace places it, grown by `reach` [m]: what stands
+/// Around the geometry of a row, as the workspace places it, grown by `reach` [m]: what stands
 /// still and does not meet it is farther away than that. NaN, which meets everything, where it is
 /// too large for a box or not finite.
-ObstacleBoxes::Box boxOfRun(const Scene& scene, const Workspace& workspace, std::size_t run,
+ObstacleBoxes::Box boxOfRow(const Scene& scene, const Workspace& workspace, std::size_t row,
                             double reach);
 
-/// Calls visit(pair) for the pairs of a run that may be nearer than `reach` [m], in an order that
-/// depends on the scene alone. O(near + log of all), mostly.
+/// Calls visit(pair) for the pairs of a row that may be nearer than `reach` [m], in an order that
+/// depends on the scene alone. O(near + log of all) on average.
 template <class Visit>
-void forEachNearInRun(const Scene& scene, const Workspace& workspace, std::size_t run, double reach,
+void forEachNearInRow(const Scene& scene, const Workspace& workspace, std::size_t row, double reach,
                       const Visit& visit) {
+  if (scene.pairs().rows()[row].count == 0) return;
   const ObstacleBoxes& boxes = *SceneAccess::boxes(scene);
-  boxes.forEachNear(boxOfRun(scene, workspace, run, reach), [&](std::size_t slot) {
+  boxes.forEachNear(boxOfRow(scene, workspace, row, reach), [&](std::size_t slot) {
     const std::int32_t place = boxes.obstacle(slot);
     const std::int32_t pair =
-        place < 0 ? -1 : scene.pairs().numberOf(run, static_cast<std::size_t>(place));
+        place < 0 ? -1 : scene.pairs().numberOf(row, static_cast<std::size_t>(place));
     if (pair >= 0) visit(static_cast<int>(pair));
   });
 }

@@ -75,6 +75,7 @@ Scene SceneChange::build() && {
     scene_.added_ = std::move(added);
     addPairs(first);
   }
+  scene_.pairs_.count();
   return std::move(scene_);
 }
 
@@ -92,19 +93,14 @@ void SceneChange::removePairs() {
   std::erase_if(pairs.listed_, [&](const ScenePair& pair) {
     return isRemoved(pair.body_a) || isRemoved(pair.body_b);
   });
-  pairs.size_ = pairs.listed_.size();
-  if (!pairs.hasRuns()) return;
+  if (pairs.places_ == 0) return;
   const int first = SceneAccess::geometryIndex(scene_, pairs.firstStill(), 0);
-  std::vector<ScenePairs::LeftOut> left_out;
   for (const int body : removed_) {
     if (body < pairs.firstStill()) continue;
     const std::size_t place = at(SceneAccess::geometryIndex(scene_, body, 0) - first);
-    const std::size_t count = scene_.bodies()[at(body)].geometries.size();
-    for (std::size_t begin = place; begin < pairs.runs_.size() * pairs.places_;
-         begin += pairs.places_)
-      left_out.push_back({begin, begin + count, 0});
+    for (std::size_t g = 0; g < scene_.bodies()[at(body)].geometries.size(); ++g)
+      pairs.clearPlace(place + g);
   }
-  pairs.leaveOut(std::move(left_out));
 }
 
 std::optional<double> SceneChange::marginOf(int moving, std::size_t added) const {
@@ -118,46 +114,40 @@ std::optional<double> SceneChange::marginOf(int moving, std::size_t added) const
 void SceneChange::addPairs(std::size_t first) {
   ScenePairs& pairs = scene_.pairs_;
   const Bodies bodies = scene_.bodies();
-  std::vector<ScenePairs::Run> moving = pairs.runs_;
-  for (std::size_t b = 0; !pairs.hasRuns() && b < first; ++b)
-    for (std::size_t g = 0; bodies[b].moving && g < bodies[b].geometries.size(); ++g)
-      moving.push_back(
-          {static_cast<std::int32_t>(b), static_cast<std::int32_t>(g), default_margin_});
-  std::size_t places = 0;
+  if (pairs.places_ == 0) {
+    pairs.first_still_ = static_cast<int>(first);
+    pairs.rows_.clear();
+    for (std::size_t b = 0; b < first; ++b)
+      for (std::size_t g = 0; bodies[b].moving && g < bodies[b].geometries.size(); ++g)
+        pairs.rows_.push_back(
+            {static_cast<std::int32_t>(b), static_cast<std::int32_t>(g), default_margin_});
+  }
   for (std::size_t b = first; b < bodies.size(); ++b) {
     const std::vector<Geometry>& of = bodies[b].geometries;
-    places += of.size();
     if (std::none_of(of.begin(), of.end(), isHalfSpace)) continue;
-    for (const ScenePairs::Run& a : moving)
+    for (const ScenePairs::Row& a : pairs.rows_)
       if (isHalfSpace(bodies[at(a.body)].geometries[at(a.geometry)]) && marginOf(a.body, b))
         refuseHalfSpaces(bodies[at(a.body)], bodies[b]);
   }
-  if (pairs.hasRuns()) {
-    addPlaces(first, places);
-  } else if (places == 0 || pairs.listed_.size() + moving.size() * places <= most_listed_) {
-    for (const ScenePairs::Run& a : moving)
-      for (std::size_t b = first; b < bodies.size(); ++b)
-        if (const std::optional<double> margin = marginOf(a.body, b))
-          for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g)
-            pairs.listed_.push_back({a.body, a.geometry, static_cast<std::int32_t>(b),
-                                     static_cast<std::int32_t>(g), *margin});
-    pairs.size_ = pairs.listed_.size();
-  } else {
-    pairs.first_still_ = static_cast<int>(first);
-    pairs.runs_ = std::move(moving);
-    addPlaces(first, places);
-  }
+  addPlaces(first);
 }
 
-/// To runs: of bodies from `first` on, which have so many geometries.
-void SceneChange::addPlaces(std::size_t first, std::size_t count) {
+/// Of bodies from `first` on.
+void SceneChange::addPlaces(std::size_t first) {
   ScenePairs& pairs = scene_.pairs_;
   const Bodies bodies = scene_.bodies();
   const std::size_t first_place = pairs.places_;
-  requireNumbers(pairs.runs_.size(), first_place + count);
+  std::size_t count = 0;
   bool is_one_each = pairs.geometries_.empty();
-  for (std::size_t b = first; b < bodies.size(); ++b)
+  for (std::size_t b = first; b < bodies.size(); ++b) {
+    count += bodies[b].geometries.size();
     is_one_each = is_one_each && bodies[b].geometries.size() == 1;
+  }
+  if (pairs.rows_.empty() || count == 0) {
+    if (first_place == 0) pairs.rows_.clear();
+    return;
+  }
+  requireNumbers(pairs.rows_.size(), first_place + count);
   if (!is_one_each) {
     if (pairs.geometries_.empty()) {
       std::vector<ScenePairs::Geometry> before;
@@ -170,23 +160,19 @@ void SceneChange::addPlaces(std::size_t first, std::size_t count) {
       for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g)
         pairs.geometries_.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(g)});
   }
-  pairs.addPlaces(count);
-  std::vector<ScenePairs::LeftOut> left_out;
-  std::vector<ScenePairs::Own> own;
-  for (std::size_t run = 0; run < pairs.runs_.size(); ++run) {
-    std::size_t position = run * pairs.places_ + first_place;
+  pairs.places_ += count;
+  for (std::size_t row = 0; row < pairs.rows_.size(); ++row) {
+    std::size_t place = first_place;
     for (std::size_t b = first; b < bodies.size(); ++b) {
-      const std::size_t of_body = bodies[b].geometries.size();
-      const std::optional<double> margin = marginOf(pairs.runs_[run].body, b);
-      if (!margin)
-        left_out.push_back({position, position + of_body, 0});
-      else if (*margin != pairs.runs_[run].margin)
-        for (std::size_t g = 0; g < of_body; ++g) own.push_back({position + g, *margin});
-      position += of_body;
+      const std::optional<double> margin = marginOf(pairs.rows_[row].body, b);
+      for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g, ++place) {
+        if (!margin)
+          pairs.leaveOut({row, place});
+        else if (pairs.rows_[row].is_sparse || *margin != pairs.rows_[row].margin)
+          pairs.setMargin({row, place}, *margin);
+      }
     }
   }
-  pairs.setOwn(own);
-  pairs.leaveOut(std::move(left_out));
   scene_.findAddedStill();
 }
 

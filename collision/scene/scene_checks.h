@@ -36,13 +36,13 @@ inline bool isHalfSpace(const Geometry& g) { return g.shape.type() == ShapeType:
                               "another shape for one of them is expected");
 }
 
-/// Refuses more pairs in runs than an int numbers; half of its range is left for those of what
+/// Refuses a table of more pairs than an int numbers; half of its range is left for those of what
 /// moves.
-inline void requireNumbers(std::size_t runs, std::size_t places) {
+inline void requireNumbers(std::size_t rows, std::size_t places) {
   constexpr std::size_t most = std::numeric_limits<int>::max() / 2;
-  if (places <= most / runs) return;
+  if (rows == 0 || places <= most / rows) return;
   throw std::invalid_argument(
-      "scene: " + std::to_string(runs) + " moving geometries times " + std::to_string(places) +
+      "scene: " + std::to_string(rows) + " moving geometries times " + std::to_string(places) +
       " that stand still are more pairs than can be numbered, which are " + std::to_string(most));
 }
 

@@ -1,4 +1,4 @@
-// The pairs of a scene: a list, and runs of moving geometries over what stands still.
+// The pairs of a scene: a list, and a table of moving geometries with what stands still.
 
 #include "leeway/collision/scene_pairs.h"
 
@@ -14,132 +14,121 @@ namespace {
 
 double grown(double margin, double growth) { return std::max(margin, 0.0) + growth; }
 
+/// A pair with NaN is never free: 0 says that there is one, and is cautious.
+double knownOr0(double margin) { return std::isnan(margin) ? 0.0 : margin; }
+
 }  // namespace
 
-std::size_t ScenePairs::leftOutBefore(std::size_t position) const {
-  const auto after = std::partition_point(left_out_.begin(), left_out_.end(),
-                                          [&](const LeftOut& l) { return l.begin < position; });
-  if (after == left_out_.begin()) return 0;
-  const LeftOut& last = *std::prev(after);
-  return last.before + std::min(position, last.end) - last.begin;
+std::size_t ScenePairs::Exceptions::slotOf(std::uint64_t key) const {
+  const std::size_t mask = entries_.size() - 1;
+  std::size_t slot = static_cast<std::size_t>((key * 0x9e3779b97f4a7c15U) >> 32U) & mask;
+  while (entries_[slot].key != key && entries_[slot].key != kFree) slot = (slot + 1) & mask;
+  return slot;
 }
 
-bool ScenePairs::isLeftOut(std::size_t position) const {
-  const auto after = std::partition_point(left_out_.begin(), left_out_.end(),
-                                          [&](const LeftOut& l) { return l.end <= position; });
-  return after != left_out_.end() && after->begin <= position;
+const ScenePairs::Exceptions::Entry* ScenePairs::Exceptions::find(std::uint64_t key) const {
+  if (entries_.empty()) return nullptr;
+  const Entry& entry = entries_[slotOf(key)];
+  return entry.key == key ? &entry : nullptr;
 }
 
-std::size_t ScenePairs::runBegin(std::size_t run) const {
-  const std::size_t position = run * places_;
-  return listed_.size() + position - leftOutBefore(position);
-}
-
-ScenePairs::Place ScenePairs::placeOf(std::size_t number) const {
-  const std::size_t kept = number - listed_.size();
-  std::size_t position = kept;
-  const auto after =
-      std::partition_point(left_out_.begin(), left_out_.end(),
-                           [&](const LeftOut& l) { return l.begin - l.before <= kept; });
-  if (after != left_out_.begin()) {
-    const LeftOut& last = *std::prev(after);
-    position += last.before + last.end - last.begin;
+ScenePairs::Exceptions::Entry& ScenePairs::Exceptions::of(std::uint64_t key) {
+  if (2 * (count_ + 1) > entries_.size()) enlarge();
+  Entry& entry = entries_[slotOf(key)];
+  if (entry.key == kFree) {
+    entry.key = key;
+    ++count_;
   }
-  return {position / places_, position % places_};
+  return entry;
 }
 
-std::int32_t ScenePairs::numberOf(std::size_t run, std::size_t place) const {
-  const std::size_t position = run * places_ + place;
-  if (isLeftOut(position)) return -1;
-  return static_cast<std::int32_t>(listed_.size() + position - leftOutBefore(position));
+void ScenePairs::Exceptions::enlarge() {
+  std::vector<Entry> before(std::max<std::size_t>(8, 2 * entries_.size()));
+  before.swap(entries_);
+  for (const Entry& entry : before)
+    if (entry.key != kFree) entries_[slotOf(entry.key)] = entry;
 }
 
-double ScenePairs::marginAt(std::size_t position) const {
-  const auto own = std::partition_point(own_.begin(), own_.end(),
-                                        [&](const Own& o) { return o.position < position; });
-  if (own != own_.end() && own->position == position) return own->margin;
-  return runs_[position / places_].margin;
+ScenePairs::Found ScenePairs::findException(const Place& of) const {
+  const Row& row = rows_[of.row];
+  if (cleared_places_ > 0 && exceptions_.find(keyOf({kAllRows, of.place})) != nullptr)
+    return {false, row.margin};
+  const Exceptions::Entry* const entry = exceptions_.find(keyOf(of));
+  if (entry == nullptr) return {!row.is_sparse, row.margin};
+  return {entry->has_pair, entry->has_margin ? entry->margin : row.margin};
 }
 
-ScenePair ScenePairs::at(std::size_t position) const {
-  const Run& run = runs_[position / places_];
-  const std::size_t place = position % places_;
-  const Geometry still = geometryIn(place);
-  return {run.body, run.geometry, still.body, still.geometry, marginAt(position)};
-}
-
-ScenePair ScenePairs::ofRun(std::size_t number) const {
-  const Place place = placeOf(number);
-  return at(place.run * places_ + place.place);
+ScenePair ScenePairs::inTable(const Place& of) const {
+  const Row& row = rows_[of.row];
+  const Geometry still = geometryIn(of.place);
+  return {row.body, row.geometry, still.body, still.geometry, find(of).margin};
 }
 
 double ScenePairs::leastMargin(int first_body, bool with) const {
   double least = kInfinity;
-  // A pair with NaN is never free, and there: 0 says so, and is cautious.
-  const auto take = [&least](double margin) {
-    least = std::min(least, std::isnan(margin) ? 0.0 : margin);
-  };
   for (const ScenePair& pair : listed_)
-    if ((std::max(pair.body_a, pair.body_b) >= first_body) == with) take(pair.margin);
-  // All of a run are with a body from first_still_ on.
-  if (with != (first_still_ >= first_body)) return least;
-  auto own = own_.begin();
-  for (std::size_t run = 0; run < runs_.size(); ++run) {
-    // A run's margin counts only where some pair has it.
-    std::size_t without_own = runBegin(run + 1) - runBegin(run);
-    for (; own != own_.end() && own->position < (run + 1) * places_; ++own, --without_own)
-      take(own->margin);
-    if (without_own > 0) take(runs_[run].margin);
-  }
+    if ((std::max(pair.body_a, pair.body_b) >= first_body) == with)
+      least = std::min(least, knownOr0(pair.margin));
+  // All of the table are with a body from first_still_ on.
+  if (with == (first_still_ >= first_body))
+    for (const Row& row : rows_) least = std::min(least, row.least);
   return least;
 }
 
 double ScenePairs::mostMargin() const {
   double margin = -kInfinity;
   for (const ScenePair& pair : listed_) margin = greatest(margin, pair.margin);
-  for (std::size_t run = 0; run < runs_.size(); ++run)
-    margin = greatest(margin, mostMarginOfRun(run));
+  for (const Row& row : rows_) margin = greatest(margin, row.most);
   return margin;
 }
 
-double ScenePairs::mostMarginOfRun(std::size_t run) const {
-  double margin = -kInfinity;
-  std::size_t without_own = runBegin(run + 1) - runBegin(run);
-  auto own = std::partition_point(own_.begin(), own_.end(),
-                                  [&](const Own& o) { return o.position < run * places_; });
-  for (; own != own_.end() && own->position < (run + 1) * places_; ++own, --without_own)
-    margin = greatest(margin, own->margin);
-  return without_own > 0 ? greatest(margin, runs_[run].margin) : margin;
-}
-
-void ScenePairs::setLeftOut(const std::vector<std::size_t>& positions) {
-  std::vector<LeftOut> left_out;
-  for (const std::size_t position : positions) {
-    if (!left_out.empty() && left_out.back().end == position)
-      ++left_out.back().end;
-    else
-      left_out.push_back({position, position + 1, 0});
+void ScenePairs::count() {
+  // First those that have their row's margin.
+  for (Row& row : rows_) {
+    row.count = row.is_sparse ? 0 : places_ - cleared_places_;
+    row.least = kInfinity;
+    row.most = -kInfinity;
   }
-  left_out_.clear();
-  leaveOut(std::move(left_out));
+  std::vector<std::size_t> named(exceptions_.empty() ? 0 : rows_.size(), 0);
+  exceptions_.forEach([&](const Exceptions::Entry& entry) {
+    const Place of{static_cast<std::size_t>(entry.key >> 32U),
+                   static_cast<std::size_t>(entry.key & 0xffffffffU)};
+    if (of.row == kAllRows) return;
+    if (cleared_places_ > 0 && exceptions_.find(keyOf({kAllRows, of.place})) != nullptr) return;
+    Row& row = rows_[of.row];
+    if (!row.is_sparse) --row.count;
+    if (!entry.has_pair) return;
+    ++named[of.row];
+    const double margin = entry.has_margin ? entry.margin : row.margin;
+    row.least = std::min(row.least, knownOr0(margin));
+    row.most = greatest(row.most, margin);
+  });
+  in_table_ = 0;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    Row& row = rows_[i];
+    if (row.count > 0) {
+      row.least = std::min(row.least, knownOr0(row.margin));
+      row.most = greatest(row.most, row.margin);
+    }
+    if (!named.empty()) row.count += named[i];
+    in_table_ += row.count;
+  }
 }
 
-void ScenePairs::listAll() {
-  std::vector<ScenePair> all;
-  all.reserve(size_);
-  for (std::size_t number = 0; number < size_; ++number) all.push_back((*this)[number]);
-  *this = ScenePairs();
-  listed_ = std::move(all);
-  size_ = listed_.size();
+void ScenePairs::clearPlace(std::size_t place) {
+  Exceptions::Entry& entry = exceptions_.of(keyOf({kAllRows, place}));
+  cleared_places_ += entry.has_pair ? 1 : 0;
+  entry.has_pair = false;
 }
 
 void ScenePairs::raise(double margin, int first_body) {
   const auto raised = [&](double& m) { m = std::max(m, margin); };  // NaN stays
   for (ScenePair& pair : listed_)
     if (std::max(pair.body_a, pair.body_b) >= first_body) raised(pair.margin);
-  // All of a run are with a body from first_still_ on; callers ask for all of these or more.
-  for (Run& run : runs_) raised(run.margin);
-  for (Own& own : own_) raised(own.margin);
+  // All of the table are with a body from first_still_ on; callers ask for all of these or more.
+  for (Row& row : rows_) raised(row.margin);
+  exceptions_.forEach([&](Exceptions::Entry& entry) { raised(entry.margin); });
+  count();
 }
 
 void ScenePairs::grow(int body, int geometry, double growth, std::size_t first_place) {
@@ -147,78 +136,59 @@ void ScenePairs::grow(int body, int geometry, double growth, std::size_t first_p
     if ((pair.body_a == body && pair.geometry_a == geometry) ||
         (pair.body_b == body && pair.geometry_b == geometry))
       pair.margin = grown(pair.margin, growth);
-  if (runs_.empty()) return;
+  if (rows_.empty()) return;
   if (body < first_still_) {
-    for (std::size_t run = 0; run < runs_.size(); ++run) {
-      if (runs_[run].body != body || runs_[run].geometry != geometry) continue;
-      runs_[run].margin = grown(runs_[run].margin, growth);
-      for (Own& own : own_)
-        if (own.position / places_ == run) own.margin = grown(own.margin, growth);
-    }
-    return;
+    const auto isOf = [&](std::size_t row) {
+      return row < rows_.size() && rows_[row].body == body && rows_[row].geometry == geometry;
+    };
+    for (std::size_t row = 0; row < rows_.size(); ++row)
+      if (isOf(row)) rows_[row].margin = grown(rows_[row].margin, growth);
+    exceptions_.forEach([&](Exceptions::Entry& entry) {
+      if (isOf(static_cast<std::size_t>(entry.key >> 32U)))
+        entry.margin = grown(entry.margin, growth);
+    });
+  } else {
+    const std::size_t place = first_place + static_cast<std::size_t>(geometry);
+    for (std::size_t row = 0; row < rows_.size(); ++row)
+      if (const Found found = find({row, place}); found.has_pair)
+        setMargin({row, place}, grown(found.margin, growth));
   }
-  std::vector<Own> changed;
-  for (std::size_t run = 0; run < runs_.size(); ++run) {
-    const std::size_t position = run * places_ + first_place + static_cast<std::size_t>(geometry);
-    if (!isLeftOut(position)) changed.push_back({position, grown(marginAt(position), growth)});
-  }
-  setOwn(changed);
+  count();
 }
 
-void ScenePairs::setOwn(const std::vector<Own>& margins) {
-  // New ones come first among equals, and stay.
-  const auto before = [](const Own& x, const Own& y) { return x.position < y.position; };
-  std::vector<Own> merged;
-  merged.reserve(own_.size() + margins.size());
-  std::merge(margins.begin(), margins.end(), own_.begin(), own_.end(), std::back_inserter(merged),
-             before);
-  merged.erase(std::unique(merged.begin(), merged.end(),
-                           [](const Own& x, const Own& y) { return x.position == y.position; }),
-               merged.end());
-  own_ = std::move(merged);
-}
-
-void ScenePairs::addPlaces(std::size_t count) {
-  const std::size_t before = places_;
-  places_ += count;
-  for (Own& own : own_) own.position += own.position / before * count;
-  std::vector<LeftOut> moved;
-  for (const LeftOut& l : left_out_) {
-    for (std::size_t begin = l.begin; begin < l.end;) {  // it may go over from run to run
-      const std::size_t run = begin / before, end = std::min(l.end, (run + 1) * before);
-      moved.push_back({begin + run * count, end + run * count, 0});
-      begin = end;
-    }
-  }
-  left_out_.clear();
-  leaveOut(std::move(moved));
-}
-
-void ScenePairs::leaveOut(std::vector<LeftOut> more) {
-  more.insert(more.end(), left_out_.begin(), left_out_.end());
-  std::sort(more.begin(), more.end(),
-            [](const LeftOut& x, const LeftOut& y) { return x.begin < y.begin; });
-  left_out_.clear();
-  std::size_t count = 0;
-  for (const LeftOut& l : more) {
-    if (l.begin == l.end) continue;  // of a body without geometries
-    if (left_out_.empty() || left_out_.back().end < l.begin)
-      left_out_.push_back({l.begin, l.begin, count});
-    LeftOut& last = left_out_.back();
-    count += std::max(last.end, l.end) - last.end;
-    last.end = std::max(last.end, l.end);
-  }
-  std::erase_if(own_, [&](const Own& own) { return isLeftOut(own.position); });
-  size_ = listed_.size() + runs_.size() * places_ - count;
-}
-
-void ScenePairs::keep(const std::function<bool(const ScenePair&)>& keeps, std::size_t most_listed) {
+void ScenePairs::keep(const std::function<bool(const ScenePair&)>& keeps) {
   std::erase_if(listed_, [&](const ScenePair& pair) { return !keeps(pair); });
-  std::vector<std::size_t> left_out;
-  for (std::size_t position = 0; position < runs_.size() * places_; ++position)
-    if (isLeftOut(position) || !keeps(at(position))) left_out.push_back(position);
-  setLeftOut(left_out);
-  if (hasRuns() && size_ <= most_listed) listAll();
+  const ScenePairs before = *this;
+  rows_.clear();
+  exceptions_ = {};
+  cleared_places_ = 0;
+  std::vector<char> is_kept(places_);
+  for (std::size_t r = 0; r < before.rows_.size(); ++r) {
+    std::size_t kept = 0;
+    for (std::size_t place = 0; place < places_; ++place) {
+      is_kept[place] = before.find({r, place}).has_pair && keeps(before.inTable({r, place}));
+      kept += static_cast<std::size_t>(is_kept[place]);
+    }
+    if (kept == 0) continue;
+    Row row = before.rows_[r];
+    row.is_sparse = kept < places_ / 2;
+    rows_.push_back(row);
+    for (std::size_t place = 0; place < places_; ++place) {
+      const Place of{rows_.size() - 1, place};
+      if (is_kept[place] == 0) {
+        if (!row.is_sparse) leaveOut(of);
+      } else if (const double margin = before.find({r, place}).margin;
+                 row.is_sparse || margin != row.margin) {
+        setMargin(of, margin);
+      }
+    }
+  }
+  if (rows_.empty()) {
+    places_ = 0;
+    first_still_ = 0;
+    geometries_.clear();
+  }
+  count();
 }
 
 }  // namespace leeway::collision

@@ -19,12 +19,19 @@ namespace leeway::collision {
 namespace {
 
 /// Pairs that clearance() sorts at once [count].
-constexpr std::size_t kMostNearest = 1U << 14U;
+constexpr std::size_t kMostNearest = 1U << 11U;
+/// The coarse bounds of so many pairs cost less than a search for a reach [count].
+constexpr std::size_t kFewPairs = 64;
+
+/// Bodies that are not in places; all, where there are none.
+std::size_t bodiesOutsidePlaces(const Scene& scene) {
+  return scene.pairs().places() > 0 ? at(scene.pairs().firstStill()) : scene.bodies().size();
+}
 
 }  // namespace
 
 struct Workspace::Impl {
-  std::vector<Pose> poses;  // one a body, where pairs have runs one a body that they do not cover
+  std::vector<Pose> poses;  // one a body that is not in a place
   PairTable<PairCache> caches;
   Scratch scratch;
   int blocking = -1;                            // the pair that was not free last; -1: none
@@ -34,11 +41,11 @@ struct Workspace::Impl {
 Workspace::Workspace(const Scene& scene) : impl_(std::make_unique<Impl>()) {
   const ScenePairs& pairs = scene.pairs();
   const Bodies bodies = scene.bodies();
-  const std::size_t end = pairs.hasRuns() ? at(pairs.firstStill()) : bodies.size();
+  const std::size_t end = bodiesOutsidePlaces(scene);
+  impl_->poses.reserve(end);
   for (std::size_t b = 0; b < end; ++b) impl_->poses.push_back(bodies[b].X_WB);
-  using Caches = PairTable<PairCache>;
-  impl_->caches.resize(pairs.size(), pairs.hasRuns() ? Caches::kMostOfRuns : Caches::kMost);
-  impl_->nearest.resize(std::min(pairs.size(), pairs.hasRuns() ? kMostNearest / 8 : kMostNearest));
+  impl_->caches.resize(pairs.numbers());
+  impl_->nearest.resize(std::min(pairs.size(), kMostNearest));
   prepare(scene);
 }
 
@@ -47,12 +54,11 @@ void Workspace::prepare(const Scene& scene) {
     if (g.shape.type() == ShapeType::kDeformable)
       collision::prepare(impl_->scratch, *g.shape.deformable());
   };
-  const ScenePairs& pairs = scene.pairs();
   const Bodies bodies = scene.bodies();
-  const std::size_t end = pairs.hasRuns() ? at(pairs.firstStill()) : bodies.size();
+  const std::size_t end = bodiesOutsidePlaces(scene);
   for (std::size_t b = 0; b < end; ++b)
     for (const Geometry& g : bodies[b].geometries) take(g);
-  if (!pairs.hasRuns()) return;
+  if (end == bodies.size()) return;
   // What deforms may be anywhere: also where nothing else is but half-spaces.
   ObstacleBoxes::Box nowhere;
   std::fill_n(nowhere.low, 3, kFar);
@@ -67,8 +73,10 @@ Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
-void Workspace::setPose(int body, const Pose& X_WB) { impl_->poses[at(body)] = X_WB; }
-const Pose& Workspace::pose(int body) const { return impl_->poses[at(body)]; }
+void Workspace::setPose(int body, const Pose& X_WB) {
+  if (at(body) < impl_->poses.size()) impl_->poses[at(body)] = X_WB;
+}
+const Pose& Workspace::pose(int body) const { return impl_->poses.at(at(body)); }
 
 Scratch& SceneAccess::scratch(Workspace& workspace) { return workspace.impl_->scratch; }
 PairCache& SceneAccess::cache(Workspace& workspace, int pair) {
@@ -154,14 +162,14 @@ Verdict worse(Verdict x, Verdict y) {
   return Verdict::kFree;
 }
 
-/// Calls visit(pair) for all pairs that are listed, and for those of runs that may be nearer than
+/// Calls visit(pair) for all pairs that are listed, and for the others that may be nearer than
 /// `reach` [m].
 template <class Visit>
 void forEachNear(const Scene& scene, const Workspace& workspace, double reach, const Visit& visit) {
   const ScenePairs& pairs = scene.pairs();
   for (std::size_t p = 0; p < pairs.listedCount(); ++p) visit(static_cast<int>(p));
-  for (std::size_t run = 0; run < pairs.runs().size(); ++run)
-    forEachNearInRun(scene, workspace, run, reach, visit);
+  for (std::size_t row = 0; row < pairs.rows().size(); ++row)
+    forEachNearInRow(scene, workspace, row, reach, visit);
 }
 
 /// One pair against its margin. `result` has at least the interval, and all else where the exact
@@ -189,21 +197,25 @@ Verdict decidePair(const Scene& scene, Workspace& workspace, int p, DistanceResu
 
 }  // namespace
 
-ObstacleBoxes::Box boxOfRun(const Scene& scene, const Workspace& workspace, std::size_t run,
+ObstacleBoxes::Box boxOfRow(const Scene& scene, const Workspace& workspace, std::size_t row,
                             double reach) {
-  const ScenePairs::Run& of = scene.pairs().runs()[run];
+  const ScenePairs::Row& of = scene.pairs().rows()[row];
   const Ball& ball = boundsOf(scene, of.body, of.geometry).outer;
   const Eigen::Vector3d center = workspace.pose(of.body) * ball.center;
   const double slack = transferSlack(scene, workspace, of.body, of.body, ball.center);
   const double radius = ball.radius + reach + 2 * slack;
   ObstacleBoxes::Box box;
+  bool is_bounded = true;
   for (int k = 0; k < 3; ++k) {
     box.low[k] = floatBelow(center[k] - radius);
     box.high[k] = floatAbove(center[k] + radius);
     // Boxes end there, and those of half-spaces stand for everything: so must this one.
-    if (!(std::max(-box.low[k], box.high[k]) < kFar))
-      box.low[k] = box.high[k] = std::numeric_limits<float>::quiet_NaN();
+    is_bounded = is_bounded && -box.low[k] < kFar && box.high[k] < kFar;
   }
+  if (is_bounded) return box;
+  // Where one coordinate is unknown, so are distances along the others.
+  std::fill_n(box.low, 3, std::numeric_limits<float>::quiet_NaN());
+  std::fill_n(box.high, 3, std::numeric_limits<float>::quiet_NaN());
   return box;
 }
 
@@ -270,9 +282,11 @@ SceneResult decide(const Scene& scene, Workspace& workspace) {
     return verdict != Verdict::kNotFree;
   };
   // What blocked last is likely to block again.
-  const int first = at(impl.blocking) < scene.pairs().size() ? impl.blocking : -1;
+  const bool is_known = impl.blocking >= 0 && at(impl.blocking) < scene.pairs().numbers() &&
+                        scene.pairs().has(at(impl.blocking));
+  const int first = is_known ? impl.blocking : -1;
   bool going = first < 0 || look(first);
-  const double most = scene.pairs().hasRuns() ? scene.pairs().mostMargin() : kInfinity;
+  const double most = scene.pairs().rows().empty() ? kInfinity : scene.pairs().mostMargin();
   const double reach = std::isnan(most) ? kInfinity : std::max(most, 0.0) + kDecideReach;
   forEachNear(scene, workspace, reach, [&](int p) {
     if (going && p != first) going = look(p);
@@ -398,7 +412,7 @@ SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance
   // With a margin of NaN a pair is never free, however far.
   const double most = scene.pairs().mostMargin();
   const double largest_margin = std::isnan(most) ? kInfinity : most;
-  if (!scene.pairs().hasRuns())
+  if (scene.pairs().rows().empty() || scene.pairs().size() <= kFewPairs)
     return clearanceWithin(scene, workspace, tolerance, kInfinity, largest_margin);
   // At least 0, so that doubling what is above it grows also where margins are depths.
   double reach = std::max({reachOfClosest(scene, workspace, tolerance), largest_margin, 0.0});

@@ -41,7 +41,8 @@ ContactResult timeOfContact(const Scene& scene, std::span<const RigidMotion* con
   first.time = {kInfinity, kInfinity};
   double undecided = kInfinity;  // the earliest time from which on some pair is open
   int undecided_pair = -1, queries = 0;
-  for (int p = 0; p < static_cast<int>(scene.pairs().size()); ++p) {
+  for (auto pair = scene.pairs().begin(); !(pair == scene.pairs().end()); ++pair) {
+    const int p = static_cast<int>(pair.number());
     ContactRequest rest = request;
     rest.end = std::min(rest.end, first.time.upper);
     rest.query_limit = std::max(0, request.query_limit - queries);

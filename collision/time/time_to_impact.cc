@@ -77,11 +77,11 @@ double timeToImpact(double gap, const PointMotion& closing) {
 ImpactSchedule::ImpactSchedule(const Scene& scene) : scene_(&scene) {
   const ScenePairs& pairs = scene.pairs();
   const std::size_t bodies = scene.bodies().size(), listed = pairs.listedCount();
-  const std::size_t runs = pairs.runs().size(), items = listed + runs;
+  const std::size_t rows = pairs.rows().size(), items = listed + rows;
   motions_.resize(bodies);
   for (std::size_t b = 0; b < bodies; ++b)
     if (scene.bodies()[b].moving) motions_[b].motion = {kInfinity, kInfinity, kInfinity};
-  if (pairs.hasRuns()) {
+  if (rows > 0) {
     is_moved_still_.assign(bodies, 0);
     moved_still_.reserve(bodies - at(pairs.firstStill()));
   }
@@ -97,7 +97,7 @@ ImpactSchedule::ImpactSchedule(const Scene& scene) : scene_(&scene) {
       visit(pairs[p].body_a, p);
       visit(pairs[p].body_b, p);
     }
-    for (std::size_t run = 0; run < runs; ++run) visit(pairs.runs()[run].body, listed + run);
+    for (std::size_t row = 0; row < rows; ++row) visit(pairs.rows()[row].body, listed + row);
   };
   forEach([&](int body, std::size_t) { ++first_item_[at(body) + 1]; });
   for (std::size_t b = 0; b < bodies; ++b) first_item_[b + 1] += first_item_[b];
@@ -108,23 +108,24 @@ ImpactSchedule::ImpactSchedule(const Scene& scene) : scene_(&scene) {
   });
   for (std::size_t item = 0; item < items; ++item)
     place(item, static_cast<std::int32_t>(item));  // all due at once: any order is a heap
-  for (std::size_t run = 0; run < runs; ++run) {
-    const std::size_t begin = pairs.runBegin(run);
-    const bool is_empty = begin == pairs.runBegin(run + 1);
-    next_of_run_.push_back(is_empty ? -1 : static_cast<std::int32_t>(begin));
-    if (is_empty) setDue(static_cast<std::int32_t>(listed + run), kInfinity);
+  for (std::size_t row = 0; row < rows; ++row) {
+    std::int32_t first = -1;
+    for (std::size_t place = 0; pairs.rows()[row].count > 0 && first < 0; ++place)
+      first = pairs.numberOf(row, place);
+    next_of_row_.push_back(first);
+    if (first < 0) setDue(static_cast<std::int32_t>(listed + row), kInfinity);
   }
 }
 
-bool ImpactSchedule::isEmptyRun(std::int32_t item) const {
+bool ImpactSchedule::isEmptyRow(std::int32_t item) const {
   const std::size_t listed = scene_->pairs().listedCount();
-  return at(item) >= listed && next_of_run_[at(item) - listed] < 0;
+  return at(item) >= listed && next_of_row_[at(item) - listed] < 0;
 }
 
 std::size_t ImpactSchedule::itemOf(int pair) const {
   const ScenePairs& pairs = scene_->pairs();
   const std::size_t listed = pairs.listedCount();
-  return at(pair) < listed ? at(pair) : listed + pairs.placeOf(at(pair)).run;
+  return at(pair) < listed ? at(pair) : listed + pairs.placeOf(at(pair)).row;
 }
 
 PointMotion ImpactSchedule::motionAt(int body, double time) const {
@@ -155,16 +156,16 @@ void ImpactSchedule::setMotion(int body, const PointMotion& motion, double time)
   if (covered) return;
   // Written so that a time of NaN hastens, too.
   const auto hasten = [&](std::int32_t item) {
-    if (!(due_[at(item)] <= time) && !isEmptyRun(item)) setDue(item, time);
+    if (!(due_[at(item)] <= time) && !isEmptyRow(item)) setDue(item, time);
   };
   for (std::int32_t i = first_item_[at(body)]; i < first_item_[at(body) + 1]; ++i)
     hasten(items_of_body_[at(i)]);
   const ScenePairs& pairs = scene_->pairs();
-  if (!pairs.hasRuns() || body < pairs.firstStill()) return;
+  if (pairs.places() == 0 || body < pairs.firstStill()) return;
   if (scene_->bodies()[at(body)].geometries.empty()) return;
   if (!std::exchange(is_moved_still_[at(body)], true)) moved_still_.push_back(body);
-  for (std::size_t run = 0; run < pairs.runs().size(); ++run)
-    hasten(static_cast<std::int32_t>(pairs.listedCount() + run));
+  for (std::size_t row = 0; row < pairs.rows().size(); ++row)
+    hasten(static_cast<std::int32_t>(pairs.listedCount() + row));
 }
 
 double ImpactSchedule::look(int p, double time, double horizon, Workspace& workspace,
@@ -185,16 +186,16 @@ double ImpactSchedule::look(int p, double time, double horizon, Workspace& works
   return std::max(due, later(time, timeToImpact(result.distance.lower - pair.margin, motion)));
 }
 
-double ImpactSchedule::lookAtRun(std::size_t run, double time, double horizon, Workspace& workspace,
+double ImpactSchedule::lookAtRow(std::size_t row, double time, double horizon, Workspace& workspace,
                                  ImpactReport& report) {
   const ScenePairs& pairs = scene_->pairs();
-  const ScenePairs::Run& of = pairs.runs()[run];
-  const double end = time + horizon, margin = pairs.mostMarginOfRun(run);
+  const ScenePairs::Row& of = pairs.rows()[row];
+  const double end = time + horizon, margin = of.most;
   const PointMotion motion = closing(motionAt(of.body, time), fastestStill(time));
   const double radius =
       SceneAccess::bounds(*scene_, SceneAccess::geometryIndex(*scene_, of.body, of.geometry))
           .outer.radius;
-  // As far as motions reach before the run is due again, and on to the first pair.
+  // As far as motions reach before the row is due again, and on to the first pair.
   const double wait = kImpactHorizons * horizon;
   double reach =
       std::min(motion.speed_cap * wait, (motion.speed + motion.acceleration * wait) * wait);
@@ -210,12 +211,12 @@ double ImpactSchedule::lookAtRun(std::size_t run, double time, double horizon, W
     if (std::isnan(pair_due)) pair_due = -kInfinity;
     if (pair_due < end || violated) addImminent(pair, report);
     if (violated) ++report.violated;
-    if (!found || pair_due < due) next_of_run_[run] = pair;
+    if (!found || pair_due < due) next_of_row_[row] = pair;
     due = std::min(due, pair_due);
     found = true;
   };
   for (;; reach *= 2) {
-    forEachNearInRun(*scene_, workspace, run,
+    forEachNearInRow(*scene_, workspace, row,
                      std::isnan(margin) ? kInfinity : std::max(margin, 0.0) + reach, look_at);
     if (found || !(reach < kBeyondAll)) break;
   }
@@ -224,8 +225,9 @@ double ImpactSchedule::lookAtRun(std::size_t run, double time, double horizon, W
     // Nothing bounds how fast something moves.
     imminent_count_ = first;
     report.imminent = imminent_before;
-    for (std::size_t pair = pairs.runBegin(run); pair < pairs.runBegin(run + 1); ++pair)
-      addImminent(static_cast<std::int32_t>(pair), report);
+    for (std::size_t place = 0; place < pairs.places(); ++place)
+      if (const std::int32_t pair = pairs.numberOf(row, place); pair >= 0)
+        addImminent(pair, report);
   } else {
     std::sort(imminent_.begin() + static_cast<std::ptrdiff_t>(first),
               imminent_.begin() + static_cast<std::ptrdiff_t>(imminent_count_));
@@ -259,7 +261,7 @@ ImpactReport ImpactSchedule::advance(double time, double horizon, Workspace& wor
   for (std::size_t i = 0; i < count; ++i) {
     const std::int32_t item = looking_[i];
     if (at(item) >= listed) {
-      setDue(item, lookAtRun(at(item) - listed, time, horizon, workspace, report));
+      setDue(item, lookAtRow(at(item) - listed, time, horizon, workspace, report));
       continue;
     }
     bool violated = false;
@@ -271,7 +273,7 @@ ImpactReport ImpactSchedule::advance(double time, double horizon, Workspace& wor
   report.safe_until = safeUntil();
   if (!heap_.empty())
     report.next_pair =
-        at(heap_.front()) < listed ? heap_.front() : next_of_run_[at(heap_.front()) - listed];
+        at(heap_.front()) < listed ? heap_.front() : next_of_row_[at(heap_.front()) - listed];
   return report;
 }
 

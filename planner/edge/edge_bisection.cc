@@ -44,7 +44,7 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::bisect(EdgeInterval& interval) {
   // A planner's edges come from where it is free and often end in contact.
   if (const auto check = checkEnd(interval)) return check;
   if (interval.level >= kDeepestLevel || interval.h <= smallest) return undecided();
-  const double speed = motionOf(interval, frames.pairs()[at(first)].motion).speed;
+  const double speed = motionOf(interval, frames.pair(first).motion).speed;
   if (interval.h * speed < kSmallestMotion) return undecided();
   const int slot = frames.place(middle);
   if (slot < 0) return undecided();

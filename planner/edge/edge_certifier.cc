@@ -21,12 +21,9 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   collision::countInto(collision::SceneAccess::scratch(workspace), work);
   lanes.countInto(work);
   frames.countInto(work);
-  const std::size_t all = frames.pairs().size();
-  // Of runs as many as a pass of lanes has room for.
-  const bool has_runs = frames.pairs().hasRuns();
-  const std::size_t pairs =
-      has_runs ? std::min(all, frames.pairs().listed().size() + collision::LaneSweep::kMostNear)
-               : all;
+  // As many as a pass of lanes has room for.
+  const std::size_t pairs = std::min(
+      frames.pairs().size(), frames.pairs().listed().size() + collision::LaneSweep::kMostNear);
   motion.resize(scene->edgeModel().motions.size());
   world_balls.resize(scene->edges().moving.size());
   shared_slots.resize(kSharedSlots + 1);
@@ -45,20 +42,19 @@ EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
   asked_pairs.reserve(pairs);
   pass_pairs.reserve(pairs);
   never_parted.reserve(pairs);
-  order.reserve(has_runs ? lists : pairs);
+  order.reserve(std::min(lists, frames.pairs().size()));
   likely_looks.reserve(kContactLooks);
-  using Memory = collision::PairTable<PairMemory>;
-  pair_memory.resize(all, has_runs ? Memory::kMostOfRuns : Memory::kMost);
-  listed_pairs.reserve(pairs);
+  pair_memory.resize(frames.pairs().numbers());
   takePairs();
 }
 
 void EdgeCertifier::Impl::takePairs() {
-  const EdgePairs& pairs = frames.pairs();
-  listed_pairs.resize(pairs.listed().size());
-  for (std::size_t i = 0; i < listed_pairs.size(); ++i)
-    listed_pairs[i] = static_cast<int>(pairs.numberOfListed(i));
-  most_rounding = pairs.mostRounding();
+  most_rounding = frames.pairs().mostRounding();
+  const collision::ScenePairs& all = scene->scene().pairs();
+  looks_at_all = all.numbers() <= kManyPairs;
+  looked_at.clear();
+  for (std::size_t p = 0; p < (looks_at_all ? all.numbers() : all.listedCount()); ++p)
+    if (all.has(p)) looked_at.push_back(static_cast<int>(p));
   const int robot = scene->bodiesOfRobot();
   const double of_world = scene->scene().pairs().leastMargin(robot, true);
   const double of_robot = scene->scene().pairs().leastMargin(robot, false);
@@ -194,7 +190,7 @@ EdgeCheck EdgeCertifier::Impl::decideEdge(std::span<const double> a, std::span<c
 EdgeCheck EdgeCertifier::Impl::makeCheck(Verdict verdict, int p, double t) {
   EdgeCheck check;
   check.verdict = verdict;
-  check.pair = p < 0 ? -1 : frames.pairs()[at(p)].scene_pair;
+  check.pair = p < 0 ? -1 : frames.pairs().numberInScene(p);
   check.t = t;
   last_named = p;
   if (verdict == Verdict::kNotFree && p >= 0) {
@@ -231,7 +227,7 @@ EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
 
   never_parted.clear();
   for (const collision::LaneSweep::Open& pair : lanes.open())
-    if (pair.lanes == all_lanes && !frames.isConvex(frames.pairs()[at(pair.id)]))
+    if (pair.lanes == all_lanes && !frames.isConvex(frames.pair(pair.id)))
       never_parted.push_back(pair.id);
   intervals.clear();
   open_pairs.clear();

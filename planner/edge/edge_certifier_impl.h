@@ -94,7 +94,7 @@ struct EdgeCertifier::Impl {
     return makeCheck(Verdict::kNotFree, contact.id, parts.from[contact.lane] + parts.width / 2);
   }
 
-  /// Sets listed_pairs, most_rounding and least_margin.
+  /// Sets looked_at, most_rounding and least_margin.
   void takePairs();
 
   // What is asked: by certify() that all pairs keep their margins.
@@ -215,15 +215,15 @@ struct EdgeCertifier::Impl {
   bool isWideOpen(const collision::LaneSweep::Open& pair, int first, int share) const;
   /// Finer passes may part what is apart in the middle of its lanes.
   bool isForParts(const collision::LaneSweep::Open& pair) const {
-    return pair.apart && !frames.pairs()[at(pair.id)].by_surfaces;
+    return pair.apart && !frames.pair(pair.id).by_surfaces;
   }
   /// As many parts of the list, from `next` on, as one pass divides; pass_pairs are their pairs.
   EdgeLanes::Parts takeParts(std::size_t& next);
 
   // Lists of intervals (edge_intervals.cc).
 
-  /// One interval, with all pairs; of those in runs with what may come as near as their thresholds
-  /// plus `reach` >= 0 [m]. False where there is no room for all.
+  /// One interval, with all pairs; of those with the world with what may come as near as their
+  /// thresholds plus `reach` >= 0 [m]. False where there is no room for all.
   bool listWholeEdge(int start, int end, double reach);
   /// Appends the pairs that the pass over the whole edge left and finer passes will not part, each
   /// over as many lanes at once as a sweep is tried on. False when full.
@@ -330,8 +330,9 @@ struct EdgeCertifier::Impl {
   std::vector<EdgePart> edge_parts;
   collision::SpareVector<int> part_pairs;
   std::vector<collision::LaneSweep::Open> pass_pairs;
-  std::vector<CostPart> cost_parts;                     ///< a heap by their width
-  std::vector<int> listed_pairs;                        ///< that are in no run: mostly all
+  std::vector<CostPart> cost_parts;  ///< a heap by their width
+  std::vector<int> looked_at;        ///< pairs that may be near anywhere: listed ones, or all
+  bool looks_at_all = false;         ///< they are few
   collision::SpareVector<int> near_pairs, asked_pairs;  ///< of nearPairs(), and of the call before
   bool near_pairs_full = false;                         ///< more were near than there was room for
   std::vector<int> never_parted;                        ///< pairs for checkContainment()
@@ -346,8 +347,8 @@ struct EdgeCertifier::Impl {
 
   // Memory of edges before. It steers which queries are tried, never what they prove.
 
-  int last_contact = 0;  ///< the pair that was last not free
-  int last_named = -1;   ///< the pair that the last verdict named
+  int last_contact = -1;  ///< the pair that was last not free; -1: none
+  int last_named = -1;    ///< the pair that the last verdict named
   struct PairMemory {
     /// Growth up to which a sweep is tried [m]: falls where it fails, rises where it succeeds.
     double growth_limit = kSweepGrowth;

@@ -84,22 +84,21 @@ void EdgeCertifier::Impl::searchNearLanes(int slot, ClearanceSearch& search) {
 /// Of some pairs those that have not been asked.
 void EdgeCertifier::Impl::searchPairs(int slot, double t, std::span<const int> near,
                                       ClearanceSearch& search) {
-  const EdgePairs& pairs = frames.pairs();
   order.clear();
   for (const int p : near) {
     if (std::binary_search(asked_pairs.begin(), asked_pairs.end(), p)) continue;
-    const EdgePair& pair = pairs[at(p)];
+    const EdgePair& pair = frames.pair(p);
     if (!isAsked(pair)) continue;
     if (frames.keepsGap(pair, search.best.clearance.upper + pair.rounding, t, t)) continue;
     const Eigen::Vector3d center = frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a));
-    const double lower = frames.pieces()[at(pair.b)].bounds->coarse.lower(center) -
-                         frames.pieces()[at(pair.a)].bounds->outer.radius - pair.rounding;
+    const double lower = frames.piece(pair.b).bounds->coarse.lower(center) -
+                         frames.piece(pair.a).bounds->outer.radius - pair.rounding;
     order.emplace_back(std::isnan(lower) ? -kInfinity : lower, p);
   }
   std::sort(order.begin(), order.end());
   for (const auto& [lower, p] : order) {
     if (lower >= search.best.clearance.upper || search.isCutOff() || work.isSpent()) break;
-    refineState(slot, t, pairs[at(p)], search);
+    refineState(slot, t, frames.pair(p), search);
   }
 }
 
@@ -116,7 +115,7 @@ void EdgeCertifier::Impl::settlePairs(EdgeInterval& interval, ClearanceSearch& s
   startInterval();
   int kept = interval.begin;
   for (int i = interval.begin; i < interval.end; ++i) {
-    const EdgePair& pair = frames.pairs()[at(open_pairs[at(i)])];
+    const EdgePair& pair = frames.pair(open_pairs[at(i)]);
     double growth = 0;
     double lower = coarseSweep(interval, pair, growth) - pair.rounding;
     // A sweep bounds distances, not depths.
@@ -139,7 +138,7 @@ void EdgeCertifier::Impl::settleFromMiddle(EdgeInterval& interval, int slot, boo
                                            ClearanceSearch& search) {
   int kept = interval.begin;
   for (int i = interval.begin; i < interval.end && !search.isCutOff(); ++i) {
-    const EdgePair& pair = frames.pairs()[at(open_pairs[at(i)])];
+    const EdgePair& pair = frames.pair(open_pairs[at(i)]);
     const Interval distance = refineState(slot, interval.t0 + interval.h / 2, pair, search);
     // Signed separation changes no faster than the pair's points move.
     double lower = distance.lower - interval.h / 2 * motionOf(interval, pair.motion).speed;
@@ -265,7 +264,7 @@ EdgeClearance EdgeCertifier::proveClearance(std::span<const double> a, std::span
     return best;
   }
   const int p = check.pair < 0 ? -1 : impl.last_named;
-  if (p >= 0 && impl.isAsked(impl.frames.pairs()[at(p)])) {
+  if (p >= 0 && impl.isAsked(impl.frames.pair(p))) {
     impl.frames.release(0);
     impl.startWork(kDescentWork);
     impl.descend(p, check.t, search);
@@ -275,7 +274,7 @@ EdgeClearance EdgeCertifier::proveClearance(std::span<const double> a, std::span
 }
 
 void EdgeCertifier::Impl::descend(int p, double t, ClearanceSearch& search) {
-  const EdgePair& pair = frames.pairs()[at(p)];
+  const EdgePair& pair = frames.pair(p);
   const auto look = [&](double at_t) {
     const double known = search.best.clearance.upper;
     const int slot = work.isSpent() ? -1 : frames.place(at_t);
@@ -335,7 +334,7 @@ void EdgeCertifier::Impl::searchOpenLanes(const EdgeLanes::Parts& parts, int cou
     const auto [from, width] = rangeOf(parts, pair.lanes);
     const int slot = frames.place(from + width / 2);
     if (slot < 0) return;
-    refineState(slot, from + width / 2, frames.pairs()[at(pair.id)], search);
+    refineState(slot, from + width / 2, frames.pair(pair.id), search);
   }
 }
 

@@ -30,7 +30,7 @@ std::pair<double, double> EdgeCertifier::Impl::rangeOf(const EdgeLanes::Parts& p
 std::optional<EdgeCheck> EdgeCertifier::Impl::checkContactAt(int p, double t) {
   const int slot = frames.place(t);
   if (slot < 0) return makeCheck(Verdict::kUndecided, p, t);
-  if (exactState(slot, frames.pairs()[at(p)]) == PairState::kNotFree) {
+  if (exactState(slot, frames.pair(p)) == PairState::kNotFree) {
     pair_memory.of(p).contact_score = kScoreOfExactContact;
     return makeCheck(Verdict::kNotFree, p, t);
   }
@@ -87,7 +87,7 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::checkContainment() {
     if (std::find(open_pairs.begin(), open_pairs.end(), p) == open_pairs.end()) continue;
     if (end < 0) end = frames.place(1);
     if (end < 0) return makeCheck(Verdict::kUndecided, p, 1);
-    const PairState state = exactState(end, frames.pairs()[at(p)]);
+    const PairState state = exactState(end, frames.pair(p));
     if (state == PairState::kNotFree) return makeCheck(Verdict::kNotFree, p, 1);
     if (state == PairState::kOpen) return makeCheck(Verdict::kUndecided, p, 1);
   }
@@ -101,7 +101,7 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::checkEnd(const EdgeInterval& inter
     if (pair_memory.of(p).sweep_failed != interval_stamp || pair_memory.of(p).end_checked == edge)
       continue;
     pair_memory.of(p).end_checked = edge;
-    const PairState state = exactState(interval.slot1, frames.pairs()[at(p)]);
+    const PairState state = exactState(interval.slot1, frames.pair(p));
     if (state == PairState::kNotFree) return makeCheck(Verdict::kNotFree, p, 1);
     if (state == PairState::kOpen) return makeCheck(Verdict::kUndecided, p, 1);
   }
@@ -111,7 +111,7 @@ std::optional<EdgeCheck> EdgeCertifier::Impl::checkEnd(const EdgeInterval& inter
 std::optional<EdgeCheck> EdgeCertifier::Impl::checkMiddle(const EdgeInterval& interval, int slot) {
   for (int i = interval.begin; i < interval.end; ++i) {
     const int p = open_pairs[at(i)];
-    const EdgePair& pair = frames.pairs()[at(p)];
+    const EdgePair& pair = frames.pair(p);
     PairState state = coarseState(slot, pair);
     // Where a sweep has just failed the pair is near enough to be asked exactly. A contact is found
     // within few nodes; that there is none, the halves have to prove anyway.

@@ -48,8 +48,22 @@ void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
   release(0);
 }
 
+EdgePair EdgeFrames::findPair(int number) const {
+  const EdgePairs& all = edges_->pairs;
+  return known_pairs_.of(number - static_cast<int>(all.listed().size()), [&](std::int32_t) {
+    return all.inTable(at(number), piece(all.stillOf(at(number))));
+  });
+}
+
+const Piece& EdgeFrames::findPiece(int number) const {
+  return known_pieces_.of(number - static_cast<int>(edges_->pieces.listed().size()),
+                          [&](std::int32_t) { return edges_->pieces[at(number)]; });
+}
+
 void EdgeFrames::take(const EdgeScene& edges) {
   edges_ = &edges;
+  known_pairs_.resize(edges.pairs.numbers() - edges.pairs.listed().size());
+  known_pieces_.resize(scene_->scene().pairs().places());
   moving_ = edges.moving;
   gaps_.clear();
   if (edges.gaps.empty()) return;
@@ -178,13 +192,13 @@ int EdgeFrames::place(double t) {
   const std::span<Pose> X_WL{poses_.data() + at(slot) * links_, links_};
   robots::forwardKinematics(scene_->model(), q_, X_WL);
   Eigen::Vector3d* centers = centers_.data() + at(slot) * moving_.size();
-  const std::span<const Piece> listed = pieces().listed();  // what moves is
+  const std::span<const Piece> listed = edges_->pieces.listed();  // what moves is
   for (std::size_t i = 0; i < moving_.size(); ++i) {
-    const Piece& piece = listed[at(moving_[i])];
-    centers[i] = X_WL[at(piece.link)] * piece.bounds->outer.center;
+    const Piece& moving = listed[at(moving_[i])];
+    centers[i] = X_WL[at(moving.link)] * moving.bounds->outer.center;
     // Beyond the reach the bound on rounding does not hold. Limits keep bodies within it.
     if (watch_reach_ &&
-        !(centers[i].norm() + piece.bounds->outer.radius <= scene_->edgeModel().reach))
+        !(centers[i].norm() + moving.bounds->outer.radius <= scene_->edgeModel().reach))
       return -1;
   }
   ++used_;
@@ -193,21 +207,22 @@ int EdgeFrames::place(double t) {
 
 bool EdgeFrames::nearInRow(std::size_t row, int slot, double reach,
                            collision::SpareVector<int>& pairs) const {
-  const EdgePairs& all = edges_->pairs;
-  const EdgePairs::Row& of = all.rows()[row];
+  const EdgePairs::Row& of = edges_->pairs.rows()[row];
   const Eigen::Vector3d& at_center = center(slot, of.piece);
   // (Rounding of the sums is far below that of single precision, which is outwards.)
-  const double radius = pieces()[at(of.piece)].bounds->outer.radius + reach + of.most_threshold;
+  const double radius = piece(of.piece).bounds->outer.radius + reach + of.most_threshold;
   collision::ObstacleBoxes::Box box;
   for (int k = 0; k < 3; ++k) {
     box.low[k] = collision::roundedDown(at_center[k] - radius);
     box.high[k] = collision::roundedUpToFloat(at_center[k] + radius);
   }
+  const collision::ScenePairs& in_scene = scene_->scene().pairs();
+  if (in_scene.rows()[row].count == 0) return true;
   const collision::ObstacleBoxes& boxes = *collision::SceneAccess::boxes(scene_->scene());
   bool has_room = true;
   boxes.forEachNear(box, [&](std::size_t i) {
     const std::int32_t place = boxes.obstacle(i);
-    const std::int32_t pair = place < 0 ? -1 : all.numberOf(row, at(place));
+    const std::int32_t pair = place < 0 ? -1 : in_scene.numberOf(row, at(place));
     if (pair < 0) return;
     has_room = has_room && pairs.size() < pairs.capacity();
     if (has_room) pairs.push_back(pair);
@@ -215,8 +230,8 @@ bool EdgeFrames::nearInRow(std::size_t row, int slot, double reach,
   return has_room;
 }
 
-Pose EdgeFrames::piecePose(int slot, int piece) const {
-  const Piece p = pieces()[at(piece)];
+Pose EdgeFrames::piecePose(int slot, int number) const {
+  const Piece& p = piece(number);
   const Pose& X_WB =
       p.link >= 0 ? links(slot)[at(p.link)] : scene_->scene().bodies()[at(p.body)].X_WB;
   return p.at_origin ? X_WB : X_WB * p.geometry->X_BG;
@@ -224,7 +239,7 @@ Pose EdgeFrames::piecePose(int slot, int piece) const {
 
 Pose EdgeFrames::relative(int slot, const EdgePair& pair) const {
   const Pose X_WA = piecePose(slot, pair.a);
-  const Piece b = pieces()[at(pair.b)];
+  const Piece& b = piece(pair.b);
   if (b.link < 0)
     return (scene_->scene().bodies()[at(b.body)].X_WB * b.geometry->X_BG).inverse() * X_WA;
   const Pose X_WB = piecePose(slot, pair.b);
@@ -232,8 +247,9 @@ Pose EdgeFrames::relative(int slot, const EdgePair& pair) const {
           X_WB.rotation.transpose() * (X_WA.translation - X_WB.translation)};
 }
 
-Eigen::Vector3d EdgeFrames::inFrameOf(int slot, int piece, const Eigen::Vector3d& p_W) const {
-  const int link = pieces()[at(piece)].link;
+Eigen::Vector3d EdgeFrames::inFrameOf(int slot, int number, const Eigen::Vector3d& p_W) const {
+  const std::span<const Piece> listed = edges_->pieces.listed();
+  const int link = at(number) < listed.size() ? listed[at(number)].link : -1;
   if (link < 0) return p_W;
   const Pose& X_WL = links(slot)[at(link)];
   return X_WL.rotation.transpose() * (p_W - X_WL.translation);

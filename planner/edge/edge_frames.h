@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collision/base/numbers.h"
+#include "collision/base/pair_table.h"
 #include "collision/base/spare_memory.h"
 #include "collision/base/work.h"
 #include "collision/scene/scene_access.h"
@@ -28,18 +29,18 @@ struct Piece {
   const collision::GeometryBounds* bounds = nullptr;  ///< in the link's frame, or the world's
   bool at_origin = false;                             ///< X_BG is the identity
   bool is_free_mesh = false;  ///< a mesh that a planned floating or planar joint carries
-  /// Of pieces of the world that are in no run: coordinates of the inverse of their pose and of
-  /// their ball's centre, added up [m].
+  /// Of pieces of the world: coordinates of the inverse of their pose and of their ball's centre,
+  /// added up [m].
   double scale = 0;
 };
 
-/// The geometries of a scene. What stands in runs is made when it is asked for: there may be a
+/// The geometries of a scene. What stands in places is made when it is asked for: there may be a
 /// million of it.
 class Pieces {
  public:
   /// O(1).
   Piece operator[](std::size_t i) const { return i < listed_.size() ? listed_[i] : inPlace(i); }
-  /// All that are in no run: the first.
+  /// All that are in no place: the first.
   std::span<const Piece> listed() const { return listed_; }
 
  private:
@@ -62,47 +63,51 @@ struct EdgePair {
   int gap = -1;      ///< index of the table of its links' gap by joint angles; -1: none
 };
 
-/// The pairs of a scene by their first piece, then as in the scene. Where the scene has runs, so
-/// have these: they are told from their numbers, which are those of a list of all.
+/// The pairs of a scene: those that the scene lists, by their first piece, then as in the scene,
+/// and those of its table (see collision::ScenePairs), which have the numbers that they have there.
 class EdgePairs {
  public:
+  /// How many there are.
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
+  /// All numbers are below this.
+  std::size_t numbers() const { return numbers_; }
+  /// O(1).
   EdgePair operator[](std::size_t number) const {
-    return rows_.empty() ? listed_[number] : find(number);
+    return number < listed_.size() ? listed_[number] : inTable(number, pieceOf(number));
   }
-  bool hasRuns() const { return !rows_.empty(); }
+  /// A pair of the table, from its piece that stands still.
+  EdgePair inTable(std::size_t number, const Piece& still) const;
 
-  /// A piece with the run of its pairs; one for each of the scene's runs.
+  /// EdgePair::scene_pair.
+  int numberInScene(int number) const {
+    return at(number) < listed_.size() ? listed_[at(number)].scene_pair : number;
+  }
+
+  /// A piece that moves, with its pairs in the table; one for each of the scene's rows.
   struct Row {
     int piece, motion;
-    std::size_t begin;        ///< number of its first pair here
-    std::size_t scene_begin;  ///< and in the scene
-    std::size_t count;
     double most_threshold;  ///< of its pairs, at least 0; NaN where one is [m]
   };
   std::span<const Row> rows() const { return rows_; }
-  /// The piece in a place of runs; that of the first place is the first.
+  /// The piece in a place; that of the first place is the first.
   int pieceIn(std::size_t place) const { return first_still_ + static_cast<int>(place); }
-  /// The number of a pair by row and place; -1: there is none.
-  std::int32_t numberOf(std::size_t row, std::size_t place) const;
-  /// The row of a pair; -1: it is in none.
-  int rowOf(std::size_t number) const;
+  /// That of a pair of the table.
+  int stillOf(std::size_t number) const;
 
-  /// The pairs that are in no run, and the numbers of these.
+  /// The first pairs.
   std::span<const EdgePair> listed() const { return listed_; }
-  std::size_t numberOfListed(std::size_t i) const;
 
   /// Of all pairs, at most [m]; NaN where one is.
   double mostRounding() const { return most_rounding_; }
 
  private:
   friend class EdgeSceneBuilder;
-  EdgePair find(std::size_t number) const;
+  Piece pieceOf(std::size_t number) const;
   std::vector<EdgePair> listed_;
   std::vector<Row> rows_;
   int first_still_ = 0;
-  std::size_t size_ = 0;
+  std::size_t size_ = 0, numbers_ = 0;
   double most_rounding_ = 0;
   const CompiledScene* compiled_ = nullptr;
   const EdgeScene* edges_ = nullptr;
@@ -110,7 +115,7 @@ class EdgePairs {
 
 /// What all edges of a compiled scene ask of it. Constant; shared by its certifiers.
 struct EdgeScene {
-  /// Borrows from the scene. O(geometries + pairs) but for those in runs.
+  /// Borrows from the scene. O(geometries outside places + listed pairs + rows).
   explicit EdgeScene(const CompiledScene& scene);
   EdgeScene(const EdgeScene&) = delete;
   EdgeScene& operator=(const EdgeScene&) = delete;
@@ -163,35 +168,50 @@ class EdgeFrames {
   /// Whether some pair is by_surfaces.
   bool hasSurfacePairs() const { return edges_->has_surface_pairs; }
   bool isWithinLimits() const { return within_limits_; }
-  const Pieces& pieces() const { return edges_->pieces; }
   const EdgePairs& pairs() const { return edges_->pairs; }
+  /// A pair by its number. What is made of things in places is kept for the next time. O(1).
+  EdgePair pair(int number) const {
+    const std::span<const EdgePair> listed = edges_->pairs.listed();
+    if (at(number) < listed.size()) return listed[at(number)];
+    const EdgePair* const known = known_pairs_.find(number - static_cast<int>(listed.size()));
+    return known != nullptr ? *known : findPair(number);
+  }
+  /// The same of a piece. One in a place stays until another in a place is asked for: a pair has
+  /// one at most.
+  const Piece& piece(int number) const {
+    const std::span<const Piece> listed = edges_->pieces.listed();
+    if (at(number) < listed.size()) return listed[at(number)];
+    const Piece* const known = known_pieces_.find(number - static_cast<int>(listed.size()));
+    return known != nullptr ? *known : findPiece(number);
+  }
 
   std::span<const Pose> links(int slot) const { return {&poses_[at(slot) * links_], links_}; }
   /// Centre of a piece's ball, in the world.
-  const Eigen::Vector3d& center(int slot, int piece) const {
-    const Piece p = pieces()[at(piece)];
+  const Eigen::Vector3d& center(int slot, int number) const {
+    const Piece& p = piece(number);
     return p.link < 0 ? p.bounds->outer.center : centers_[at(slot) * moving_.size() + at(p.moving)];
   }
   /// Both shapes are convex: then a sweep sees containment, too.
   bool isConvex(const EdgePair& pair) const {
-    return pieces()[at(pair.a)].geometry->shape.isConvex() &&
-           pieces()[at(pair.b)].geometry->shape.isConvex();
+    return piece(pair.a).geometry->shape.isConvex() && piece(pair.b).geometry->shape.isConvex();
   }
   /// Appends the pairs of a row that may not keep their thresholds plus `reach` >= 0 [m] at a
   /// slot's configuration, in no order. False where `pairs` has no room for all. A descent of the
   /// boxes of what stands still.
   bool nearInRow(std::size_t row, int slot, double reach, collision::SpareVector<int>& pairs) const;
-  Pose piecePose(int slot, int piece) const;
+  Pose piecePose(int slot, int number) const;
   /// X_BA of a pair's pieces.
   Pose relative(int slot, const EdgePair& pair) const;
   /// A point of the world in the frame of a piece's coarse shape: its link's, or the world's.
-  Eigen::Vector3d inFrameOf(int slot, int piece, const Eigen::Vector3d& p_W) const;
+  Eigen::Vector3d inFrameOf(int slot, int number, const Eigen::Vector3d& p_W) const;
 
   /// Bounds on a motion within `half` (in t) of a slot's configuration, see
   /// robots::localMotionBound().
   robots::MotionBound motionNear(int motion, int slot, double half) const;
 
  private:
+  EdgePair findPair(int number) const;
+  const Piece& findPiece(int number) const;
   void take(const EdgeScene& edges);
   void findMovedJoints();
   /// Takes an edge's ends; false as begin().
@@ -202,6 +222,8 @@ class EdgeFrames {
 
   std::shared_ptr<const CompiledScene> scene_;
   const EdgeScene* edges_ = nullptr;  // the scene's
+  mutable collision::PairTable<EdgePair> known_pairs_;
+  mutable collision::PairTable<Piece> known_pieces_;
   std::span<const int> moving_;
   /// A joint's angle is multiplier * a planned number + offset [rad]; place < 0: the offset alone.
   struct Angle {

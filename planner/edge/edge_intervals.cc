@@ -9,21 +9,21 @@
 namespace leeway::planner {
 
 bool EdgeCertifier::Impl::listWholeEdge(int start, int end, double reach) {
-  open_pairs.assign(listed_pairs.begin(), listed_pairs.end());
+  open_pairs.assign(looked_at.begin(), looked_at.end());
   const EdgeInterval whole{start, end, 0, 1, 0, 0, 0};
   startInterval();
   bool has_room = true;
-  for (std::size_t row = 0; row < frames.pairs().rows().size(); ++row) {
+  for (std::size_t row = 0; !looks_at_all && row < frames.pairs().rows().size(); ++row) {
     // No point is farther than that from where the nearer end has it.
     const double way = motionOf(whole, frames.pairs().rows()[row].motion).speed / 2;
     for (const int slot : {start, end})
       has_room = has_room && frames.nearInRow(row, slot, reach + way, open_pairs);
   }
-  if (!frames.pairs().rows().empty()) {
+  if (!looks_at_all) {
     std::sort(open_pairs.begin(), open_pairs.end());
     open_pairs.erase(std::unique(open_pairs.begin(), open_pairs.end()), open_pairs.end());
   }
-  std::erase_if(open_pairs, [&](int p) { return !isAsked(frames.pairs()[at(p)]); });
+  std::erase_if(open_pairs, [&](int p) { return !isAsked(frames.pair(p)); });
   intervals.clear();
   intervals.push_back(whole);
   intervals.back().end = static_cast<int>(open_pairs.size());
@@ -39,7 +39,7 @@ bool EdgeCertifier::Impl::addInterval(double from, double width) {
 }
 
 int EdgeCertifier::Impl::lanesPerSweep(const collision::LaneSweep::Open& pair) const {
-  double growth = lanes.growth(frames.pairs()[at(pair.id)].motion);
+  double growth = lanes.growth(frames.pair(pair.id).motion);
   int width = 1;
   while (width < collision::kLanes && 4 * growth <= kMergedGrowth) {
     growth *= 4;
@@ -52,7 +52,7 @@ bool EdgeCertifier::Impl::isSweptOver(const collision::LaneSweep::Open& pair, in
                                       int width) const {
   const auto block = [](int first, int count) { return ((1U << count) - 1) << first; };
   const std::uint32_t wanted = block(lane, width);
-  if (!frames.pairs()[at(pair.id)].by_surfaces)
+  if (!frames.pair(pair.id).by_surfaces)
     return (pair.lanes & wanted) != 0 && lanesPerSweep(pair) == width;
   // The sweep of surfaces halves long parts itself where that pays, so it gets the widest blocks
   // that are open.
@@ -93,7 +93,7 @@ std::size_t EdgeCertifier::Impl::mergeSpans() {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < spans.size();) {
     Span merged = spans[i++];
-    const EdgePair& pair = frames.pairs()[at(merged.pair)];
+    const EdgePair& pair = frames.pair(merged.pair);
     // Growth of the whole edge; that of a span falls with the square of its width.
     const double growth = lanes.growth(pair.motion) * collision::kLanes * collision::kLanes;
     const auto fits = [&](const Span& next) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "collision/base/numbers.h"
 #include "collision/base/rounding.h"
@@ -27,8 +28,8 @@ using robots::JointType;
 /// The part of an edge that a lane has in the pass over all of it; exact.
 constexpr float kWidth = 1.0F / collision::kLanes;
 
-/// Kinds of pairs for collision::LaneSweep. Those in runs are of the first.
-constexpr std::uint8_t kOfWorld = 1, kOfRobot = 2;
+/// Kinds of pairs for collision::LaneSweep.
+constexpr std::uint8_t kOfWorld = LaneSweep::kOfWorld, kOfRobot = 2;
 
 /// The middles of these parts, less 1/2; exact.
 constexpr collision::LaneValues kMiddles = [] {
@@ -50,41 +51,24 @@ void setTurn(double angle, double turn, collision::FrameStep& out) {
 
 namespace {
 
-/// The runs of a scene's pairs, as lanes ask for them.
-class EdgeRuns final : public collision::LaneRuns {
+/// The table of a scene's pairs, as lanes ask for it.
+class EdgeWorld final : public collision::LaneWorld {
  public:
-  EdgeRuns(const EdgeScene& edges, const collision::Scene& scene)
-      : edges_(edges), pairs_(edges.pairs), scene_(scene) {
-    const EdgePairs& pairs = edges.pairs;
-    for (std::size_t i = 0; i < pairs.listed().size(); ++i)
-      listed_.push_back(pairs.numberOfListed(i));
-  }
-  Pair pairOf(int id) const override {
-    Pair result;
-    result.row = pairs_.rowOf(at(id));
-    if (result.row < 0) {
-      const auto listed = std::lower_bound(listed_.begin(), listed_.end(), at(id));
-      result.added = static_cast<int>(listed - listed_.begin());
-      return result;
-    }
-    const EdgePair pair = pairs_[at(id)];
-    result.place = pair.b - pairs_.pieceIn(0);
-    result.threshold = pair.threshold;
-    result.by_parts = !pair.by_surfaces;
-    return result;
-  }
-  int idOf(int row, int place) const override { return pairs_.numberOf(at(row), at(place)); }
-
+  EdgeWorld(const EdgeScene& edges, const collision::Scene& scene) : edges_(edges), scene_(scene) {}
   std::pair<const collision::Shape*, collision::Pose> placed(int place) const override {
-    const Piece piece = edges_.pieces[at(pairs_.pieceIn(at(place)))];
+    const Piece piece = edges_.pieces[at(edges_.pairs.pieceIn(at(place)))];
     return {&piece.geometry->shape, scene_.bodies()[at(piece.body)].X_WB * piece.geometry->X_BG};
+  }
+  std::optional<Pair> pairOf(int row, int place) const override {
+    const std::int32_t number = scene_.pairs().numberOf(at(row), at(place));
+    if (number < 0) return std::nullopt;
+    const EdgePair pair = edges_.pairs[at(number)];
+    return Pair{pair.threshold, !pair.by_surfaces};
   }
 
  private:
   const EdgeScene& edges_;
-  const EdgePairs& pairs_;
   const collision::Scene& scene_;
-  std::vector<std::size_t> listed_;  // their numbers, ascending
 };
 
 }  // namespace
@@ -93,7 +77,7 @@ SceneLanes::SceneLanes(const CompiledScene& scene, const EdgeScene& edges)
     : robot(scene.edgeModel().robot->lanes(scene.model())), sweep(robot.sweep) {
   const std::vector<RobotLanes::Piece> pieces = addPieces(scene, edges);
   if (usable) addPairs(edges, pieces);
-  if (usable && edges.pairs.hasRuns()) setRuns(scene, edges, pieces);
+  if (usable && !edges.pairs.rows().empty()) setWorld(scene, edges, pieces);
   sweep.finish();
 }
 
@@ -117,16 +101,10 @@ std::vector<RobotLanes::Piece> SceneLanes::addPieces(const CompiledScene& scene,
   lane_pieces.resize(listed.size());
   for (std::size_t i = 0; i < listed.size(); ++i) {
     if (used[i] == 0) continue;
-    const Piece& piece = listed[i];
-    if (i >= robot.pieces.size())
-      lane_pieces[i] = addStill(*piece.geometry, scene.scene().bodies()[at(piece.body)].X_WB,
-                                piece.bounds->outer, sweep);
     longest = std::max(longest, lane_pieces[i].reach);
-    if (piece.link < 0) continue;
-    is_bounded = is_bounded && robot.is_bounded[at(of_world[i])] != 0;
-    moving.push_back({static_cast<int>(i), lane_pieces[i].piece});
+    if (listed[i].link >= 0) is_bounded = is_bounded && robot.is_bounded[at(of_world[i])] != 0;
   }
-  if (edges.pairs.hasRuns()) addPlaced(scene, edges);
+  if (!edges.pairs.rows().empty()) addPlaced(scene, edges);
   usable = is_bounded && longest < kLargestReach;
   return lane_pieces;
 }
@@ -147,31 +125,28 @@ void SceneLanes::addPairs(const EdgeScene& edges, std::span<const RobotLanes::Pi
   sweep.reservePairs(listed.size());
   for (std::size_t p = 0; p < listed.size(); ++p) {
     const EdgePair& pair = listed[p];
-    const auto id = static_cast<int>(edges.pairs.numberOfListed(p));
     const bool world_a = edges.pieces.listed()[at(pair.a)].link < 0,
                world_b = edges.pieces.listed()[at(pair.b)].link < 0;
     if (!world_a && !world_b) {
-      moving_pairs.push_back(id);
-      sweep.addPiecePair(id, lane_pieces[at(pair.a)].piece, lane_pieces[at(pair.b)].piece,
-                         pair.motion, pair.threshold, !pair.by_surfaces, kOfRobot, pair.gap >= 0);
+      sweep.addPiecePair(lane_pieces[at(pair.a)].piece, lane_pieces[at(pair.b)].piece, pair.motion,
+                         pair.threshold, !pair.by_surfaces, kOfRobot, pair.gap >= 0);
       continue;
     }
     const RobotLanes::Piece& mover = lane_pieces[at(world_a ? pair.b : pair.a)];
     const RobotLanes::Piece& still = lane_pieces[at(world_a ? pair.a : pair.b)];
-    sweep.addPair(id, mover.piece, still.obstacle, still.piece, pair.threshold, !pair.by_surfaces,
+    sweep.addPair(mover.piece, still.obstacle, still.piece, pair.threshold, !pair.by_surfaces,
                   pair.is_self ? kOfRobot : kOfWorld, pair.gap >= 0);
   }
 }
 
-void SceneLanes::setRuns(const CompiledScene& scene, const EdgeScene& edges,
-                         std::span<const RobotLanes::Piece> lane_pieces) {
-  const EdgePairs& pairs = edges.pairs;
+void SceneLanes::setWorld(const CompiledScene& scene, const EdgeScene& edges,
+                          std::span<const RobotLanes::Piece> lane_pieces) {
   std::vector<LaneSweep::Row> rows;
-  for (const EdgePairs::Row& row : pairs.rows())
+  for (const EdgePairs::Row& row : edges.pairs.rows())
     rows.push_back({lane_pieces[at(row.piece)].piece, row.most_threshold});
-  sweep.setRuns(std::make_shared<EdgeRuns>(edges, scene.scene()), rows,
-                collision::SceneAccess::sharedBoxes(scene.scene()), pairs.size(),
-                collision::SceneAccess::scaleOfStill(scene.scene()));
+  sweep.setWorld(std::make_shared<EdgeWorld>(edges, scene.scene()), rows,
+                 scene.scene().pairs().places(), collision::SceneAccess::sharedBoxes(scene.scene()),
+                 collision::SceneAccess::scaleOfStill(scene.scene()));
 }
 
 EdgeLanes::EdgeLanes(const EdgeFrames& frames)
@@ -314,7 +289,7 @@ class GapProofs final : public LaneSweep::Proofs {
   GapProofs(const EdgeFrames& frames, double demanded, double beyond)
       : frames_(frames), demanded_(demanded), beyond_(beyond) {}
   bool keeps(int id) const override {
-    const EdgePair pair = frames_.pairs()[at(id)];
+    const EdgePair& pair = frames_.pairs().listed()[at(id)];  // others have no proofs
     const double threshold = std::max(pair.threshold, demanded_ + pair.rounding) + beyond_;
     return frames_.keepsGap(pair, threshold, 0, 1);
   }
@@ -357,8 +332,9 @@ void EdgeLanes::closeGaps(const EdgeFrames& frames, double demanded) {
   bool closes = false;
   closed_.clear();
   for (const LaneSweep::Open& open : scratch_->open()) {
-    const EdgePair& pair = frames.pairs()[at(open.id)];
     closed_.push_back(0);
+    if (at(open.id) >= frames.pairs().listed().size()) continue;  // with the world
+    const EdgePair& pair = frames.pairs().listed()[at(open.id)];
     if (pair.gap < 0) continue;
     for (int lane = 0; lane < collision::kLanes; ++lane)
       if ((open.lanes >> lane & 1U) != 0 &&
@@ -400,7 +376,7 @@ LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
 }
 
 std::optional<double> EdgeLanes::findContact(int pair, double from, double width) {
-  if (!lanes_.sweep.canMeet(pair)) return std::nullopt;
+  if (!lanes_.sweep.canMeet(pair, *scratch_)) return std::nullopt;
   // In the middle of each lane's share. Over the whole edge these are the middles of sweep(), so
   // the ends of the shares are looked at instead.
   const double share = width / collision::kLanes, first = width < 1 ? share / 2 : share;
@@ -411,18 +387,6 @@ std::optional<double> EdgeLanes::findContact(int pair, double from, double width
   const LaneSweep::Contact contact = lanes_.sweep.meet(pair, contact_frames_, slack_, *scratch_);
   if (contact.id < 0) return std::nullopt;
   return 0.5 + static_cast<double>(places.at[contact.lane]);
-}
-
-void EdgeLanes::nearPairs(const EdgeFrames& frames, int slot, double reach,
-                          collision::SpareVector<int>& pairs) const {
-  pairs.insert(pairs.end(), lanes_.moving_pairs.begin(), lanes_.moving_pairs.end());
-  for (const SceneLanes::MovingPiece& moving : lanes_.moving) {
-    const Eigen::Vector3d& center = frames.center(slot, moving.piece);
-    const double radius = frames.pieces()[at(moving.piece)].bounds->outer.radius + reach;
-    // (Rounding of the sums is far below that of single precision, which is outwards.)
-    lanes_.sweep.nearPairs(moving.lane_piece, center.array() - radius, center.array() + radius,
-                           pairs);
-  }
 }
 
 LaneSweep::Contact EdgeLanes::checkStates(const collision::LaneValues& places) {

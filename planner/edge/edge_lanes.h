@@ -21,23 +21,17 @@ struct SceneLanes {
   bool usable = true;  ///< false: lanes cannot be trusted with this scene
   double longest = 0;  ///< reach of the chain with the farthest ball [m]
   collision::LaneSweep sweep;
-  /// A piece that moves, in EdgeScene and in the sweep.
-  struct MovingPiece {
-    int piece, lane_piece;
-  };
-  std::vector<MovingPiece> moving;
-  std::vector<int> moving_pairs;  ///< pairs of two moving pieces
 
  private:
   /// Adds the pieces of the world that pairs use, and sets what depends on all pieces in use.
-  /// Returns one for each of EdgeScene::pieces that is in no run.
+  /// Returns one for each of EdgeScene::pieces that is in no place.
   std::vector<RobotLanes::Piece> addPieces(const CompiledScene& scene, const EdgeScene& edges);
-  /// The things in runs that LaneSweep::needsObstacle() names. Lanes make the others when they are
-  /// near.
+  /// The things in places that LaneSweep::needsObstacle() names. Lanes make the others when they
+  /// are near.
   void addPlaced(const CompiledScene& scene, const EdgeScene& edges);
   void addPairs(const EdgeScene& edges, std::span<const RobotLanes::Piece> lane_pieces);
-  void setRuns(const CompiledScene& scene, const EdgeScene& edges,
-               std::span<const RobotLanes::Piece> lane_pieces);
+  void setWorld(const CompiledScene& scene, const EdgeScene& edges,
+                std::span<const RobotLanes::Piece> lane_pieces);
 };
 
 /// The intervals of one edge, a lane each, against all pairs, by balls, planes and points: see
@@ -97,15 +91,6 @@ class EdgeLanes {
 
   /// Single configurations, at t = 1/2 + places.
   collision::LaneSweep::Contact checkStates(const collision::LaneValues& places);
-
-  /// Whether nearPairs() knows all pairs with obstacles, where none are in runs.
-  bool isUsable() const { return lanes_.usable; }
-  /// Appends, in no order, the pairs that may not keep their thresholds at a slot's configuration,
-  /// or not be farther apart than `reach` >= 0 [m]: those of two moving pieces, and those with
-  /// things that are near. Never allocates where `pairs` has room for all. O(moving pairs), and a
-  /// descent a piece.
-  void nearPairs(const EdgeFrames& frames, int slot, double reach,
-                 collision::SpareVector<int>& pairs) const;
 
   /// Counts what passes cost into `work` from now on, see LaneSweep::Scratch::countInto().
   void countInto(collision::Work& work);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -69,7 +68,8 @@ Piece pieceOf(const CompiledScene& scene, int body, const collision::Geometry& g
 /// Piece::scale of a piece of the world.
 double scaleOf(const CompiledScene& scene, const Piece& piece) {
   const collision::Pose& X_WB = scene.scene().bodies()[at(piece.body)].X_WB;
-  return (X_WB * piece.geometry->X_BG).inverse().translation.lpNorm<1>() +
+  const collision::Pose X_WG = piece.at_origin ? X_WB : X_WB * piece.geometry->X_BG;
+  return (X_WG.rotation.transpose() * X_WG.translation).lpNorm<1>() +
          piece.bounds->outer.center.lpNorm<1>();
 }
 
@@ -100,7 +100,7 @@ class EdgeSceneBuilder {
 
   void build() {
     const collision::ScenePairs& all = scene_.pairs();
-    const std::size_t end = all.hasRuns() ? at(all.firstStill()) : scene_.bodies().size();
+    const std::size_t end = all.places() > 0 ? at(all.firstStill()) : scene_.bodies().size();
     edges_.pieces.scene_ = &compiled_;
     edges_.pieces.listed_.reserve(collision::SceneAccess::geometryCount(scene_) - all.places());
     for (std::size_t b = 0; b < end; ++b)
@@ -151,7 +151,6 @@ class EdgeSceneBuilder {
     pairs_.listed_.resize(first.size());
     for (std::size_t p = 0; p < first.size(); ++p)
       pairs_.listed_[places[at(first[p])]++] = pairOf(static_cast<int>(p));
-    pairs_.size_ = first.size();
   }
 
   EdgePair pairOf(int p) {
@@ -186,7 +185,9 @@ class EdgeSceneBuilder {
     const collision::ScenePairs& all = scene_.pairs();
     pairs_.compiled_ = &compiled_;
     pairs_.edges_ = &edges_;
-    if (!all.hasRuns()) return;
+    pairs_.size_ = all.size();
+    pairs_.numbers_ = all.numbers();
+    if (all.places() == 0) return;
     pairs_.first_still_ = collision::SceneAccess::geometryIndex(scene_, all.firstStill(), 0);
     const std::span<const std::int32_t> added = collision::SceneAccess::added(scene_);
     const bool has_mesh = std::any_of(added.begin(), added.end(), [&](std::int32_t place) {
@@ -195,31 +196,24 @@ class EdgeSceneBuilder {
     });
     Piece farthest;
     farthest.scale = collision::SceneAccess::scaleOfStill(scene_);
-    std::size_t before = 0;
-    auto listed = pairs_.listed_.begin();
-    for (std::size_t run = 0; run < all.runs().size(); ++run) {
-      const collision::ScenePairs::Run& of = all.runs()[run];
+    for (std::size_t r = 0; r < all.rows().size(); ++r) {
+      const collision::ScenePairs::Row& of = all.rows()[r];
       EdgePairs::Row row{};
       row.piece = collision::SceneAccess::geometryIndex(scene_, of.body, of.geometry);
       row.motion = model_.robot->motions().of_world[at(row.piece)];
-      for (; listed != pairs_.listed_.end() && listed->a <= row.piece; ++listed) ++before;
-      row.begin = before;
-      row.scene_begin = all.runBegin(run);
-      row.count = all.runBegin(run + 1) - row.scene_begin;
-      before += row.count;
       const double rounding = roundingOf(model_, piece(row.piece), farthest);
-      row.most_threshold = collision::greatest(0, all.mostMarginOfRun(run) + rounding);
+      row.most_threshold = collision::greatest(0, of.most + rounding);
       pairs_.most_rounding_ = collision::greatest(pairs_.most_rounding_, rounding);
       pairs_.rows_.push_back(row);
-      if (has_mesh && piece(row.piece).is_free_mesh) findSurfacePairs(row);
+      if (has_mesh && piece(row.piece).is_free_mesh) findSurfacePairs(r);
     }
-    pairs_.size_ = all.size();
   }
 
-  void findSurfacePairs(const EdgePairs::Row& row) {
-    pairs_.size_ = row.begin + row.count;
-    for (std::size_t i = 0; i < row.count && !edges_.has_surface_pairs; ++i)
-      edges_.has_surface_pairs = pairs_[row.begin + i].by_surfaces;
+  void findSurfacePairs(std::size_t row) {
+    const collision::ScenePairs& all = scene_.pairs();
+    for (std::size_t place = 0; place < all.places() && !edges_.has_surface_pairs; ++place)
+      if (const std::int32_t number = all.numberOf(row, place); number >= 0)
+        edges_.has_surface_pairs = pairs_[at(number)].by_surfaces;
   }
 
   const CompiledScene& compiled_;
@@ -233,52 +227,28 @@ class EdgeSceneBuilder {
 Piece Pieces::inPlace(std::size_t i) const {
   const collision::Scene& scene = scene_->scene();
   const auto [body, geometry] = scene.pairs().geometryIn(i - listed_.size());
-  return pieceOf(*scene_, body, scene.bodies()[at(body)].geometries[at(geometry)],
-                 static_cast<int>(i));
+  Piece piece = pieceOf(*scene_, body, scene.bodies()[at(body)].geometries[at(geometry)],
+                        static_cast<int>(i));
+  piece.scale = scaleOf(*scene_, piece);
+  return piece;
 }
 
 EdgeScene::EdgeScene(const CompiledScene& scene) { EdgeSceneBuilder(scene, *this).build(); }
 
-int EdgePairs::rowOf(std::size_t number) const {
-  const auto after = std::partition_point(rows_.begin(), rows_.end(),
-                                          [&](const Row& row) { return row.begin <= number; });
-  if (after == rows_.begin()) return -1;
-  const auto row = std::prev(after);
-  return number < row->begin + row->count ? static_cast<int>(row - rows_.begin()) : -1;
+int EdgePairs::stillOf(std::size_t number) const {
+  return pieceIn(compiled_->scene().pairs().placeOf(number).place);
 }
 
-std::size_t EdgePairs::numberOfListed(std::size_t i) const {
-  std::size_t number = i;
-  for (const Row& row : rows_)
-    if (listed_[i].a > row.piece) number += row.count;
-  return number;
-}
+Piece EdgePairs::pieceOf(std::size_t number) const { return edges_->pieces[at(stillOf(number))]; }
 
-std::int32_t EdgePairs::numberOf(std::size_t row, std::size_t place) const {
-  const std::int32_t in_scene = compiled_->scene().pairs().numberOf(row, place);
-  if (in_scene < 0) return -1;
-  return static_cast<std::int32_t>(at(in_scene) - rows_[row].scene_begin + rows_[row].begin);
-}
-
-EdgePair EdgePairs::find(std::size_t number) const {
-  std::size_t listed = number;
-  for (const Row& row : rows_) {
-    if (number < row.begin) break;
-    if (number < row.begin + row.count) {
-      const collision::ScenePairs& all = compiled_->scene().pairs();
-      const std::size_t in_scene = row.scene_begin + number - row.begin;
-      const collision::ScenePairs::Place of = all.placeOf(in_scene);
-      const int still = pieceIn(of.place);
-      Piece of_still = edges_->pieces[at(still)];
-      of_still.scale = scaleOf(*compiled_, of_still);
-      EdgePair pair = pairWithWorld(*compiled_, row.piece, edges_->pieces.listed()[at(row.piece)],
-                                    still, of_still, all.marginOf(of));
-      pair.scene_pair = static_cast<int>(in_scene);
-      return pair;
-    }
-    listed -= row.count;
-  }
-  return listed_[listed];
+EdgePair EdgePairs::inTable(std::size_t number, const Piece& still) const {
+  const collision::ScenePairs& all = compiled_->scene().pairs();
+  const collision::ScenePairs::Place of = all.placeOf(number);
+  const int piece = rows_[of.row].piece;
+  EdgePair pair = pairWithWorld(*compiled_, piece, edges_->pieces.listed()[at(piece)],
+                                pieceIn(of.place), still, all.marginOf(of));
+  pair.scene_pair = static_cast<int>(number);
+  return pair;
 }
 
 }  // namespace leeway::planner

@@ -15,12 +15,12 @@ namespace leeway::planner {
 
 EdgeCertifier::Impl::PairState EdgeCertifier::Impl::coarseState(int slot,
                                                                 const EdgePair& pair) const {
-  const collision::GeometryBounds& a = *frames.pieces()[at(pair.a)].bounds;
-  const collision::GeometryBounds& b = *frames.pieces()[at(pair.b)].bounds;
+  const collision::GeometryBounds& a = *frames.piece(pair.a).bounds;
+  const collision::GeometryBounds& b = *frames.piece(pair.b).bounds;
   const double lower = b.coarse.lower(frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a)));
   const double threshold = thresholdOf(pair);
   if (lower - a.outer.radius > threshold) return PairState::kFree;
-  const int link = frames.pieces()[at(pair.a)].link;
+  const int link = frames.piece(pair.a).link;
   for (const collision::Ball& ball : a.inner) {
     const Eigen::Vector3d center_W =
         link < 0 ? ball.center : frames.links(slot)[at(link)] * ball.center;
@@ -34,11 +34,11 @@ collision::DistanceResult EdgeCertifier::Impl::stateDistance(
     int slot, const EdgePair& pair, const collision::DistanceRequest& request) {
   ++queries;
   ++statistics->distance_queries;
-  collision::DistanceResult result = collision::distance(
-      frames.pieces()[at(pair.a)].geometry->shape, frames.piecePose(slot, pair.a),
-      frames.pieces()[at(pair.b)].geometry->shape, frames.piecePose(slot, pair.b), request,
-      collision::SceneAccess::scratch(workspace),
-      &collision::SceneAccess::cache(workspace, pair.scene_pair));
+  collision::DistanceResult result =
+      collision::distance(frames.piece(pair.a).geometry->shape, frames.piecePose(slot, pair.a),
+                          frames.piece(pair.b).geometry->shape, frames.piecePose(slot, pair.b),
+                          request, collision::SceneAccess::scratch(workspace),
+                          &collision::SceneAccess::cache(workspace, pair.scene_pair));
   if (pair.is_reversed) {
     std::swap(result.point_a, result.point_b);
     std::swap(result.triangle_a, result.triangle_b);
@@ -67,20 +67,12 @@ EdgeCertifier::Impl::PairState EdgeCertifier::Impl::exactState(int slot, const E
   return distance.upper <= threshold ? PairState::kNotFree : PairState::kOpen;
 }
 
-/// The scene knows where things in runs are, and lanes where all are; without both, or where pairs
-/// are few, it is all pairs.
 std::span<const int> EdgeCertifier::Impl::nearPairs(int slot, double reach) {
   near_pairs_full = false;
-  if (frames.pairs().hasRuns()) {
-    near_pairs.assign(listed_pairs.begin(), listed_pairs.end());
-    for (std::size_t row = 0; row < frames.pairs().rows().size(); ++row)
-      near_pairs_full = !frames.nearInRow(row, slot, reach, near_pairs) || near_pairs_full;
-  } else if (frames.pairs().size() <= kManyPairs || !lanes_fit || !lanes.isUsable()) {
-    return listed_pairs;
-  } else {
-    near_pairs.clear();
-    lanes.nearPairs(frames, slot, reach, near_pairs);
-  }
+  if (looks_at_all) return looked_at;
+  near_pairs.assign(looked_at.begin(), looked_at.end());
+  for (std::size_t row = 0; row < frames.pairs().rows().size(); ++row)
+    near_pairs_full = !frames.nearInRow(row, slot, reach, near_pairs) || near_pairs_full;
   std::sort(near_pairs.begin(), near_pairs.end());
   return near_pairs;
 }
@@ -106,9 +98,9 @@ Verdict EdgeCertifier::Impl::checkState(int slot, double t, int& offender) {
   open_pairs.clear();
   for (int i = -1; i < count; ++i) {
     const int p = i < 0 ? first : near[at(i)];
-    if (i >= 0 && p == first) continue;
-    if (!isAsked(frames.pairs()[at(p)])) continue;
-    const PairState coarse = coarseState(slot, frames.pairs()[at(p)]);
+    if (i < 0 ? first < 0 : p == first) continue;
+    if (!isAsked(frames.pair(p))) continue;
+    const PairState coarse = coarseState(slot, frames.pair(p));
     if (coarse == PairState::kFree) continue;
     if (coarse == PairState::kNotFree) {
       offender = last_contact = p;
@@ -118,7 +110,7 @@ Verdict EdgeCertifier::Impl::checkState(int slot, double t, int& offender) {
   }
   Verdict verdict = Verdict::kFree;
   for (const int p : open_pairs) {
-    const EdgePair& pair = frames.pairs()[at(p)];
+    const EdgePair& pair = frames.pair(p);
     if (frames.keepsGap(pair, thresholdOf(pair), t, t)) continue;
     const PairState exact = exactState(slot, pair);
     if (exact == PairState::kFree) continue;

@@ -33,7 +33,7 @@ std::optional<EdgeCertifier::Impl::PairContact> EdgeCertifier::Impl::sweepOpenPa
 EdgeCertifier::Impl::PairState EdgeCertifier::Impl::sweepPair(const EdgeInterval& interval, int p,
                                                               double& t) {
   if (work.isSpent()) return PairState::kOpen;
-  const EdgePair& pair = frames.pairs()[at(p)];
+  const EdgePair& pair = frames.pair(p);
   double growth = 0;
   const double threshold = thresholdOf(pair);
   if (coarseSweep(interval, pair, growth) > threshold ||
@@ -57,7 +57,7 @@ EdgeCertifier::Impl::PairState EdgeCertifier::Impl::sweepPair(const EdgeInterval
 
 EdgeCertifier::Impl::PairState EdgeCertifier::Impl::sweepExactly(const EdgeInterval& interval,
                                                                  int p, double growth, double& t) {
-  const EdgePair& pair = frames.pairs()[at(p)];
+  const EdgePair& pair = frames.pair(p);
   const double threshold = thresholdOf(pair);
   double& limit = pair_memory.of(p).growth_limit;
   const Interval distance =
@@ -102,14 +102,13 @@ EdgeCertifier::Impl::SweptBall EdgeCertifier::Impl::sweptBall(const EdgeInterval
                                                               const Eigen::Vector3d& c1) {
   // No point leaves the chord between its two places by more than h^2 A / 8.
   const double growth = interval.h * interval.h * motionOf(interval, pair.motion).acceleration / 8;
-  const double radius =
-      (c1 - c0).norm() / 2 + growth + frames.pieces()[at(pair.a)].bounds->outer.radius;
+  const double radius = (c1 - c0).norm() / 2 + growth + frames.piece(pair.a).bounds->outer.radius;
   return {(c0 + c1) / 2, radius, growth, interval_stamp};
 }
 
 const EdgeCertifier::Impl::SweptBall& EdgeCertifier::Impl::worldBall(const EdgeInterval& interval,
                                                                      const EdgePair& pair) {
-  SweptBall& ball = world_balls[at(frames.pieces()[at(pair.a)].moving)];
+  SweptBall& ball = world_balls[at(frames.piece(pair.a).moving)];
   if (ball.interval_stamp == interval_stamp) return ball;
   ball = sweptBall(interval, pair, frames.center(interval.slot0, pair.a),
                    frames.center(interval.slot1, pair.a));
@@ -118,7 +117,7 @@ const EdgeCertifier::Impl::SweptBall& EdgeCertifier::Impl::worldBall(const EdgeI
 
 double EdgeCertifier::Impl::coarseSweep(const EdgeInterval& interval, const EdgePair& pair,
                                         double& growth) {
-  const Piece b = frames.pieces()[at(pair.b)];
+  const Piece& b = frames.piece(pair.b);
   const auto centerAt = [&](int slot) {
     return frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a));
   };
@@ -138,8 +137,8 @@ Interval EdgeCertifier::Impl::sweep(const EdgeInterval& interval, const EdgePair
   if (nodes > 0) request.node_limit = nodes;
   ++queries;
   ++statistics->distance_queries;
-  const collision::Shape& a = frames.pieces()[at(pair.a)].geometry->shape;
-  const collision::Shape& b = frames.pieces()[at(pair.b)].geometry->shape;
+  const collision::Shape& a = frames.piece(pair.a).geometry->shape;
+  const collision::Shape& b = frames.piece(pair.b).geometry->shape;
   Interval distance =
       collision::sweptDistance(a, frames.relative(interval.slot0, pair),
                                frames.relative(interval.slot1, pair), growth, b, request,
@@ -195,10 +194,9 @@ collision::MeshSweepResult EdgeCertifier::Impl::sweepSurfaces(const EdgeInterval
   request.least_time = smallest;
   const int mark = frames.used();
   PairPlacements placements(*this, pair);
-  const collision::MeshSweepResult result =
-      collision::sweepMesh(frames.pieces()[at(pair.a)].geometry->shape, placements,
-                           frames.pieces()[at(pair.b)].geometry->shape, request,
-                           collision::SceneAccess::scratch(workspace));
+  const collision::MeshSweepResult result = collision::sweepMesh(
+      frames.piece(pair.a).geometry->shape, placements, frames.piece(pair.b).geometry->shape,
+      request, collision::SceneAccess::scratch(workspace));
   // An undecided sweep placed many short parts that nothing asks for again: a few such sweeps
   // would fill all slots.
   if (result.status == collision::MeshSweepStatus::kUndecided) frames.release(mark);

@@ -1,7 +1,6 @@
 #include "planner/edge/robot_pairs.h"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 
 #include "collision/base/numbers.h"
@@ -56,7 +55,7 @@ RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableR
 collision::SceneBuilder RobotPairs::builder() const {
   collision::SceneBuilder builder;
   // Worlds are added to these pairs, and edges know them by their order: all are listed.
-  builder.listAtMost(std::numeric_limits<std::size_t>::max());
+  builder.listAll();
   for (const Entry& e : entries_) builder.add(e.body);
   for (const auto& [i, j] : is_dropped_) builder.allow(i, j);
   return builder;

@@ -134,7 +134,7 @@ class EdgeCertifier::Impl::CostSearch {
     impl_.order.clear();
     for (int i = interval.begin; i < interval.end; ++i) {
       const int p = impl_.open_pairs[at(i)];
-      const EdgePair& pair = impl_.frames.pairs()[at(p)];
+      const EdgePair& pair = impl_.frames.pair(p);
       double growth = 0;
       const double lower = impl_.coarseSweep(interval, pair, growth) - pair.rounding;
       if (lower < reach_) impl_.order.emplace_back(lower, p);
@@ -144,7 +144,7 @@ class EdgeCertifier::Impl::CostSearch {
 
   /// Takes what a pair says of a part; false where it is never nearer than `enough`.
   bool bound(const EdgeInterval& interval, int middle, int p, double enough) {
-    const EdgePair& pair = impl_.frames.pairs()[at(p)];
+    const EdgePair& pair = impl_.frames.pair(p);
     const robots::MotionBound& moves = impl_.motionOf(interval, pair.motion);
     const double half_way = interval.h / 2 * moves.speed;
     const double growth = interval.h * interval.h / 4 * moves.acceleration / 8 + pair.rounding;
@@ -200,8 +200,8 @@ class EdgeCertifier::Impl::CostSearch {
   void boundBelow(const EdgePair& pair, const collision::DistanceResult& found, int middle,
                   const collision::ThreePoses& X_BA, double growth, double lower, double half_way,
                   const collision::ThreeGaps& above) {
-    const collision::Shape& a = impl_.frames.pieces()[at(pair.a)].geometry->shape;
-    const collision::Shape& b = impl_.frames.pieces()[at(pair.b)].geometry->shape;
+    const collision::Shape& a = impl_.frames.piece(pair.a).geometry->shape;
+    const collision::Shape& b = impl_.frames.piece(pair.b).geometry->shape;
     const Eigen::Vector3d away_W = isReversed(pair) ? found.normal : -found.normal;
     const Eigen::Vector3d away_B =
         impl_.frames.piecePose(middle, pair.b).rotation.transpose() * away_W;

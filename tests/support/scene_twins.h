@@ -1,6 +1,6 @@
 #pragma once
 
-// Random scenes with many pairs, made in two ways.
+// Random scenes with many pairs, and their slow twins.
 
 #include <gtest/gtest.h>
 
@@ -73,18 +73,18 @@ inline SceneBuilder randomBuilder(Draw& draw, bool one_each, double margin = 0.0
   return builder;
 }
 
-/// The same scene with all pairs listed, and with runs.
+/// The same scene with all pairs listed, which are asked one by one, and with a table.
 struct Twins {
-  explicit Twins(SceneBuilder builder) : listed(builder.build()) {
-    builder.listAtMost(0);
-    runs = builder.build();
+  explicit Twins(SceneBuilder builder) : table(builder.build()) {
+    builder.listAll();
+    listed = builder.build();
   }
-  Twins(Scene all_listed, Scene other) : listed(std::move(all_listed)), runs(std::move(other)) {}
+  Twins(Scene all_listed, Scene other) : listed(std::move(all_listed)), table(std::move(other)) {}
   void both(const std::function<void(Scene&)>& change) {
     change(listed);
-    change(runs);
+    change(table);
   }
-  Scene listed, runs;
+  Scene listed, table;
 };
 
 using Key = std::tuple<int, int, int, int>;
@@ -100,7 +100,7 @@ inline std::vector<ScenePair> sorted(const ScenePairs& pairs) {
 }
 
 inline void expectSame(const Twins& twins, const std::string& what) {
-  const ScenePairs& pairs = twins.runs.pairs();
+  const ScenePairs& pairs = twins.table.pairs();
   ASSERT_EQ(pairs.size(), twins.listed.pairs().size()) << what;
   const std::vector<ScenePair> x = sorted(twins.listed.pairs()), y = sorted(pairs);
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -114,20 +114,29 @@ inline void expectSame(const Twins& twins, const std::string& what) {
           << what;
   const double most = twins.listed.pairs().mostMargin();
   EXPECT_TRUE(most == pairs.mostMargin() || (std::isnan(most) && std::isnan(pairs.mostMargin())));
-  for (std::size_t p = pairs.listedCount(); p < pairs.size(); ++p) {
+  std::vector<std::size_t> in_rows(pairs.rows().size());
+  for (std::size_t p = pairs.listedCount(); p < pairs.numbers(); ++p) {
     const ScenePairs::Place of = pairs.placeOf(p);
-    EXPECT_EQ(pairs.numberOf(of.run, of.place), static_cast<int>(p)) << what;
-    EXPECT_EQ(pairs.marginOf(of), pairs[p].margin) << what;
+    EXPECT_EQ(pairs.numberOf(of.row, of.place), pairs.has(p) ? static_cast<int>(p) : -1) << what;
+    if (!pairs.has(p)) continue;
+    ++in_rows[of.row];
+    const double margin = pairs[p].margin;
+    EXPECT_TRUE(pairs.marginOf(of) == margin || std::isnan(margin)) << what;
+    EXPECT_TRUE(pairs.rows()[of.row].least <= margin || std::isnan(margin)) << what;
+    EXPECT_TRUE(pairs.rows()[of.row].most >= margin || std::isnan(pairs.rows()[of.row].most))
+        << what;
   }
+  for (std::size_t row = 0; row < in_rows.size(); ++row)
+    EXPECT_EQ(pairs.rows()[row].count, in_rows[row]) << what;
 }
 
-/// clearance() and decide() of both, in the same poses; those of `runs` allocate nothing. Returns
+/// clearance() and decide() of both, in the same poses; those of `table` allocate nothing. Returns
 /// the first's clearance().
-inline SceneResult expectSameAnswers(const Twins& twins, Workspace& listed, Workspace& runs) {
+inline SceneResult expectSameAnswers(const Twins& twins, Workspace& listed, Workspace& table) {
   const SceneResult x = clearance(twins.listed, listed, 1e-4);
   const std::size_t before = allocationCount();
-  const SceneResult y = clearance(twins.runs, runs, 1e-4);
-  const SceneResult decided = decide(twins.runs, runs);
+  const SceneResult y = clearance(twins.table, table, 1e-4);
+  const SceneResult decided = decide(twins.table, table);
   EXPECT_EQ(allocationCount(), before);
   EXPECT_EQ(x.verdict, y.verdict);
   if (std::isfinite(x.clearance.upper) || std::isfinite(y.clearance.upper)) {

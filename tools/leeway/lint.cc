@@ -79,8 +79,9 @@ class Findings {
 void lintWishes(const planner::Problem& problem, const planner::CompiledScene& scene,
                 const std::string& file, Findings& findings) {
   std::set<std::pair<std::string, std::string>> checked;
-  for (int p = 0; p < static_cast<int>(scene.scene().pairs().size()); ++p) {
-    const PairNames names = pairNames(scene, p);
+  const collision::ScenePairs& pairs = scene.scene().pairs();
+  for (auto pair = pairs.begin(); !(pair == pairs.end()); ++pair) {
+    const PairNames names = pairNames(scene, static_cast<int>(pair.number()));
     checked.emplace(names.a, names.b);
     checked.emplace(names.b, names.a);
   }

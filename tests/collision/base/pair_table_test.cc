@@ -16,6 +16,7 @@ TEST(PairTable, FewPairsKeepTheirValues) {
        {std::size_t{1}, std::size_t{7}, std::size_t{1000}, PairTable<Hint>::kMost}) {
     PairTable<Hint> table;
     table.resize(pairs);
+    EXPECT_FALSE(table.isShared());
     const auto count = static_cast<std::int32_t>(pairs);
     for (std::int32_t p = 0; p < count; ++p) EXPECT_EQ(table.find(p), nullptr);
     for (std::int32_t p = 0; p < count; ++p) {
@@ -31,18 +32,41 @@ TEST(PairTable, FewPairsKeepTheirValues) {
 }
 
 TEST(PairTable, OfManyPairsTheLastThatCameKeepsThePlace) {
-  PairTable<Hint> table;
   const auto most = static_cast<std::int32_t>(PairTable<Hint>::kMost);
-  table.resize(static_cast<std::size_t>(3 * most));
-  table.of(5).looks = 50;
-  table.of(most + 6).looks = 60;
-  EXPECT_EQ(table.find(5)->looks, 50);
-  EXPECT_EQ(table.find(2 * most + 5), nullptr);  // asking changes nothing
-  EXPECT_EQ(table.find(5)->looks, 50);
-  EXPECT_EQ(table.of(2 * most + 5).looks, 3);
-  EXPECT_EQ(table.find(5), nullptr);
-  EXPECT_EQ(table.of(5).looks, 3);
-  EXPECT_EQ(table.of(most + 6).looks, 60);
+  const std::int32_t count = 20 * most;
+  int evicted = 0;
+  for (std::int32_t other = most; other < count; ++other) {
+    PairTable<Hint> table;
+    table.resize(static_cast<std::size_t>(count));
+    ASSERT_TRUE(table.isShared());
+    table.of(5).looks = 50;
+    EXPECT_EQ(table.find(other), nullptr);  // asking changes nothing
+    ASSERT_EQ(table.find(5)->looks, 50);
+    EXPECT_EQ(table.of(other).looks, 3);
+    table.of(other).looks = 60;
+    if (table.find(5) != nullptr) continue;
+    ++evicted;
+    EXPECT_EQ(table.find(other)->looks, 60);
+    EXPECT_EQ(table.of(5).looks, 3);
+    EXPECT_EQ(table.find(other), nullptr);
+  }
+  EXPECT_GT(evicted, 5);
+  EXPECT_LT(evicted, 60);
+}
+
+// Rows of things that share a place, whatever the length of a row.
+TEST(PairTable, PairsOfOneThingKeepTheirPlaces) {
+  for (const std::int32_t places : {1000, 4096, 8192, 100'000}) {
+    PairTable<Hint> table;
+    table.resize(static_cast<std::size_t>(30 * places));
+    int kept = 0;
+    for (std::int32_t row = 0; row < 30; ++row) table.of(row * places + 7).looks = row;
+    for (std::int32_t row = 0; row < 30; ++row) {
+      const Hint* const hint = table.find(row * places + 7);
+      kept += hint != nullptr && hint->looks == row;
+    }
+    EXPECT_GE(kept, 28) << places;
+  }
 }
 
 }  // namespace

@@ -105,7 +105,7 @@ struct Passing {
     return piece;
   }
   void finish(int piece, const Shape& box, const Pose& X_WB) {
-    sweep.addPair(0, piece, sweep.addObstacle(box, X_WB), -1, 0.0);
+    sweep.addPair(piece, sweep.addObstacle(box, X_WB), -1, 0.0);
     sweep.finish();
     scratch = std::make_unique<LaneSweep::Scratch>(sweep);
   }

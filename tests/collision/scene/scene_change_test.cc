@@ -27,18 +27,17 @@ using testing::Twins;
 /// A scene that changes again and again, and what builds the like at once.
 class Changing {
  public:
-  Changing(Draw& draw, bool one_each, bool in_runs)
+  /// `lists`: what it begins with has no table.
+  Changing(Draw& draw, bool one_each, bool lists)
       : draw_(draw), one_each_(one_each), builder_(randomBuilder(draw, one_each)) {
     builder_.setDefaultMargin(0.01);
     SceneBuilder first = builder_;
-    if (in_runs) first.listAtMost(0);
+    if (lists) first.listAll();
     scene = first.build();
   }
 
-  /// `most_listed`: of what is added, where nothing is in runs.
-  void change(std::size_t most_listed) {
+  void change() {
     SceneChange change(scene);
-    change.listAtMost(most_listed);
     change.setDefaultMargin(0.01);
     const int bodies = static_cast<int>(scene.bodies().size());
     std::set<int> removed;
@@ -77,7 +76,11 @@ class Changing {
     for (const int body : removed) EXPECT_TRUE(scene.isRemoved(body));
   }
 
-  Twins twins() const { return {builder_.build(), scene}; }
+  Twins twins() const {
+    SceneBuilder all = builder_;
+    all.listAll();
+    return {all.build(), scene};
+  }
   Scene scene;
 
  private:
@@ -86,25 +89,25 @@ class Changing {
   SceneBuilder builder_;
 };
 
-// With and without runs before, and with runs of what is added alone.
+// With and without a table before.
 TEST(SceneChange, IsWhatBuildingAnewWouldBe) {
   Draw draw(11);
-  int with_runs = 0, free = 0, not_free = 0;
+  int with_table = 0, free = 0, not_free = 0;
   for (int world = 0; world < 90; ++world) {
     Changing changing(draw, world % 2 == 0, world % 3 == 0);
     for (int change = 0; change < 4; ++change) {
       const Scene before = changing.scene;
       const std::size_t pairs = before.pairs().size();
-      changing.change(world % 3 == 1 ? 0 : SceneBuilder::kMostListed);
+      changing.change();
       EXPECT_EQ(before.pairs().size(), pairs);
       const Twins twins = changing.twins();
       expectSame(twins, "world " + std::to_string(world));
-      ASSERT_EQ(twins.listed.bodies().size(), twins.runs.bodies().size());
+      ASSERT_EQ(twins.listed.bodies().size(), twins.table.bodies().size());
       std::size_t body = 0;
-      for (const Body& b : twins.runs.bodies()) EXPECT_EQ(&b, &twins.runs.bodies()[body++]);
-      EXPECT_EQ(body, twins.runs.bodies().size());
-      with_runs += twins.runs.pairs().hasRuns();
-      Workspace listed(twins.listed), changed(twins.runs);
+      for (const Body& b : twins.table.bodies()) EXPECT_EQ(&b, &twins.table.bodies()[body++]);
+      EXPECT_EQ(body, twins.table.bodies().size());
+      with_table += !twins.table.pairs().rows().empty();
+      Workspace listed(twins.listed), changed(twins.table);
       for (int state = 0; state < 10; ++state) {
         for (const int moving : {0, 2}) {
           const Pose X = draw.pose(state < 5 ? 1.5 : 6);
@@ -116,7 +119,7 @@ TEST(SceneChange, IsWhatBuildingAnewWouldBe) {
       }
     }
   }
-  EXPECT_GT(with_runs, 150);
+  EXPECT_GT(with_table, 300);
   EXPECT_GT(free, 500);
   EXPECT_GT(not_free, 300);
 }
@@ -125,9 +128,8 @@ TEST(SceneChange, IsWhatBuildingAnewWouldBe) {
 TEST(SceneChange, ChangesFurther) {
   Draw draw(12);
   for (int world = 0; world < 40; ++world) {
-    Changing changing(draw, world % 2 == 0, world % 3 != 2);
-    for (int change = 0; change < 3; ++change)
-      changing.change(world % 4 < 2 ? 0 : SceneBuilder::kMostListed);
+    Changing changing(draw, world % 2 == 0, world % 3 == 2);
+    for (int change = 0; change < 3; ++change) changing.change();
     Twins twins = changing.twins();
     const int bodies = static_cast<int>(twins.listed.bodies().size());
     for (int k = 0; k < 6; ++k) {
@@ -137,7 +139,7 @@ TEST(SceneChange, ChangesFurther) {
       const int geometry = draw.below(static_cast<int>(of.geometries.size()));
       const double growth = draw.uniform(0, 0.01);
       const Shape shape = draw.shape();
-      const Scene copy = twins.runs;
+      const Scene copy = twins.table;
       const Shape before = of.geometries[static_cast<std::size_t>(geometry)].shape;
       twins.both([&](Scene& scene) {
         scene.growMargins(body, geometry, growth);
@@ -148,14 +150,14 @@ TEST(SceneChange, ChangesFurther) {
                     .geometries[static_cast<std::size_t>(geometry)]
                     .shape.boundingRadius(),
                 before.boundingRadius());
-      Workspace listed(twins.listed), changed(twins.runs);
+      Workspace listed(twins.listed), changed(twins.table);
       const Pose X = draw.pose(1.5);
       listed.setPose(0, X);
       changed.setPose(0, X);
       testing::expectSameAnswers(twins, listed, changed);
     }
     // As what others begin with, too.
-    SceneBuilder again(twins.runs);
+    SceneBuilder again(twins.table);
     again.add({"last", {{Shape::sphere(0.1), {}, ""}}, false, {}});
     SceneBuilder twin(twins.listed);
     twin.add({"last", {{Shape::sphere(0.1), {}, ""}}, false, {}});
@@ -175,7 +177,6 @@ TEST(SceneChange, AddsWhatDeforms) {
     still.X_WB.translation = Eigen::Vector3d(4, i, 0);
     builder.add(still);
   }
-  builder.listAtMost(0);
   SceneChange change(builder.build());
   const int cloth =
       change.add({"cloth", {{Shape::deformable(deformable.snapshot()), {}, ""}}, false, {}});
@@ -206,7 +207,7 @@ TEST(SceneChange, MovesABody) {
     change.add(stone);
     scene = std::move(change).build();
     ASSERT_EQ(scene.pairs().size(), 1U);
-    EXPECT_EQ(scene.pairs()[0].body_b, scene.find("stone"));
+    EXPECT_EQ((*scene.pairs().begin()).body_b, scene.find("stone"));
     Workspace workspace(scene);
     EXPECT_NEAR(clearance(scene, workspace, 1e-9).clearance.lower, step - 0.15, 1e-6);
   }
@@ -216,17 +217,16 @@ TEST(SceneChange, MovesABody) {
 }
 
 TEST(SceneChange, RefusesWhatItCannotChange) {
-  for (const bool in_runs : {false, true}) {
+  for (const bool lists : {false, true}) {
     SceneBuilder builder;
     builder.add({"plate", {{Shape::halfSpace(), {}, ""}}, true, {}});
     builder.add({"stone", {{Shape::sphere(0.1), {}, ""}}, false, {}});
-    if (in_runs) builder.listAtMost(0);
+    if (lists) builder.listAll();
     const Scene scene = builder.build();
     const Body floor{"floor", {{Shape::halfSpace(), {}, ""}}, false, {}};
     const Body stone{"pebble", {{Shape::sphere(0.01), {}, ""}}, false, {}};
     const auto changed = [&](auto&& make) {
       SceneChange change(scene);
-      if (in_runs) change.listAtMost(0);
       make(change);
       return std::move(change).build();
     };

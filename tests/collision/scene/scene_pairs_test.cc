@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "collision/base/numbers.h"
+#include "collision/scene/scene_access.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/scene.h"
 #include "tests/support/allocations.h"
@@ -28,12 +30,12 @@ using testing::kMoving;
 using testing::randomBuilder;
 using testing::Twins;
 
-TEST(ScenePairs, RunsAreWhatAListWouldBe) {
+TEST(ScenePairs, TableIsWhatAListWouldBe) {
   Draw draw(1);
   for (int world = 0; world < 60; ++world) {
     Twins twins(randomBuilder(draw, world % 2 == 0));
-    ASSERT_TRUE(twins.runs.pairs().hasRuns());
-    ASSERT_FALSE(twins.listed.pairs().hasRuns());
+    ASSERT_FALSE(twins.table.pairs().rows().empty());
+    ASSERT_TRUE(twins.listed.pairs().rows().empty());
     expectSame(twins, "built");
     const int bodies = static_cast<int>(twins.listed.bodies().size());
     for (int change = 0; change < 6; ++change) {
@@ -52,19 +54,19 @@ TEST(ScenePairs, RunsAreWhatAListWouldBe) {
   }
 }
 
-TEST(ScenePairs, RunsAnswerAsAListWould) {
+TEST(ScenePairs, TableAnswersAsAListWould) {
   Draw draw(2);
   int free = 0, not_free = 0;
   for (int world = 0; world < 30; ++world) {
     const Twins twins(randomBuilder(draw, world % 2 == 0));
-    Workspace listed(twins.listed), runs(twins.runs);
+    Workspace listed(twins.listed), table(twins.table);
     for (int state = 0; state < 20; ++state) {
       for (const int body : {0, 2}) {
         const Pose X = draw.pose(state < 10 ? 1.5 : 6);
         listed.setPose(body, X);
-        runs.setPose(body, X);
+        table.setPose(body, X);
       }
-      const SceneResult x = testing::expectSameAnswers(twins, listed, runs);
+      const SceneResult x = testing::expectSameAnswers(twins, listed, table);
       ++(x.verdict == Verdict::kFree ? free : not_free);
     }
   }
@@ -74,17 +76,17 @@ TEST(ScenePairs, RunsAnswerAsAListWould) {
 
 // Between a negative margin and 0 the reach of a query went back to the margin again and again: it
 // never ended.
-TEST(ScenePairs, DepthsInRunsAnswerAsAListWould) {
+TEST(ScenePairs, DepthsInTableAnswersAsAListWould) {
   Draw draw(7);
   int between = 0;
   for (int world = 0; world < casesToAsk(40); ++world) {
     const Twins twins(randomBuilder(draw, false, -0.02));
-    Workspace listed(twins.listed), runs(twins.runs);
+    Workspace listed(twins.listed), table(twins.table);
     const auto ask = [&](const Pose& X) {
       listed.setPose(0, X);
-      runs.setPose(0, X);
+      table.setPose(0, X);
       const SceneResult x = clearance(twins.listed, listed, 1e-4);
-      const SceneResult y = clearance(twins.runs, runs, 1e-4);
+      const SceneResult y = clearance(twins.table, table, 1e-4);
       EXPECT_NEAR(x.clearance.upper, y.clearance.upper, 1e-4);
       EXPECT_TRUE(x.verdict == y.verdict || std::abs(x.clearance.upper + 0.02) < 1e-4);
       between += y.clearance.upper < 0 && y.clearance.upper > -0.02;
@@ -105,6 +107,43 @@ TEST(ScenePairs, DepthsInRunsAnswerAsAListWould) {
   EXPECT_GT(between, casesToAsk(1000));
 }
 
+// Whether few or most are kept, and again; margins change before and after.
+TEST(ScenePairs, PairsThatAreKeptAreWhatAListWouldKeep) {
+  Draw draw(8);
+  int sparse = 0, dense = 0, none = 0;
+  for (int world = 0; world < 60; ++world) {
+    Twins twins(randomBuilder(draw, world % 2 == 0));
+    for (int change = 0; change < 2; ++change) {
+      const int share = std::array{1, 3, 19, 20}[static_cast<std::size_t>(draw.below(4))];
+      const auto keeps = [&](const ScenePair& pair) {
+        const auto hash = static_cast<unsigned>(pair.body_a * 31 + pair.body_b * 7 +
+                                                pair.geometry_a * 3 + pair.geometry_b + change);
+        return static_cast<int>(hash * 2654435761U >> 20U) % 20 < share && pair.body_a != 2;
+      };
+      twins.both([&](Scene& scene) { SceneAccess::keepPairs(scene, keeps); });
+      expectSame(twins, "kept");
+      const int body = draw.below(static_cast<int>(twins.listed.bodies().size()));
+      if (!twins.listed.bodies()[at(body)].geometries.empty())
+        twins.both([&](Scene& scene) { scene.growMargins(body, 0, 0.01); });
+      twins.both([&](Scene& scene) { scene.raiseMargins(0.005); });
+      expectSame(twins, "kept and changed");
+      for (const ScenePairs::Row& row : twins.table.pairs().rows())
+        ++(row.is_sparse ? sparse : dense);
+      none += twins.table.pairs().rows().size() < 2;
+    }
+    Workspace listed(twins.listed), table(twins.table);
+    for (int state = 0; state < 5; ++state) {
+      const Pose X = draw.pose(1.5);
+      listed.setPose(0, X);
+      table.setPose(0, X);
+      testing::expectSameAnswers(twins, listed, table);
+    }
+  }
+  EXPECT_GT(sparse, 20);
+  EXPECT_GT(dense, 20);
+  EXPECT_GT(none, 20);
+}
+
 // Margins of left-out pairs, and one that every pair overrides, are no pair's margin.
 TEST(ScenePairs, OnlyMarginsOfPairsThatAreThereCount) {
   SceneBuilder builder;
@@ -115,20 +154,19 @@ TEST(ScenePairs, OnlyMarginsOfPairsThatAreThereCount) {
   for (int i = 1; i <= 4; ++i) builder.setMargin(0, i, 0.1 * i);
   builder.allow(0, 1);
   builder.allow(4, 0);
-  builder.listAtMost(0);
   const ScenePairs pairs = builder.build().pairs();
   ASSERT_EQ(pairs.size(), 2U);
   EXPECT_EQ(pairs.leastMargin(), 0.2);
   EXPECT_EQ(pairs.mostMargin(), 0.1 * 3);
   EXPECT_EQ(pairs.leastMargin(1, false), kInfinity);
   EXPECT_EQ(pairs.numberOf(0, 0), -1);
-  EXPECT_EQ(pairs[0].body_b, 2);
+  EXPECT_EQ((*pairs.begin()).body_b, 2);
 }
 
 // A growth of NaN stays NaN whatever comes before and after it: such a pair is never free.
 TEST(ScenePairs, GrowthsOfNaNAreNeverForgotten) {
   for (const int victim : {1, 2, 3}) {
-    for (const bool in_runs : {false, true}) {
+    for (const bool lists : {false, true}) {
       SceneBuilder builder;
       builder.add({"mover", {{Shape::sphere(0.1), {}, ""}}, true, {}});
       for (int i = 1; i < 4; ++i) {
@@ -136,7 +174,7 @@ TEST(ScenePairs, GrowthsOfNaNAreNeverForgotten) {
         still.X_WB.translation.x() = 10.0 * i;
         builder.add(still);
       }
-      if (in_runs) builder.listAtMost(0);
+      if (lists) builder.listAll();
       Scene scene = builder.build();
       scene.growMargins(1, 0, 0.1);
       scene.growMargins(victim, 0, kNaN);
@@ -168,7 +206,7 @@ TEST(ScenePairs, MoreThanAnIntNumbersAreRefused) {
   }
 }
 
-// A workspace has room for what queries fill of deforming meshes, in runs, too.
+// A workspace has room for what queries fill of deforming meshes.
 // Boxes end at 1e30 m, and one of a half-space stands for everything: beyond it a sphere deep
 // inside met no box, and was free.
 TEST(ScenePairs, BeyondAllBoxesNothingIsFree) {
@@ -178,14 +216,34 @@ TEST(ScenePairs, BeyondAllBoxesNothingIsFree) {
   builder.add({"mover", {{Shape::sphere(1), {}, ""}}, true, X_WB});
   builder.add({"floor", {{Shape::halfSpace(), {}, ""}}, false, {}});
   const Twins twins(std::move(builder));
-  for (const Scene* scene : {&twins.listed, &twins.runs}) {
+  for (const Scene* scene : {&twins.listed, &twins.table}) {
     Workspace workspace(*scene);
     EXPECT_NE(decide(*scene, workspace).verdict, Verdict::kFree);
     EXPECT_FALSE(clearance(*scene, workspace, 1e-6).clearance.lower > 0);
   }
 }
 
-TEST(ScenePairs, DeformingMeshesInRunsArePrepared) {
+// One coordinate that is no number: nothing is known, however far things are along the others.
+TEST(ScenePairs, APoseThatIsNoNumberIsNearEverything) {
+  for (int axis = 0; axis < 3; ++axis) {
+    SceneBuilder builder;
+    builder.add({"mover", {{Shape::sphere(0.1), {}, ""}}, true, {}});
+    Body still{"still", {{Shape::sphere(0.1), {}, ""}}, false, {}};
+    still.X_WB.translation[(axis + 1) % 3] = 50;
+    builder.add(still);
+    const Twins twins(std::move(builder));
+    for (const Scene* scene : {&twins.listed, &twins.table}) {
+      Workspace workspace(*scene);
+      Pose X_WB;
+      X_WB.translation[axis] = kNaN;
+      workspace.setPose(0, X_WB);
+      EXPECT_EQ(decide(*scene, workspace).verdict, Verdict::kUndecided);
+      EXPECT_EQ(clearance(*scene, workspace, 1e-6).verdict, Verdict::kUndecided);
+    }
+  }
+}
+
+TEST(ScenePairs, DeformingMeshesInPlacesArePrepared) {
   const testing::Sheet sheet = testing::cloth(20);
   Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
                         testing::optionsOf(DeformStrategy::kLazy));
@@ -198,7 +256,6 @@ TEST(ScenePairs, DeformingMeshesInRunsArePrepared) {
     if (i == 70) still = {"cloth", {{Shape::deformable(deformable.snapshot()), {}, ""}}, false, {}};
     builder.add(still);
   }
-  builder.listAtMost(0);
   const Scene scene = builder.build();
   Workspace workspace(scene);
   workspace.setPose(0, Pose{Eigen::Matrix3d::Identity(), {0.1, 0.2, 0.2}});
@@ -212,7 +269,7 @@ TEST(ScenePairs, DeformingMeshesInRunsArePrepared) {
 TEST(ScenePairs, CopiesOfAScene) {
   Draw draw(3);
   Twins twins(randomBuilder(draw, true));
-  for (Scene* original : {&twins.listed, &twins.runs}) {
+  for (Scene* original : {&twins.listed, &twins.table}) {
     Scene copy = *original;
     EXPECT_EQ(&copy.bodies()[0], &original->bodies()[0]);
     original->setShape(5, 0, Shape::sphere(0.7));

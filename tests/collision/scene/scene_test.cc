@@ -84,8 +84,10 @@ Interval slow(const Scene& scene, const Workspace& workspace, const ScenePair& p
                           .geometries[static_cast<std::size_t>(pair.geometry_a)];
   const Geometry& b = scene.bodies()[static_cast<std::size_t>(pair.body_b)]
                           .geometries[static_cast<std::size_t>(pair.geometry_b)];
-  return distance(a.shape, workspace.pose(pair.body_a) * a.X_BG, b.shape,
-                  workspace.pose(pair.body_b) * b.X_BG, {}, scratch)
+  const Body& body_b = scene.bodies()[static_cast<std::size_t>(pair.body_b)];
+  const Pose& X_WB = body_b.moving ? workspace.pose(pair.body_b) : body_b.X_WB;
+  return distance(a.shape, workspace.pose(pair.body_a) * a.X_BG, b.shape, X_WB * b.X_BG, {},
+                  scratch)
       .distance;
 }
 
@@ -224,8 +226,10 @@ TEST(Scene, BegunWithAnotherSceneIsThatOfAllItsBodies) {
     const Scene expected = whole.build(), scene = std::move(more).build();
     ASSERT_EQ(scene.bodies().size(), expected.bodies().size());
     ASSERT_EQ(scene.pairs().size(), expected.pairs().size()) << "run " << run;
-    for (std::size_t p = 0; p < scene.pairs().size(); ++p) {
-      const ScenePair &x = scene.pairs()[p], &y = expected.pairs()[p];
+    auto twin = expected.pairs().begin();
+    for (auto pair = scene.pairs().begin(); !(pair == scene.pairs().end()); ++pair, ++twin) {
+      const ScenePair x = *pair, y = *twin;
+      EXPECT_EQ(pair.number(), twin.number());
       EXPECT_EQ(x.body_a, y.body_a);
       EXPECT_EQ(x.geometry_a, y.geometry_a);
       EXPECT_EQ(x.body_b, y.body_b);
@@ -331,6 +335,19 @@ TEST(Scene, PosesThatAreNoneAreRefused) {
     EXPECT_THROW(build(X, {}), std::invalid_argument);
     EXPECT_THROW(build({}, X), std::invalid_argument);
   }
+}
+
+// A body of the world stays where the scene has it.
+TEST(Scene, OnlyWhatMovesIsPlaced) {
+  SceneBuilder builder;
+  builder.add({"ball", {{Shape::sphere(0.1), {}, ""}}, true, {}});
+  builder.add({"wall", {{Shape::box({1, 1, 1}), {}, ""}}, false, {}});
+  const Scene scene = builder.build();
+  Workspace workspace(scene);
+  workspace.setPose(0, Pose{Eigen::Matrix3d::Identity(), {2, 0, 0}});
+  workspace.setPose(1, Pose{Eigen::Matrix3d::Identity(), {9, 0, 0}});
+  EXPECT_NEAR(clearance(scene, workspace, 1e-9).clearance.lower, 0.9, 1e-6);
+  EXPECT_THROW(workspace.pose(1), std::out_of_range);
 }
 
 TEST(Scene, PoseErrorWidensEveryAnswer) {

@@ -84,11 +84,11 @@ struct Crowd {
   Scene scene;
   std::vector<Swing> swings;  // of those that move
 
-  Crowd(int moving, int still, std::uint64_t seed,
-        std::size_t most_listed = SceneBuilder::kMostListed) {
+  /// `lists`: all pairs are listed, and looked at one by one.
+  Crowd(int moving, int still, std::uint64_t seed, bool lists = false) {
     oracle::Random random(seed);
     SceneBuilder builder;
-    builder.listAtMost(most_listed);
+    if (lists) builder.listAll();
     for (int i = 0; i < moving + still; ++i) {
       Body body;
       body.name = "body" + std::to_string(i);
@@ -171,11 +171,11 @@ TEST(ImpactSchedule, NothingTouchesBeforeItSays) {
   EXPECT_LT(run.exact * 4, 800u * static_cast<unsigned>(run.pairs));
 }
 
-TEST(ImpactSchedule, NothingTouchesBeforeItSaysInRuns) {
-  const Crowd listed(3, 200, 3), runs(3, 200, 3, 0);
-  ASSERT_FALSE(listed.scene.pairs().hasRuns());
-  ASSERT_EQ(runs.scene.pairs().runs().size(), 3u);
-  const Watch twin = watched(listed, 300), run = watched(runs, 300);
+TEST(ImpactSchedule, NothingTouchesBeforeItSaysInRows) {
+  const Crowd listed(3, 200, 3, true), rows(3, 200, 3);
+  ASSERT_TRUE(listed.scene.pairs().rows().empty());
+  ASSERT_EQ(rows.scene.pairs().rows().size(), 3u);
+  const Watch twin = watched(listed, 300), run = watched(rows, 300);
   EXPECT_EQ(run.pairs, twin.pairs);
   EXPECT_EQ(run.met, twin.met);
   EXPECT_GT(run.met, 5);
@@ -186,11 +186,11 @@ TEST(ImpactSchedule, NothingTouchesBeforeItSaysInRuns) {
   EXPECT_LT(run.looks * 10, 300u * static_cast<unsigned>(run.pairs));
 }
 
-/// A ball at the origin that moves, and boxes in a row along x, each 10 m from the next, in a run
-/// or listed.
-Scene rowOfBoxes(int boxes, std::size_t most_listed = 0, double radius = 0.5) {
+/// A ball at the origin that moves, and boxes in a row along x, each 10 m from the next. `lists`:
+/// all pairs are listed.
+Scene rowOfBoxes(int boxes, bool lists = false, double radius = 0.5) {
   SceneBuilder builder;
-  builder.listAtMost(most_listed);
+  if (lists) builder.listAll();
   Body ball;
   ball.name = "ball";
   ball.moving = true;
@@ -206,7 +206,7 @@ Scene rowOfBoxes(int boxes, std::size_t most_listed = 0, double radius = 0.5) {
   return builder.build();
 }
 
-TEST(ImpactSchedule, RunsAreDueWithTheirNearest) {
+TEST(ImpactSchedule, RowsAreDueWithTheirNearest) {
   const Scene scene = rowOfBoxes(500);
   Workspace workspace(scene);
   ImpactSchedule schedule(scene);
@@ -231,9 +231,9 @@ TEST(ImpactSchedule, RunsAreDueWithTheirNearest) {
 // A body that had stood still passed for one whose speed was known to be infinite: a speed without
 // acceleration hastened nothing.
 TEST(ImpactSchedule, WhatStandsStillMayMoveAllTheSame) {
-  for (const std::size_t most_listed : {std::size_t{0}, std::size_t{1000}}) {
-    const Scene scene = rowOfBoxes(500, most_listed);
-    EXPECT_EQ(scene.pairs().hasRuns(), most_listed == 0);
+  for (const bool lists : {false, true}) {
+    const Scene scene = rowOfBoxes(500, lists);
+    EXPECT_EQ(scene.pairs().rows().empty(), lists);
     Workspace workspace(scene);
     ImpactSchedule schedule(scene);
     schedule.setMotion(0, {0, 0, 0}, 0);
@@ -244,16 +244,16 @@ TEST(ImpactSchedule, WhatStandsStillMayMoveAllTheSame) {
     EXPECT_LE(report.safe_until, 1 + 3999 / 90.0);
     EXPECT_GT(report.safe_until, 1);
     schedule.setMotion(400, {90, std::nan(""), 90}, 1);
-    EXPECT_EQ(schedule.advance(1, 0.01, workspace).imminent, most_listed == 0 ? 500 : 1);
+    EXPECT_EQ(schedule.advance(1, 0.01, workspace).imminent, lists ? 1 : 500);
   }
 }
 
 // The first reach of a point that stands was 0, and doubled for ever.
-TEST(ImpactSchedule, PointsInRunsHaveAReach) {
+TEST(ImpactSchedule, PointsInRowsHaveAReach) {
   for (const PointMotion& motion :
        {PointMotion{0, 0, 0}, PointMotion{1, 0, 1}, PointMotion{kInfinity, kInfinity, kInfinity}}) {
     for (const double horizon : {0.0, 0.01}) {
-      const Scene scene = rowOfBoxes(20, 0, 0);
+      const Scene scene = rowOfBoxes(20, false, 0);
       Workspace workspace(scene);
       ImpactSchedule schedule(scene);
       schedule.setMotion(0, motion, 0);
@@ -265,9 +265,8 @@ TEST(ImpactSchedule, PointsInRunsHaveAReach) {
   }
 }
 
-TEST(ImpactSchedule, RunsWithoutPairsAreNeverDue) {
+TEST(ImpactSchedule, RowsWithoutPairsAreNeverDue) {
   SceneBuilder builder;
-  builder.listAtMost(0);
   for (int i = 0; i < 5; ++i) {
     Body body{"body" + std::to_string(i), {{Shape::sphere(0.5), {}, ""}}, i < 2, {}};
     body.X_WB.translation.x() = i < 2 ? 0 : 10.0 * i;
@@ -282,7 +281,7 @@ TEST(ImpactSchedule, RunsWithoutPairsAreNeverDue) {
   const ImpactReport report = schedule.advance(0, 0.01, workspace);
   EXPECT_GT(report.safe_until, 9);
   EXPECT_LE(report.safe_until, 19);
-  EXPECT_EQ(report.next_pair, 0);
+  EXPECT_EQ(report.next_pair, scene.pairs().numberOf(1, 0));
   schedule.setMotion(0, {3, 0, 3}, 1);
   EXPECT_EQ(schedule.safeUntil(), report.safe_until);
 }
@@ -293,8 +292,8 @@ TEST(ImpactSchedule, WhatIsNoMotionIsDueAtOnce) {
   // What stands still leaves the other's cap, and one without acceleration its speed.
   EXPECT_NEAR(timeToImpact(1, closing({0, kInfinity, 2}, {0, 0})), 0.5, 1e-12);
   EXPECT_NEAR(timeToImpact(3, closing({0, kInfinity, 2}, {1, 0})), 1, 1e-12);
-  for (const std::size_t most_listed : {std::size_t{0}, std::size_t{1000}}) {
-    const Scene scene = rowOfBoxes(5, most_listed);
+  for (const bool lists : {false, true}) {
+    const Scene scene = rowOfBoxes(5, lists);
     Workspace workspace(scene);
     ImpactSchedule schedule(scene);
     schedule.setMotion(0, {0, 0, 0}, 0);
@@ -307,7 +306,7 @@ TEST(ImpactSchedule, WhatIsNoMotionIsDueAtOnce) {
   }
 }
 
-TEST(ImpactSchedule, UnknownMotionsAreImminentInRunsToo) {
+TEST(ImpactSchedule, UnknownMotionsAreImminentInRowsToo) {
   const Scene scene = rowOfBoxes(70'000);
   Workspace workspace(scene);
   ImpactSchedule schedule(scene);

@@ -97,10 +97,9 @@ void check(Random& random, const Problem& problem, int edges, Count& count) {
     const int slot = frames.place(t);
     EXPECT_GE(slot, 0);
     const EdgePair& pair = frames.pairs()[p];
-    return collision::distance(frames.pieces()[static_cast<std::size_t>(pair.a)].geometry->shape,
-                               frames.piecePose(slot, pair.a),
-                               frames.pieces()[static_cast<std::size_t>(pair.b)].geometry->shape,
-                               frames.piecePose(slot, pair.b), {}, scratch)
+    return collision::distance(frames.piece(pair.a).geometry->shape, frames.piecePose(slot, pair.a),
+                               frames.piece(pair.b).geometry->shape, frames.piecePose(slot, pair.b),
+                               {}, scratch)
         .distance;
   };
   std::vector<double> b(static_cast<std::size_t>(scene->space().size()));
@@ -124,10 +123,10 @@ void check(Random& random, const Problem& problem, int edges, Count& count) {
           pair.threshold);
       continue;
     }
-    std::vector<std::uint32_t> open(frames.pairs().size(), 0);
+    std::vector<std::uint32_t> open(frames.pairs().numbers(), 0);
     for (const LaneSweep::Open& o : lanes.open()) open[static_cast<std::size_t>(o.id)] = o.lanes;
     for (std::size_t p = 0; p < open.size(); ++p)
-      for (int lane = 0; lane < kLanes; ++lane) {
+      for (int lane = 0; lane < kLanes && frames.scene().scene().pairs().has(p); ++lane) {
         if ((open[p] >> lane & 1U) != 0) {
           ++count.open;
           continue;

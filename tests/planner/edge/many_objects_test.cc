@@ -11,12 +11,15 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "collision/lanes/lane_sweep.h"
+#include "leeway/collision/distance.h"
 #include "leeway/planner/edge_certifier.h"
+#include "leeway/robots/kinematics.h"
 #include "planner/edge/edge_frames.h"
 #include "planner/edge/edge_model.h"
 #include "planner/edge/prepared_robot.h"
@@ -32,8 +35,8 @@ using oracle::Random;
 constexpr int kObjects = 600;
 // Worlds of so few things that no hierarchy stands above them.
 constexpr int kShare = 50;
-// So many that their pairs are in runs.
-constexpr int kFar = static_cast<int>(collision::SceneBuilder::kMostListed) + 128;
+// So many that their boxes are a tree.
+constexpr int kFar = 1152;
 
 // The first kinds are round and closed forms; all are hulls and meshes, too, and what lanes take
 // for a cylinder or a box.
@@ -132,7 +135,6 @@ void expectAnswersOfSmallWorlds(int far) {
   const Problem problem = crowd(random, far);
   const auto scene = std::make_shared<const CompiledScene>(problem);
   EXPECT_EQ(scene->scene().pairs().size(), static_cast<std::size_t>(kObjects + far - 1));
-  EXPECT_EQ(scene->scene().pairs().hasRuns(), far > 0);
   EdgeCertifier certifier(scene);
   Shares shares(*scene);
   int free = 0, not_free = 0;
@@ -155,7 +157,7 @@ void expectAnswersOfSmallWorlds(int far) {
 }
 
 TEST(ManyObjects, AnswersAreThoseOfSmallWorlds) { expectAnswersOfSmallWorlds(0); }
-TEST(ManyObjects, AnswersInRunsAreThoseOfSmallWorlds) { expectAnswersOfSmallWorlds(kFar); }
+TEST(ManyObjects, AnswersWithFarThingsAreThoseOfSmallWorlds) { expectAnswersOfSmallWorlds(kFar); }
 
 void expectClearanceOfSmallWorlds(int far) {
   Random random(32);
@@ -183,29 +185,26 @@ void expectClearanceOfSmallWorlds(int far) {
 }
 
 TEST(ManyObjects, ClearanceIsTheLeastOfSmallWorlds) { expectClearanceOfSmallWorlds(0); }
-TEST(ManyObjects, ClearanceInRunsIsTheLeastOfSmallWorlds) { expectClearanceOfSmallWorlds(kFar); }
+TEST(ManyObjects, ClearanceWithFarThingsIsTheLeastOfSmallWorlds) {
+  expectClearanceOfSmallWorlds(kFar);
+}
 
 // What is far changes neither pairs nor answers; nor does a variant, after which only exact sweeps
 // are left.
-TEST(ManyObjects, RunsChangeNothing) {
+TEST(ManyObjects, FarThingsChangeNothing) {
   Random random(34), again(34);
   const auto few = std::make_shared<const CompiledScene>(crowd(random));
   const auto many = std::make_shared<const CompiledScene>(crowd(again, kFar));
-  const EdgePairs &listed = few->edges().pairs, &runs = many->edges().pairs;
-  ASSERT_TRUE(runs.hasRuns());
-  ASSERT_EQ(runs.size(), listed.size() + kFar);
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    const EdgePair pair = runs[i];
-    const int row = runs.rowOf(i);
-    ASSERT_EQ(row, 0);
-    ASSERT_EQ(runs.numberOf(0, static_cast<std::size_t>(pair.b - runs.pieceIn(0))), int(i));
-    if (i >= listed.size()) continue;
-    EXPECT_EQ(pair.a, listed[i].a);
-    EXPECT_EQ(pair.b, listed[i].b);
-    EXPECT_EQ(pair.motion, listed[i].motion);
-    EXPECT_EQ(pair.threshold, listed[i].threshold);
-    EXPECT_EQ(pair.rounding, listed[i].rounding);
-    EXPECT_EQ(pair.scene_pair, listed[i].scene_pair);
+  const EdgePairs &of_few = few->edges().pairs, &of_many = many->edges().pairs;
+  ASSERT_EQ(of_many.size(), of_few.size() + kFar);
+  for (std::size_t i = 0; i < of_few.numbers(); ++i) {
+    const EdgePair pair = of_many[i], same = of_few[i];
+    EXPECT_EQ(pair.a, same.a);
+    EXPECT_EQ(pair.b, same.b);
+    EXPECT_EQ(pair.motion, same.motion);
+    EXPECT_EQ(pair.threshold, same.threshold);
+    EXPECT_EQ(pair.rounding, same.rounding);
+    EXPECT_EQ(pair.scene_pair, same.scene_pair);
   }
   EdgeCertifier x(few), y(many), swept_x(few), swept_y(many);
   swept_x.rebind(few->withMarginAtLeast(0.02));
@@ -240,24 +239,53 @@ std::pair<int, int> bodiesOf(const CompiledScene& scene, int pair) {
   return {of.body_a, of.body_b};
 }
 
-/// `runs` is the scene of `listed` with far things, whose pairs are in runs. Returns how many of
-/// `edges` are free.
-int expectSameAnswers(const std::shared_ptr<const CompiledScene>& listed,
-                      const std::shared_ptr<const CompiledScene>& runs,
+/// Against the distances of all pairs, one by one.
+void expectClearanceOfAllPairs(const CompiledScene& scene, std::span<const double> point,
+                               const StateCheck& check) {
+  std::vector<double> q(scene.model().variables.size());
+  scene.expand(point, q);
+  std::vector<collision::Pose> X_WL(scene.model().links.size());
+  robots::forwardKinematics(scene.model(), q, X_WL);
+  const auto bodies = scene.scene().bodies();
+  double upper = std::numeric_limits<double>::infinity();
+  bool is_free = true;
+  for (const collision::ScenePair& pair : scene.scene().pairs()) {
+    const auto placed = [&](int body, int geometry) {
+      const collision::Body& b = bodies[static_cast<std::size_t>(body)];
+      const collision::Geometry& g = b.geometries[static_cast<std::size_t>(geometry)];
+      const int link = scene.bodyLink(body);
+      const collision::Pose& X_WB = link < 0 ? b.X_WB : X_WL[static_cast<std::size_t>(link)];
+      return std::pair(&g.shape, X_WB * g.X_BG);
+    };
+    const auto [a, X_WA] = placed(pair.body_a, pair.geometry_a);
+    const auto [b, X_WB] = placed(pair.body_b, pair.geometry_b);
+    const collision::Interval apart = collision::distance(*a, X_WA, *b, X_WB, {}).distance;
+    upper = std::min(upper, apart.upper);
+    is_free = is_free && apart.lower > pair.margin - 1e-9;
+    EXPECT_LE(check.clearance.lower, apart.upper + 1e-9);
+  }
+  EXPECT_LE(check.clearance.upper, upper + 1e-4 + 1e-9);
+  if (check.verdict == Verdict::kFree) {
+    EXPECT_TRUE(is_free);
+  }
+}
+
+/// `many` is the scene of `few` with far things. Returns how many of `edges` are free.
+int expectSameAnswers(const std::shared_ptr<const CompiledScene>& few,
+                      const std::shared_ptr<const CompiledScene>& many,
                       const std::vector<std::array<std::vector<double>, 2>>& edges) {
-  EXPECT_FALSE(listed->scene().pairs().hasRuns());
-  EXPECT_TRUE(runs->scene().pairs().hasRuns());
-  EdgeCertifier x(listed), y(runs);
+  EdgeCertifier x(few), y(many);
   int free = 0;
   for (const auto& [a, b] : edges) {
     EXPECT_EQ(x.decide(a), y.decide(a));
     const EdgeCheck p = x.certify(a, b), q = y.certify(a, b);
     EXPECT_EQ(p.verdict, q.verdict);
     EXPECT_EQ(p.t, q.t);
-    EXPECT_EQ(bodiesOf(*listed, p.pair), bodiesOf(*runs, q.pair));
+    EXPECT_EQ(bodiesOf(*few, p.pair), bodiesOf(*many, q.pair));
     free += p.verdict == Verdict::kFree;
     const StateCheck s = x.clearance(a, 1e-4), t = y.clearance(a, 1e-4);
-    EXPECT_EQ(bodiesOf(*listed, s.pair), bodiesOf(*runs, t.pair));
+    EXPECT_EQ(bodiesOf(*few, s.pair), bodiesOf(*many, t.pair));
+    expectClearanceOfAllPairs(*few, a, s);
     EXPECT_LE(s.clearance.lower, t.clearance.upper);
     EXPECT_LE(t.clearance.lower, s.clearance.upper);
   }
@@ -307,7 +335,7 @@ std::vector<Variant> variants() {
           }};
 }
 
-TEST(ManyObjects, VariantsOfRunsAnswerAsVariantsOfLists) {
+TEST(ManyObjects, VariantsAnswerAsPairsOneByOne) {
   Random random(37), again(37);
   const auto among = [](Random& draws, int far) {
     Problem problem = crowd(draws, far, kAllKinds);
@@ -330,10 +358,10 @@ TEST(ManyObjects, VariantsOfRunsAnswerAsVariantsOfLists) {
   EXPECT_LE(free[2], free[0]);
 }
 
-/// Several links, a run for each, and pairs of the links with one another.
-TEST(ManyObjects, VariantsOfAnArmsRunsAnswerAsVariantsOfLists) {
+/// Several links, a row for each, and pairs of the links with one another.
+TEST(ManyObjects, VariantsOfAnArmAnswerAsPairsOneByOne) {
   constexpr int kLinks = 6;
-  constexpr int kNear = static_cast<int>(collision::SceneBuilder::kMostListed) / (kLinks + 1);
+  constexpr int kNear = 146;
   robots::RobotDescription arm = robots::testing::chain(
       kLinks, robots::JointType::kRevolute, 3, [](int i, robots::Link& link, robots::Joint& joint) {
         link.geometries.push_back(
@@ -404,7 +432,7 @@ TEST(ManyObjects, AGrowthOfNaNIsNeverForgotten) {
 
 // Names of allowed pairs and margins are looked up, not compared with all pairs.
 /// An arm of balls beside a rack that a link holds which stands still: pairs of the robot itself,
-/// beyond what a world would list. They took the motions of other pairs once.
+/// which are listed. They took the motions of other pairs once.
 TEST(ManyObjects, PairsOfTheRobotWithItselfKeepTheirMotions) {
   robots::RobotDescription arm = robots::testing::chain(
       6, robots::JointType::kRevolute, 3, [](int i, robots::Link& link, robots::Joint& joint) {
@@ -428,7 +456,7 @@ TEST(ManyObjects, PairsOfTheRobotWithItselfKeepTheirMotions) {
     const EdgePairs& pairs = scene->edges().pairs;
     const std::vector<int>& of_world = scene->edgeModel().robot->motions().of_world;
     std::size_t still = 0;
-    for (std::size_t p = 0; p < pairs.size(); ++p) {
+    for (std::size_t p = 0; p < pairs.numbers(); ++p) {
       const EdgePair pair = pairs[p];
       if (scene->edges().pieces[static_cast<std::size_t>(pair.b)].link >= 0) continue;
       ++still;
@@ -439,8 +467,8 @@ TEST(ManyObjects, PairsOfTheRobotWithItselfKeepTheirMotions) {
   }
 }
 
-/// Where a thing is so large that lanes do without: their runs are never made, and nothing asks.
-TEST(ManyObjects, LanesThatAreNotUsableNeedNoRuns) {
+/// Where a thing is so large that lanes do without: they have no world, and nothing asks for it.
+TEST(ManyObjects, LanesThatAreNotUsableNeedNoWorld) {
   Problem problem =
       test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
   for (int i = 0; i < kFar; ++i)
@@ -451,7 +479,6 @@ TEST(ManyObjects, LanesThatAreNotUsableNeedNoRuns) {
   problem.world.objects.push_back(
       {"hill", {{collision::Shape::convexHull(corners), {}, "hull"}}, test::at(20000, 0, 0)});
   const auto scene = std::make_shared<const CompiledScene>(problem);
-  ASSERT_TRUE(scene->scene().pairs().hasRuns());
   EdgeCertifier certifier(scene);
   std::vector<double> end = problem.start;
   end[0] = 0.5;
@@ -485,7 +512,6 @@ TEST(ManyObjects, MoreThanAreKeptAreNearAtOnce) {
   EXPECT_EQ(kept.decide(a), Verdict::kFree);
   for (const std::size_t intruder : {kNear, std::size_t{0}, kNear / 2, kNear - 1}) {
     const auto scene = std::make_shared<const CompiledScene>(ballsBesideAFlyer(a, kNear, intruder));
-    ASSERT_TRUE(scene->scene().pairs().hasRuns());
     EdgeCertifier certifier(scene);
     EXPECT_EQ(certifier.decide(a), Verdict::kUndecided) << intruder;
     const bool is_free = intruder == kNear;

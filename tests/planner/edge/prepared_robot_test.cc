@@ -149,7 +149,7 @@ TEST(PreparedRobot, ChangesNoAnswer) {
       EXPECT_EQ(scene->scene().bodies()[b].X_WB.translation,
                 expected->scene().bodies()[b].X_WB.translation);
     const EdgeFrames frames(scene, 1), expected_frames(expected, 1);
-    for (std::size_t p = 0; p < frames.pairs().size(); ++p) {
+    for (std::size_t p = 0; p < frames.pairs().numbers(); ++p) {
       const EdgePair &x = frames.pairs()[p], &y = expected_frames.pairs()[p];
       EXPECT_EQ(x.scene_pair, y.scene_pair);
       EXPECT_EQ(x.a, y.a);

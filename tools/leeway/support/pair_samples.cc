@@ -59,7 +59,7 @@ std::vector<PairSamples> samplePairs(const planner::CompiledScene& scene, int sa
   const auto& pairs = scene.scene().pairs();
   const auto bodies = scene.scene().bodies();
   std::vector<PairSamples> result;
-  for (std::size_t p = 0; p < pairs.size(); ++p) {
+  for (std::size_t p = 0; p < pairs.listedCount(); ++p) {
     if (scene.bodyLink(pairs[p].body_a) >= 0 && scene.bodyLink(pairs[p].body_b) >= 0) {
       result.push_back({static_cast<int>(p), 0});
     }

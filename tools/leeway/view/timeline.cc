@@ -51,16 +51,16 @@ class BodyClearances {
     place(position);
     const collision::Scene& scene = scene_->scene();
     std::vector<double> clearance(scene.bodies().size(), kInfinity);
-    for (std::size_t p = 0; p < scene.pairs().size(); ++p) {
-      const collision::ScenePair& pair = scene.pairs()[p];
+    for (auto p = scene.pairs().begin(); !(p == scene.pairs().end()); ++p) {
+      const collision::ScenePair pair = *p;
       double& a = clearance[at(pair.body_a)];
       double& b = clearance[at(pair.body_b)];
       const bool b_counts = all_ || scene.bodies()[at(pair.body_b)].moving;
       const double apart = bound(pair);
       if (apart > a && (!b_counts || apart > b)) continue;
-      const double upper =
-          pairDistance(scene, workspace_, static_cast<int>(p), {.tolerance = kMomentTolerance})
-              .distance.upper;
+      const double upper = pairDistance(scene, workspace_, static_cast<int>(p.number()),
+                                        {.tolerance = kMomentTolerance})
+                               .distance.upper;
       a = std::min(a, upper);
       if (b_counts) b = std::min(b, upper);
     }

@@ -170,13 +170,13 @@ World makeWorld(std::shared_ptr<const robots::Model> model, int obstacles, int s
 }
 
 int run(const World& world, double seconds, double step) {
-  const int pairs = static_cast<int>(world.scene.pairs().size());
+  const collision::ScenePairs& pairs = world.scene.pairs();
   collision::Workspace workspace(world.scene), truth(world.scene);
   const double begin_making = cpuSeconds();
   collision::ImpactSchedule schedule(world.scene);
   const double making_s = cpuSeconds() - begin_making;
   std::vector<collision::Pose> X_WL(world.model->links.size());
-  std::vector<char> imminent(static_cast<std::size_t>(pairs));
+  std::vector<char> imminent(pairs.numbers());
   std::uint64_t below = 0, missed = 0, early = 0, steps = 0;
   double schedule_s = 0, every_s = 0;
   for (double t = 0; t < seconds; t = step * static_cast<double>(++steps)) {
@@ -191,22 +191,23 @@ int run(const World& world, double seconds, double step) {
       const double now = t + step * s / 2;
       world.place(now, X_WL, truth);
       begin = cpuSeconds();
-      for (int p = 0; p < pairs; ++p) {
+      for (auto pair = pairs.begin(); !(pair == pairs.end()); ++pair) {
+        const int p = static_cast<int>(pair.number());
         collision::DistanceRequest request;
         request.threshold = kMargin;
         if (collision::pairDistance(world.scene, truth, p, request).distance.upper > kMargin)
           continue;
         ++below;
-        missed += !imminent[static_cast<std::size_t>(p)];
+        missed += !imminent[pair.number()];
         early += now < schedule.due(p);
       }
       if (s == 0) every_s += cpuSeconds() - begin;
     }
   }
-  const double all = static_cast<double>(steps) * pairs;
+  const double all = static_cast<double>(steps) * static_cast<double>(pairs.size());
   const auto exact = static_cast<double>(schedule.statistics.exact);
-  std::printf("%zu bodies of the robot, %zu moving obstacles, %d pairs, %llu steps of %g s\n",
-              world.links.size(), world.obstacles.size(), pairs,
+  std::printf("%zu bodies of the robot, %zu moving obstacles, %zu pairs, %llu steps of %g s\n",
+              world.links.size(), world.obstacles.size(), pairs.size(),
               static_cast<unsigned long long>(steps), step);
   std::printf("exact queries: %.0f of %.0f, %.1f times fewer; looks with coarse bounds: %llu\n",
               exact, all, all / std::max(1.0, exact),

@@ -47,15 +47,15 @@ class Stepper {
     int slots[kLanes];
     std::fill(slots, slots + kLanes, -1);
     for (const auto& open : lanes_.open()) {
-      const planner::EdgePair pair = frames_.pairs()[static_cast<std::size_t>(open.id)];
+      const planner::EdgePair pair = frames_.pair(open.id);
       for (int lane = 0; lane < kLanes; ++lane) {
         if ((open.lanes >> lane & 1U) == 0) continue;
         if (lane > 0 && t[lane] == t[lane - 1]) continue;  // past the last state
         if (frames_.keepsGap(pair, pair.threshold, t[lane], t[lane])) continue;
         if (slots[lane] < 0) slots[lane] = frames_.place(t[lane]);
         if (slots[lane] < 0) return false;
-        const planner::Piece& a = frames_.pieces()[static_cast<std::size_t>(pair.a)];
-        const planner::Piece& b = frames_.pieces()[static_cast<std::size_t>(pair.b)];
+        const planner::Piece& a = frames_.piece(pair.a);
+        const planner::Piece& b = frames_.piece(pair.b);
         const double coarse = b.bounds->coarse.lower(frames_.inFrameOf(
                                   slots[lane], pair.b, frames_.center(slots[lane], pair.a))) -
                               a.bounds->outer.radius;

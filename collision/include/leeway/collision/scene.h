@@ -104,8 +104,8 @@ class Scene {
 
   /// Another shape for one geometry: the next snapshot of a deforming obstacle. No query may run
   /// meanwhile; pairs and margins stay. O(1) for a snapshot; O(bodies) for the first after this
-  /// scene was copied or is a copy, where pairs have runs and the shape is not deforming, and for a
-  /// body that a change added.
+  /// scene was copied or is a copy, for a body of the world that does not deform, and for one that
+  /// a change added.
   void setShape(int body, int geometry, const Shape& shape);
 
   /// Raises every pair's margin to at least this [m].
@@ -136,7 +136,7 @@ class Scene {
   // reads before a change.
   mutable std::atomic<bool> is_shared_ = true;
   ScenePairs pairs_;
-  // Where pairs have runs: what is known of the geometries in places.
+  // What is known of the geometries in places.
   struct Still {
     std::shared_ptr<const ObstacleBoxes> boxes;  // around each; a deforming one may be anywhere
     std::shared_ptr<const std::vector<std::int32_t>> added;  // see SceneAccess::added()
@@ -157,11 +157,9 @@ class SceneBuilder {
   /// robot is prepared once, and worlds are added. What is known of its geometries is not computed
   /// again. O(bodies + pairs of base).
   explicit SceneBuilder(const Scene& base) : base_(base) {}
-  /// More pairs with what stands still are not listed but in runs (see ScenePairs) [count]. An arm
-  /// among 100 boxes is planned as soon either way, among 2,000 in a fifth of the time by runs.
-  static constexpr std::size_t kMostListed = std::size_t{1} << 10U;
-  /// Another limit than that: for tests, and where others rely on a list.
-  void listAtMost(std::size_t pairs) { most_listed_ = pairs; }
+  /// Lists all pairs (see ScenePairs), also those with bodies that stand still: for a robot, to
+  /// which builders add worlds.
+  void listAll() { lists_all_ = true; }
 
   void reserve(std::size_t bodies);  ///< room for so many that are added, in all
   /// The new body's index.
@@ -172,13 +170,16 @@ class SceneBuilder {
   /// All pairs with a moving body that are not allowed, each with its margin. Throws
   /// std::invalid_argument for a margin or a pose that is not finite, for a rotation that is not
   /// orthogonal within kRotationTolerance, and for two half-spaces, naming their bodies; and where
-  /// moving geometries times those that stand still are more than an int numbers.
-  /// O(bodies + listed pairs + allowed + margins); O(n log n) in what stands still beside runs.
+  /// moving geometries times those that stand still are more than an int numbers. What stands still
+  /// has places from the last moving body on, and from the bodies of `base` on, unless these have
+  /// places themselves and nothing is added that moves. O(listed pairs + allowed + margins), and
+  /// O(n log n) in what stands still.
   Scene build() const& { return SceneBuilder(*this).build(); }
   Scene build() &&;
 
  private:
-  void addRuns(std::span<const Body> bodies, int first_still, ScenePairs& pairs) const;
+  void addTable(std::span<const Body> bodies, int first_still, ScenePairs& pairs) const;
+  static void addTableOf(const ScenePairs& base, ScenePairs& pairs);
 
   Scene base_;                // what build() begins with
   std::vector<Body> bodies_;  // added to those
@@ -189,7 +190,7 @@ class SceneBuilder {
   };
   std::vector<PairMargin> margins_;
   double default_margin_ = 0;
-  std::size_t most_listed_ = kMostListed;
+  bool lists_all_ = false;
 };
 
 /// What comes and goes in a world of which most stays: makes a scene from the one before, with more
@@ -197,9 +198,6 @@ class SceneBuilder {
 class SceneChange {
  public:
   explicit SceneChange(Scene before) : scene_(std::move(before)) {}
-  /// More pairs than that, added to those that are listed, are in runs [count]: for tests, as
-  /// SceneBuilder::listAtMost().
-  void listAtMost(std::size_t pairs) { most_listed_ = pairs; }
 
   /// A body that stands still has no pairs any more. It stays in bodies(), which keep their
   /// numbers.
@@ -225,14 +223,13 @@ class SceneChange {
   std::optional<double> marginOf(int moving, std::size_t added) const;
   void removePairs();
   void addPairs(std::size_t first);
-  void addPlaces(std::size_t first, std::size_t count);
+  void addPlaces(std::size_t first);
   Scene scene_;
   std::vector<int> removed_;
   std::vector<Body> bodies_;
   std::map<std::pair<int, int>, double> margins_;  // of a moving and an added body
   std::set<std::pair<int, int>> allowed_;
   double default_margin_ = 0;
-  std::size_t most_listed_ = SceneBuilder::kMostListed;
 };
 
 /// What one thread changes while it queries a Scene: poses of moving bodies, caches of as many
@@ -247,8 +244,8 @@ class Workspace {
 
   /// Places a moving body. (A body that stands still is where the scene has it.)
   void setPose(int body, const Pose& X_WB);
-  /// Where a body stands; those after the last moving one are where the scene has them, and not
-  /// asked here.
+  /// Where a body stands. Throws std::out_of_range for a body in the table (see ScenePairs), which
+  /// stands where the scene has it.
   const Pose& pose(int body) const;
   /// Makes room for what queries of the scene's deforming shapes fill on demand (see prepare() in
   /// deformable_mesh.h). The constructor does it; call it when a snapshot may have more nodes than
@@ -287,12 +284,13 @@ struct SceneResult {
 };
 
 /// Decides every pair against its margin, coarse bounds first, and stops at the first pair that is
-/// not free: `clearance` is what is known by then. Never throws or allocates. O(pairs) queries; of
-/// runs, of the pairs that are near.
+/// not free: `clearance` is what is known by then. Never throws or allocates. O(listed pairs)
+/// queries, and of others, those of the pairs that are near.
 SceneResult decide(const Scene& scene, Workspace& workspace);
 
 /// The clearance to within `tolerance` [m], with the closest pair and its witness points, and the
-/// verdict of all pairs. Never throws or allocates. O(pairs log pairs); of runs, of those near.
+/// verdict of all pairs. Never throws or allocates. O(n log n) in listed pairs and others that are
+/// near.
 SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance);
 
 /// The distance of one pair, in world coordinates, as the workspace places its bodies; widened by

@@ -5,6 +5,8 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace leeway::collision {
@@ -16,18 +18,30 @@ struct ScenePair {
   double margin;                    // [m]
 };
 
-/// The pairs of a Scene, numbered through. Few are listed. Where pairs with what stands still are
-/// many, they are told from their numbers: after those that are listed, each moving geometry has a
-/// run of them, one a geometry that stands still, and only what differs from its run is kept.
+/// The pairs of a Scene: a list and a table. The list has the pairs of two moving geometries, and
+/// of moving geometries with bodies before firstStill(). The table has a row for each moving
+/// geometry and a place for each geometry of the bodies from firstStill() on, which stand still.
+///
+/// A pair's number is its index in the list, or, in the table, listedCount() + row * places() +
+/// place. Some numbers of the table have no pair, because the two may touch or a body was removed.
+/// A pair takes memory only where it differs from its row.
 class ScenePairs {
  public:
-  std::size_t size() const { return size_; }
-  bool empty() const { return size_ == 0; }
-  /// O(1); of a run, O(log of what differs from it).
+  /// The number of pairs.
+  std::size_t size() const { return listed_.size() + in_table_; }
+  bool empty() const { return size() == 0; }
+  /// The pairs' numbers are below this.
+  std::size_t numbers() const { return listed_.size() + rows_.size() * places_; }
+  /// Whether `number`, which is below numbers(), has a pair. O(1).
+  bool has(std::size_t number) const {
+    return number < listed_.size() || find(placeOf(number)).has_pair;
+  }
+  /// The two geometries and the margin of a number, also where it has no pair. O(1).
   ScenePair operator[](std::size_t number) const {
-    return number < listed_.size() ? listed_[number] : ofRun(number);
+    return number < listed_.size() ? listed_[number] : inTable(placeOf(number));
   }
 
+  /// Visits the pairs in the order of their numbers.
   class Iterator {
    public:
     using iterator_category = std::input_iterator_tag;
@@ -35,39 +49,51 @@ class ScenePairs {
     using difference_type = std::ptrdiff_t;
     using pointer = const ScenePair*;
     using reference = ScenePair;
-    Iterator(const ScenePairs& pairs, std::size_t number) : pairs_(&pairs), number_(number) {}
+    Iterator(const ScenePairs& pairs, std::size_t number) : pairs_(&pairs), number_(number) {
+      skip();
+    }
     ScenePair operator*() const { return (*pairs_)[number_]; }
+    std::size_t number() const { return number_; }
     Iterator& operator++() {
       ++number_;
+      skip();
       return *this;
     }
     bool operator==(const Iterator& other) const { return number_ == other.number_; }
 
    private:
+    void skip() {
+      while (number_ < pairs_->numbers() && !pairs_->has(number_)) ++number_;
+    }
     const ScenePairs* pairs_;
     std::size_t number_;
   };
   Iterator begin() const { return {*this, 0}; }
-  Iterator end() const { return {*this, size_}; }
+  Iterator end() const { return {*this, numbers()}; }
 
-  /// The first so many are listed; all others are in runs.
+  /// Pairs [0, listedCount()) are listed.
   std::size_t listedCount() const { return listed_.size(); }
-  bool hasRuns() const { return !runs_.empty(); }
 
   /// The least margin of all pairs that have one of these bodies from `first_body` on, or, where
   /// `with` is false, of those that have none [m]; infinity: there are none. NaN counts as 0.
-  /// O(listed pairs + runs * differences).
+  /// O(listed pairs).
   double leastMargin(int first_body = 0, bool with = true) const;
-  /// The greatest of all, NaN where one is NaN [m]; -infinity: there are none.
+  /// The greatest of all, NaN where one is NaN [m]; -infinity: there are none. O(listed pairs).
   double mostMargin() const;
 
-  // Runs: one for each moving geometry of `runs`, over the geometries of bodies from firstStill()
-  // on, which have places [0, places).
-  struct Run {
+  // The table.
+
+  struct Row {
     std::int32_t body, geometry;
-    double margin;  ///< of all its pairs that have none of their own [m]
+    double margin;  ///< of pairs without a margin of their own [m]
+    // The number of its pairs, their least margin, where NaN counts as 0, and the greatest, which
+    // is NaN where one is [m].
+    std::size_t count = 0;
+    double least = std::numeric_limits<double>::infinity();
+    double most = -std::numeric_limits<double>::infinity();
+    bool is_sparse = false;  ///< only exceptions have pairs
   };
-  const std::vector<Run>& runs() const { return runs_; }
+  std::span<const Row> rows() const { return rows_; }
   std::size_t places() const { return places_; }
   int firstStill() const { return first_still_; }
   /// What stands in a place: a body, and which of its geometries. O(1).
@@ -78,18 +104,22 @@ class ScenePairs {
     return geometries_.empty() ? Geometry{first_still_ + static_cast<std::int32_t>(place), 0}
                                : geometries_[place];
   }
-  /// The number of the first pair of a run; after the last run, size(). O(log left out).
-  std::size_t runBegin(std::size_t run) const;
-  /// The run and place of a pair that is in one. O(log left out).
   struct Place {
-    std::size_t run, place;
+    std::size_t row, place;
   };
-  Place placeOf(std::size_t number) const;
-  double marginOf(const Place& of) const { return marginAt(of.run * places_ + of.place); }
-  /// The greatest of a run's pairs, NaN where one is NaN [m]; -infinity: there are none.
-  double mostMarginOfRun(std::size_t run) const;
-  /// The number of a pair by run and place; -1: left out. O(log left out).
-  std::int32_t numberOf(std::size_t run, std::size_t place) const;
+  /// The row and place of a number from listedCount() on. O(1).
+  Place placeOf(std::size_t number) const {
+    const auto in_table = static_cast<std::uint32_t>(number - listed_.size());
+    const auto places = static_cast<std::uint32_t>(places_);
+    return {in_table / places, in_table % places};
+  }
+  /// The number of a pair by row and place; -1: there is none. O(1).
+  std::int32_t numberOf(std::size_t row, std::size_t place) const {
+    return find({row, place}).has_pair
+               ? static_cast<std::int32_t>(listed_.size() + row * places_ + place)
+               : -1;
+  }
+  double marginOf(const Place& of) const { return find(of).margin; }
 
  private:
   friend class Scene;
@@ -97,40 +127,72 @@ class ScenePairs {
   friend class SceneChange;
   friend struct SceneAccess;
 
-  ScenePair ofRun(std::size_t number) const;
-  ScenePair at(std::size_t position) const;  // of all runs, left out or not
-  double marginAt(std::size_t position) const;
-  bool isLeftOut(std::size_t position) const;
-  std::size_t leftOutBefore(std::size_t position) const;
-  void setLeftOut(const std::vector<std::size_t>& positions);  // ascending
-  void listAll();
-  // So many places more, with pairs in all runs.
-  void addPlaces(std::size_t count);
-  struct LeftOut;
-  void leaveOut(std::vector<LeftOut> more);  // beside those that are; in any order
+  struct Found {
+    bool has_pair;
+    double margin;  // [m]
+  };
+  Found find(const Place& of) const {
+    const Row& row = rows_[of.row];
+    if (exceptions_.empty()) return {true, row.margin};
+    return findException(of);
+  }
+  Found findException(const Place& of) const;
+  ScenePair inTable(const Place& of) const;
 
+  // Sets what rows know of their pairs; to be called after all changes. O(rows + exceptions).
+  void count();
+  void leaveOut(const Place& of) { exceptions_.of(keyOf(of)).has_pair = false; }
+  // Leaves out a place's pairs of all rows.
+  void clearPlace(std::size_t place);
+  void setMargin(const Place& of, double margin) {
+    Exceptions::Entry& entry = exceptions_.of(keyOf(of));
+    entry.has_margin = true;
+    entry.margin = margin;
+  }
   void raise(double margin, int first_body);
   // first_place: of a body that stands still.
   void grow(int body, int geometry, double growth, std::size_t first_place);
-  void keep(const std::function<bool(const ScenePair&)>& keeps, std::size_t most_listed);
+  void keep(const std::function<bool(const ScenePair&)>& keeps);
+
+  // Rows and places whose pairs differ from their row, by hash with linear probing.
+  class Exceptions {
+   public:
+    struct Entry {
+      std::uint64_t key = kFree;
+      double margin = 0;  // [m]
+      bool has_margin = false, has_pair = true;
+    };
+    bool empty() const { return count_ == 0; }
+    const Entry* find(std::uint64_t key) const;
+    // The entry of a key, added if it is new. O(1) on average.
+    Entry& of(std::uint64_t key);
+    template <class Visit>
+    void forEach(const Visit& visit) {
+      for (Entry& entry : entries_)
+        if (entry.key != kFree) visit(entry);
+    }
+
+   private:
+    static constexpr std::uint64_t kFree = ~std::uint64_t{0};
+    std::size_t slotOf(std::uint64_t key) const;
+    void enlarge();
+    std::vector<Entry> entries_;  // a power of two
+    std::size_t count_ = 0;
+  };
+  // Where places are added, keys stay.
+  static std::uint64_t keyOf(const Place& of) {
+    return static_cast<std::uint64_t>(of.row) << 32U | static_cast<std::uint64_t>(of.place);
+  }
+  // The row in keys of places that no row has a pair with.
+  static constexpr std::size_t kAllRows = 0x7fffffff;
 
   std::vector<ScenePair> listed_;
-  std::size_t size_ = 0;
-  std::vector<Run> runs_;
-  std::size_t places_ = 0;
+  std::vector<Row> rows_;
+  std::size_t places_ = 0, in_table_ = 0;  // in_table_: how many pairs
   int first_still_ = 0;
   std::vector<Geometry> geometries_;  // one a place; empty: each body has one
-  // Positions number the runs' pairs with those that are left out: run * places + place.
-  struct LeftOut {
-    std::size_t begin, end, before;  // before: how many are, of the earlier ones
-  };
-  std::vector<LeftOut> left_out_;
-  struct Own {
-    std::size_t position;
-    double margin;
-  };
-  void setOwn(const std::vector<Own>& margins);  // ascending; they replace others
-  std::vector<Own> own_;  // margins that are not their run's, of pairs that are there; ascending
+  std::size_t cleared_places_ = 0;
+  Exceptions exceptions_;
 };
 
 }  // namespace leeway::collision

@@ -31,15 +31,15 @@ double timeToImpact(double gap, const PointMotion& closing);
 struct ImpactReport {
   /// No pair can come down to its margin before this time [s].
   double safe_until = std::numeric_limits<double>::infinity();
-  /// The pair that is due next [index of Scene::pairs()]; -1 when there is none. Where a run of
-  /// pairs is (see ScenePairs), the one of those that are near that is due first.
+  /// The pair that is due next [index of Scene::pairs()]; -1 when there is none. Of a row
+  /// (see ScenePairs) the one of its near pairs that is due first.
   int next_pair = -1;
   int imminent = 0;  ///< pairs not proven to keep their margin until time + horizon
   int violated = 0;  ///< those of them that are proven to be at or below it now
 };
 
 /// Monitors a scene: a queue of its pairs by the earliest time at which each can come down to its
-/// margin, so that only pairs that are due are looked at again. A run of pairs (see ScenePairs) has
+/// margin, so that only pairs that are due are looked at again. A row of pairs (see ScenePairs) has
 /// one place in it: when it is due, its pairs that are near are looked at, and one distance stands
 /// for all others. Has no clock: the caller passes the time and where bodies are. Compare the
 /// collision-time queues of B. Mirtich, "Impulse-based dynamic simulation of rigid body systems"
@@ -48,11 +48,11 @@ struct ImpactReport {
 class ImpactSchedule {
  public:
   /// Every pair is due at once. Until setMotion() the motion of a moving body is unknown (infinite
-  /// speed). O(bodies + listed pairs + runs); the only call that allocates.
+  /// speed). O(bodies + listed pairs + rows); the only call that allocates.
   explicit ImpactSchedule(const Scene& scene);
 
   /// Bounds the motion of a body from `time` [s] on. Where the new bounds exceed the last ones at
-  /// this time, the body's pairs become due at `time`, of a body that stands still all runs:
+  /// this time, the body's pairs become due at `time`, of a body that has a place all rows:
   /// O(n log n) in them, else O(1). Times must not run backwards (an earlier one counts as the
   /// latest).
   void setMotion(int body, const PointMotion& motion, double time);
@@ -60,15 +60,14 @@ class ImpactSchedule {
   /// Looks at the pairs that could come down to their margins before time + horizon [s], coarse
   /// bounds first. `workspace` has the poses of all bodies at `time`, within its pose_error. With a
   /// NaN nothing is looked at and safe_until is -infinity. Never throws or allocates;
-  /// O(n (log n + a distance query)) in what is due and, of runs that are due, near.
+  /// O(n (log n + a distance query)) in what is due and, of rows that are due, near.
   ImpactReport advance(double time, double horizon, Workspace& workspace);
 
   /// No pair can come down to its margin before this time [s].
   double safeUntil() const;
-  /// The pair cannot come down to its margin before this time [s]. O(1); of a run, as
-  /// ScenePairs::placeOf().
+  /// The pair cannot come down to its margin before this time [s]. O(1).
   double due(int pair) const { return due_[itemOf(pair)]; }
-  /// Of imminent pairs of runs so many are named, and all counted [count].
+  /// So many imminent pairs of rows are named; all are counted [count].
   static constexpr std::size_t kMostNamed = std::size_t{1} << 16U;
   /// The imminent pairs of the last advance(), lowest index first.
   std::span<const std::int32_t> imminent() const { return {imminent_.data(), imminent_count_}; }
@@ -84,11 +83,11 @@ class ImpactSchedule {
     double time = -std::numeric_limits<double>::infinity();  // from when on it holds [s]
   };
   std::size_t itemOf(int pair) const;
-  bool isEmptyRun(std::int32_t item) const;  // nothing is due in it, ever
+  bool isEmptyRow(std::int32_t item) const;  // nothing is due in it, ever
   PointMotion motionAt(int body, double time) const;
   PointMotion fastestStill(double time) const;
   double look(int pair, double time, double horizon, Workspace& workspace, bool& violated);
-  double lookAtRun(std::size_t run, double time, double horizon, Workspace& workspace,
+  double lookAtRow(std::size_t row, double time, double horizon, Workspace& workspace,
                    ImpactReport& report);
   void addImminent(std::int32_t pair, ImpactReport& report);
   void setDue(std::int32_t item, double due);
@@ -99,15 +98,15 @@ class ImpactSchedule {
 
   const Scene* scene_;
   std::vector<TimedMotion> motions_;  // one a body
-  // Bodies that stand still in runs and have a motion: their shapes deform, or the caller knows.
+  // Bodies that have places and a motion: their shapes deform, or the caller knows.
   std::vector<std::int32_t> moved_still_;
   std::vector<char> is_moved_still_;
-  // Items are the listed pairs, and after them the runs.
+  // Items are the listed pairs, and after them the rows.
   std::vector<double> due_;                // one an item [s]
   std::vector<std::int32_t> heap_, slot_;  // binary heap of items by due time; each item's slot
   // Items of body b: items_of_body_[first_item_[b]] to [first_item_[b + 1]].
   std::vector<std::int32_t> items_of_body_, first_item_;
-  std::vector<std::int32_t> next_of_run_;  // of each run the pair that is due first
+  std::vector<std::int32_t> next_of_row_;  // of each row the pair that is due first
   std::vector<std::int32_t> looking_, imminent_;
   std::size_t imminent_count_ = 0;  // of imminent_
 };
