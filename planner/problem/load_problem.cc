@@ -14,15 +14,15 @@
 #include "planner/problem/fail_at.h"
 #include "planner/problem/other_formats.h"
 #include "planner/problem/read_deforming.h"
-#include "planner/problem/read_execution.h"
 #include "planner/problem/read_meshes.h"
 #include "planner/problem/read_objective.h"
 #include "planner/problem/read_poses.h"
+#include "planner/problem/read_settings.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/problem/read_states.h"
 #include "planner/problem/read_steps.h"
 #include "planner/validate/checks.h"
-#include "planner/yaml/format_keys.h"
+#include "planner/validate/format_keys.h"
 #include "planner/yaml/yaml_reader.h"
 #include "robots/base/read_on.h"
 
@@ -287,12 +287,10 @@ void readObjects(const YamlReader& objects, const robots::LoadOptions& load, Pro
 
 /// Warns of a negative margin: some are meant, for models fatter than the robot, more are mistyped,
 /// and the answers still say certified.
-double readMargin(const YamlReader& margin, Problem& problem) {
-  const double value = margin.number();
+void warnOfOverlap(double value, const YamlReader& margin, Problem& problem) {
   if (value < 0)
     problem.warnings.push_back(fmt::format("{}:{}: {} is {}: bodies may overlap by that much",
                                            margin.file(), margin.line(), margin.where(), value));
-  return value;
 }
 
 /// A wish between the pairs of an entry of `margins`.
@@ -318,7 +316,9 @@ void readPairMargin(const YamlReader& entry, const KnownNames& known, Problem& p
   // A wish alone leaves the margin as it is.
   double margin = problem.margins.common;
   if (!wish || entry.has("margin")) {
-    margin = readMargin(entry.at("margin", "a number [m]"), problem);
+    const YamlReader given = entry.at("margin", "a number [m]");
+    margin = given.number();
+    warnOfOverlap(margin, given, problem);
     for (const auto& [a, b] : read.pairs)
       problem.margins.pairs.push_back({a, b, margin, read.group});
   }
@@ -334,7 +334,7 @@ void readPairs(const YamlReader& file, const LinkPadding& padding, Problem& prob
         problem.contacts.allowed.push_back(std::move(names));
     });
   if (const auto margin = file.find("margin"))
-    problem.margins.common = readMargin(*margin, problem);
+    warnOfOverlap(problem.margins.common, *margin, problem);
   applyLinkPadding(padding, problem);
   const auto margins = file.find("margins");
   if (!margins) return;
@@ -343,10 +343,9 @@ void readPairs(const YamlReader& file, const LinkPadding& padding, Problem& prob
 
 void readPlannerOf(const YamlReader& planner, Problem& problem) {
   planner.expectKeys(keysOf("planner"));
-  if (const auto name = planner.find("name")) {
-    problem.planner.name = name->text();
+  readSettings(planner, "planner", problem);
+  if (const auto name = planner.find("name"))
     if (const auto error = plannerError(problem.planner.name, {})) name->fail(*error);
-  }
   if (const auto parameters = planner.find("parameters"))
     parameters->eachEntry([&](const std::string& name, const YamlReader& value) {
       problem.planner.parameters[name] = value.text();
@@ -362,10 +361,7 @@ void readObjectiveOf(const YamlReader& objective, Problem& problem) {
 
 void readLimits(const YamlReader& limits, Problem& problem) {
   limits.expectKeys(keysOf("limits"));
-  if (const auto time = limits.find("time")) problem.limits.time = time->number();
-  if (const auto iterations = limits.find("iterations"))
-    problem.limits.iterations = iterations->integer(0);
-  if (const auto fault = limitsFault(problem.limits)) failAt(limits, *fault);
+  readSettings(limits, "limits", problem);
 }
 
 void readPlanner(const YamlReader& file, Problem& problem) {
@@ -376,12 +372,7 @@ void readPlanner(const YamlReader& file, Problem& problem) {
   section("objective", readObjectiveOf);
   if (const auto error = improveFault(problem))
     file.readOn([&] { file.find("planner")->find("parameters")->find("improve")->fail(*error); });
-  section("simplify", [](const YamlReader& simplify, Problem& of) {
-    of.planner.simplify = simplify.boolean();
-  });
-  section("push", [](const YamlReader& push, Problem& of) { of.planner.push = push.boolean(); });
   section("limits", readLimits);
-  section("seed", [](const YamlReader& seed, Problem& of) { of.seed = seed.seed(); });
 }
 
 void readStartAndGoals(const YamlReader& file, Problem& problem) {
@@ -484,10 +475,8 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
   });
   // Where reading goes on without its robot: nothing is a link then.
   if (!has_robot) problem.robot.model = std::make_shared<const Model>(robots::RobotDescription());
-  file.readOn([&] {
-    const auto name = file.find("name");
-    problem.name = name ? name->text() : std::filesystem::path(yaml_path).stem().string();
-  });
+  problem.name = std::filesystem::path(yaml_path).stem().string();
+  readSettings(file, "", problem);
   const auto section = [&](const char* key, const auto& read) {
     if (const auto found = file.find(key)) found->readOn([&] { read(*found); });
   };

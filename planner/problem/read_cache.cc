@@ -9,7 +9,7 @@
 #include "planner/problem/read_motion.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/problem/vertex_cache.h"
-#include "planner/yaml/format_keys.h"
+#include "planner/validate/format_keys.h"
 
 namespace leeway::planner {
 namespace {

@@ -11,7 +11,7 @@
 #include "planner/problem/read_motion.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/validate/checks.h"
-#include "planner/yaml/format_keys.h"
+#include "planner/validate/format_keys.h"
 #include "robots/mesh/mesh_treatment.h"
 
 namespace leeway::planner {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planner/base/did_you_mean.h"
-#include "planner/yaml/format_keys.h"
+#include "planner/validate/format_keys.h"
 #include "robots/mesh/mesh_treatment.h"
 
 namespace leeway::planner {

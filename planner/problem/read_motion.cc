@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "planner/problem/read_shapes.h"
-#include "planner/yaml/format_keys.h"
+#include "planner/validate/format_keys.h"
 
 namespace leeway::planner {
 namespace {

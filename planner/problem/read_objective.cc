@@ -8,30 +8,20 @@
 #include <utility>
 
 #include "planner/problem/fail_at.h"
-#include "planner/yaml/format_keys.h"
+#include "planner/problem/read_settings.h"
+#include "planner/validate/format_keys.h"
 
 namespace leeway::planner {
 namespace {
 
-MinimumLength readLength(const YamlReader& length) {
-  length.expectKeys(keysOf("length_objective"));
-  MinimumLength minimum;
-  if (const auto floor = length.find("clearance")) minimum.clearance = floor->sizeNumber();
-  return minimum;
-}
-
-MaximumClearance readClearance(const YamlReader& clearance) {
-  clearance.expectKeys(keysOf("clearance_objective"));
-  MaximumClearance maximum;
-  if (const auto of = clearance.find("of")) {
-    if (of->text() != "world" && of->text() != "all")
-      of->fail(
-          fmt::format("{} '{}' is not known; world or all is expected", of->where(), of->text()));
-    maximum.of = of->text() == "all" ? Pairs::kAll : Pairs::kWorld;
-  }
-  if (const auto longer = clearance.find("at_most_longer"))
-    maximum.at_most_longer = longer->sizeNumber();
-  return maximum;
+/// An objective with settings of its own.
+Objective readSettingsOf(const Objective& objective, const YamlReader& map) {
+  const std::string word = toString(objective);
+  map.expectKeys(keysOf(word + "_objective"));
+  Problem problem;
+  problem.objective = objective;
+  readSettings(map, "objective." + word, problem);
+  return problem.objective;
 }
 
 Pairs readPairsOf(const YamlReader& of) {
@@ -81,7 +71,7 @@ MinimumCost readWeighted(const YamlReader& weighted) {
       for (const YamlReader& term : terms->items()) read(term);
     }
   }
-  if (const auto fault = objectiveFault(cost)) weighted.fail(*fault);
+  if (const auto fault = costFault(cost)) weighted.fail(*fault);
   return cost;
 }
 
@@ -121,8 +111,8 @@ Objective readObjective(const YamlReader& objective) {
           fmt::format("{} has several words; one of length, clearance, integral and "
                       "weighted is expected",
                       objective.where()));
-    if (key == "length") found = readLength(*value);
-    if (key == "clearance") found = readClearance(*value);
+    if (key == "length") found = readSettingsOf(MinimumLength(), *value);
+    if (key == "clearance") found = readSettingsOf(MaximumClearance(), *value);
     if (key == "integral") found = readIntegral(*value);
     if (key == "weighted") found = readWeighted(*value);
   }

@@ -13,7 +13,7 @@
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/model.h"
 #include "planner/base/tolerances.h"
-#include "planner/yaml/format_keys.h"
+#include "planner/validate/format_keys.h"
 #include "robots/mesh/mesh_treatment.h"
 
 namespace leeway::planner {

@@ -8,7 +8,7 @@
 #include "planner/base/did_you_mean.h"
 #include "planner/problem/read_motion.h"
 #include "planner/problem/read_shapes.h"
-#include "planner/yaml/format_keys.h"
+#include "planner/validate/format_keys.h"
 
 namespace leeway::planner {
 namespace {

@@ -6,9 +6,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "leeway/planner/problem.h"
+#include "leeway/planner/settings.h"
 #include "planner/validate/names.h"
 
 namespace leeway::planner {
@@ -19,13 +21,20 @@ struct Fault {
   std::string message, key, name;
 };
 
+/// The numbers that a setting accepts, in words: "zero or more".
+std::string expectedNumber(const Setting& setting);
+/// Returns the fault of a number as the value of a setting: "WHERE is VALUE; ... is expected".
+std::optional<std::string> numberFault(const Setting& setting, std::string_view where,
+                                       double value);
+/// Returns the fault of the first number that its setting does not accept.
+std::optional<std::string> numbersFault(const Problem& problem);
+/// Returns the fault of an execution whose numbers are accepted one by one.
 std::optional<Fault> executionFault(const Problem& problem);
-std::optional<Fault> limitsFault(const PlanningLimits& limits);
 
 /// Returns the fault of a term of a cost. `where`: the term.
 std::optional<Fault> termFault(const CostTerm& term, const std::string& where);
-/// Returns the fault of an objective alone; its terms are checked one by one.
-std::optional<std::string> objectiveFault(const Objective& objective);
+/// Returns the fault of a cost alone; its terms are checked one by one.
+std::optional<std::string> costFault(const MinimumCost& cost);
 /// Whether the objective, or wishes beside it, are a cost of paths.
 bool asksForCost(const Problem& problem);
 /// Why the objective does not fit the wishes.

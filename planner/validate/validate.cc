@@ -148,9 +148,6 @@ void checkNames(const Problem& problem) {
   for (std::size_t i = 0; i < allowed.size(); ++i)
     requirePair(allowed[i].first, allowed[i].second,
                 [i] { return fmt::format("contacts.allowed[{}]", i); });
-  if (!std::isfinite(problem.margins.common))
-    refuse(problem, fmt::format("margins.common is {}; a finite number is expected",
-                                problem.margins.common));
   const auto& pairs = problem.margins.pairs;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto where = [i] { return fmt::format("margins.pairs[{}]", i); };
@@ -256,17 +253,18 @@ void validate(const Problem& problem) {
     refuse(problem, "start has a pose: " + *wrong);
   for (const Goal& goal : problem.goals) require(problem, goalFault(problem, goal));
   checkSteps(problem);
-  require(problem, objectiveFault(problem.objective));
-  if (const auto* cost = std::get_if<MinimumCost>(&problem.objective))
+  require(problem, numbersFault(problem));
+  if (const auto* cost = std::get_if<MinimumCost>(&problem.objective)) {
+    require(problem, costFault(*cost));
     for (std::size_t i = 0; i < cost->terms.size(); ++i)
       require(problem, termFault(cost->terms[i], fmt::format("objective.terms[{}]", i)));
+  }
   for (std::size_t i = 0; i < problem.margins.wishes.size(); ++i)
     require(problem, wishFault(problem.margins.wishes[i], fmt::format("margins.wishes[{}]", i)));
   require(problem, wishesFault(problem));
   require(problem, plannerError(problem.planner.name, problem.planner.parameters));
   require(problem, costPlannerFault(problem));
   require(problem, improveFault(problem));
-  require(problem, limitsFault(problem.limits));
   require(problem, executionFault(problem));
 }
 

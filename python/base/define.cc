@@ -1,6 +1,8 @@
 #include "python/base/define.h"
 
+#include <string>
 #include <unordered_map>
+#include <variant>
 
 namespace leeway::python {
 namespace {
@@ -50,6 +52,28 @@ PyObject* dispatch(PyObject* self, PyObject* args, PyObject* kwargs) {
 }
 
 }  // namespace
+
+bool isKeyword(const planner::Setting& setting) {
+  return !setting.name.empty() &&
+         !std::holds_alternative<planner::PlannerParameterSetting>(setting.value);
+}
+
+std::string withSignature(const std::string& name, const std::string& signature,
+                          const std::string& doc) {
+  static const std::string kAll = "**settings";
+  std::string whole = signature;
+  if (const std::size_t at = whole.find(kAll); at != std::string::npos) {
+    std::string keywords;
+    for (const planner::Setting& setting : planner::settings()) {
+      const std::string keyword = std::string(setting.name) + "=";
+      if (isKeyword(setting) && signature.find(" " + keyword) == std::string::npos)
+        keywords += (keywords.empty() ? "" : ", ") + keyword + "...";
+    }
+    const bool has_star = signature.find("*, ") < at;
+    whole.replace(at, kAll.size(), (has_star ? "" : "*, ") + keywords);
+  }
+  return name + whole + "\n--\n\n" + doc;
+}
 
 void shortenErrors(py::handle function, const std::string& signature) {
   PyObject* const plain = PyInstanceMethod_Check(function.ptr())

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "leeway/planner/settings.h"
 #include "python/base/arrays.h"
 
 namespace leeway::python {
@@ -18,11 +19,14 @@ namespace py = pybind11;
 /// pybind11's, which lists C++ types over several. `signature` is what the line shows.
 void shortenErrors(py::handle function, const std::string& signature);
 
-/// The docstring that CPython splits into a signature for inspect.signature() and a text.
-inline std::string withSignature(const std::string& name, const std::string& signature,
-                                 const std::string& doc) {
-  return name + signature + "\n--\n\n" + doc;
-}
+/// Whether a setting is a keyword of calls and an attribute of problems. A parameter of a planner
+/// is not: it is one of `parameters`.
+bool isKeyword(const planner::Setting& setting);
+
+/// The docstring that CPython splits into a signature for inspect.signature() and a text. Keywords
+/// of all settings that `signature` does not have stand in for "**settings" in it.
+std::string withSignature(const std::string& name, const std::string& signature,
+                          const std::string& doc);
 
 /// scope.def() of a function or method. `signature` in Python's notation, "(self, q)".
 template <typename Scope, typename Function, typename... Extra>

@@ -212,24 +212,13 @@ void defineProblem(py::module_& module) {
           "Problem", init,
           "All that a planner needs to know. plan(robot, world, start, goal, ...) makes one for "
           "itself; the keywords are the same.\n\n"
-          "start: a group state's name, numbers (joints,) or a dict by joint; default: all at "
-          "zero.\n"
-          "goal: the same; in place of a number a pair (from, to) or 'any'. `goals`: a list of "
-          "goals, any of which will do. Start and goals may be FramePoses; frames: {name: (link, "
-          "pose)}.\n"
-          "steps: in place of a goal a task, see TaskStep.\n"
-          "margin: all pairs stay farther apart than this [m]. margins: {(a, b): m}. allowed: "
-          "pairs (a, b) that may touch. a and b: a name, a tuple of names, or 'robot'.\n"
-          "objective: 'length', with `keep` [m] from the world, or 'clearance', with clearance_of "
-          "'world' or 'all'. simplify, push: what is done with a path that is found.\n"
-          "planner: see planners(); parameters: by its names.\n"
-          "time [s], iterations (0: no limit): when planning ends. seed: same seed, same bytes.\n"
-          "others: {joint: value} of joints that are not planned.\n"
-          "Settings of execution: speed, velocities, accelerations, jerks, corners, start_time, "
-          "step, duration, foresight, look_ahead, buffer, patience; see problems/README.md.\n\n"
-          "A problem copies what it is given. What its attributes hand out is its own: "
-          "problem.world.add_box(...), problem.margins[a, b] = m, problem.start[0] = 1 change it. "
-          "It is checked when it is made or set, and whenever it is used: InputError.")
+          "Settings, each a keyword and an attribute:\n" +
+              settingsDoc() +
+              "\n"
+              "A problem copies what it is given. What its attributes hand out is its own: "
+              "problem.world.add_box(...), problem.margins[a, b] = m, problem.start[0] = 1 change "
+              "it. "
+              "It is checked when it is made or set, and whenever it is used: InputError.")
           .c_str());
   defineInit(problem, init, [](const py::args& args, const py::kwargs& kwargs) {
     py::dict keywords = kwargs.attr("copy")();
@@ -261,7 +250,7 @@ void defineProblem(py::module_& module) {
          "Another problem with the same content, as copy.copy() and copy.deepcopy() give.",
          [](const Problem& self) { return self; });
   defineCopies(problem, [](const Problem& self) { return self; });
-  defineSettings(problem);
+  defineSettings(module, problem);
   defineConstant(
       problem, "robot", [](const Problem& self) { return self.robot(); },
       "The robot and its planned group.");

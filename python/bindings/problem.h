@@ -7,12 +7,11 @@
 #include <vector>
 
 #include "leeway/planner/problem.h"
+#include "leeway/planner/settings.h"
 #include "python/bindings/robot.h"
 #include "python/bindings/world.h"
 
 namespace leeway::python {
-
-struct Setting;
 
 /// A problem, used with the interpreter's lock held. Lists, dicts, arrays and the World that it has
 /// handed out are its own: value() reads them again where they have changed.
@@ -40,8 +39,8 @@ class Problem {
   /// Sets what is given by keyword. Throws TypeError for other keywords.
   void apply(const py::dict& settings);
 
-  py::object attribute(const Setting& setting) const;
-  void set(const Setting& setting, const py::object& value);
+  py::object attribute(const planner::Setting& setting) const;
+  void set(const planner::Setting& setting, const py::object& value);
 
  private:
   struct HandedOut {

@@ -6,6 +6,7 @@
 
 #include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
+#include "leeway/planner/settings.h"
 #include "leeway/robots/text.h"
 #include "python/base/at.h"
 #include "python/base/define.h"
@@ -13,14 +14,10 @@
 
 namespace leeway::python {
 
-struct Setting {
-  const char* name;
-  const char* doc;
-  py::object (*get)(const planner::Problem&);
-  void (*set)(planner::Problem&, const py::object&);
-};
-
 namespace {
+
+using planner::Setting;
+using planner::SettingPlace;
 
 std::string word(const py::object& value, const char* name) {
   if (!py::isinstance<py::str>(value))
@@ -49,8 +46,6 @@ py::dict dictOf(const py::object& value, const char* name) {
 }
 
 // ---- Maps by joint.
-
-py::object getByJoint(const std::map<std::string, double>& values) { return py::cast(values); }
 
 std::map<std::string, double> byJoint(const planner::Problem& problem, const py::object& value,
                                       const char* name) {
@@ -266,16 +261,22 @@ planner::MinimumCost costOf(const py::dict& objective) {
 using P = planner::Problem;
 using V = const py::object&;
 
-const Setting kSettings[] = {
-    {"name", "The problem's name, for messages.",
-     [](const P& p) { return py::object(py::str(p.name)); },
-     [](P& p, V v) { p.name = word(v, "name"); }},
-    {"world", "The world; to set it copies.", [](const P& p) { return py::cast(World{p.world}); },
+/// A setting whose values are of Python's own kinds, in place of its place in the problem.
+struct OwnValue {
+  const char* name;
+  const char* given;      ///< type of what is accepted, for the stubs
+  const char* attribute;  ///< and of what the attribute is
+  py::object (*get)(const planner::Problem&);
+  void (*set)(planner::Problem&, const py::object&);
+};
+
+const OwnValue kOwnValues[] = {
+    {"world", "World | None", "World", [](const P& p) { return py::cast(World{p.world}); },
      [](P& p, V v) {
        if (!py::isinstance<World>(v)) throw py::type_error("world is no World");
        p.world = v.cast<const World&>().value;
      }},
-    {"frames", "Frames fixed to links, for poses: {name: (link, pose)}, see FramePose.",
+    {"frames", "Mapping[str, tuple[str, _Pose]]", "Any",
      [](const P& p) {
        py::dict frames;
        for (const planner::Frame& f : p.robot.frames)
@@ -284,38 +285,28 @@ const Setting kSettings[] = {
        return py::object(frames);
      },
      setFrames},
-    {"others", "Values of the joints that are not planned: {joint: value}.", getOthers, setOthers},
-    {"start",
-     "The planned joints' values at the start: (joints,) [rad or m]. Poses become such values: the "
-     "valid ones that are nearest to what the start was.",
+    {"others", "Mapping[str, float]", "Any", getOthers, setOthers},
+    {"start", "_State | None", "Any",
      [](const P& p) {
        const std::vector<double> point = startPoint(p);
        return py::object(array(std::span<const double>(point)));
      },
      setStart},
-    {"goal",
-     "The first goal: ranges (joints, 2), or a list of FramePoses. Setting it replaces all goals.",
+    {"goal", "_Goal | None", "Any",
      [](const P& p) {
        return p.goals.empty() ? py::object(py::none()) : goalObject(p, p.goals.front());
      },
      [](P& p, V v) { setGoals(p, v, false); }},
-    {"goals", "The goals, each as ranges (joints, 2) or FramePoses; reaching any one will do.",
+    {"goals", "Sequence[_Goal]", "Any",
      [](const P& p) {
        py::list goals;
        for (const planner::Goal& goal : p.goals) goals.append(goalObject(p, goal));
        return py::object(goals);
      },
      [](P& p, V v) { setGoals(p, v, true); }},
-    {"steps", "A task in place of goals: TaskSteps, one after the other.", stepList, setSteps},
-    {"margin", "All pairs stay farther apart than this [m].",
-     [](const P& p) { return py::object(py::float_(p.margins.common)); },
-     [](P& p, V v) { p.margins.common = number(v, "margin"); }},
-    {"margins",
-     "Pairs with a margin of their own: {(a, b): margin} [m]; a and b are names, tuples of names, "
-     "or "
-     "'robot'. Of entries that name the same pair the last holds.",
-     getMargins, setMargins},
-    {"allowed", "Pairs (a, b) that may touch, besides those of the SRDF; as in `margins`.",
+    {"steps", "Sequence[TaskStep]", "list[TaskStep]", stepList, setSteps},
+    {"margins", "Mapping[Any, float]", "dict[Any, float]", getMargins, setMargins},
+    {"allowed", "Iterable[Any]", "list[Any]",
      [](const P& p) {
        py::list pairs;
        for (const auto& [a, b] : p.contacts.allowed) pairs.append(py::make_tuple(a, b));
@@ -328,18 +319,8 @@ const Setting kSettings[] = {
            for (auto& names : namePairs(p, item, "allowed")) pairs.push_back(std::move(names));
        p.contacts.allowed = std::move(pairs);
      }},
-    {"wishes",
-     "Clearances that pairs keep where that is not too dear, see `margins` for names: {(a, b): "
-     "clearance}, or {(a, b): (clearance, weight)} [m]. To miss one costs its weight, 1 by "
-     "default, "
-     "times the integral of 1 - d / clearance over the path's length, where the pair's clearance d "
-     "is below it. Not with the objective 'clearance'.",
-     getWishes, setWishes},
-    {"objective",
-     "'length'; 'clearance': the least clearance as large as possible; or a dict of what a path "
-     "costs, as in problem files: {'integral': {'hinge': 0.1}}, or {'weighted': {'length': 1, "
-     "'integral': {'hinge': 0.1, 'weight': 2}}}.",
-     getObjective,
+    {"wishes", "Mapping[Any, float | tuple[float, float]]", "Any", getWishes, setWishes},
+    {"objective", "str | Mapping[str, Any]", "str | dict[str, Any]", getObjective,
      [](P& p, V v) {
        if (py::isinstance<py::dict>(v)) {
          p.objective = costOf(py::reinterpret_borrow<py::dict>(v));
@@ -347,157 +328,195 @@ const Setting kSettings[] = {
        }
        const auto objective = planner::objectiveOfName(word(v, "objective"));
        if (!objective) unknownWord("objective", word(v, "objective"), "'length' or 'clearance'");
-       // What is asked besides stays where the objective does.
+       // Its own settings stay if the objective does.
        if (objective->index() != p.objective.index()) p.objective = *objective;
      }},
-    {"keep",
-     "With the objective 'length': pairs with the world keep this, besides the margins [m].",
-     [](const P& p) {
-       const auto* length = std::get_if<planner::MinimumLength>(&p.objective);
-       return length == nullptr || std::isinf(length->clearance)
-                  ? py::object(py::none())
-                  : py::object(py::float_(length->clearance));
-     },
-     [](P& p, V v) {
-       planner::MinimumLength minimum;
-       if (!v.is_none()) {
-         minimum.clearance = number(v, "keep");
-         if (!std::holds_alternative<planner::MinimumLength>(p.objective))
-           throw py::value_error(std::string("keep stands beside the objective '") +
-                                 toString(p.objective) + "'; 'length' is expected");
-       }
-       if (std::holds_alternative<planner::MinimumLength>(p.objective)) p.objective = minimum;
-     }},
-    {"clearance_of",
-     "With the objective 'clearance': of 'world', the others keep their margins, or "
-     "'all'.",
-     [](const P& p) {
-       const auto* clearance = std::get_if<planner::MaximumClearance>(&p.objective);
-       return clearance == nullptr
-                  ? py::object(py::none())
-                  : py::object(py::str(clearance->of == planner::Pairs::kAll ? "all" : "world"));
-     },
-     [](P& p, V v) {
-       if (v.is_none()) return;
-       const std::string of = word(v, "clearance_of");
-       if (of != "world" && of != "all") unknownWord("clearance_of", of, "'world' or 'all'");
-       auto* clearance = std::get_if<planner::MaximumClearance>(&p.objective);
-       if (clearance == nullptr)
-         throw py::value_error(std::string("clearance_of stands beside the objective '") +
-                               toString(p.objective) + "'; 'clearance' is expected");
-       clearance->of = of == "all" ? planner::Pairs::kAll : planner::Pairs::kWorld;
-     }},
-    {"at_most_longer",
-     "With the objective 'clearance': how much longer the path may be than the shortest that is "
-     "found, as a share of that one's length.",
-     [](const P& p) {
-       const auto* clearance = std::get_if<planner::MaximumClearance>(&p.objective);
-       return clearance == nullptr || std::isinf(clearance->at_most_longer)
-                  ? py::object(py::none())
-                  : py::object(py::float_(clearance->at_most_longer));
-     },
-     [](P& p, V v) {
-       auto* clearance = std::get_if<planner::MaximumClearance>(&p.objective);
-       if (v.is_none()) {
-         if (clearance != nullptr)
-           clearance->at_most_longer = std::numeric_limits<double>::infinity();
-         return;
-       }
-       const double longer = number(v, "at_most_longer");
-       if (clearance == nullptr)
-         throw py::value_error(std::string("at_most_longer stands beside the objective '") +
-                               toString(p.objective) + "'; 'clearance' is expected");
-       clearance->at_most_longer = longer;
-     }},
-    {"planner", "Name of the planner, see planners().",
-     [](const P& p) { return py::object(py::str(p.planner.name)); },
-     [](P& p, V v) { p.planner.name = word(v, "planner"); }},
-    {"parameters", "Parameters of the planner, by its names, as text.",
-     [](const P& p) { return py::cast(p.planner.parameters); },
-     [](P& p, V v) {
-       std::map<std::string, std::string> parameters;
-       for (const auto& [key, value] : dictOf(v, "parameters"))
-         parameters[py::str(key)] = py::str(value);
-       p.planner.parameters = std::move(parameters);
-     }},
-    {"simplify", "Whether the path that is found is shortened.",
-     [](const P& p) { return py::object(py::bool_(p.planner.simplify)); },
-     [](P& p, V v) { p.planner.simplify = py::bool_(v); }},
-    {"push", "Whether a simplified path is pushed off what it hugs, for 3 % of its length at most.",
-     [](const P& p) { return py::object(py::bool_(p.planner.push)); },
-     [](P& p, V v) { p.planner.push = py::bool_(v); }},
-    {"time", "Planning and simplification end after this [s].",
-     [](const P& p) { return py::object(py::float_(p.limits.time)); },
-     [](P& p, V v) { p.limits.time = number(v, "time"); }},
-    {"iterations", "The planner ends after so many iterations; 0: no limit.",
-     [](const P& p) { return py::object(py::int_(p.limits.iterations)); },
-     [](P& p, V v) { p.limits.iterations = whole(v, "iterations"); }},
-    {"seed", "The same seed gives the same bytes.",
-     [](const P& p) { return py::object(py::int_(p.seed)); },
-     [](P& p, V v) { p.seed = static_cast<std::uint64_t>(whole(v, "seed")); }},
-    {"start_time", "Time of the obstacles' motions at which execution begins [s].",
-     [](const P& p) { return py::object(py::float_(p.execution.start)); },
-     [](P& p, V v) { p.execution.start = number(v, "start_time"); }},
-    {"step", "From one look at the world to the next, in execution [s].",
-     [](const P& p) { return py::object(py::float_(p.execution.step)); },
-     [](P& p, V v) { p.execution.step = number(v, "step"); }},
-    {"duration", "An execution that has not reached the goal within this fails [s].",
-     [](const P& p) { return py::object(py::float_(p.execution.duration)); },
-     [](P& p, V v) { p.execution.duration = number(v, "duration"); }},
-    {"speed", "Share of the velocity limits that is used, in (0, 1].",
-     [](const P& p) { return py::object(py::float_(p.execution.speed)); },
-     [](P& p, V v) { p.execution.speed = number(v, "speed"); }},
-    {"velocities", "Velocity limits: {joint: limit}, or one number for all [rad/s or m/s].",
-     [](const P& p) { return getByJoint(p.execution.velocities); },
-     [](P& p, V v) { p.execution.velocities = byJoint(p, v, "velocities"); }},
-    {"accelerations", "Acceleration limits: {joint: limit}, or one number [rad/s^2 or m/s^2].",
-     [](const P& p) { return getByJoint(p.execution.accelerations); },
-     [](P& p, V v) { p.execution.accelerations = byJoint(p, v, "accelerations"); }},
-    {"jerks", "Jerk limits: {joint: limit}, or one number [rad/s^3 or m/s^3]; default: none.",
-     [](const P& p) { return getByJoint(p.execution.jerks); },
-     [](P& p, V v) { p.execution.jerks = byJoint(p, v, "jerks"); }},
-    {"corners", "'stop', or 'blend': corners are cut where the cut is proven to keep the margins.",
-     [](const P& p) {
-       return py::object(
-           py::str(p.execution.corners == planner::Corners::kBlend ? "blend" : "stop"));
-     },
-     [](P& p, V v) {
-       const std::string name = word(v, "corners");
-       if (name != "stop" && name != "blend") unknownWord("corners", name, "'stop' or 'blend'");
-       p.execution.corners = name == "blend" ? planner::Corners::kBlend : planner::Corners::kStop;
-     }},
-    {"foresight", "'motion': the obstacles' motion is known; 'speed_bound': only a bound on it.",
-     [](const P& p) {
-       return py::object(py::str(
-           p.execution.foresight == planner::Foresight::kMotion ? "motion" : "speed_bound"));
-     },
-     [](P& p, V v) {
-       const std::string name = word(v, "foresight");
-       if (name != "motion" && name != "speed_bound")
-         unknownWord("foresight", name, "'motion' or 'speed_bound'");
-       p.execution.foresight =
-           name == "motion" ? planner::Foresight::kMotion : planner::Foresight::kSpeedBound;
-     }},
-    {"look_ahead", "After each step so much more should be certified [s].",
-     [](const P& p) { return py::object(py::float_(p.execution.look_ahead)); },
-     [](P& p, V v) { p.execution.look_ahead = number(v, "look_ahead"); }},
-    {"buffer", "Paths keep this besides the margin from what deforms, where they can [m].",
-     [](const P& p) { return py::object(py::float_(p.execution.buffer)); },
-     [](P& p, V v) { p.execution.buffer = number(v, "buffer"); }},
-    {"patience", "How long to wait for a valid path before planning another [s].",
-     [](const P& p) { return py::object(py::float_(p.execution.patience)); },
-     [](P& p, V v) { p.execution.patience = number(v, "patience"); }},
 };
 
-const Setting* findSetting(const std::string& name) {
-  const auto* const found = std::find_if(std::begin(kSettings), std::end(kSettings),
-                                         [&](const Setting& s) { return name == s.name; });
-  return found == std::end(kSettings) ? nullptr : found;
+const OwnValue* findOwnValue(const Setting& setting) {
+  const auto* const found =
+      std::find_if(std::begin(kOwnValues), std::end(kOwnValues),
+                   [&](const OwnValue& own) { return setting.name == own.name; });
+  return found == std::end(kOwnValues) ? nullptr : found;
+}
+
+std::string orWords(const planner::WordSetting& choice) {
+  std::string all;
+  for (const planner::WordSetting::Word& word : choice.words)
+    all += (all.empty() ? "'" : " or '") + std::string(word.text) + "'";
+  return all;
+}
+
+/// Reads a setting of a problem.
+struct Get {
+  const Setting& setting;
+  const P& problem;
+
+  template <class T>
+  py::object operator()(SettingPlace<T> place) const {
+    const T* const value = settingValue(problem, place);
+    if (value == nullptr) return py::none();
+    if constexpr (std::is_same_v<T, double>)
+      if (*value == setting.range.none) return py::none();
+    return py::cast(*value);
+  }
+  py::object operator()(const planner::WordSetting& choice) const {
+    for (const planner::WordSetting::Word& word : choice.words)
+      if (word.value == choice.get(problem)) return py::str(std::string(word.text));
+    return py::none();
+  }
+  template <class Other>
+  py::object operator()(const Other&) const {
+    throw std::logic_error("a setting without a value: " + std::string(setting.name));
+  }
+};
+
+/// Sets one.
+struct Set {
+  const Setting& setting;
+  P& problem;
+  V given;
+  const std::string name = std::string(setting.name);
+
+  void operator()(SettingPlace<bool> place) const { *place(problem) = py::bool_(given); }
+  void operator()(SettingPlace<double> place) const {
+    if (given.is_none() && setting.isOptional()) {
+      if (double* const value = place(problem)) *value = setting.range.none.value();
+      return;
+    }
+    const double value = number(given, name.c_str());
+    if (place(problem) == nullptr) refuse();
+    *place(problem) = value;
+  }
+  void operator()(SettingPlace<std::int64_t> place) const {
+    *place(problem) = whole(given, name.c_str());
+  }
+  void operator()(SettingPlace<std::uint64_t> place) const {
+    *place(problem) = static_cast<std::uint64_t>(whole(given, name.c_str()));
+  }
+  void operator()(SettingPlace<std::string> place) const {
+    *place(problem) = word(given, name.c_str());
+  }
+  void operator()(SettingPlace<std::map<std::string, std::string>> place) const {
+    std::map<std::string, std::string> values;
+    for (const auto& [key, value] : dictOf(given, name.c_str()))
+      values[py::str(key)] = py::str(value);
+    *place(problem) = std::move(values);
+  }
+  void operator()(SettingPlace<std::map<std::string, double>> place) const {
+    *place(problem) = byJoint(problem, given, name.c_str());
+  }
+  void operator()(const planner::WordSetting& choice) const {
+    if (given.is_none() && setting.isOptional()) return;
+    const std::string text = word(given, name.c_str());
+    for (const planner::WordSetting::Word& known : choice.words) {
+      if (text != known.text) continue;
+      if (choice.get(problem) < 0) refuse();
+      return choice.set(problem, known.value);
+    }
+    unknownWord(name.c_str(), text, orWords(choice));
+  }
+  template <class Other>
+  void operator()(const Other&) const {
+    throw std::logic_error("a setting without a value: " + name);
+  }
+
+ private:
+  [[noreturn]] void refuse() const {
+    throw py::value_error(name + " stands beside the objective '" + toString(problem.objective) +
+                          "'; '" + std::string(setting.objective()) + "' is expected");
+  }
+};
+
+py::object valueOf(const Setting& setting, const P& problem) {
+  if (const OwnValue* const own = findOwnValue(setting)) return own->get(problem);
+  return std::visit(Get{setting, problem}, setting.value);
+}
+
+void setValue(const Setting& setting, P& problem, V value) {
+  if (const OwnValue* const own = findOwnValue(setting)) return own->set(problem, value);
+  std::visit(Set{setting, problem, value}, setting.value);
+}
+
+/// "Time from one look at the world to the next [s]; 0.05 by default."
+std::string docOf(const Setting& setting) {
+  const std::string plain = findOwnValue(setting) != nullptr ? "" : settingDefault(setting);
+  std::string help(setting.help);
+  if (!setting.unit.empty())  // behind the first sentence
+    help.insert(std::min(help.find(". "), help.size()), " [" + std::string(setting.unit) + "]");
+  return help + (plain.empty() ? "" : "; " + plain + " by default") + ".";
+}
+
+/// The types of what is accepted, and of the attribute, as stubs have them.
+std::pair<std::string, std::string> typesOf(const Setting& setting) {
+  if (const OwnValue* const own = findOwnValue(setting)) return {own->given, own->attribute};
+  std::string type = "Any", given;
+  if (std::holds_alternative<SettingPlace<bool>>(setting.value)) type = "bool";
+  if (std::holds_alternative<SettingPlace<double>>(setting.value)) type = "float";
+  if (std::holds_alternative<SettingPlace<std::int64_t>>(setting.value) ||
+      std::holds_alternative<SettingPlace<std::uint64_t>>(setting.value))
+    type = "int";
+  if (std::holds_alternative<SettingPlace<std::string>>(setting.value)) type = "str";
+  if (std::holds_alternative<SettingPlace<std::map<std::string, std::string>>>(setting.value)) {
+    given = "Mapping[str, Any]";
+    type = "dict[str, str]";
+  }
+  if (std::holds_alternative<SettingPlace<std::map<std::string, double>>>(setting.value))
+    given = "float | Mapping[str, float]";
+  if (const auto* choice = std::get_if<planner::WordSetting>(&setting.value)) {
+    type = "Literal[";
+    for (const planner::WordSetting::Word& word : choice->words)
+      type += (type.back() == '[' ? "\"" : ", \"") + std::string(word.text) + "\"";
+    type += "]";
+  }
+  if (setting.isOptional()) type += " | None";
+  return {given.empty() ? type : given, type};
+}
+
+/// "number", "whole number", ...: for settings().
+const char* settingKind(const Setting& setting) {
+  static constexpr const char* kKinds[] = {"own",  "boolean",  "number", "whole number",
+                                           "seed", "text",     "map",    "number by joint",
+                                           "word", "parameter"};
+  static_assert(std::size(kKinds) == std::variant_size_v<decltype(Setting::value)>);
+  const auto* const choice = std::get_if<planner::WordSetting>(&setting.value);
+  return choice != nullptr && choice->or_map ? "own" : kKinds[setting.value.index()];
+}
+
+py::list listSettings() {
+  py::list list;
+  for (const Setting& setting : planner::settings()) {
+    if (setting.name.empty()) continue;
+    py::dict entry;
+    const auto [given, attribute] = typesOf(setting);
+    entry["name"] = std::string(setting.name);
+    entry["key"] = std::string(setting.key);
+    entry["option"] = std::string(setting.option);
+    entry["kind"] = settingKind(setting);
+    entry["unit"] = std::string(setting.unit);
+    entry["default"] = settingDefault(setting);
+    entry["lower"] = setting.range.lower;
+    entry["upper"] = setting.range.upper;
+    entry["above"] = setting.range.above;
+    py::list words;
+    if (const auto* choice = std::get_if<planner::WordSetting>(&setting.value))
+      for (const planner::WordSetting::Word& word : choice->words)
+        words.append(std::string(word.text));
+    entry["words"] = words;
+    entry["given"] = isKeyword(setting) ? given : "";
+    entry["attribute"] = isKeyword(setting) ? attribute : "";
+    entry["help"] = std::string(setting.help);
+    list.append(entry);
+  }
+  return list;
 }
 
 }  // namespace
 
-bool isSetting(const std::string& name) { return findSetting(name) != nullptr; }
+bool isSetting(const std::string& name) {
+  const Setting* const setting = planner::findSetting(name);
+  return setting != nullptr && isKeyword(*setting);
+}
 
 namespace {
 
@@ -570,13 +589,13 @@ void refill(const py::object& handed_out, const py::object& fresh) {
 
 void Problem::takeChanges(const std::string& except) const {
   std::shared_ptr<planner::Problem> changed;
-  for (const Setting& setting : kSettings) {
-    const auto found = handed_out_.find(setting.name);
+  for (const Setting& setting : planner::settings()) {
+    const auto found = handed_out_.find(std::string(setting.name));
     if (found == handed_out_.end() || setting.name == except) continue;
     const py::object image = imageOf(found->second.object);
     if (isSameImage(image, found->second.image)) continue;
     if (!changed) changed = std::make_shared<planner::Problem>(*value_);
-    setting.set(*changed, found->second.object);
+    setValue(setting, *changed, found->second.object);
   }
   if (!changed) return;
   value_ = std::move(changed);
@@ -597,10 +616,11 @@ void Problem::apply(const py::dict& settings) {
     throw py::value_error("steps are given beside a goal; one of them is expected");
   planner::Problem changed = **this;
   // In the table's order: a planner before its parameters, frames before poses.
-  for (const Setting& setting : kSettings) {
-    if (!settings.contains(setting.name)) continue;
-    setting.set(changed, py::reinterpret_borrow<py::object>(settings[setting.name]));
-    replaceEnds(setting.name, changed);
+  for (const Setting& setting : planner::settings()) {
+    const std::string name(setting.name);
+    if (!isKeyword(setting) || !settings.contains(name)) continue;
+    setValue(setting, changed, py::reinterpret_borrow<py::object>(settings[name.c_str()]));
+    replaceEnds(name, changed);
   }
   placeStart(changed);
   handed_out_.clear();
@@ -608,41 +628,41 @@ void Problem::apply(const py::dict& settings) {
 }
 
 py::object Problem::attribute(const Setting& setting) const {
-  const std::string name = setting.name;
+  const std::string name(setting.name);
   if (is_constant_) {
-    const py::object value = setting.get(*value_);
+    const py::object value = valueOf(setting, *value_);
     if (py::isinstance<World>(value)) value.cast<World&>().is_constant = true;
     return constant(value);
   }
   if (name == "goal") {  // that of the list, so that a change of it counts
-    const py::object goals = attribute(*findSetting("goals"));
+    const py::object goals = attribute(*planner::findSetting("goals"));
     return py::len(goals) == 0 ? py::object(py::none()) : py::object(goals[py::int_(0)]);
   }
   const auto found = handed_out_.find(name);
   if (found != handed_out_.end()) return found->second.object;
-  const py::object value = setting.get(*value_);
+  const py::object value = valueOf(setting, *value_);
   if (canChange(value)) handed_out_[name] = {value, imageOf(value)};
   return value;
 }
 
 void Problem::set(const Setting& setting, const py::object& value) {
-  const std::string name = setting.name, replaced = name == "goal" ? "goals" : name;
+  const std::string name(setting.name), replaced = name == "goal" ? "goals" : name;
   if (is_constant_)
     throw py::attribute_error("'" + name +
                               "' is of a problem that was compiled or answered; copy() gives one "
                               "to change");
   takeChanges(replaced);
   planner::Problem changed = *value_;
-  setting.set(changed, value);
+  setValue(setting, changed, value);
   replaceEnds(name, changed);
   placeStart(changed);
   planner::validate(changed);
   // Objects that were handed out stay the problem's, with the values that its settings have now.
   for (auto next = handed_out_.begin(); next != handed_out_.end();) {
     const auto handed_out = next++;
-    const Setting& of = *findSetting(handed_out->first);
-    const py::object fresh = of.get(changed);
-    if (handed_out->first != replaced && isSameImage(imageOf(of.get(*value_)), imageOf(fresh)))
+    const Setting& of = *planner::findSetting(handed_out->first);
+    const py::object fresh = valueOf(of, changed);
+    if (handed_out->first != replaced && isSameImage(imageOf(valueOf(of, *value_)), imageOf(fresh)))
       continue;
     if (Py_TYPE(fresh.ptr()) != Py_TYPE(handed_out->second.object.ptr())) {
       handed_out_.erase(handed_out);  // an objective that is a word now
@@ -660,18 +680,32 @@ std::string shown(py::handle value) {
   return text_of;
 }
 
-void defineSettings(py::class_<Problem>& problem) {
-  for (const Setting& setting : kSettings)
-    defineProperty(
-        problem, setting.name, setting.doc,
-        [&setting](const Problem& self) { return self.attribute(setting); },
-        [&setting](Problem& self, const py::object& value) { self.set(setting, value); });
+void defineSettings(py::module_& module, py::class_<Problem>& problem) {
+  for (const Setting& setting : planner::settings())
+    if (isKeyword(setting))
+      defineProperty(
+          problem, std::string(setting.name).c_str(), docOf(setting).c_str(),
+          [&setting](const Problem& self) { return self.attribute(setting); },
+          [&setting](Problem& self, const py::object& value) { self.set(setting, value); });
+  define(module, "settings", "()",
+         "The settings of a problem: dicts of name (the keyword and attribute), key (in problem "
+         "files), option (of the command), kind, unit, default, lower, upper, above (lower itself "
+         "is not accepted), words, given and attribute (types), help.",
+         listSettings);
+}
+
+std::string settingsDoc() {
+  std::string all;
+  for (const Setting& setting : planner::settings())
+    if (isKeyword(setting)) all += std::string(setting.name) + ": " + docOf(setting) + "\n";
+  return all;
 }
 
 void noMore(const char* call, const py::dict& keywords) {
   for (const auto& [key, value] : keywords) {
     std::vector<std::string> known;
-    for (const Setting& setting : kSettings) known.emplace_back(setting.name);
+    for (const Setting& setting : planner::settings())
+      if (isKeyword(setting)) known.emplace_back(setting.name);
     const std::string name = py::str(key);
     const std::string* const near = robots::nearestName(name, known);
     throw py::type_error(std::string(call) + "(): unknown keyword '" + name + "'" +

@@ -1,6 +1,7 @@
 #pragma once
 
-// What may be said of a problem by keyword, and read or set as its attribute: one table for both.
+// The table of settings (leeway/planner/settings.h) in Python: keywords of calls, and attributes of
+// problems.
 
 #include <optional>
 
@@ -52,8 +53,10 @@ std::string shown(py::handle value);
 void defineGoals(py::module_& module);
 void defineTasks(py::module_& module);
 
-/// Properties of class Problem, one a setting.
-void defineSettings(py::class_<Problem>& problem);
+/// Properties of class Problem, one a setting, and settings().
+void defineSettings(py::module_& module, py::class_<Problem>& problem);
+/// "NAME: what it does", one a line.
+std::string settingsDoc();
 /// Throws TypeError for a keyword that is left.
 void noMore(const char* call, const py::dict& keywords);
 

@@ -141,7 +141,19 @@ class PathStep:
     def turn(self) -> float: ...
 
 class Problem:
-    def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, **settings: Any) -> None: ...
+    def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *,
+        # Settings:
+        name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
+        allowed: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+        wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
+        parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
+        clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
+        time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
+        speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
+        jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ...,
+        look_ahead: float = ..., buffer: float = ..., patience: float = ...,
+        # (written by tools/scripts/write_settings)
+    ) -> None: ...
     @staticmethod
     def load(file: _File, *, packages: Mapping[str, str] | None = None, cache: bool = True) -> Problem: ...
     @staticmethod
@@ -150,24 +162,25 @@ class Problem:
     def detach(self, object: str, *, state: _State | None = None) -> Problem: ...
     def copy(self) -> Problem: ...
     # Each can be set to all that the constructor takes; what it gives is of these types, and live.
+    # Attributes of settings:
     name: str
-    start: Any  # _Array
-    others: Any  # dict[str, float]
-    goal: Any  # _Array, or list[FramePose], or None
-    goals: Any  # list of such
-    steps: list[TaskStep]
     world: World
-    frames: Any  # dict[str, tuple[str, _Array]]
+    frames: Any
+    others: Any
+    start: Any
+    goal: Any
+    goals: Any
+    allowed: list[Any]
     margin: float
     margins: dict[Any, float]
-    allowed: list[Any]  # of tuple[str, str]
-    objective: str | dict[str, Any]
-    keep: float | None
-    clearance_of: str | None
-    at_most_longer: float | None
-    wishes: Any  # dict[Any, tuple[float, float]]
+    wishes: Any
+    steps: list[TaskStep]
     planner: str
     parameters: dict[str, str]
+    objective: str | dict[str, Any]
+    keep: float | None
+    clearance_of: Literal["world", "all"] | None
+    at_most_longer: float | None
     simplify: bool
     push: bool
     time: float
@@ -177,14 +190,15 @@ class Problem:
     step: float
     duration: float
     speed: float
-    velocities: Any  # dict[str, float]
+    velocities: Any
     accelerations: Any
     jerks: Any
-    corners: str
-    foresight: str
+    corners: Literal["stop", "blend"]
+    foresight: Literal["motion", "speed_bound"]
     look_ahead: float
     buffer: float
     patience: float
+    # (written by tools/scripts/write_settings, too)
     @property
     def robot(self) -> Robot: ...
     @property
@@ -351,7 +365,19 @@ class Inverse:
     def __bool__(self) -> bool: ...
 
 class Scene:
-    def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, **settings: Any) -> None: ...
+    def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *,
+        # Settings:
+        name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
+        allowed: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+        wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
+        parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
+        clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
+        time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
+        speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
+        jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ...,
+        look_ahead: float = ..., buffer: float = ..., patience: float = ...,
+        # (written by tools/scripts/write_settings)
+    ) -> None: ...
     def valid(self, states: ArrayLike) -> Any: ...
     def clearances(self, states: ArrayLike, *, tolerance: float = 1e-06) -> _Array: ...
     def check(self, state: _State, *, tolerance: float = 1e-06) -> State: ...
@@ -478,7 +504,19 @@ class Executed:
     def __bool__(self) -> bool: ...
 
 class Replanner:
-    def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, stop: _Stop = None, **settings: Any) -> None: ...
+    def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, stop: _Stop = None,
+        # Settings:
+        name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
+        allowed: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+        wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
+        parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
+        clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
+        time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
+        speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
+        jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ...,
+        look_ahead: float = ..., buffer: float = ..., patience: float = ...,
+        # (written by tools/scripts/write_settings)
+    ) -> None: ...
     def step(self) -> Step: ...
     def set_vertices(self, name: str, vertices: ArrayLike, time: float | None = None, speed_bound: float | None = None) -> None: ...
     state: Any
@@ -510,16 +548,62 @@ class Monitor:
     def counts(self) -> Mapping[str, int]: ...
 
 def load(file: _File, *, packages: Mapping[str, str] | None = None, cache: bool = True) -> Problem: ...
+def settings() -> list[dict[str, Any]]: ...
 def planners() -> list[dict[str, Any]]: ...
 def planner_parameters(planner: str) -> dict[str, str]: ...
-def plan(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, stop: _Stop = None, progress: Callable[[str, float], object] | None = None, on_path: Callable[[_Array, float], object] | None = None, certificate: Literal["path", "full"] = "path", tolerance: float = 0.0001, **settings: Any) -> Result: ...
+def plan(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, stop: _Stop = None, progress: Callable[[str, float], object] | None = None, on_path: Callable[[_Array, float], object] | None = None, certificate: Literal["path", "full"] = "path", tolerance: float = 0.0001,
+    # Settings:
+    name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
+    allowed: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ..., wishes: Mapping[Any, float | tuple[float, float]] = ...,
+    steps: Sequence[TaskStep] = ..., planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ...,
+    keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ...,
+    push: bool = ..., time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
+    speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
+    jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ...,
+    look_ahead: float = ..., buffer: float = ..., patience: float = ...,
+    # (written by tools/scripts/write_settings)
+) -> Result: ...
 def inverse_kinematics(robot: Robot, link: str, pose: ArrayLike, *, start: ArrayLike | None = None, solutions: int = 1, seed: int = 1, stop: _Stop = None) -> Inverse: ...
 def plan_where(problem: Problem, accept: Callable[[_Array], ArrayLike], *, resolution: float = 0.05, stop: _Stop = None) -> Result: ...
-def plan_many(problems: Iterable[Problem], *, threads: int | None = None, stop: _Stop = None, **settings: Any) -> list[Result]: ...
+def plan_many(problems: Iterable[Problem], *, threads: int | None = None, stop: _Stop = None,
+    # Settings:
+    name: str = ..., world: World | None = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ...,
+    start: _State | None = ..., goal: _Goal | None = ..., goals: Sequence[_Goal] = ..., allowed: Iterable[Any] = ..., margin: float = ...,
+    margins: Mapping[Any, float] = ..., wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
+    parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
+    clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
+    time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ...,
+    velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ...,
+    corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ...,
+    patience: float = ...,
+    # (written by tools/scripts/write_settings)
+) -> list[Result]: ...
 def verify(problem: Problem, path: _Path, *, shortest: bool = False, stop: _Stop = None) -> Verification: ...
 def clearance(problem: Problem, path: _Path, *, tolerance: float = 0.0001, parts: int = 1, shortest: bool = False) -> Certificate: ...
-def check(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, state: _State = "start", tolerance: float = 1e-06, **settings: Any) -> State: ...
-def replan(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, on_step: Callable[[Step], object] | None = None, steps: int | None = None, stop: _Stop = None, **settings: Any) -> Executed: ...
+def check(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, state: _State = "start", tolerance: float = 1e-06,
+    # Settings:
+    name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
+    allowed: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ..., wishes: Mapping[Any, float | tuple[float, float]] = ...,
+    steps: Sequence[TaskStep] = ..., planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ...,
+    keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ...,
+    push: bool = ..., time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
+    speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
+    jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ...,
+    look_ahead: float = ..., buffer: float = ..., patience: float = ...,
+    # (written by tools/scripts/write_settings)
+) -> State: ...
+def replan(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, on_step: Callable[[Step], object] | None = None, steps: int | None = None, stop: _Stop = None,
+    # Settings:
+    name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
+    allowed: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ..., wishes: Mapping[Any, float | tuple[float, float]] = ...,
+    planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
+    clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
+    time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ...,
+    velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ...,
+    corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ...,
+    patience: float = ...,
+    # (written by tools/scripts/write_settings)
+) -> Executed: ...
 def distance(a: Shape, X_WA: _Pose, b: Shape, X_WB: _Pose, *, tolerance: float | None = None, threshold: float | None = None, depth: bool = True) -> Distance: ...
 def distances(a: Shape, X_WA: ArrayLike, b: Shape, X_WB: ArrayLike, *, tolerance: float | None = None) -> _Array: ...
 def separation(a: Shape, X_WA: _Pose, b: Shape, X_WB: _Pose, *, clearance: float = 0.0, longest: float | None = None) -> Separation: ...

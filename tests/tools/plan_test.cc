@@ -1,5 +1,6 @@
 #include <limits>
 
+#include "leeway/planner/settings.h"
 #include "tests/support/command.h"
 
 namespace leeway::tools::testing {
@@ -116,6 +117,25 @@ TEST_F(Plan, PushesUnlessToldNotToAndKeepsAFloor) {
   EXPECT_GE(kept["certificate"]["world"]["clearance_lower"], 0.03);
   EXPECT_EQ(run("plan reach.yaml --keep -1").status, 2);
   EXPECT_EQ(run("plan reach.yaml --keep 0.03 --objective clearance").status, 2);
+}
+
+/// Every setting that has an option can be given, and is explained.
+TEST_F(Plan, TakesEverySettingThatHasAnOption) {
+  const std::string help = run("plan --help").out;
+  for (const planner::Setting& setting : planner::settings()) {
+    if (setting.option.empty()) continue;
+    const std::string option(setting.option);
+    EXPECT_NE(help.find(option + " "), std::string::npos) << option;
+    std::string value = "1";
+    if (setting.name == "planner") value = "RRTConnect";
+    if (setting.name == "objective") value = "clearance --time 0.2";
+    if (setting.unit == "m" || setting.name == "at_most_longer") value = "0.01 --time 0.5";
+    if (std::holds_alternative<planner::SettingPlace<bool>>(setting.value)) value = "";
+    EXPECT_NE(run("plan reach.yaml " + option + " " + value).status, 2) << option;
+    if (!value.empty()) {
+      EXPECT_EQ(run("plan reach.yaml " + option + " ''").status, 2) << option;
+    }
+  }
 }
 
 TEST_F(Plan, IsAsSafeAsItsLengthAllows) {

@@ -14,6 +14,7 @@
 #include "planner/execute/unchecked_json.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/robot_state.h"
 #include "tools/leeway/support/scene_names.h"
@@ -348,7 +349,7 @@ std::string stateText(const CheckedState& checked) {
 
 int runCheck(const CheckArguments& arguments) {
   planner::Problem problem = arguments.states.empty()
-                                 ? loadProblem(arguments.source, arguments.limits.time_limit)
+                                 ? loadProblem(arguments.source, arguments.limits.timeLimit())
                                  : loadProblemOrRobot(arguments.source);
   apply(arguments.limits, problem);
   const std::vector<NamedState> states = collectStates(problem, arguments.states);

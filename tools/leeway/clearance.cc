@@ -17,6 +17,7 @@
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/output_file.h"
 #include "tools/leeway/support/path_ends.h"
+#include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
@@ -329,7 +330,7 @@ int runClearance(ClearanceArguments& arguments) {
   std::vector<std::string> inputs = filesOf(arguments.source);
   inputs.push_back(path_file);
   expectApart(std::array{arguments.svg, arguments.csv, arguments.view.file}, inputs);
-  planner::Problem problem = loadProblem(arguments.source, arguments.limits.time_limit);
+  planner::Problem problem = loadProblem(arguments.source, arguments.limits.timeLimit());
   apply(arguments.limits, problem);
   const planner::Path path =
       planner::readPath(path_file, problem, {.shortest = arguments.shortest});
@@ -344,7 +345,7 @@ int runClearance(ClearanceArguments& arguments) {
   const bool steps = !problem.steps.empty();
   if (!steps) printWarnings(stages.front().scene->warnings());
   const Profile profile =
-      measure(stages, path, arguments, interactivePlanOptions(arguments.limits.time_limit));
+      measure(stages, path, arguments, interactivePlanOptions(arguments.limits.timeLimit()));
   endProgress();
   if (!arguments.view.file.empty()) {
     view::writePage(arguments.view, view::subjectOfPath(problem, arguments.source.problem, path));

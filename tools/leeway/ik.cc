@@ -14,6 +14,8 @@
 #include "tools/leeway/info/input.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/plan_overrides.h"
+#include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/robot_state.h"
 #include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
@@ -32,10 +34,6 @@ struct IkArguments {
   std::uint64_t seed = 1;
   bool json = false;
 };
-
-[[noreturn]] void badUsage(const std::string& message) {
-  throw robots::InputError("command line", 0, message);
-}
 
 /// "0.4" or "0.4:0.5"; for angles also "any".
 std::pair<double, double> parseRange(const std::string& option, const std::string& text,

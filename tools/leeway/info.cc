@@ -13,6 +13,7 @@
 #include "tools/leeway/info/tables.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/verb.h"
 

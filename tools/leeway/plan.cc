@@ -20,6 +20,7 @@
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/output_file.h"
+#include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
@@ -274,7 +275,7 @@ int runPlan(const PlanArguments& arguments) {
   expectApart(std::array{arguments.output, arguments.trajectory, arguments.view.file},
               filesOf(arguments.source));
   const auto start = std::chrono::steady_clock::now();
-  planner::Problem problem = loadProblem(arguments.source, arguments.overrides.time_limit);
+  planner::Problem problem = loadProblem(arguments.source, arguments.overrides.timeLimit());
   apply(arguments.overrides, problem);
   const double load_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

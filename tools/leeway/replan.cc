@@ -14,6 +14,7 @@
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/output_file.h"
+#include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
@@ -270,7 +271,7 @@ int runReplan(const ReplanArguments& arguments) {
   view::expectPage(arguments.view);
   expectApart(std::array{arguments.output, arguments.view.file}, filesOf(arguments.source));
   const auto start = std::chrono::steady_clock::now();
-  planner::Problem problem = loadProblem(arguments.source, arguments.overrides.time_limit);
+  planner::Problem problem = loadProblem(arguments.source, arguments.overrides.timeLimit());
   refuseSteps(problem, "replan");
   apply(arguments.overrides, problem);
   const double load_s =

@@ -12,6 +12,7 @@
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/path_ends.h"
+#include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
@@ -58,7 +59,7 @@ int runVerify(VerifyArguments& arguments) {
   const std::string path_file = takePathFile(arguments.source, arguments.files);
   // A proof takes nothing over that an earlier run made.
   arguments.source.no_cache = true;
-  planner::Problem problem = loadProblem(arguments.source, arguments.limits.time_limit);
+  planner::Problem problem = loadProblem(arguments.source, arguments.limits.timeLimit());
   apply(arguments.limits, problem);
   const planner::Path path =
       planner::readPath(path_file, problem, {.shortest = arguments.shortest});
@@ -70,7 +71,7 @@ int runVerify(VerifyArguments& arguments) {
   }
   // The proof takes nothing from this scene.
   printWarnings(planner::CompiledScene(problem).warnings());
-  planner::PlanOptions options = interactivePlanOptions(arguments.limits.time_limit);
+  planner::PlanOptions options = interactivePlanOptions(arguments.limits.timeLimit());
   UnitProgress progress(std::max<std::size_t>(2, path.positions.size()) - 1);
   options.progress = [&](const std::string& phase, double) { progress.next(phase); };
   const planner::VerifyResult result = planner::verify(problem, path, options);

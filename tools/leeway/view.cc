@@ -11,6 +11,7 @@
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/output_file.h"
 #include "tools/leeway/support/path_ends.h"
+#include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
@@ -62,7 +63,7 @@ int runView(ViewArguments& arguments) {
   inputs.push_back(path_file);
   expectApart(std::array{arguments.svg, only_picture ? std::string() : arguments.page.file},
               inputs);
-  planner::Problem problem = loadProblem(arguments.source, arguments.overrides.time_limit);
+  planner::Problem problem = loadProblem(arguments.source, arguments.overrides.timeLimit());
   apply(arguments.overrides, problem);
   const view::Subject subject =
       path_file.empty() ? solve(problem, arguments)

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "leeway/collision/deformable_mesh.h"
-#include "planner/yaml/format_keys.h"
+#include "planner/validate/format_keys.h"
 #include "tests/support/build_paths.h"
 
 namespace leeway::planner {

@@ -18,7 +18,7 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/did_you_mean.h"
-#include "planner/yaml/format_keys.h"
+#include "planner/validate/format_keys.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
 

@@ -34,6 +34,7 @@
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/output_file.h"
+#include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
@@ -399,26 +400,9 @@ void printTable(const std::vector<Tallies::Folder>& folders) {
 /// were made otherwise are not mixed.
 Json optionsJson(const Arguments& arguments) {
   Json options = Json::object();
-  const PlanOverrides& overrides = arguments.overrides;
-  const auto add = [&](const char* key, const std::string& text) {
-    if (!text.empty()) options[key] = text;
-  };
-  add("robot", arguments.source.robot);
-  add("srdf", arguments.source.srdf);
-  if (overrides.seed) options["seed"] = *overrides.seed;
-  if (overrides.time_limit) options["time"] = *overrides.time_limit;
-  if (overrides.iteration_limit) options["iterations"] = *overrides.iteration_limit;
-  add("planner", overrides.planner);
-  add("workers", overrides.workers);
-  add("improve", overrides.improve);
-  if (overrides.keep) options["keep"] = *overrides.keep;
-  if (overrides.no_push) options["push"] = false;
-  add("objective", overrides.objective);
-  if (overrides.at_most_longer) options["at_most_longer"] = *overrides.at_most_longer;
-  if (overrides.hinge) options["hinge"] = *overrides.hinge;
-  if (overrides.inverse) options["inverse"] = *overrides.inverse;
-  if (overrides.length_weight) options["length_weight"] = *overrides.length_weight;
-  if (overrides.certificate != "path") options["certificate"] = overrides.certificate;
+  if (!arguments.source.robot.empty()) options["robot"] = arguments.source.robot;
+  if (!arguments.source.srdf.empty()) options["srdf"] = arguments.source.srdf;
+  options.update(arguments.overrides.json());
   if (arguments.repeat != 1) options["repeat"] = arguments.repeat;
   if (arguments.verify) options["verify"] = true;
   if (arguments.pose_goals) options["pose_goals"] = true;

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
-#include <charconv>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -16,21 +15,14 @@
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
-#include "planner/space/ompl_planners.h"
-#include "planner/validate/checks.h"
 #include "robots/urdf/srdf.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
+
+void badUsage(const std::string& message) { throw robots::InputError("command line", 0, message); }
+
 namespace {
-
-// Of --time [s]: a clock tick, and thirty years.
-constexpr double kLeastTime = 1e-6;
-constexpr double kMostTime = 1e9;
-
-[[noreturn]] void badUsage(const std::string& message) {
-  throw robots::InputError("command line", 0, message);
-}
 
 /// The planned group: that of --group, or the one that --chain adds.
 std::string plannedGroup(const ProblemSource& source) {
@@ -187,101 +179,6 @@ void addProblemAndPathArguments(CLI::App& app, ProblemSource& source,
   addStatesAndMoveitArguments(app, source);
 }
 
-std::string seedError(const std::string& text) {
-  std::uint64_t seed = 0;
-  const char* end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, seed);
-  return read.ec == std::errc() && read.ptr == end
-             ? ""
-             : fmt::format("'{}' is not a whole number from 0 to 18446744073709551615", text);
-}
-
-CLI::Validator numberFrom(double lower, double upper) {
-  return {[lower, upper](const std::string& text) {
-            const std::optional<double> value = robots::parseFinite(text);
-            return value && *value >= lower && *value <= upper
-                       ? std::string()
-                       : fmt::format("{} is not a number from {} to {}", text, lower, upper);
-          },
-          ""};
-}
-
-CLI::Validator countFrom(std::int64_t lower, std::int64_t upper) {
-  return {[lower, upper](const std::string& text) {
-            std::int64_t value = 0;
-            const char* end = text.data() + text.size();
-            const auto read = std::from_chars(text.data(), end, value);
-            return read.ec == std::errc() && read.ptr == end && value >= lower && value <= upper
-                       ? std::string()
-                       : fmt::format("{} is not a whole number from {} to {}", text, lower, upper);
-          },
-          ""};
-}
-
-void addRunLimits(CLI::App& app, PlanOverrides& overrides) {
-  app.add_option("--seed", overrides.seed, "seed of the run; same seed, same answer")
-      ->type_name("N")
-      ->check(seedError);
-  app.add_option(
-         "--time", overrides.time_limit,
-         "limit of the run [s]; reading may take as long before it, and ten seconds at least")
-      ->type_name("SECONDS")
-      ->check(numberFrom(kLeastTime, kMostTime));
-}
-
-void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
-  addRunLimits(app, overrides);
-  app.add_option("--iterations", overrides.iteration_limit,
-                 "limit of planner iterations, 0 for none")
-      ->type_name("N")
-      ->check(countFrom(0));
-  app.add_option("--planner", overrides.planner,
-                 "planner by name; `leeway plan --planners` lists them")
-      ->type_name("PLANNER");
-  app.add_option("--workers", overrides.workers,
-                 "searches of Connect side by side, 1 by default: they fix the answer, threads do "
-                 "not")
-      ->type_name("N");
-  app.add_option("--improve", overrides.improve,
-                 "how long Connect looks for shorter paths once it has one, within --time [s]")
-      ->type_name("SECONDS");
-  app.add_option("--objective", overrides.objective, "what is best")
-      ->check(CLI::IsMember({"length", "clearance"}));
-  app.add_option("--keep", overrides.keep,
-                 "the shortest path that keeps this clearance from the world [m]")
-      ->type_name("METRES");
-  app.add_option(
-         "--at-most-longer", overrides.at_most_longer,
-         "the safest path that is at most so much longer than the shortest found: 0.2 for a "
-         "fifth")
-      ->type_name("SHARE");
-  app.add_option("--hinge", overrides.hinge,
-                 "the path of the least integral of 1 - d / M over its length, where its clearance "
-                 "d from the world is below M [m]")
-      ->type_name("M")
-      ->check(numberFrom(1e-9, 1e9));
-  app.add_option("--inverse", overrides.inverse,
-                 "the same of M / d, and at most 1, wherever the world is")
-      ->type_name("M")
-      ->check(numberFrom(1e-9, 1e9));
-  app.add_option("--length-weight", overrides.length_weight,
-                 "so much times the length is added to that integral; 0 by default")
-      ->type_name("W")
-      ->check(numberFrom(0, 1e9));
-  app.add_flag("--no-push", overrides.no_push, "leave a simplified path where it hugs obstacles");
-  app.add_option("--certificate", overrides.certificate,
-                 "how exactly clearance is told; every edge is proven either way. path: the "
-                 "path's least, roughly (to about three tenths); full: that of each edge to 0.1 "
-                 "mm, which may take longer")
-      ->check(CLI::IsMember({"path", "full"}));
-}
-
-planner::PlanOptions planOptions(const PlanOverrides& overrides, const planner::Problem& problem) {
-  planner::PlanOptions options = interactivePlanOptions({}, problem.limits.time);
-  if (overrides.certificate == "full") options.detail = planner::CertificateDetail::kEveryEdge;
-  return options;
-}
-
 robots::LoadOptions loadOptions(const ProblemSource& source) {
   robots::LoadOptions options;
   if (!source.no_cache) options.cache = robots::cacheFolder();
@@ -405,102 +302,6 @@ std::string takePathFile(ProblemSource& source, const std::vector<std::string>& 
     source.problem = files.front();
   }
   return files.back();
-}
-
-namespace {
-
-/// --hinge, --inverse, --length-weight: an objective of their own.
-void applyCost(const PlanOverrides& overrides, planner::Problem& problem) {
-  if (!overrides.hinge && !overrides.inverse) {
-    if (overrides.length_weight)
-      badUsage(fmt::format("--length-weight {}: --hinge or --inverse is expected beside it",
-                           *overrides.length_weight));
-    return;
-  }
-  if ((overrides.hinge && overrides.inverse) || !overrides.objective.empty() || overrides.keep ||
-      overrides.at_most_longer)
-    badUsage(
-        "--hinge and --inverse are objectives of their own: one of them is expected, and none of "
-        "--objective, --keep and --at-most-longer");
-  planner::CostTerm term;
-  if (overrides.inverse) term.nearness.kind = planner::Nearness::Kind::kInverse;
-  term.nearness.distance = overrides.inverse ? *overrides.inverse : *overrides.hinge;
-  problem.objective = planner::MinimumCost{overrides.length_weight.value_or(0), {term}};
-}
-
-/// --improve is of one search and one objective: elsewhere it would be ignored.
-void expectImproves(const PlanOverrides& overrides, const planner::Problem& problem) {
-  if (planner::parameterNumber(overrides.improve) == 0.0) return;
-  const auto refuse = [&](const std::string& why) {
-    badUsage(fmt::format("--improve {}: {}", overrides.improve, why));
-  };
-  if (problem.planner.name != "Connect")
-    refuse(
-        fmt::format("{} has no such time; Connect has, and planners that optimise go on for all "
-                    "of --time",
-                    problem.planner.name));
-  if (planner::improveFault(problem))
-    refuse(
-        "only paths of the objective length, without wishes, become shorter; others take all of "
-        "--time");
-}
-
-}  // namespace
-
-void apply(const PlanOverrides& overrides, planner::Problem& problem) {
-  if (overrides.seed) {
-    problem.seed = *overrides.seed;
-  }
-  if (overrides.time_limit) {
-    problem.limits.time = *overrides.time_limit;
-  }
-  if (overrides.iteration_limit) {
-    problem.limits.iterations = *overrides.iteration_limit;
-  }
-  if (!overrides.planner.empty()) {
-    // Parameters belong to the planner that the file names.
-    if (overrides.planner != problem.planner.name) {
-      problem.planner.parameters.clear();
-    }
-    problem.planner.name = overrides.planner;
-  }
-  if (!overrides.workers.empty()) {
-    problem.planner.parameters["workers"] = overrides.workers;
-  }
-  if (!overrides.objective.empty()) {
-    problem.objective = planner::objectiveOfName(overrides.objective).value();
-  }
-  if (!overrides.improve.empty()) {
-    problem.planner.parameters["improve"] = overrides.improve;
-  }
-  if (overrides.keep) {
-    auto* length = std::get_if<planner::MinimumLength>(&problem.objective);
-    if (length == nullptr || !(*overrides.keep >= 0) || std::isinf(*overrides.keep)) {
-      badUsage(
-          fmt::format("--keep {}: a length of at least 0 is expected, beside the objective "
-                      "length alone",
-                      *overrides.keep));
-    }
-    length->clearance = *overrides.keep;
-  }
-  if (overrides.at_most_longer) {
-    if (overrides.objective.empty() && !overrides.keep &&
-        !std::holds_alternative<planner::MaximumClearance>(problem.objective)) {
-      problem.objective = planner::MaximumClearance{};
-    }
-    auto* clearance = std::get_if<planner::MaximumClearance>(&problem.objective);
-    if (clearance == nullptr || !(*overrides.at_most_longer >= 0) ||
-        std::isinf(*overrides.at_most_longer)) {
-      badUsage(fmt::format(
-          "--at-most-longer {}: a share of at least 0 is expected, beside the objective "
-          "clearance alone",
-          *overrides.at_most_longer));
-    }
-    clearance->at_most_longer = *overrides.at_most_longer;
-  }
-  applyCost(overrides, problem);
-  if (!overrides.improve.empty()) expectImproves(overrides, problem);
-  if (overrides.no_push) problem.planner.push = false;
 }
 
 void printWarnings(const std::vector<std::string>& warnings) {

@@ -1,13 +1,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
 
 namespace leeway::tools {
@@ -30,39 +27,11 @@ struct ProblemSource {
   robots::InputErrors* errors = nullptr;
 };
 
-/// What the command line says over what the problem says.
-struct PlanOverrides {
-  std::optional<std::uint64_t> seed;
-  std::optional<double> time_limit;  ///< [s]
-  std::optional<std::int64_t> iteration_limit;
-  std::string planner, objective, workers, improve;
-  std::optional<double> keep;  ///< clearance from the world [m]
-  std::optional<double> at_most_longer;
-  std::optional<double> hinge, inverse;  ///< of an integral [m]
-  std::optional<double> length_weight;
-  bool no_push = false;
-  std::string certificate = "path";
-};
-/// interactivePlanOptions() for a plan of `problem`, with the certificate that is asked for.
-planner::PlanOptions planOptions(const PlanOverrides& overrides, const planner::Problem& problem);
-
 void addRobotArguments(CLI::App& app, ProblemSource& source);
 void addProblemArguments(CLI::App& app, ProblemSource& source);
 /// A problem and a path: two files, or with --robot the path's alone.
 void addProblemAndPathArguments(CLI::App& app, ProblemSource& source,
                                 std::vector<std::string>& files);
-/// What is wrong with the text of a seed; empty: nothing. CLI11 alone takes -1 for the largest.
-std::string seedError(const std::string& text);
-/// Validators of option values, as CLI::Range but for NaN, which that takes, and counts too large
-/// for their type.
-CLI::Validator numberFrom(double lower, double upper);
-CLI::Validator countFrom(std::int64_t lower,
-                         std::int64_t upper = std::numeric_limits<std::int64_t>::max());
-/// --seed and --time: for verbs that answer questions about what is given.
-void addRunLimits(CLI::App& app, PlanOverrides& overrides);
-/// Those and --iterations, --planner, --objective: for verbs that plan.
-void addPlanOverrides(CLI::App& app, PlanOverrides& overrides);
-
 /// Throws robots::InputError, and robots::Stopped for an interrupt or a `time_limit` [s] that is
 /// over (InterruptibleReading); prints the loader's warnings to stderr.
 planner::Problem loadProblem(const ProblemSource& source, std::optional<double> time_limit = {});
@@ -77,7 +46,9 @@ robots::LoadOptions loadOptions(const ProblemSource& source);
 std::vector<std::string> filesOf(const ProblemSource& source);
 /// Moves the problem's file from `files` to `source` and returns the path's.
 std::string takePathFile(ProblemSource& source, const std::vector<std::string>& files);
-void apply(const PlanOverrides& overrides, planner::Problem& problem);
+
+/// Throws robots::InputError of the command line.
+[[noreturn]] void badUsage(const std::string& message);
 
 /// Each warning once in the life of the process, to stderr, unless isQuiet().
 void printWarnings(const std::vector<std::string>& warnings);

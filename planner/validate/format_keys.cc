@@ -1,18 +1,18 @@
-#include "planner/yaml/format_keys.h"
+#include "planner/validate/format_keys.h"
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "leeway/planner/settings.h"
 
 namespace leeway::planner {
 namespace {
 
 using Keys = std::string_view;
 
-constexpr Keys kProblem[] = {"leeway", "name",    "robot",   "body",      "joints",
-                             "start",  "goal",    "goals",   "objects",   "allowed",
-                             "margin", "margins", "planner", "objective", "simplify",
-                             "limits", "seed",    "moveit",  "deforming", "execution",
-                             "frames", "steps",   "groups",  "push",      "meshes"};
 constexpr Keys kRobot[] = {"urdf", "srdf", "packages", "xacro", "visual_as_collision", "group"};
 constexpr Keys kBody[] = {"name", "joint", "bounds", "shapes"};
 constexpr Keys kBounds[] = {"lower", "upper"};
@@ -38,10 +38,6 @@ constexpr Keys kObjective[] = {"length", "clearance", "integral", "weighted"};
 constexpr Keys kNearness[] = {"hinge", "inverse", "of"};
 constexpr Keys kWeightedObjective[] = {"length", "integral", "worst"};
 constexpr Keys kWeightedNearness[] = {"hinge", "inverse", "of", "weight"};
-constexpr Keys kLengthObjective[] = {"clearance"};
-constexpr Keys kClearanceObjective[] = {"of", "at_most_longer"};
-constexpr Keys kPlanner[] = {"name", "parameters"};
-constexpr Keys kLimits[] = {"time", "iterations"};
 constexpr Keys kMoveit[] = {"scene", "request"};
 constexpr Keys kDeforming[] = {"name",   "position", "orientation", "rpy",      "grid",   "mesh",
                                "motion", "margin",   "speed_bound", "strategy", "options"};
@@ -66,9 +62,6 @@ constexpr Keys kReduced[] = {"modes", "harmonics", "keys", "interpolation"};
 constexpr Keys kHarmonic[] = {"amplitude", "frequency", "phase"};
 constexpr Keys kReducedKey[] = {"time", "coordinates"};
 constexpr Keys kCache[] = {"file", "scale", "start", "rate"};
-constexpr Keys kExecution[] = {"start",      "step",          "duration", "speed",
-                               "velocities", "accelerations", "jerks",    "corners",
-                               "foresight",  "look_ahead",    "buffer",   "patience"};
 constexpr Keys kPose[] = {"position", "orientation", "rpy"};
 constexpr Keys kFrame[] = {"link", "position", "orientation", "rpy"};
 constexpr Keys kPoses[] = {"pose", "poses"};
@@ -79,8 +72,7 @@ constexpr Keys kLine[] = {"frame", "by", "relative_to", "position_tolerance", "a
 constexpr Keys kAttachStep[] = {"object", "link", "touch"};
 constexpr Keys kPlanarPose[] = {"position", "angle"};
 
-const std::array kFormats = {MapFormat{"problem", kProblem},
-                             MapFormat{"mesh_treatment", kMeshTreatment},
+const std::array kFormats = {MapFormat{"mesh_treatment", kMeshTreatment},
                              MapFormat{"robot", kRobot},
                              MapFormat{"body", kBody},
                              MapFormat{"bounds", kBounds},
@@ -98,13 +90,9 @@ const std::array kFormats = {MapFormat{"problem", kProblem},
                              MapFormat{"attach", kAttach},
                              MapFormat{"pair_margin", kPairMargin},
                              MapFormat{"objective", kObjective},
-                             MapFormat{"length_objective", kLengthObjective},
-                             MapFormat{"clearance_objective", kClearanceObjective},
                              MapFormat{"nearness", kNearness},
                              MapFormat{"weighted_objective", kWeightedObjective},
                              MapFormat{"weighted_nearness", kWeightedNearness},
-                             MapFormat{"planner", kPlanner},
-                             MapFormat{"limits", kLimits},
                              MapFormat{"moveit", kMoveit},
                              MapFormat{"deforming", kDeforming},
                              MapFormat{"grid", kGrid},
@@ -127,7 +115,6 @@ const std::array kFormats = {MapFormat{"problem", kProblem},
                              MapFormat{"harmonic", kHarmonic},
                              MapFormat{"reduced_key", kReducedKey},
                              MapFormat{"cache", kCache},
-                             MapFormat{"execution", kExecution},
                              MapFormat{"pose", kPose},
                              MapFormat{"planar_pose", kPlanarPose},
                              MapFormat{"frame", kFrame},
@@ -137,12 +124,51 @@ const std::array kFormats = {MapFormat{"problem", kProblem},
                              MapFormat{"line", kLine},
                              MapFormat{"attach_step", kAttachStep}};
 
+/// The maps whose keys are in the table of settings, and where they stand in a file.
+struct SettingMap {
+  std::string_view name, place;
+};
+constexpr SettingMap kSettingMaps[] = {{"problem", ""},
+                                       {"length_objective", "objective.length"},
+                                       {"clearance_objective", "objective.clearance"},
+                                       {"planner", "planner"},
+                                       {"limits", "limits"},
+                                       {"execution", "execution"}};
+
+std::vector<std::string_view> keysAt(std::string_view place) {
+  std::vector<std::string_view> keys;
+  for (const Setting& setting : settings()) {
+    std::string_view key = setting.key;
+    if (!place.empty()) {
+      if (!key.starts_with(place) || key.size() == place.size() || key[place.size()] != '.')
+        continue;
+      key.remove_prefix(place.size() + 1);
+    }
+    key = key.substr(0, key.find('.'));
+    if (!key.empty() && std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+  }
+  return keys;
+}
+
 }  // namespace
 
-std::span<const MapFormat> mapFormats() { return kFormats; }
+std::span<const MapFormat> mapFormats() {
+  static const std::vector<std::vector<std::string_view>> keys = [] {
+    std::vector<std::vector<std::string_view>> all;
+    for (const SettingMap& map : kSettingMaps) all.push_back(keysAt(map.place));
+    return all;
+  }();
+  static const std::vector<MapFormat> formats = [] {
+    std::vector<MapFormat> all;
+    for (std::size_t i = 0; i < keys.size(); ++i) all.push_back({kSettingMaps[i].name, keys[i]});
+    all.insert(all.end(), kFormats.begin(), kFormats.end());
+    return all;
+  }();
+  return formats;
+}
 
 std::span<const std::string_view> keysOf(std::string_view name) {
-  for (const MapFormat& format : kFormats)
+  for (const MapFormat& format : mapFormats())
     if (format.name == name) return format.keys;
   throw std::logic_error("no such kind of map: " + std::string(name));
 }

@@ -7,6 +7,7 @@
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/planners.h"
+#include "leeway/planner/settings.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/space/ompl_planners.h"
@@ -25,21 +26,20 @@ Fault faultAt(const std::string& where, const char* key, double value,
 }
 
 /// Returns the fault of limits by the names of planned variables.
-std::optional<Fault> byVariableFault(const Problem& problem, const char* key,
+std::optional<Fault> byVariableFault(const Problem& problem, const Setting& setting,
                                      const std::map<std::string, double>& limits) {
   if (limits.empty()) return std::nullopt;
   std::vector<std::string> known;
   for (const int v : problem.robot.variables)
     known.push_back(problem.robot.model->variables[at(v)].name);
+  const std::string key(setting.key.substr(setting.key.rfind('.') + 1));
   for (const auto& [name, limit] : limits) {
     if (std::find(known.begin(), known.end(), name) == known.end())
-      return Fault{fmt::format("execution.{}: no planned variable is named '{}'{}", key, name,
+      return Fault{fmt::format("{}: no planned variable is named '{}'{}", setting.key, name,
                                didYouMean(name, known)),
                    key, name};
-    if (!(limit >= kLeastLimit && limit <= kMostLimit))
-      return Fault{fmt::format("execution.{}.{} is {}; a number from {} to {} is expected", key,
-                               name, limit, kLeastLimit, kMostLimit),
-                   key, name};
+    if (auto fault = numberFault(setting, fmt::format("{}.{}", setting.key, name), limit))
+      return Fault{*fault, key, name};
   }
   return std::nullopt;
 }
@@ -48,33 +48,14 @@ std::optional<Fault> byVariableFault(const Problem& problem, const char* key,
 
 std::optional<Fault> executionFault(const Problem& problem) {
   const Execution& e = problem.execution;
-  const auto fault = [](const char* key, double value, const std::string& expected) {
-    return faultAt("execution", key, value, expected);
-  };
-  if (!std::isfinite(e.start)) return fault("start", e.start, "a finite number of seconds");
-  if (!isAbove0(e.step)) return fault("step", e.step, "a number above 0");
   if (!(e.duration >= e.step))
-    return fault("duration", e.duration, fmt::format("at least a step, {} s,", e.step));
-  if (!(e.speed >= kLeastLimit && e.speed <= 1))
-    return fault("speed", e.speed,
-                 fmt::format("a share of the velocity limits, {} up to 1,", kLeastLimit));
-  if (!isSize(e.look_ahead)) return fault("look_ahead", e.look_ahead, "zero or more");
-  if (!isSize(e.buffer)) return fault("buffer", e.buffer, "zero or more");
-  if (!(e.patience >= 0)) return fault("patience", e.patience, "zero or more");
-  for (const auto& [key, limits] : {std::pair("velocities", &e.velocities),
-                                    {"accelerations", &e.accelerations},
-                                    {"jerks", &e.jerks}})
-    if (auto wrong = byVariableFault(problem, key, *limits)) return wrong;
-  return std::nullopt;
-}
-
-std::optional<Fault> limitsFault(const PlanningLimits& limits) {
-  if (!(limits.time >= 0)) return faultAt("limits", "time", limits.time, "zero or more");
-  if (limits.iterations < 0)
-    return Fault{
-        fmt::format("limits.iterations is {}; zero or more is expected", limits.iterations),
-        "iterations",
-        {}};
+    return faultAt("execution", "duration", e.duration,
+                   fmt::format("at least a step, {} s,", e.step));
+  for (const Setting& setting : settings())
+    if (const auto* place =
+            std::get_if<SettingPlace<std::map<std::string, double>>>(&setting.value))
+      if (auto wrong = byVariableFault(problem, setting, *settingValue(problem, *place)))
+        return wrong;
   return std::nullopt;
 }
 
@@ -86,18 +67,7 @@ std::optional<Fault> termFault(const CostTerm& term, const std::string& where) {
   return std::nullopt;
 }
 
-std::optional<std::string> objectiveFault(const Objective& objective) {
-  if (const auto* length = std::get_if<MinimumLength>(&objective)) {
-    // (-infinity stands for no clearance.)
-    if (isSize(length->clearance) || length->clearance == -kInfinity) return std::nullopt;
-    return faultAt("objective", "clearance", length->clearance, "zero or more").message;
-  }
-  if (const auto* clearance = std::get_if<MaximumClearance>(&objective)) {
-    if (clearance->at_most_longer >= 0) return std::nullopt;
-    return faultAt("objective", "at_most_longer", clearance->at_most_longer, "zero or more")
-        .message;
-  }
-  const auto& cost = std::get<MinimumCost>(objective);
+std::optional<std::string> costFault(const MinimumCost& cost) {
   if (!isSize(cost.length))
     return faultAt("objective", "length", cost.length, "zero or more").message;
   if (cost.length > 0 || std::any_of(cost.terms.begin(), cost.terms.end(),
