@@ -255,6 +255,8 @@ TEST_F(Clearance, TasksAreMeasuredStepByStep) {
   EXPECT_NE(table.find("certified,step\n"), std::string::npos);
   EXPECT_NE(table.find(",yes,put down\n"), std::string::npos) << table;
   expectRefused("clearance " + can + "can.csv", {"can.csv"});
+  // The page has the can held and not held, whatever its steps are relative to.
+  EXPECT_EQ(run("view " + can + "can.json --svg can.svg").status, 0);
 }
 
 /// Paths in single precision miss start and goal by some 1e-8.

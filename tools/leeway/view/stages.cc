@@ -42,6 +42,7 @@ void expectSteps(const Problem& problem, const planner::Path& path) {
 
 Problem shownProblem(const Problem& problem) {
   Problem shown = problem;
+  shown.steps.clear();  // they speak of a world in which nothing is held yet
   for (const planner::Step& step : problem.steps)
     if (const auto* attach = std::get_if<planner::AttachStep>(&step.action))
       if (!holds(shown, attach->object))
