@@ -1,8 +1,10 @@
 // mbm_report: reads the lines of `leeway batch` on MoveIt problems, checks every path densely with
 // FCL, and prints a table by set.
-//   mbm_report --robot R.urdf [--srdf R.srdf] [--step 0.002] LINES.jsonl
-// A line's `problem` is the scene's path; the request is requestNNNN.yaml beside it. Exit status 1
-// when any problem is unsolved, uncertified, unverified or collides.
+//   mbm_report --robot R.urdf [--srdf R.srdf] [--step 0.002] [--scenes FOLDER] LINES.jsonl
+// A line's `problem` is the scene's path, or with --scenes, FOLDER/SET/sceneNNNN.yaml has the scene
+// of problem SET/sceneNNNN.yaml: tools/scripts/sense makes such problems. The request is
+// requestNNNN.yaml in the scene's folder. Exit status 1 when any problem is unsolved, uncertified,
+// unverified or collides.
 
 #include <fmt/format.h>
 
@@ -83,6 +85,13 @@ bool collides(DenseWorld& world, const std::string& problem, const std::vector<s
   return false;
 }
 
+/// The MoveIt scene of a problem; `scenes`: see above.
+std::string sceneOf(const std::filesystem::path& problem, const std::string& scenes) {
+  if (scenes.empty()) return problem.string();
+  return (std::filesystem::path(scenes) / problem.parent_path().filename() / problem.filename())
+      .string();
+}
+
 /// Whether start or goal collides: a refusal is then correct.
 bool endsCollide(DenseWorld& world) {
   for (const auto* end : {&world.start(), &world.goal()}) {
@@ -95,11 +104,12 @@ bool endsCollide(DenseWorld& world) {
 }
 
 void judge(const Json& line, const std::shared_ptr<const leeway::robots::Model>& model, double step,
-           Row& row) {
+           const std::string& scenes, Row& row) {
   const std::string problem = line.at("problem");
   const std::string status = line.at("status");
   ++row.problems;
-  DenseWorld world(model, problem, requestOf(problem));
+  const std::string scene = sceneOf(problem, scenes);
+  DenseWorld world(model, scene, requestOf(scene));
   if (status == "invalid_start" || status == "invalid_goal") {
     ++row.invalid;
     fmt::print("{}: {}; FCL finds start or goal {}\n", problem, status,
@@ -146,7 +156,8 @@ void print(const std::string& name, const Row& r) {
       quantile(r.total_ms, 0.95), r.states);
 }
 
-int run(const std::string& robot, const std::string& srdf, double step, const std::string& file) {
+int run(const std::string& robot, const std::string& srdf, double step, const std::string& scenes,
+        const std::string& file) {
   const auto model = leeway::robots::loadModel(robot, srdf);
   std::ifstream stream(file);
   if (!stream) throw std::runtime_error(file + ": cannot be opened");
@@ -156,7 +167,7 @@ int run(const std::string& robot, const std::string& srdf, double step, const st
     if (text.empty()) continue;
     const Json line = Json::parse(text);
     const std::filesystem::path problem = line.at("problem").get<std::string>();
-    judge(line, model, step, sets[problem.parent_path().filename().string()]);
+    judge(line, model, step, scenes, sets[problem.parent_path().filename().string()]);
   }
   fmt::print("\n{:<28} {:>4} {:>6} {:>7} {:>6} {:>9} {:>8} {:>9} {:>9} {:>17} {:>17} {:>10}\n",
              "set", "of", "solved", "invalid", "error", "certified", "verified", "colliding",
@@ -174,16 +185,18 @@ int run(const std::string& robot, const std::string& srdf, double step, const st
 
 int main(int argc, char** argv) {
   CLI::App app("Checks the paths of `leeway batch` densely with FCL and prints a table by set.");
-  std::string robot, srdf, lines;
+  std::string robot, srdf, scenes, lines;
   double step = 0.002;
   app.add_option("--robot", robot, "URDF")->required();
   app.add_option("--srdf", srdf, "SRDF");
   app.add_option("--step", step, "distance between states that are looked at [rad]")
       ->check(CLI::PositiveNumber);
+  app.add_option("--scenes", scenes, "folder with the scenes, by set")
+      ->check(CLI::ExistingDirectory);
   app.add_option("lines", lines, "output of leeway batch --verify")->required();
   CLI11_PARSE(app, argc, argv);
   try {
-    return run(robot, srdf, step, lines);
+    return run(robot, srdf, step, scenes, lines);
   } catch (const std::exception& error) {
     fmt::print(stderr, "mbm_report: {}\n", error.what());
     return 2;
