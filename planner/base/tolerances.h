@@ -662,6 +662,10 @@ constexpr long kVerifyWork = 10'000'000;
 /// And so many more for each pair of shapes on each edge: most pairs take one.
 constexpr double kVerifyLooks = 4;
 
+/// A ball around a part of a cloud whose radius is above this share of its distance is looked at in
+/// parts where the certified clearance would rest on it. Smaller bounds are tighter and slower.
+constexpr double kVerifyCoarse = 0.1;
+
 /// What the distances of these looks may cost [units of collision::Work]: as long, where each is a
 /// depth of meshes that takes milliseconds.
 constexpr std::int64_t kVerifyPairCost = 4'000'000'000;

@@ -29,6 +29,18 @@
 namespace leeway::planner {
 namespace {
 
+bool hasShapes(const Object& object) {
+  return !object.geometries.empty() || (object.cloud && !object.cloud->balls.empty());
+}
+
+/// An object as a body: first its cloud's balls, then its shapes.
+collision::Body bodyOf(const Object& object) {
+  collision::Body body{object.name, {}, false, object.X_WO};
+  if (object.cloud) body.geometries = geometriesOf(*object.cloud);
+  body.geometries.insert(body.geometries.end(), object.geometries.begin(), object.geometries.end());
+  return body;
+}
+
 /// What a problem adds to its robot: objects of the world, and what is said of pairs by name.
 class Surroundings {
  public:
@@ -78,7 +90,7 @@ class Surroundings {
   }
 
   void add(const Object& object) {
-    if (object.geometries.empty()) {
+    if (!hasShapes(object)) {
       if (!isNamed(object.name))
         warnings_.push_back(
             fmt::format("object '{}' has no shape: nothing is checked against it", object.name));
@@ -86,7 +98,7 @@ class Surroundings {
     }
     objects_.push_back(&object);
     names_matter_ = names_matter_ || robot_.isAllowedName(object.name);
-    builder_.add({object.name, object.geometries, false, object.X_WO});
+    builder_.add(bodyOf(object));
   }
 
   /// Whether margins, wishes or contacts speak of it. O(pairs).
@@ -233,6 +245,7 @@ std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRob
 struct CompiledScene::NamedRules {
   std::string problem;  // its name, for messages
   Margins margins;
+  double most_margin;  // mostMargin()
   double execution_start;
   int objects;                               // bodies of its objects, behind those of the robot
   std::vector<DeformingObstacle> deforming;  // whose bodies come next
@@ -251,9 +264,9 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
   const std::shared_ptr<const PreparedRobot> robot = PreparedRobot::of(problem, *space_, stop);
   Surroundings world(problem, *robot, stop);
   dropped_ = world.dropped();
-  rules_ = std::make_shared<const NamedRules>(NamedRules{problem.name, problem.margins,
-                                                         problem.execution.start, world.objects(),
-                                                         problem.world.deforming});
+  rules_ = std::make_shared<const NamedRules>(
+      NamedRules{problem.name, problem.margins, mostMargin(problem), problem.execution.start,
+                 world.objects(), problem.world.deforming});
   std::vector<std::string> warnings = robot->warnings();
   // Steps may take what stands in the world now.
   if (problem.steps.empty())
@@ -330,14 +343,15 @@ BodiesByName CompiledScene::addTo(collision::SceneChange& change, std::span<cons
   for (const Object& object : added) {
     if (const std::string fault = objectFault(object); !fault.empty())
       throw std::invalid_argument(fault);
+    if (const std::string fault = cropFault(object, rules_->most_margin); !fault.empty())
+      throw std::invalid_argument(fault);
     const int other = findThing(object.name);
     const bool goes = std::find(removed.begin(), removed.end(), other) != removed.end();
     const bool is_taken = object.name.empty() || !names.insert(object.name).second ||
                           (other >= 0 && !goes) || model_->findLink(object.name) >= 0;
     if (const std::string fault = objectNameFault(object.name, is_taken); !fault.empty())
       throw std::invalid_argument(fmt::format("object '{}' {}", object.name, fault));
-    if (!object.geometries.empty())
-      bodies.emplace(object.name, change.add({object.name, object.geometries, false, object.X_WO}));
+    if (hasShapes(object)) bodies.emplace(object.name, change.add(bodyOf(object)));
   }
   return bodies;
 }
@@ -515,7 +529,15 @@ namespace {
 /// How an object and a body of the world differ; empty: they do not.
 std::string differenceOf(const Object& object, const collision::Body& body) {
   if (!isSamePose(object.X_WO, body.X_WB)) return "stands elsewhere";
-  return areSameShapes(object.geometries, body.geometries) ? "" : "has another shape";
+  const std::size_t balls = object.cloud ? object.cloud->size() : 0;
+  if (balls > body.geometries.size()) return "has another shape";
+  const std::span<const collision::Geometry> geometries = body.geometries;
+  for (std::size_t i = 0; i < balls; ++i)
+    if (geometries[i].shape.type() != collision::ShapeType::kSphere ||
+        geometries[i].shape.radius() != object.cloud->balls[i].radius ||
+        geometries[i].X_BG.translation != object.cloud->balls[i].center)
+      return "has another cloud";
+  return areSameShapes(object.geometries, geometries.subspan(balls)) ? "" : "has another shape";
 }
 
 bool areSameMargins(const Margins& x, const Margins& y) {
@@ -536,12 +558,11 @@ bool areSameWishes(const Margins& x, const Margins& y) {
 /// Between the problem's objects and those of the scene: as they were compiled, or as they are now.
 std::string CompiledScene::objectsDifference(const Problem& problem) const {
   const auto bodies = scene_.bodies();
-  const auto shaped = [](const Object& object) { return !object.geometries.empty(); };
   const std::vector<Object>& objects = problem.world.objects;
   int body = bodiesOfRobot();
   const int end = body + rules_->objects;
   const bool is_as_compiled = std::all_of(objects.begin(), objects.end(), [&](const Object& o) {
-    if (!shaped(o)) return true;
+    if (!hasShapes(o)) return true;
     const bool is_same =
         body < end && o.name == bodies[at(body)].name && differenceOf(o, bodies[at(body)]).empty();
     ++body;
@@ -553,7 +574,7 @@ std::string CompiledScene::objectsDifference(const Problem& problem) const {
   for (std::size_t b = at(bodiesOfRobot()); b < bodies.size(); ++b)
     if (scene_.isRemoved(static_cast<int>(b))) --left;
   for (const Object& object : objects) {
-    if (!shaped(object)) continue;
+    if (!hasShapes(object)) continue;
     const int found = findThing(object.name);
     if (found < 0) return fmt::format("the scene has no object '{}'", object.name);
     const std::string difference = differenceOf(object, bodies[at(found)]);

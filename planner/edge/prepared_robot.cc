@@ -68,7 +68,7 @@ bool isSamePose(const robots::Pose& x, const robots::Pose& y) {
   return x.rotation == y.rotation && x.translation == y.translation;
 }
 
-bool areSameShapes(const std::vector<robots::Geometry>& x, const std::vector<robots::Geometry>& y) {
+bool areSameShapes(std::span<const robots::Geometry> x, std::span<const robots::Geometry> y) {
   return std::equal(x.begin(), x.end(), y.begin(), y.end(),
                     [](const auto& g, const auto& h) { return isSame(g, h); });
 }

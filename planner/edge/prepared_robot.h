@@ -20,7 +20,7 @@ namespace leeway::planner {
 
 /// Whether poses and shapes are the same, bit by bit; shapes that share no vertices are not.
 bool isSamePose(const robots::Pose& x, const robots::Pose& y);
-bool areSameShapes(const std::vector<robots::Geometry>& x, const std::vector<robots::Geometry>& y);
+bool areSameShapes(std::span<const robots::Geometry> x, std::span<const robots::Geometry> y);
 
 /// A robot with what it holds, ready for any world: its bodies and their bounds, the pairs among
 /// them, motions and their bounds. Kept with the model (robots::Model::prepared), and so shared by

@@ -174,6 +174,23 @@ Attachment readAttachment(const YamlReader& attach, const Model& model) {
   return attachment;
 }
 
+/// Reads the shapes or the cloud of an object.
+void readBody(const YamlReader& map, const robots::LoadOptions& load, Problem& problem,
+              Object& object) {
+  const auto cloud = map.find("cloud");
+  if (!cloud) {
+    object.geometries = readGeometries(map, object.name, problem.warnings, load);
+    return;
+  }
+  for (const char* key : {"shapes", "attach"})
+    if (map.has(key))
+      map.fail(fmt::format("{} has both 'cloud' and '{}'; one is expected", map.where(), key));
+  for (const std::string_view word : shapeWords())
+    if (map.has(word))
+      map.fail(fmt::format("{} has both 'cloud' and '{}'; one is expected", map.where(), word));
+  object.cloud = readCloud(*cloud, problem.warnings, load.stop);
+}
+
 void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
                 const robots::LoadOptions& load, Problem& problem) {
   map.expectKeys(keysOf("object"));
@@ -185,7 +202,7 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
   Object object{name.text(), {}, {}};
   // Where something of it is wrong, and reading goes on, its name is still known.
   map.readOn([&] {
-    object.geometries = readGeometries(map, object.name, problem.warnings, load);
+    readBody(map, load, problem, object);
     object.X_WO = readPose(map, problem.warnings);
   });
   Attachment attachment;
@@ -339,6 +356,40 @@ void readPairs(const YamlReader& file, const LinkPadding& padding, Problem& prob
   const auto margins = file.find("margins");
   if (!margins) return;
   margins->eachItem([&](const YamlReader& entry) { readPairMargin(entry, known, problem); });
+}
+
+/// The names that stand in `list`, groups replaced by their members.
+std::vector<std::string> readNames(const YamlReader& list, const KnownNames& known) {
+  std::vector<std::string> names;
+  for (const YamlReader& item : list.items()) {
+    const auto group = known.groups.find(item.text());
+    if (group != known.groups.end()) {
+      names.insert(names.end(), group->second.begin(), group->second.end());
+      continue;
+    }
+    expectKnown(item, list, known);
+    names.push_back(item.text());
+  }
+  return names;
+}
+
+/// Filters the clouds, once all that they may name is known.
+void filterClouds(const YamlReader& file, Problem& problem) {
+  const auto objects = file.find("objects");
+  if (!objects) return;
+  KnownNames known(problem);
+  if (const auto groups = file.find("groups")) readGroups(*groups, known);
+  objects->eachItem([&](const YamlReader& map) {
+    const auto cloud = map.find("cloud");
+    if (!cloud) return;
+    const std::string name = map.find("name")->text();
+    for (Object& object : problem.world.objects)
+      if (object.name == name && object.cloud) {
+        const auto carve = cloud->find("carve");
+        filterCloud(*cloud, carve ? readNames(*carve, known) : std::vector<std::string>(), problem,
+                    object);
+      }
+  });
 }
 
 void readPlannerOf(const YamlReader& planner, Problem& problem) {
@@ -499,6 +550,7 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
       if (!moveit) readStartAndGoals(file, problem);
     });
     file.readOn([&] { readPairs(file, padding, problem); });
+    file.readOn([&] { filterClouds(file, problem); });
   }
   readPlanner(file, problem);
   if (gathers) {

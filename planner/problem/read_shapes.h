@@ -1,10 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "leeway/collision/scene.h"
-#include "leeway/robots/model.h"
+#include "leeway/planner/problem.h"
 #include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
@@ -43,6 +43,17 @@ std::vector<collision::Geometry> readGeometries(const YamlReader& map, const std
 
 /// `scale` of a map, one factor or three; ones without it.
 Eigen::Vector3d readScale(const YamlReader& map);
+
+/// `cloud:` of an object: its points with their radius, before any filter.
+std::shared_ptr<const PointCloud> readCloud(const YamlReader& cloud,
+                                            std::vector<std::string>& warnings,
+                                            const robots::Stop& stop);
+
+/// Applies the filters of `cloud:` to the cloud of `object`: carves out what `carve` names (links,
+/// objects, held objects; already looked up), crops, thins. `problem` has all but goals that need
+/// the cloud: its start and its objects.
+void filterCloud(const YamlReader& cloud, const std::vector<std::string>& carve,
+                 const Problem& problem, Object& object);
 
 /// A path named in a YAML file: absolute, or relative to that file's folder.
 std::string resolvedPath(const YamlReader& reader);

@@ -69,6 +69,12 @@ std::string poseFault(const robots::Pose& X);
 /// Returns the fault of the poses of an object and its shapes: the whole message.
 std::string objectFault(const Object& object);
 
+/// The largest separation that margins, wishes or the objective require of a pair [m].
+double mostMargin(const Problem& problem);
+/// Returns a message if the object's cloud was cropped at less than `most_margin` [m], so that
+/// balls which matter may be missing; otherwise an empty string.
+std::string cropFault(const Object& object, double most_margin);
+
 /// Returns the fault of a bound on an obstacle's speed: it is below what the obstacle's own motion
 /// may reach while the execution lasts.
 std::optional<std::string> speedBoundFault(const DeformingObstacle& obstacle,
@@ -96,6 +102,10 @@ Problem attached(const Problem& problem, const std::string& object, const std::s
                  std::span<const double> configuration);
 Problem detached(const Problem& problem, const std::string& object,
                  std::span<const double> configuration);
+/// shapesOf() and reachOf() of one that was checked as far as checkRobot() does.
+std::vector<robots::Geometry> placedShapes(const Problem& problem, const std::string& name,
+                                           std::span<const double> configuration);
+std::vector<PointCloud::Ball> robotReach(const Problem& problem);
 /// poseRegion() of one.
 robots::PoseRegion regionOf(const Problem& problem, const FramePose& pose);
 

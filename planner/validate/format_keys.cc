@@ -21,9 +21,11 @@ constexpr Keys kShapeWords[] = {"box",       "sphere",     "cylinder", "capsule"
 constexpr Keys kShape[] = {"name",       "position", "orientation", "rpy",  "box",
                            "sphere",     "cylinder", "capsule",     "cone", "ellipsoid",
                            "half_space", "mesh",     "convex_hull"};
-constexpr Keys kObject[] = {"name",   "position",  "orientation", "rpy",      "shapes",
-                            "attach", "box",       "sphere",      "cylinder", "capsule",
-                            "cone",   "ellipsoid", "half_space",  "mesh",     "convex_hull"};
+constexpr Keys kObject[] = {"name",       "position", "orientation", "rpy",
+                            "shapes",     "attach",   "box",         "sphere",
+                            "cylinder",   "capsule",  "cone",        "ellipsoid",
+                            "half_space", "mesh",     "convex_hull", "cloud"};
+constexpr Keys kCloud[] = {"file", "radius", "carve", "carve_margin", "crop", "thin"};
 constexpr Keys kBox[] = {"size"};
 constexpr Keys kSphere[] = {"radius"};
 constexpr Keys kRadiusLength[] = {"radius", "length"};
@@ -78,6 +80,7 @@ const std::array kFormats = {MapFormat{"mesh_treatment", kMeshTreatment},
                              MapFormat{"bounds", kBounds},
                              MapFormat{"shape", kShape},
                              MapFormat{"object", kObject},
+                             MapFormat{"cloud", kCloud},
                              MapFormat{"box", kBox},
                              MapFormat{"sphere", kSphere},
                              MapFormat{"cylinder", kRadiusLength},

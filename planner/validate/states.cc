@@ -159,7 +159,27 @@ std::string objectFault(const Object& object) {
   for (const robots::Geometry& geometry : object.geometries)
     if (!isPlacement(geometry.X_BG))
       return fmt::format("the pose of a shape of '{}' {}", object.name, poseFault(geometry.X_BG));
+  if (object.cloud)
+    if (const std::string fault = cloudFault(*object.cloud); !fault.empty())
+      return fmt::format("cloud '{}': {}", object.name, fault);
   return {};
+}
+
+double mostMargin(const Problem& problem) {
+  double most = problem.margins.common;
+  for (const PairMargin& m : problem.margins.pairs) most = std::max(most, m.margin);
+  for (const Wish& wish : problem.margins.wishes) most = std::max(most, wish.clearance);
+  if (const auto* length = std::get_if<MinimumLength>(&problem.objective))
+    most = std::max(most, length->clearance);
+  return most;
+}
+
+std::string cropFault(const Object& object, double most_margin) {
+  if (!object.cloud || most_margin <= object.cloud->complete_within) return {};
+  return fmt::format(
+      "cloud '{}' lacks what is farther than {} m from the robot's reach, and a margin or wish is "
+      "{} m; a crop of at least that is expected",
+      object.name, object.cloud->complete_within, most_margin);
 }
 
 }  // namespace leeway::planner

@@ -87,6 +87,10 @@ void checkCarried(const Problem& problem) {
     for (const int link : held.touch_links)
       requireLink(problem, link, [&] { return where() + ".touch_links"; });
     requirePose(problem, held.X_LO, held.object.name);
+    if (held.object.cloud)
+      refuse(problem, fmt::format("{}.object.cloud: '{}' is a point cloud, which is not held; "
+                                  "shapes are expected",
+                                  where(), held.object.name));
   }
   for (std::size_t i = 0; i < problem.robot.frames.size(); ++i) {
     const Frame& frame = problem.robot.frames[i];
@@ -117,7 +121,12 @@ void requireObject(const Problem& problem, const Object& object) {
 }
 
 void checkWorld(const Problem& problem) {
-  for (const Object& object : problem.world.objects) requireObject(problem, object);
+  const double most_margin = mostMargin(problem);
+  for (const Object& object : problem.world.objects) {
+    requireObject(problem, object);
+    if (const std::string fault = cropFault(object, most_margin); !fault.empty())
+      refuse(problem, fault);
+  }
   for (const Attachment& held : problem.robot.attachments) requireObject(problem, held.object);
   for (const DeformingObstacle& obstacle : problem.world.deforming) {
     requireObject(problem, obstacle.object);

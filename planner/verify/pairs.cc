@@ -170,15 +170,18 @@ std::vector<Body> collectBodies(const Problem& problem) {
   for (std::size_t l = 0; l < problem.robot.model->links.size(); ++l)
     bodies.push_back({problem.robot.model->links[l].name,
                       &problem.robot.model->links[l].geometries,
+                      nullptr,
                       static_cast<int>(l),
                       false,
                       {}});
   for (const Attachment& a : problem.robot.attachments)
-    bodies.push_back({a.object.name, &a.object.geometries, a.link, true, a.X_LO});
+    bodies.push_back(
+        {a.object.name, &a.object.geometries, a.object.cloud.get(), a.link, true, a.X_LO});
   for (const Object& o : problem.world.objects)
-    bodies.push_back({o.name, &o.geometries, -1, false, o.X_WO});
+    bodies.push_back({o.name, &o.geometries, o.cloud.get(), -1, false, o.X_WO});
   for (const DeformingObstacle& o : problem.world.deforming)
-    bodies.push_back({o.object.name, &o.object.geometries, -1, false, o.object.X_WO});
+    bodies.push_back(
+        {o.object.name, &o.object.geometries, o.object.cloud.get(), -1, false, o.object.X_WO});
   return bodies;
 }
 

@@ -12,9 +12,10 @@ namespace leeway::planner::verification {
 struct Body {
   std::string name;
   const std::vector<robots::Geometry>* geometries = nullptr;
-  int link = -1;          ///< carries it, or is it; -1: the world
-  bool attached = false;  ///< an attached object
-  robots::Pose X_LB;      ///< in its link, or in the world
+  const PointCloud* cloud = nullptr;  ///< balls besides these; null: none
+  int link = -1;                      ///< carries it, or is it; -1: the world
+  bool attached = false;              ///< an attached object
+  robots::Pose X_LB;                  ///< in its link, or in the world
 };
 
 /// Two bodies that must keep more than `margin` [m] apart.

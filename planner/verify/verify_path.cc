@@ -5,22 +5,28 @@
 //   |t - middle| v < (d - margin) / 2
 //
 // The remains on both sides go back to the queue.
+//
+// A cloud is a tree of balls, each of which contains those below it. An interval is first looked at
+// with the tree's root, and goes on with the children of a ball that does not suffice.
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <optional>
 
 #include "collision/base/numbers.h"
+#include "collision/base/tolerances.h"
 #include "collision/base/work.h"
 #include "leeway/collision/distance.h"
 #include "leeway/planner/verify.h"
 #include "planner/base/clock.h"
 #include "planner/base/tolerances.h"
 #include "planner/validate/checks.h"
+#include "planner/verify/ball_tree.h"
 #include "planner/verify/kinematics.h"
 #include "planner/verify/pairs.h"
 #include "planner/verify/path_check.h"
@@ -43,6 +49,15 @@ struct ShapePair {
   const robots::Geometry* a;
   const robots::Geometry* b;
   Sphere sphere_a, sphere_b;
+};
+
+/// One shape of one body against the cloud of another.
+struct CloudPair {
+  const BodyPair* bodies;
+  bool is_of_a;  ///< the shape's body is the first of the two
+  const robots::Geometry* shape;
+  Sphere sphere;
+  const BallTree* cloud;
 };
 
 class Verifier {
@@ -76,7 +91,9 @@ class Verifier {
     // One waypoint is an edge without motion.
     const std::size_t segments = std::max<std::size_t>(1, path_.positions.size() - 1);
     // A trajectory in samples has many edges: what it may cost grows with them.
-    const double looks = kVerifyLooks * static_cast<double>(segments * shapes_.size());
+    std::size_t pairs = shapes_.size();
+    for (const CloudPair& pair : clouds_) pairs += pair.cloud->ballCount();
+    const double looks = kVerifyLooks * static_cast<double>(segments * pairs);
     most_work_ = kVerifyWork + static_cast<long>(looks);
     most_cost_ = kVerifyCost * (most_work_ / kVerifyWork);
     for (std::size_t s = 0; s < segments; ++s)
@@ -121,6 +138,20 @@ class Verifier {
       for (const robots::Geometry& a : *bodies_[pair.a].geometries)
         for (const robots::Geometry& b : *bodies_[pair.b].geometries)
           shapes_.push_back({&pair, &a, &b, enclosingSphere(a.shape), enclosingSphere(b.shape)});
+    for (const BodyPair& pair : pairs_.checked) {
+      collectClouds(pair, true);
+      collectClouds(pair, false);
+    }
+  }
+
+  /// The shapes of one body of the pair, and the cloud of the other.
+  void collectClouds(const BodyPair& pair, bool is_of_a) {
+    const Body& body = bodies_[is_of_a ? pair.a : pair.b];
+    const PointCloud* const cloud = bodies_[is_of_a ? pair.b : pair.a].cloud;
+    if (cloud == nullptr || cloud->balls.empty()) return;
+    const BallTree& tree = trees_.try_emplace(cloud, *cloud).first->second;
+    for (const robots::Geometry& shape : *body.geometries)
+      clouds_.push_back({&pair, is_of_a, &shape, enclosingSphere(shape.shape), &tree});
   }
 
   /// False when the whole path is decided or the work is used up.
@@ -139,6 +170,8 @@ class Verifier {
     }
     for (const ShapePair& pair : shapes_)
       if (!checkPair(segment, pair)) return false;
+    for (const CloudPair& pair : clouds_)
+      if (!checkCloud(segment, pair)) return false;
     return true;
   }
 
@@ -315,6 +348,105 @@ class Verifier {
     return true;
   }
 
+  /// Where a shape and a part of a cloud are still to be proven.
+  struct OpenPart {
+    std::size_t node;
+    Span span;
+  };
+
+  /// The shapes of a pair, with `part`, a ball, in the place of the cloud.
+  static ShapePair withPart(const CloudPair& pair, const robots::Geometry& part) {
+    const Sphere around = enclosingSphere(part.shape);
+    return pair.is_of_a ? ShapePair{pair.bodies, pair.shape, &part, pair.sphere, around}
+                        : ShapePair{pair.bodies, &part, pair.shape, around, pair.sphere};
+  }
+
+  /// checkPair() of a shape with all balls of a cloud at once.
+  bool checkCloud(std::size_t segment, const CloudPair& pair) {
+    std::vector<OpenPart> open{{0, {0, 1}}};
+    const long limit =
+        std::min(most_work_, work_ + kVerifyPairWork + static_cast<long>(pair.cloud->ballCount()));
+    cost_.limit = most_cost_;
+    while (!open.empty()) {
+      const OpenPart part = open.back();
+      open.pop_back();
+      const PointCloud::Ball& ball = pair.cloud->ball(part.node);
+      if (ball.radius > collision::kLargestSize && !pair.cloud->isBall(part.node)) {
+        const auto [left, right] = pair.cloud->children(part.node);
+        open.push_back({right, part.span});
+        open.push_back({left, part.span});
+        continue;
+      }
+      const robots::Geometry geometry{
+          collision::Shape::sphere(ball.radius), {Eigen::Matrix3d::Identity(), ball.center}, {}};
+      const ShapePair shapes = withPart(pair, geometry);
+      if (++work_ > limit || cost_.isSpent()) {
+        leaveOpen(segment, part.span, &shapes, "not decided within the work limit");
+        return work_ <= most_work_ && cost_.done <= most_cost_;
+      }
+      if (work_ % 64 == 0 && options_.stop && options_.stop()) {
+        leaveOpen(segment, part.span, &shapes, "stopped before it was decided");
+        return false;
+      }
+      switch (checkPart(segment, pair, part, ball.radius, shapes, open)) {
+        case PartAnswer::kGoOn:
+          break;
+        case PartAnswer::kUndecided:
+          return true;
+        case PartAnswer::kRefuted:
+          return false;
+      }
+    }
+    return true;
+  }
+
+  enum class PartAnswer : unsigned char { kGoOn, kUndecided, kRefuted };
+
+  /// Adds to `open` what a look at the middle of the span leaves.
+  PartAnswer checkPart(std::size_t segment, const CloudPair& pair, const OpenPart& part,
+                       double radius, const ShapePair& shapes, std::vector<OpenPart>& open) {
+    const auto [node, span] = part;
+    const double t = span.begin + (span.end - span.begin) / 2;
+    const double half = std::max(t - span.begin, span.end - t);
+    const Look found = look(shapes, t, half);
+    if (found.status == DistanceStatus::kInvalid) {
+      leaveOpen(segment, span, &shapes, "no distance can be had, or no bound of the motion");
+      return PartAnswer::kUndecided;
+    }
+    const bool is_ball = pair.cloud->isBall(node);
+    if (is_ball && found.distance.upper + found.slack <= pair.bodies->margin) {
+      refuted_ = fail(VerifyStatus::kRefuted, segment, t, t, &shapes,
+                      "not more than " + numberText(found.distance.upper) + " m apart, " +
+                          numberText(pair.bodies->margin) + " m are required");
+      return PartAnswer::kRefuted;
+    }
+    const double room = (found.distance.lower - found.slack - provableMargin(shapes)) / 2;
+    const double clearance = found.distance.lower - found.slack - found.motion;
+    // The certified clearance must not rest on a ball that is much larger than what it contains.
+    const bool is_coarse = !is_ball && clearance < result_.clearance_lower &&
+                           radius > kVerifyCoarse * found.distance.lower;
+    if (room >= found.motion && room > 0 && !is_coarse) {
+      result_.clearance_lower = std::min(result_.clearance_lower, clearance);
+      return PartAnswer::kGoOn;
+    }
+    const bool is_short =
+        found.motion <= kVerifySmallestMotion || !(t > span.begin && t < span.end);
+    if (!is_ball && (is_coarse || is_short || !(radius < found.motion))) {
+      const auto [left, right] = pair.cloud->children(node);
+      open.push_back({right, span});
+      open.push_back({left, span});
+      return PartAnswer::kGoOn;
+    }
+    if (is_short) {
+      leaveOpen(segment, span, &shapes, "too near to decide");
+      return PartAnswer::kUndecided;
+    }
+    std::deque<Span> remains;
+    split(span, t, half, room, found, remains);
+    for (const Span& remain : remains) open.push_back({node, remain});
+    return PartAnswer::kGoOn;
+  }
+
   /// Reduces the pair's limits: with part of the edge undecided only a refutation still counts.
   void onlyRefute(long work, long& limit) {
     limit = std::min(limit, work + kVerifyOpenWork);
@@ -344,6 +476,8 @@ class Verifier {
   std::vector<Body> bodies_;
   verification::Pairs pairs_;
   std::vector<ShapePair> shapes_;
+  std::map<const PointCloud*, BallTree> trees_;
+  std::vector<CloudPair> clouds_;
   std::vector<double> a_, b_, point_, difference_, q_, dq_;
   collision::Work cost_;  // of the distances
   collision::Scratch scratch_;

@@ -37,7 +37,7 @@ std::size_t sizeInMegabytes(std::size_t bytes) { return bytes >> 20; }
 
 }  // namespace
 
-std::string readTextFile(const std::string& path, std::string_view kind, std::size_t limit) {
+std::string readBinaryFile(const std::string& path, std::string_view kind, std::size_t limit) {
   const auto fail = [&](const std::string& what) {
     throw InputError(path, 0, what + "; " + std::string(kind) + " is expected");
   };
@@ -75,12 +75,19 @@ std::string readTextFile(const std::string& path, std::string_view kind, std::si
     text.append(block, static_cast<std::size_t>(count));
     if (text.size() > limit) failAsTooLong();
   }
+  return text;
+}
+
+std::string readTextFile(const std::string& path, std::string_view kind, std::size_t limit) {
+  std::string text = readBinaryFile(path, kind, limit);
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
   if (const std::size_t zero = text.find('\0'); zero != std::string::npos)
-    fail(
+    throw InputError(
+        path, 0,
         "is binary, or UTF-16: line " +
-        std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<long>(zero), '\n')) +
-        " holds a byte of value 0");
+            std::to_string(1 +
+                           std::count(text.begin(), text.begin() + static_cast<long>(zero), '\n')) +
+            " holds a byte of value 0; " + std::string(kind) + " is expected");
   return text;
 }
 

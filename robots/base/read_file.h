@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the layers above collision/: text files as a whole.
+// Private to the layers above collision/: files as a whole.
 
 #include <cstddef>
 #include <string>
@@ -16,5 +16,8 @@ inline constexpr std::size_t kLongestText = std::size_t{256} << 20;
 /// nobody writes within 10 s, more than `limit` bytes, and bytes that no text has (0). O(size).
 std::string readTextFile(const std::string& path, std::string_view kind,
                          std::size_t limit = kLongestText);
+
+/// The bytes of a file or pipe, whatever they are; otherwise as readTextFile().
+std::string readBinaryFile(const std::string& path, std::string_view kind, std::size_t limit);
 
 }  // namespace leeway::robots

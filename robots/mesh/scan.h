@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to robots/: words, lines and numbers of a text in memory, and numbers of binary data.
+// Private to the layers above collision/: words, lines and numbers of texts and of binary data.
 
 #include <algorithm>
 #include <bit>

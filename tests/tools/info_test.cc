@@ -48,6 +48,41 @@ TEST_F(Info, Problem) {
   }
 }
 
+TEST_F(Info, ACloudIsOneEntry) {
+  std::string points = "nan 0 0\n";
+  for (int i = 0; i < 100; ++i) points += "0 " + std::to_string(0.001 * i) + " 0\n";
+  write("scan.xyz", points);
+  std::string text = kReach;
+  text.replace(text.find("limits"), 0,
+               "  - {name: seen, position: [0, -2, 0], cloud: {file: scan.xyz, radius: 0.01, thin: "
+               "0.01}}\n");
+  write("cloud.yaml", text);
+  const Answer answer = run("info cloud.yaml --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_NE(answer.err.find("note: cloud 'seen' leaves out 1 points that are not numbers"),
+            std::string::npos)
+      << answer.err;
+  const json cloud = answer.document()["problem"]["clouds"][0];
+  EXPECT_EQ(cloud["name"], "seen");
+  EXPECT_EQ(cloud["balls"], 10);
+  EXPECT_TRUE(cloud["complete_within"].is_null());
+  EXPECT_EQ(cloud["filters"][0]["removed"], 1);
+  EXPECT_EQ(cloud["filters"][1]["name"], "thin");
+  EXPECT_EQ(cloud["filters"][1]["removed"], 90);
+  EXPECT_EQ(answer.document()["geometries"].size(),
+            run("info reach.yaml --json").document()["geometries"].size());
+  EXPECT_NE(run("info cloud.yaml").out.find("cloud seen: 10 balls of up to 14.5"),
+            std::string::npos)
+      << run("info cloud.yaml").out;
+  for (const char* verb : {"check", "plan", "lint"})
+    EXPECT_LE(run(std::string(verb) + " cloud.yaml").status, 1) << verb;
+  EXPECT_EQ(run("lint cloud.yaml").status, 0) << run("lint cloud.yaml").out;
+  write("scan.xyz", "1 2 3\n1 2\n");
+  expectRefused("plan cloud.yaml", {"scan.xyz:2", "2 columns"});
+  fs::remove(path("scan.xyz"));
+  expectRefused("plan cloud.yaml", {"scan.xyz", "no such file"});
+}
+
 TEST_F(Info, NamesComponentsThatAreNotClosed) {
   write("open.obj", tetrahedron(false));
   write("closed.obj", tetrahedron(true));

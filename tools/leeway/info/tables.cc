@@ -19,6 +19,22 @@ std::string limitText(const Json& value) {
   return value.is_null() ? "-" : fmt::format("{:.4f}", value.get<double>());
 }
 
+void printClouds(const Json& problem) {
+  for (const auto& cloud : problem["clouds"]) {
+    fmt::print("cloud {}: {} balls of up to {} mm, {}\n", cloud["name"].get<std::string>(),
+               cloud["balls"].get<std::size_t>(),
+               formatUpper(cloud["largest_radius"].get<double>() * 1e3, 3),
+               formatBytes(cloud["bytes"].get<std::size_t>()));
+    for (const auto& filter : cloud["filters"]) {
+      fmt::print("  {}: {} removed, {}\n", filter["name"].get<std::string>(),
+                 filter["removed"].get<std::size_t>(), filter["what"].get<std::string>());
+    }
+  }
+  if (!problem["clouds"].empty()) {
+    fmt::print("\n");
+  }
+}
+
 void printDeforming(const Json& problem) {
   if (problem["deforming"].empty()) {
     return;
@@ -98,6 +114,7 @@ void printProblem(const Json& problem) {
       problem["objects"].size(), problem["attached"].size(), problem["margin"].get<double>(),
       problem["planner"].get<std::string>(), problem["objective"].get<std::string>(),
       problem["time_limit"].get<double>(), problem["seed"].get<std::uint64_t>());
+  printClouds(problem);
   printDeforming(problem);
 }
 

@@ -208,6 +208,18 @@ robots::LoadOptions loadOptions(const ProblemSource& source) {
 
 namespace {
 
+/// Notes the balls that filters removed: answers do not count them.
+void printLeftOut(const planner::Problem& problem) {
+  if (isQuiet()) return;
+  for (const planner::Object& object : problem.world.objects) {
+    if (!object.cloud) continue;
+    for (const planner::CloudFilter& filter : object.cloud->filters)
+      if (filter.removed > 0 && filter.name != "thin")
+        fmt::print(stderr, "note: cloud '{}' leaves out {} {}\n", object.name, filter.removed,
+                   filter.what);
+  }
+}
+
 planner::Problem readProblem(const ProblemSource& source) {
   if (source.problem.empty() && source.robot.empty()) {
     badUsage(
@@ -229,6 +241,7 @@ planner::Problem readProblem(const ProblemSource& source) {
     printWarnings(problem.robot.model->warnings);
   }
   printWarnings(problem.warnings);
+  printLeftOut(problem);
   if (!source.goal_pose.empty()) takeGoalPose(source, problem);
   return problem;
 }

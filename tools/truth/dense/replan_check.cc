@@ -54,9 +54,13 @@ class World {
       if (moves(held.link))
         for (const robots::Geometry& g : held.object.geometries)
           add(robot_, held.object.name, held.link, g, isometry(held.X_LO));
-    for (const Object& object : problem.world.objects)
+    for (const Object& object : problem.world.objects) {
       for (const robots::Geometry& g : object.geometries)
         add(still_, object.name, -1, g, isometry(object.X_WO));
+      if (object.cloud)
+        for (const robots::Geometry& g : geometriesOf(*object.cloud))
+          add(still_, object.name, -1, g, isometry(object.X_WO));
+    }
     for (Part& part : still_) part.X_WG = part.X_LG;
   }
 

@@ -15,6 +15,7 @@
 
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/vertex_motion.h"
+#include "leeway/planner/point_cloud.h"
 #include "leeway/robots/model.h"
 #include "leeway/robots/pose_region.h"
 
@@ -27,6 +28,9 @@ struct Object {
   /// adds the thing itself.
   std::vector<robots::Geometry> geometries;
   robots::Pose X_WO;
+  /// Balls that belong to it as well, in its frame; null: none. Only an object of the world has a
+  /// cloud: what a link holds has shapes.
+  std::shared_ptr<const PointCloud> cloud = nullptr;
 };
 
 /// An object held by a link from the start. It moves with the link, and may touch the link and
@@ -358,6 +362,18 @@ Problem attachObject(const Problem& problem, const std::string& object, const st
 /// the inverse of attachObject(), with the same errors.
 Problem detachObject(const Problem& problem, const std::string& object,
                      std::span<const double> configuration = {});
+
+/// The shapes of a link, an object or an attached object, placed in the world by their X_BG, with
+/// the robot at `configuration` (all variables of the model; empty: the start); of "robot" those of
+/// all links and attached objects. Clouds have none. Throws std::invalid_argument for an unknown
+/// name and a configuration of another size.
+std::vector<robots::Geometry> shapesOf(const Problem& problem, const std::string& name,
+                                       std::span<const double> configuration = {});
+
+/// Balls in the world that contain all that the robot, and what it holds, can reach: planned
+/// variables anywhere within their limits, the others as at the start. Radii are infinite behind a
+/// prismatic joint without limits. O(links x joints).
+std::vector<PointCloud::Ball> reachOf(const Problem& problem);
 
 /// The region of a pose where the names of `problem` stand: links as at its start. Throws
 /// robots::InputError for a robot or start that makes no sense, see validate();

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "leeway/robots/model.h"
+
+namespace leeway::planner {
+
+/// A filter that was applied to a cloud.
+struct CloudFilter {
+  std::string name;         ///< "drop", "carve", "crop" or "thin"
+  std::string what;         ///< "points that are not numbers", "balls that touch can"
+  std::size_t removed = 0;  ///< balls that are gone [count]
+};
+
+/// A union of balls, one around each point that a sensor saw. Plans, checks and proofs take exactly
+/// that union for the obstacle. Space between and behind the balls is free (docs/sensed.md).
+/// Immutable once it belongs to an object.
+struct PointCloud {
+  struct Ball {
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< in the cloud's frame C [m]
+    double radius = 0;                                 ///< [m], from 1e-9
+  };
+  std::vector<Ball> balls;
+  std::vector<CloudFilter> filters;  ///< in the order in which they were applied
+  /// Balls that cropped() removed are farther than this from all that the robot can reach [m]: a
+  /// larger margin is refused.
+  double complete_within = std::numeric_limits<double>::infinity();
+
+  std::size_t size() const { return balls.size(); }
+  /// 0 for no balls. O(size).
+  double largestRadius() const;
+};
+
+/// Points in memory, as drivers and sensor_msgs/PointCloud2 keep them: x, y and z stand one after
+/// the other, in this machine's byte order.
+struct PointArray {
+  enum class Number : unsigned char { kFloat, kDouble };
+  const void* first = nullptr;  ///< x of the first point; need not be aligned
+  std::size_t count = 0;        ///< of points
+  std::size_t stride = 12;      ///< from one point to the next [bytes]
+  Number number = Number::kFloat;
+};
+
+/// The cloud of points with one radius [m]. Points with a coordinate that is not finite are
+/// dropped, and counted in `filters`. Throws std::invalid_argument for a radius outside 1e-9 to
+/// 1e9 m and for a coordinate beyond 1e9 m. O(count).
+PointCloud makeCloud(const PointArray& points, double radius);
+/// The same with one radius a point; those of dropped points are not looked at.
+PointCloud makeCloud(const PointArray& points, std::span<const double> radii);
+
+/// Reads the points of a file: .ply (vertices), .pcd (ascii, binary, binary_compressed), .xyz,
+/// .txt and .csv (numbers in columns), in metres and in the file's own frame. Other properties and
+/// columns are left out. Drops points as makeCloud() does. Adds to `warnings`, with file and line.
+/// Throws robots::InputError with line or byte for a damaged file and for one without a point,
+/// std::invalid_argument for a radius as makeCloud() does, robots::Stopped. O(size of the file).
+PointCloud loadCloud(const std::string& path, double radius, std::vector<std::string>& warnings,
+                     const robots::Stop& stop = {});
+
+/// One ball for each cell of a cubic grid with edges of `cell` [m] in which balls have their
+/// centers. It contains all balls of its cell, so the union only grows. A ball that is alone in its
+/// cell stays as it is. Throws std::invalid_argument for a cell outside 1e-9 to 1e9 m. O(size).
+PointCloud thinned(const PointCloud& cloud, double cell);
+
+/// Without the balls that are proven to be within `margin` >= 0 [m] of one of the shapes; X_BG of
+/// these is their pose in the world, X_WC that of the cloud. `what` names the shapes in `filters`.
+/// O(size x shapes) comparisons, and a distance for each ball that is near a shape.
+PointCloud carved(const PointCloud& cloud, const robots::Pose& X_WC,
+                  std::span<const robots::Geometry> shapes_W, double margin,
+                  const std::string& what);
+
+/// Without the balls that are proven to be farther than `distance` >= 0 [m] from all balls of
+/// `reach_W`, such as reachOf() (problem.h). O(size x reach).
+PointCloud cropped(const PointCloud& cloud, const robots::Pose& X_WC,
+                   std::span<const PointCloud::Ball> reach_W, double distance);
+
+/// Returns a message about the first ball that is not accepted, "ball 7 has the radius -1; ...", or
+/// an empty string. Radii from 1e-9 to 1e9 m and coordinates up to 1e9 m are accepted. O(size).
+std::string cloudFault(const PointCloud& cloud);
+
+/// The balls as shapes in the cloud's frame. Throws collision::InvalidShape for a radius that no
+/// sphere can have.
+std::vector<robots::Geometry> geometriesOf(const PointCloud& cloud);
+
+}  // namespace leeway::planner

@@ -1,0 +1,150 @@
+#include "planner/sensed/cloud_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include "collision/base/tolerances.h"
+#include "leeway/robots/text.h"
+#include "planner/base/did_you_mean.h"
+#include "robots/base/read_file.h"
+#include "robots/mesh/scan.h"
+
+namespace leeway::planner {
+namespace {
+
+constexpr std::size_t kLongestCloud = std::size_t{2} << 30U;  // [bytes]
+
+}  // namespace
+
+void CloudSource::fail(CloudPlace place, const std::string& message) const {
+  if (place.line > 0) throw robots::InputError(path_, static_cast<int>(place.line), message);
+  throw robots::InputError(path_, 0, fmt::format("byte {}: {}", place.byte, message));
+}
+
+void PointSink::add(const double (&p)[3], CloudPlace place) {
+  if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
+    ++dropped_;
+    return;
+  }
+  for (const double value : p)
+    if (std::abs(value) > collision::kLargestSize)
+      source_.fail(place, fmt::format("the coordinate {} is too large; up to {} m are accepted",
+                                      value, collision::kLargestSize));
+  points_.emplace_back(p[0], p[1], p[2]);
+}
+
+std::vector<std::string_view> wordsOf(std::string_view line) {
+  std::vector<std::string_view> words;
+  for (std::size_t i = 0; i < line.size();) {
+    while (i < line.size() && robots::isBlank(line[i])) ++i;
+    const std::size_t begin = i;
+    while (i < line.size() && !robots::isBlank(line[i])) ++i;
+    if (i > begin) words.push_back(line.substr(begin, i - begin));
+  }
+  return words;
+}
+
+std::string_view takeLine(std::string_view& rest) {
+  const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
+  const std::string_view line = rest.substr(0, end);
+  rest.remove_prefix(std::min(rest.size(), end + (rest.substr(end, 2) == "\r\n" ? 2 : 1)));
+  return line;
+}
+
+std::optional<NumberType> numberType(NumberType::Kind kind, std::size_t size) {
+  const bool known = kind == NumberType::Kind::kFloat
+                         ? size == 4 || size == 8
+                         : size == 1 || size == 2 || size == 4 || size == 8;
+  if (!known) return std::nullopt;
+  return NumberType{kind, size};
+}
+
+double loadNumber(const char* from, NumberType type, std::endian order) {
+  const auto* const bytes = reinterpret_cast<const std::byte*>(from);
+  using Kind = NumberType::Kind;
+  if (type.kind == Kind::kFloat)
+    return type.size == 4 ? double(robots::loadNumber<float>(bytes, order))
+                          : robots::loadNumber<double>(bytes, order);
+  const bool is_signed = type.kind == Kind::kSigned;
+  switch (type.size) {
+    case 1:
+      return is_signed ? double(robots::loadNumber<std::int8_t>(bytes, order))
+                       : double(robots::loadNumber<std::uint8_t>(bytes, order));
+    case 2:
+      return is_signed ? double(robots::loadNumber<std::int16_t>(bytes, order))
+                       : double(robots::loadNumber<std::uint16_t>(bytes, order));
+    case 4:
+      return is_signed ? double(robots::loadNumber<std::int32_t>(bytes, order))
+                       : double(robots::loadNumber<std::uint32_t>(bytes, order));
+    default:
+      return is_signed ? double(robots::loadNumber<std::int64_t>(bytes, order))
+                       : double(robots::loadNumber<std::uint64_t>(bytes, order));
+  }
+}
+
+double readCoordinate(const CloudSource& source, std::string_view word, CloudPlace place) {
+  const auto value = robots::parseNumber(word);
+  // (Words for numbers that are not finite have an n; other infinite ones are out of range.)
+  if (value && std::isinf(*value) && word.find_first_of("nN") == std::string_view::npos)
+    source.fail(place, fmt::format("the coordinate {} is too large; up to {} m are accepted",
+                                   robots::shown(word), collision::kLargestSize));
+  if (value) return *value;
+  source.fail(place, fmt::format("{} stands where a coordinate is expected; a number, or nan for "
+                                 "a point that was not seen, is accepted",
+                                 robots::shown(word)));
+}
+
+std::size_t readCount(const CloudSource& source, std::string_view word, std::string_view what,
+                      CloudPlace place) {
+  std::size_t count = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
+  if (error == std::errc() && end == word.data() + word.size() && count <= 0x7FFFFFFF) return count;
+  source.fail(place, fmt::format("{} is {}; a whole number from 0 to 2147483647 is accepted", what,
+                                 robots::shown(word)));
+}
+
+PointCloud loadCloud(const std::string& path, double radius, std::vector<std::string>& warnings,
+                     const robots::Stop& stop) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const bool in_columns = ending == ".xyz" || ending == ".txt" || ending == ".csv";
+  if (ending != ".ply" && ending != ".pcd" && !in_columns)
+    throw robots::InputError(
+        path, 0,
+        fmt::format("has the ending '{}', which no format of point clouds has; .ply, .pcd, .xyz, "
+                    ".txt and .csv are accepted",
+                    ending));
+  const CloudSource source(path, robots::readBinaryFile(path, "a point cloud", kLongestCloud),
+                           stop);
+  if (source.text().starts_with("version https://git-lfs"))
+    throw robots::InputError(
+        path, 0, "is a pointer of Git LFS, not the file itself; `git lfs pull` fetches it");
+  PointSink sink(source);
+  if (ending == ".ply")
+    readPly(source, sink);
+  else if (ending == ".pcd")
+    readPcd(source, warnings, sink);
+  else
+    readColumns(source, sink);
+  if (sink.points().empty())
+    throw robots::InputError(
+        path, 0,
+        sink.dropped() == 0
+            ? "holds no point; at least one is expected"
+            : fmt::format("holds {} points, none of which is a number; at least one that is is "
+                          "expected",
+                          sink.dropped()));
+  PointCloud cloud = makeCloud({sink.points().data(), sink.points().size(), sizeof(Eigen::Vector3d),
+                                PointArray::Number::kDouble},
+                               radius);
+  if (sink.dropped() > 0)
+    cloud.filters.push_back({"drop", "points that are not numbers", sink.dropped()});
+  return cloud;
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "leeway/planner/point_cloud.h"
+
+namespace leeway::planner {
+
+/// Where in a file something stands.
+struct CloudPlace {
+  std::size_t line = 0;  ///< from 1; 0: it is a byte
+  std::size_t byte = 0;
+};
+
+/// A file of points in memory, and how readers complain about it.
+class CloudSource {
+ public:
+  CloudSource(std::string path, std::string contents, const robots::Stop& stop)
+      : path_(std::move(path)), contents_(std::move(contents)), stop_(stop) {}
+
+  const std::string& path() const { return path_; }
+  std::string_view text() const { return contents_; }
+  [[noreturn]] void fail(CloudPlace place, const std::string& message) const;
+  /// Throws Stopped where that was asked for. Called for each point.
+  void pause(std::size_t point) const {
+    if (point % (std::size_t{1} << 16U) == 0) robots::throwIfStopped(stop_, "points were read");
+  }
+
+ private:
+  std::string path_, contents_;
+  const robots::Stop& stop_;
+};
+
+/// Collects points, and drops those that are not numbers.
+class PointSink {
+ public:
+  explicit PointSink(const CloudSource& source) : source_(source) {}
+  void add(const double (&p)[3], CloudPlace place);
+  std::vector<Eigen::Vector3d>& points() { return points_; }
+  std::size_t dropped() const { return dropped_; }
+
+ private:
+  const CloudSource& source_;
+  std::vector<Eigen::Vector3d> points_;
+  std::size_t dropped_ = 0;
+};
+
+/// The words of a line.
+std::vector<std::string_view> wordsOf(std::string_view line);
+
+/// The next line of `rest`, without its end (LF, CR LF or CR), which is taken from `rest`.
+std::string_view takeLine(std::string_view& rest);
+
+/// The type of a number in binary data.
+struct NumberType {
+  enum class Kind : unsigned char { kSigned, kUnsigned, kFloat };
+  Kind kind = Kind::kFloat;
+  std::size_t size = 4;  // 1, 2, 4, 8 bytes
+};
+/// Nothing for a kind that has no such size.
+std::optional<NumberType> numberType(NumberType::Kind kind, std::size_t size);
+/// Reads type.size bytes.
+double loadNumber(const char* from, NumberType type, std::endian order);
+
+/// The number at `place`, where a finite coordinate, "nan" or "inf" is expected.
+double readCoordinate(const CloudSource& source, std::string_view word, CloudPlace place);
+/// A whole number that is not negative.
+std::size_t readCount(const CloudSource& source, std::string_view word, std::string_view what,
+                      CloudPlace place);
+
+// The readers. Each adds all points of its file, or throws.
+void readPly(const CloudSource& source, PointSink& sink);
+void readPcd(const CloudSource& source, std::vector<std::string>& warnings, PointSink& sink);
+/// Numbers in columns, parted by blanks, commas or semicolons; a first line may name the columns.
+void readColumns(const CloudSource& source, PointSink& sink);
+
+/// Decompresses LZF data (Marc Lehmann's liblzf) of exactly `size` bytes; nothing for data that is
+/// damaged. O(size).
+std::optional<std::string> decompressLzf(std::string_view data, std::size_t size);
+
+}  // namespace leeway::planner

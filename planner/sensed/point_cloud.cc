@@ -1,0 +1,262 @@
+#include "leeway/planner/point_cloud.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <unordered_map>
+
+#include "collision/base/tolerances.h"
+#include "leeway/collision/distance.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::kLargestSize;
+using collision::kSmallestSize;
+using collision::kUnitRoundoff;
+using Ball = PointCloud::Ball;
+using Eigen::Vector3d;
+
+/// Bounds the relative rounding of a distance of two points, added to or compared with a radius.
+constexpr double kDistanceRounding = 16 * kUnitRoundoff;
+
+void requireSize(const char* what, double size) {
+  if (size >= kSmallestSize && size <= kLargestSize) return;
+  throw std::invalid_argument(
+      fmt::format("{} {}; {} to {} m is accepted", what, size, kSmallestSize, kLargestSize));
+}
+
+void requireNotNegative(const char* what, double distance) {
+  if (distance >= 0 && distance <= kLargestSize) return;
+  throw std::invalid_argument(
+      fmt::format("{} {}; 0 to {} m is accepted", what, distance, kLargestSize));
+}
+
+/// Calls add(point, its number) for the points that are numbers; returns how many are not.
+template <class Add>
+std::size_t forEachPoint(const PointArray& points, const Add& add) {
+  const bool is_float = points.number == PointArray::Number::kFloat;
+  const auto* const bytes = static_cast<const std::byte*>(points.first);
+  std::size_t dropped = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    Vector3d p;
+    if (is_float) {
+      float xyz[3];
+      std::memcpy(xyz, bytes + i * points.stride, sizeof xyz);
+      p = {double(xyz[0]), double(xyz[1]), double(xyz[2])};
+    } else {
+      double xyz[3];
+      std::memcpy(xyz, bytes + i * points.stride, sizeof xyz);
+      p = {xyz[0], xyz[1], xyz[2]};
+    }
+    if (!p.allFinite()) {
+      ++dropped;
+      continue;
+    }
+    for (int k = 0; k < 3; ++k)
+      if (std::abs(p[k]) > kLargestSize)
+        throw std::invalid_argument(
+            fmt::format("point {} has the coordinate {}; up to {} m are "
+                        "accepted",
+                        i, p[k], kLargestSize));
+    add(p, i);
+  }
+  return dropped;
+}
+
+template <class RadiusOf>
+PointCloud cloudOf(const PointArray& points, const RadiusOf& radius_of) {
+  PointCloud cloud;
+  cloud.balls.reserve(points.count);
+  const std::size_t dropped = forEachPoint(points, [&](const Vector3d& p, std::size_t i) {
+    cloud.balls.push_back({p, radius_of(i)});
+  });
+  if (dropped > 0) cloud.filters.push_back({"drop", "points that are not numbers", dropped});
+  return cloud;
+}
+
+struct Cell {
+  std::int64_t i[3];
+  bool operator==(const Cell& other) const {
+    return i[0] == other.i[0] && i[1] == other.i[1] && i[2] == other.i[2];
+  }
+};
+struct CellHash {
+  std::size_t operator()(const Cell& cell) const {
+    std::uint64_t hash = 0;
+    for (const std::int64_t i : cell.i)
+      hash = (std::rotl(hash, 21) ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15U;
+    return hash ^ (hash >> 32U);
+  }
+};
+
+/// The balls of a cell.
+struct CellBalls {
+  std::size_t first, count = 0;
+  Vector3d low, high;
+  double radius = 0;
+};
+
+/// How far rounding moves a point of the cloud that is placed in the world [m].
+double placingError(const robots::Pose& X_WC, const Vector3d& p_C) {
+  return kDistanceRounding * (X_WC.translation.lpNorm<1>() + p_C.lpNorm<1>());
+}
+
+/// Keeps the balls that are not marked.
+PointCloud without(const PointCloud& cloud, const std::vector<char>& is_removed,
+                   const std::string& filter, const std::string& what) {
+  PointCloud kept;
+  kept.filters = cloud.filters;
+  kept.complete_within = cloud.complete_within;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (is_removed[i] == 0) kept.balls.push_back(cloud.balls[i]);
+  kept.filters.push_back({filter, what, cloud.size() - kept.size()});
+  return kept;
+}
+
+}  // namespace
+
+double PointCloud::largestRadius() const {
+  double largest = 0;
+  for (const Ball& ball : balls) largest = std::max(largest, ball.radius);
+  return largest;
+}
+
+PointCloud makeCloud(const PointArray& points, double radius) {
+  requireSize("radius", radius);
+  return cloudOf(points, [&](std::size_t) { return radius; });
+}
+
+PointCloud makeCloud(const PointArray& points, std::span<const double> radii) {
+  if (radii.size() != points.count)
+    throw std::invalid_argument(fmt::format("{} radii for {} points; one for each is expected",
+                                            radii.size(), points.count));
+  return cloudOf(points, [&](std::size_t i) {
+    requireSize("radius", radii[i]);
+    return radii[i];
+  });
+}
+
+PointCloud thinned(const PointCloud& cloud, double cell) {
+  requireSize("cell", cell);
+  std::unordered_map<Cell, std::size_t, CellHash> numbers;
+  numbers.reserve(cloud.size() / 2);
+  std::vector<std::size_t> cell_of(cloud.size());
+  std::vector<CellBalls> cells;
+  for (std::size_t b = 0; b < cloud.size(); ++b) {
+    const Vector3d& p = cloud.balls[b].center;
+    Cell key{};
+    for (int k = 0; k < 3; ++k) key.i[k] = static_cast<std::int64_t>(std::floor(p[k] / cell));
+    const auto [found, is_new] = numbers.emplace(key, cells.size());
+    if (is_new) cells.push_back({b, 0, p, p, 0});
+    cell_of[b] = found->second;
+    CellBalls& balls = cells[found->second];
+    ++balls.count;
+    balls.low = balls.low.cwiseMin(p);
+    balls.high = balls.high.cwiseMax(p);
+  }
+  const auto middle = [](const CellBalls& balls) {
+    return Vector3d(balls.low + (balls.high - balls.low) / 2);
+  };
+  for (std::size_t b = 0; b < cloud.size(); ++b) {
+    const Ball& ball = cloud.balls[b];
+    CellBalls& balls = cells[cell_of[b]];
+    const double reach =
+        ((ball.center - middle(balls)).norm() + ball.radius) * (1 + kDistanceRounding);
+    balls.radius = std::max(balls.radius, reach);
+  }
+  PointCloud thin;
+  thin.filters = cloud.filters;
+  thin.complete_within = cloud.complete_within;
+  thin.balls.reserve(cells.size());
+  for (const CellBalls& balls : cells)
+    thin.balls.push_back(balls.count == 1 ? cloud.balls[balls.first]
+                                          : Ball{middle(balls), balls.radius});
+  thin.filters.push_back(
+      {"thin", fmt::format("balls that larger ones, up to {:.4g} m, contain", thin.largestRadius()),
+       cloud.size() - thin.size()});
+  return thin;
+}
+
+PointCloud carved(const PointCloud& cloud, const robots::Pose& X_WC,
+                  std::span<const robots::Geometry> shapes_W, double margin,
+                  const std::string& what) {
+  requireNotNegative("margin", margin);
+  std::vector<char> is_removed(cloud.size(), 0);
+  std::vector<Vector3d> centers_W;
+  centers_W.reserve(cloud.size());
+  for (const Ball& ball : cloud.balls) centers_W.push_back(X_WC * ball.center);
+  collision::Scratch scratch;
+  collision::DistanceRequest request;
+  request.depth = false;
+  for (const robots::Geometry& geometry : shapes_W) {
+    const collision::Shape& shape = geometry.shape;
+    const Vector3d middle = geometry.X_BG * shape.boundingCenter();
+    for (std::size_t b = 0; b < cloud.size(); ++b) {
+      const Ball& ball = cloud.balls[b];
+      // The bounding spheres only save queries, so their rounding does not matter.
+      if (is_removed[b] != 0 ||
+          (centers_W[b] - middle).norm() > 1.001 * (shape.boundingRadius() + ball.radius + margin))
+        continue;
+      request.threshold = margin - placingError(X_WC, ball.center);
+      const auto result =
+          collision::distance(shape, geometry.X_BG, collision::Shape::sphere(ball.radius),
+                              {Eigen::Matrix3d::Identity(), centers_W[b]}, request, scratch);
+      is_removed[b] = result.distance.upper <= request.threshold ? 1 : 0;
+    }
+  }
+  return without(cloud, is_removed, "carve",
+                 margin > 0 ? fmt::format("balls within {:.4g} m of {}", margin, what)
+                            : "balls that touch " + what);
+}
+
+PointCloud cropped(const PointCloud& cloud, const robots::Pose& X_WC, std::span<const Ball> reach_W,
+                   double distance) {
+  requireNotNegative("distance", distance);
+  std::vector<char> is_removed(cloud.size(), 0);
+  for (std::size_t b = 0; b < cloud.size(); ++b) {
+    const Ball& ball = cloud.balls[b];
+    const Vector3d center_W = X_WC * ball.center;
+    const double error = placingError(X_WC, ball.center);
+    is_removed[b] = std::all_of(reach_W.begin(), reach_W.end(), [&](const Ball& reach) {
+      return (center_W - reach.center).norm() * (1 - kDistanceRounding) - error >
+             (reach.radius + ball.radius + distance) * (1 + kDistanceRounding);
+    });
+  }
+  PointCloud kept = without(cloud, is_removed, "crop",
+                            fmt::format("balls farther than {:.4g} m from all that the robot can "
+                                        "reach",
+                                        distance));
+  kept.complete_within = std::min(kept.complete_within, distance);
+  return kept;
+}
+
+std::string cloudFault(const PointCloud& cloud) {
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Ball& ball = cloud.balls[i];
+    if (!(ball.radius >= kSmallestSize && ball.radius <= kLargestSize))
+      return fmt::format("ball {} has the radius {}; {} to {} m is accepted", i, ball.radius,
+                         kSmallestSize, kLargestSize);
+    for (int k = 0; k < 3; ++k)
+      if (!(std::abs(ball.center[k]) <= kLargestSize))
+        return fmt::format("ball {} has the coordinate {}; up to {} m is accepted", i,
+                           ball.center[k], kLargestSize);
+  }
+  return {};
+}
+
+std::vector<robots::Geometry> geometriesOf(const PointCloud& cloud) {
+  std::vector<robots::Geometry> geometries;
+  geometries.reserve(cloud.size());
+  for (const Ball& ball : cloud.balls)
+    geometries.push_back(
+        {collision::Shape::sphere(ball.radius), {Eigen::Matrix3d::Identity(), ball.center}, {}});
+  return geometries;
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "leeway/robots/text.h"
+#include "planner/sensed/cloud_source.h"
+#include "robots/mesh/mesh_source.h"
+
+namespace leeway::planner {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"')
+    text = text.substr(1, text.size() - 2);
+  return text;
+}
+
+std::vector<std::string_view> cellsOf(std::string_view line, char separator) {
+  if (separator == ' ') return wordsOf(line);
+  std::vector<std::string_view> cells;
+  for (;;) {
+    const std::size_t end = line.find(separator);
+    cells.push_back(trimmed(line.substr(0, end)));
+    if (end == std::string_view::npos) return cells;
+    line.remove_prefix(end + 1);
+  }
+}
+
+/// The columns of x, y and z by name, or the first three where the line has numbers.
+std::array<std::size_t, 3> findColumns(const CloudSource& source,
+                                       const std::vector<std::string_view>& cells, std::size_t line,
+                                       bool& is_header) {
+  is_header = std::none_of(cells.begin(), cells.end(), [](std::string_view cell) {
+    return robots::parseNumber(cell).has_value();
+  });
+  if (!is_header) return {0, 1, 2};
+  std::array<std::size_t, 3> columns{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const char small = "xyz"[axis], large = "XYZ"[axis];
+    const auto found = std::find_if(cells.begin(), cells.end(), [&](std::string_view cell) {
+      return cell.size() == 1 && (cell[0] == small || cell[0] == large);
+    });
+    if (found == cells.end())
+      source.fail({line, 0},
+                  fmt::format("begins with {}, and no column is named '{}'; numbers, or the names "
+                              "of columns with x, y and z, are expected",
+                              robots::shown(cells.empty() ? std::string_view() : cells[0]), small));
+    columns[axis] = static_cast<std::size_t>(found - cells.begin());
+  }
+  return columns;
+}
+
+}  // namespace
+
+void readColumns(const CloudSource& source, PointSink& sink) {
+  std::string_view rest = source.text();
+  if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
+  if (const std::size_t zero = rest.find('\0'); zero != std::string_view::npos)
+    source.fail({0, source.text().size() - rest.size() + zero},
+                "a byte of value 0, which no text has; a text with numbers in columns is expected");
+  std::array<std::size_t, 3> columns{};
+  std::size_t width = 0;
+  char separator = ' ';
+  for (std::size_t line = 1; !rest.empty(); ++line) {
+    source.pause(line);
+    const std::string_view text = trimmed(takeLine(rest));
+    if (text.empty() || text.starts_with('#') || text.starts_with("//")) continue;
+    if (width == 0)
+      separator = text.find(';') != std::string_view::npos   ? ';'
+                  : text.find(',') != std::string_view::npos ? ','
+                                                             : ' ';
+    const std::vector<std::string_view> cells = cellsOf(text, separator);
+    if (width == 0) {
+      bool is_header = false;
+      columns = findColumns(source, cells, line, is_header);
+      width = cells.size();
+      if (width < 3)
+        source.fail({line, 0},
+                    fmt::format("the line has {} of x, y and z; all three are expected", width));
+      if (is_header) continue;
+    }
+    if (cells.size() != width)
+      source.fail({line, 0}, fmt::format("the line has {} columns; {}, as the first, are expected",
+                                         cells.size(), width));
+    double p[3];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      p[axis] = readCoordinate(source, cells[columns[axis]], {line, 0});
+    sink.add(p, {line, 0});
+  }
+}
+
+}  // namespace leeway::planner

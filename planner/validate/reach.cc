@@ -1,0 +1,114 @@
+// Where the shapes of a problem stand, and how far the robot reaches.
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "collision/base/numbers.h"
+#include "leeway/robots/kinematics.h"
+#include "leeway/robots/motion_bound.h"
+#include "planner/base/did_you_mean.h"
+#include "planner/validate/checks.h"
+#include "planner/validate/names.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::Geometry;
+using robots::Model;
+using robots::Pose;
+using Ball = PointCloud::Ball;
+
+std::vector<Pose> placeLinks(const Problem& problem, std::span<const double> configuration) {
+  const Model& model = *problem.robot.model;
+  if (configuration.empty()) configuration = problem.start;
+  if (configuration.size() != model.variables.size())
+    throw std::invalid_argument(
+        fmt::format("a configuration of {} numbers; all {} variables of the model are expected",
+                    configuration.size(), model.variables.size()));
+  std::vector<Pose> X_WL(model.links.size());
+  robots::forwardKinematics(model, configuration, X_WL);
+  return X_WL;
+}
+
+void append(const std::vector<Geometry>& geometries, const Pose& X_WB,
+            std::vector<Geometry>& shapes_W) {
+  for (const Geometry& geometry : geometries) {
+    shapes_W.push_back(geometry);
+    shapes_W.back().X_BG = X_WB * geometry.X_BG;
+  }
+}
+
+}  // namespace
+
+std::vector<Geometry> placedShapes(const Problem& problem, const std::string& name,
+                                   std::span<const double> configuration) {
+  const std::vector<Pose> X_WL = placeLinks(problem, configuration);
+  const Model& model = *problem.robot.model;
+  std::vector<Geometry> shapes_W;
+  std::vector<std::string> known = {kRobotWord};
+  bool found = false;
+  const auto visit = [&](const std::string& body, bool is_of_robot,
+                         const std::vector<Geometry>& geometries, const Pose& X_WB) {
+    known.push_back(body);
+    if (body != name && !(is_of_robot && name == kRobotWord)) return;
+    found = true;
+    append(geometries, X_WB, shapes_W);
+  };
+  for (std::size_t l = 0; l < model.links.size(); ++l)
+    visit(model.links[l].name, true, model.links[l].geometries, X_WL[l]);
+  for (const Attachment& held : problem.robot.attachments)
+    visit(held.object.name, true, held.object.geometries, X_WL[at(held.link)] * held.X_LO);
+  for (const Object& object : problem.world.objects)
+    visit(object.name, false, object.geometries, object.X_WO);
+  for (const DeformingObstacle& obstacle : problem.world.deforming)
+    visit(obstacle.object.name, false, obstacle.object.geometries, obstacle.object.X_WO);
+  if (!found)
+    throw std::invalid_argument("unknown link or object '" + name + "'" + didYouMean(name, known));
+  return shapes_W;
+}
+
+std::vector<Ball> robotReach(const Problem& problem) {
+  const Model& model = *problem.robot.model;
+  const std::vector<Pose> X_WL = placeLinks(problem, {});
+  std::vector<robots::VariableRange> ranges(model.variables.size());
+  for (std::size_t v = 0; v < ranges.size(); ++v) ranges[v] = {problem.start[v], problem.start[v]};
+  const std::vector<robots::VariableRange> limits = robots::limitRanges(model);
+  for (const int v : problem.robot.variables) ranges[at(v)] = limits[at(v)];
+  std::vector<Ball> reach;
+  const auto add = [&](int link, const Geometry& geometry, const Pose& X_LB) {
+    const Eigen::Vector3d center_L = X_LB * (geometry.X_BG * geometry.shape.boundingCenter());
+    const double radius = geometry.shape.boundingRadius();
+    const auto motion = robots::relativeMotion(model, link, -1, center_L, radius, ranges);
+    // Seen from the parent of the first joint that moves: nearer than the world's origin.
+    const int base =
+        motion.terms.empty() ? -1 : model.joints[at(motion.terms.front().joint)].parent_link;
+    Ball ball{Eigen::Vector3d::Zero(), motion.base_reach};
+    if (motion.terms.empty())
+      ball = {X_WL[at(link)] * center_L, radius};
+    else if (base >= 0)
+      ball = {X_WL[at(base)].translation,
+              robots::relativeMotion(model, link, base, center_L, radius, ranges).base_reach};
+    ball.radius += robots::kinematicsRounding(model, ball.center.norm() + ball.radius);
+    reach.push_back(ball);
+  };
+  for (std::size_t l = 0; l < model.links.size(); ++l)
+    for (const Geometry& geometry : model.links[l].geometries)
+      add(static_cast<int>(l), geometry, Pose());
+  for (const Attachment& held : problem.robot.attachments)
+    for (const Geometry& geometry : held.object.geometries) add(held.link, geometry, held.X_LO);
+  return reach;
+}
+
+std::vector<Geometry> shapesOf(const Problem& problem, const std::string& name,
+                               std::span<const double> configuration) {
+  checkRobot(problem);
+  return placedShapes(problem, name, configuration);
+}
+
+std::vector<Ball> reachOf(const Problem& problem) {
+  checkRobot(problem);
+  return robotReach(problem);
+}
+
+}  // namespace leeway::planner

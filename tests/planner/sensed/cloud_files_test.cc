@@ -1,0 +1,279 @@
+// Readers of point clouds: every form of every format, and every kind of damage.
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+
+#include "leeway/planner/point_cloud.h"
+#include "planner/sensed/cloud_source.h"
+#include "tests/support/folder.h"
+#include "tests/support/input_errors.h"
+
+namespace leeway::planner {
+namespace {
+
+using Eigen::Vector3d;
+
+class CloudFiles : public testing::Test {
+ protected:
+  PointCloud load(const std::string& name, const std::string& contents) {
+    return loadCloud(folder_.write(name, contents), 0.01, warnings_);
+  }
+  /// All of the three points, each with the given radius.
+  void expectThree(const std::string& name, const std::string& contents) {
+    const PointCloud cloud = load(name, contents);
+    ASSERT_EQ(cloud.size(), 3U) << name;
+    EXPECT_EQ(cloud.balls[0].center, Vector3d(1, 2, 3));
+    EXPECT_EQ(cloud.balls[1].center, Vector3d(-0.5, 0.25, 8));
+    EXPECT_EQ(cloud.balls[2].center, Vector3d(0, 0, 1024));
+    EXPECT_EQ(cloud.balls[2].radius, 0.01);
+    EXPECT_TRUE(cloud.filters.empty());
+  }
+  void expectError(const std::string& name, const std::string& contents, int line,
+                   std::initializer_list<std::string> words) {
+    SCOPED_TRACE(name + ": " + contents.substr(0, 200));
+    const std::string path = folder_.write(name, contents);
+    robots::expectInputError([&] { loadCloud(path, 0.01, warnings_); }, path, line, words);
+  }
+  Folder folder_;
+  std::vector<std::string> warnings_;
+};
+
+const double kPoints[3][3] = {{1, 2, 3}, {-0.5, 0.25, 8}, {0, 0, 1024}};
+
+template <class T>
+void append(std::string& bytes, T value, bool big_endian = false) {
+  char raw[sizeof(T)];
+  std::memcpy(raw, &value, sizeof(T));
+  if (big_endian) std::reverse(raw, raw + sizeof(T));
+  bytes.append(raw, sizeof(T));
+}
+
+std::string pcdHeader(const std::string& data, const std::string& count = "3") {
+  return "# .PCD v0.7\nVERSION 0.7\nFIELDS rgb x y z _\nSIZE 4 4 4 8 1\nTYPE U F F F U\n"
+         "COUNT 1 1 1 1 4\nWIDTH " +
+         count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA " + data + "\n";
+}
+
+std::string pcdRecords() {
+  std::string bytes;
+  for (const auto& p : kPoints) {
+    append<std::uint32_t>(bytes, 0xFFFFFFFF);
+    append(bytes, static_cast<float>(p[0]));
+    append(bytes, static_cast<float>(p[1]));
+    append(bytes, p[2]);
+    append<std::uint32_t>(bytes, 7);
+  }
+  return bytes;
+}
+
+/// The fields one after the other, in literal runs of LZF.
+std::string pcdCompressed() {
+  std::string fields;
+  for (int i = 0; i < 3; ++i) append<std::uint32_t>(fields, 0xFFFFFFFF);
+  for (const auto& p : kPoints) append(fields, static_cast<float>(p[0]));
+  for (const auto& p : kPoints) append(fields, static_cast<float>(p[1]));
+  for (const auto& p : kPoints) append(fields, p[2]);
+  // The first twelve bytes are alike: one literal, and a reference to it.
+  std::string data = {'\0', '\xFF', static_cast<char>(7U << 5U), static_cast<char>(11 - 9), '\0'};
+  for (std::size_t at = 12; at < fields.size(); at += 32) {
+    const std::string run = fields.substr(at, 32);
+    data += static_cast<char>(run.size() - 1) + run;
+  }
+  std::string bytes;
+  append<std::uint32_t>(bytes, static_cast<std::uint32_t>(data.size()));
+  append<std::uint32_t>(bytes, static_cast<std::uint32_t>(fields.size()));
+  return bytes + data;
+}
+
+std::string ply(const std::string& format, const std::string& count = "3") {
+  return "ply\nformat " + format + " 1.0\ncomment made by hand\nelement camera 1\n" +
+         "property list uchar int ids\nproperty float f\nelement vertex " + count +
+         "\nproperty float x\nproperty uchar red\nproperty double y\nproperty float z\n" +
+         "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+std::string plyRecords(bool big_endian) {
+  std::string bytes("\x02", 1);
+  append<std::int32_t>(bytes, 1, big_endian);
+  append<std::int32_t>(bytes, 2, big_endian);
+  append(bytes, 0.5F, big_endian);
+  for (const auto& p : kPoints) {
+    append(bytes, static_cast<float>(p[0]), big_endian);
+    bytes += '\x80';
+    append(bytes, p[1], big_endian);
+    append(bytes, static_cast<float>(p[2]), big_endian);
+  }
+  return bytes;  // of the face nothing is needed
+}
+
+const std::string kPlyText = "2 1 2 0.5\n1 128 2 3\n-0.5 128 .25 8\n0 128 0 1.024e3\n3 0 1 2\n";
+
+TEST_F(CloudFiles, EveryFormReadsTheSame) {
+  expectThree("a.xyz", "1 2 3\n-0.5\t0.25  8\n\n0 0 1024\n");
+  expectThree("a.txt", "# x y z i\r\n1 2 3 7\r\n-0.5 0.25 8 7\r\n0 0 1024 7\r\n");
+  expectThree("a.csv", "1,2,3\n-0.5, 0.25 ,8\n0,0,1024");
+  expectThree("b.csv", "\xEF\xBB\xBF\"id\";Z;X;Y\n1;3;1;2\n2;8;-0.5;0.25\n3;1024;0;0\n");
+  expectThree("a.ply", ply("ascii") + kPlyText);
+  expectThree("b.ply", ply("binary_little_endian") + plyRecords(false));
+  expectThree("C.PLY", ply("binary_big_endian") + plyRecords(true));
+  expectThree("a.pcd",
+              pcdHeader("ascii") + "9 1 2 3 0 0 0 0\n9 -.5 .25 8 0 0 0 0\n9 0 0 1024 0 0 0 0\n");
+  expectThree("b.pcd", pcdHeader("binary") + pcdRecords());
+  expectThree("c.pcd", pcdHeader("binary") + pcdRecords() + std::string(100, '\0'));
+  expectThree("d.pcd", pcdHeader("binary_compressed") + pcdCompressed());
+  EXPECT_TRUE(warnings_.empty());
+}
+
+TEST_F(CloudFiles, PointsThatAreNotNumbersAreDroppedAndCounted) {
+  for (const char* file : {"1 2 3\nnan nan nan\n0 inf 0\n", "1 2 3\n-nan 0 0\n1 1 -inf\n"}) {
+    const PointCloud cloud = load("a.xyz", file);
+    ASSERT_EQ(cloud.size(), 1U);
+    ASSERT_EQ(cloud.filters.size(), 1U);
+    EXPECT_EQ(cloud.filters[0].name, "drop");
+    EXPECT_EQ(cloud.filters[0].removed, 2U);
+  }
+  expectError("b.xyz", "nan nan nan\n", 0, {"1 points, none of which is a number"});
+}
+
+TEST_F(CloudFiles, AViewpointIsNotAppliedInSilence) {
+  std::string text = pcdHeader("binary") + pcdRecords();
+  text.replace(text.find("VIEWPOINT 0"), 11, "VIEWPOINT 1");
+  load("a.pcd", text);
+  ASSERT_EQ(warnings_.size(), 1U);
+  EXPECT_NE(warnings_[0].find("a.pcd:9: VIEWPOINT is not applied"), std::string::npos);
+}
+
+TEST_F(CloudFiles, DamagedColumnsNameTheirLine) {
+  expectError("a.xyz", "", 0, {"holds no point"});
+  expectError("a.xyz", "# nothing\n", 0, {"holds no point"});
+  expectError("a.xyz", "1 2 3\n1 2\n", 2, {"2 columns", "3, as the first"});
+  expectError("a.xyz", "1 2\n", 1, {"2 of x, y and z"});
+  expectError("a.xyz", "1 2 3\n1 2 1e\n", 2, {"'1e'", "a number"});
+  expectError("a.xyz", "1 2 3\n0 1e10 0\n", 2, {"10000000000 is too large", "1000000000"});
+  expectError("a.xyz", "12\nwater\n", 1, {"1 of x, y and z"});
+  expectError("a.csv", "1,2,3\n1,,3\n", 2, {"'' stands where a coordinate is expected"});
+  expectError("a.csv", "x,y,depth\n1,2,3\n", 1, {"no column is named 'z'"});
+  expectError("a.csv", std::string("1,2,3\n\0,2,3\n", 12), 0, {"byte 6", "value 0"});
+}
+
+TEST_F(CloudFiles, DamagedPlysNameTheirPlace) {
+  const std::string whole = ply("ascii") + kPlyText;
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = whole;
+    return text.replace(text.find(from), from.size(), to);
+  };
+  expectError("a.ply", "", 1, {"does not begin with a line 'ply'"});
+  expectError("a.ply", "ply\nformat ascii 1.0\n", 2, {"ends within its header"});
+  expectError("a.ply", with("ascii", "utf8"), 2, {"'utf8'", "ascii"});
+  expectError("a.ply", with("format ascii 1.0\n", ""), 13, {"no format"});
+  expectError("a.ply", with("vertex 3", "vertex three"), 7, {"'three'", "a whole number"});
+  expectError("a.ply", with("vertex 3", "vertex -3"), 7, {"'-3'"});
+  expectError("a.ply", with("element vertex", "element point"), 14, {"no element vertex"});
+  expectError("a.ply", with("property double y", "property double w"), 7, {"no property 'y'"});
+  expectError("a.ply", with("property double y", "property real y"), 10, {"'real'"});
+  expectError("a.ply", with("property double y", "properties"), 10, {"'properties'"});
+  expectError("a.ply", with("vertex 3", "vertex 9"), 20, {"ends after 4 of 9"});
+  expectError("a.ply", with("1 128 2 3", "1 128 2"), 16, {"3 numbers", "4 properties"});
+  expectError("a.ply", with("1 128 2 3", "1 128 2 3 4"), 16, {"'4' follows"});
+  expectError("a.ply", with("1 128 2 3", "1 128 2e400 3"), 16, {"too large"});
+  const std::string header = ply("binary_little_endian");
+  const std::string binary = header + plyRecords(false);
+  expectError("a.ply", binary.substr(0, binary.size() - 1), 0,
+              {"byte", "ends after 2 of 3 elements 'vertex'"});
+  expectError("a.ply", ply("binary_little_endian", "2000000000") + plyRecords(false), 0,
+              {"ends after 3 of 2000000000"});
+  std::string list = binary;
+  list[header.size()] = '\xFF';
+  expectError("a.ply", list, 0, {"a list of 255 entries"});
+  expectError("b.ply",
+              "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+              "property float z\nend_header\n1 2 3\n\n4 5 6\n",
+              10, {"more follows the last element"});
+}
+
+TEST_F(CloudFiles, DamagedPcdsNameTheirPlace) {
+  const auto with = [&](const std::string& data, const std::string& from, const std::string& to) {
+    std::string text = pcdHeader(data) + pcdRecords();
+    return text.replace(text.find(from), from.size(), to);
+  };
+  expectError("a.pcd", "", 1, {"ends within its header", "DATA"});
+  expectError("a.pcd", with("binary", "DATA binary", "DATA zip"), 11, {"'zip'"});
+  expectError("a.pcd", with("binary", "HEIGHT 1\n", ""), 10, {"no HEIGHT"});
+  expectError("a.pcd", with("binary", "HEIGHT 1", "HEIGHT 2"), 10,
+              {"POINTS is 3", "6, is expected"});
+  expectError("a.pcd", with("binary", "HEIGHT", "DEPTH"), 8, {"'DEPTH'"});
+  expectError("a.pcd", with("binary", "WIDTH 3", "WIDTH -3"), 7, {"'-3'"});
+  expectError("a.pcd", with("binary", "SIZE 4 4 4 8 1", "SIZE 4 4 4 8"), 4, {"SIZE has 4", "5"});
+  expectError("a.pcd", with("binary", "SIZE 4 4 4 8 1", "SIZE 4 2 4 8 1"), 5, {"'x'", "2 bytes"});
+  expectError("a.pcd", with("binary", "U F F F U", "U F Q F U"), 5, {"'y'", "'Q'"});
+  expectError("a.pcd", with("binary", "1 1 1 1 4", "1 1 1 1 0"), 6, {"COUNT of 0"});
+  expectError("a.pcd", with("binary", "1 1 1 1 4", "1 1 1 1 2000000000"), 6,
+              {"COUNT of 2000000000"});
+  expectError("a.pcd", with("binary", "rgb x y z", "rgb x y w"), 3, {"no field 'z'"});
+  expectError("a.pcd", with("binary", "VERSION 0.7", "WIDTH 7"), 7, {"WIDTH stands twice"});
+  const std::string binary = pcdHeader("binary") + pcdRecords();
+  expectError("a.pcd", binary.substr(0, binary.size() - 1), 0, {"byte", "2 of 3 points of 24"});
+  expectError("a.pcd", pcdHeader("binary", "2147483647") + pcdRecords(), 0, {"3 of 2147483647"});
+  expectError("a.pcd", binary + "x", 0, {"more than 3 points"});
+  const std::string text = pcdHeader("ascii");
+  expectError("a.pcd", text + "9 1 2 3 0 0 0 0\n", 13, {"ends after 1 of 3 points"});
+  expectError("a.pcd", text + "9 1 2 3 0 0 0\n", 12, {"7 numbers", "8"});
+  const std::string compressed = pcdHeader("binary_compressed") + pcdCompressed();
+  expectError("a.pcd", compressed.substr(0, compressed.size() - 1), 0, {"compressed bytes"});
+  expectError("a.pcd", pcdHeader("binary_compressed") + "1234", 0, {"two sizes"});
+  std::string damaged = compressed;
+  damaged[damaged.size() - pcdCompressed().size() + 4] += 1;
+  expectError("a.pcd", damaged, 0, {"3 points of 20 bytes"});
+  damaged = compressed;
+  damaged[damaged.size() - pcdCompressed().size() + 11] = 9;  // a reference before the first byte
+  expectError("a.pcd", damaged, 0, {"damaged"});
+}
+
+TEST_F(CloudFiles, OtherFilesAreRefused) {
+  expectError("a.las", "LASF", 0, {"'.las'", ".ply, .pcd, .xyz"});
+  expectError("a.xyz", "version https://git-lfs.github.com/spec/v1\n", 0, {"Git LFS"});
+  robots::expectInputError([&] { loadCloud(folder_.path("b.xyz"), 0.01, warnings_); },
+                           folder_.path("b.xyz"), 0, {"there is no such file", "a point cloud"});
+}
+
+TEST(Lzf, RunsAndReferences) {
+  EXPECT_EQ(decompressLzf(std::string("\x02"
+                                      "abc",
+                                      4),
+                          3),
+            "abc");
+  // Three bytes again from two back, which overlap what they make.
+  EXPECT_EQ(decompressLzf(std::string("\x01"
+                                      "ab\x20\x01",
+                                      5),
+                          5),
+            "ababa");
+  for (const std::string& damaged : {std::string("\x03"
+                                                 "abc",
+                                                 4),
+                                     std::string("\x01"
+                                                 "ab\x20",
+                                                 4),
+                                     std::string("\x01"
+                                                 "ab\xE0",
+                                                 4),
+                                     std::string("\x01"
+                                                 "ab\x20\x02",
+                                                 5),
+                                     std::string("\x20\x00", 2)})
+    EXPECT_FALSE(decompressLzf(damaged, 5));
+  EXPECT_FALSE(decompressLzf(std::string("\x02"
+                                         "abc",
+                                         4),
+                             2));
+  EXPECT_FALSE(decompressLzf(std::string("\x02"
+                                         "abc",
+                                         4),
+                             4));
+  EXPECT_FALSE(decompressLzf("", std::size_t{1} << 62U));
+}
+
+}  // namespace
+}  // namespace leeway::planner

@@ -1,0 +1,288 @@
+// Clouds in problems: what is read, refused, filtered, planned among and verified.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/plan.h"
+#include "leeway/planner/problem.h"
+#include "leeway/planner/verify.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
+#include "tests/support/input_errors.h"
+
+namespace leeway::planner {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A ball of 0.1 m that moves in space, with its start and goal.
+const std::string kBall =
+    "leeway: 1\n"
+    "body:\n"
+    "  name: ball\n"
+    "  joint: floating\n"
+    "  bounds: {lower: [-2, -1, -1], upper: [2, 1, 1]}\n"
+    "  shapes: [{sphere: {radius: 0.1}}]\n"
+    "start: {position: [-1, 0, 0]}\n"
+    "goal: {position: [1, 0, 0]}\n"
+    "objects:\n";
+
+class CloudProblems : public testing::Test {
+ protected:
+  Problem load(const std::string& text, const std::string& points = "0 0 0\n") {
+    folder_.write("scan.xyz", points);
+    return loadProblem(folder_.write("problem.yaml", text));
+  }
+  void expectError(const std::string& text, int line, std::initializer_list<std::string> words) {
+    SCOPED_TRACE(text.substr(text.rfind("objects:")));
+    folder_.write("scan.xyz", "0 0 0\n");
+    const std::string path = folder_.write("problem.yaml", text);
+    robots::expectInputError([&] { loadProblem(path); }, path, line, words);
+  }
+  /// A square grid of points across the way, with a hole around (y, z).
+  static std::string wall(double spacing, double y, double z, double hole) {
+    std::string points;
+    for (double a = -1; a <= 1 + 1e-9; a += spacing)
+      for (double b = -1; b <= 1 + 1e-9; b += spacing)
+        if (std::hypot(a - y, b - z) > hole)
+          points += "0 " + std::to_string(a) + " " + std::to_string(b) + "\n";
+    return points;
+  }
+  /// The path of a ball that does not turn.
+  static Path pathOf(const Problem& problem, const std::vector<Vector3d>& places) {
+    Path path;
+    for (const int v : problem.robot.variables)
+      path.names.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
+    for (const Vector3d& p : places) path.positions.push_back({p.x(), p.y(), p.z(), 0, 0, 0, 1});
+    return path;
+  }
+  Folder folder_;
+};
+
+TEST_F(CloudProblems, PlansAmongBallsAsAmongSpheres) {
+  // 4,000 balls, so that pairs are in runs.
+  const std::string points = wall(0.03, 0.4, 0.3, 0.25);
+  Problem problem =
+      load(kBall + " - {name: wall, cloud: {file: scan.xyz, radius: 0.022}}\n" + "margin: 0.01\n",
+           points);
+  problem.limits = {60, 0};
+  ASSERT_GT(problem.world.objects[0].cloud->size(), 4000U);
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  EXPECT_TRUE(result.certificate.certified);
+  const VerifyResult verified = verify(problem, result.path);
+  EXPECT_EQ(verified.status, VerifyStatus::kCertified) << verified.reason;
+  EXPECT_GE(verified.clearance_lower, 0.01);
+  EXPECT_LE(verified.clearance_lower, 0.13);  // the hole is 25 cm minus the balls
+
+  // The same world as spheres.
+  Problem spheres = problem;
+  spheres.world.objects[0].geometries = geometriesOf(*problem.world.objects[0].cloud);
+  spheres.world.objects[0].cloud = nullptr;
+  const PlanResult twin = plan(spheres);
+  EXPECT_EQ(twin.path.positions, result.path.positions);
+  EXPECT_EQ(twin.certificate.clearance.lower, result.certificate.clearance.lower);
+  EXPECT_EQ(verify(spheres, result.path).status, VerifyStatus::kCertified);
+}
+
+TEST_F(CloudProblems, VerifyRefutesAPathThroughBalls) {
+  const Problem problem = load(kBall + " - {name: wall, cloud: {file: scan.xyz, radius: 0.022}}\n",
+                               wall(0.03, 0.4, 0.3, 0.25));
+  const Path path = pathOf(problem, {{-1, 0, 0}, {1, 0, 0}});
+  const VerifyResult refuted = verify(problem, path);
+  EXPECT_EQ(refuted.status, VerifyStatus::kRefuted);
+  EXPECT_EQ(refuted.b, "wall");
+  // Where the balls leave room for the ball's whole way, it is certified.
+  const Problem free = load(kBall + " - {name: wall, cloud: {file: scan.xyz, radius: 0.022}}\n",
+                            wall(0.03, 0, 0, 0.25));
+  const VerifyResult certified = verify(free, path);
+  EXPECT_EQ(certified.status, VerifyStatus::kCertified) << certified.reason;
+  EXPECT_GT(certified.clearance_lower, 0.04);
+  EXPECT_LT(certified.clearance_lower, 0.17);
+}
+
+TEST_F(CloudProblems, VerifyAgreesWithSpheresOnRandomEdges) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-0.8, 0.8);
+  std::string points;
+  for (int i = 0; i < 60; ++i)
+    points += std::to_string(place(random)) + " " + std::to_string(place(random)) + " " +
+              std::to_string(place(random)) + "\n";
+  Problem problem = load(
+      kBall + " - {name: dust, rpy: [0.3, 0, 1], cloud: {file: scan.xyz, radius: 0.05}}\n", points);
+  Problem spheres = problem;
+  spheres.world.objects[0].geometries = geometriesOf(*problem.world.objects[0].cloud);
+  spheres.world.objects[0].cloud = nullptr;
+  int certified = 0, refuted = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Path path =
+        pathOf(problem, {{-1, place(random), place(random)}, {1, place(random), place(random)}});
+    for (Problem* p : {&problem, &spheres}) {
+      p->start = path.positions[0];
+      p->goals[0].ranges.clear();
+      for (const double x : path.positions[1]) p->goals[0].ranges.emplace_back(x, x);
+    }
+    const VerifyResult of_cloud = verify(problem, path), of_spheres = verify(spheres, path);
+    ASSERT_EQ(of_cloud.status, of_spheres.status) << i;
+    certified += of_cloud.status == VerifyStatus::kCertified ? 1 : 0;
+    refuted += of_cloud.status == VerifyStatus::kRefuted ? 1 : 0;
+    if (of_cloud.status != VerifyStatus::kCertified) continue;
+    // Both are lower bounds of one clearance, and neither is far below the other.
+    EXPECT_GT(of_cloud.clearance_lower, 0.3 * of_spheres.clearance_lower);
+    EXPECT_LT(of_cloud.clearance_lower, 3 * of_spheres.clearance_lower);
+  }
+  EXPECT_GT(certified, 5);
+  EXPECT_GT(refuted, 5);
+}
+
+TEST_F(CloudProblems, BallsAtTheEndsOfSpaceAreVerified) {
+  const Problem problem = load(kBall + " - {name: far, cloud: {file: scan.xyz, radius: 0.05}}\n",
+                               "1e9 1e9 1e9\n-1e9 -1e9 -1e9\n0 0.5 0\n");
+  const Path path = pathOf(problem, {{-1, 0, 0}, {1, 0, 0}});
+  const VerifyResult certified = verify(problem, path);
+  EXPECT_EQ(certified.status, VerifyStatus::kCertified) << certified.reason;
+  EXPECT_GT(certified.clearance_lower, 0.17);
+  EXPECT_LE(certified.clearance_lower, 0.35);
+}
+
+TEST_F(CloudProblems, FiltersAreAppliedInOrder) {
+  const Problem problem = load(
+      kBall +
+          " - {name: can, position: [0, 0.5, 0], cylinder: {radius: 0.1, length: 0.2}}\n"
+          " - name: scan\n"
+          "   position: [0, 0.5, 0]\n"
+          "   cloud: {file: scan.xyz, radius: 0.02, carve: [can, robot], carve_margin: 0.01, crop: "
+          "0.3, thin: 0.05}\n"
+          "margin: 0.01\n",
+      "0.1 0 0\n"         // touches the can
+      "0.129 0 0\n"       // within the margin of it
+      "0.131 0 0\n"       // stays
+      "-1 -0.385 0\n"     // touches the robot at its start
+      "0.51 0.01 0.01\n"  // these two share a cell
+      "0.53 0.02 0.02\n"  //
+      "9 0 0\n"           // is out of reach
+      "nan 0 0\n");
+  const PointCloud& cloud = *problem.world.objects[1].cloud;
+  ASSERT_EQ(cloud.filters.size(), 4U);
+  const char* const names[] = {"drop", "carve", "crop", "thin"};
+  const std::size_t removed[] = {1, 3, 1, 1};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(cloud.filters[i].name, names[i]);
+    EXPECT_EQ(cloud.filters[i].removed, removed[i]) << names[i];
+  }
+  ASSERT_EQ(cloud.size(), 2U);
+  EXPECT_EQ(cloud.balls[0].center, Vector3d(0.131, 0, 0));
+  EXPECT_EQ(cloud.balls[0].radius, 0.02);
+  EXPECT_GT(cloud.balls[1].radius, 0.02);
+  EXPECT_EQ(cloud.complete_within, 0.3);
+}
+
+TEST_F(CloudProblems, ACropSmallerThanAMarginIsRefused) {
+  Problem problem = load(kBall +
+                             " - {name: scan, cloud: {file: scan.xyz, radius: 0.02, crop: 0.05}}\n"
+                             "margin: 0.04\n",
+                         "0 0.5 0\n");
+  EXPECT_NO_THROW(CompiledScene{problem});
+  const auto refused = [&] {
+    try {
+      CompiledScene scene(problem);
+    } catch (const robots::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  problem.margins.common = 0.06;
+  EXPECT_NE(refused().find("cloud 'scan' lacks what is farther than 0.05 m"), std::string::npos);
+  problem.margins.common = 0;
+  problem.margins.wishes.push_back({"wide", {{"ball", "scan"}}, 0.1, 1});
+  EXPECT_NE(refused().find("a crop of at least that"), std::string::npos);
+  problem.margins.wishes.clear();
+  problem.objective = MinimumLength{0.2};
+  EXPECT_NE(refused().find("0.2 m"), std::string::npos);
+}
+
+TEST_F(CloudProblems, BallsThatAProgramSetsAreChecked) {
+  Problem problem = load(kBall + " - {name: scan, cloud: {file: scan.xyz, radius: 0.02}}\n");
+  const auto with = [&](const PointCloud::Ball& ball) {
+    PointCloud cloud;
+    cloud.balls.push_back(ball);
+    problem.world.objects[0].cloud = std::make_shared<const PointCloud>(cloud);
+    CompiledScene scene(problem);
+  };
+  EXPECT_NO_THROW(with({{0, 0.5, 0}, 0.02}));
+  EXPECT_THROW(with({{0, 0.5, 0}, -0.02}), robots::InputError);
+  EXPECT_THROW(with({{0, 0.5, 0}, NAN}), robots::InputError);
+  EXPECT_THROW(with({{0, 1e300, 0}, 0.02}), robots::InputError);
+  EXPECT_THROW(with({{0, NAN, 0}, 0.02}), robots::InputError);
+}
+
+TEST_F(CloudProblems, ACloudIsNotHeld) {
+  Problem problem = load(kBall + " - {name: scan, cloud: {file: scan.xyz, radius: 0.02}}\n");
+  EXPECT_THROW(attachObject(problem, "scan", "ball"), std::invalid_argument);
+  Attachment held;
+  held.object = problem.world.objects[0];
+  held.link = 0;
+  problem.world.objects.clear();
+  problem.robot.attachments.push_back(held);
+  EXPECT_THROW(CompiledScene{problem}, robots::InputError);
+}
+
+TEST_F(CloudProblems, BadKeysNameTheirLine) {
+  const std::string begin = kBall + " - {name: can, sphere: {radius: 0.1}}\n - name: scan\n   ";
+  expectError(begin + "cloud: {file: scan.xyz}\n", 12, {"'radius'"});
+  expectError(begin + "cloud: {radius: 0.1}\n", 12, {"'file'"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0}\n", 12, {"radius 0", "1e-09"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: -1}\n", 12, {"radius -1"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: .nan}\n", 12, {"radius"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, thinn: 1}\n", 12,
+              {"'thinn'", "'thin'"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, thin: 0}\n", 12, {"cell 0"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, crop: -1}\n", 12, {"distance -1"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, carve_margin: 1}\n", 12,
+              {"'carve_margin' stands without 'carve'"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, carve: [cam]}\n", 12,
+              {"no link or object is named 'cam'", "did you mean 'can'"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, carve: [scan]}\n", 12,
+              {"'scan', which is a cloud"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, carve: [can], carve_margin: -1}\n", 12,
+              {"carve_margin"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1}\n   box: {size: [1, 1, 1]}\n", 11,
+              {"both 'cloud' and 'box'"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1}\n   attach: {link: ball}\n", 11,
+              {"both 'cloud' and 'attach'"});
+}
+
+TEST_F(CloudProblems, ReachContainsTheRobotWhereverItGoes) {
+  const Problem problem = loadProblem(sourceFolder() + "/problems/pick_place/can.yaml");
+  const std::vector<PointCloud::Ball> reach = reachOf(problem);
+  const robots::Model& model = *problem.robot.model;
+  std::mt19937 random(2);
+  double farthest = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::vector<double> q = problem.start;
+    for (const int v : problem.robot.variables) {
+      const robots::Variable& variable = model.variables[static_cast<std::size_t>(v)];
+      std::uniform_real_distribution<double> value(variable.lower, variable.upper);
+      q[static_cast<std::size_t>(v)] = value(random);
+    }
+    for (const robots::Geometry& g : shapesOf(problem, "robot", q)) {
+      const Vector3d p = g.X_BG * g.shape.boundingCenter();
+      farthest = std::max(farthest, p.norm());
+      EXPECT_TRUE(std::any_of(reach.begin(), reach.end(), [&](const PointCloud::Ball& ball) {
+        return (p - ball.center).norm() + g.shape.boundingRadius() <= ball.radius + 1e-9;
+      }));
+    }
+  }
+  EXPECT_GT(farthest, 0.8);
+  for (const PointCloud::Ball& ball : reach) EXPECT_LT(ball.radius, 2);
+  EXPECT_THROW(shapesOf(problem, "cann"), std::invalid_argument);
+  EXPECT_EQ(shapesOf(problem, "bin").size(), 5U);
+}
+
+}  // namespace
+}  // namespace leeway::planner

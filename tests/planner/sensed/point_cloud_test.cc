@@ -1,0 +1,144 @@
+// Clouds from memory, and what filters promise, against brute force.
+
+#include "leeway/planner/point_cloud.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "leeway/collision/distance.h"
+
+namespace leeway::planner {
+namespace {
+
+using Eigen::Vector3d;
+using Ball = PointCloud::Ball;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+PointCloud randomCloud(unsigned seed, std::size_t count, double size) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-size, size), radius(0.001, 0.03);
+  PointCloud cloud;
+  for (std::size_t i = 0; i < count; ++i)
+    cloud.balls.push_back({{place(random), place(random), place(random)}, radius(random)});
+  return cloud;
+}
+
+bool contains(const Ball& outer, const Ball& inner) {
+  return (outer.center - inner.center).norm() + inner.radius <= outer.radius * (1 + 1e-12);
+}
+
+TEST(PointCloud, ArraysWithStridesAndBothPrecisions) {
+  struct Point {
+    std::uint16_t before;
+    float xyz[3];
+    std::uint8_t rgb[3];
+  } const floats[] = {{1, {1, 2, 3}, {}}, {2, {0.1F, NAN, 0}, {}}, {3, {-4, 5, 0.1F}, {}}};
+  const PointCloud a = makeCloud({&floats[0].xyz, 3, sizeof(Point)}, 0.5);
+  ASSERT_EQ(a.size(), 2U);
+  EXPECT_EQ(a.balls[1].center, Vector3d(-4, 5, double(0.1F)));
+  EXPECT_EQ(a.balls[1].radius, 0.5);
+  EXPECT_EQ(a.filters.at(0).removed, 1U);
+  const double doubles[] = {1, 2, 3, 0.1, 0, INFINITY, 7, 8, 9};
+  const double radii[] = {1, kNaN, 3};  // that of a dropped point does not matter
+  const PointCloud b = makeCloud({doubles, 3, 24, PointArray::Number::kDouble}, radii);
+  ASSERT_EQ(b.size(), 2U);
+  EXPECT_EQ(b.balls[1].center, Vector3d(7, 8, 9));
+  EXPECT_EQ(b.balls[1].radius, 3);
+}
+
+TEST(PointCloud, BadRadiiAndCoordinatesAreRefused) {
+  const double points[] = {1, 2, 3, 4, 1.1e9, 6};
+  const auto cloud = [&](std::size_t count, double radius) {
+    return makeCloud({points, count, 24, PointArray::Number::kDouble}, radius);
+  };
+  for (const double radius : {0.0, -1.0, 1e-10, 1.1e9, kNaN, double(INFINITY)})
+    EXPECT_THROW(cloud(1, radius), std::invalid_argument) << radius;
+  EXPECT_EQ(cloud(1, 1e-9).size(), 1U);
+  EXPECT_THROW(cloud(2, 1), std::invalid_argument);
+  EXPECT_THROW(makeCloud({points, 1, 24}, std::vector<double>{1, 2}), std::invalid_argument);
+  EXPECT_THROW(thinned(PointCloud(), 0), std::invalid_argument);
+  EXPECT_THROW(thinned(PointCloud(), kNaN), std::invalid_argument);
+  EXPECT_THROW(carved(PointCloud(), {}, {}, -1, "x"), std::invalid_argument);
+  EXPECT_THROW(cropped(PointCloud(), {}, {}, kNaN), std::invalid_argument);
+}
+
+TEST(PointCloud, ThinningContainsAllThatItRemoves) {
+  int merged = 0;
+  for (unsigned seed = 1; seed <= 5; ++seed)
+    for (const double cell : {0.01, 0.08, 1.0}) {
+      const PointCloud cloud = randomCloud(seed, 400, 0.3), thin = thinned(cloud, cell);
+      for (const Ball& ball : cloud.balls)
+        EXPECT_TRUE(std::any_of(thin.balls.begin(), thin.balls.end(),
+                                [&](const Ball& outer) { return contains(outer, ball); }));
+      EXPECT_EQ(thin.filters.back().removed, cloud.size() - thin.size());
+      EXPECT_LE(thin.largestRadius(), cell * std::sqrt(3.0) / 2 + 0.03 + 1e-9);
+      merged += static_cast<int>(cloud.size() - thin.size());
+    }
+  EXPECT_GT(merged, 2000);
+  // A ball alone in its cell stays as it is, also far from the origin.
+  PointCloud alone;
+  alone.balls = {{{1e9, -1e9, 0.1}, 1e-9}, {{0.3, 0.1, 0.2}, 0.02}};
+  const PointCloud kept = thinned(alone, 1e-9);
+  ASSERT_EQ(kept.size(), 2U);
+  EXPECT_EQ(kept.balls[0].center, alone.balls[0].center);
+  EXPECT_EQ(kept.balls[1].radius, 0.02);
+}
+
+TEST(PointCloud, CarvingRemovesWhatIsNearAndNothingElse) {
+  robots::Pose X_WC;
+  X_WC.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  X_WC.translation = {0.1, -0.2, 0.3};
+  const std::vector<robots::Geometry> shapes = {
+      {collision::Shape::box({0.1, 0.05, 0.2}), {Eigen::Matrix3d::Identity(), {0.1, 0, 0.3}}, ""},
+      {collision::Shape::cylinder(0.05, 0.1), {Eigen::Matrix3d::Identity(), {0, -0.3, 0.3}}, ""}};
+  collision::Scratch scratch;
+  for (const double margin : {0.0, 0.02}) {
+    const PointCloud cloud = randomCloud(7, 5000, 0.4);
+    const PointCloud rest = carved(cloud, X_WC, shapes, margin, "can");
+    std::size_t near = 0, k = 0;
+    for (const Ball& ball : cloud.balls) {
+      double distance = 1;
+      for (const robots::Geometry& shape : shapes)
+        distance =
+            std::min(distance, collision::distance(shape.shape, shape.X_BG,
+                                                   collision::Shape::sphere(ball.radius),
+                                                   {X_WC.rotation, X_WC * ball.center}, {}, scratch)
+                                   .distance.upper);
+      if (distance <= margin) {
+        ++near;
+        continue;
+      }
+      ASSERT_LT(k, rest.size());
+      EXPECT_EQ(rest.balls[k].center, ball.center);
+      ++k;
+    }
+    EXPECT_EQ(k, rest.size());
+    EXPECT_EQ(rest.filters.back().removed, near);
+    EXPECT_GT(near, 100U);
+  }
+}
+
+TEST(PointCloud, CroppingKeepsAllThatIsInReach) {
+  const std::vector<Ball> reach = {{{0.1, 0, 0}, 0.1}, {{-0.2, 0, 0.1}, 0.05}};
+  robots::Pose X_WC;
+  X_WC.translation = {0.05, 0, 0};
+  const PointCloud cloud = randomCloud(3, 2000, 0.4);
+  const PointCloud kept = cropped(cloud, X_WC, reach, 0.04);
+  EXPECT_EQ(kept.complete_within, 0.04);
+  std::size_t in_reach = 0;
+  for (const Ball& ball : cloud.balls)
+    in_reach += std::any_of(reach.begin(), reach.end(), [&](const Ball& of) {
+      return (X_WC * ball.center - of.center).norm() - ball.radius - of.radius <= 0.04;
+    });
+  EXPECT_EQ(kept.size(), in_reach);
+  EXPECT_GT(in_reach, 50U);
+  EXPECT_LT(in_reach, 1000U);
+  EXPECT_EQ(cropped(kept, X_WC, reach, 1).complete_within, 0.04);
+}
+
+}  // namespace
+}  // namespace leeway::planner
