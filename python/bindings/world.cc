@@ -12,6 +12,7 @@ namespace {
 
 using planner::DeformingObstacle;
 using planner::Object;
+using planner::PointCloud;
 using WorldClass = py::class_<World>;
 
 /// Every adder ends with these.
@@ -53,6 +54,29 @@ void defineAdder(WorldClass& world, const char* name, const std::string& sizes, 
   throw py::key_error("no object '" + name + "'");
 }
 
+/// The balls around points (n, 3), of any strides, which may be NaN.
+PointCloud cloudOf(const py::object& points, const py::object& radius) {
+  py::array array = py::array::ensure(points);
+  if (!array || array.ndim() != 2 || array.shape(1) < 3)
+    throw py::value_error("points are expected to be an array of shape (n, 3)");
+  const bool is_float = py::isinstance<py::array_t<float>>(array);
+  const bool is_double = py::isinstance<py::array_t<double>>(array);
+  if ((!is_float && !is_double) || array.strides(1) != array.itemsize() || array.strides(0) < 0)
+    array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(array);
+  if (!array) {
+    PyErr_Clear();
+    throw py::value_error("points hold what is not a number; float32 or float64 is expected");
+  }
+  const bool as_float = is_float && py::isinstance<py::array_t<float>>(array);
+  const planner::PointArray xyz{
+      array.data(), static_cast<std::size_t>(array.shape(0)),
+      static_cast<std::size_t>(array.strides(0)),
+      as_float ? planner::PointArray::Number::kFloat : planner::PointArray::Number::kDouble};
+  const Rows radii = scalars(radius, "radius");
+  if (radii.shape.empty()) return planner::makeCloud(xyz, radii.values.at(0));
+  return planner::makeCloud(xyz, radii.values);
+}
+
 void remove(World& world, const std::string& name) {
   const auto named = [&](const Object& object) { return object.name == name; };
   if (!world.has(name)) unknown(name);
@@ -80,12 +104,50 @@ collision::Pose poseOf(const World& world, const std::string& name) {
   unknown(name);
 }
 
+/// The shapes of an object, placed in the world.
+std::vector<collision::Geometry> shapesOf(const World& world, const std::string& name) {
+  std::vector<collision::Geometry> shapes_W;
+  const auto append = [&](const Object& object) {
+    if (object.name != name) return;
+    for (collision::Geometry geometry : object.geometries) {
+      geometry.X_BG = object.X_WO * geometry.X_BG;
+      shapes_W.push_back(std::move(geometry));
+    }
+  };
+  for (const Object& object : world.value.objects) append(object);
+  for (const DeformingObstacle& obstacle : world.value.deforming) append(obstacle.object);
+  if (shapes_W.empty()) throw py::key_error("no object with shapes is named '" + name + "'");
+  return shapes_W;
+}
+
+py::list addCloud(World& world, const std::string& name, const py::object& points,
+                  const py::object& radius, const py::object& thin, const py::object& carve,
+                  const py::object& carve_margin, const py::object& position,
+                  const py::object& orientation, const py::object& rpy) {
+  requireNew(world, name);
+  Object object{name, {}, pose(position, orientation, rpy)};
+  PointCloud cloud = cloudOf(points, radius);
+  const double margin = number(carve_margin, "carve_margin");
+  for (const py::handle item : py::list(carve)) {
+    const std::string of = py::str(item);
+    cloud = planner::carved(cloud, object.X_WO, shapesOf(world, of), margin, of);
+  }
+  if (!thin.is_none()) cloud = planner::thinned(cloud, number(thin, "thin"));
+  py::list left_out;
+  for (const planner::CloudFilter& filter : cloud.filters)
+    left_out.append(py::make_tuple(filter.name, filter.what, filter.removed));
+  object.cloud = std::make_shared<const PointCloud>(std::move(cloud));
+  world.value.objects.push_back(std::move(object));
+  return left_out;
+}
+
 std::string htmlOfWorld(const World& world) {
   std::vector<std::vector<std::string>> table;
   const auto addRow = [&](const Object& object) {
     std::string shapes;
     for (const collision::Geometry& geometry : object.geometries)
       shapes += (shapes.empty() ? "" : ", ") + std::string(toString(geometry.shape.type()));
+    if (object.cloud) shapes += "cloud of " + std::to_string(object.cloud->size()) + " balls";
     const Eigen::Vector3d& p = object.X_WO.translation;
     table.push_back({object.name, shapes, text(p.x()) + ", " + text(p.y()) + ", " + text(p.z())});
   };
@@ -156,6 +218,18 @@ void defineAdders(WorldClass& world) {
       py::arg("solid") = "auto", py::arg("weld") = 0.0,
       py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
       py::arg("rpy") = py::none());
+  define(world, "add_cloud",
+         "(self, name, points, radius, *, thin=None, carve=(), carve_margin=0.0" + kPlace,
+         std::string("Adds a point cloud: the union of balls around points (n, 3) of float32 or "
+                     "float64 [m], with one `radius` or (n,) [m]. Points that are not finite are "
+                     "dropped. `carve` names objects: balls within `carve_margin` [m] of them are "
+                     "left out. `thin` [m]: one ball a cell of that size, which contains the "
+                     "others. Returns what was left out: a list of (filter, what, count).") +
+             kPlaceDoc,
+         addCloud, py::arg("name"), py::arg("points"), py::arg("radius"), py::kw_only(),
+         py::arg("thin") = py::none(), py::arg("carve") = py::tuple(),
+         py::arg("carve_margin") = 0.0, py::arg("position") = py::make_tuple(0, 0, 0),
+         py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
   define(
       world, "add", "(self, name, shapes" + kPlace,
       std::string("Adds one rigid object: a Shape, or a list of shapes or pairs (shape, pose in "

@@ -1,0 +1,65 @@
+"""Point clouds from numpy."""
+
+import numpy as np
+import pytest
+
+import leeway
+
+
+def wall(spacing=0.02, dtype=np.float64):
+    """A square grid of points across the arm's way, in front of it."""
+    u, v = np.meshgrid(np.arange(-0.3, 0.3, spacing), np.arange(-0.3, 0.3, spacing))
+    return np.column_stack([0 * u.ravel(), u.ravel(), v.ravel()]).astype(dtype)
+
+
+def test_a_cloud_is_planned_among_and_verified(robot):
+    start, goal = robot.state("ready"), robot.state("ready")
+    start[0], goal[0] = -0.8, 0.8
+    answers = []
+    for dtype in (np.float64, np.float32):
+        world = leeway.World()
+        assert world.add_cloud("post", wall(dtype=dtype) * (1, 0.2, 1), 0.015, position=(0.5, 0, 0.5)) == []
+        assert "cloud of 900 balls" in world._repr_html_() and "post" in world
+        result = leeway.plan(robot, world, start, goal, margin=0.01)
+        assert result and result.certificate.lower >= 0.01 and leeway.verify(result.problem, result)
+        answers.append(result.certificate.lower)
+    assert np.isclose(*answers, atol=1e-4)
+
+
+def test_any_strides_and_radii(world):
+    records = np.zeros(900, dtype=[("xyz", np.float32, 3), ("rgb", np.uint8, 3)])
+    records["xyz"] = wall(dtype=np.float32)
+    records["xyz"][:2] = np.nan
+    assert world.add_cloud("records", records["xyz"], 0.01) == [("drop", "points that are not numbers", 2)]
+    world.add_cloud("reversed", wall()[::-1], np.full(900, 0.01))
+    world.add_cloud("columns", np.asfortranarray(wall()), 0.01)
+    world.add_cloud("integers", [[1, 2, 3], [4, 5, 6]], 1)
+    world.add_cloud("with intensity", np.hstack([wall(), np.ones((900, 1))]), 0.01)
+    assert world.add_cloud("thin", wall(), 0.01, thin=0.1)[0][0] == "thin"
+
+
+def test_carving_leaves_out_what_touches_an_object(world):
+    world.add_box("can", (0.1, 0.1, 0.1), position=(0.5, 0, 0.5))
+    removed = world.add_cloud("seen", wall(), 0.01, carve=["can"], carve_margin=0.005, position=(0.5, 0, 0.5))
+    assert removed == [("carve", "balls within 0.005 m of can", 49)]
+
+
+@pytest.mark.parametrize("points, radius, more, words", [
+    (np.zeros(3), 0.1, {}, "shape (n, 3)"),
+    (np.zeros((3, 2)), 0.1, {}, "shape (n, 3)"),
+    ([["a", "b", "c"]], 0.1, {}, "not a number"),
+    (np.zeros((3, 3)), 0, {}, "radius 0"),
+    (np.zeros((3, 3)), np.nan, {}, "radius"),
+    (np.zeros((3, 3)), [0.1, 0.2], {}, "2 radii for 3 points"),
+    (np.full((3, 3), 1e10), 0.1, {}, "point 0"),
+    (np.zeros((3, 3)), 0.1, {"thin": 0}, "cell 0"),
+    (np.zeros((3, 3)), 0.1, {"carve": ["cann"]}, "'cann'"),
+    (np.zeros((3, 3)), 0.1, {"carve_margin": -1, "carve": ["can"]}, "margin -1"),
+])
+def test_bad_clouds_are_refused_in_one_line(world, points, radius, more, words):
+    world.add_box("can", (0.1, 0.1, 0.1))
+    count = len(world)
+    with pytest.raises((ValueError, TypeError, KeyError)) as error:
+        world.add_cloud("seen", points, radius, **more)
+    assert words in str(error.value) and "\n" not in str(error.value)
+    assert len(world) == count
