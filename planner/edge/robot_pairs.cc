@@ -132,9 +132,10 @@ std::optional<RobotPairs::Reason> RobotPairs::contact(int i, int j) const {
   const auto plain = [](Unchecked why) { return Reason{why, toString(why)}; };
   if (a.isLink() && b.isLink()) {
     if (areAdjacent(a.link, b.link)) return plain(Unchecked::kAdjacent);
-    if (const robots::DisabledPair* d = findDisabled(a.link, b.link))
-      return Reason{Unchecked::kSrdf,
-                    "disabled by the SRDF" + (d->reason.empty() ? "" : ": " + d->reason)};
+    if (const robots::DisabledPair* d = findDisabled(a.link, b.link)) {
+      const Unchecked by = d->is_of_mjcf ? Unchecked::kMjcf : Unchecked::kSrdf;
+      return Reason{by, toString(by) + (d->reason.empty() ? "" : ": " + d->reason)};
+    }
   }
   if (allowed_.count({i, j}) != 0) return plain(Unchecked::kAllowed);
   if ((a.held != nullptr && b.isLink() && mayTouch(*a.held, b.link)) ||
@@ -276,6 +277,8 @@ const char* toString(Unchecked why) {
       return "adjacent";
     case Unchecked::kSrdf:
       return "disabled by the SRDF";
+    case Unchecked::kMjcf:
+      return "disabled by the MJCF";
     case Unchecked::kAllowed:
       return "allowed by the problem";
     case Unchecked::kAttached:

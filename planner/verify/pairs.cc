@@ -41,7 +41,9 @@ class Rules {
     const bool link_a = a.link >= 0 && !a.attached, link_b = b.link >= 0 && !b.attached;
     const bool links = link_a && link_b;
     if (links && adjacent(a.link, b.link)) return Unchecked::kAdjacent;
-    if (links && disabled(a.link, b.link)) return Unchecked::kSrdf;
+    if (links)
+      if (const robots::DisabledPair* entry = disabled(a.link, b.link))
+        return entry->is_of_mjcf ? Unchecked::kMjcf : Unchecked::kSrdf;
     for (const auto& names : problem_.contacts.allowed)
       if (same(names, a.name, b.name)) return Unchecked::kAllowed;
     if ((a.attached && link_b && holds(a, b.link)) || (b.attached && link_a && holds(b, a.link)))
@@ -83,13 +85,11 @@ class Rules {
            !contains(model_.enabled_pairs, std::pair(std::min(a, b), std::max(a, b)));
   }
 
-  bool disabled(int a, int b) const {
-    if (problem_.contacts.replace_srdf) return false;
-    return std::any_of(model_.disabled_pairs.begin(), model_.disabled_pairs.end(),
-                       [&](const robots::DisabledPair& d) {
-                         return (d.link_a == a && d.link_b == b) ||
-                                (d.link_a == b && d.link_b == a);
-                       });
+  const robots::DisabledPair* disabled(int a, int b) const {
+    if (problem_.contacts.replace_srdf) return nullptr;
+    for (const robots::DisabledPair& d : model_.disabled_pairs)
+      if ((d.link_a == a && d.link_b == b) || (d.link_a == b && d.link_b == a)) return &d;
+    return nullptr;
   }
 
   bool unchecked(int link) const {

@@ -67,6 +67,9 @@ bool sameShape(const UrdfCollision& a, const urdf::Geometry& b) {
       return mesh != nullptr && mesh->filename == a.mesh_file &&
              sameVector(a.mesh_scale, mesh->scale);
     }
+    case UrdfCollision::Kind::kEllipsoid:
+    case UrdfCollision::Kind::kPlane:
+      break;  // of MJCF
   }
   return false;
 }

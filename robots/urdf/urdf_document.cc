@@ -28,12 +28,12 @@ using Names = std::initializer_list<std::string_view>;
 
 class UrdfReader {
  public:
-  UrdfReader(const std::string& path, const LoadOptions& options)
-      : file_(path, "URDF", options),
+  UrdfReader(XmlFile& file, const LoadOptions& options)
+      : file_(file),
         errors_(options.errors),
         wrong_(options.errors),
         takes_visuals_(options.visual_as_collision) {
-    document_.path = path;
+    document_.path = file.path();
   }
 
   UrdfDocument read() {
@@ -496,7 +496,7 @@ class UrdfReader {
     return printer.CStr();
   }
 
-  XmlFile file_;
+  XmlFile& file_;
   InputErrors* errors_;
   ErrorsSince wrong_;
   bool takes_visuals_;
@@ -522,8 +522,8 @@ Eigen::Matrix3d rollPitchYaw(const Eigen::Vector3d& rpy) {
   return R;
 }
 
-UrdfDocument readUrdf(const std::string& path, const LoadOptions& options) {
-  return UrdfReader(path, options).read();
+UrdfDocument readUrdf(XmlFile& file, const LoadOptions& options) {
+  return UrdfReader(file, options).read();
 }
 
 }  // namespace leeway::robots

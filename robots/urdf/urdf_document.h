@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "leeway/collision/pose.h"
@@ -9,17 +10,28 @@
 
 namespace leeway::robots {
 
-/// A <collision> of a URDF link, as written, or a <visual> that stands in for it.
+/// A <collision> of a URDF link, as written, or a <visual> that stands in for it;
+/// a geom of an MJCF file.
 struct UrdfCollision {
-  enum class Kind : unsigned char { kBox, kSphere, kCylinder, kCapsule, kMesh };
+  enum class Kind : unsigned char {
+    kBox,
+    kSphere,
+    kCylinder,
+    kMesh,
+    kCapsule,
+    kEllipsoid,
+    kPlane  ///< of a half-space below
+  };
   int line = 0;      ///< of the geometry's element
+  std::string file;  ///< that has the line; empty: the document's
   std::string name;  ///< may be empty
   Pose X_LG;
   Kind kind = Kind::kBox;
-  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< box: whole edges [m]
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< box, ellipsoid: whole edges, axes [m]
   double radius = 0, length = 0;  ///< sphere, cylinder, capsule's straight part [m]
   std::string mesh_file;
   Eigen::Vector3d mesh_scale = Eigen::Vector3d::Ones();
+  bool is_hull = false;  ///< of the mesh, unless LoadOptions::meshes says otherwise
 };
 
 struct UrdfLink {
@@ -46,23 +58,34 @@ struct UrdfJoint {
   double multiplier = 1, offset = 0;
 };
 
-/// A URDF, checked: names are unique, there is one root and no cycle, all numbers are finite and
-/// sensible.
+/// A named configuration.
+struct UrdfState {
+  std::string name;
+  std::vector<std::pair<int, std::vector<double>>> values;  ///< joint, its variables
+};
+
+/// A URDF, or another description of a robot in its terms, checked: names are unique, there is one
+/// root and no cycle, all numbers are finite and sensible.
 struct UrdfDocument {
   std::string path, name;
   std::vector<UrdfLink> links;    ///< in file order
   std::vector<UrdfJoint> joints;  ///< in file order
   std::vector<std::string> warnings;
+  /// Of an MJCF file, with links as here. Enabled are neighbours that are checked.
+  std::vector<DisabledPair> disabled_pairs;
+  std::vector<std::pair<int, int>> enabled_pairs;
+  std::vector<UrdfState> states;
   /// The XML that bears on motion and collision, in the words of plain URDF 1.0: capsules are
   /// cylinders in it.
   std::string essence;
 };
 
+class XmlFile;  // xml_reader.h
+
 inline std::string lineOf(int line) { return "line " + std::to_string(line); }
 
-/// Reads and checks a URDF, by TinyXML2, which keeps line numbers. Throws InputError, and
-/// Stopped while xacro is at work.
-UrdfDocument readUrdf(const std::string& path, const LoadOptions& options);
+/// Reads and checks a URDF, by TinyXML2, which keeps line numbers. Throws InputError.
+UrdfDocument readUrdf(XmlFile& file, const LoadOptions& options);
 
 /// Throws InputError unless the links form one tree, and every mimic leads to a joint of one
 /// position. Called by readUrdf().

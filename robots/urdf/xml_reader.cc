@@ -71,13 +71,15 @@ XmlFile::XmlFile(const std::string& path, const std::string& kind, const LoadOpt
   }
   if (document_.RootElement() == nullptr)
     throw InputError(path, 0, "holds no element; a " + kind + " file has <robot>");
-  if (std::strcmp(root().Name(), "robot") != 0)
-    fail(root(), "the root element is <" + std::string(root().Name()) + ">; a " + kind +
-                     " file has <robot>");
+  const std::string name = root().Name();
+  const bool is_robot = kind == "URDF";
+  if (kind != "MuJoCo" && name != "robot" && !(is_robot && name == "mujoco"))
+    fail(root(), "the root element is <" + name + ">; a " + kind + " file has <robot>" +
+                     (is_robot ? ", an MJCF file <mujoco>" : ""));
   // TinyXML2 accepts more elements after the root.
   if (const XMLElement* second = root().NextSiblingElement())
     fail(*second, "a second root element, <" + std::string(second->Name()) + ">; a " + kind +
-                      " file has one <robot>");
+                      " file has one <" + name + ">");
   if (const XMLElement* xacro = findXacro(root()))
     fail(*xacro, "<" + std::string(xacro->Name()) + "> is a xacro macro, which a " + kind +
                      " cannot hold; expand it first: " + expandCommand(path, kind));

@@ -21,7 +21,8 @@ namespace leeway::robots {
 /// line.
 class XmlFile {
  public:
-  /// Reads and parses; `kind` ("URDF", "SRDF") and the root element's name are for messages.
+  /// Reads and parses; `kind` is for messages, and says what the root element may be: "URDF"
+  /// (<robot>, or MuJoCo's <mujoco>), "SRDF" (<robot>), "MuJoCo" (any: of an included file).
   /// What ends in .xacro is expanded by `xacro`, and lines are those of its output; without that
   /// program, and for macros in other files, it is refused with the command that expands it.
   /// `options`: stop, errors and xacro.

@@ -79,7 +79,7 @@ FileKind kindOf(const std::string& file) {
   if (ending == ".srdf") {
     return FileKind::kSrdf;
   }
-  if (ending == ".urdf" || ending == ".xacro") {
+  if (ending == ".urdf" || ending == ".xacro" || ending == ".xml") {
     return FileKind::kUrdf;
   }
   if (ending == ".yaml" || ending == ".yml" || ending == ".cfg") {
@@ -87,7 +87,8 @@ FileKind kindOf(const std::string& file) {
   }
   throw robots::InputError(
       file, 0,
-      fmt::format("unknown ending '{}'; .urdf, .srdf, .yaml and .cfg are accepted", ending));
+      fmt::format("unknown ending '{}'; .urdf, .xml (MuJoCo), .srdf, .yaml and .cfg are accepted",
+                  ending));
 }
 
 planner::Problem loadFile(const std::string& file, FileKind kind, ProblemSource source) {

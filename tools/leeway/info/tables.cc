@@ -103,7 +103,8 @@ void printRobot(const Json& robot) {
     fmt::print("group {}: {} variables{}\n", group["name"].get<std::string>(),
                group["variables"].size(), states);
   }
-  fmt::print("pairs of links that the SRDF lets touch: {}\n", robot["disabled_pairs"].get<int>());
+  fmt::print("pairs of links that the SRDF or MJCF lets touch: {}\n",
+             robot["disabled_pairs"].get<int>());
 }
 
 void printProblem(const Json& problem) {

@@ -26,6 +26,7 @@ enum class Unchecked : unsigned char {
   kRigid,         ///< no planned joint moves them against each other
   kAdjacent,      ///< a joint joins the two links
   kSrdf,          ///< the SRDF disables them
+  kMjcf,          ///< MuJoCo leaves them out, by the MJCF file
   kAllowed,       ///< the problem allows them to touch
   kAttached,      ///< an object, and the link that holds it or another that may touch it
   kTouchAlways,   ///< parts that meet at a joint, proven to touch in every configuration

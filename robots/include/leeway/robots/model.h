@@ -88,6 +88,7 @@ struct GroupState {
 struct DisabledPair {
   int link_a, link_b;
   std::string reason;
+  bool is_of_mjcf = false;  ///< by the MJCF file's own rules; else by the SRDF
 };
 
 /// An entry of the SRDF that is wrong. Planning does not need it unless someone names it.
@@ -139,7 +140,8 @@ struct RobotDescription {
   std::vector<Link> links;
   std::vector<Joint> joints;  ///< joint i moves link i: joints[i].child_link == i
   std::vector<Variable> variables;
-  std::vector<Group> groups;  ///< from the SRDF
+  std::vector<Group>
+      groups;  ///< from the SRDF; those of an MJCF file's keys are of the group "all"
   std::vector<GroupState> group_states;
   std::vector<DisabledPair> disabled_pairs;
   /// Links that may touch everything (SRDF: disable_default_collisions): objects by this list;

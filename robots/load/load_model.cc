@@ -1,4 +1,4 @@
-// From the two description files to a Model.
+// From description files to a Model.
 
 #include <algorithm>
 #include <atomic>
@@ -25,6 +25,7 @@
 #include "robots/mesh/mesh_import.h"
 #include "robots/mesh/mesh_path.h"
 #include "robots/mesh/mesh_treatment.h"
+#include "robots/mjcf/mjcf.h"
 #include "robots/model/model_builder.h"
 #include "robots/motion/gap_file.h"
 #include "robots/motion/link_gaps.h"
@@ -38,6 +39,10 @@ namespace leeway::robots {
 namespace {
 
 using collision::Shape;
+
+const std::string& fileOf(const UrdfCollision& collision, const std::string& document) {
+  return collision.file.empty() ? document : collision.file;
+}
 
 /// Loads each mesh file once for each scale.
 class Meshes {
@@ -71,16 +76,19 @@ class Meshes {
     for (std::string& warning : loaded.mesh->warnings) warnings.push_back(std::move(warning));
     loaded.mesh->warnings.clear();
     const auto names = {std::string_view(link), std::string_view(collision.mesh_file)};
+    static constexpr MeshTreatment kHull{MeshTreatment::Solid::kHull, 0};
+    const MeshTreatment* treatment = treatmentOf(options_, names);
+    if (treatment == nullptr && collision.is_hull) treatment = &kHull;
+    if (treatment == nullptr) return loaded.mesh->shape;
     // Proofs about the robot are kept by what its meshes are.
-    if (const MeshTreatment* treatment = treatmentOf(options_, names);
-        treatment != nullptr && !keys_.back().empty()) {
+    if (!keys_.back().empty()) {
       ContentKey key("treated");
       key.add(keys_.back());
       key.add(static_cast<double>(treatment->solid));
       key.add(treatment->weld);
       keys_.back() = key.finish();
     }
-    return treatedMesh(loaded.mesh->shape, names, options_);
+    return withTreatment(loaded.mesh->shape, *treatment);
   }
 
   const DiskCache& cache() const { return cache_; }
@@ -145,8 +153,9 @@ class Meshes {
 
   void run(const Task& task, const Stop& asked) const {
     try {
-      task.result->mesh = importMesh(std::get<0>(task.key), task.collision->mesh_scale, urdf_path_,
-                                     task.collision->line, cache_, asked);
+      task.result->mesh =
+          importMesh(std::get<0>(task.key), task.collision->mesh_scale,
+                     fileOf(*task.collision, urdf_path_), task.collision->line, cache_, asked);
     } catch (...) {  // Stopped, too
       task.result->error = std::current_exception();
     }
@@ -172,11 +181,15 @@ Shape makeShape(const UrdfCollision& collision, const std::string& link, Meshes&
         return Shape::cylinder(collision.radius, collision.length / 2);
       case UrdfCollision::Kind::kCapsule:
         return Shape::capsule(collision.radius, collision.length / 2);
+      case UrdfCollision::Kind::kEllipsoid:
+        return Shape::ellipsoid(collision.size / 2);
+      case UrdfCollision::Kind::kPlane:
+        return Shape::halfSpace();
       case UrdfCollision::Kind::kMesh:
         break;
     }
   } catch (const collision::InvalidShape& invalid) {
-    throw InputError(urdf_path, collision.line, invalid.what());
+    throw InputError(fileOf(collision, urdf_path), collision.line, invalid.what());
   }
   return meshes.load(collision, link, warnings);
 }
@@ -370,7 +383,9 @@ std::string keyOfGaps(const Model& model, const std::vector<std::string>& meshes
       key.add(std::string_view("geometry"));
       addPose(geometry.X_BG, key);
       key.add(static_cast<double>(shape.type()));
-      if (shape.type() == collision::ShapeType::kMesh) {
+      // A hull is that of a mesh.
+      if (shape.type() == collision::ShapeType::kMesh ||
+          shape.type() == collision::ShapeType::kConvexHull) {
         if (mesh == meshes.end() || mesh->empty()) return {};
         key.add(std::string_view(*mesh++));
         continue;
@@ -385,6 +400,31 @@ std::string keyOfGaps(const Model& model, const std::vector<std::string>& meshes
     key.add(static_cast<double>(pair.link_b));
   }
   return key.finish();
+}
+
+void addPairs(const UrdfDocument& document, const std::vector<int>& link_position,
+              RobotDescription& robot) {
+  const auto placed = [&](int a, int b) {
+    return std::pair<int, int>(std::minmax(link_position[at(a)], link_position[at(b)]));
+  };
+  for (const DisabledPair& pair : document.disabled_pairs) {
+    const auto [a, b] = placed(pair.link_a, pair.link_b);
+    robot.disabled_pairs.push_back({a, b, pair.reason, pair.is_of_mjcf});
+  }
+  for (const auto& [a, b] : document.enabled_pairs) robot.enabled_pairs.push_back(placed(a, b));
+}
+
+/// The document's states, with the values of the joints that have variables.
+void addStates(const UrdfDocument& document, RobotDescription& robot) {
+  for (const UrdfState& source : document.states) {
+    GroupState state{source.name, "all", {}};
+    for (const auto& [index, values] : source.values) {
+      const Joint& joint = robot.joints[at(robot.findJoint(document.joints[at(index)].name))];
+      for (int k = 0; k < joint.variable_count; ++k)
+        state.values.emplace_back(joint.first_variable + k, values[at(k)]);
+    }
+    robot.group_states.push_back(std::move(state));
+  }
 }
 
 /// A robot whose moving links have no shapes touches nothing, whatever it does.
@@ -404,7 +444,8 @@ void warnOfNoShapes(const UrdfDocument& document, const std::vector<std::pair<in
   robot.warnings.push_back(
       document.path + ":" + std::to_string(document.links[at(order[first].first)].line) +
       ": neither link " + inQuotes(robot.links[first].name) +
-      " nor any other that moves has a <collision>: the robot will touch nothing");
+      " nor any other that moves has a <collision>, or a geom that collides: the robot will touch "
+      "nothing");
 }
 
 /// provenGaps(), kept on disk.
@@ -429,8 +470,10 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
                      "is no xacro file, and has no use for the xacro argument \"" +
                          options.xacro.front().first +
                          "\"; a file that ends in .xacro would be accepted");
-  const UrdfDocument document = readUrdf(urdf_path, options);
-  compareWithUrdfdom(document);
+  XmlFile file(urdf_path, "URDF", options);
+  const bool is_mjcf = isMjcf(file);
+  const UrdfDocument document = is_mjcf ? readMjcf(file, options) : readUrdf(file, options);
+  if (!is_mjcf) compareWithUrdfdom(document);
   std::optional<XmlFile> srdf;
   if (!srdf_path.empty()) srdf.emplace(srdf_path, "SRDF", options);
 
@@ -483,6 +526,8 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
     limitMaster(joint, robot);
     narrowMaster(document, joint, robot);
   }
+  addPairs(document, link_position, robot);
+  addStates(document, robot);
   if (srdf) readSrdf(*srdf, robot);
   warnOfNoShapes(document, order, robot);
   wrong.throwFirst();

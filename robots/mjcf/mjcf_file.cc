@@ -1,0 +1,74 @@
+#include "robots/mjcf/mjcf_file.h"
+
+#include <utility>
+
+namespace leeway::robots {
+
+namespace {
+
+using std::filesystem::path;
+
+path folderOf(const XmlFile& file) { return path(file.path()).parent_path(); }
+
+bool isThere(const path& file) {
+  std::error_code error;
+  return std::filesystem::exists(file, error);
+}
+
+path wholePath(const path& file) {
+  std::error_code error;
+  const path whole = std::filesystem::weakly_canonical(file, error);
+  return error ? file : whole;
+}
+
+}  // namespace
+
+MjcfFile::MjcfFile(XmlFile& main, const LoadOptions& options)
+    : main_(main), options_(options), errors_(options.errors) {
+  files_.emplace(main.root().GetDocument(), &main);
+  in_order_.push_back(&main);
+  paths_.insert(wholePath(main.path()));
+  include(main, main.root());
+}
+
+std::vector<std::string> MjcfFile::takeWarnings() {
+  std::vector<std::string> all;
+  for (XmlFile* file : in_order_)
+    for (std::string& warning : file->takeWarnings()) all.push_back(std::move(warning));
+  return all;
+}
+
+std::string MjcfFile::place(const tinyxml2::XMLElement& element, const std::string& file) const {
+  if (path(file).is_absolute() || isThere(folderOf(main_) / file)) return file;
+  const path beside = folderOf(of(element)) / file;
+  return isThere(beside) ? std::filesystem::absolute(beside).string() : file;
+}
+
+void MjcfFile::include(XmlFile& file, const tinyxml2::XMLElement& element) {
+  for (const tinyxml2::XMLElement* child = element.FirstChildElement(); child != nullptr;
+       child = child->NextSiblingElement()) {
+    if (std::string_view(child->Name()) != "include") {
+      include(file, *child);
+      continue;
+    }
+    file.allowAttributes(*child, {"file"});
+    if (child->FirstChildElement() != nullptr)
+      file.fail(*child, "<include> has children; it would be accepted without");
+    const std::string name = file.attribute(*child, "file");
+    const path found = folderOf(main_) / place(*child, name);
+    if (!isThere(found))
+      file.fail(*child, "<include> names " + inQuotes(name) + ", and there is no " +
+                            inQuotes(found.string()) + "; the path of a file would be accepted");
+    if (!paths_.insert(wholePath(found)).second)
+      file.fail(*child, "<include> names " + inQuotes(name) +
+                            ", which is included already; each file once would be accepted");
+    auto read = std::make_unique<XmlFile>(found.string(), "MuJoCo", options_);
+    XmlFile& included = *read;
+    in_order_.push_back(&included);
+    files_.emplace(included.root().GetDocument(), &included);
+    included_.emplace(child, std::move(read));
+    include(included, included.root());
+  }
+}
+
+}  // namespace leeway::robots

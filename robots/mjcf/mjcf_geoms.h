@@ -1,0 +1,66 @@
+#pragma once
+
+// Private to robots/mjcf: geoms and the meshes that they name.
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "robots/mjcf/mjcf_settings.h"
+#include "robots/urdf/urdf_document.h"
+
+namespace leeway::robots {
+
+/// With which geoms a geom may collide: those for which one's contype meets the other's
+/// conaffinity.
+struct GeomMasks {
+  unsigned contype = 1, conaffinity = 1;
+
+  bool isNone() const { return contype == 0 && conaffinity == 0; }
+  bool meets(const GeomMasks& other) const {
+    return (contype & other.conaffinity) != 0 || (other.contype & conaffinity) != 0;
+  }
+  bool operator<(const GeomMasks& other) const {
+    return contype != other.contype ? contype < other.contype : conaffinity < other.conaffinity;
+  }
+};
+
+/// Reads geoms as MuJoCo collides them: meshes as their convex hulls.
+class GeomReader {
+ public:
+  /// `file` and the others must outlive this.
+  GeomReader(const MjcfFile& file, const MjcfSettings& settings, const DefaultClasses& classes);
+
+  struct Geom {
+    std::string name;
+    GeomMasks masks;
+    bool is_paired = false;              ///< a <pair> of <contact> names it
+    std::optional<UrdfCollision> shape;  ///< of one that collides with anything
+  };
+  /// A geom of a body on which X_LF places `element`'s frame. Warns of one that is left out.
+  Geom read(const tinyxml2::XMLElement& element, const std::string& childclass, const Pose& X_LF,
+            bool is_static);
+
+ private:
+  struct Mesh {
+    const tinyxml2::XMLElement* element;
+    std::string path;
+    Eigen::Vector3d scale = Eigen::Vector3d::Ones();
+    Pose X_GM;  ///< from the scaled vertices of the file
+  };
+  void readMesh(const tinyxml2::XMLElement& element);
+  Mesh resolved(const tinyxml2::XMLElement& element) const;
+  void readShape(const Attributes& a, std::size_t type, const Pose& X_LF,
+                 UrdfCollision& shape) const;
+  void readMeshGeom(const Attributes& a, UrdfCollision& shape) const;
+
+  const MjcfFile& file_;
+  const MjcfSettings& settings_;
+  const DefaultClasses& classes_;
+  std::map<std::string, const tinyxml2::XMLElement*> meshes_;
+  std::set<std::string> paired_;
+};
+
+}  // namespace leeway::robots
