@@ -5,7 +5,7 @@
 
 #include "planner/problem/read_shapes.h"
 #include "planner/validate/checks.h"
-#include "planner/yaml/format_keys.h"
+#include "planner/validate/format_keys.h"
 
 namespace leeway::planner {
 namespace {

@@ -116,7 +116,7 @@ TEST(ShippedProblems, CoverWhatTheReadmePromises) {
 }
 
 /// Examples of problems/README.md, in order: a whole file, a goal of poses, a body, a deforming
-/// obstacle, MoveIt's files.
+/// obstacle, MoveIt's files, a point cloud.
 std::vector<std::string> readmeExamples() {
   std::ifstream stream(kProblems + "/README.md");
   std::vector<std::string> examples;
@@ -140,12 +140,13 @@ TEST(ShippedProblems, ExamplesOfTheReadmeLoad) {
   std::filesystem::create_directories(folder / "problems" / "example");
   std::filesystem::create_directories(folder / "problems" / "my_robot");
   std::filesystem::create_directory_symlink(leeway::sourceFolder() + "/robots", folder / "robots");
-  std::filesystem::create_directory_symlink(kProblems + "/mesh", folder / "problems" / "mesh");
+  for (const char* data : {"mesh", "sensed"})
+    std::filesystem::create_directory_symlink(kProblems + "/" + data, folder / "problems" / data);
   for (const char* name : {"scene0001.yaml", "request0001.yaml"})
     std::filesystem::copy_file(kProblems + "/moveit/" + name,
                                folder / "problems" / "example" / name);
   const std::vector<std::string> examples = readmeExamples();
-  EXPECT_EQ(examples.size(), 7U);
+  EXPECT_EQ(examples.size(), 8U);
   for (std::string example : examples) {
     if (example.rfind("leeway:", 0) != 0) example = "leeway: 1\n" + example;
     const std::string file = (folder / "problems" / "example" / "problem.yaml").string();
