@@ -1,10 +1,7 @@
 // Any bytes as the SRDF of a small robot: a model, referring to existing things only, or an
 // InputError.
 
-#include "leeway/robots/input_error.h"
-#include "leeway/robots/model.h"
-#include "tests/fuzz/both_ways.h"
-#include "tests/fuzz/shapes.h"
+#include "tests/fuzz/check_robot.h"
 #include "tests/fuzz/target.h"
 #include "tests/fuzz/text_input.h"
 
@@ -63,33 +60,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return fuzz::writeInput("robot.urdf",
                             {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   }();
-  try {
-    const std::string srdf = fuzz::writeInput("input.srdf", {data, size});
-    const auto model = fuzz::loadBothWays([&](robots::InputErrors* errors) {
-      robots::LoadOptions options;
-      options.errors = errors;
-      return robots::loadModel(urdf, srdf, options);
-    });
-    const auto known = [](int index, std::size_t count) {
-      return index >= 0 && static_cast<std::size_t>(index) < count;
-    };
-    for (const robots::Group& group : model->groups) {
-      for (const int v : group.variables)
-        if (!known(v, model->variables.size()))
-          fuzz::fail("group '%s' plans variable %d", group.name.c_str(), v);
-      for (const int l : group.links)
-        if (!known(l, model->links.size()))
-          fuzz::fail("group '%s' has link %d", group.name.c_str(), l);
-    }
-    for (const robots::GroupState& state : model->group_states)
-      for (const auto& [variable, value] : state.values)
-        if (!known(variable, model->variables.size()) || !(value - value == 0))
-          fuzz::fail("state '%s' sets variable %d to %g", state.name.c_str(), variable, value);
-    for (const robots::DisabledPair& pair : model->disabled_pairs)
-      if (!known(pair.link_a, model->links.size()) || !known(pair.link_b, model->links.size()))
-        fuzz::fail("disabled pair %d %d", pair.link_a, pair.link_b);
-  } catch (const robots::InputError& error) {
-    if (error.what()[0] == '\0') fuzz::fail("an error without a message");
-  }
+  fuzz::checkRobot(urdf, fuzz::writeInput("input.srdf", {data, size}));
   return 0;
 }
