@@ -70,7 +70,7 @@ XmlFile::XmlFile(const std::string& path, const std::string& kind, const LoadOpt
                      "XML syntax error (" + name + "); well-formed XML would be accepted");
   }
   if (document_.RootElement() == nullptr)
-    throw InputError(path, 0, "holds no element; a " + kind + " file has <robot>");
+    throw InputError(path, 0, "holds no element; a " + kind + " file would be accepted");
   const std::string name = root().Name();
   const bool is_robot = kind == "URDF";
   if (kind != "MuJoCo" && name != "robot" && !(is_robot && name == "mujoco"))

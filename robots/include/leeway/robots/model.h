@@ -62,8 +62,8 @@ struct Variable {
   int joint = -1;
   double lower, upper;  ///< [rad or m]; -+infinity where unlimited
   double velocity;      ///< [rad/s or m/s]; infinity where not given
-  /// What narrows the joint's own limits, with file and line: the limits of joints that mimic it.
-  /// Empty: nothing does.
+  /// The limits of mimic joints that narrow the joint's own range, with file and line; empty if
+  /// there are none.
   std::string narrowed_by = {};
 };
 
@@ -140,8 +140,8 @@ struct RobotDescription {
   std::vector<Link> links;
   std::vector<Joint> joints;  ///< joint i moves link i: joints[i].child_link == i
   std::vector<Variable> variables;
-  std::vector<Group>
-      groups;  ///< from the SRDF; those of an MJCF file's keys are of the group "all"
+  std::vector<Group> groups;  ///< from the SRDF
+  /// From the SRDF, and the keys of an MJCF file, which are states of the group "all".
   std::vector<GroupState> group_states;
   std::vector<DisabledPair> disabled_pairs;
   /// Links that may touch everything (SRDF: disable_default_collisions): objects by this list;
@@ -163,10 +163,10 @@ struct RobotDescription {
   /// The end of a message about an unknown name: "; it is left out: WHY" where left_out has an
   /// entry of this kind and name, else empty.
   std::string whyLeftOut(std::string_view kind, std::string_view name) const;
-  /// The same of a group state, for who plans these variables. Empty, too, where the state's group
-  /// lacks some of them.
-  std::string whyStateLeftOut(std::string_view state, std::span<const int> variables) const;
-  /// Throws InputError where lacks_meshes: what is asked of such a robot must not depend on shapes.
+  /// The same for a group state, when the variables `planned` are planned. Also empty if the
+  /// state's group lacks one of them.
+  std::string whyStateLeftOut(std::string_view state, std::span<const int> planned) const;
+  /// Throws InputError if lacks_meshes: without its meshes a robot's collisions cannot be checked.
   void expectMeshes() const;
 };
 
