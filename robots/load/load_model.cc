@@ -40,10 +40,6 @@ namespace {
 
 using collision::Shape;
 
-const std::string& fileOf(const UrdfCollision& collision, const std::string& document) {
-  return collision.file.empty() ? document : collision.file;
-}
-
 /// Loads each mesh file once for each scale.
 class Meshes {
  public:
@@ -153,9 +149,8 @@ class Meshes {
 
   void run(const Task& task, const Stop& asked) const {
     try {
-      task.result->mesh =
-          importMesh(std::get<0>(task.key), task.collision->mesh_scale,
-                     fileOf(*task.collision, urdf_path_), task.collision->line, cache_, asked);
+      task.result->mesh = importMesh(std::get<0>(task.key), task.collision->mesh_scale,
+                                     task.collision->file, task.collision->line, cache_, asked);
     } catch (...) {  // Stopped, too
       task.result->error = std::current_exception();
     }
@@ -170,7 +165,7 @@ class Meshes {
 };
 
 Shape makeShape(const UrdfCollision& collision, const std::string& link, Meshes& meshes,
-                const std::string& urdf_path, std::vector<std::string>& warnings) {
+                std::vector<std::string>& warnings) {
   try {
     switch (collision.kind) {
       case UrdfCollision::Kind::kBox:
@@ -189,7 +184,7 @@ Shape makeShape(const UrdfCollision& collision, const std::string& link, Meshes&
         break;
     }
   } catch (const collision::InvalidShape& invalid) {
-    throw InputError(fileOf(collision, urdf_path), collision.line, invalid.what());
+    throw InputError(collision.file, collision.line, invalid.what());
   }
   return meshes.load(collision, link, warnings);
 }
@@ -249,8 +244,8 @@ void requireFound(const std::map<std::string, MeshTreatment, std::less<>>& asked
                            "be accepted");
 }
 
-void appendLink(const UrdfLink& source, int joint, Meshes& meshes, const std::string& urdf_path,
-                const LoadOptions& options, RobotDescription& model) {
+void appendLink(const UrdfLink& source, int joint, Meshes& meshes, const LoadOptions& options,
+                RobotDescription& model) {
   Link link;
   link.name = source.name;
   link.joint = joint;
@@ -261,9 +256,8 @@ void appendLink(const UrdfLink& source, int joint, Meshes& meshes, const std::st
       continue;
     }
     readOn(options.errors, [&] {
-      link.geometries.push_back(
-          {makeShape(collision, source.name, meshes, urdf_path, model.warnings), collision.X_LG,
-           collision.name});
+      link.geometries.push_back({makeShape(collision, source.name, meshes, model.warnings),
+                                 collision.X_LG, collision.name});
     });
   }
   model.links.push_back(std::move(link));
@@ -309,10 +303,6 @@ void limitMaster(const UrdfJoint& source, RobotDescription& model) {
   velocity = velocity > 0 ? std::min(velocity, limit) : limit;
 }
 
-std::string placeOf(const UrdfDocument& document, int line) {
-  return document.path + ":" + std::to_string(line);
-}
-
 void narrow(Variable& variable, double lower, double upper, const std::string& reason) {
   const bool below = lower > variable.lower + kSameLimit,
              above = upper < variable.upper - kSameLimit;
@@ -325,7 +315,7 @@ void narrow(Variable& variable, double lower, double upper, const std::string& r
 /// Narrows a master's range so that its mimic stays within the mimic's own limits. Many URDFs copy
 /// these limits from the master without the multiplier. If they leave the master no range, they are
 /// left out with a warning.
-void narrowMaster(const UrdfDocument& document, const UrdfJoint& source, RobotDescription& model) {
+void narrowMaster(const UrdfJoint& source, RobotDescription& model) {
   if (source.type != JointType::kRevolute && source.type != JointType::kPrismatic) return;
   const Joint& joint = model.joints[at(model.findJoint(source.name))];
   const Joint& master = model.joints[at(joint.mimic)];
@@ -335,6 +325,7 @@ void narrowMaster(const UrdfDocument& document, const UrdfJoint& source, RobotDe
   double lower = (source.lower - joint.offset) / joint.multiplier;
   double upper = (source.upper - joint.offset) / joint.multiplier;
   if (joint.multiplier < 0) std::swap(lower, upper);
+  const std::string place = source.file + ":" + std::to_string(source.limit_line);
   const std::string name = "joint \"" + source.name + "\", which mimics \"" + master.name + "\"";
   const char* why = nullptr;
   if (master.type == JointType::kContinuous)
@@ -342,11 +333,9 @@ void narrowMaster(const UrdfDocument& document, const UrdfJoint& source, RobotDe
   else if (!(std::max(lower, variable.lower) < std::min(upper, variable.upper)))
     why = "they leave it no range";
   if (why == nullptr)
-    narrow(variable, lower, upper,
-           "the limits of " + name + " (" + placeOf(document, source.limit_line) + ")");
+    narrow(variable, lower, upper, "the limits of " + name + " (" + place + ")");
   else if (source.lower < source.upper)
-    model.warnings.push_back(placeOf(document, source.limit_line) + ": the limits of " + name +
-                             ", are left out: " + why);
+    model.warnings.push_back(place + ": the limits of " + name + ", are left out: " + why);
 }
 
 void addPose(const Pose& pose, ContentKey& key) {
@@ -441,9 +430,9 @@ void warnOfNoShapes(const UrdfDocument& document, const std::vector<std::pair<in
     first = std::min(first, l);
   }
   if (first == robot.links.size()) return;
+  const UrdfLink& link = document.links[at(order[first].first)];
   robot.warnings.push_back(
-      document.path + ":" + std::to_string(document.links[at(order[first].first)].line) +
-      ": neither link " + inQuotes(robot.links[first].name) +
+      link.file + ":" + std::to_string(link.line) + ": neither link " + inQuotes(link.name) +
       " nor any other that moves has a <collision>, or a geom that collides: the robot will touch "
       "nothing");
 }
@@ -496,8 +485,8 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   Meshes meshes(urdf_path, noting);
   if (!options.kinematics_only) meshes.loadAll(document, order);
   for (const auto& [link, joint] : order) {
-    appendLink(document.links[at(link)], static_cast<int>(robot.joints.size()), meshes, urdf_path,
-               noting, robot);
+    appendLink(document.links[at(link)], static_cast<int>(robot.joints.size()), meshes, noting,
+               robot);
     if (joint < 0)
       robot.joints.push_back(rootJoint(document, virtual_joint));
     else
@@ -524,7 +513,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   for (const UrdfJoint& joint : document.joints) {
     if (!joint.has_mimic) continue;
     limitMaster(joint, robot);
-    narrowMaster(document, joint, robot);
+    narrowMaster(joint, robot);
   }
   addPairs(document, link_position, robot);
   addStates(document, robot);

@@ -81,6 +81,7 @@ class BodyReader {
   int addLink(const std::string& name, const XMLElement& at, int body) {
     UrdfLink link;
     link.name = name;
+    link.file = file_.of(at).path();
     link.line = at.GetLineNum();
     document_.links.push_back(std::move(link));
     link_bodies_.push_back(body);
@@ -89,6 +90,7 @@ class BodyReader {
 
   UrdfJoint& addJoint(const XMLElement& at, int parent, int child, const Pose& X_PJ) {
     UrdfJoint joint;
+    joint.file = file_.of(at).path();
     joint.line = at.GetLineNum();
     joint.parent = parent;
     joint.child = child;

@@ -130,6 +130,7 @@ class UrdfReader {
   void readLink(const XMLElement& element) {
     UrdfLink link;
     link.name = uniqueName(element, link_lines_);
+    link.file = file_.path();
     link.line = element.GetLineNum();
     link_index_[link.name] = static_cast<int>(document_.links.size());
     link_names_.push_back(link.name);
@@ -191,6 +192,7 @@ class UrdfReader {
     if (const char* name = element.Attribute("name")) collision.name = name;
     collision.X_LG = readOrigin(element);
     const XMLElement& shape = shapeOf(file_.requiredChild(element, "geometry"));
+    collision.file = file_.path();
     collision.line = shape.GetLineNum();
     const std::string kind = shape.Name();
     if (kind == "box") {
@@ -272,6 +274,7 @@ class UrdfReader {
         element, "the parent link \"world\" is not defined; it is taken as a link without shapes");
     UrdfLink world;
     world.name = "world";
+    world.file = file_.path();
     world.line = element.GetLineNum();
     document_.links.push_back(world);
     return link_index_.emplace(world.name, static_cast<int>(document_.links.size()) - 1).first;
@@ -280,6 +283,7 @@ class UrdfReader {
   void readJoint(const XMLElement& element) {
     UrdfJoint joint;
     joint.name = uniqueName(element, joint_lines_);
+    joint.file = file_.path();
     joint.line = element.GetLineNum();
     joint.type = readType(element);
     leaveOutUnknown(element,

@@ -10,8 +10,8 @@
 
 namespace leeway::robots {
 
-/// A <collision> of a URDF link, as written, or a <visual> that stands in for it;
-/// a geom of an MJCF file.
+/// A <collision> of a URDF link, as written, or a <visual> that stands in for it; a geom of an MJCF
+/// file.
 struct UrdfCollision {
   enum class Kind : unsigned char {
     kBox,
@@ -20,10 +20,10 @@ struct UrdfCollision {
     kMesh,
     kCapsule,
     kEllipsoid,
-    kPlane  ///< of a half-space below
+    kPlane  ///< the half-space below z = 0
   };
+  std::string file;
   int line = 0;      ///< of the geometry's element
-  std::string file;  ///< that has the line; empty: the document's
   std::string name;  ///< may be empty
   Pose X_LG;
   Kind kind = Kind::kBox;
@@ -36,12 +36,14 @@ struct UrdfCollision {
 
 struct UrdfLink {
   std::string name;
+  std::string file;
   int line = 0;
   std::vector<UrdfCollision> collisions;
 };
 
 struct UrdfJoint {
   std::string name;
+  std::string file;
   int line = 0;
   JointType type = JointType::kFixed;
   int parent = -1, child = -1;  ///< indices of links
@@ -71,10 +73,9 @@ struct UrdfDocument {
   std::vector<UrdfLink> links;    ///< in file order
   std::vector<UrdfJoint> joints;  ///< in file order
   std::vector<std::string> warnings;
-  /// Of an MJCF file, with links as here. Enabled are neighbours that are checked.
-  std::vector<DisabledPair> disabled_pairs;
-  std::vector<std::pair<int, int>> enabled_pairs;
-  std::vector<UrdfState> states;
+  std::vector<DisabledPair> disabled_pairs;        ///< by an MJCF file; of links as here
+  std::vector<std::pair<int, int>> enabled_pairs;  ///< neighbours that are checked all the same
+  std::vector<UrdfState> states;                   ///< the keys of an MJCF file
   /// The XML that bears on motion and collision, in the words of plain URDF 1.0: capsules are
   /// cylinders in it.
   std::string essence;

@@ -375,6 +375,22 @@ TEST(Mjcf, IncludesStandForTheirContents) {
                    {"included already"});
 }
 
+TEST(Mjcf, LimitsInAnIncludedFileAreNamedByThatFile) {
+  const Folder folder;
+  folder.write("part.xml",
+               "<mujocoinclude>\n\n<body name=\"b\">\n<joint name=\"k\" type=\"slide\" "
+               "range=\"0 0.5\"/><geom size=\"0.1\"/></body></mujocoinclude>");
+  const std::string file = folder.write(
+      "robot.xml", model("<body name=\"a\"><joint name=\"j\" type=\"slide\" range=\"-1 1\"/></body>"
+                         "<include file=\"part.xml\"/>",
+                         "<equality><joint joint1=\"k\" joint2=\"j\"/></equality>"));
+  const auto robot = loadModel(file, "");
+  ASSERT_EQ(robot->variables.size(), 1u);
+  EXPECT_EQ(robot->variables[0].upper, 0.5);
+  EXPECT_NE(robot->variables[0].narrowed_by.find(folder.path("part.xml") + ":4"), std::string::npos)
+      << robot->variables[0].narrowed_by;
+}
+
 TEST(Mjcf, WhatPlanningDoesNotUseIsCounted) {
   const auto robot = load(model(
       R"(<light pos="0 0 2"/><body name="a"><joint name="j"/><geom size="0.1"/><site name="s"/><site/>
