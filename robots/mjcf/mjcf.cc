@@ -19,8 +19,7 @@ using tinyxml2::XMLElement;
 class MjcfReader {
  public:
   MjcfReader(XmlFile& file, const LoadOptions& options)
-      : options_(options),
-        wrong_(options.errors),
+      : wrong_(options.errors),
         file_(file, options),
         settings_(readSettings(file_)),
         classes_(file_) {
@@ -33,12 +32,12 @@ class MjcfReader {
 
   UrdfDocument read() {
     checkSections();
-    tree_ = readBodies(file_, settings_, classes_, options_, document_);
+    tree_ = readBodies(file_, settings_, classes_, document_);
     if (document_.links.size() == 1 && document_.links[0].collisions.empty())
       file_.fail(file_.main().root(),
                  "the model has no body; at least one <body> in <worldbody> is "
                  "needed");
-    // What is between bodies says little while some of them are wrong.
+    // Errors between bodies say little while some bodies are wrong.
     wrong_.throwFirst();
     readContacts(file_, settings_, tree_, document_);
     file_.eachOf("equality", [&](const XMLElement& e) { readEquality(e); });
@@ -84,14 +83,19 @@ class MjcfReader {
 
   // Equality constraints.
 
-  UrdfJoint& jointOf(const XMLElement& e, const char* attribute) {
+  /// The hinge or slide joint that an attribute names.
+  UrdfJoint& jointOf(const Attributes& a, const char* attribute) {
+    const XMLElement& e = a.element();
     const std::string name = file_.of(e).attribute(e, attribute);
     std::vector<std::string> known;
     for (UrdfJoint& joint : document_.joints) {
-      if (joint.name == name) return joint;
       known.push_back(joint.name);
+      if (joint.name != name) continue;
+      if (!hasOnePosition(joint))
+        a.fail(attribute, "a hinge or slide joint that is not locked would be accepted");
+      return joint;
     }
-    failUnknown(file_, e, "joint", name, known);
+    file_.failUnknown(e, "joint", name, known);
   }
 
   static bool hasOnePosition(const UrdfJoint& joint) {
@@ -114,33 +118,40 @@ class MjcfReader {
       return warn(e,
                   "<" + std::string(e.Name()) +
                       "> in <equality> is left out: the joints that it couples move on their own");
-    UrdfJoint& joint = jointOf(e, "joint1");
-    if (!hasOnePosition(joint)) a.fail("joint1", "a hinge or slide joint would be accepted");
+    file_.of(e).allowAttributes(
+        e, {"name", "class", "active", "joint1", "joint2", "polycoef", "solref", "solimp"});
+    UrdfJoint& joint = jointOf(a, "joint1");
+    const auto leaveOut = [&](const char* why) {
+      warn(e, "the equality of joint " + inQuotes(joint.name) + " is left out: " + why);
+    };
+    constexpr const char* kCoupled = "another equality couples the joint already";
     const std::vector<double> c = a.over("polycoef", {0, 1, 0, 0, 0});
-    if (e.Attribute("joint2") == nullptr) return lock(joint, restOf(joint) + c[0]);
-    UrdfJoint& master = jointOf(e, "joint2");
-    if (!hasOnePosition(master)) a.fail("joint2", "a hinge or slide joint would be accepted");
-    const bool is_line = c[2] == 0 && c[3] == 0 && c[4] == 0;
-    if (!is_line || joint.has_mimic || isAbove(joint, master))
-      return warn(e,
-                  "the equality of joint " + inQuotes(joint.name) + " is left out: " +
-                      (!is_line ? "its polycoef is no line"
-                                : "the joint follows another one already, or is followed by it") +
-                      "; the joint moves on its own");
+    if (e.Attribute("joint2") == nullptr) {
+      if (joint.has_mimic || isFollowed(joint)) return leaveOut(kCoupled);
+      return lock(joint, restOf(joint) + c[0]);
+    }
+    const UrdfJoint& master = jointOf(a, "joint2");
+    if (c[2] != 0 || c[3] != 0 || c[4] != 0)
+      return leaveOut("its polycoef is not a line; the joint moves on its own");
+    if (joint.has_mimic || follows(master, joint)) return leaveOut(kCoupled);
     joint.has_mimic = true;
     joint.mimic = master.name;
-    joint.mimic_line = e.GetLineNum();
     joint.multiplier = c[1];
     joint.offset = restOf(joint) + c[0] - c[1] * restOf(master);
   }
 
-  /// Whether `master` follows `joint`, over others too.
-  bool isAbove(const UrdfJoint& joint, const UrdfJoint& master) {
-    const UrdfJoint* next = &master;
-    while (next->name != joint.name && next->has_mimic)
+  bool isFollowed(const UrdfJoint& joint) const {
+    return std::any_of(document_.joints.begin(), document_.joints.end(),
+                       [&](const UrdfJoint& j) { return j.has_mimic && j.mimic == joint.name; });
+  }
+
+  /// Whether `joint` is `master`, or follows it, perhaps by way of others.
+  bool follows(const UrdfJoint& joint, const UrdfJoint& master) const {
+    const UrdfJoint* next = &joint;
+    while (next->name != master.name && next->has_mimic)
       next = &*std::find_if(document_.joints.begin(), document_.joints.end(),
                             [&](const UrdfJoint& j) { return j.name == next->mimic; });
-    return next->name == joint.name;
+    return next->name == master.name;
   }
 
   static void lock(UrdfJoint& joint, double position) {
@@ -159,6 +170,7 @@ class MjcfReader {
   // Keyframes.
 
   void readKey(const XMLElement& e) {
+    checkAttributes(file_, e);
     const char* name = e.Attribute("name");
     if (name == nullptr || *name == '\0') {
       ++left_out_["key without a name"];
@@ -181,7 +193,7 @@ class MjcfReader {
       addState("qpos0", file_.main().root(), {});
   }
 
-  /// `qpos`: empty: at rest.
+  /// Adds the state of a key; an empty `qpos` means the rest position.
   void addState(const std::string& name, const XMLElement& e, const std::vector<double>& qpos) {
     for (const UrdfState& other : document_.states)
       if (other.name == name)
@@ -224,7 +236,6 @@ class MjcfReader {
     return what.starts_with("key") ? "keys" + what.substr(3) : what + "s";
   }
 
-  const LoadOptions& options_;
   ErrorsSince wrong_;
   MjcfFile file_;
   MjcfSettings settings_;

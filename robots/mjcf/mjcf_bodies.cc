@@ -33,12 +33,12 @@ bool isIdentity(const Pose& pose) {
 class BodyReader {
  public:
   BodyReader(const MjcfFile& file, const MjcfSettings& settings, const DefaultClasses& classes,
-             const LoadOptions& options, UrdfDocument& document)
+             UrdfDocument& document)
       : file_(file),
         settings_(settings),
         classes_(classes),
         geoms_(file, settings, classes),
-        errors_(options.errors),
+        errors_(file.options().errors),
         document_(document) {}
 
   MjcfBodies read() {
@@ -46,6 +46,7 @@ class BodyReader {
     addLink("world", file_.main().root(), 0);
     tree_.bodies[0].link = 0;
     file_.eachSection("worldbody", [&](const XMLElement& e) {
+      checkAttributes(file_, e);
       classes_.expectClass(e, "childclass");
       const char* own = e.Attribute("childclass");
       const Frame frame{0, own == nullptr ? "" : own, {}};
@@ -199,7 +200,7 @@ class BodyReader {
     bool is_body = false;
     for (std::size_t i = 0; i < joints.size(); ++i) {
       Moved moved = {};
-      // One that is wrong still has its link, so that what follows has its place.
+      // A joint that is wrong still gets a link, so that the links below have a parent.
       readOn(errors_,
              [&] { moved = readJoint(*joints[i].first, joints[i].second, joints.size()); });
       is_body = i + 1 == joints.size() && isIdentity(moved.X_JB);
@@ -323,7 +324,7 @@ class BodyReader {
     return name;
   }
 
-  /// Names what the file leaves without one, after all names of the file are known.
+  /// Names the bodies, joints and links without a name. All names of the file must be known.
   void nameTheRest() {
     std::set<std::string> links;
     for (const MjcfBody& body : tree_.bodies)
@@ -344,8 +345,6 @@ class BodyReader {
           unique(bodyOf(document_.joints[at(joint)].child) + "_fixed", joint_names_);
   }
 
-  static std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
   struct Unnamed {
     int joint, body;
     std::string suffix;
@@ -359,8 +358,8 @@ class BodyReader {
   UrdfDocument& document_;
   MjcfBodies tree_;
   std::vector<int> link_bodies_;                 // of each link
-  std::vector<int> fixed_joints_;                // of bodies, without names yet
-  std::vector<std::pair<int, int>> part_links_;  // with the joint that moves it
+  std::vector<int> fixed_joints_;                // of bodies whose link is not that of a joint
+  std::vector<std::pair<int, int>> part_links_;  // links that are no body's, each with its joint
   std::vector<Unnamed> unnamed_joints_;
   std::set<std::string> joint_names_, geom_names_;
 };
@@ -368,18 +367,8 @@ class BodyReader {
 }  // namespace
 
 MjcfBodies readBodies(const MjcfFile& file, const MjcfSettings& settings,
-                      const DefaultClasses& classes, const LoadOptions& options,
-                      UrdfDocument& document) {
-  return BodyReader(file, settings, classes, options, document).read();
-}
-
-void failUnknown(const MjcfFile& file, const XMLElement& at, const char* what,
-                 const std::string& name, const std::vector<std::string>& known) {
-  const std::string nearest = suggestion(name, known);
-  file.fail(at, "<" + std::string(at.Name()) + "> names the " + what + ' ' + inQuotes(name) +
-                    ", which is not defined; " +
-                    (nearest.empty() ? "the name of a " + std::string(what) + " would be accepted"
-                                     : nearest));
+                      const DefaultClasses& classes, UrdfDocument& document) {
+  return BodyReader(file, settings, classes, document).read();
 }
 
 }  // namespace leeway::robots

@@ -15,11 +15,11 @@ namespace leeway::robots {
 
 struct MjcfBody {
   std::string name;
-  int parent = -1;  ///< body; -1: this is the world
-  int link = -1;    ///< of the document
-  int weld = 0;  ///< the body, it or one above, that has the last joint above; 0: it stands still
+  int parent = -1;              ///< body; -1: this is the world
+  int link = -1;                ///< of the document
+  int weld = 0;                 ///< the nearest body, from this one up, with a joint; 0: none has
   std::set<GeomMasks> masks;    ///< of its geoms that collide
-  std::set<std::string> geoms;  ///< that have a name
+  std::set<std::string> geoms;  ///< the names of its geoms
 };
 
 /// The positions of a joint in MuJoCo's qpos, at rest.
@@ -32,21 +32,15 @@ struct MjcfBodies {
   std::vector<MjcfBody> bodies;         ///< in MuJoCo's order: parents first, depth first
   std::vector<MjcfPosition> positions;  ///< in the order of qpos
   std::map<std::string, int> by_name;
-  std::map<std::string, int> left_out;  ///< how often, by a word for it
+  std::map<std::string, int> left_out;  ///< numbers of elements, by kind
 };
 
 /// Reads <worldbody> into the links and joints of `document`. Throws InputError.
 MjcfBodies readBodies(const MjcfFile& file, const MjcfSettings& settings,
-                      const DefaultClasses& classes, const LoadOptions& options,
-                      UrdfDocument& document);
+                      const DefaultClasses& classes, UrdfDocument& document);
 
 /// Turns the exclusions, masks and rules of <contact> into pairs of the document's links.
 void readContacts(const MjcfFile& file, const MjcfSettings& settings, const MjcfBodies& bodies,
                   UrdfDocument& document);
-
-/// "a <TAG> names the WHAT NAME, which is not defined; did you mean ...?", thrown.
-[[noreturn]] void failUnknown(const MjcfFile& file, const tinyxml2::XMLElement& at,
-                              const char* what, const std::string& name,
-                              const std::vector<std::string>& known);
 
 }  // namespace leeway::robots

@@ -1,9 +1,13 @@
-// Which bodies MuJoCo collides (engine_collision_driver.c): not those that no joint moves against
-// each other, nor a body and the one that it is jointed to unless that stands still, nor those of
-// <exclude>, nor those whose masks do not meet. <pair> collides its geoms in any case.
+// The pairs of bodies that MuJoCo collides (engine_collision_driver.c). It leaves out:
+// - bodies that no joint moves against each other,
+// - a body and its parent, unless the parent stands still,
+// - the pairs of <exclude>,
+// - bodies whose masks do not meet.
+// The geoms of a <pair> collide in any case.
 
 #include <algorithm>
 
+#include "collision/base/numbers.h"
 #include "robots/mjcf/mjcf_bodies.h"
 
 namespace leeway::robots {
@@ -11,7 +15,6 @@ namespace leeway::robots {
 namespace {
 
 using tinyxml2::XMLElement;
-using Pairs = std::map<std::pair<int, int>, std::string>;  // bodies, the lower first; why
 
 class ContactReader {
  public:
@@ -19,12 +22,10 @@ class ContactReader {
                 UrdfDocument& document)
       : file_(file),
         settings_(settings),
-        bodies_(bodies.bodies),
-        all_(bodies),
+        bodies_(bodies),
         document_(document),
         parents_(document.links.size(), -1) {
-    for (const UrdfJoint& joint : document.joints)
-      parents_[static_cast<std::size_t>(joint.child)] = joint.parent;
+    for (const UrdfJoint& joint : document.joints) parents_[at(joint.child)] = joint.parent;
   }
 
   void read() {
@@ -32,18 +33,16 @@ class ContactReader {
       const std::string_view tag = e.Name();
       if (tag == "exclude") {
         checkAttributes(file_, e);
-        excluded_.insert({bodyOf(e, "body1"), bodyOf(e, "body2")});
-        excluded_.insert({bodyOf(e, "body2"), bodyOf(e, "body1")});
+        excluded_.insert(std::minmax({bodyOf(e, "body1"), bodyOf(e, "body2")}));
       } else if (tag == "pair") {
-        paired_.insert({bodyOfGeom(e, "geom1"), bodyOfGeom(e, "geom2")});
-        paired_.insert({bodyOfGeom(e, "geom2"), bodyOfGeom(e, "geom1")});
+        paired_.insert(std::minmax({bodyOfGeom(e, "geom1"), bodyOfGeom(e, "geom2")}));
       } else {
         file_.fail(e, "<" + std::string(tag) +
                           "> in <contact> is not known; exclude and pair would "
                           "be accepted");
       }
     });
-    const int count = static_cast<int>(bodies_.size());
+    const int count = static_cast<int>(bodies_.bodies.size());
     for (int a = 0; a < count; ++a)
       for (int b = a + 1; b < count; ++b) decide(a, b);
     if (mixed_ > 0)
@@ -54,30 +53,33 @@ class ContactReader {
   }
 
  private:
-  const MjcfBody& body(int index) const { return bodies_[static_cast<std::size_t>(index)]; }
+  const MjcfBody& body(int index) const { return bodies_.bodies[at(index)]; }
 
   int bodyOf(const XMLElement& e, const char* attribute) const {
     const std::string name = file_.of(e).attribute(e, attribute);
-    const auto found = all_.by_name.find(name);
-    if (found != all_.by_name.end()) return found->second;
+    const auto found = bodies_.by_name.find(name);
+    if (found != bodies_.by_name.end()) return found->second;
     std::vector<std::string> known;
-    for (const auto& [other, index] : all_.by_name) known.push_back(other);
-    failUnknown(file_, e, "body", name, known);
+    for (const auto& [other, index] : bodies_.by_name) known.push_back(other);
+    file_.failUnknown(e, "body", name, known);
   }
 
   int bodyOfGeom(const XMLElement& e, const char* attribute) const {
     const std::string name = file_.of(e).attribute(e, attribute);
     std::vector<std::string> known;
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (bodies_[i].geoms.count(name) != 0) return static_cast<int>(i);
-      known.insert(known.end(), bodies_[i].geoms.begin(), bodies_[i].geoms.end());
+    for (int i = 0; i < static_cast<int>(bodies_.bodies.size()); ++i) {
+      const std::set<std::string>& geoms = body(i).geoms;
+      if (geoms.count(name) != 0) return i;
+      known.insert(known.end(), geoms.begin(), geoms.end());
     }
-    failUnknown(file_, e, "geom", name, known);
+    file_.failUnknown(e, "geom", name, known);
   }
 
-  /// The body whose joint, nearest above `index`, moves it against what is above.
+  /// The weld of the parent of a body's weld: what the nearest joint from the body up moves it
+  /// against.
   int weldParent(int index) const { return body(body(body(index).weld).parent).weld; }
 
+  /// The reason why MuJoCo does not collide two bodies without a <pair>, a < b; null: it does.
   const char* why(int a, int b) {
     if (excluded_.count({a, b}) != 0) return "<exclude>";
     const int weld_a = body(a).weld, weld_b = body(b).weld;
@@ -100,19 +102,17 @@ class ContactReader {
       return;
     }
     const int link_a = body(a).link, link_b = body(b).link;
-    if (parents_[static_cast<std::size_t>(link_a)] == link_b ||
-        parents_[static_cast<std::size_t>(link_b)] == link_a)
+    if (parents_[at(link_a)] == link_b || parents_[at(link_b)] == link_a)
       document_.enabled_pairs.emplace_back(link_a, link_b);
   }
 
   const MjcfFile& file_;
   const MjcfSettings& settings_;
-  const std::vector<MjcfBody>& bodies_;
-  const MjcfBodies& all_;
+  const MjcfBodies& bodies_;
   UrdfDocument& document_;
   std::vector<int> parents_;                         // of the document's links; -1: the root
-  std::set<std::pair<int, int>> excluded_, paired_;  // in both orders
-  int mixed_ = 0;
+  std::set<std::pair<int, int>> excluded_, paired_;  // bodies, the lower first
+  int mixed_ = 0;  // pairs of bodies of which only some geoms may collide
 };
 
 }  // namespace

@@ -31,6 +31,14 @@ MjcfFile::MjcfFile(XmlFile& main, const LoadOptions& options)
   include(main, main.root());
 }
 
+void MjcfFile::failUnknown(const tinyxml2::XMLElement& at, const std::string& what,
+                           const std::string& name, const std::vector<std::string>& known) const {
+  const std::string nearest = suggestion(name, known);
+  fail(at, "<" + std::string(at.Name()) + "> names the " + what + ' ' + inQuotes(name) +
+               ", which is not defined; " +
+               (nearest.empty() ? "the name of a " + what + " would be accepted" : nearest));
+}
+
 std::vector<std::string> MjcfFile::takeWarnings() {
   std::vector<std::string> all;
   for (XmlFile* file : in_order_)

@@ -33,12 +33,16 @@ class MjcfFile {
   [[noreturn]] void fail(const tinyxml2::XMLElement& at, const std::string& message) const {
     of(at).fail(at, message);
   }
+  /// Fails: `at` names a `what` that is not among the `known` ones.
+  [[noreturn]] void failUnknown(const tinyxml2::XMLElement& at, const std::string& what,
+                                const std::string& name,
+                                const std::vector<std::string>& known) const;
   std::string locate(const tinyxml2::XMLElement& at, const std::string& message) const {
     return of(at).path() + ":" + std::to_string(at.GetLineNum()) + ": " + message;
   }
 
-  /// Calls visit(child) for the children of `parent` in their order, those of included files in the
-  /// place of <include>. After an error with the next one where errors are gathered.
+  /// Calls visit(child) for the children of `parent` in their order, with the children of an
+  /// included file in place of <include>. Where errors are gathered, an error ends one visit only.
   template <typename Visit>
   void eachChild(const tinyxml2::XMLElement& parent, const Visit& visit) const {
     for (const tinyxml2::XMLElement* child = parent.FirstChildElement(); child != nullptr;
@@ -50,11 +54,12 @@ class MjcfFile {
         readOn(errors_, [&] { visit(*child); });
     }
   }
-  /// The same for the children of all sections of that name.
+  /// Calls visit(child) for the children of all sections of that name, in the same way.
   template <typename Visit>
   void eachOf(std::string_view section, const Visit& visit) const {
     eachSection(section, [&](const tinyxml2::XMLElement& s) { eachChild(s, visit); });
   }
+  /// Calls visit(element) for the sections of that name, in the same way.
   template <typename Visit>
   void eachSection(std::string_view section, const Visit& visit) const {
     eachChild(main_.root(), [&](const tinyxml2::XMLElement& s) {
@@ -62,12 +67,12 @@ class MjcfFile {
     });
   }
 
-  /// Those of all files, the main one first.
+  /// The warnings of all files, the main one first.
   std::vector<std::string> takeWarnings();
 
-  /// Where MuJoCo looks for a file that `element` names: from the main file's folder, or else from
-  /// that of the element's own file. Relative to the main file's folder where it is there, and
-  /// where it is nowhere.
+  /// The path of a file that `element` names. As in MuJoCo, it may be relative to the main file's
+  /// folder, or else to the folder of the element's own file. The result is relative to the main
+  /// file's folder if the file is there, or in neither folder.
   std::string place(const tinyxml2::XMLElement& element, const std::string& file) const;
 
  private:

@@ -83,11 +83,10 @@ GeomReader::Mesh GeomReader::resolved(const XMLElement& e) const {
     a.fail("file", "MuJoCo's own .msh is not read; .stl and .obj would be accepted");
   if (settings_.strips_paths) file = file.filename();
   Mesh mesh;
-  mesh.element = &e;
   mesh.path = file_.place(e, (path(settings_.mesh_folder) / file).string());
   const path whole = path(file_.main().path()).parent_path() / mesh.path;
   std::error_code error;
-  if (!file_.options().kinematics_only && !std::filesystem::exists(whole, error))
+  if (!file_.options().kinematics_only && !std::filesystem::is_regular_file(whole, error))
     a.fail("file", "there is no " + inQuotes(whole.string()) +
                        "; a path from the file's folder, or from the compiler's meshdir, would be "
                        "accepted");
@@ -116,9 +115,8 @@ GeomReader::Geom GeomReader::read(const XMLElement& element, const std::string& 
   Geom geom;
   geom.name = a.text("name", "");
   geom.masks = {a.mask("contype", 1), a.mask("conaffinity", 1)};
-  geom.is_paired = !geom.name.empty() && paired_.count(geom.name) != 0;
   const std::size_t type = a.word("type", kTypes, "sphere");
-  if (geom.masks.isNone() && !geom.is_paired) return geom;
+  if (geom.masks.isNone() && paired_.count(geom.name) == 0) return geom;
   if (type == kHfield || type == kSdf)
     file_.fail(element, "a geom of type " + kTypes[type] +
                             " is not read; another type, or contype and conaffinity 0 for one that "
@@ -188,11 +186,12 @@ void GeomReader::readMeshGeom(const Attributes& a, UrdfCollision& shape) const {
     const std::string nearest = suggestion(name, names);
     a.fail("mesh", nearest.empty() ? "the name of a <mesh> would be accepted" : nearest);
   }
-  const Mesh mesh = resolved(*found->second);
+  const XMLElement& element = *found->second;
+  const Mesh mesh = resolved(element);
   shape.kind = UrdfCollision::Kind::kMesh;
   shape.is_hull = true;
-  shape.file = file_.of(*mesh.element).path();
-  shape.line = mesh.element->GetLineNum();
+  shape.file = file_.of(element).path();
+  shape.line = element.GetLineNum();
   shape.mesh_file = mesh.path;
   shape.mesh_scale = mesh.scale;
   shape.X_LG = shape.X_LG * mesh.X_GM;

@@ -13,8 +13,8 @@
 
 namespace leeway::robots {
 
-/// With which geoms a geom may collide: those for which one's contype meets the other's
-/// conaffinity.
+/// The masks of a geom. Two geoms may collide if the contype of one and the conaffinity of the
+/// other share a bit.
 struct GeomMasks {
   unsigned contype = 1, conaffinity = 1;
 
@@ -36,19 +36,18 @@ class GeomReader {
   struct Geom {
     std::string name;
     GeomMasks masks;
-    bool is_paired = false;              ///< a <pair> of <contact> names it
-    std::optional<UrdfCollision> shape;  ///< of one that collides with anything
+    std::optional<UrdfCollision> shape;  ///< nothing: it collides with nothing
   };
-  /// A geom of a body on which X_LF places `element`'s frame. Warns of one that is left out.
+  /// Reads a geom. X_LF places the frame that `element` is in on the body's link; `is_static`: the
+  /// body stands still. Throws InputError.
   Geom read(const tinyxml2::XMLElement& element, const std::string& childclass, const Pose& X_LF,
             bool is_static);
 
  private:
   struct Mesh {
-    const tinyxml2::XMLElement* element;
     std::string path;
     Eigen::Vector3d scale = Eigen::Vector3d::Ones();
-    Pose X_GM;  ///< from the scaled vertices of the file
+    Pose X_GM;  ///< places the scaled vertices of the file on the geom
   };
   void readMesh(const tinyxml2::XMLElement& element);
   Mesh resolved(const tinyxml2::XMLElement& element) const;
@@ -60,7 +59,7 @@ class GeomReader {
   const MjcfSettings& settings_;
   const DefaultClasses& classes_;
   std::map<std::string, const tinyxml2::XMLElement*> meshes_;
-  std::set<std::string> paired_;
+  std::set<std::string> paired_;  // geoms that a <pair> of <contact> names
 };
 
 }  // namespace leeway::robots

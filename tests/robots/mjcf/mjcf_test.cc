@@ -266,6 +266,27 @@ TEST(Mjcf, LinesOfPolycoefAreMimics) {
             robot->warnings.end());
 }
 
+TEST(Mjcf, AJointThatAnotherEqualityCouplesIsNotLocked) {
+  const auto robot = load(model(
+      R"(<body name="a"><joint name="j" type="slide"/><geom size="0.1"/></body>
+<body name="b"><joint name="k" type="slide"/><geom size="0.1"/></body>)",
+      R"(<equality><joint joint1="k" joint2="j"/>
+<joint joint1="j" polycoef="0.3"/>
+<joint joint1="k" polycoef="0.3"/>
+<joint joint1="j" joint2="k"/></equality>)"));
+  std::vector<Pose> X_WL(robot->links.size());
+  forwardKinematics(*robot, std::vector<double>{0.75}, X_WL);
+  EXPECT_EQ(X_WL.at(static_cast<std::size_t>(robot->findLink("b"))).translation.z(), 0.75);
+  ASSERT_EQ(robot->warnings.size(), 3u);
+  for (const auto& [index, place] : {std::pair(0u, "7: the equality of joint \"j\""),
+                                     std::pair(1u, "8: the equality of joint \"k\""),
+                                     std::pair(2u, "9: the equality of joint \"j\"")})
+    EXPECT_NE(robot->warnings[index].find("robot.xml:" + std::string(place) +
+                                          " is left out: another equality couples"),
+              std::string::npos)
+        << robot->warnings[index];
+}
+
 // Pairs.
 
 TEST(Mjcf, PairsAreThoseThatMuJoCoCollides) {
@@ -389,6 +410,15 @@ TEST(Mjcf, LimitsInAnIncludedFileAreNamedByThatFile) {
   EXPECT_EQ(robot->variables[0].upper, 0.5);
   EXPECT_NE(robot->variables[0].narrowed_by.find(folder.path("part.xml") + ":4"), std::string::npos)
       << robot->variables[0].narrowed_by;
+}
+
+TEST(Mjcf, UnknownAttributesAreLeftOut) {
+  const std::string text = model("<body name=\"a\"><joint/><geom size=\"0.1\"/></body>");
+  const auto robot = load("<mujoco><worldbody pos=\"0 0 1\"" + text.substr(19));
+  ASSERT_EQ(robot->warnings.size(), 1u);
+  EXPECT_NE(robot->warnings[0].find("<worldbody> has the unknown attribute \"pos\""),
+            std::string::npos)
+      << robot->warnings[0];
 }
 
 TEST(Mjcf, WhatPlanningDoesNotUseIsCounted) {
@@ -521,6 +551,24 @@ const BadMjcf kBad[] = {
      body("", "<equality><joint joint1=\"j\" joint2=\"k\"/></equality>"),
      6,
      {"joint \"k\"", "not defined"}},
+    {"Locked",
+     body("<body><joint name=\"k\"/></body>",
+          "<equality><joint joint1=\"j\"/>\n<joint joint1=\"k\" joint2=\"j\"/></equality>"),
+     7,
+     {"joint2", "\"j\"", "not locked"}},
+    {"EqualityAttribute",
+     body("<body><joint name=\"k\"/></body>",
+          "<equality><joint joint1=\"k\" joint2=\"j\" polycoeff=\"0 2\"/></equality>"),
+     6,
+     {"\"polycoeff\"", "did you mean \"polycoef\""}},
+    {"KeyAttribute",
+     body("", "<keyframe><key name=\"home\" qpo=\"1\"/></keyframe>"),
+     6,
+     {"\"qpo\"", "did you mean \"qpos\""}},
+    {"FlagAttribute",
+     body("", "<option><flag filterparents=\"disable\"/></option>"),
+     6,
+     {"\"filterparents\"", "did you mean \"filterparent\""}},
     {"Include", body("<include file=\"none.xml\"/>"), 4, {"\"none.xml\"", "there is no"}},
     {"HeightField", body("<geom type=\"hfield\" hfield=\"h\"/>"), 4, {"hfield", "not read"}},
     {"Fitted", body("<geom type=\"capsule\" mesh=\"m\"/>"), 4, {"capsule", "fits to a mesh"}},
