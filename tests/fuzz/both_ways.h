@@ -7,9 +7,9 @@
 
 namespace leeway::fuzz {
 
-/// load(null), which throws what it throws. Fails unless load(&errors), which goes on after errors,
-/// begins with the same one. Entries that are left out are no errors of load(null), and may fill
-/// the list.
+/// Returns load(null), or throws its error. Fails unless load(&errors), which goes on after errors,
+/// finds the same error first. Entries that are left out are in the list of `errors` only, and may
+/// fill it.
 template <class Load>
 auto loadBothWays(const Load& load) {
   robots::InputErrors errors;
