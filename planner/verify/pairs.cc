@@ -189,12 +189,11 @@ Pairs collectPairs(const Problem& problem, const std::vector<Body>& bodies) {
   Rules rules(problem);
   Pairs pairs;
   const auto moves = [&](int joint) { return rules.moves(joint); };
-  const auto hasShape = [&](std::size_t body) { return !bodies[body].geometries->empty(); };
   bool can_move = false, is_checked = false, has_world = false;  // something with a shape
   // Bodies of the world come last; one of a pair is the robot's.
   for (std::size_t a = 0; a < bodies.size() && bodies[a].link >= 0; ++a) {
     const std::vector<int> above = jointsAbove(*problem.robot.model, bodies[a].link);
-    can_move = can_move || (hasShape(a) && std::any_of(above.begin(), above.end(), moves));
+    can_move = can_move || (bodies[a].hasShape() && std::any_of(above.begin(), above.end(), moves));
     for (std::size_t b = a + 1; b < bodies.size(); ++b) {
       BodyPair pair{a, b, rules.margin(bodies[a], bodies[b]), above,
                     jointsAbove(*problem.robot.model, bodies[b].link)};
@@ -209,7 +208,7 @@ Pairs collectPairs(const Problem& problem, const std::vector<Body>& bodies) {
         why = Unchecked::kRigid;
       else
         why = rules.reason(bodies[a], bodies[b], pair);
-      const bool has_shapes = hasShape(a) && hasShape(b);
+      const bool has_shapes = bodies[a].hasShape() && bodies[b].hasShape();
       if (!why) {
         is_checked = is_checked || has_shapes;
         pairs.checked.push_back(std::move(pair));
@@ -219,7 +218,7 @@ Pairs collectPairs(const Problem& problem, const std::vector<Body>& bodies) {
     }
   }
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    has_world = has_world || (bodies[b].link < 0 && hasShape(b));
+    has_world = has_world || (bodies[b].link < 0 && bodies[b].hasShape());
   if (!can_move)
     pairs.nothing_checked = kNothingMoves;
   else if (!is_checked && has_world)

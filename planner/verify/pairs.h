@@ -16,6 +16,8 @@ struct Body {
   int link = -1;                      ///< carries it, or is it; -1: the world
   bool attached = false;              ///< an attached object
   robots::Pose X_LB;                  ///< in its link, or in the world
+
+  bool hasShape() const { return !geometries->empty() || (cloud != nullptr && cloud->size() > 0); }
 };
 
 /// Two bodies that must keep more than `margin` [m] apart.
