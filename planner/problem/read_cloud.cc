@@ -38,6 +38,8 @@ void requireNoGrasp(const YamlReader& crop, const Problem& problem) {
 PointCloud carvedOf(const YamlReader& cloud, const std::vector<std::string>& names,
                     const Problem& problem, const Object& object) {
   const YamlReader carve = *cloud.find("carve");
+  if (names.empty())
+    carve.fail(fmt::format("{} is empty; names of links or objects are expected", carve.where()));
   std::vector<Geometry> shapes_W;
   std::string what;
   for (const std::string& name : names) {
@@ -67,9 +69,8 @@ std::shared_ptr<const PointCloud> readCloud(const YamlReader& cloud,
   cloud.expectKeys(keysOf("cloud"));
   const YamlReader file = cloud.at("file", "a file of points (PLY, PCD, XYZ, CSV)");
   const YamlReader radius = cloud.at("radius", "the radius of each point's ball [m]");
-  for (const auto& [key, beside] : {std::pair("carve_margin", "carve")})
-    if (const auto found = cloud.find(key); found && !cloud.has(beside))
-      found->fail(fmt::format("key '{}' stands without '{}'; both are expected", key, beside));
+  if (const auto margin = cloud.find("carve_margin"); margin && !cloud.has("carve"))
+    margin->fail("key 'carve_margin' stands without 'carve'; both are expected");
   try {
     return std::make_shared<const PointCloud>(
         loadCloud(resolvedPath(file), radius.number(), warnings, stop));

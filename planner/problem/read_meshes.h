@@ -19,7 +19,7 @@ void readMeshes(const YamlReader& meshes, robots::LoadOptions& load);
 void expectMeshesFound(const YamlReader& meshes, const std::set<std::string>& found,
                        const Problem& problem);
 /// The same of LoadOptions::meshes, as a program gives them. The robot may have been loaded before:
-/// names of its links that have meshes count as found. `file`: for the message.
+/// names of its links that have shapes count as found. `file`: for the message.
 void expectMeshesFound(const robots::LoadOptions& load, const std::set<std::string>& found,
                        const std::string& file, const Problem& problem);
 

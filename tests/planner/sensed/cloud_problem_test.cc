@@ -106,6 +106,28 @@ TEST_F(CloudProblems, VerifyRefutesAPathThroughBalls) {
   EXPECT_LT(certified.clearance_lower, 0.17);
 }
 
+TEST_F(CloudProblems, VerifyCountsACloudThatMayBeTouched) {
+  const std::string wall = kBall + " - {name: wall, cloud: {file: scan.xyz, radius: 0.022}}\n";
+  const std::string allowed = "allowed: [[ball, wall]]\n";
+  const auto verified = [&](const std::string& text) {
+    const Problem problem = load(text);
+    return verify(problem, pathOf(problem, {{-1, 0, 0}, {1, 0, 0}}));
+  };
+  EXPECT_EQ(verified(wall).status, VerifyStatus::kRefuted);
+  EXPECT_EQ(plan(load(wall + allowed)).status, PlanStatus::kNothingChecked);
+  const VerifyResult nothing = verified(wall + allowed);
+  EXPECT_EQ(nothing.status, VerifyStatus::kNothingChecked);
+  EXPECT_NE(nothing.reason.find("no pair with the world is checked"), std::string::npos);
+  ASSERT_EQ(nothing.unchecked.size(), 1U);
+  EXPECT_EQ(nothing.unchecked[0].why, Unchecked::kAllowed);
+  EXPECT_EQ(nothing.unchecked[0].count, 1);
+  // A cloud is also the only thing that is checked beside an object that may be touched.
+  const std::string post = " - {name: post, position: [0, 0, 0.9], sphere: {radius: 0.1}}\n";
+  const VerifyResult refuted = verified(wall + post + "allowed: [[ball, post]]\n");
+  EXPECT_EQ(refuted.status, VerifyStatus::kRefuted) << refuted.reason;
+  EXPECT_EQ(refuted.b, "wall");
+}
+
 TEST_F(CloudProblems, VerifyAgreesWithSpheresOnRandomEdges) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(-0.8, 0.8);
@@ -247,6 +269,8 @@ TEST_F(CloudProblems, BadKeysNameTheirLine) {
               {"'carve_margin' stands without 'carve'"});
   expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, carve: [cam]}\n", 12,
               {"no link or object is named 'cam'", "did you mean 'can'"});
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, carve: []}\n", 12,
+              {"carve", "is empty; names of links or objects are expected"});
   expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, carve: [scan]}\n", 12,
               {"'scan', which is a cloud"});
   expectError(begin + "cloud: {file: scan.xyz, radius: 0.1, carve: [can], carve_margin: -1}\n", 12,
