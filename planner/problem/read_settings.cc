@@ -66,12 +66,7 @@ struct Read {
 
 void readSettings(const YamlReader& map, std::string_view place, Problem& problem) {
   for (const Setting& setting : settings()) {
-    std::string_view key = setting.key;
-    if (!place.empty()) {
-      if (!key.starts_with(place) || key.size() == place.size() || key[place.size()] != '.')
-        continue;
-      key.remove_prefix(place.size() + 1);
-    }
+    const std::string_view key = keyIn(place, setting);
     const auto* const choice = std::get_if<WordSetting>(&setting.value);
     if (key.empty() || key.find('.') != std::string_view::npos || (choice && choice->or_map))
       continue;

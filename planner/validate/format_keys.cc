@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "leeway/planner/settings.h"
-
 namespace leeway::planner {
 namespace {
 
@@ -141,12 +139,7 @@ constexpr SettingMap kSettingMaps[] = {{"problem", ""},
 std::vector<std::string_view> keysAt(std::string_view place) {
   std::vector<std::string_view> keys;
   for (const Setting& setting : settings()) {
-    std::string_view key = setting.key;
-    if (!place.empty()) {
-      if (!key.starts_with(place) || key.size() == place.size() || key[place.size()] != '.')
-        continue;
-      key.remove_prefix(place.size() + 1);
-    }
+    std::string_view key = keyIn(place, setting);
     key = key.substr(0, key.find('.'));
     if (!key.empty() && std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
   }
@@ -154,6 +147,13 @@ std::vector<std::string_view> keysAt(std::string_view place) {
 }
 
 }  // namespace
+
+std::string_view keyIn(std::string_view place, const Setting& setting) {
+  const std::string_view key = setting.key;
+  if (place.empty()) return key;
+  const bool is_in = key.starts_with(place) && key.substr(place.size()).starts_with('.');
+  return is_in ? key.substr(place.size() + 1) : std::string_view();
+}
 
 std::span<const MapFormat> mapFormats() {
   static const std::vector<std::vector<std::string_view>> keys = [] {

@@ -3,6 +3,8 @@
 #include <span>
 #include <string_view>
 
+#include "leeway/planner/settings.h"
+
 namespace leeway::planner {
 
 /// The keys of one kind of map in a problem file: the loader's only list of them, from the table of
@@ -18,6 +20,10 @@ std::span<const MapFormat> mapFormats();
 
 /// The keys of one kind; `name` must be one of mapFormats().
 std::span<const std::string_view> keysOf(std::string_view name);
+
+/// The key of a setting as seen from the map at `place` (empty: the file itself): "time" for
+/// "limits.time" in "limits". Empty: the setting is not in that map.
+std::string_view keyIn(std::string_view place, const Setting& setting);
 
 /// The words of shapes, each of which is a kind of map too.
 std::span<const std::string_view> shapeWords();

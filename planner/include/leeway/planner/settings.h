@@ -36,7 +36,8 @@ struct WordSetting {
     int value;
   };
   std::span<const Word> words;
-  /// The value of the problem's word; -1, or that of no word: it has none of them.
+  /// Returns the value of the problem's word; a number that is not in `words` if it has no such
+  /// word, below 0 if its objective has no such setting.
   int (*get)(const Problem&);
   /// Takes the value of a word. Without effect where the problem's objective has no such value.
   void (*set)(Problem&, int);
