@@ -56,35 +56,8 @@ std::string_view takeLine(std::string_view& rest) {
   return line;
 }
 
-std::optional<NumberType> numberType(NumberType::Kind kind, std::size_t size) {
-  const bool known = kind == NumberType::Kind::kFloat
-                         ? size == 4 || size == 8
-                         : size == 1 || size == 2 || size == 4 || size == 8;
-  if (!known) return std::nullopt;
-  return NumberType{kind, size};
-}
-
-double loadNumber(const char* from, NumberType type, std::endian order) {
-  const auto* const bytes = reinterpret_cast<const std::byte*>(from);
-  using Kind = NumberType::Kind;
-  if (type.kind == Kind::kFloat)
-    return type.size == 4 ? double(robots::loadNumber<float>(bytes, order))
-                          : robots::loadNumber<double>(bytes, order);
-  const bool is_signed = type.kind == Kind::kSigned;
-  switch (type.size) {
-    case 1:
-      return is_signed ? double(robots::loadNumber<std::int8_t>(bytes, order))
-                       : double(robots::loadNumber<std::uint8_t>(bytes, order));
-    case 2:
-      return is_signed ? double(robots::loadNumber<std::int16_t>(bytes, order))
-                       : double(robots::loadNumber<std::uint16_t>(bytes, order));
-    case 4:
-      return is_signed ? double(robots::loadNumber<std::int32_t>(bytes, order))
-                       : double(robots::loadNumber<std::uint32_t>(bytes, order));
-    default:
-      return is_signed ? double(robots::loadNumber<std::int64_t>(bytes, order))
-                       : double(robots::loadNumber<std::uint64_t>(bytes, order));
-  }
+double loadNumber(const char* from, robots::NumberType type, std::endian order) {
+  return robots::loadNumber(reinterpret_cast<const std::byte*>(from), type, order);
 }
 
 double readCoordinate(const CloudSource& source, std::string_view word, CloudPlace place) {

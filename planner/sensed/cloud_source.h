@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "leeway/planner/point_cloud.h"
+#include "robots/mesh/number_type.h"
 
 namespace leeway::planner {
 
@@ -57,16 +58,8 @@ std::vector<std::string_view> wordsOf(std::string_view line);
 /// The next line of `rest`, without its end (LF, CR LF or CR), which is taken from `rest`.
 std::string_view takeLine(std::string_view& rest);
 
-/// The type of a number in binary data.
-struct NumberType {
-  enum class Kind : unsigned char { kSigned, kUnsigned, kFloat };
-  Kind kind = Kind::kFloat;
-  std::size_t size = 4;  // 1, 2, 4, 8 bytes
-};
-/// Nothing for a kind that has no such size.
-std::optional<NumberType> numberType(NumberType::Kind kind, std::size_t size);
 /// Reads type.size bytes.
-double loadNumber(const char* from, NumberType type, std::endian order);
+double loadNumber(const char* from, robots::NumberType type, std::endian order);
 
 /// The number at `place`, where a finite coordinate, "nan" or "inf" is expected.
 double readCoordinate(const CloudSource& source, std::string_view word, CloudPlace place);

@@ -16,6 +16,16 @@ namespace {
 constexpr std::size_t kLargestFieldCount = std::size_t{1} << 20U;
 constexpr std::size_t kLargestPoint = std::size_t{1} << 24U;  // [bytes]
 
+using robots::NumberType;
+
+/// Nothing for a kind that has no such size.
+std::optional<NumberType> numberType(NumberType::Kind kind, std::size_t size) {
+  const bool is_known =
+      size == 4 || size == 8 || (kind != NumberType::Kind::kFloat && (size == 1 || size == 2));
+  if (!is_known) return std::nullopt;
+  return NumberType{kind, size};
+}
+
 struct PcdField {
   std::string_view name;
   NumberType type;

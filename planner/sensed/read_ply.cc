@@ -10,7 +10,7 @@
 namespace leeway::planner {
 namespace {
 
-using Kind = NumberType::Kind;
+using robots::NumberType;
 
 struct PlyProperty {
   std::string_view name;
@@ -24,21 +24,6 @@ struct PlyElement {
   CloudPlace place;
   std::vector<PlyProperty> properties;
 };
-
-std::optional<NumberType> plyType(std::string_view word) {
-  static constexpr std::pair<std::string_view, NumberType> kTypes[] = {
-      {"char", {Kind::kSigned, 1}},     {"int8", {Kind::kSigned, 1}},
-      {"uchar", {Kind::kUnsigned, 1}},  {"uint8", {Kind::kUnsigned, 1}},
-      {"short", {Kind::kSigned, 2}},    {"int16", {Kind::kSigned, 2}},
-      {"ushort", {Kind::kUnsigned, 2}}, {"uint16", {Kind::kUnsigned, 2}},
-      {"int", {Kind::kSigned, 4}},      {"int32", {Kind::kSigned, 4}},
-      {"uint", {Kind::kUnsigned, 4}},   {"uint32", {Kind::kUnsigned, 4}},
-      {"float", {Kind::kFloat, 4}},     {"float32", {Kind::kFloat, 4}},
-      {"double", {Kind::kFloat, 8}},    {"float64", {Kind::kFloat, 8}}};
-  for (const auto& [name, type] : kTypes)
-    if (word == name) return type;
-  return std::nullopt;
-}
 
 class PlyPoints {
  public:
@@ -118,7 +103,7 @@ class PlyPoints {
     if (!is_list && words.size() != 3)
       fail("the property is not a type and a name; both are expected");
     const auto type = [&](std::string_view word) {
-      const auto known = plyType(word);
+      const auto known = robots::plyType(word);
       if (!known)
         fail(
             fmt::format("the type {} is not known; char, uchar, short, ushort, int, uint, float "

@@ -4,70 +4,17 @@
 #include <string>
 #include <vector>
 
+#include "robots/mesh/number_type.h"
 #include "robots/mesh/readers.h"
 #include "robots/mesh/scan.h"
 
 namespace leeway::robots {
 namespace {
 
-enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat, kDouble };
-
-std::optional<Type> typeOf(std::string_view word) {
-  if (word == "char" || word == "int8") return Type::kInt8;
-  if (word == "uchar" || word == "uint8") return Type::kUint8;
-  if (word == "short" || word == "int16") return Type::kInt16;
-  if (word == "ushort" || word == "uint16") return Type::kUint16;
-  if (word == "int" || word == "int32") return Type::kInt32;
-  if (word == "uint" || word == "uint32") return Type::kUint32;
-  if (word == "float" || word == "float32") return Type::kFloat;
-  if (word == "double" || word == "float64") return Type::kDouble;
-  return std::nullopt;
-}
-
-std::size_t sizeOf(Type type) {
-  switch (type) {
-    case Type::kInt8:
-    case Type::kUint8:
-      return 1;
-    case Type::kInt16:
-    case Type::kUint16:
-      return 2;
-    case Type::kInt32:
-    case Type::kUint32:
-    case Type::kFloat:
-      return 4;
-    case Type::kDouble:
-      break;
-  }
-  return 8;
-}
-
-double load(Type type, const std::byte* from, std::endian order) {
-  switch (type) {
-    case Type::kInt8:
-      return loadNumber<std::int8_t>(from, order);
-    case Type::kUint8:
-      return loadNumber<std::uint8_t>(from, order);
-    case Type::kInt16:
-      return loadNumber<std::int16_t>(from, order);
-    case Type::kUint16:
-      return loadNumber<std::uint16_t>(from, order);
-    case Type::kInt32:
-      return loadNumber<std::int32_t>(from, order);
-    case Type::kUint32:
-      return loadNumber<std::uint32_t>(from, order);
-    case Type::kFloat:
-      return static_cast<double>(loadNumber<float>(from, order));
-    case Type::kDouble:
-      break;
-  }
-  return loadNumber<double>(from, order);
-}
-
 struct Property {
   std::string name;
-  Type type = Type::kFloat;
-  std::optional<Type> count;  // of a list
+  NumberType type;
+  std::optional<NumberType> count;  // of a list
 };
 
 struct Element {
@@ -107,18 +54,17 @@ class Body {
     } while (words_.atEnd());
   }
 
-  double number(Type type) {
+  double number(NumberType type) {
     if (!order_) {
       word_ = words_.next();
       const std::optional<double> value = parseNumber(word_);
       if (!value) fail(word_.empty() ? "a line that holds all properties" : "a number");
       return *value;
     }
-    const std::size_t size = sizeOf(type);
-    if (rest_.size() < size) failAtEnd();
+    if (rest_.size() < type.size) failAtEnd();
     last_ = rest_.data();
-    rest_.remove_prefix(size);
-    return load(type, reinterpret_cast<const std::byte*>(last_), *order_);
+    rest_.remove_prefix(type.size);
+    return loadNumber(reinterpret_cast<const std::byte*>(last_), type, *order_);
   }
 
   void endElement() {
@@ -283,7 +229,7 @@ class PlyReader {
   void readProperty(Words& words) {
     if (elements_.empty()) fail("property", "an element before it");
     const auto next = [&](std::string_view word) {
-      const std::optional<Type> type = typeOf(word);
+      const std::optional<NumberType> type = plyType(word);
       if (!type) fail(word, "char, uchar, short, ushort, int, uint, float or double");
       return *type;
     };
