@@ -74,6 +74,14 @@ TEST_F(Info, ACloudIsOneEntry) {
   EXPECT_NE(run("info cloud.yaml").out.find("cloud seen: 10 balls of up to 14.5"),
             std::string::npos)
       << run("info cloud.yaml").out;
+  // Answers say what filters left out, too.
+  const Answer planned = run("plan cloud.yaml --output path.json --json");
+  ASSERT_EQ(planned.status, 0) << planned.err;
+  EXPECT_EQ(planned.document()["certificate"]["clouds"], json::array({cloud}));
+  for (const char* verb : {"verify", "clearance"})
+    EXPECT_EQ(run(std::string(verb) + " cloud.yaml path.json --json").document()["clouds"],
+              json::array({cloud}))
+        << verb;
   for (const char* verb : {"check", "plan", "lint"})
     EXPECT_LE(run(std::string(verb) + " cloud.yaml").status, 1) << verb;
   EXPECT_EQ(run("lint cloud.yaml").status, 0) << run("lint cloud.yaml").out;

@@ -226,6 +226,7 @@ Json profileJson(const planner::Problem& problem, const Profile& profile) {
                                                         : "not_certified";
   document["reason"] = profile.nothing_checked.empty() ? Json() : Json(profile.nothing_checked);
   document["not_checked"] = planner::uncheckedJson(profile.unchecked());
+  document["clouds"] = cloudsJson(problem);
   document["seed"] = problem.seed;
   document["world"] = wholeJson(profile, profile.world, &Stretch::world);
   document["self"] = wholeJson(profile, profile.self, &Stretch::self);

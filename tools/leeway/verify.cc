@@ -78,6 +78,7 @@ int runVerify(VerifyArguments& arguments) {
   endProgress();
   if (arguments.json) {
     Json document = toJson(result);
+    document["clouds"] = cloudsJson(problem);
     document["seed"] = problem.seed;
     document["warnings"] = warnings;
     document["interrupted"] = interrupted();

@@ -124,27 +124,6 @@ Json geometryJson(const std::string& owner, const robots::Geometry& geometry) {
 }
 
 /// Obstacles that deform: strategy, bytes and bounds at the start.
-Json cloudsJson(const planner::Problem& problem) {
-  Json list = Json::array();
-  for (const planner::Object& object : problem.world.objects) {
-    if (!object.cloud) {
-      continue;
-    }
-    Json filters = Json::array();
-    for (const planner::CloudFilter& filter : object.cloud->filters) {
-      filters.push_back(
-          {{"name", filter.name}, {"what", filter.what}, {"removed", filter.removed}});
-    }
-    list.push_back({{"name", object.name},
-                    {"balls", object.cloud->size()},
-                    {"largest_radius", object.cloud->largestRadius()},
-                    {"complete_within", jsonNumber(object.cloud->complete_within)},
-                    {"filters", filters},
-                    {"bytes", object.cloud->size() * sizeof(planner::PointCloud::Ball)}});
-  }
-  return list;
-}
-
 Json deformingJson(const planner::Problem& problem) {
   Json list = Json::array();
   for (const planner::DeformingObstacle& obstacle : problem.world.deforming) {

@@ -51,6 +51,7 @@ Json certificateJson(const planner::Problem& problem, const planner::Certificate
   document["interpolation"] =
       planner::ConfigurationSpace(problem.robot.model, problem.robot.variables).interpolation();
   document["not_checked"] = planner::uncheckedJson(certificate.unchecked);
+  document["clouds"] = cloudsJson(problem);
   return document;
 }
 
@@ -99,6 +100,24 @@ Json jsonNumber(double value) { return std::isfinite(value) ? Json(value) : Json
 
 Json jsonVector(const Eigen::Vector3d& v) {
   return {jsonNumber(v.x()), jsonNumber(v.y()), jsonNumber(v.z())};
+}
+
+Json cloudsJson(const planner::Problem& problem) {
+  Json list = Json::array();
+  for (const planner::Object& object : problem.world.objects) {
+    if (!object.cloud) continue;
+    Json filters = Json::array();
+    for (const planner::CloudFilter& filter : object.cloud->filters)
+      filters.push_back(
+          {{"name", filter.name}, {"what", filter.what}, {"removed", filter.removed}});
+    list.push_back({{"name", object.name},
+                    {"balls", object.cloud->size()},
+                    {"largest_radius", object.cloud->largestRadius()},
+                    {"complete_within", jsonNumber(object.cloud->complete_within)},
+                    {"filters", filters},
+                    {"bytes", object.cloud->size() * sizeof(planner::PointCloud::Ball)}});
+  }
+  return list;
 }
 
 Json toJson(const planner::Problem& problem, const planner::PlanResult& result,

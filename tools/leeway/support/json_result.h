@@ -16,6 +16,10 @@ using Json = nlohmann::ordered_json;
 Json jsonNumber(double value);
 Json jsonVector(const Eigen::Vector3d& v);
 
+/// The clouds of the world, with the number of balls that each filter removed: an answer holds for
+/// the rest.
+Json cloudsJson(const planner::Problem& problem);
+
 /// The document of `plan --json`. `trajectory`: of a solved problem. `load_s`: what reading the
 /// files took [s].
 Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
