@@ -217,8 +217,7 @@ void defineProblem(py::module_& module) {
               "\n"
               "A problem copies what it is given. What its attributes hand out is its own: "
               "problem.world.add_box(...), problem.margins[a, b] = m, problem.start[0] = 1 change "
-              "it. "
-              "It is checked when it is made or set, and whenever it is used: InputError.")
+              "it. It is checked when it is made or set, and whenever it is used: InputError.")
           .c_str());
   defineInit(problem, init, [](const py::args& args, const py::kwargs& kwargs) {
     py::dict keywords = kwargs.attr("copy")();

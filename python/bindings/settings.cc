@@ -26,15 +26,27 @@ std::string word(const py::object& value, const char* name) {
   return value.cast<std::string>();
 }
 
-std::int64_t whole(const py::object& value, const char* name) {
+/// A whole number from 0 to the largest of `Integer`.
+template <class Integer>
+Integer whole(const py::object& value, const char* name) {
   const py::object index = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
-  const long long result = index ? PyLong_AsLongLong(index.ptr()) : -1;
-  if (!index || PyErr_Occurred() != nullptr || result < 0) {
+  const unsigned long long result = index ? PyLong_AsUnsignedLongLong(index.ptr()) : 0;
+  constexpr Integer kLargest = std::numeric_limits<Integer>::max();
+  if (!index || PyErr_Occurred() != nullptr || result > kLargest) {
     PyErr_Clear();
     throw py::value_error(std::string(name) + " is " + shown(value) +
-                          "; a whole number of at least 0 is expected");
+                          "; a whole number of at least 0 and at most " + std::to_string(kLargest) +
+                          " is expected");
   }
-  return result;
+  return static_cast<Integer>(result);
+}
+
+bool truth(const py::object& value, const char* name) {
+  // (numpy's own is not derived from bool.)
+  const std::string type = Py_TYPE(value.ptr())->tp_name;
+  if (!py::isinstance<py::bool_>(value) && type != "numpy.bool_" && type != "numpy.bool")
+    throw py::type_error(std::string(name) + " is " + shown(value) + "; True or False is expected");
+  return py::bool_(value);
 }
 
 py::dict dictOf(const py::object& value, const char* name) {
@@ -378,7 +390,7 @@ struct Set {
   V given;
   const std::string name = std::string(setting.name);
 
-  void operator()(SettingPlace<bool> place) const { *place(problem) = py::bool_(given); }
+  void operator()(SettingPlace<bool> place) const { *place(problem) = truth(given, name.c_str()); }
   void operator()(SettingPlace<double> place) const {
     if (given.is_none() && setting.isOptional()) {
       if (double* const value = place(problem)) *value = setting.range.none.value();
@@ -389,10 +401,10 @@ struct Set {
     *place(problem) = value;
   }
   void operator()(SettingPlace<std::int64_t> place) const {
-    *place(problem) = whole(given, name.c_str());
+    *place(problem) = whole<std::int64_t>(given, name.c_str());
   }
   void operator()(SettingPlace<std::uint64_t> place) const {
-    *place(problem) = static_cast<std::uint64_t>(whole(given, name.c_str()));
+    *place(problem) = whole<std::uint64_t>(given, name.c_str());
   }
   void operator()(SettingPlace<std::string> place) const {
     *place(problem) = word(given, name.c_str());

@@ -128,6 +128,9 @@ py::list addCloud(World& world, const std::string& name, const py::object& point
   Object object{name, {}, pose(position, orientation, rpy)};
   PointCloud cloud = cloudOf(points, radius);
   const double margin = number(carve_margin, "carve_margin");
+  if (py::isinstance<py::str>(carve))
+    throw py::type_error("carve is '" + std::string(py::str(carve)) +
+                         "'; a list of names is expected");
   for (const py::handle item : py::list(carve)) {
     const std::string of = py::str(item);
     cloud = planner::carved(cloud, object.X_WO, shapesOf(world, of), margin, of);
@@ -137,7 +140,7 @@ py::list addCloud(World& world, const std::string& name, const py::object& point
   for (const planner::CloudFilter& filter : cloud.filters)
     left_out.append(py::make_tuple(filter.name, filter.what, filter.removed));
   object.cloud = std::make_shared<const PointCloud>(std::move(cloud));
-  world.value.objects.push_back(std::move(object));
+  world.change().objects.push_back(std::move(object));
   return left_out;
 }
 

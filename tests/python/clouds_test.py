@@ -38,6 +38,18 @@ def test_any_strides_and_radii(world):
     assert world.add_cloud("thin", wall(), 0.01, thin=0.1)[0][0] == "thin"
 
 
+def test_a_cloud_is_added_to_the_world_that_a_problem_hands_out(robot):
+    start, goal = robot.state("ready"), robot.state("ready")
+    start[0], goal[0] = -0.8, 0.8
+    problem = leeway.Problem(robot, leeway.World(), start, goal, margin=0.01)
+    free = leeway.plan(problem)
+    problem.world.add_cloud("post", wall() * (1, 0.2, 1), 0.015, position=(0.5, 0, 0.5))
+    assert "post" in problem.copy().world and leeway.verify(problem, free).status == "refuted"
+    with pytest.raises(TypeError, match="compiled or answered"):
+        free.problem.world.add_cloud("post", wall(), 0.015)
+    assert "post" not in free.problem.world
+
+
 def test_carving_leaves_out_what_touches_an_object(world):
     world.add_box("can", (0.1, 0.1, 0.1), position=(0.5, 0, 0.5))
     removed = world.add_cloud("seen", wall(), 0.01, carve=["can"], carve_margin=0.005, position=(0.5, 0, 0.5))
@@ -54,6 +66,7 @@ def test_carving_leaves_out_what_touches_an_object(world):
     (np.full((3, 3), 1e10), 0.1, {}, "point 0"),
     (np.zeros((3, 3)), 0.1, {"thin": 0}, "cell 0"),
     (np.zeros((3, 3)), 0.1, {"carve": ["cann"]}, "'cann'"),
+    (np.zeros((3, 3)), 0.1, {"carve": "can"}, "carve is 'can'; a list of names"),
     (np.zeros((3, 3)), 0.1, {"carve_margin": -1, "carve": ["can"]}, "margin -1"),
 ])
 def test_bad_clouds_are_refused_in_one_line(world, points, radius, more, words):

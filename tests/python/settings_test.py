@@ -5,6 +5,7 @@ import importlib.util
 import inspect
 import pathlib
 
+import numpy as np
 import pytest
 
 import leeway
@@ -53,6 +54,28 @@ def test_signatures_have_every_keyword():
         parameters = inspect.signature(call).parameters
         assert set(KEYWORDS) <= set(parameters), call
         assert not any(p.kind is p.VAR_KEYWORD for p in parameters.values()), call
+
+
+def test_words_are_not_taken_for_true(shelf):
+    names = [s["name"] for s in SETTINGS if s["kind"] == "boolean"]
+    assert len(names) > 1
+    problem = shelf.copy()
+    for name in names:
+        for wrong in ("false", 0, None):
+            with pytest.raises(TypeError, match=f"{name} is .*; True or False is expected"):
+                setattr(problem, name, wrong)
+        for right in (np.bool_(False), True):
+            setattr(problem, name, right)
+            assert getattr(problem, name) is bool(right)
+
+
+def test_a_seed_is_any_that_files_accept(shelf):
+    problem = shelf.copy()
+    problem.seed = 2**64 - 1
+    assert leeway.Problem(shelf, seed=problem.seed).seed == 2**64 - 1
+    for wrong in (2**64, -1, 1.5):
+        with pytest.raises(ValueError, match="at least 0 and at most 18446744073709551615 is expected"):
+            problem.seed = wrong
 
 
 def test_numbers_out_of_range_are_refused(shelf):
