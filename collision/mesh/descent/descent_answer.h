@@ -14,13 +14,18 @@
 
 namespace leeway::collision {
 
-/// How far rounding of the poses may move points of the bodies against each other [m]; infinite
-/// extents are left out.
+/// What rounding is relative to: the bodies' extents and the distance of their frames, added up
+/// [m]. The infinite extent of a half-space is left out.
+template <class Side>
+double scaleOf(const Pose& X_BA, const Side& a, const Side& b) {
+  const auto finite = [](double extent) { return std::isfinite(extent) ? extent : 0; };
+  return finite(a.extent) + finite(b.extent) + X_BA.translation.norm();
+}
+
+/// How far rounding of the poses may move points of the bodies against each other [m].
 template <class Side>
 double slackOf(const RelativePose& relative, const Side& a, const Side& b) {
-  const double extent_a = std::isfinite(a.extent) ? a.extent : 0,
-               extent_b = std::isfinite(b.extent) ? b.extent : 0;
-  return relative.slack * (extent_a + extent_b + relative.X_BA.translation.norm() + kLeastSum);
+  return relative.slack * (scaleOf(relative.X_BA, a, b) + kLeastSum);
 }
 
 /// The placement of A for a query at rest.
@@ -36,8 +41,7 @@ DescentPlacement placementOf(const RelativePose& relative, const Side& a, const 
 /// their distance.
 template <class Side>
 double touchingWithin(const DescentPlacement& placement, const Side& a, const Side& b) {
-  const double size = a.extent + b.extent + placement.X_BA0.translation.norm();
-  return 4 * (kSupportRounding * kUnitRoundoff * size + placement.slack);
+  return 4 * (kSupportRounding * kUnitRoundoff * scaleOf(placement.X_BA0, a, b) + placement.slack);
 }
 
 /// Remembers the nearest triangles for the next query.

@@ -160,6 +160,26 @@ TEST(DeformablePairs, AHalfSpaceKnowsTheDepthOfTheLowestVertex) {
   }
 }
 
+// Regression: the infinite extent of a half-space counted as rounding, and all 7,200 triangles, of
+// rigid meshes, too, were looked at.
+TEST(DeformablePairs, AHalfSpaceIsComparedWithFewTriangles) {
+  const Sheet sheet = testing::cloth(60);
+  const auto vertices = testing::waved(sheet.vertices, 0.3, 2);
+  const auto deformable = made(sheet, DeformStrategy::kRefit, vertices);
+  Pose X;
+  X.translation.z() = 1;
+  for (const Shape& mesh : {Shape::mesh(TriangleMesh::make(vertices, sheet.triangles)),
+                            Shape::deformable(deformable.snapshot())}) {
+    Scratch scratch;
+    Work work;
+    countInto(scratch, work);
+    const DistanceResult r = distance(Shape::halfSpace(), Pose{}, mesh, X, {}, scratch);
+    EXPECT_GT(r.distance.lower, 0.5);
+    EXPECT_LE(r.iterations, 400) << toString(mesh.type());
+    EXPECT_LE(work.done, 400 * kPairWork) << toString(mesh.type());
+  }
+}
+
 TEST(DeformablePairs, SweepsClaimNoMoreThanAnyPlacementOnTheWayHas) {
   Random random(23);
   const Sheet sheet = testing::cloth(6);
