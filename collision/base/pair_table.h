@@ -70,7 +70,7 @@ class PairTable {
   };
   std::size_t indexOf(std::int32_t pair) const {
     const auto number = static_cast<std::size_t>(pair);
-    // Numbers of things that are near each other differ by multiples of the same: hashed.
+    // A hash, because pairs of one thing have numbers that differ by multiples of a row's length.
     return number < has_begun_.size()
                ? number
                : (number * 0x9e3779b97f4a7c15U >> 32U) & (has_begun_.size() - 1);

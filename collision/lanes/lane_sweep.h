@@ -22,13 +22,13 @@ namespace leeway::collision {
 class LaneWorld {
  public:
   virtual ~LaneWorld() = default;
-  /// What stands in a place; the shape lives as long as this.
+  /// The shape in a place and its pose; the shape lives as long as this.
   virtual std::pair<const Shape*, Pose> placed(int place) const = 0;
   struct Pair {
     double threshold = 0;  ///< [m]
     bool by_parts = true;  ///< see LaneSweep::addPair()
   };
-  /// The pair of a row's piece with what stands in a place; nothing: they may touch.
+  /// The pair of a row's piece with the shape in a place; nothing: they may touch.
   virtual std::optional<Pair> pairOf(int row, int place) const = 0;
 };
 
@@ -87,11 +87,11 @@ class LaneSweep {
   }
   /// What rounding of such an obstacle is relative to, as it stands in the world [m].
   static double scaleOf(const Shape& shape, const Pose& X_WG);
-  /// Piece and obstacle, one of a few, must keep a separation above `threshold` [m]. Answers name
-  /// the pair by its number in the order of addition. `balls`: a piece of the world whose balls
-  /// hold the obstacle, too, or -1; they may settle lanes that the obstacle's box leaves open.
-  /// `by_parts`: convex parts may settle them, too. `kind`: a bit, see Asked. `has_proof`: run()
-  /// asks Proofs about it.
+  /// Adds a pair: piece and obstacle must keep a separation above `threshold` [m]. Such pairs
+  /// should be few; setWorld() adds many. Answers name a pair by its number in the order of
+  /// addition. `balls`: a piece of the world whose balls hold the obstacle, too, or -1; they may
+  /// settle lanes that the obstacle's box leaves open. `by_parts`: convex parts may settle them,
+  /// too. `kind`: a bit, see Asked. `has_proof`: run() looks for a proof of it.
   void addPair(int piece, int obstacle, int balls, double threshold, bool by_parts = true,
                std::uint8_t kind = 1, bool has_proof = false);
   void reservePairs(std::size_t count);

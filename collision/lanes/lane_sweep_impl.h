@@ -189,7 +189,7 @@ struct LaneSweep::Impl {
   std::vector<Row> rows;
   std::size_t places = 0;
   double scale_of_world = 0;  // see setWorld() [m]
-  /// Of pairs: those with obstacles, and what cannot be near the obstacle is outside of this.
+  /// A pair of `pairs` with an obstacle. Pieces outside of the box are not near the obstacle.
   struct Loose {
     std::int32_t pair;
     float low[3], high[3];
@@ -200,7 +200,7 @@ struct LaneSweep::Impl {
   int obstacleAt(std::int32_t place) const;
   /// That of a thing in a place that was not added.
   Obstacle obstacleIn(std::int32_t place) const;
-  /// Of a number beyond `pairs`; of kind 0 where the two may touch.
+  /// The pair with a number beyond those of `pairs`; its kind is 0 if the two may touch.
   Pair pairWithWorld(std::int32_t number) const;
   /// `o` is the obstacle of number `b`.
   Pair pairWith(int id, int piece, const Obstacle& o, int b, int balls, double threshold,
@@ -301,7 +301,7 @@ struct LaneSweepKernel {
   float slack;
   LaneSweep::Asked asked = {};
 
-  /// With the world, until the next one is asked.
+  /// The pair with a number. One with the world stays until the next such call.
   const Sweep::Pair& pair(std::int32_t number) const {
     const auto added = static_cast<std::int32_t>(sweep.pairs.size());
     if (number < added) return sweep.pairs[static_cast<std::size_t>(number)];

@@ -225,7 +225,7 @@ void SceneBuilder::setMargin(int body_a, int body_b, double margin) {
 
 namespace {
 
-/// Of the pairs in the table.
+/// Refuses pairs of two half-spaces in the table.
 void requireNoHalfSpaces(std::span<const Body> bodies, const ScenePairs& pairs) {
   for (std::size_t row = 0; row < pairs.rows().size(); ++row) {
     const Body& a = bodies[at(pairs.rows()[row].body)];
@@ -349,13 +349,14 @@ Scene SceneBuilder::build() && {
                   : keeps_places ? base.firstStill()
                                  : std::max(added, last_moving + 1);
   addTable(bodies, end, scene.pairs_);
-  std::vector<ScenePair> base_pairs;
-  for (auto pair = base.begin(); !(pair == base.end()); ++pair)
-    if ((*pair).body_b < end) base_pairs.push_back(*pair);
+  // Those of a table that stays are not listed.
+  const ScenePairs::Iterator base_end =
+      keeps_places && !lists_all_ ? ScenePairs::Iterator(base, base.listedCount()) : base.end();
+  std::vector<ScenePair> base_pairs(base.begin(), base_end);
   const auto before = [](const ScenePair& x, const ScenePair& y) {
     return std::minmax(x.body_a, x.body_b) < std::minmax(y.body_a, y.body_b);
   };
-  // Skip pairs that a table or a change created.
+  // Pairs of a list that a builder made are in this order; those of a table or a change are not.
   if (!std::is_sorted(base_pairs.begin(), base_pairs.end(), before))
     std::stable_sort(base_pairs.begin(), base_pairs.end(), before);
   // The margin of two bodies; none: they may touch.

@@ -37,14 +37,15 @@ struct SceneAccess {
   static void raiseMargins(Scene& scene, double margin, int first_body) {
     scene.pairs_.raise(margin, first_body);
   }
-  /// Removes all pairs but those of which keep(pair) is true; asks each once, in their order.
+  /// Removes all pairs but those of which keep(pair) is true; asks each once, in their order. A
+  /// geometry that keeps no pair with a place loses its row: a SceneChange adds no pairs for it.
   static void keepPairs(Scene& scene, const std::function<bool(const ScenePair&)>& keep) {
     scene.pairs_.keep(keep);
     if (scene.pairs_.rows().empty()) scene.still_ = {};
   }
-  /// Around what stands still, one a place; null: there are no places.
+  /// The boxes around what stands still, one for each place; null: there are no places.
   static const ObstacleBoxes* boxes(const Scene& scene) { return scene.still_.boxes.get(); }
-  /// What stands in a place.
+  /// The geometry in a place.
   static const Geometry& geometryIn(const Scene& scene, int place) {
     const auto [body, geometry] = scene.pairs_.geometryIn(static_cast<std::size_t>(place));
     return scene.bodies()[static_cast<std::size_t>(body)]

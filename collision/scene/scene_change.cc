@@ -132,7 +132,7 @@ void SceneChange::addPairs(std::size_t first) {
   addPlaces(first);
 }
 
-/// Of bodies from `first` on.
+/// Adds places for the geometries of bodies from `first` on, and exceptions for their pairs.
 void SceneChange::addPlaces(std::size_t first) {
   ScenePairs& pairs = scene_.pairs_;
   const Bodies bodies = scene_.bodies();

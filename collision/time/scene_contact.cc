@@ -41,7 +41,7 @@ ContactResult timeOfContact(const Scene& scene, std::span<const RigidMotion* con
   first.time = {kInfinity, kInfinity};
   double undecided = kInfinity;  // the earliest time from which on some pair is open
   int undecided_pair = -1, queries = 0;
-  for (auto pair = scene.pairs().begin(); !(pair == scene.pairs().end()); ++pair) {
+  for (auto pair = scene.pairs().begin(); pair != scene.pairs().end(); ++pair) {
     const int p = static_cast<int>(pair.number());
     ContactRequest rest = request;
     rest.end = std::min(rest.end, first.time.upper);

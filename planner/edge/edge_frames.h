@@ -29,18 +29,18 @@ struct Piece {
   const collision::GeometryBounds* bounds = nullptr;  ///< in the link's frame, or the world's
   bool at_origin = false;                             ///< X_BG is the identity
   bool is_free_mesh = false;  ///< a mesh that a planned floating or planar joint carries
-  /// Of pieces of the world: coordinates of the inverse of their pose and of their ball's centre,
-  /// added up [m].
+  /// For pieces of the world: the absolute coordinates of the inverse of their pose and of
+  /// their ball's centre, added up [m].
   double scale = 0;
 };
 
-/// The geometries of a scene. What stands in places is made when it is asked for: there may be a
-/// million of it.
+/// The geometries of a scene. The piece of a geometry in a place is made by each call, because
+/// there may be a million of them.
 class Pieces {
  public:
   /// O(1).
   Piece operator[](std::size_t i) const { return i < listed_.size() ? listed_[i] : inPlace(i); }
-  /// All that are in no place: the first.
+  /// The first pieces: all whose geometry is in no place.
   std::span<const Piece> listed() const { return listed_; }
 
  private:
@@ -169,15 +169,15 @@ class EdgeFrames {
   bool hasSurfacePairs() const { return edges_->has_surface_pairs; }
   bool isWithinLimits() const { return within_limits_; }
   const EdgePairs& pairs() const { return edges_->pairs; }
-  /// A pair by its number. What is made of things in places is kept for the next time. O(1).
+  /// A pair by its number; one of the table is made once and kept. O(1).
   EdgePair pair(int number) const {
     const std::span<const EdgePair> listed = edges_->pairs.listed();
     if (at(number) < listed.size()) return listed[at(number)];
     const EdgePair* const known = known_pairs_.find(number - static_cast<int>(listed.size()));
     return known != nullptr ? *known : findPair(number);
   }
-  /// The same of a piece. One in a place stays until another in a place is asked for: a pair has
-  /// one at most.
+  /// A piece by its number. The reference to one in a place holds until the next call for one in a
+  /// place; a pair has at most one. O(1).
   const Piece& piece(int number) const {
     const std::span<const Piece> listed = edges_->pieces.listed();
     if (at(number) < listed.size()) return listed[at(number)];

@@ -80,7 +80,7 @@ void lintWishes(const planner::Problem& problem, const planner::CompiledScene& s
                 const std::string& file, Findings& findings) {
   std::set<std::pair<std::string, std::string>> checked;
   const collision::ScenePairs& pairs = scene.scene().pairs();
-  for (auto pair = pairs.begin(); !(pair == pairs.end()); ++pair) {
+  for (auto pair = pairs.begin(); pair != pairs.end(); ++pair) {
     const PairNames names = pairNames(scene, static_cast<int>(pair.number()));
     checked.emplace(names.a, names.b);
     checked.emplace(names.b, names.a);

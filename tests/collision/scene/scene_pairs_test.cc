@@ -30,7 +30,7 @@ using testing::kMoving;
 using testing::randomBuilder;
 using testing::Twins;
 
-TEST(ScenePairs, TableIsWhatAListWouldBe) {
+TEST(ScenePairs, ATableIsWhatAListWouldBe) {
   Draw draw(1);
   for (int world = 0; world < 60; ++world) {
     Twins twins(randomBuilder(draw, world % 2 == 0));
@@ -54,7 +54,7 @@ TEST(ScenePairs, TableIsWhatAListWouldBe) {
   }
 }
 
-TEST(ScenePairs, TableAnswersAsAListWould) {
+TEST(ScenePairs, ATableAnswersAsAListWould) {
   Draw draw(2);
   int free = 0, not_free = 0;
   for (int world = 0; world < 30; ++world) {
@@ -76,7 +76,7 @@ TEST(ScenePairs, TableAnswersAsAListWould) {
 
 // Between a negative margin and 0 the reach of a query went back to the margin again and again: it
 // never ended.
-TEST(ScenePairs, DepthsInTableAnswersAsAListWould) {
+TEST(ScenePairs, DepthsInATableAnswerAsAListWould) {
   Draw draw(7);
   int between = 0;
   for (int world = 0; world < casesToAsk(40); ++world) {
@@ -206,7 +206,6 @@ TEST(ScenePairs, MoreThanAnIntNumbersAreRefused) {
   }
 }
 
-// A workspace has room for what queries fill of deforming meshes.
 // Boxes end at 1e30 m, and one of a half-space stands for everything: beyond it a sphere deep
 // inside met no box, and was free.
 TEST(ScenePairs, BeyondAllBoxesNothingIsFree) {
@@ -223,7 +222,7 @@ TEST(ScenePairs, BeyondAllBoxesNothingIsFree) {
   }
 }
 
-// One coordinate that is no number: nothing is known, however far things are along the others.
+// If one coordinate is NaN, nothing is known, however far apart things are along the others.
 TEST(ScenePairs, APoseThatIsNoNumberIsNearEverything) {
   for (int axis = 0; axis < 3; ++axis) {
     SceneBuilder builder;
@@ -243,6 +242,7 @@ TEST(ScenePairs, APoseThatIsNoNumberIsNearEverything) {
   }
 }
 
+// A workspace has room for the nodes of deforming meshes that queries fill.
 TEST(ScenePairs, DeformingMeshesInPlacesArePrepared) {
   const testing::Sheet sheet = testing::cloth(20);
   Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,

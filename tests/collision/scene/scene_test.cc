@@ -227,7 +227,7 @@ TEST(Scene, BegunWithAnotherSceneIsThatOfAllItsBodies) {
     ASSERT_EQ(scene.bodies().size(), expected.bodies().size());
     ASSERT_EQ(scene.pairs().size(), expected.pairs().size()) << "run " << run;
     auto twin = expected.pairs().begin();
-    for (auto pair = scene.pairs().begin(); !(pair == scene.pairs().end()); ++pair, ++twin) {
+    for (auto pair = scene.pairs().begin(); pair != scene.pairs().end(); ++pair, ++twin) {
       const ScenePair x = *pair, y = *twin;
       EXPECT_EQ(pair.number(), twin.number());
       EXPECT_EQ(x.body_a, y.body_a);
@@ -305,10 +305,10 @@ TEST(Scene, APoseThatIsNoNumberLeavesNothingKnown) {
     EXPECT_EQ(result.clearance.lower,
               -kInfinity);  // regression: NaN was dropped and 0.9 m returned
     EXPECT_LE(result.clearance.upper, 0.9 + 1e-6);
-    for (int p = 0; p < static_cast<int>(scene.pairs().size()); ++p) {
-      const ScenePair& pair = scene.pairs()[static_cast<std::size_t>(p)];
-      if (pair.body_a != 1 && pair.body_b != 1) continue;
-      const DistanceResult one = pairDistance(scene, workspace, p, {});
+    for (auto pair = scene.pairs().begin(); pair != scene.pairs().end(); ++pair) {
+      if ((*pair).body_a != 1 && (*pair).body_b != 1) continue;
+      const DistanceResult one =
+          pairDistance(scene, workspace, static_cast<int>(pair.number()), {});
       EXPECT_EQ(one.status, DistanceStatus::kInvalid);
       EXPECT_EQ(one.distance.lower, -kInfinity);
       EXPECT_EQ(one.distance.upper, kInfinity);

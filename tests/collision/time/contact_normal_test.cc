@@ -186,7 +186,7 @@ TEST(ContactNormal, OfMeshesIsThatJustBefore) {
   meshes.push_back(testing::named("bumpy ball", testing::ballSoup(5, 6, 0.5, 0.3, random)));
   for (const auto& m : meshes) {
     for (const auto& n : meshes) {
-      Angles angles, deforming;
+      Angles angles;
       const Shape a = Shape::mesh(m.mesh), b = Shape::mesh(n.mesh);
       for (int i = 0; i < casesToAsk(60); ++i) {
         Pose from = random.pose(0), to = from;

@@ -35,7 +35,7 @@ using oracle::Random;
 constexpr int kObjects = 600;
 // Worlds of so few things that no hierarchy stands above them.
 constexpr int kShare = 50;
-// So many that their boxes are a tree.
+// Far things: so many that their boxes alone are a tree.
 constexpr int kFar = 1152;
 
 // The first kinds are round and closed forms; all are hulls and meshes, too, and what lanes take
@@ -430,7 +430,6 @@ TEST(ManyObjects, AGrowthOfNaNIsNeverForgotten) {
   }
 }
 
-// Names of allowed pairs and margins are looked up, not compared with all pairs.
 /// An arm of balls beside a rack that a link holds which stands still: pairs of the robot itself,
 /// which are listed. They took the motions of other pairs once.
 TEST(ManyObjects, PairsOfTheRobotWithItselfKeepTheirMotions) {
@@ -526,6 +525,7 @@ TEST(ManyObjects, MoreThanAreKeptAreNearAtOnce) {
   }
 }
 
+/// Names of allowed pairs and margins are looked up, not compared with all pairs.
 TEST(ManyObjects, PairsAndMarginsAreFoundByName) {
   Random random(33);
   const CompiledScene scene(crowd(random));

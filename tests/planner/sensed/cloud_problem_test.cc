@@ -65,7 +65,7 @@ class CloudProblems : public testing::Test {
 };
 
 TEST_F(CloudProblems, PlansAmongBallsAsAmongSpheres) {
-  // 4,000 balls, so that pairs are in runs.
+  // More balls than a PairTable has places.
   const std::string points = wall(0.03, 0.4, 0.3, 0.25);
   Problem problem =
       load(kBall + " - {name: wall, cloud: {file: scan.xyz, radius: 0.022}}\n" + "margin: 0.01\n",

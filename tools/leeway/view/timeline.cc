@@ -51,7 +51,7 @@ class BodyClearances {
     place(position);
     const collision::Scene& scene = scene_->scene();
     std::vector<double> clearance(scene.bodies().size(), kInfinity);
-    for (auto p = scene.pairs().begin(); !(p == scene.pairs().end()); ++p) {
+    for (auto p = scene.pairs().begin(); p != scene.pairs().end(); ++p) {
       const collision::ScenePair pair = *p;
       double& a = clearance[at(pair.body_a)];
       double& b = clearance[at(pair.body_b)];

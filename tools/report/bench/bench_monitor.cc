@@ -191,7 +191,7 @@ int run(const World& world, double seconds, double step) {
       const double now = t + step * s / 2;
       world.place(now, X_WL, truth);
       begin = cpuSeconds();
-      for (auto pair = pairs.begin(); !(pair == pairs.end()); ++pair) {
+      for (auto pair = pairs.begin(); pair != pairs.end(); ++pair) {
         const int p = static_cast<int>(pair.number());
         collision::DistanceRequest request;
         request.threshold = kMargin;

@@ -136,7 +136,7 @@ class Scene {
   // reads before a change.
   mutable std::atomic<bool> is_shared_ = true;
   ScenePairs pairs_;
-  // What is known of the geometries in places.
+  // Bounds of the geometries in places.
   struct Still {
     std::shared_ptr<const ObstacleBoxes> boxes;  // around each; a deforming one may be anywhere
     std::shared_ptr<const std::vector<std::int32_t>> added;  // see SceneAccess::added()
@@ -170,10 +170,10 @@ class SceneBuilder {
   /// All pairs with a moving body that are not allowed, each with its margin. Throws
   /// std::invalid_argument for a margin or a pose that is not finite, for a rotation that is not
   /// orthogonal within kRotationTolerance, and for two half-spaces, naming their bodies; and where
-  /// moving geometries times those that stand still are more than an int numbers. What stands still
-  /// has places from the last moving body on, and from the bodies of `base` on, unless these have
-  /// places themselves and nothing is added that moves. O(listed pairs + allowed + margins), and
-  /// O(n log n) in what stands still.
+  /// moving geometries times those that stand still are more than an int numbers. Bodies after the
+  /// last one that moves and after those of `base` get places. The places of `base` stay, if
+  /// nothing is added that moves. O(listed pairs + allowed + margins), and O(n log n) in what
+  /// stands still.
   Scene build() const& { return SceneBuilder(*this).build(); }
   Scene build() &&;
 

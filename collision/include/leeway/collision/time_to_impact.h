@@ -31,16 +31,16 @@ double timeToImpact(double gap, const PointMotion& closing);
 struct ImpactReport {
   /// No pair can come down to its margin before this time [s].
   double safe_until = std::numeric_limits<double>::infinity();
-  /// The pair that is due next [index of Scene::pairs()]; -1 when there is none. Of a row
-  /// (see ScenePairs) the one of its near pairs that is due first.
+  /// The pair that is due next [index of Scene::pairs()]; -1 when there is none. For a
+  /// row (see ScenePairs), the pair that is due first of those that are near.
   int next_pair = -1;
   int imminent = 0;  ///< pairs not proven to keep their margin until time + horizon
   int violated = 0;  ///< those of them that are proven to be at or below it now
 };
 
 /// Monitors a scene: a queue of its pairs by the earliest time at which each can come down to its
-/// margin, so that only pairs that are due are looked at again. A row of pairs (see ScenePairs) has
-/// one place in it: when it is due, its pairs that are near are looked at, and one distance stands
+/// margin, so that only pairs that are due are looked at again. A row of pairs (see ScenePairs) is
+/// one entry of it: when it is due, its pairs that are near are looked at, and one distance stands
 /// for all others. Has no clock: the caller passes the time and where bodies are. Compare the
 /// collision-time queues of B. Mirtich, "Impulse-based dynamic simulation of rigid body systems"
 /// (1996), section 2.3. The scene must outlive the schedule; margins that are raised or
@@ -52,7 +52,7 @@ class ImpactSchedule {
   explicit ImpactSchedule(const Scene& scene);
 
   /// Bounds the motion of a body from `time` [s] on. Where the new bounds exceed the last ones at
-  /// this time, the body's pairs become due at `time`, of a body that has a place all rows:
+  /// this time, the body's pairs become due at `time`, or all rows if the body has a place:
   /// O(n log n) in them, else O(1). Times must not run backwards (an earlier one counts as the
   /// latest).
   void setMotion(int body, const PointMotion& motion, double time);
@@ -67,7 +67,7 @@ class ImpactSchedule {
   double safeUntil() const;
   /// The pair cannot come down to its margin before this time [s]. O(1).
   double due(int pair) const { return due_[itemOf(pair)]; }
-  /// So many imminent pairs of rows are named; all are counted [count].
+  /// imminent() names at most this many pairs of rows; the report counts all [count].
   static constexpr std::size_t kMostNamed = std::size_t{1} << 16U;
   /// The imminent pairs of the last advance(), lowest index first.
   std::span<const std::int32_t> imminent() const { return {imminent_.data(), imminent_count_}; }
