@@ -69,7 +69,8 @@ std::string poseFault(const robots::Pose& X);
 /// Returns the fault of the poses of an object and its shapes: the whole message.
 std::string objectFault(const Object& object);
 
-/// The largest separation that margins, wishes or the objective require of a pair [m].
+/// Returns the largest separation that margins, wishes or the objective depend on [m]; infinite
+/// for a cost that is inverse to the distance.
 double mostMargin(const Problem& problem);
 /// Returns a message if the object's cloud was cropped at less than `most_margin` [m], so that
 /// balls which matter may be missing; otherwise an empty string.

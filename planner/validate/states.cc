@@ -171,14 +171,19 @@ double mostMargin(const Problem& problem) {
   for (const Wish& wish : problem.margins.wishes) most = std::max(most, wish.clearance);
   if (const auto* length = std::get_if<MinimumLength>(&problem.objective))
     most = std::max(most, length->clearance);
+  if (const auto* cost = std::get_if<MinimumCost>(&problem.objective))
+    for (const CostTerm& term : cost->terms)
+      if (term.of != Pairs::kSelf)
+        most = std::max(most, term.nearness.kind == Nearness::Kind::kHinge ? term.nearness.distance
+                                                                           : kInfinity);
   return most;
 }
 
 std::string cropFault(const Object& object, double most_margin) {
   if (!object.cloud || most_margin <= object.cloud->complete_within) return {};
   return fmt::format(
-      "cloud '{}' lacks what is farther than {} m from the robot's reach, and a margin or wish is "
-      "{} m; a crop of at least that is expected",
+      "cloud '{}' lacks what is farther than {} m from the robot's reach, and a margin, wish "
+      "or cost reaches {} m; a crop of at least that is expected",
       object.name, object.cloud->complete_within, most_margin);
 }
 

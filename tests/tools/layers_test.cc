@@ -59,5 +59,24 @@ TEST_F(Layers, UnlistedAndFullFoldersAreNamed) {
   EXPECT_NE(check().out.find("more than 26 files"), std::string::npos);
 }
 
+TEST_F(Layers, CirclesBetweenComponentsAreNamed) {
+  write("tree/collision/base/a.h", "#pragma once\n");
+  write("tree/collision/base/a.cc", "#include \"collision/base/b.h\"\n");
+  write("tree/collision/base/b.h", "#pragma once\n");
+  write("tree/collision/base/b_simd.cc", "#include \"collision/base/b.h\"\n");
+  EXPECT_EQ(check().status, 0) << check().out;
+  write("tree/collision/base/b_simd.cc", "#include \"collision/base/a.h\"\n");
+  Answer answer = check();
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_NE(answer.out.find("collision/base/a   <-"), std::string::npos) << answer.out;
+  EXPECT_NE(answer.out.find("collision/base/b   <-"), std::string::npos) << answer.out;
+  // A public header belongs to the source of its name.
+  fs::remove_all(path("tree"));
+  write("tree/collision/include/leeway/collision/pose.h", "#pragma once\n");
+  write("tree/collision/base/pose.cc", "#include \"collision/base/a.h\"\n");
+  write("tree/collision/base/a.h", "#include \"leeway/collision/pose.h\"\n");
+  EXPECT_EQ(check().status, 1);
+}
+
 }  // namespace
 }  // namespace leeway::tools::testing

@@ -226,6 +226,17 @@ TEST_F(CloudProblems, ACropSmallerThanAMarginIsRefused) {
   problem.margins.wishes.clear();
   problem.objective = MinimumLength{0.2};
   EXPECT_NE(refused().find("0.2 m"), std::string::npos);
+  const auto cost = [](Nearness::Kind kind, double distance, Pairs of) {
+    return MinimumCost{1, {{{kind, distance}, 1, false, of}}};
+  };
+  problem.objective = cost(Nearness::Kind::kHinge, 0.05, Pairs::kWorld);
+  EXPECT_EQ(refused(), "");
+  problem.objective = cost(Nearness::Kind::kHinge, 0.3, Pairs::kAll);
+  EXPECT_NE(refused().find("0.3 m"), std::string::npos) << refused();
+  problem.objective = cost(Nearness::Kind::kInverse, 0.01, Pairs::kWorld);
+  EXPECT_NE(refused().find("cost reaches inf m"), std::string::npos) << refused();
+  problem.objective = cost(Nearness::Kind::kInverse, 0.01, Pairs::kSelf);
+  EXPECT_EQ(refused(), "");
 }
 
 TEST_F(CloudProblems, BallsThatAProgramSetsAreChecked) {
