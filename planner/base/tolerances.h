@@ -446,22 +446,32 @@ constexpr int kPartEvery = 3;
 constexpr int kPullSweeps = 4;
 constexpr double kPullGain = 3e-2;
 
-// Pushing a path off what it hugs
+// Pushing a path off what is near
 
-/// Clearance that a plain plan is pushed to, and the least that is worth a push [m]; how much
-/// longer the path may get; what it may cost, and each of its proofs [units of Work]: a quarter of
-/// a millisecond; the share of what is left that is kept for lesser targets.
+/// Clearance that a plain plan is pushed to, the one that it keeps where it can, and the least that
+/// is worth a push [m]; how much longer the path may get.
 constexpr double kPushClearance = 0.008;
+constexpr double kPushEnough = 0.003;
 constexpr double kPushLeast = 1e-3;
 constexpr double kPushLonger = 0.03;
+
+/// What a push may cost [units of Work]: a quarter of a millisecond, or what the simplification
+/// before it did, since edges of some robots cost ten times those of others; what each of its
+/// proofs may cost at least; how many proofs share the work that is left [count]; the share of that
+/// which one place leaves to lesser targets and to other places.
 constexpr std::int64_t kPushWork = 250'000;
 constexpr std::int64_t kPushProofWork = 40'000;
-constexpr double kPushKept = 0.4;
+constexpr std::int64_t kPushProofs = 8;
+constexpr double kPushKept = 0.5;
 
-/// Moves of waypoints [count]; how far beyond the target they aim, as a factor, because gradients
-/// turn; the share of an edge up to which its end is moved in place of a new waypoint; the share of
-/// an end's clearance that is aimed at where that limits; the longest move.
-constexpr int kMostPushes = 24;
+/// Where that is not enough, another path is searched for as many iterations as the first one took,
+/// and at least for this many.
+constexpr std::uint64_t kRoomierBudget = 200;
+
+/// Moves of waypoints around one place [count]; how far beyond the target they aim, as a factor,
+/// because gradients turn; the share of an edge up to which its end is moved in place of a new
+/// waypoint; the share of an end's clearance that is aimed at where that limits; the longest move.
+constexpr int kMostPushes = 8;
 constexpr double kPushBeyond = 1.3;
 constexpr double kPushSnap = 0.75;
 constexpr double kPushEnds = 0.95;

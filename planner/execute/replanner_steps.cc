@@ -12,17 +12,16 @@
 #include "planner/base/clock.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/base/waypoints.h"
 #include "planner/execute/motion_limits.h"
 #include "planner/execute/step_certifier.h"
 #include "planner/execute/timed_path.h"
 #include "planner/search/goals.h"
-#include "planner/search/search.h"
+#include "planner/search/plan.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
-
-using Waypoints = std::vector<std::vector<double>>;
 
 std::vector<double> startOf(const Problem& problem) {
   std::vector<double> point;

@@ -8,7 +8,7 @@
 #include "collision/base/numbers.h"
 #include "leeway/planner/plan.h"
 #include "planner/base/tolerances.h"
-#include "planner/search/search.h"
+#include "planner/base/waypoints.h"
 
 namespace leeway::planner {
 namespace {

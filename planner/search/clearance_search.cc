@@ -1,3 +1,5 @@
+#include "planner/search/clearance_search.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -8,8 +10,7 @@
 #include "leeway/planner/simplify.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
-#include "planner/search/push.h"
-#include "planner/search/search.h"
+#include "planner/improve/push.h"
 
 // The greatest least clearance, by a planner that knows nothing of clearance. Finding a path that
 // keeps the margin c is an ordinary search in the scene with its margins raised to c, where every
@@ -227,10 +228,6 @@ class ClearanceSearch {
 };
 
 }  // namespace
-
-std::shared_ptr<const CompiledScene> raised(const CompiledScene& scene, Pairs of, double margin) {
-  return of == Pairs::kAll ? scene.withMarginAtLeast(margin) : scene.withWorldMarginAtLeast(margin);
-}
 
 std::optional<ClearancePath> searchClearance(const std::shared_ptr<const CompiledScene>& scene,
                                              Search& search, const SearchTask& task, double bound) {

@@ -12,12 +12,11 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "planner/base/tolerances.h"
+#include "planner/base/waypoints.h"
 #include "planner/search/limits.h"
 #include "planner/space/connect_trees.h"
 
 namespace leeway::planner {
-
-using Waypoints = std::vector<std::vector<double>>;
 
 /// How Connect searches: the settings of its trees, and how many searches run side by side.
 struct ConnectChoice {

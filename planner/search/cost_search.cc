@@ -1,11 +1,12 @@
+#include "planner/search/cost_search.h"
+
 #include <algorithm>
 #include <limits>
 
 #include "leeway/planner/simplify.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
-#include "planner/objective/lower_cost.h"
-#include "planner/search/search.h"
+#include "planner/improve/lower_cost.h"
 
 // The least cost, by a planner that knows nothing of costs: a first path is shortened, and then
 // moved as long as that lowers what it is proven to cost. Another path may lie on another side of

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/ompl_state_space.h"
-#include "leeway/planner/plan.h"
+#include "leeway/planner/problem.h"
 #include "planner/base/random.h"
 
 namespace leeway::planner {

@@ -1,4 +1,4 @@
-#include "leeway/planner/plan.h"
+#include "planner/search/plan.h"
 
 #include <algorithm>
 #include <chrono>
@@ -16,14 +16,14 @@
 #include "planner/base/clock.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
-#include "planner/objective/lower_cost.h"
+#include "planner/improve/lower_cost.h"
+#include "planner/improve/push.h"
 #include "planner/objective/path_cost.h"
+#include "planner/search/clearance_search.h"
+#include "planner/search/cost_search.h"
 #include "planner/search/goal_sampler.h"
 #include "planner/search/half_turns.h"
-#include "planner/search/push.h"
-#include "planner/search/push_elsewhere.h"
 #include "planner/search/run_seed.h"
-#include "planner/search/search.h"
 #include "planner/space/ompl_lock.h"
 #include "planner/space/ompl_planners.h"
 #include "planner/validate/checks.h"
@@ -304,7 +304,7 @@ class Plan {
     work_ += search.work();
   }
 
-  void simplifyPath(Waypoints& path, std::uint64_t round) {
+  SimplifyOptions simplifyOptions(std::uint64_t round) {
     SimplifyOptions options;
     options.seed = Random(problem_.seed, kSimplifyStream + round).next();
     options.stop = [this] { return limits_.over(); };
@@ -313,8 +313,15 @@ class Plan {
       const double end = limits_.elapsed() + kLastSimplification;
       options.stop = [this, end] { return limits_.elapsed() > std::min(end, timeLimit()); };
     }
+    return options;
+  }
+
+  void simplifyPath(Waypoints& path, std::uint64_t round) {
+    const SimplifyOptions options = simplifyOptions(round);
     if (wantsLength()) {
+      const std::int64_t before = certifier().statistics.work;
       simplify(certifier(), path, options);
+      simplify_work_ = certifier().statistics.work - before;
       return;
     }
     if (wantsCost()) {
@@ -335,16 +342,35 @@ class Plan {
     options.target = kPushClearance;
     options.least = kPushLeast;
     options.longest = (1 + kPushLonger) * pathLength(scene_->space(), path);
-    options.work = kPushWork;
+    options.work = std::max(kPushWork, simplify_work_);
     options.stop = [this] { return limits_.over(); };
     pushed_ = push(certifier(), path, options);
+    if (pushed_ < kPushEnough && searchRoomier(path, options.longest))
+      pushed_ = std::max(kPushEnough, push(certifier(), path, options));
+  }
+
+  /// Whether there is a path that keeps what a push should have left, elsewhere. It is searched as
+  /// long as the first was.
+  bool searchRoomier(Waypoints& path, double longest) {
+    if (traits_->name != kOwnPlanner || limits_.searchOver()) return false;
+    const auto wider = scene_->withWorldMarginAtLeast(kPushEnough);
+    const auto pool = std::make_shared<CertifierPool>(wider);
+    const SearchTask task = searchTask();
+    Search search(wider, pool, task);
+    auto found = search.any(problem_.seed, std::max(limits_.iterations(), kRoomierBudget));
+    if (found) simplify(search.certifier(), *found, simplifyOptions(0));
+    work_ += pool->statistics();
+    work_ += search.work();
+    if (!found || !(pathLength(scene_->space(), *found) <= longest)) return false;
+    path = std::move(*found);
+    return true;
   }
 
   /// What does not limit the least clearance is pushed, too.
   void pushElsewhere(Waypoints& path) {
     if (!kept_ || !std::isfinite(*kept_) || limits_.over()) return;
-    PushElsewhereOptions options;
-    options.kept = *kept_;
+    PushOptions options;
+    options.target = *kept_;
     options.longest =
         std::min(longest_, (1 + kElsewhereLonger) * pathLength(scene_->space(), path));
     options.pairs = clearanceOf();
@@ -362,6 +388,7 @@ class Plan {
   std::unique_ptr<GoalSampler> sampler_;
   GoalPoints goals_;
   EdgeCertifier::Statistics work_;
+  std::int64_t simplify_work_ = 0;  ///< what the last simplification cost [units of Work]
   double pushed_ = 0;               ///< clearance from the world that the path was pushed to [m]
   std::optional<double> kept_;      ///< clearance that a search for clearance has won [m]
   double longest_ = kInfinity;      ///< length that its path may have

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -91,41 +90,9 @@ class Search {
   EdgeCertifier::Statistics work_;
 };
 
-struct ClearancePath {
-  Waypoints path;
-  double clearance = 0;  ///< certified lower bound [m]
-  /// Of MaximumClearance::at_most_longer: the shortest path's length; otherwise infinity.
-  double shortest = std::numeric_limits<double>::infinity();
-  double longest = std::numeric_limits<double>::infinity();  ///< length that the path may have
-  bool simplified = false;
-  EdgeCertifier::Statistics work = {};  ///< of the searches with raised margins
-};
-/// For MaximumClearance: a path whose least clearance is as great as the limits allow, by a planner
-/// that knows nothing of clearance: pushes, and searches with rising margins; then shorter ones
-/// with no less, see clearance_search.cc. `bound`: no path can have more [m].
-std::optional<ClearancePath> searchClearance(const std::shared_ptr<const CompiledScene>& scene,
-                                             Search& search, const SearchTask& task, double bound);
-
-struct CostPath {
-  Waypoints path;
-  bool simplified = false;
-};
-/// A path whose cost is as low as the limits allow, by a planner that knows nothing of costs: first
-/// paths, shortened, and each lowered by lowerCost(); the cheapest is taken. Ends when a number in
-/// a row are no cheaper, or where one costs no more than `enough`.
-std::optional<CostPath> searchCost(Search& search, PathCost& cost, const SearchTask& task,
-                                   double enough);
-
 /// Certified lower bound of a path's clearance, to within tolerance [m]; stops once it is below
 /// `cutoff`.
 double pathClearance(EdgeCertifier& certifier, const Waypoints& path, double tolerance,
                      double cutoff, Pairs pairs = Pairs::kAll);
-
-/// The scene with all margins of these pairs at least `margin` [m].
-std::shared_ptr<const CompiledScene> raised(const CompiledScene& scene, Pairs of, double margin);
-
-/// plan() for a problem that was validated, in its scene or a variant of that.
-PlanResult planIn(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
-                  const PlanOptions& options);
 
 }  // namespace leeway::planner

@@ -16,17 +16,16 @@
 #include "planner/base/clock.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/base/waypoints.h"
 #include "planner/objective/path_cost.h"
 #include "planner/search/goal_sampler.h"
-#include "planner/search/search.h"
+#include "planner/search/plan.h"
 #include "planner/task/line_motion.h"
 #include "planner/task/stages.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
-
-using Waypoints = std::vector<std::vector<double>>;
 
 /// One call of planTask(). Depth first: a step that has succeeded calls the next one.
 class TaskPlan {

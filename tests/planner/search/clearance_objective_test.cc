@@ -9,7 +9,7 @@
 
 #include "leeway/planner/plan.h"
 #include "leeway/planner/simplify.h"
-#include "planner/search/push_elsewhere.h"
+#include "planner/improve/push.h"
 #include "tests/support/small_problems.h"
 
 namespace leeway::planner {
@@ -148,13 +148,13 @@ TEST(PushElsewhere, RaisesTheNextWorstPlace) {
   EdgeCertifier certifier(scene);
   std::vector<std::vector<double>> path = {{-1.5, 0, 0}, {0, -0.03, 0}, {1.5, 0, 0}};
   EXPECT_LT(leastBetween(certifier, path, 1.25), 0.077);
-  PushElsewhereOptions options;
-  options.kept = leastBetween(certifier, path, 2) - 1e-4;
+  PushOptions options;
+  options.target = leastBetween(certifier, path, 2) - 1e-4;
   options.longest = 1.2 * pathLength(scene->space(), path);
   const auto before = path;
   pushElsewhere(scene, certifier, path, options);
   EXPECT_GT(leastBetween(certifier, path, 1.25), 0.09);
-  EXPECT_GE(leastBetween(certifier, path, 2), options.kept);
+  EXPECT_GE(leastBetween(certifier, path, 2), options.target);
   EXPECT_LE(pathLength(scene->space(), path), options.longest);
   EXPECT_EQ(path.front(), before.front());
   EXPECT_EQ(path.back(), before.back());

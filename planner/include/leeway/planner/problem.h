@@ -236,9 +236,9 @@ struct PlannerChoice {
   std::string name = "Connect";                   ///< see planners.h
   std::map<std::string, std::string> parameters;  ///< by OMPL's names
   bool simplify = true;                           ///< the path that it finds
-  /// Where length is the objective: a simplified path is pushed off what it hugs, by up to
-  /// 8 mm, and gets no more than 3 % longer. About 0.25 ms. Where clearance is: also where the path
-  /// keeps more than its least clearance.
+  /// Where length is the objective: a simplified path is pushed off what is near, by up to 8 mm,
+  /// and gets at most 3 % longer; where less than 3 mm are left, another path is searched. Where
+  /// clearance is the objective: the path is pushed where it keeps more than its least clearance.
   bool push = true;
 };
 

@@ -16,8 +16,7 @@ struct SimplifyOptions {
   /// Least clearance of a new edge [m], besides the margins: a path found for its clearance keeps
   /// it.
   double clearance_floor = -std::numeric_limits<double>::infinity();
-  double clearance_tolerance = 1e-3;  ///< of clearances compared with the floor [m]
-  std::function<bool()> stop;         ///< asked every eight edges; true ends with the path so far
+  std::function<bool()> stop;  ///< asked every eight edges; true ends with the path so far
 };
 
 struct SimplifyResult {

@@ -2,9 +2,8 @@
 
 #include <cstdint>
 #include <functional>
-#include <vector>
 
-#include "leeway/planner/edge_certifier.h"
+#include "planner/improve/improve_path.h"
 #include "planner/objective/path_cost.h"
 
 namespace leeway::planner {
@@ -12,7 +11,7 @@ namespace leeway::planner {
 struct LowerCostOptions {
   std::uint64_t seed = 1;
   double enough = 0;           ///< ends where the path is proven to cost no more
-  std::function<bool()> stop;  ///< asked before every move; true ends with the path so far
+  std::function<bool()> stop;  ///< asked before every edge; true ends with the path so far
 };
 
 /// Lowers what a path is proven to cost, in place: moves waypoints against the gradient of their
@@ -21,7 +20,7 @@ struct LowerCostOptions {
 /// certified and the upper end of the path's cost falls; of a candidate the interval is narrowed
 /// only as far as that comparison needs. Its ends never change. Returns the upper end.
 /// Deterministic unless stopped.
-double lowerCost(EdgeCertifier& certifier, PathCost& cost, std::vector<std::vector<double>>& path,
+double lowerCost(EdgeCertifier& certifier, PathCost& cost, Waypoints& path,
                  const LowerCostOptions& options);
 
 }  // namespace leeway::planner

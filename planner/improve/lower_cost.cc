@@ -1,10 +1,9 @@
-#include "planner/objective/lower_cost.h"
+#include "planner/improve/lower_cost.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <utility>
+#include <numeric>
 
+#include "collision/base/numbers.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/contact/distance_gradient.h"
@@ -12,19 +11,16 @@
 namespace leeway::planner {
 namespace {
 
-using Point = std::vector<double>;
-
 /// Of a candidate's edge that share of the tolerance of the path's cost is narrow enough.
 constexpr double kEnough = 0.05;
 
-class CostLowering {
+/// Its measure is the upper end of what the path costs.
+class CostLowering : PathImprover {
  public:
-  CostLowering(EdgeCertifier& certifier, PathCost& cost, std::vector<Point>& path,
+  CostLowering(EdgeCertifier& certifier, PathCost& cost, Waypoints& path,
                const LowerCostOptions& options)
-      : certifier_(certifier),
-        space_(certifier.scene().space()),
+      : PathImprover(certifier, path, options.stop),
         cost_(cost),
-        path_(path),
         options_(options),
         random_(options.seed),
         gradients_(certifier.scene()),
@@ -34,73 +30,65 @@ class CostLowering {
     for (std::size_t i = 0; i + 1 < path_.size(); ++i)
       edges_.push_back(cost_.edge(path_[i], path_[i + 1], {.work_limit = kSearchCostWork}));
     upper_ = cost_.total(edges_).upper;
+    is_over_ = upper_ <= options_.enough;
     int idle = 0;
     for (int round = 0; round < kCostRounds && idle < kIdleCostRounds && !isOver(); ++round) {
       const double before = upper_;
       for (std::size_t i = 1; i + 1 < path_.size(); ++i) moveWaypoint(i);
       bendEdges();
       for (int k = 0; k < kCostCuts; ++k) cut();
-      for (std::size_t i = path_.size() - 1; i-- > 1;) replace(i - 1, i + 1, {}, 0);
+      for (std::size_t i = path_.size() - 1; i-- > 1;) takeIfCheaper({i - 1, i + 1, {}}, 0);
       idle = before - upper_ < kCostRoundGain * before ? idle + 1 : 0;
     }
     return upper_;
   }
 
  private:
-  bool isOver() {
-    if (!is_over_ && (upper_ <= options_.enough || (options_.stop && options_.stop())))
-      is_over_ = true;
-    return is_over_;
+  /// The path is then proven to cost less, by a share `gain`.
+  bool takeIfCheaper(const Move& move, double gain) {
+    gain_ = gain;
+    return take(move);
   }
 
-  /// Puts points between two waypoints, in place of those that are there, if the path is proven to
-  /// cost less then, by a share `gain`.
-  bool replace(std::size_t first, std::size_t last, const std::vector<Point>& points, double gain) {
+  bool mayGain(const Move& move) override {
     if (isOver()) return false;
-    std::vector<const Point*> chain = {&path_[first]};
-    for (const Point& point : points) chain.push_back(&point);
-    chain.push_back(&path_[last]);
     candidate_ = edges_;
-    const auto begin = candidate_.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto at = candidate_.erase(begin, begin + static_cast<std::ptrdiff_t>(last - first));
-    const double wanted = (1 - gain) * upper_;
-    const double cutoff = wanted - cost_.total(candidate_).upper;
+    replace(candidate_, move.first, move.last, std::span<const PathCost::Edge>());
+    wanted_ = (1 - gain_) * upper_;
+    cutoff_ = wanted_ - cost_.total(candidate_).upper;
     double least = 0;
-    for (std::size_t k = 1; k < chain.size(); ++k)
-      least += cost_.leastBetween(*chain[k - 1], *chain[k]);
-    if (!(least <= cutoff)) return false;
-    for (std::size_t k = 1; k < chain.size(); ++k)
-      if (certifier_.certify(*chain[k - 1], *chain[k]).verdict != Verdict::kFree) return false;
-    const auto place = at - candidate_.begin();
-    candidate_.insert(at, chain.size() - 1, {});
+    for (std::size_t k = 0; k <= move.points.size(); ++k)
+      least += cost_.leastBetween(pointOf(move, k), pointOf(move, k + 1));
+    return least <= cutoff_;
+  }
+
+  /// The interval of the candidate is narrowed only as far as the comparison needs.
+  bool gains(const Move& move) override {
+    replace(candidate_, move.first, move.first,
+            std::vector<PathCost::Edge>(move.points.size() + 1));
     for (const double tolerance : {kRoughCostTolerance, kCostTolerance}) {
       double spent = 0;
-      for (std::size_t k = 1; k < chain.size(); ++k) {
-        PathCost::Edge& edge = candidate_[static_cast<std::size_t>(place) + k - 1];
-        edge = cost_.edge(*chain[k - 1], *chain[k],
+      for (std::size_t k = 0; k <= move.points.size(); ++k) {
+        PathCost::Edge& edge = candidate_[move.first + k];
+        edge = cost_.edge(pointOf(move, k), pointOf(move, k + 1),
                           {.tolerance = tolerance,
-                           .cutoff = cutoff - spent,
+                           .cutoff = cutoff_ - spent,
                            .work_limit = kSearchCostWork,
                            .enough = tolerance * kEnough * upper_});
         spent += edge.sum.lower;
-        if (spent > cutoff) return false;
+        if (spent > cutoff_) return false;
       }
       const double upper = cost_.total(candidate_).upper;
-      if (!(upper <= wanted && (gain > 0 || upper <= upper_))) continue;
+      if (!(upper <= wanted_ && (gain_ > 0 || upper <= upper_))) continue;
       upper_ = upper;
-      edges_ = candidate_;
-      const auto from = path_.begin() + static_cast<std::ptrdiff_t>(first) + 1;
-      const auto rest = path_.erase(from, path_.begin() + static_cast<std::ptrdiff_t>(last));
-      path_.insert(rest, points.begin(), points.end());
       return true;
     }
     return false;
   }
 
-  Point between(std::size_t edge, double t) const {
-    Point point(path_[0].size());
-    space_.interpolate(path_[edge], path_[edge + 1], t, point);
-    return point;
+  void keep(const Move&) override {
+    edges_.swap(candidate_);
+    is_over_ = is_over_ || upper_ <= options_.enough;
   }
 
   /// How nearness changes along each direction of the space, per length, at a place; all 0 where
@@ -116,26 +104,13 @@ class CostLowering {
     return gradient;
   }
 
-  static double norm(const Point& v) {
-    double squared = 0;
-    for (const double x : v) squared += x * x;
-    return std::sqrt(squared);
-  }
-
   /// A place moved by `step` along a direction, within the limits; empty where that is nowhere.
-  Point moved(const Point& from, Point direction, double step) const {
-    const double length = norm(direction);
+  Point moved(const Point& from, const Point& direction, double step) const {
+    const double length =
+        std::sqrt(std::inner_product(direction.begin(), direction.end(), direction.begin(), 0.0));
     if (!(length > 0) || !std::isfinite(length)) return {};
-    for (double& x : direction) x *= step / length;
-    Point point(from.size());
-    space_.advance(from, direction, 1, point);
-    for (const ConfigurationSpace::Part& part : space_.parts()) {
-      if (part.kind != ConfigurationSpace::Kind::kLine) continue;
-      const auto k = static_cast<std::size_t>(part.first);
-      point[k] = std::clamp(point[k], space_.lower(part.first), space_.upper(part.first));
-    }
-    if (!space_.withinLimits(point) || point == from) return {};
-    return point;
+    Point point = advanced(from, direction, step / length);
+    return point == from ? Point{} : point;
   }
 
   Point randomDirection() {
@@ -175,7 +150,7 @@ class CostLowering {
     bool has_moved = false;
     for (int k = 0; k < kCostSteps; ++k) {
       const Point point = moved(path_[i], direction, step);
-      if (!point.empty() && replace(i - 1, i + 1, {point}, kCostGain)) {
+      if (!point.empty() && takeIfCheaper({i - 1, i + 1, {&point, 1}}, kCostGain)) {
         has_moved = true;
         step *= 2;
       } else if (has_moved || isOver()) {
@@ -193,7 +168,7 @@ class CostLowering {
                                              space_.distance(path_[i], path_[i + 1]));
     if (moveAlong(i, downhill(i), step)) return;
     const Point point = moved(path_[i], randomDirection(), random_.uniform(0, 1) * step);
-    if (!point.empty()) replace(i - 1, i + 1, {point}, kCostGain);
+    if (!point.empty()) takeIfCheaper({i - 1, i + 1, {&point, 1}}, kCostGain);
   }
 
   /// Bends the edges that cost most beside their length, where something is near.
@@ -215,7 +190,7 @@ class CostLowering {
       double step = kCostStep * space_.distance(path_[i], path_[i + 1]);
       for (int k = 0; k < kCostSteps; ++k, step /= 3) {
         const Point point = moved(place, down, step);
-        if (point.empty() || replace(i, i + 1, {point}, kCostGain)) break;
+        if (point.empty() || takeIfCheaper({i, i + 1, {&point, 1}}, kCostGain)) break;
       }
     }
   }
@@ -228,25 +203,23 @@ class CostLowering {
     if (i > j) std::swap(i, j);
     if (i == j) return;
     const auto first = static_cast<std::size_t>(i), last = static_cast<std::size_t>(j);
-    replace(first, last + 1, {between(first, s), between(last, t)}, kCostGain);
+    const Point points[] = {between(first, s), between(last, t)};
+    takeIfCheaper({first, last + 1, points}, kCostGain);
   }
 
-  EdgeCertifier& certifier_;
-  const ConfigurationSpace& space_;
   PathCost& cost_;
-  std::vector<Point>& path_;
   const LowerCostOptions& options_;
   Random random_;
   DistanceGradient gradients_;
   Point difference_;
-  std::vector<PathCost::Edge> edges_, candidate_;
-  double upper_ = std::numeric_limits<double>::infinity();  ///< proven of the path
-  bool is_over_ = false;
+  std::vector<PathCost::Edge> edges_, candidate_;  ///< of the path, and of the present move's
+  double upper_ = kInfinity;                       ///< proven of the path
+  double gain_ = 0, wanted_ = 0, cutoff_ = 0;      ///< of the present move
 };
 
 }  // namespace
 
-double lowerCost(EdgeCertifier& certifier, PathCost& cost, std::vector<std::vector<double>>& path,
+double lowerCost(EdgeCertifier& certifier, PathCost& cost, Waypoints& path,
                  const LowerCostOptions& options) {
   if (path.size() < 2) return 0;
   return CostLowering(certifier, cost, path, options).run();

@@ -1,4 +1,4 @@
-#include "planner/search/push.h"
+#include "planner/improve/push.h"
 
 #include <gtest/gtest.h>
 
@@ -49,6 +49,29 @@ TEST(Push, LeavesAPathThatCannotKeepMore) {
   options.work = 10'000'000;
   EXPECT_EQ(push(certifier, path, options), 0);
   EXPECT_EQ(path, before);
+}
+
+TEST(Push, APlaceThatKeepsLessHoldsNoOtherBack) {
+  // The start has 0.1 mm, and so has the path beside the block.
+  Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
+  problem.world.objects.push_back(test::box("beside the start", {0.1, 0.1, 0.5}, -1, 0.2001, 0));
+  problem.world.objects.push_back(test::box("block", {0.1, 0.1, 0.5}, 0.4, -0.2001, 0));
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  std::vector<std::vector<double>> path = {{-1, 0, 0}, {-0.2, 0, 0}, {1, 0, 0}};
+  PushOptions options;
+  options.target = 0.008;
+  options.least = 0.001;
+  options.longest = 2.1;
+  options.work = 10'000'000;
+  EXPECT_EQ(push(certifier, path, options), 0);
+  double beside_block = 1;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    EXPECT_EQ(certifier.certify(path[i - 1], path[i]).verdict, Verdict::kFree);
+    if (path[i - 1][0] < -0.5) continue;
+    const EdgeClearance found = certifier.edgeClearance(path[i - 1], path[i], {.tolerance = 1e-5});
+    beside_block = std::min(beside_block, found.clearance.lower);
+  }
+  EXPECT_GE(beside_block, options.target - 1e-5);
 }
 
 TEST(Push, KeepsToTheLengthThatItMayHave) {

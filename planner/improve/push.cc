@@ -1,0 +1,205 @@
+#include "planner/improve/push.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "collision/base/numbers.h"
+#include "leeway/planner/simplify.h"
+#include "planner/base/tolerances.h"
+#include "planner/contact/distance_gradient.h"
+
+// A path that was shortened touches its obstacles at few places. Each is found by a rough look at
+// an edge, or by a proof that fails there, which costs much more. Around it the nearest waypoint,
+// or a new one, moves along the gradient of the distance by what is missing, and the edges are
+// asked again, those of the neighbours too, until all of them keep what they are to keep: one move
+// of the path, of which only the margins of the other pairs and the length are left to check.
+
+namespace leeway::planner {
+namespace {
+
+class Pusher : PathImprover {
+ public:
+  Pusher(EdgeCertifier& certifier, Waypoints& path, const PushOptions& options)
+      : PathImprover(certifier, path, options.stop),
+        options_(options),
+        first_work_(certifier.statistics.work),
+        length_(pathLength(space_, path)),
+        edges_(path.size() - 1, Edge{options.target, false}),
+        gradients_(certifier.scene()) {}
+
+  /// The clearance that is proven for the path; 0: none.
+  double run() {
+    limitBy(path_.front(), edges_.front());
+    limitBy(path_.back(), edges_.back());
+    for (std::size_t i = 0; i < edges_.size() && left() > 0;) {
+      const double target = edges_[i].target;
+      if (edges_[i].is_proven || isGivenUp(i)) {
+        ++i;
+        continue;
+      }
+      const EdgeClearance found = ask(path_[i], path_[i + 1], target);
+      if (found.clearance.lower >= target)
+        edges_[i].is_proven = true;
+      else if (!pushAt(i, found))
+        edges_[i].target = lesser(target);
+    }
+    return std::accumulate(edges_.begin(), edges_.end(), kInfinity, [](double kept, const Edge& e) {
+      return std::min(kept, e.is_proven ? e.target : 0);
+    });
+  }
+
+ private:
+  struct Edge {
+    double target;   ///< that it is to keep [m]
+    bool is_proven;  ///< to keep it
+  };
+
+  /// An end never moves: its edge keeps no more than the end has.
+  void limitBy(const Point& end, Edge& edge) {
+    const Interval room = certifier_
+                              .edgeClearance(end, end,
+                                             {.tolerance = kBoundTolerance,
+                                              .wanted = options_.target / kPushEnds,
+                                              .work_limit = kPushProofWork,
+                                              .pairs = options_.pairs})
+                              .clearance;
+    edge.target = std::min(edge.target, kPushEnds * room.upper);
+  }
+
+  std::int64_t left() {
+    if (isOver()) return 0;
+    return options_.work - (certifier_.statistics.work - first_work_) - own_work_;
+  }
+
+  bool isGivenUp(std::size_t i) const { return edges_[i].target < options_.least; }
+
+  /// What is tried where a target failed: what an end has that limits it, otherwise half of it, but
+  /// not from above what plans shall keep to below.
+  double lesser(double target) const {
+    const double next = room_ < target ? kPushEnds * room_ : target / 2;
+    return target > kPushEnough ? std::max(next, std::min(kPushEnough, kPushEnds * room_)) : next;
+  }
+
+  /// A rough look, and where that does not tell, a proof.
+  EdgeClearance ask(const Point& a, const Point& b, double target) {
+    const EdgeClearance found = certifier_.roughClearance(a, b, target, options_.pairs, true);
+    if (found.clearance.lower >= target || found.clearance.upper < target) return found;
+    return certifier_.proveClearance(a, b,
+                                     {.tolerance = kBoundTolerance,
+                                      .wanted = target,
+                                      .work_limit = std::max(left() / kPushProofs, kPushProofWork),
+                                      .pairs = options_.pairs});
+  }
+
+  /// Whether edge i and what had to change around it now keep their targets.
+  bool pushAt(std::size_t i, EdgeClearance found) {
+    first_ = i;
+    last_ = i + 1;
+    points_ = {path_[i], path_[i + 1]};
+    moved_ = {edges_[i]};
+    room_ = kInfinity;
+    const auto kept = static_cast<std::int64_t>(kPushKept * static_cast<double>(left()));
+    std::size_t k = 0;  // edge between two of the points that is too near
+    bool is_reached = false;
+    for (int moves = 0; !is_reached && moves < kMostPushes && left() > kept; ++moves) {
+      if (!moveAway(k, found)) break;
+      is_reached = areProven(k, found, kept);
+    }
+    if (!is_reached) {  // where the points are now, they may keep the lesser target
+      const double target = lesser(edges_[i].target);
+      for (Edge& edge : moved_) edge.target = std::min(edge.target, target);
+      if (target < options_.least || !areProven(k, found, kept / 2)) return false;
+    }
+    return take({first_, last_, std::span(points_).subspan(1, points_.size() - 2)});
+  }
+
+  /// Whether all edges between the points keep their targets; else edge k does not, or the work
+  /// ended there.
+  bool areProven(std::size_t& k, EdgeClearance& found, std::int64_t kept) {
+    for (k = 0; k < moved_.size(); ++k) {
+      if (moved_[k].is_proven) continue;
+      if (left() <= kept) return false;
+      found = ask(points_[k], points_[k + 1], moved_[k].target);
+      moved_[k].is_proven = found.clearance.lower >= moved_[k].target;
+      if (!moved_[k].is_proven) return false;
+    }
+    return true;
+  }
+
+  bool mayGain(const Move& move) override {
+    next_length_ = length_ - lengthBetween(move.first, move.last) + lengthOf(move);
+    return next_length_ <= options_.longest;
+  }
+
+  void keep(const Move& move) override {
+    length_ = next_length_;
+    replace(edges_, move.first, move.last, moved_);
+  }
+
+  /// Moves one of the points near the place where edge k of them is too near, or a new one there.
+  bool moveAway(std::size_t k, const EdgeClearance& found) {
+    if (!std::isfinite(found.clearance.upper)) return false;
+    std::size_t moved = found.t > 0.5 ? k + 1 : k;
+    double share = found.t > 0.5 ? found.t : 1 - found.t;
+    const bool is_first = moved == 0, is_last = moved + 1 == points_.size();
+    const bool is_fixed = (is_first && (first_ == 0 || isGivenUp(first_ - 1))) ||
+                          (is_last && (last_ == edges_.size() || isGivenUp(last_)));
+    if (is_fixed && share > kAtEnd) {
+      room_ = found.clearance.upper;
+      return false;
+    }
+    Point place(points_[k].size());
+    space_.interpolate(points_[k], points_[k + 1], found.t, place);
+    own_work_ += gradients_.work();
+    const std::span<const double> gradient = gradients_.find(place, found, certifier_.scene());
+    const double squared =
+        std::inner_product(gradient.begin(), gradient.end(), gradient.begin(), 0.0);
+    if (!(squared > kLeastPushGradient)) return false;
+    const double target = moved_[k].target;
+    if (is_fixed || share < kPushSnap) {
+      moved = k + 1;
+      share = 1;
+      points_.insert(points_.begin() + static_cast<std::ptrdiff_t>(moved), place);
+      moved_.insert(moved_.begin() + static_cast<std::ptrdiff_t>(k), moved_[k]);
+    } else if (is_first) {
+      moved = 1;
+      points_.insert(points_.begin(), path_[--first_]);
+      moved_.insert(moved_.begin(), neighbor(first_, target));
+    } else if (is_last) {
+      moved_.push_back(neighbor(last_, target));
+      points_.push_back(path_[++last_]);
+    }
+    const double step = std::min((kPushBeyond * target - found.clearance.upper) / share / squared,
+                                 kLongestPush / std::sqrt(squared));
+    Point next = advanced(points_[moved], gradient, step);
+    if (next.empty()) return false;
+    points_[moved] = std::move(next);
+    moved_[moved - 1].is_proven = moved_[moved].is_proven = false;
+    return true;
+  }
+
+  /// An edge that a waypoint at a place moves, too: what the place aims at is enough there.
+  Edge neighbor(std::size_t i, double target) const {
+    return {std::min(edges_[i].target, target), false};
+  }
+
+  const PushOptions& options_;
+  std::int64_t first_work_, own_work_ = 0;
+  double length_, next_length_ = 0;
+  std::vector<Edge> edges_;  ///< of the path
+  // The move in the making: points from one waypoint to another, and the edges between them.
+  std::size_t first_ = 0, last_ = 0;
+  Waypoints points_;
+  std::vector<Edge> moved_;
+  double room_ = kInfinity;  ///< what an end has that was in the way [m]
+  DistanceGradient gradients_;
+};
+
+}  // namespace
+
+double push(EdgeCertifier& certifier, Waypoints& path, const PushOptions& options) {
+  if (path.size() < 2 || !(options.least > 0)) return 0;
+  return Pusher(certifier, path, options).run();
+}
+
+}  // namespace leeway::planner
