@@ -455,23 +455,28 @@ constexpr double kPushEnough = 0.003;
 constexpr double kPushLeast = 1e-3;
 constexpr double kPushLonger = 0.03;
 
-/// What a push may cost [units of Work]: a quarter of a millisecond, or what the simplification
-/// before it did, since edges of some robots cost ten times those of others; what each of its
-/// proofs may cost at least; how many proofs share the work that is left [count]; the share of that
-/// which one place leaves to lesser targets and to other places.
+/// What a push may cost [units of Work]: a quarter of a millisecond, or so many times what the
+/// simplification before it did, since edges of some robots cost ten times those of others; what
+/// each of its proofs may cost at least; how many proofs share the work that is left [count]; the
+/// share of that which one place leaves to lesser targets and to other places.
 constexpr std::int64_t kPushWork = 250'000;
-constexpr std::int64_t kPushProofWork = 40'000;
-constexpr std::int64_t kPushProofs = 8;
+constexpr std::int64_t kPushSimplifications = 3;
+constexpr std::int64_t kPushProofWork = 25'000;
+constexpr std::int64_t kPushProofs = 16;
 constexpr double kPushKept = 0.5;
 
-/// Where that is not enough, another path is searched for as many iterations as the first one took,
-/// and at least for this many.
-constexpr std::uint64_t kRoomierBudget = 200;
+/// Where that is not enough, another path is searched for so many times the iterations of the
+/// first, and at least for so many.
+constexpr std::uint64_t kRoomierShare = 2;
+constexpr std::uint64_t kRoomierBudget = 500;
 
-/// Moves of waypoints around one place [count]; how far beyond the target they aim, as a factor,
-/// because gradients turn; the share of an edge up to which its end is moved in place of a new
-/// waypoint; the share of an end's clearance that is aimed at where that limits; the longest move.
+/// Moves of waypoints around one place [count]; of these so many in a row [count] may gain less
+/// than a share of what is missing; how far beyond the target they aim, as a factor, because
+/// gradients turn; the share of an edge up to which its end is moved in place of a new waypoint;
+/// the share of an end's clearance that is aimed at where that limits; the longest move.
 constexpr int kMostPushes = 8;
+constexpr int kIdlePushes = 2;
+constexpr double kPushGain = 0.1;
 constexpr double kPushBeyond = 1.3;
 constexpr double kPushSnap = 0.75;
 constexpr double kPushEnds = 0.95;

@@ -13,6 +13,8 @@
 // or a new one, moves along the gradient of the distance by what is missing, and the edges are
 // asked again, those of the neighbours too, until all of them keep what they are to keep: one move
 // of the path, of which only the margins of the other pairs and the length are left to check.
+// Proofs that fail take nearly all of the work: a move that gains nothing, or ends in contact, ends
+// the attempt.
 
 namespace leeway::planner {
 namespace {
@@ -31,6 +33,11 @@ class Pusher : PathImprover {
   double run() {
     limitBy(path_.front(), edges_.front());
     limitBy(path_.back(), edges_.back());
+    // The whole path keeps no more than its ends; ends that have too little anyway hold no other
+    // place back.
+    const double most = std::min(edges_.front().target, edges_.back().target);
+    if (most >= kPushEnough)
+      for (Edge& edge : edges_) edge.target = most;
     for (std::size_t i = 0; i < edges_.size() && left() > 0;) {
       const double target = edges_[i].target;
       if (edges_[i].is_proven || isGivenUp(i)) {
@@ -73,17 +80,20 @@ class Pusher : PathImprover {
 
   bool isGivenUp(std::size_t i) const { return edges_[i].target < options_.least; }
 
-  /// What is tried where a target failed: what an end has that limits it, otherwise half of it, but
-  /// not from above what plans shall keep to below.
+  /// What is tried where a target failed: what an end has that limits it, otherwise what plans
+  /// shall keep, at last the least; 0: nothing more.
   double lesser(double target) const {
-    const double next = room_ < target ? kPushEnds * room_ : target / 2;
-    return target > kPushEnough ? std::max(next, std::min(kPushEnough, kPushEnds * room_)) : next;
+    if (kPushEnds * room_ < target) return kPushEnds * room_;
+    const double next = std::max(options_.least, target > kPushEnough ? kPushEnough : 0);
+    return next < target ? next : 0;
   }
 
-  /// A rough look, and where that does not tell, a proof.
+  /// A rough look, and where that does not tell, a proof; not of an edge in contact, as the depth
+  /// that it would find costs more than all other looks at the place.
   EdgeClearance ask(const Point& a, const Point& b, double target) {
     const EdgeClearance found = certifier_.roughClearance(a, b, target, options_.pairs, true);
     if (found.clearance.lower >= target || found.clearance.upper < target) return found;
+    if (!std::isfinite(found.clearance.upper) && !isFree(a, b)) return found;
     return certifier_.proveClearance(a, b,
                                      {.tolerance = kBoundTolerance,
                                       .wanted = target,
@@ -91,37 +101,56 @@ class Pusher : PathImprover {
                                       .pairs = options_.pairs});
   }
 
+  /// The margins alone, which lanes decide in a few microseconds.
+  bool isFree(const Point& a, const Point& b) {
+    return certifier_.certify(a, b).verdict == Verdict::kFree;
+  }
+
   /// Whether edge i and what had to change around it now keep their targets.
-  bool pushAt(std::size_t i, EdgeClearance found) {
+  bool pushAt(std::size_t i, const EdgeClearance& found) {
     first_ = i;
     last_ = i + 1;
     points_ = {path_[i], path_[i + 1]};
     moved_ = {edges_[i]};
     room_ = kInfinity;
+    near_ = 0;
+    found_ = found;
     const auto kept = static_cast<std::int64_t>(kPushKept * static_cast<double>(left()));
-    std::size_t k = 0;  // edge between two of the points that is too near
-    bool is_reached = false;
-    for (int moves = 0; !is_reached && moves < kMostPushes && left() > kept; ++moves) {
-      if (!moveAway(k, found)) break;
-      is_reached = areProven(k, found, kept);
-    }
-    if (!is_reached) {  // where the points are now, they may keep the lesser target
+    if (!movePoints(kept)) {  // where the points are now, a lesser target is near
       const double target = lesser(edges_[i].target);
+      if (!(target >= options_.least)) return false;
       for (Edge& edge : moved_) edge.target = std::min(edge.target, target);
-      if (target < options_.least || !areProven(k, found, kept / 2)) return false;
+      if (!areProven(kept / 2) && !movePoints(kept / 2)) return false;
     }
     return take({first_, last_, std::span(points_).subspan(1, points_.size() - 2)});
   }
 
-  /// Whether all edges between the points keep their targets; else edge k does not, or the work
-  /// ended there.
-  bool areProven(std::size_t& k, EdgeClearance& found, std::int64_t kept) {
-    for (k = 0; k < moved_.size(); ++k) {
-      if (moved_[k].is_proven) continue;
+  /// Moves points until all edges between them keep their targets; false where moves gain nothing
+  /// or are too many, or only `kept` of the work is left.
+  bool movePoints(std::int64_t kept) {
+    double nearest = found_.clearance.upper;
+    for (int moves = 0, idle = 0; moves < kMostPushes && left() > kept; ++moves) {
+      if (!moveAway()) return false;
+      if (areProven(kept)) return true;
+      const double now = found_.clearance.upper;
+      if (now >= nearest + kPushGain * (moved_[near_].target - nearest))
+        nearest = now, idle = 0;
+      else if (++idle == kIdlePushes)
+        return false;
+    }
+    return false;
+  }
+
+  /// Whether all edges between the points keep their targets; else edge `near_` does not, or the
+  /// work ended there.
+  bool areProven(std::int64_t kept) {
+    for (near_ = 0; near_ < moved_.size(); ++near_) {
+      Edge& edge = moved_[near_];
+      if (edge.is_proven) continue;
       if (left() <= kept) return false;
-      found = ask(points_[k], points_[k + 1], moved_[k].target);
-      moved_[k].is_proven = found.clearance.lower >= moved_[k].target;
-      if (!moved_[k].is_proven) return false;
+      found_ = ask(points_[near_], points_[near_ + 1], edge.target);
+      edge.is_proven = found_.clearance.lower >= edge.target;
+      if (!edge.is_proven) return false;
     }
     return true;
   }
@@ -136,8 +165,11 @@ class Pusher : PathImprover {
     replace(edges_, move.first, move.last, moved_);
   }
 
-  /// Moves one of the points near the place where edge k of them is too near, or a new one there.
-  bool moveAway(std::size_t k, const EdgeClearance& found) {
+  /// Moves one of the points near the place where their edge `near_` is too near, or a new one
+  /// there.
+  bool moveAway() {
+    const std::size_t k = near_;
+    const EdgeClearance& found = found_;
     if (!std::isfinite(found.clearance.upper)) return false;
     std::size_t moved = found.t > 0.5 ? k + 1 : k;
     double share = found.t > 0.5 ? found.t : 1 - found.t;
@@ -191,6 +223,8 @@ class Pusher : PathImprover {
   std::size_t first_ = 0, last_ = 0;
   Waypoints points_;
   std::vector<Edge> moved_;
+  std::size_t near_ = 0;     ///< one of these edges that is too near, ...
+  EdgeClearance found_;      ///< ... and where
   double room_ = kInfinity;  ///< what an end has that was in the way [m]
   DistanceGradient gradients_;
 };

@@ -19,8 +19,8 @@ struct PushOptions {
 };
 
 /// Pushes a path off what is near, in place: where an edge does not keep the target, places around
-/// move along the gradients of the distances until these edges keep it; where that fails, half of
-/// it, and so on. Edges that keep less than `least` whatever is tried stay as they are. Returns
+/// move along the gradients of the distances until these edges keep it; where that fails, 3 mm, at
+/// last `least`. Edges that keep less than `least` whatever is tried stay as they are. Returns
 /// what `pairs` are proven to keep on the whole path [m]; 0 where some edge stayed or the work
 /// ended. Deterministic unless stopped.
 double push(EdgeCertifier& certifier, Waypoints& path, const PushOptions& options);

@@ -342,22 +342,22 @@ class Plan {
     options.target = kPushClearance;
     options.least = kPushLeast;
     options.longest = (1 + kPushLonger) * pathLength(scene_->space(), path);
-    options.work = std::max(kPushWork, simplify_work_);
+    options.work = std::max(kPushWork, kPushSimplifications * simplify_work_);
     options.stop = [this] { return limits_.over(); };
     pushed_ = push(certifier(), path, options);
     if (pushed_ < kPushEnough && searchRoomier(path, options.longest))
       pushed_ = std::max(kPushEnough, push(certifier(), path, options));
   }
 
-  /// Whether there is a path that keeps what a push should have left, elsewhere. It is searched as
-  /// long as the first was.
+  /// Whether there is a path that keeps what a push should have left, elsewhere.
   bool searchRoomier(Waypoints& path, double longest) {
     if (traits_->name != kOwnPlanner || limits_.searchOver()) return false;
     const auto wider = scene_->withWorldMarginAtLeast(kPushEnough);
     const auto pool = std::make_shared<CertifierPool>(wider);
     const SearchTask task = searchTask();
     Search search(wider, pool, task);
-    auto found = search.any(problem_.seed, std::max(limits_.iterations(), kRoomierBudget));
+    auto found =
+        search.any(problem_.seed, std::max(kRoomierShare * limits_.iterations(), kRoomierBudget));
     if (found) simplify(search.certifier(), *found, simplifyOptions(0));
     work_ += pool->statistics();
     work_ += search.work();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -72,6 +73,52 @@ TEST(Push, APlaceThatKeepsLessHoldsNoOtherBack) {
     beside_block = std::min(beside_block, found.clearance.lower);
   }
   EXPECT_GE(beside_block, options.target - 1e-5);
+}
+
+/// What the edges of a path keep at least [m].
+double leastOf(EdgeCertifier& certifier, const std::vector<std::vector<double>>& path) {
+  double least = 1;
+  for (std::size_t i = 1; i < path.size(); ++i)
+    least = std::min(
+        least, certifier.edgeClearance(path[i - 1], path[i], {.tolerance = 1e-5}).clearance.lower);
+  return least;
+}
+
+TEST(Push, AGapTooNarrowForTheTargetKeepsWhatPlansShallKeep) {
+  // The disc of radius 0.1 has 7.2 mm in all, of which the path leaves 0.1 mm on one side: a move
+  // towards 8 mm ends in contact on the other.
+  for (const double side : {-1.0, 1.0}) {
+    Problem problem = test::problemOf(test::disc(), {-1, 0.0035 * side, 0}, {1, 0.0035 * side, 0});
+    problem.world.objects.push_back(test::box("above", {0.1, 0.5, 0.5}, 0, 0.6036, 0));
+    problem.world.objects.push_back(test::box("below", {0.1, 0.5, 0.5}, 0, -0.6036, 0));
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    std::vector<std::vector<double>> path = {{-1, 0.0035 * side, 0}, {1, 0.0035 * side, 0}};
+    PushOptions options;
+    options.target = kPushClearance;
+    options.least = kPushLeast;
+    options.longest = 2.1;
+    options.work = kPushWork;
+    EXPECT_EQ(push(certifier, path, options), kPushEnough);
+    EXPECT_GE(leastOf(certifier, path), kPushEnough - 1e-5);
+  }
+}
+
+TEST(Push, AimsAtWhatAnEndHasWhereThatIsEnough) {
+  // The start has 5 mm; the path beside the block has 0.1 mm.
+  Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
+  problem.world.objects.push_back(test::box("beside the start", {0.1, 0.1, 0.5}, -1, 0.205, 0));
+  problem.world.objects.push_back(test::box("block", {0.1, 0.1, 0.5}, 0.4, -0.2001, 0));
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  std::vector<std::vector<double>> path = {{-1, 0, 0}, {-0.2, 0, 0}, {1, 0, 0}};
+  PushOptions options;
+  options.target = kPushClearance;
+  options.least = kPushLeast;
+  options.longest = 2.1;
+  options.work = kPushWork;
+  const double kept = push(certifier, path, options);
+  EXPECT_GE(kept, 0.9 * 0.005);
+  EXPECT_LE(kept, 0.005);
+  EXPECT_GE(leastOf(certifier, path), kept - 1e-5);
 }
 
 TEST(Push, KeepsToTheLengthThatItMayHave) {
