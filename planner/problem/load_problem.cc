@@ -10,6 +10,8 @@
 #include "collision/base/numbers.h"
 #include "leeway/planner/planners.h"
 #include "leeway/planner/problem.h"
+#include "leeway/robots/motion_bound.h"
+#include "leeway/robots/placed_model.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/problem/fail_at.h"
 #include "planner/problem/other_formats.h"
@@ -62,7 +64,42 @@ auto loadNamedAt(const YamlReader& place, const Load& load) {
   }
 }
 
-std::shared_ptr<const Model> loadRobot(const YamlReader& robot, const ProblemOptions& options) {
+/// `bounds:` of planar and floating joints.
+std::shared_ptr<const Model> bounded(std::shared_ptr<const Model> model, const YamlReader& bounds) {
+  robots::OriginBounds read;
+  bounds.eachEntry([&](const std::string& joint, const YamlReader& axes) {
+    axes.expectKeys(keysOf("joint_bounds"));
+    axes.eachEntry([&](const std::string& axis, const YamlReader& range) {
+      const std::vector<double> ends = range.numbers();
+      if (ends.size() != 2)
+        range.fail(fmt::format("{} is a list of {}; [lower, upper] in m is expected", range.where(),
+                               ends.size()));
+      const std::pair bound(ends[0], ends[1]);
+      if (const std::string fault = robots::boundFault(*model, joint, axis, bound); !fault.empty())
+        range.fail(fmt::format("{}: {}", range.where(), fault));
+      read[joint][axis] = bound;
+    });
+  });
+  return robots::withBounds(*model, read);
+}
+
+/// `position`, and `orientation` or `rpy`, of `robot:`.
+std::shared_ptr<const Model> placed(std::shared_ptr<const Model> model, const YamlReader& robot,
+                                    std::vector<std::string>& warnings) {
+  std::optional<YamlReader> first;
+  for (const char* key : {"rpy", "orientation", "position"})
+    if (const auto found = robot.find(key)) first = found;
+  if (!first) return model;
+  const robots::Pose X_WB = readPose(robot, warnings);
+  if (const std::string fault = robots::basePoseFault(*model, X_WB); !fault.empty())
+    first->fail(fmt::format("{}: {}", first->where(), fault));
+  return robots::withBasePose(*model, X_WB);
+}
+
+/// The robot of a problem file, where it stands, and its bounds.
+std::shared_ptr<const Model> loadRobot(const YamlReader& file, const YamlReader& robot,
+                                       const ProblemOptions& options,
+                                       std::vector<std::string>& warnings) {
   robot.expectKeys(keysOf("robot"));
   robots::LoadOptions load = options.load;
   if (const auto packages = robot.find("packages"))
@@ -81,12 +118,12 @@ std::shared_ptr<const Model> loadRobot(const YamlReader& robot, const ProblemOpt
   }
   if (const auto visual = robot.find("visual_as_collision"))
     load.visual_as_collision = load.visual_as_collision || visual->boolean();
-  const auto expectFile = [](const YamlReader& file) {
-    const std::string path = resolvedPath(file);
+  const auto expectFile = [](const YamlReader& named) {
+    const std::string path = resolvedPath(named);
     std::error_code error;
     if (!std::filesystem::exists(path, error) && !error)
-      file.fail(fmt::format("{} names '{}', which does not exist; an existing file is expected",
-                            file.where(), path));
+      named.fail(fmt::format("{} names '{}', which does not exist; an existing file is expected",
+                             named.where(), path));
   };
   const YamlReader urdf = robot.at("urdf", "the path of a URDF");
   const auto srdf = robot.find("srdf");
@@ -97,7 +134,11 @@ std::shared_ptr<const Model> loadRobot(const YamlReader& robot, const ProblemOpt
       return robots::loadModel(urdf_path, srdf_path, load);
     });
   };
-  return srdf ? loadNamedAt(*srdf, loaded) : loaded("");
+  std::shared_ptr<const Model> model = srdf ? loadNamedAt(*srdf, loaded) : loaded("");
+  robot.readOn([&] { model = placed(model, robot, warnings); });
+  if (const auto bounds = file.find("bounds"))
+    bounds->readOn([&] { model = bounded(model, *bounds); });
+  return model;
 }
 
 std::shared_ptr<const Model> loadBody(const YamlReader& body, std::vector<std::string>& warnings,
@@ -468,14 +509,17 @@ Problem fromMoveit(const YamlReader& file, const YamlReader& moveit, const Probl
     group->fail(
         "key 'group' stands beside 'moveit', whose request names the group; one of them is "
         "expected");
-  const auto model = loadRobot(robot, options);
+  std::vector<std::string> warnings;
+  const auto model = loadRobot(file, robot, options, warnings);
   const YamlReader scene = moveit.at("scene", "the path of a planning scene");
   const YamlReader request = moveit.at("request", "the path of a motion plan request");
-  return loadNamedAt(scene, [&](const std::string& scene_path) {
+  Problem problem = loadNamedAt(scene, [&](const std::string& scene_path) {
     return loadNamedAt(request, [&](const std::string& request_path) {
       return loadMoveitUnpadded(model, scene_path, request_path, options, padding);
     });
   });
+  problem.warnings.insert(problem.warnings.begin(), warnings.begin(), warnings.end());
+  return problem;
 }
 
 /// Of a deforming obstacle that is wrong, where reading goes on: others may name it.
@@ -489,8 +533,10 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
   if (robot.has_value() == body.has_value())
     file.fail(fmt::format("the file has {}; one of them is expected",
                           robot ? "both 'robot' and 'body'" : "neither 'robot' nor 'body'"));
-  problem.robot.model =
-      robot ? loadRobot(*robot, options) : loadBody(*body, problem.warnings, options.load);
+  if (const auto bounds = file.find("bounds"); body && bounds)
+    bounds->fail("key 'bounds' stands beside 'body'; 'body.bounds' is expected");
+  problem.robot.model = robot ? loadRobot(file, *robot, options, problem.warnings)
+                              : loadBody(*body, problem.warnings, options.load);
   const auto group = robot ? robot->find("group") : std::nullopt;
   takeGroup(file.file(),
             group   ? group->line()

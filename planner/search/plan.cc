@@ -94,7 +94,8 @@ class Plan {
           !std::isfinite(space.upper(part.first) - space.lower(part.first)))
         throw robots::InputError(problem_.name, 0,
                                  "variable '" + variableName(part.first) +
-                                     "' has no limits; a range to plan in is expected");
+                                     "' has no limits; a range to plan in is expected, for planar "
+                                     "and floating joints under 'bounds'");
     for (const int v : problem_.robot.variables) start_.push_back(problem_.start[at(v)]);
   }
 

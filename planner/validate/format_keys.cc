@@ -11,9 +11,11 @@ namespace {
 
 using Keys = std::string_view;
 
-constexpr Keys kRobot[] = {"urdf", "srdf", "packages", "xacro", "visual_as_collision", "group"};
+constexpr Keys kRobot[] = {"urdf",  "srdf",     "packages",    "xacro", "visual_as_collision",
+                           "group", "position", "orientation", "rpy"};
 constexpr Keys kBody[] = {"name", "joint", "bounds", "shapes"};
 constexpr Keys kBounds[] = {"lower", "upper"};
+constexpr Keys kJointBounds[] = {"x", "y", "z"};
 constexpr Keys kShapeWords[] = {"box",       "sphere",     "cylinder", "capsule",    "cone",
                                 "ellipsoid", "half_space", "mesh",     "convex_hull"};
 constexpr Keys kShape[] = {"name",       "position", "orientation", "rpy",  "box",
@@ -76,6 +78,7 @@ const std::array kFormats = {MapFormat{"mesh_treatment", kMeshTreatment},
                              MapFormat{"robot", kRobot},
                              MapFormat{"body", kBody},
                              MapFormat{"bounds", kBounds},
+                             MapFormat{"joint_bounds", kJointBounds},
                              MapFormat{"shape", kShape},
                              MapFormat{"object", kObject},
                              MapFormat{"cloud", kCloud},

@@ -162,6 +162,7 @@ constexpr Setting kSettings[] = {
              "is found, as a share of that one's length: 0.2 for a fifth",
      .member = "objective.at_most_longer"},
     {.name = "", .key = "moveit"},
+    {.name = "", .key = "bounds"},
     {.name = "", .key = "deforming"},
     {.name = "", .key = "groups"},
     {.name = "", .key = "meshes"},

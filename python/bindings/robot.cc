@@ -7,7 +7,9 @@
 #include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
+#include "leeway/robots/placed_model.h"
 #include "leeway/robots/text.h"
+#include "python/base/arrays.h"
 #include "python/base/at.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
@@ -57,9 +59,27 @@ robots::LoadOptions loadOptions(const py::object& packages, const py::object& me
   return options;
 }
 
+/// {joint: {axis: (lower, upper)}}.
+robots::OriginBounds originBounds(const py::object& bounds) {
+  const auto entries = [](py::handle map) {
+    if (!py::isinstance<py::dict>(map))
+      throw py::type_error("bounds: {joint: {'x': (lower, upper), 'y': ...}} is expected");
+    return py::reinterpret_borrow<py::dict>(map);
+  };
+  robots::OriginBounds read;
+  for (const auto& [joint, axes] : entries(bounds))
+    for (const auto& [axis, range] : entries(axes)) {
+      const std::string name = "bounds: " + std::string(py::str(joint));
+      const std::vector<double> ends = numbers(range, name.c_str(), 2);
+      read[py::str(joint)][py::str(axis)] = {ends[0], ends[1]};
+    }
+  return read;
+}
+
 Robot loadRobot(const py::object& urdf, const py::object& srdf, const std::string& group,
-                const py::object& packages, const py::object& xacro, const py::object& meshes,
-                bool kinematics_only, bool visual_as_collision, bool cache) {
+                const py::object& base_pose, const py::object& bounds, const py::object& packages,
+                const py::object& xacro, const py::object& meshes, bool kinematics_only,
+                bool visual_as_collision, bool cache) {
   Interrupt interrupt;
   robots::LoadOptions options = loadOptions(packages, meshes, cache);
   if (!xacro.is_none())
@@ -70,8 +90,9 @@ Robot loadRobot(const py::object& urdf, const py::object& srdf, const std::strin
   options.stop = interrupt.callback();
   const std::string urdf_file = fileName(urdf, "urdf");
   const std::string srdf_file = srdf.is_none() ? "" : fileName(srdf, "srdf");
-  const auto model =
-      interrupt.released([&] { return robots::loadModel(urdf_file, srdf_file, options); });
+  auto model = interrupt.released([&] { return robots::loadModel(urdf_file, srdf_file, options); });
+  if (!base_pose.is_none()) model = robots::withBasePose(*model, pose(base_pose, "base_pose"));
+  if (!bounds.is_none()) model = robots::withBounds(*model, originBounds(bounds));
   return {model, group};
 }
 
@@ -210,15 +231,18 @@ std::map<std::string, robots::MeshTreatment, std::less<>> treatments(const py::o
 
 void defineRobot(py::module_& module) {
   const std::string init =
-      "(urdf, srdf=None, *, group='all', packages=None, xacro=None, meshes=None, "
-      "kinematics_only=False, visual_as_collision=False, cache=True)";
+      "(urdf, srdf=None, *, group='all', base_pose=None, bounds=None, packages=None, xacro=None, "
+      "meshes=None, kinematics_only=False, visual_as_collision=False, cache=True)";
   py::class_<Robot> robot(
       module, "Robot",
       withSignature("Robot", init,
                     "A robot from a URDF and an SRDF, and the group of its joints that is planned. "
                     "Constant: threads may share it.\n\n"
-                    "`group` is one of the SRDF's, or 'all'. `packages` maps names of package:// "
-                    "to folders. `xacro` maps names of arguments to values, for files that end in "
+                    "`group` is one of the SRDF's, or 'all'. `base_pose` says where a base that is "
+                    "fixed stands in the world; `bounds` where planar and floating joints may "
+                    "take their link: {joint: {'x': (lower, upper), 'y': ...}} [m]. `packages` "
+                    "maps names of package:// to folders. `xacro` maps names of arguments to "
+                    "values, for files that end in "
                     ".xacro. With `kinematics_only` no mesh file is read; collisions of a robot "
                     "that has some cannot be checked then. `visual_as_collision` lets the visual "
                     "shapes of links without collision shapes stand in for these. `cache` keeps "
@@ -227,7 +251,8 @@ void defineRobot(py::module_& module) {
                     "Raises InputError, with file and line.")
           .c_str());
   defineInit(robot, init, loadRobot, py::arg("urdf"), py::arg("srdf") = py::none(), py::kw_only(),
-             py::arg("group") = "all", py::arg("packages") = py::none(),
+             py::arg("group") = "all", py::arg("base_pose") = py::none(),
+             py::arg("bounds") = py::none(), py::arg("packages") = py::none(),
              py::arg("xacro") = py::none(), py::arg("meshes") = py::none(),
              py::arg("kinematics_only") = false, py::arg("visual_as_collision") = false,
              py::arg("cache") = true);

@@ -40,3 +40,34 @@ def test_a_mistake_in_mjcf_has_file_and_line(tmp_path):
     file.write_text(MJCF.replace('type="box"', 'type="bx"'))
     with pytest.raises(leeway.InputError, match=r'arm.xml:7: type of <geom> is "bx"; .*box'):
         leeway.Robot(file)
+
+
+CART = """<robot name="cart"><link name="odom"/><link name="base"><collision><geometry><box size="0.6 0.4 0.2"/></geometry></collision></link>
+<joint name="wheels" type="planar"><parent link="odom"/><child link="base"/><axis xyz="0 0 1"/></joint></robot>"""
+
+
+def test_bounds_and_base_poses(tmp_path):
+    file = tmp_path / "cart.urdf"
+    file.write_text(CART)
+    start, goal = [-3, 0, 0], [3, 0, 0]
+    with pytest.raises(leeway.InputError, match="'wheels/x' has no limits; .* under 'bounds'"):
+        leeway.plan(leeway.Robot(file), leeway.World(), start, goal)
+    robot = leeway.Robot(file, bounds={"wheels": {"x": (-5, 4), "y": (-2, 2)}}, base_pose=(0, 10, 0, 0, 0, 0, 1))
+    assert list(robot.lower[:2]) == [-5, -2] and list(robot.upper[:2]) == [4, 2] and np.isinf(robot.upper[2])
+    assert robot.pose("base", [1, 0, 0])[:3, 3] == pytest.approx([1, 10, 0])
+    world = leeway.World()
+    world.add_box("crate", (1, 1, 1), position=(0, 10, 0))
+    result = leeway.plan(robot, world, start, goal)
+    assert result and result.length > 6
+    for bounds, words in [
+        ({"wheel": {"x": (0, 1)}}, "no joint is named 'wheel'; did you mean 'wheels'"),
+        ({"wheels": {"z": (0, 1)}}, "axis 'z' is not known; x or y is expected"),
+        ({"wheels": {"x": (1, 0)}}, "the lower bound 1 is above the upper bound 0"),
+        ({"wheels": {"x": (0,)}}, "bounds: wheels"),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            leeway.Robot(file, bounds=bounds)
+    with pytest.raises((TypeError, ValueError), match="bounds"):
+        leeway.Robot(file, bounds={"wheels": 3})
+    with pytest.raises((TypeError, ValueError), match="bounds"):
+        leeway.Robot(file, bounds=[1])

@@ -231,6 +231,110 @@ groups: {one: [o]}
         << wrong;
 }
 
+/// A cart in the plane, a drone and an arm on one robot, in a folder of its own.
+std::string cart(const Folder& folder, const std::string& keys) {
+  folder.write("cart.urdf", R"(<robot name="cart"><link name="odom"/>
+<link name="base"><collision><geometry><box size="0.6 0.4 0.2"/></geometry></collision></link>
+<link name="drone"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+<link name="arm"><collision><origin xyz="0.5 0 0"/><geometry><box size="1 0.1 0.1"/></geometry>
+</collision></link>
+<joint name="wheels" type="planar"><parent link="odom"/><child link="base"/><axis xyz="0 0 1"/></joint>
+<joint name="flight" type="floating"><parent link="odom"/><child link="drone"/></joint>
+<joint name="elbow" type="revolute"><parent link="base"/><child link="arm"/>
+<origin xyz="0 0 0.5"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+</robot>)");
+  return folder.write("problem.yaml", "leeway: 1\nrobot: {urdf: cart.urdf}\n" + keys);
+}
+
+const std::string kCartEnds = R"(
+start: {wheels: {position: [1, 2]}, flight: {position: [0, 0, 2]}, elbow: 0}
+goal: {wheels: {position: [0, 0]}, flight: {position: [0, 0, 3]}, elbow: 0.5}
+)";
+
+TEST(Problem, BoundsOfPlanarAndFloatingJoints) {
+  const Folder folder;
+  const Problem problem = loadProblem(
+      cart(folder, "bounds: {wheels: {x: [-5, 4], y: [-1, 3]}, flight: {z: [0, 3]}}" + kCartEnds));
+  const robots::Model& model = *problem.robot.model;
+  const auto bounds = [&](const std::string& name) {
+    const robots::Variable& v = model.variables[static_cast<std::size_t>(model.findVariable(name))];
+    return std::pair(v.lower, v.upper);
+  };
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(bounds("wheels/x"), std::pair(-5.0, 4.0));
+  EXPECT_EQ(bounds("wheels/y"), std::pair(-1.0, 3.0));
+  EXPECT_EQ(bounds("wheels/theta"), std::pair(-kInfinite, kInfinite));
+  EXPECT_EQ(bounds("flight/x"), std::pair(-kInfinite, kInfinite)) << "not named: as it was";
+  EXPECT_EQ(bounds("flight/z"), std::pair(0.0, 3.0));
+  EXPECT_EQ(bounds("elbow"), std::pair(-1.0, 1.0));
+}
+
+/// Returns the message about a wrong file.
+std::string messageOf(const std::string& file) {
+  try {
+    loadProblem(file);
+  } catch (const robots::InputError& error) {
+    return error.what();
+  }
+  return "loaded";
+}
+
+TEST(Problem, WrongBoundsAreRefusedWhereTheyStand) {
+  const std::pair<std::string, std::string> wrong[] = {
+      {"{wheel: {x: [0, 1]}}",
+       ":3: bounds.wheel.x: no joint is named 'wheel'; did you mean 'wheels'?"},
+      {"{elbow: {x: [0, 1]}}", "bounds.elbow.x: joint 'elbow' is neither planar nor floating"},
+      {"{wheels: {z: [0, 1]}}", "axis 'z' is not known; x or y is expected"},
+      {"{wheels: {theta: [0, 1]}}", "unknown key 'theta'"},
+      {"{wheels: {x: [1, 0]}}", "the lower bound 1 is above the upper bound 0"},
+      {"{wheels: {x: [0, 1e300]}}", "coordinates up to"},
+      {"{wheels: {x: [0]}}", "is a list of 1; [lower, upper] in m is expected"},
+      {"{wheels: {x: 3}}", "bounds.wheels.x"},
+      {"{wheels: {x: [2, 5]}}", "joint 'wheels/x' at 1, outside its limits; 2 to 5 is expected"},
+  };
+  for (const auto& [bounds, words] : wrong) {
+    const Folder folder;
+    const std::string message = messageOf(cart(folder, "bounds: " + bounds + kCartEnds));
+    EXPECT_NE(message.find(words), std::string::npos) << bounds << '\n' << message;
+  }
+  EXPECT_NE(messageOf(Folder().write("body.yaml", R"(leeway: 1
+body: {joint: planar, bounds: {lower: [0, 0], upper: [1, 1]}, shapes: [{sphere: {radius: 0.1}}]}
+bounds: {body: {x: [0, 1]}}
+start: {position: [0, 0]}
+goal: {position: [1, 1]}
+)"))
+                .find(":3: key 'bounds' stands beside 'body'"),
+            std::string::npos);
+}
+
+TEST(Problem, ARobotStandsWhereTheFileSaysIt) {
+  const auto urdf = sourceFolder() + "/robots/arm6/arm6.urdf";
+  const auto at = [&](const std::string& pose) {
+    return load("leeway: 1\nrobot: {urdf: " + urdf + pose +
+                "}\nstart: [0, -1, 1, 0, 0.3, 0]\ngoal: [0.5, -1, 1, 0, 0.3, 0]\n");
+  };
+  const Problem moved = at(", position: [1, 2, 0.5], rpy: [0, 0, 1.5707963267948966]");
+  const Problem fixed = at("");
+  const std::size_t links = fixed.robot.model->links.size();
+  std::vector<robots::Pose> X_WL(links), X_BL(links);
+  robots::forwardKinematics(*moved.robot.model, moved.start, X_WL);
+  robots::forwardKinematics(*fixed.robot.model, fixed.start, X_BL);
+  for (std::size_t l = 0; l < links; ++l) {
+    const Eigen::Vector3d& p = X_BL[l].translation;
+    EXPECT_LT((X_WL[l].translation - Eigen::Vector3d(1 - p.y(), 2 + p.x(), 0.5 + p.z())).norm(),
+              1e-12)
+        << l;
+  }
+  const Problem turned = at(", orientation: [0, 0, 1, 0]");
+  EXPECT_NEAR(turned.robot.model->joints[0].X_PJ.rotation(0, 0), -1, 1e-15);
+  const Folder folder;
+  const std::string file =
+      folder.write("free.yaml", "leeway: 1\nrobot:\n  urdf: " + urdf + "\n  position: [1, 2]\n" +
+                                    "start: [0, -1, 1, 0, 0.3, 0]\ngoal: [0, -1, 1, 0, 0.3, 0]\n");
+  EXPECT_NE(messageOf(file).find("free.yaml:4: robot.position"), std::string::npos)
+      << messageOf(file);
+}
+
 TEST(Problem, GroupsStandForTheirMembersAndObjectivesSayMore) {
   const std::string base = robot("arm6", "arm") + kArm6Ends + R"(
 objects: [{name: o, sphere: {radius: 0.1}}, {name: p, sphere: {radius: 0.1}}]

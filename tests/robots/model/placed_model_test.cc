@@ -1,0 +1,106 @@
+#include "leeway/robots/placed_model.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "leeway/robots/kinematics.h"
+#include "tests/support/folder.h"
+
+namespace leeway::robots {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+constexpr const char* kCart =
+    R"(<robot name="cart"><link name="odom"/><link name="base"/><link name="arm"/>
+<link name="drone"/>
+<joint name="wheels" type="planar"><parent link="odom"/><child link="base"/><axis xyz="0 0 1"/></joint>
+<joint name="elbow" type="revolute"><parent link="base"/><child link="arm"/><origin xyz="0.3 0 0"/>
+<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+<joint name="flight" type="floating"><parent link="odom"/><child link="drone"/></joint></robot>)";
+
+std::shared_ptr<const Model> cart(const std::string& srdf = "") {
+  const Folder folder;
+  return loadModel(folder.write("cart.urdf", kCart),
+                   srdf.empty() ? srdf : folder.write("cart.srdf", srdf));
+}
+
+const Variable& variable(const Model& model, const std::string& name) {
+  return model.variables[static_cast<std::size_t>(model.findVariable(name))];
+}
+
+TEST(PlacedModel, BoundsAreOfTheNamedAxesOnly) {
+  const auto free = cart();
+  const auto bounded =
+      withBounds(*free, {{"wheels", {{"x", {-5, 4}}, {"y", {0, 0}}}}, {"flight", {{"z", {0, 3}}}}});
+  EXPECT_EQ(variable(*bounded, "wheels/x").lower, -5);
+  EXPECT_EQ(variable(*bounded, "wheels/x").upper, 4);
+  EXPECT_EQ(variable(*bounded, "wheels/y").upper, 0);
+  EXPECT_EQ(variable(*bounded, "flight/z").upper, 3);
+  EXPECT_EQ(variable(*bounded, "flight/x").upper, kInfinite);
+  EXPECT_EQ(variable(*bounded, "wheels/theta").upper, kInfinite);
+  EXPECT_EQ(variable(*bounded, "elbow").lower, -1);
+  EXPECT_EQ(variable(*free, "wheels/x").upper, kInfinite) << "the robot itself is constant";
+}
+
+TEST(PlacedModel, WrongBoundsAreNamed) {
+  const auto model = cart();
+  const std::pair<OriginBounds, std::string> wrong[] = {
+      {{{"wheel", {{"x", {0, 1}}}}}, "no joint is named 'wheel'; did you mean 'wheels'?"},
+      {{{"elbow", {{"x", {0, 1}}}}}, "joint 'elbow' is neither planar nor floating"},
+      {{{"wheels", {{"z", {0, 1}}}}}, "axis 'z' is not known; x or y is expected"},
+      {{{"flight", {{"w", {0, 1}}}}}, "axis 'w' is not known; x, y or z is expected"},
+      {{{"wheels", {{"x", {1, 0}}}}}, "the lower bound 1 is above the upper bound 0"},
+      {{{"wheels", {{"x", {0, std::nan("")}}}}}, "coordinates up to"},
+      {{{"wheels", {{"x", {-kInfinite, 0}}}}}, "coordinates up to"},
+  };
+  for (const auto& [bounds, words] : wrong) try {
+      withBounds(*model, bounds);
+      ADD_FAILURE() << words;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+}
+
+TEST(PlacedModel, AllLinksMoveWithTheBase) {
+  const auto model = cart();
+  Pose X_WB;
+  X_WB.rotation = Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()).matrix();
+  X_WB.translation = {1, 2, 0.5};
+  const auto placed = withBasePose(*model, X_WB);
+  std::vector<double> q = model->defaultConfiguration();
+  q[static_cast<std::size_t>(model->findVariable("wheels/x"))] = 0.7;
+  q[static_cast<std::size_t>(model->findVariable("elbow"))] = 0.4;
+  std::vector<Pose> before(model->links.size()), after(model->links.size());
+  forwardKinematics(*model, q, before);
+  forwardKinematics(*placed, q, after);
+  for (std::size_t l = 0; l < before.size(); ++l) {
+    const Pose expected = X_WB * before[l];
+    EXPECT_LT((after[l].translation - expected.translation).norm(), 1e-15) << l;
+    EXPECT_LT((after[l].rotation - expected.rotation).norm(), 1e-15) << l;
+  }
+}
+
+TEST(PlacedModel, ABaseThatAJointMovesAndNoPlacementAreRefused) {
+  const auto moved = cart(R"(<robot name="cart">
+<virtual_joint name="root" type="planar" parent_frame="map" child_link="odom"/></robot>)");
+  EXPECT_NE(basePoseFault(*moved, {}).find("joint 'root' moves the base"), std::string::npos);
+  EXPECT_THROW(withBasePose(*moved, {}), std::invalid_argument);
+  EXPECT_EQ(basePoseFault(*cart(), {}), "");
+  Pose wrong;
+  wrong.translation.x() = kInfinite;
+  EXPECT_NE(basePoseFault(*cart(), wrong), "");
+  wrong = {};
+  wrong.rotation.diagonal() << 1, 1, -1;  // mirrors
+  EXPECT_NE(basePoseFault(*cart(), wrong), "");
+  wrong.rotation = 1.01 * Eigen::Matrix3d::Identity();
+  EXPECT_NE(basePoseFault(*cart(), wrong), "");
+}
+
+}  // namespace
+}  // namespace leeway::robots
