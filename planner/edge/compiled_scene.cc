@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <mutex>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -45,7 +46,7 @@ collision::Body bodyOf(const Object& object) {
 class Surroundings {
  public:
   Surroundings(const Problem& problem, const PreparedRobot& robot, const robots::Stop& stop)
-      : problem_(problem), robot_(robot), builder_(robot.scene()) {
+      : problem_(problem), robot_(robot), words_(problem), builder_(robot.scene()) {
     names_matter_ = !problem.margins.pairs.empty();
     addObjects(stop);
     if (names_matter_) listNames();
@@ -125,13 +126,27 @@ class Surroundings {
     return found == named_.end() ? std::span<const int>() : found->second;
   }
 
+  /// The bodies that a name or word in margins stands for. Contacts have no such words.
+  std::vector<int> namedInMargins(const std::string& name) const {
+    const bool is_robot = words_.robot && name == kRobotWord;
+    if (!is_robot && !(words_.world && name == kWorldWord)) {
+      const std::span<const int> bodies = named(name);
+      return {bodies.begin(), bodies.end()};
+    }
+    std::vector<int> all(is_robot ? at(carried()) : objects_.size());
+    std::iota(all.begin(), all.end(), is_robot ? 0 : carried());
+    return all;
+  }
+
   void setMargins() {
     std::map<std::string_view, bool> groups;  // by name, whether one of its pairs is checked
     for (const PairMargin& m : problem_.margins.pairs) {
       std::string reason;  // why no pair of these names is checked
       bool is_checked = false;
-      for (const int i : named(m.a))
-        for (const int j : named(m.b)) {
+      const std::vector<int> others = namedInMargins(m.b);
+      for (const int i : namedInMargins(m.a))
+        for (const int j : others) {
+          if (i == j) continue;  // a member beside all
           builder_.setMargin(i, j, m.margin);
           if (!is_checked) reason = reasonOf(i, j);
           is_checked = is_checked || reason.empty();
@@ -165,7 +180,8 @@ class Surroundings {
   }
   /// An object without a shape, which may still come.
   bool isToCome(const std::string& name) const {
-    return named(name).empty() && problem_.robot.model->findLink(name) < 0;
+    return (words_.world && name == kWorldWord) ||
+           (namedInMargins(name).empty() && problem_.robot.model->findLink(name) < 0);
   }
 
   /// Contacts of the robot with the world that the problem or the SRDF allows. That things of the
@@ -201,6 +217,7 @@ class Surroundings {
 
   const Problem& problem_;
   const PreparedRobot& robot_;
+  MarginWords words_;
   collision::SceneBuilder builder_;
   std::vector<const Object*> objects_;  // that have geometries
   bool names_matter_;                   // listed only where they do: there may be many
@@ -213,14 +230,17 @@ class Surroundings {
 
 using BodiesByName = std::multimap<std::string_view, int>;
 
-/// Calls visit(i, j) for bodies of the robot and of the world that bear the two names, in either
-/// order. O(log of both).
+/// Calls visit(i, j) for bodies of the robot and of the world that bear the two names, or that
+/// `words` stand for, in either order. O(log of both + calls).
 template <class Visit>
 void forEachNamed(const BodiesByName& robot, const BodiesByName& world, const std::string& a,
-                  const std::string& b, const Visit& visit) {
+                  const std::string& b, const Visit& visit, const MarginWords* words = nullptr) {
+  const auto find = [](const BodiesByName& bodies, const std::string& name, bool all) {
+    return all ? std::pair(bodies.begin(), bodies.end()) : bodies.equal_range(name);
+  };
   for (const auto& [x, y] : {std::pair(&a, &b), std::pair(&b, &a)}) {
-    const auto [i, i_end] = robot.equal_range(*x);
-    const auto [j, j_end] = world.equal_range(*y);
+    const auto [i, i_end] = find(robot, *x, words && words->robot && *x == kRobotWord);
+    const auto [j, j_end] = find(world, *y, words && words->world && *y == kWorldWord);
     for (auto r = i; r != i_end; ++r)
       for (auto w = j; w != j_end; ++w) visit(r->second, w->second);
   }
@@ -246,6 +266,7 @@ struct CompiledScene::NamedRules {
   std::string problem;  // its name, for messages
   Margins margins;
   double most_margin;  // mostMargin()
+  MarginWords words;
   double execution_start;
   int objects;                               // bodies of its objects, behind those of the robot
   std::vector<DeformingObstacle> deforming;  // whose bodies come next
@@ -265,8 +286,8 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
   Surroundings world(problem, *robot, stop);
   dropped_ = world.dropped();
   rules_ = std::make_shared<const NamedRules>(
-      NamedRules{problem.name, problem.margins, mostMargin(problem), problem.execution.start,
-                 world.objects(), problem.world.deforming});
+      NamedRules{problem.name, problem.margins, mostMargin(problem), MarginWords(problem),
+                 problem.execution.start, world.objects(), problem.world.deforming});
   std::vector<std::string> warnings = robot->warnings();
   // Steps may take what stands in the world now.
   if (problem.steps.empty())
@@ -351,6 +372,8 @@ BodiesByName CompiledScene::addTo(collision::SceneChange& change, std::span<cons
                           (other >= 0 && !goes) || model_->findLink(object.name) >= 0;
     if (const std::string fault = objectNameFault(object.name, is_taken); !fault.empty())
       throw std::invalid_argument(fmt::format("object '{}' {}", object.name, fault));
+    if (object.name == kWorldWord && rules_->words.world)
+      throw std::invalid_argument(fmt::format("object '{}' {}", object.name, kWorldTaken));
     if (hasShapes(object)) bodies.emplace(object.name, change.add(bodyOf(object)));
   }
   return bodies;
@@ -392,9 +415,12 @@ std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::applyR
   for (int i = 0; i < bodiesOfRobot(); ++i) robot.emplace(scene_.bodies()[at(i)].name, i);
   const auto moves = [this](int body) { return scene_.bodies()[at(body)].moving; };
   for (const PairMargin& m : rules_->margins.pairs)
-    forEachNamed(robot, objects, m.a, m.b, [&](int i, int j) {
-      if (moves(i)) change.setMargin(i, j, m.margin);
-    });
+    forEachNamed(
+        robot, objects, m.a, m.b,
+        [&](int i, int j) {
+          if (moves(i)) change.setMargin(i, j, m.margin);
+        },
+        &rules_->words);
 
   const auto isOfRemoved = [&](const Dropped& d) { return removed_names.count(d.b) != 0; };
   const PreparedRobot& prepared = *edge_model_->robot;

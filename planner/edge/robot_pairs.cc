@@ -5,6 +5,7 @@
 
 #include "collision/base/numbers.h"
 #include "leeway/robots/kinematics.h"
+#include "planner/validate/names.h"
 
 namespace leeway::planner {
 namespace {
@@ -231,8 +232,13 @@ std::span<const int> RobotPairs::named(const std::string& name) const {
   return found == named_.end() ? std::span<const int>() : found->second;
 }
 
+/// In margins, where kRobotWord stands for all of these bodies, unless one has that name.
 bool RobotPairs::areNamed(int i, int j, const std::string& a, const std::string& b) const {
-  return isPair(a, b, name(i), name(j));
+  const bool is_word = named(kRobotWord).empty();
+  const auto isNamed = [&](int body, const std::string& word) {
+    return word == name(body) || (is_word && word == kRobotWord);
+  };
+  return (isNamed(i, a) && isNamed(j, b)) || (isNamed(i, b) && isNamed(j, a));
 }
 
 int RobotPairs::parentOf(int link) const {

@@ -300,7 +300,8 @@ struct NamePairs {
   std::string group = {};  ///< "robot and boxes", where one of them is a group
 };
 
-NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known) {
+/// `takes_world`: whether kWorldWord stands for all objects.
+NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known, bool takes_world = false) {
   const std::vector<YamlReader> items = pair.items();
   if (items.size() != 2)
     pair.fail(fmt::format("{} is no pair; two different names of links or objects are expected",
@@ -308,7 +309,23 @@ NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known) {
   const std::string names[] = {items[0].text(), items[1].text()};
   NamePairs read;
   std::vector<std::string> sides[2];
+  const auto isWorld = [&](const std::string& name) {
+    return name == kWorldWord && known.groups.count(kWorldWord) == 0;
+  };
   for (std::size_t i = 0; i < 2; ++i) {
+    const std::string& other = names[1 - i];
+    // Words stay words, so that they hold for what comes later, too.
+    if (takes_world && (isWorld(names[i]) || (names[i] == kRobotWord && isWorld(other) &&
+                                              !known.things.isKnown(kRobotWord)))) {
+      const std::string& side = known.groups.count(other) != 0 && other != kRobotWord
+                                    ? known.groups.at(other).front()
+                                    : other;
+      if (const std::string fault = known.things.marginFault(names[i], side); !fault.empty())
+        items[i].fail(fmt::format("{}: {}", pair.where(), fault));
+      sides[i] = {names[i]};
+      if (other == kRobotWord || names[i] == kRobotWord) read.group = names[0] + " and " + names[1];
+      continue;
+    }
     const auto group = known.groups.find(names[i]);
     if (group == known.groups.end()) {
       expectKnown(items[i], pair, known);
@@ -369,8 +386,8 @@ void readPairMargin(const YamlReader& entry, const KnownNames& known, Problem& p
   entry.expectKeys(keysOf("pair_margin"));
   if (const auto weight = entry.find("weight"); weight && !entry.find("wish"))
     weight->fail("key 'weight' stands without 'wish', whose weight it is; both are expected");
-  const NamePairs read = readNamePairs(entry.at("between", "two names"), known);
   const auto wish = entry.find("wish");
+  const NamePairs read = readNamePairs(entry.at("between", "two names"), known, !wish);
   // A wish alone leaves the margin as it is.
   double margin = problem.margins.common;
   if (!wish || entry.has("margin")) {

@@ -2,10 +2,29 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "collision/base/numbers.h"
 #include "planner/base/did_you_mean.h"
 
 namespace leeway::planner {
+namespace {
+
+bool standsForAll(const Problem& problem, std::string_view word) {
+  const auto isWord = [word](const auto& thing) { return thing.name == word; };
+  const auto isObject = [&](const auto& thing) { return isWord(thing.object); };
+  const auto has = [](const auto& things, const auto& is) {
+    return std::any_of(things.begin(), things.end(), is);
+  };
+  const robots::Model& model = *problem.robot.model;
+  return has(problem.margins.pairs,
+             [&](const PairMargin& m) { return m.a == word || m.b == word; }) &&
+         (model.findLink(word) < 0 || isBareLink(model, word)) &&
+         !has(problem.robot.attachments, isObject) && !has(problem.world.objects, isWord) &&
+         !has(problem.world.deforming, isObject);
+}
+
+}  // namespace
 
 Names::Names(const Problem& problem)
     : problem_(problem),
@@ -48,6 +67,9 @@ bool Names::isKnown(std::string_view name) const {
 }
 
 std::string Names::unknown(std::string_view name, std::vector<std::string> others) const {
+  if (name == kWorldWord)
+    return "'world' stands for all objects in margins only; the names of the objects that are "
+           "meant are expected";
   std::vector<std::string> known;
   for (int thing = 0; thing < count(); ++thing) known.push_back(this->name(thing));
   known.insert(known.end(), others.begin(), others.end());
@@ -59,6 +81,32 @@ std::string Names::pairFault(const std::string& a, const std::string& b) const {
   if (!isKnown(b)) return unknown(b);
   return a == b ? sameName(a) : std::string();
 }
+
+std::string Names::marginFault(const std::string& a, const std::string& b) const {
+  const auto isWord = [this](const std::string& side) {
+    return (side == kRobotWord || side == kWorldWord) &&
+           (!isKnown(side) || isBareLink(*problem_.robot.model, side));
+  };
+  for (const auto& [side, other] : {std::pair(a, b), std::pair(b, a)}) {
+    if (!isWord(side)) continue;
+    if (other == kWorldWord && !isWord(other))
+      return fmt::format(
+          "'world' is the name of {0}, so that it does not stand for all objects; {0} of another "
+          "name, or the names of the objects that are meant, are expected",
+          problem_.robot.model->findLink(other) >= 0 ? "a link" : "an object");
+    if (isWord(other)) return a == b && a == kWorldWord ? sameName(a) : std::string();
+    return isKnown(other) ? std::string() : unknown(other, {kRobotWord, kWorldWord});
+  }
+  return pairFault(a, b);
+}
+
+bool isBareLink(const robots::Model& model, std::string_view name) {
+  const int link = model.findLink(name);
+  return link >= 0 && model.links[at(link)].geometries.empty();
+}
+
+MarginWords::MarginWords(const Problem& problem)
+    : robot(standsForAll(problem, kRobotWord)), world(standsForAll(problem, kWorldWord)) {}
 
 std::string objectNameFault(std::string_view name, bool is_taken) {
   return name == kRobotWord ? kNameReserved : is_taken ? kNameTaken : "";

@@ -72,6 +72,9 @@ class Names {
   std::string unknown(std::string_view name, std::vector<std::string> others = {}) const;
   /// Returns the fault of a pair of names; empty: there is none.
   std::string pairFault(const std::string& a, const std::string& b) const;
+  /// The same in margins, which also know kRobotWord and kWorldWord, unless something with a shape
+  /// has that name.
+  std::string marginFault(const std::string& a, const std::string& b) const;
   /// The fault of the first name that is empty, reserved or used twice, and its place:
   /// "world.objects[3].name 'a' is the name of another object or link; ..."; empty: nothing.
   const std::string& fault() const { return fault_; }
@@ -97,6 +100,19 @@ inline constexpr const char* kNameTaken =
 inline constexpr const char* kRobotWord = "robot";
 inline constexpr const char* kNameReserved =
     "stands for all links and what they hold; another name is expected";
+/// In margins: all objects and deforming obstacles, those included that come later.
+inline constexpr const char* kWorldWord = "world";
+inline constexpr const char* kWorldTaken =
+    "is the word for all objects in the margins; another name is expected";
+/// Whether the robot has a link of this name without shapes. Many URDFs have one named "world".
+bool isBareLink(const robots::Model& model, std::string_view name);
+/// Whether kRobotWord and kWorldWord stand for all in the margins of a problem: these name the
+/// word, and no object and no link with shapes has that name. O(pairs + things).
+struct MarginWords {
+  explicit MarginWords(const Problem& problem);
+  bool robot, world;
+};
+
 /// The end of a message about an object's name; empty: nothing is wrong with it.
 std::string objectNameFault(std::string_view name, bool is_taken);
 

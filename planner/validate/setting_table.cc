@@ -98,7 +98,8 @@ constexpr Setting kSettings[] = {
     {.name = "margins",
      .key = "margins",
      .help = "Pairs with a margin of their own: {(a, b): margin} [m]; a and b are names, tuples of "
-             "names, or 'robot'. The last entry that names a pair wins"},
+             "names, 'robot', or 'world', which is all objects, also those that come later. The "
+             "last entry that names a pair wins"},
     {.name = "wishes",
      .key = "margins",
      .help = "Clearances that pairs keep where that is not too dear: {(a, b): clearance} or {(a, "

@@ -160,7 +160,8 @@ void checkNames(const Problem& problem) {
   const auto& pairs = problem.margins.pairs;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto where = [i] { return fmt::format("margins.pairs[{}]", i); };
-    requirePair(pairs[i].a, pairs[i].b, where);
+    if (const std::string fault = names.marginFault(pairs[i].a, pairs[i].b); !fault.empty())
+      refuse(problem, where() + ": " + fault);
     if (!std::isfinite(pairs[i].margin))
       refuse(problem,
              fmt::format("{}.margin is {}; a finite number is expected", where(), pairs[i].margin));

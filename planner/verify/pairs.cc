@@ -34,7 +34,9 @@ class Rules {
   explicit Rules(const Problem& problem)
       : problem_(problem),
         model_(*problem.robot.model),
-        derives_(!model_.has_srdf && !problem.contacts.replace_srdf) {}
+        derives_(!model_.has_srdf && !problem.contacts.replace_srdf),
+        robot_is_word_(isWord("robot")),
+        world_is_word_(isWord("world")) {}
 
   /// Why two bodies that move against each other are not checked; nothing: they are.
   std::optional<Unchecked> reason(const Body& a, const Body& b, const BodyPair& pair) {
@@ -56,10 +58,26 @@ class Rules {
     return std::nullopt;
   }
 
+  /// Whether a word stands for all bodies of its kind in margins: no object and no link with
+  /// shapes has it as its name.
+  bool isWord(const std::string& word) const {
+    const std::vector<Body> bodies = collectBodies(problem_);
+    return std::none_of(bodies.begin(), bodies.end(), [&](const Body& body) {
+      const bool is_link = body.link >= 0 && !body.attached;
+      return body.name == word && (!is_link || body.hasShape());
+    });
+  }
+  bool stands(const std::string& name, const Body& body) const {
+    const bool is_of_robot = body.link >= 0;
+    return name == body.name || (robot_is_word_ && name == "robot" && is_of_robot) ||
+           (world_is_word_ && name == "world" && !is_of_robot);
+  }
+
   double margin(const Body& a, const Body& b) const {
     double margin = problem_.margins.common;
     for (const PairMargin& m : problem_.margins.pairs)
-      if (same({m.a, m.b}, a.name, b.name)) margin = m.margin;
+      if ((stands(m.a, a) && stands(m.b, b)) || (stands(m.a, b) && stands(m.b, a)))
+        margin = m.margin;
     return margin;
   }
 
@@ -159,7 +177,8 @@ class Rules {
 
   const Problem& problem_;
   const Model& model_;
-  bool derives_;  // which links meet at joints
+  bool derives_;                        // which links meet at joints
+  bool robot_is_word_, world_is_word_;  // in margins
   collision::Scratch scratch_;
 };
 

@@ -299,6 +299,9 @@ std::vector<std::pair<std::string, std::string>> namePairs(const planner::Proble
   for (const planner::Attachment& held : problem.robot.attachments)
     robot.push_back(held.object.name);
   const planner::World& world = problem.world;
+  const auto isThing = [&](const std::string& given) {
+    return hasObject(world, given) || std::find(robot.begin(), robot.end(), given) != robot.end();
+  };
   const auto add = [&](py::handle member, std::vector<std::string>& side) {
     if (!py::isinstance<py::str>(member)) fail();
     const std::string given = py::str(member);
@@ -310,8 +313,7 @@ std::vector<std::pair<std::string, std::string>> namePairs(const planner::Proble
                             ": 'robot' is the name of a link, and stands for all links and what "
                             "they hold; a group of "
                             "the links that are meant is expected");
-    if (hasObject(world, given) || std::find(robot.begin(), robot.end(), given) != robot.end())
-      return side.push_back(given);
+    if (isThing(given)) return side.push_back(given);
     std::vector<std::string> known = robot;
     for (const std::string& object : objectNames(world)) known.push_back(object);
     const std::string* const near = robots::nearestName(given, known);
@@ -319,9 +321,21 @@ std::vector<std::pair<std::string, std::string>> namePairs(const planner::Proble
                           (near != nullptr ? "; did you mean '" + *near + "'?" : ""));
   };
   const auto pair = py::reinterpret_borrow<py::sequence>(item);
+  const auto isWord = [](const py::object& side, const char* word) {
+    return py::isinstance<py::str>(side) && std::string(py::str(side)) == word;
+  };
+  // In margins words stay words beside 'world', so that they hold for what comes later, too.
+  const bool takes_world = std::string(name) == "margins";
   for (std::size_t i = 0; i < 2; ++i) {
-    const py::object side = pair[i];
-    if (isTuple(side))
+    const py::object side = pair[i], other = pair[1 - i];
+    if (takes_world && (isWord(side, "world") ||
+                        (isWord(side, "robot") && isWord(other, "world") && !isThing("robot"))))
+      sides[i].push_back(py::str(side));
+    else if (isWord(side, "world") && !isThing("world"))
+      throw py::value_error(std::string(name) +
+                            ": 'world' stands for all objects in margins only; the names of the "
+                            "objects that are meant are expected");
+    else if (isTuple(side))
       for (const py::handle member : side) add(member, sides[i]);
     else
       add(side, sides[i]);

@@ -71,3 +71,13 @@ def test_bounds_and_base_poses(tmp_path):
         leeway.Robot(file, bounds={"wheels": 3})
     with pytest.raises((TypeError, ValueError), match="bounds"):
         leeway.Robot(file, bounds=[1])
+
+
+def test_margins_of_the_whole_world_hold_for_what_comes_later(robot):
+    problem = leeway.Problem(robot, start="ready", goal=[0, -0.6, 0, -2.05, 0, 1.6, 0], margins={("robot", "world"): 5})
+    assert problem.margins == {("robot", "world"): 5}
+    assert leeway.plan(problem)
+    problem.world.add_box("later", (0.1, 0.1, 0.1), position=(3, 0, 0))
+    assert leeway.plan(problem).status == "invalid_start"
+    problem.margins["hand", "world"] = 0.1
+    assert problem.margins == {("robot", "world"): 5, ("hand", "world"): 0.1}

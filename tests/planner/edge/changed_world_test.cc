@@ -132,6 +132,8 @@ TEST(ChangedWorld, AnswersAreThoseOfTheWorldCompiledAnew) {
     for (Object& o : objects(random, model, "thing", world % 2 == 0 ? 8 : 700, room))
       now.problem.world.objects.push_back(std::move(o));
     const std::string& link = model->links.back().name;
+    if (world % 4 == 1) now.problem.margins.pairs.push_back({"robot", "world", 0.02});
+    if (world % 4 == 2) now.problem.margins.pairs.push_back({"world", link, 0.03});
     for (const char* name : {"thing1", "more1", "again0"}) {
       now.problem.contacts.allowed.emplace_back(name, link);
       now.problem.margins.pairs.push_back({link, std::string(name) + "1", 0.05});
@@ -153,6 +155,31 @@ TEST(ChangedWorld, AnswersAreThoseOfTheWorldCompiledAnew) {
   EXPECT_GT(counts.not_free, 300);
   EXPECT_GT(counts.many, 24);
   EXPECT_LT(counts.undecided, (counts.free + counts.not_free) / 50);
+}
+
+// Margins of everything of the world hold for what comes later; a contact has no such word.
+TEST(ChangedWorld, TheWholeWorldInMarginsIncludesWhatComesLater) {
+  Problem problem = test::corridorProblem();
+  problem.margins.pairs = {{"robot", "world", 0.05}};
+  const auto before = std::make_shared<const CompiledScene>(problem);
+  const Object wall = test::box("wall", {0.02, 0.02, 0.5}, 9, 9, 0);
+  const auto after = before->withObjects(std::vector<Object>{wall});
+  int of_wall = 0;
+  for (const auto& [a, i, b, j, margin] : pairsOf(*after)) {
+    of_wall += b == "wall";
+    EXPECT_EQ(margin, b == "wall" || before->scene().find(b) >= before->bodiesOfRobot() ? 0.05 : 0)
+        << a << ' ' << b;
+  }
+  EXPECT_GT(of_wall, 0);
+  // The word would have two meanings.
+  const std::vector<Object> world = {test::box("world", {0.1, 0.1, 0.1}, 9, 9, 0)};
+  EXPECT_THROW(before->withObjects(world), robots::InputError);
+  // Where an object has the name, it is the object's.
+  problem.world.objects.push_back(world[0]);
+  EXPECT_THROW(validate(problem), robots::InputError) << "robot and world: of which is asked?";
+  problem.margins.pairs = {{problem.robot.model->links.back().name, "world", 0.05}};
+  for (const auto& [a, i, b, j, margin] : pairsOf(CompiledScene(problem)))
+    EXPECT_EQ(margin, b == "world" && a == problem.robot.model->links.back().name ? 0.05 : 0);
 }
 
 // A wall comes into the way; a plan goes around it, and the verifier proves it in a world compiled

@@ -335,6 +335,40 @@ TEST(Problem, ARobotStandsWhereTheFileSaysIt) {
       << messageOf(file);
 }
 
+TEST(Problem, AWholeRobotAndTheWholeWorldInMargins) {
+  const std::string base = robot("arm6", "arm") + kArm6Ends + R"(
+objects: [{name: o, sphere: {radius: 0.1}}, {name: p, sphere: {radius: 0.1}}]
+groups: {things: [tool_body, base]}
+)";
+  const auto pairs = [&](const std::string& between) {
+    return load(base + "margins: [{between: " + between + ", margin: 0.05}]\n").margins.pairs;
+  };
+  ASSERT_EQ(pairs("[robot, world]").size(), 1U);
+  EXPECT_EQ(pairs("[robot, world]")[0].a, "robot");
+  EXPECT_EQ(pairs("[world, robot]")[0].a, "world");
+  EXPECT_EQ(pairs("[world, tool_body]").size(), 1U);
+  ASSERT_EQ(pairs("[things, world]").size(), 2U);
+  EXPECT_EQ(pairs("[things, world]")[1].b, "world");
+  const std::pair<std::string, std::string> wrong[] = {
+      {"margins: [{between: [world, world], margin: 0.1}]", "'world' stands twice"},
+      {"margins: [{between: [tol_body, world], margin: 0.1}]",
+       "no link or object is named 'tol_body'; did you mean 'tool_body'?"},
+      {"margins: [{between: [robot, world], wish: 0.1}]", "in margins only"},
+      {"allowed: [[robot, world]]", "in margins only"},
+  };
+  for (const auto& [key, words] : wrong) {
+    const std::string message = messageOf(Folder().write("problem.yaml", base + key + "\n"));
+    EXPECT_NE(message.find(words), std::string::npos) << key << '\n' << message;
+  }
+  const std::string named = messageOf(Folder().write(
+      "problem.yaml", robot("arm6", "arm") + kArm6Ends +
+                          "objects: [{name: world, sphere: {radius: 0.1}, position: [9, 0, 0]}]\n"
+                          "margins: [{between: [robot, world], margin: 0.1}]\n"));
+  EXPECT_NE(named.find("'world' is the name of an object, so that it does not stand for all"),
+            std::string::npos)
+      << named;
+}
+
 TEST(Problem, GroupsStandForTheirMembersAndObjectivesSayMore) {
   const std::string base = robot("arm6", "arm") + kArm6Ends + R"(
 objects: [{name: o, sphere: {radius: 0.1}}, {name: p, sphere: {radius: 0.1}}]

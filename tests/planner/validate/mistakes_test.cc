@@ -227,6 +227,33 @@ std::vector<Mistake> nameMistakes() {
        [](P& p) {
          p.margins.wishes = {{"wish", {}, 0.1}};
        }},
+      {"margin_of_world_twice",
+       [](P& p) {
+         p.margins.pairs = {{"world", "world", 0.1}};
+       },
+       {{"margins", "[{between: [world, world], margin: 0.1}]"}}},
+      {"margin_of_unknown_and_world",
+       [](P& p) {
+         p.margins.pairs = {{"hnad", "world", 0.1}};
+       },
+       {{"margins", "[{between: [hnad, world], margin: 0.1}]"}}},
+      {"allowed_of_world",
+       [](P& p) {
+         p.contacts.allowed = {{"hand", "world"}};
+       },
+       {{"allowed", "[[hand, world]]"}}},
+      {"wish_of_world",
+       [](P& p) {
+         p.margins.wishes = {{"wish", {{"hand", "world"}}, 0.1}};
+       },
+       {{"margins", "[{between: [hand, world], wish: 0.1}]"}}},
+      {"world_of_two_meanings",
+       [](P& p) {
+         p.world.objects[0].name = "world";
+         p.margins.pairs = {{"robot", "world", 0.1}};
+       },
+       {{"objects", "[{name: world, sphere: {radius: 0.1}}]"},
+        {"margins", "[{between: [robot, world], margin: 0.1}]"}}},
       {"object_like_link",
        [](P& p) { p.world.objects[0].name = "hand"; },
        {{"objects", "[{name: hand, sphere: {radius: 0.1}}]"}}},

@@ -196,6 +196,53 @@ TEST(Verify, MarginsCount) {
   EXPECT_EQ(refuted.a, "lower");
 }
 
+/// The words for the whole robot and the whole world, in the order of their entries.
+TEST(Verify, MarginsOfTheWholeWorldCount) {
+  Problem problem = problemFor(arm(), {1, 0});
+  problem.world.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.3, 0, 0));  // 0.2 m from the tip
+  const Path path = pathOf(problem, {{0, 0}, {1, 0}});
+  const auto statusWith = [&](std::vector<PairMargin> margins) {
+    problem.margins.pairs = std::move(margins);
+    return verify(problem, path).status;
+  };
+  EXPECT_EQ(statusWith({{"robot", "world", 0.25}}), VerifyStatus::kRefuted);
+  EXPECT_EQ(statusWith({{"world", "lower", 0.25}}), VerifyStatus::kRefuted);
+  EXPECT_EQ(statusWith({{"robot", "wall", 0.25}}), VerifyStatus::kRefuted);
+  EXPECT_EQ(statusWith({{"world", "upper", 0.25}}), VerifyStatus::kCertified);
+  EXPECT_EQ(statusWith({{"robot", "world", 0.25}, {"lower", "wall", 0.1}}),
+            VerifyStatus::kCertified);
+  EXPECT_EQ(statusWith({{"lower", "wall", 0.1}, {"robot", "world", 0.25}}), VerifyStatus::kRefuted);
+  EXPECT_EQ(statusWith({{"robot", "robot", 0.25}}), VerifyStatus::kCertified) << "neighbours";
+  problem.margins.common = 0.25;
+  EXPECT_EQ(statusWith({{"robot", "world", 0.1}}), VerifyStatus::kCertified);
+}
+
+/// Many URDFs have a root link named "world", without shapes: the word still stands for all
+/// objects. With shapes, the name is the link's.
+TEST(Verify, ALinkNamedWorldTakesTheWordIfItHasShapes) {
+  auto model = std::make_shared<Model>(*arm());
+  model->links[0].name = "world";
+  Problem problem = problemFor(model, {1, 0});
+  problem.world.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.3, 0, 0));
+  problem.margins.pairs = {{"lower", "world", 0.25}};
+  const Path path = pathOf(problem, {{0, 0}, {1, 0}});
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
+  const CompiledScene bare(problem);
+  for (const collision::ScenePair& pair : bare.scene().pairs())
+    EXPECT_EQ(pair.margin, pair.body_a == 1 ? 0.25 : 0) << pair.body_a;
+
+  auto shaped = std::make_shared<Model>(*model);
+  shaped->links[0].geometries = {{Shape::sphere(0.01), shifted(0, 0, -1), "foot"}};
+  problem.robot.model = shaped;
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
+  const CompiledScene scene(problem);
+  for (const collision::ScenePair& pair : scene.scene().pairs())
+    EXPECT_EQ(pair.margin,
+              scene.isOfRobot(pair) && (pair.body_a == 2 || pair.body_b == 2) ? 0.25 : 0);
+  problem.margins.pairs = {{"robot", "world", 0.25}};
+  EXPECT_THROW(verify(problem, path), robots::InputError);
+}
+
 TEST(Verify, AllowedDepthOfConvexShapes) {
   Problem problem = problemFor(arm(), {1, 0});
   problem.world.objects.push_back(

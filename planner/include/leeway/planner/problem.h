@@ -150,7 +150,9 @@ struct Contacts {
   bool replace_srdf = false;
 };
 
-/// The margin of one pair. Names as in Contacts.
+/// The margin of one pair. Names as in Contacts; "robot" also stands for all links and what they
+/// hold, "world" for all objects and deforming obstacles, those included that come later, unless an
+/// object or a link with shapes has that name.
 struct PairMargin {
   std::string a, b;
   double margin;  ///< [m]
