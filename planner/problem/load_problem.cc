@@ -400,14 +400,34 @@ void readPairMargin(const YamlReader& entry, const KnownNames& known, Problem& p
   if (wish) readWish(entry, *wish, read, margin, problem);
 }
 
-void readPairs(const YamlReader& file, const LinkPadding& padding, Problem& problem) {
+/// `auto` in `allowed`.
+void readAuto(const YamlReader& word, const robots::Stop& stop, Problem& problem) {
+  allowTouching(problem, stop);
+  std::string& warning = problem.warnings.back();
+  warning = fmt::format("{}:{}: {}", word.file(), word.line(), warning);
+}
+
+void readAllowed(const YamlReader& allowed, const KnownNames& known, const robots::Stop& stop,
+                 Problem& problem) {
+  const auto read = [&](const YamlReader& pair) {
+    if (pair.isScalar() && pair.text() == "auto") return readAuto(pair, stop, problem);
+    for (auto& names : readNamePairs(pair, known).pairs)
+      problem.contacts.allowed.push_back(std::move(names));
+  };
+  if (allowed.isScalar()) {
+    if (allowed.text() != "auto")
+      allowed.fail(
+          fmt::format("allowed is '{}'; 'auto' or a list of pairs is expected", allowed.text()));
+    return read(allowed);
+  }
+  allowed.eachItem(read);
+}
+
+void readPairs(const YamlReader& file, const LinkPadding& padding, const robots::Stop& stop,
+               Problem& problem) {
   KnownNames known(problem);
   if (const auto groups = file.find("groups")) readGroups(*groups, known);
-  if (const auto allowed = file.find("allowed"))
-    allowed->eachItem([&](const YamlReader& pair) {
-      for (auto& names : readNamePairs(pair, known).pairs)
-        problem.contacts.allowed.push_back(std::move(names));
-    });
+  if (const auto allowed = file.find("allowed")) readAllowed(*allowed, known, stop, problem);
   if (const auto margin = file.find("margin"))
     warnOfOverlap(problem.margins.common, *margin, problem);
   applyLinkPadding(padding, problem);
@@ -612,7 +632,7 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
     file.readOn([&] {
       if (!moveit) readStartAndGoals(file, problem);
     });
-    file.readOn([&] { readPairs(file, padding, problem); });
+    file.readOn([&] { readPairs(file, padding, options.load.stop, problem); });
     file.readOn([&] { filterClouds(file, problem); });
   }
   readPlanner(file, problem);
@@ -623,6 +643,27 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
   wrong.throwFirst();
   warnOfOpenMeshes(yaml_path, problem);
   return validated(std::move(problem), yaml_path);
+}
+
+void allowTouching(Problem& problem, const robots::Stop& stop) {
+  if (!problem.robot.model)
+    throw InputError(problem.name, 0, "robot.model is missing; one of loadModel() is expected");
+  const Model& model = *problem.robot.model;
+  model.expectMeshes();
+  const std::vector<std::pair<int, int>> touching = robots::touchingAtRest(model, stop);
+  std::string names;
+  for (const auto& [a, b] : touching) {
+    const std::string &name_a = model.links[at(a)].name, &name_b = model.links[at(b)].name;
+    problem.contacts.allowed.emplace_back(name_a, name_b);
+    names += fmt::format("{}{} and {}", names.empty() ? "" : "; ", name_a, name_b);
+  }
+  constexpr const char* kRest = "with all joints at zero, or at the nearest limit";
+  problem.warnings.push_back(
+      touching.empty()
+          ? fmt::format("'auto' allows no pair of links: none touches {}", kRest)
+          : fmt::format("'auto' allows {} of links, which touch {}: {}",
+                        touching.size() == 1 ? "a pair" : fmt::format("{} pairs", touching.size()),
+                        kRest, names));
 }
 
 Problem problemFromStates(std::shared_ptr<const Model> model, const std::string& group,

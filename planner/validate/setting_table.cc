@@ -88,7 +88,9 @@ constexpr Setting kSettings[] = {
     {.name = "", .key = "objects"},
     {.name = "allowed",
      .key = "allowed",
-     .help = "Pairs (a, b) that may touch, besides those of the SRDF; names as in `margins`"},
+     .help = "Pairs (a, b) that may touch, besides those of the SRDF; names as in `margins`, "
+             "except 'world'. 'auto', in their place or among them, is the pairs of links that "
+             "touch with all joints at zero, or at the nearest limit"},
     {.name = "margin",
      .key = "margin",
      .unit = "m",

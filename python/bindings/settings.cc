@@ -318,17 +318,31 @@ const OwnValue kOwnValues[] = {
      [](P& p, V v) { setGoals(p, v, true); }},
     {"steps", "Sequence[TaskStep]", "list[TaskStep]", stepList, setSteps},
     {"margins", "Mapping[Any, float]", "dict[Any, float]", getMargins, setMargins},
-    {"allowed", "Iterable[Any]", "list[Any]",
+    {"allowed", "Literal['auto'] | Iterable[Any]", "list[Any]",
      [](const P& p) {
        py::list pairs;
        for (const auto& [a, b] : p.contacts.allowed) pairs.append(py::make_tuple(a, b));
        return py::object(pairs);
      },
      [](P& p, V v) {
-       std::vector<std::pair<std::string, std::string>> pairs;
-       if (!v.is_none())
-         for (const py::handle item : py::list(v))
-           for (auto& names : namePairs(p, item, "allowed")) pairs.push_back(std::move(names));
+       NamePairs pairs;
+       const auto add = [&](py::handle item) {
+         NamePairs added;
+         if (py::isinstance<py::str>(item) && std::string(py::str(item)) == "auto") {
+           P robot;
+           robot.robot.model = p.robot.model;
+           planner::allowTouching(robot);
+           added = std::move(robot.contacts.allowed);
+           p.warnings.push_back(robot.warnings.back());
+         } else {
+           added = namePairs(p, item, "allowed");
+         }
+         pairs.insert(pairs.end(), added.begin(), added.end());
+       };
+       if (py::isinstance<py::str>(v))
+         add(v);
+       else if (!v.is_none())
+         for (const py::handle item : py::list(v)) add(item);
        p.contacts.allowed = std::move(pairs);
      }},
     {"wishes", "Mapping[Any, float | tuple[float, float]]", "Any", getWishes, setWishes},

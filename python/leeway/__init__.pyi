@@ -145,7 +145,7 @@ class Problem:
     def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *,
         # Settings:
         name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-        allowed: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+        allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
         wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
         parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
         clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
@@ -369,7 +369,7 @@ class Scene:
     def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *,
         # Settings:
         name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-        allowed: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+        allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
         wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
         parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
         clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
@@ -508,7 +508,7 @@ class Replanner:
     def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, stop: _Stop = None,
         # Settings:
         name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-        allowed: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+        allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
         wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
         parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
         clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
@@ -555,22 +555,8 @@ def planner_parameters(planner: str) -> dict[str, str]: ...
 def plan(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, stop: _Stop = None, progress: Callable[[str, float], object] | None = None, on_path: Callable[[_Array, float], object] | None = None, certificate: Literal["path", "full"] = "path", tolerance: float = 0.0001,
     # Settings:
     name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-    allowed: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ..., wishes: Mapping[Any, float | tuple[float, float]] = ...,
-    steps: Sequence[TaskStep] = ..., planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ...,
-    keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ...,
-    push: bool = ..., time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
-    speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
-    jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ...,
-    look_ahead: float = ..., buffer: float = ..., patience: float = ...,
-    # (written by tools/scripts/write_settings)
-) -> Result: ...
-def inverse_kinematics(robot: Robot, link: str, pose: ArrayLike, *, start: ArrayLike | None = None, solutions: int = 1, seed: int = 1, stop: _Stop = None) -> Inverse: ...
-def plan_where(problem: Problem, accept: Callable[[_Array], ArrayLike], *, resolution: float = 0.05, stop: _Stop = None) -> Result: ...
-def plan_many(problems: Iterable[Problem], *, threads: int | None = None, stop: _Stop = None,
-    # Settings:
-    name: str = ..., world: World | None = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ...,
-    start: _State | None = ..., goal: _Goal | None = ..., goals: Sequence[_Goal] = ..., allowed: Iterable[Any] = ..., margin: float = ...,
-    margins: Mapping[Any, float] = ..., wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
+    allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+    wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
     parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
     clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
     time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ...,
@@ -578,13 +564,14 @@ def plan_many(problems: Iterable[Problem], *, threads: int | None = None, stop: 
     corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ...,
     patience: float = ...,
     # (written by tools/scripts/write_settings)
-) -> list[Result]: ...
-def verify(problem: Problem, path: _Path, *, shortest: bool = False, stop: _Stop = None) -> Verification: ...
-def clearance(problem: Problem, path: _Path, *, tolerance: float = 0.0001, parts: int = 1, shortest: bool = False) -> Certificate: ...
-def check(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, state: _State = "start", tolerance: float = 1e-06,
+) -> Result: ...
+def inverse_kinematics(robot: Robot, link: str, pose: ArrayLike, *, start: ArrayLike | None = None, solutions: int = 1, seed: int = 1, stop: _Stop = None) -> Inverse: ...
+def plan_where(problem: Problem, accept: Callable[[_Array], ArrayLike], *, resolution: float = 0.05, stop: _Stop = None) -> Result: ...
+def plan_many(problems: Iterable[Problem], *, threads: int | None = None, stop: _Stop = None,
     # Settings:
-    name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-    allowed: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ..., wishes: Mapping[Any, float | tuple[float, float]] = ...,
+    name: str = ..., world: World | None = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ...,
+    start: _State | None = ..., goal: _Goal | None = ..., goals: Sequence[_Goal] = ..., allowed: Literal['auto'] | Iterable[Any] = ...,
+    margin: float = ..., margins: Mapping[Any, float] = ..., wishes: Mapping[Any, float | tuple[float, float]] = ...,
     steps: Sequence[TaskStep] = ..., planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ...,
     keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ...,
     push: bool = ..., time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
@@ -592,17 +579,32 @@ def check(robot: Robot | Problem, world: World | None = None, start: _State | No
     jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ...,
     look_ahead: float = ..., buffer: float = ..., patience: float = ...,
     # (written by tools/scripts/write_settings)
-) -> State: ...
-def replan(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, on_step: Callable[[Step], object] | None = None, steps: int | None = None, stop: _Stop = None,
+) -> list[Result]: ...
+def verify(problem: Problem, path: _Path, *, shortest: bool = False, stop: _Stop = None) -> Verification: ...
+def clearance(problem: Problem, path: _Path, *, tolerance: float = 0.0001, parts: int = 1, shortest: bool = False) -> Certificate: ...
+def check(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, state: _State = "start", tolerance: float = 1e-06,
     # Settings:
     name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-    allowed: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ..., wishes: Mapping[Any, float | tuple[float, float]] = ...,
-    planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
+    allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+    wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
+    parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
     clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
     time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ...,
     velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ...,
     corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ...,
     patience: float = ...,
+    # (written by tools/scripts/write_settings)
+) -> State: ...
+def replan(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, on_step: Callable[[Step], object] | None = None, steps: int | None = None, stop: _Stop = None,
+    # Settings:
+    name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
+    allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+    wishes: Mapping[Any, float | tuple[float, float]] = ..., planner: str = ..., parameters: Mapping[str, Any] = ...,
+    objective: str | Mapping[str, Any] = ..., keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ...,
+    at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ..., time: float = ..., iterations: int = ..., seed: int = ...,
+    start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ..., velocities: float | Mapping[str, float] = ...,
+    accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ...,
+    foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ..., patience: float = ...,
     # (written by tools/scripts/write_settings)
 ) -> Executed: ...
 def distance(a: Shape, X_WA: _Pose, b: Shape, X_WB: _Pose, *, tolerance: float | None = None, threshold: float | None = None, depth: bool = True) -> Distance: ...

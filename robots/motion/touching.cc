@@ -1,7 +1,10 @@
 // Links that meet at a joint.
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "collision/base/numbers.h"
@@ -19,20 +22,30 @@ class Looks {
   Looks(const Model& model, int link_a, int link_b)
       : model_(model), a_(link_a), b_(link_b), X_WL_(model.links.size()) {}
 
+  /// Whether they are not proven apart.
   bool touch(std::span<const double> q) {
+    return any(q, [](const collision::Interval& distance) { return !(distance.lower > kTouch); });
+  }
+  /// Whether they are proven to touch.
+  bool surelyTouch(std::span<const double> q) {
+    return any(q, [](const collision::Interval& distance) { return distance.upper <= kTouch; });
+  }
+
+ private:
+  template <class Is>
+  bool any(std::span<const double> q, const Is& is) {
     forwardKinematics(model_, q, X_WL_);
     collision::DistanceRequest request;
     request.depth = false;
     for (const Geometry& g : model_.links[at(a_)].geometries)
       for (const Geometry& h : model_.links[at(b_)].geometries)
-        if (!(collision::distance(g.shape, X_WL_[at(a_)] * g.X_BG, h.shape, X_WL_[at(b_)] * h.X_BG,
-                                  request, scratch_)
-                  .distance.lower > kTouch))
+        if (is(collision::distance(g.shape, X_WL_[at(a_)] * g.X_BG, h.shape, X_WL_[at(b_)] * h.X_BG,
+                                   request, scratch_)
+                   .distance))
           return true;
     return false;
   }
 
- private:
   const Model& model_;
   int a_, b_;
   std::vector<Pose> X_WL_;
@@ -46,22 +59,47 @@ std::vector<int> jointsAbove(const Model& model, int link) {
   return joints;
 }
 
-}  // namespace
-
-int onlyJointBetween(const Model& model, int link_a, int link_b) {
+/// Those that move two links against each other, whatever their limits.
+std::vector<int> jointsBetween(const Model& model, int link_a, int link_b) {
   std::vector<int> a = jointsAbove(model, link_a), b = jointsAbove(model, link_b);
   while (!a.empty() && !b.empty() && a.back() == b.back()) {
     a.pop_back();
     b.pop_back();
   }
-  int only = -1;
-  for (const std::vector<int>* joints : {&a, &b})
-    for (const int j : *joints) {
-      if (model.joints[at(j)].type == JointType::kFixed) continue;
-      if (only >= 0) return -1;
-      only = j;
+  a.insert(a.end(), b.begin(), b.end());
+  std::erase_if(a, [&](int j) { return model.joints[at(j)].type == JointType::kFixed; });
+  return a;
+}
+
+}  // namespace
+
+int onlyJointBetween(const Model& model, int link_a, int link_b) {
+  const std::vector<int> between = jointsBetween(model, link_a, link_b);
+  return between.size() == 1 ? between[0] : -1;
+}
+
+std::vector<std::pair<int, int>> touchingAtRest(const Model& model, const Stop& stop) {
+  const std::vector<double> q = model.defaultConfiguration();
+  const auto parent = [&](int link) {
+    return model.joints[at(model.links[at(link)].joint)].parent_link;
+  };
+  std::set<std::pair<int, int>> disabled;
+  for (const DisabledPair& pair : model.disabled_pairs)
+    disabled.insert(std::minmax(pair.link_a, pair.link_b));
+  const std::set<std::pair<int, int>> enabled(model.enabled_pairs.begin(),
+                                              model.enabled_pairs.end());
+  std::vector<std::pair<int, int>> touching;
+  for (int a = 0; a < static_cast<int>(model.links.size()); ++a)
+    for (int b = a + 1; b < static_cast<int>(model.links.size()); ++b) {
+      const bool is_adjacent = parent(a) == b || parent(b) == a;
+      if ((is_adjacent && enabled.count({a, b}) == 0) || disabled.count({a, b}) != 0 ||
+          model.links[at(a)].geometries.empty() || model.links[at(b)].geometries.empty() ||
+          jointsBetween(model, a, b).empty())
+        continue;
+      throwIfStopped(stop, "links that touch at rest were looked for");
+      if (Looks(model, a, b).surelyTouch(q)) touching.emplace_back(a, b);
     }
-  return only;
+  return touching;
 }
 
 Touch touchAtJoint(const Model& model, int link_a, int link_b, int joint) {

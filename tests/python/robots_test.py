@@ -73,6 +73,29 @@ def test_bounds_and_base_poses(tmp_path):
         leeway.Robot(file, bounds=[1])
 
 
+BALLS = """<robot name="balls"><link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<link name="neck"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+<link name="hub"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+<joint name="a" type="revolute"><parent link="base"/><child link="neck"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+<joint name="b" type="revolute"><parent link="neck"/><child link="hub"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+</robot>"""
+
+
+def test_auto_allows_links_that_touch_at_rest(tmp_path):
+    file = tmp_path / "balls.urdf"
+    file.write_text(BALLS)
+    robot, world = leeway.Robot(file), leeway.World()
+    world.add_sphere("far", 0.1, position=(1, 0, 0))
+    assert leeway.plan(robot, world, [0, 0], [1, 1]).status == "invalid_start"
+    for allowed in ("auto", ["auto"], [("hub", "far"), "auto"]):
+        problem = leeway.Problem(robot, world, start=[0, 0], goal=[1, 1], allowed=allowed)
+        assert problem.allowed[-1] == ("base", "hub")
+        assert "'auto' allows a pair of links, which touch with all joints at zero" in problem.warnings[-1]
+        assert leeway.plan(problem)
+    with pytest.raises(TypeError, match="allowed"):
+        leeway.Problem(robot, world, start=[0, 0], goal=[1, 1], allowed="all")
+
+
 def test_margins_of_the_whole_world_hold_for_what_comes_later(robot):
     problem = leeway.Problem(robot, start="ready", goal=[0, -0.6, 0, -2.05, 0, 1.6, 0], margins={("robot", "world"): 5})
     assert problem.margins == {("robot", "world"): 5}

@@ -261,5 +261,77 @@ TEST_F(RobotFiles, UrdfdomPrintsNothing) {
   expectRefused("info version.urdf", {"urdfdom refuses this file: ", "version"});
 }
 
+/// `hub` is inside `base` wherever its two joints stand; `rest` touches `base` with all joints at
+/// zero; `neck` and `rest` can never meet; `far` meets others now and then.
+std::string touchingUrdf() {
+  std::string text = "<robot name=\"touching\">\n";
+  const auto link = [&](const char* name, const char* radius, const char* x) {
+    text += std::string("<link name=\"") + name + "\"><collision><origin xyz=\"" + x +
+            " 0 0\"/><geometry><sphere radius=\"" + radius + "\"/></geometry></collision></link>\n";
+  };
+  const auto joint = [&](const char* parent, const char* child, const char* type, const char* xyz) {
+    text += std::string("<joint name=\"to_") + child + "\" type=\"" + type + "\"><parent link=\"" +
+            parent + "\"/><child link=\"" + child + "\"/><origin xyz=\"" + xyz +
+            "\"/><axis xyz=\"" + (std::string(type) == "prismatic" ? "1 0 0" : "0 0 1") +
+            "\"/><limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint>\n";
+  };
+  link("base", "0.1", "0");
+  link("neck", "0.05", "0");
+  link("hub", "0.02", "0");
+  link("rest", "0.05", "-0.06");
+  link("far", "0.05", "0");
+  link("plate", "0.05", "0");
+  joint("base", "neck", "revolute", "0 0 0");
+  joint("neck", "hub", "revolute", "0 0 0");
+  joint("hub", "rest", "revolute", "0.2 0 0");
+  joint("base", "far", "prismatic", "0.5 0 0");
+  joint("base", "plate", "fixed", "-0.2 0 0");
+  return text + "</robot>\n";
+}
+
+TEST_F(RobotFiles, AutoAllowsWhatTouchesAtRest) {
+  write("t.urdf", touchingUrdf());
+  const std::string plan = "plan --robot t.urdf --chain base rest --start 0,0,0 --goal 1,0,0 ";
+  const Answer refused = run(plan);
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_NE(refused.out.find("All 2 pairs that are too near there: hub and base; rest and base."),
+            std::string::npos)
+      << refused.out;
+  EXPECT_NE(refused.out.find(
+                "Too near in nearly all random configurations: hub and base.\nIf they may touch"),
+            std::string::npos)
+      << refused.out;
+  const json offending = run(plan + "--json").document()["offending"];
+  EXPECT_EQ(offending["pairs"], json::parse(R"([["hub", "base"], ["rest", "base"]])"));
+  const Answer check = run("check --robot t.urdf --chain base rest --state 0,0,0");
+  EXPECT_NE(check.out.find("all 2 pairs that are too near: hub and base; rest and base"),
+            std::string::npos)
+      << check.out;
+
+  const std::string what =
+      "'auto' allows 2 pairs of links, which touch with all joints at zero, or at the nearest "
+      "limit: base and hub; base and rest";
+  const Answer solved = run(plan + "--allowed auto --json --output path.json");
+  expectWarned(solved, {"warning: " + what});
+  EXPECT_NE(solved.document()["certificate"]["not_checked"].dump().find("allowed by the problem"),
+            std::string::npos)
+      << solved.out;
+  EXPECT_EQ(run("verify --robot t.urdf --chain base rest --start 0,0,0 --goal 1,0,0 --allowed auto "
+                "path.json")
+                .status,
+            0);
+  const std::string text =
+      "leeway: 1\nrobot: {urdf: t.urdf}\nstart: [0, 0, 0, 0]\n"
+      "goal: [1, 0, 0, 0]\nallowed: ";
+  write("auto.yaml", text + "auto\n");
+  write("list.yaml", text + "[[far, plate], auto]\n");
+  for (const char* file : {"auto.yaml", "list.yaml"})
+    expectWarned(run(std::string("plan ") + file), {std::string(file) + ":5: " + what});
+  write("wrong.yaml", text + "all\n");
+  expectRefused("plan wrong.yaml",
+                {"wrong.yaml:5: ", "allowed is 'all'; 'auto' or a list of pairs is expected"});
+  expectRefused(plan + "--allowed all", {"--allowed", "auto"});
+}
+
 }  // namespace
 }  // namespace leeway::tools::testing

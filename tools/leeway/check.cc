@@ -14,6 +14,7 @@
 #include "planner/execute/unchecked_json.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/pair_samples.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/robot_state.h"
@@ -47,7 +48,8 @@ struct CheckedState {
   PairNames world_names, self_names;
   double margin = 0;
   PairNames too_near;  ///< not free: a pair that does not keep its margin; the closest one may
-  std::string nothing_checked = {};  ///< why; else empty
+  std::vector<PairNames> all_too_near = {};  ///< the same: all pairs
+  std::string nothing_checked = {};          ///< why; else empty
 
   bool valid() const {
     return limit.empty() && nothing_checked.empty() && check.verdict == planner::Verdict::kFree;
@@ -243,6 +245,7 @@ CheckedState checkState(planner::EdgeCertifier& certifier, const NamedState& sta
         checked.check.clearance.upper <= checked.margin
             ? checked.names
             : pairNames(certifier.scene(), certifier.certify(state.point, state.point).pair);
+    checked.all_too_near = pairsTooNear(certifier.scene(), state.point, checked.too_near);
   }
   return checked;
 }
@@ -267,6 +270,9 @@ Json partJson(const planner::EdgeClearance& part, const PairNames& names) {
 
 Json stateJson(const CheckedState& checked) {
   const auto& check = checked.check;
+  Json all_too_near = Json::array();
+  for (const PairNames& pair : checked.all_too_near)
+    all_too_near.push_back(Json::array({pair.a, pair.b}));
   Json closest;
   if (check.pair >= 0) {
     closest = {{"a", checked.names.a},
@@ -294,11 +300,20 @@ Json stateJson(const CheckedState& checked) {
       {"self", partJson(checked.self, checked.self_names)},
       {"penetration", penetration},
       {"too_near",
-       checked.too_near.a.empty() ? Json() : Json({checked.too_near.a, checked.too_near.b})}};
+       checked.too_near.a.empty() ? Json() : Json({checked.too_near.a, checked.too_near.b})},
+      {"all_too_near", all_too_near}};
 }
 
 std::string pointText(const Eigen::Vector3d& p) {
   return fmt::format("({:.4f}, {:.4f}, {:.4f})", p.x(), p.y(), p.z());
+}
+
+/// All pairs that are too near, where there are several.
+std::string allPairsText(const CheckedState& checked) {
+  const std::vector<PairNames>& pairs = checked.all_too_near;
+  return pairs.size() < 2 ? std::string()
+                          : fmt::format("  all {} pairs that are too near: {}\n", pairs.size(),
+                                        pairsText(pairs));
 }
 
 std::string stateText(const CheckedState& checked) {
@@ -329,7 +344,7 @@ std::string stateText(const CheckedState& checked) {
                         checked.names.a, pointText(check.closest.point_b), checked.names.b);
     text += fmt::format("  {} is clear once moved {} mm along {}\n", checked.names.b,
                         formatUpper(-lower, 3), pointText(check.closest.normal));
-    return text;
+    return text + allPairsText(checked);
   }
   text += fmt::format(", clearance {} to {} mm between {} and {}", formatLower(lower, 3),
                       formatUpper(upper, 3), checked.names.a, checked.names.b);
@@ -344,7 +359,7 @@ std::string stateText(const CheckedState& checked) {
     text += fmt::format("  {} and {} do not keep their margin\n", checked.too_near.a,
                         checked.too_near.b);
   }
-  return text;
+  return text + allPairsText(checked);
 }
 
 int runCheck(const CheckArguments& arguments) {

@@ -20,6 +20,7 @@
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/output_file.h"
+#include "tools/leeway/support/pair_samples.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
@@ -147,6 +148,17 @@ std::string costText(const planner::Problem& problem, const planner::PlanResult&
   return text;
 }
 
+/// All pairs that are too near at the start, where there are more than the one that is named, and
+/// those that one might allow.
+std::string allPairsText(const planner::Problem& problem, const planner::PlanResult& result) {
+  const std::vector<PairNames> pairs = pairsTooNear(problem, result);
+  if (pairs.empty()) return {};
+  const std::string hint = allowHint(problem, pairs);
+  if (pairs.size() < 2) return hint;
+  return fmt::format("All {} pairs that are too near there: {}.\n{}", pairs.size(),
+                     pairsText(pairs), hint);
+}
+
 std::string offendingText(const planner::PlanResult& result) {
   const auto& check = result.offending;
   if (!result.reason.empty()) {
@@ -231,7 +243,7 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
       break;
     case planner::PlanStatus::kInvalidStart:
     case planner::PlanStatus::kInvalidGoal:
-      fmt::print("{}", offendingText(result));
+      fmt::print("{}{}", offendingText(result), allPairsText(problem, result));
       break;
     case planner::PlanStatus::kNothingChecked:
       fmt::print("Nothing was checked, and nothing planned: {}.\n", result.reason);

@@ -169,27 +169,19 @@ Json executionJson(const planner::Problem& problem) {
       {"patience", execution.patience}};
 }
 
-/// Pairs of bodies by name. `never`: no two of their shapes touched in any sample. `always`: some
-/// two shapes touched in every sample.
+/// Pairs of bodies by name that touched in no sample, and in every sample.
 struct SampledPairs {
   Json never = Json::array(), always = Json::array();
 };
 
 SampledPairs samplePairsOfBodies(const planner::CompiledScene& scene, int samples,
                                  std::uint64_t seed) {
-  std::map<std::pair<std::string, std::string>, int> most_hits;
-  if (samples > 0) {
-    for (const PairSamples& entry : samplePairs(scene, samples, seed)) {
-      const PairNames names = pairNames(scene, entry.pair);
-      int& hits = most_hits[{names.a, names.b}];
-      hits = std::max(hits, entry.hits);
-    }
-  }
   SampledPairs result;
-  for (const auto& [names, hits] : most_hits) {
-    if (hits == 0 || hits == samples) {
-      (hits == 0 ? result.never : result.always).push_back({names.first, names.second});
-    }
+  if (samples == 0) return result;
+  for (const PairSamples& entry : samplePairs(scene, samples, seed)) {
+    if (entry.hits != 0 && entry.hits != samples) continue;
+    const PairNames names = pairNames(scene, entry.pair);
+    (entry.hits == 0 ? result.never : result.always).push_back({names.a, names.b});
   }
   return result;
 }

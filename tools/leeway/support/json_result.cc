@@ -8,6 +8,7 @@
 
 #include "leeway/robots/input_error.h"
 #include "planner/execute/unchecked_json.h"
+#include "tools/leeway/support/pair_samples.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
@@ -55,8 +56,11 @@ Json certificateJson(const planner::Problem& problem, const planner::Certificate
   return document;
 }
 
-Json offendingJson(const planner::PlanResult& result) {
+Json offendingJson(const planner::Problem& problem, const planner::PlanResult& result) {
   const auto& check = result.offending;
+  Json pairs = Json::array();
+  for (const PairNames& pair : pairsTooNear(problem, result))
+    pairs.push_back(Json::array({pair.a, pair.b}));
   const bool overlapping = check.clearance.upper <= 0;
   return {{"a", result.offending_a},
           {"b", result.offending_b},
@@ -65,7 +69,8 @@ Json offendingJson(const planner::PlanResult& result) {
           {"depth", overlapping ? jsonNumber(-check.clearance.upper) : Json()},
           {"point_a", jsonVector(check.closest.point_a)},
           {"point_b", jsonVector(check.closest.point_b)},
-          {"normal", jsonVector(check.closest.normal)}};
+          {"normal", jsonVector(check.closest.normal)},
+          {"pairs", pairs}};
 }
 
 Json trajectoryJson(const planner::Trajectory& trajectory) {
@@ -169,7 +174,7 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
     if (trajectory) document["trajectory"] = trajectoryJson(*trajectory);
   }
   if (invalid) {
-    document["offending"] = result.reason.empty() ? offendingJson(result) : Json();
+    document["offending"] = result.reason.empty() ? offendingJson(problem, result) : Json();
     document["unreachable"] = result.unreachable;
   }
   if (!solved) document["reason"] = result.reason.empty() ? Json() : Json(result.reason);

@@ -1,10 +1,16 @@
 #include "tools/leeway/support/pair_samples.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <set>
+#include <utility>
 
 #include "leeway/collision/distance.h"
 #include "leeway/robots/kinematics.h"
+#include "leeway/robots/stopped.h"
+#include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
 namespace {
@@ -52,50 +58,115 @@ void samplePoint(const planner::ConfigurationSpace& space, Random& random,
   }
 }
 
+/// Whether a pair is proven to keep its margin where the links stand.
+bool keepsMargin(const planner::CompiledScene& scene, const collision::ScenePair& pair,
+                 std::span<const robots::Pose> X_WL, collision::Scratch& scratch) {
+  const auto bodies = scene.scene().bodies();
+  const auto geometry = [&](int body, int index) -> const robots::Geometry& {
+    return bodies[static_cast<std::size_t>(body)].geometries[static_cast<std::size_t>(index)];
+  };
+  const auto place = [&](int body, const robots::Geometry& of) {
+    const int link = scene.bodyLink(body);
+    return (link >= 0 ? X_WL[static_cast<std::size_t>(link)]
+                      : bodies[static_cast<std::size_t>(body)].X_WB) *
+           of.X_BG;
+  };
+  const robots::Geometry &a = geometry(pair.body_a, pair.geometry_a),
+                         &b = geometry(pair.body_b, pair.geometry_b);
+  collision::DistanceRequest request;
+  request.depth = pair.margin < 0;
+  request.threshold = pair.margin;
+  return collision::distance(a.shape, place(pair.body_a, a), b.shape, place(pair.body_b, b),
+                             request, scratch)
+             .distance.lower > pair.margin;
+}
+
 }  // namespace
 
 std::vector<PairSamples> samplePairs(const planner::CompiledScene& scene, int samples,
                                      std::uint64_t seed) {
   const auto& pairs = scene.scene().pairs();
-  const auto bodies = scene.scene().bodies();
-  std::vector<PairSamples> result;
-  for (std::size_t p = 0; p < pairs.listedCount(); ++p) {
-    if (scene.bodyLink(pairs[p].body_a) >= 0 && scene.bodyLink(pairs[p].body_b) >= 0) {
-      result.push_back({static_cast<int>(p), 0});
-    }
+  std::map<std::pair<int, int>, std::vector<std::size_t>> of_bodies;  // numbers of their pairs
+  for (auto at = pairs.begin(); at != pairs.end() && at.number() < pairs.listedCount(); ++at) {
+    const collision::ScenePair pair = *at;
+    if (scene.isOfRobot(pair))
+      of_bodies[std::minmax(pair.body_a, pair.body_b)].push_back(at.number());
   }
+  std::vector<PairSamples> result;
+  for (const auto& [bodies, numbers] : of_bodies)
+    result.push_back({static_cast<int>(numbers.front()), 0});
   Random random(seed);
   collision::Scratch scratch;
-  collision::DistanceRequest request;
-  request.depth = false;
   std::vector<double> point(static_cast<std::size_t>(scene.space().size()));
   std::vector<double> q(scene.model().variables.size());
   std::vector<robots::Pose> X_WL(scene.model().links.size());
-  for (int sample = 0; sample < samples && !result.empty(); ++sample) {
+  for (int i = 0; i < samples; ++i) {
+    robots::throwIfStopped(interrupted, "links that meet were looked for");
     samplePoint(scene.space(), random, point);
     scene.expand(point, q);
     robots::forwardKinematics(scene.model(), q, X_WL);
-    for (PairSamples& entry : result) {
-      const auto& pair = pairs[static_cast<std::size_t>(entry.pair)];
-      const auto place = [&](int body, int geometry) {
-        const auto& shape =
-            bodies[static_cast<std::size_t>(body)].geometries[static_cast<std::size_t>(geometry)];
-        return X_WL[static_cast<std::size_t>(scene.bodyLink(body))] * shape.X_BG;
-      };
-      const auto& a = bodies[static_cast<std::size_t>(pair.body_a)]
-                          .geometries[static_cast<std::size_t>(pair.geometry_a)]
-                          .shape;
-      const auto& b = bodies[static_cast<std::size_t>(pair.body_b)]
-                          .geometries[static_cast<std::size_t>(pair.geometry_b)]
-                          .shape;
-      request.threshold = pair.margin;
-      const auto answer =
-          collision::distance(a, place(pair.body_a, pair.geometry_a), b,
-                              place(pair.body_b, pair.geometry_b), request, scratch);
-      entry.hits += answer.distance.lower > pair.margin ? 0 : 1;
-    }
+    auto entry = result.begin();
+    for (const auto& [bodies, numbers] : of_bodies)
+      (entry++)->hits += std::any_of(numbers.begin(), numbers.end(), [&](std::size_t number) {
+        return !keepsMargin(scene, pairs[number], X_WL, scratch);
+      });
   }
   return result;
+}
+
+std::string allowHint(const planner::Problem& problem, const std::vector<PairNames>& pairs) {
+  constexpr int kSamples = 200;
+  std::vector<PairNames> nearly_always;
+  const planner::CompiledScene scene(problem);
+  for (const PairSamples& entry : samplePairs(scene, kSamples, problem.seed)) {
+    if (entry.hits < kNearlyAlways * kSamples) continue;
+    const PairNames names = pairNames(scene, entry.pair);
+    if (std::any_of(pairs.begin(), pairs.end(),
+                    [&](const PairNames& pair) { return pair.a == names.a && pair.b == names.b; }))
+      nearly_always.push_back(names);
+  }
+  if (nearly_always.empty()) return {};
+  return "Too near in nearly all random configurations: " + pairsText(nearly_always) +
+         ".\nIf they may touch, add them to `allowed` or an SRDF; `leeway srdf` proposes one.\n";
+}
+
+std::vector<PairNames> pairsTooNear(const planner::CompiledScene& scene,
+                                    std::span<const double> point, const PairNames& known) {
+  std::vector<double> q(scene.model().variables.size());
+  scene.expand(point, q);
+  std::vector<robots::Pose> X_WL(scene.model().links.size());
+  robots::forwardKinematics(scene.model(), q, X_WL);
+  collision::Scratch scratch;
+  std::vector<PairNames> near = {known};
+  std::set<std::pair<int, int>> found;
+  const auto& pairs = scene.scene().pairs();
+  for (auto at = pairs.begin(); at != pairs.end(); ++at) {
+    const collision::ScenePair pair = *at;
+    if (found.count({pair.body_a, pair.body_b}) != 0 || keepsMargin(scene, pair, X_WL, scratch))
+      continue;
+    found.emplace(pair.body_a, pair.body_b);
+    const PairNames names = pairNames(scene, static_cast<int>(at.number()));
+    if (std::minmax(names.a, names.b) != std::minmax(known.a, known.b)) near.push_back(names);
+  }
+  return near;
+}
+
+std::vector<PairNames> pairsTooNear(const planner::Problem& problem,
+                                    const planner::PlanResult& result) {
+  const PairNames known{result.offending_a, result.offending_b};
+  if (known.a.empty()) return {};
+  if (result.status != planner::PlanStatus::kInvalidStart || !problem.steps.empty()) return {known};
+  std::vector<double> point;
+  for (const int variable : problem.robot.variables)
+    point.push_back(problem.start[static_cast<std::size_t>(variable)]);
+  return pairsTooNear(planner::CompiledScene(problem), point, known);
+}
+
+std::string pairsText(const std::vector<PairNames>& pairs) {
+  std::string text;
+  for (const PairNames& pair : pairs)
+    text += (text.empty() ? "" : "; ") + pair.a + " and " + pair.b;
+  return text;
 }
 
 }  // namespace leeway::tools

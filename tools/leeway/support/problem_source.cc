@@ -157,6 +157,11 @@ void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
       ->type_size(8)
       ->expected(1)
       ->take_all();
+  app.add_option("--allowed", source.allowed,
+                 "auto: links that touch with all joints at zero, or at the nearest limit, may "
+                 "touch; a warning names them")
+      ->check(CLI::IsMember({"auto"}))
+      ->type_name("auto");
   app.add_option("--scene", source.scene, "MoveIt planning scene, YAML or .scene")
       ->type_name("FILE");
   app.add_option("--request", source.request, "MoveIt motion plan request")->type_name("YAML");
@@ -240,6 +245,7 @@ planner::Problem readProblem(const ProblemSource& source) {
     problem = planner::loadProblem(source.problem, {.load = loadOptions(source)});
     printWarnings(problem.robot.model->warnings);
   }
+  if (!source.allowed.empty()) planner::allowTouching(problem, source.stop);
   printWarnings(problem.warnings);
   printLeftOut(problem);
   if (!source.goal_pose.empty()) takeGoalPose(source, problem);
@@ -300,6 +306,8 @@ planner::Problem loadProblemOrRobot(const ProblemSource& source) {
                              : fmt::format("; there {} {}", names.size() == 1 ? "is" : "are",
                                            fmt::join(names, ", "))));
   }
+  if (!source.allowed.empty()) planner::allowTouching(problem, source.stop);
+  printWarnings(problem.warnings);
   return problem;
 }
 

@@ -18,6 +18,7 @@ struct ProblemSource {
   std::string scene, request;
   std::vector<std::string> goal_pose;  ///< FRAME x y z qx qy qz qw; several: at once
   std::vector<std::string> chain;      ///< BASE, TIP: the links of a chain in place of `group`
+  std::string allowed;                 ///< "auto": planner::allowTouching()
   std::vector<std::string> packages;   ///< NAME=DIR
   std::vector<std::string> xacro;      ///< NAME:=VALUE
   bool visual_as_collision = false;

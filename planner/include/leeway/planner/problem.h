@@ -346,6 +346,12 @@ Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string
 World loadMoveitWorld(const std::string& scene_path, const ProblemOptions& options,
                       std::vector<std::string>& warnings);
 
+/// Allows the pairs of links that touch with all joints at zero, or at the nearest limit: those of
+/// robots::touchingAtRest(), proven, which include all that touch everywhere. A warning of the
+/// problem names them. Throws robots::InputError for a robot that is missing or lacks its meshes,
+/// robots::Stopped. One distance query a pair of geometries.
+void allowTouching(Problem& problem, const robots::Stop& stop = {});
+
 /// A problem without obstacles, from group states or values of the planned variables: "0, 1.5".
 /// Throws robots::InputError (without a file) for unknown names and wrong values.
 Problem problemFromStates(std::shared_ptr<const robots::Model> model, const std::string& group,

@@ -117,4 +117,9 @@ enum class Touch : unsigned char {
 /// distance query for each pair of geometries.
 Touch touchAtJoint(const Model& model, int link_a, int link_b, int joint);
 
+/// The pairs of links that touch at the default configuration, proven to within kTouch
+/// (tolerances.h), the lower link first: those that joints move against each other, without
+/// neighbours and pairs that the SRDF disables. One distance query a pair of geometries.
+std::vector<std::pair<int, int>> touchingAtRest(const Model& model, const Stop& stop = {});
+
 }  // namespace leeway::robots
