@@ -333,5 +333,77 @@ TEST_F(RobotFiles, AutoAllowsWhatTouchesAtRest) {
   expectRefused(plan + "--allowed all", {"--allowed", "auto"});
 }
 
+TEST_F(RobotFiles, SrdfProposesPairs) {
+  write("t.urdf", touchingUrdf());
+  const Answer answer = run("srdf t.urdf --json --output t.srdf");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const json document = answer.document();
+  const json& counts = document["counts"];
+  EXPECT_EQ(counts["adjacent"], 4);
+  EXPECT_EQ(counts["rigid"], 1);
+  EXPECT_EQ(counts["always"], 1);
+  EXPECT_EQ(counts["rest"], 1);
+  EXPECT_GE(counts["never"], 2);
+  EXPECT_GE(counts["sometimes"], 2);
+  EXPECT_EQ(document["pairs"].size(), 15U);
+  int proposed = 0;
+  json whys;
+  for (const json& pair : document["pairs"]) {
+    whys[pair["a"].get<std::string>() + " " + pair["b"].get<std::string>()] = pair["why"];
+    EXPECT_EQ(pair["proposed"], pair["why"] != "sometimes" && pair["why"] != "never_sampled");
+    proposed += pair["proposed"].get<bool>() ? 1 : 0;
+  }
+  EXPECT_EQ(whys["base hub"], "always");
+  EXPECT_EQ(whys["base rest"], "rest");
+  EXPECT_EQ(whys["neck rest"], "never");
+  EXPECT_EQ(whys["neck far"], "sometimes");
+  // What is written is what is read.
+  EXPECT_EQ(run("info t.urdf --srdf t.srdf --json").document()["robot"]["disabled_pairs"],
+            proposed);
+  EXPECT_EQ(
+      run("plan --robot t.urdf --srdf t.srdf --chain base rest --start 0,0,0 --goal 1,0,0").status,
+      0);
+  EXPECT_NE(read("t.srdf").find("link1=\"base\" link2=\"hub\" reason=\"Always\"/>  <!-- touch "
+                                "always (proven); in 1000 of 1000 samples -->"),
+            std::string::npos)
+      << read("t.srdf");
+  const std::string first = read("t.srdf");
+  run("srdf t.urdf --output t.srdf");
+  EXPECT_EQ(read("t.srdf"), first);
+
+  const std::string text = run("srdf t.urdf --output pairs.yaml").out;
+  EXPECT_EQ(text.find(std::to_string(proposed) + " of 15 pairs of links need no check"), 0U)
+      << text;
+  EXPECT_EQ(read("pairs.yaml").find("allowed:\n  - [\"base\", \"hub\"]  # touch always"), 0U)
+      << read("pairs.yaml");
+  write("p.yaml", "leeway: 1\nrobot: {urdf: t.urdf}\nstart: [0, 0, 0, 0]\ngoal: [1, 0, 0, 0]\n" +
+                      read("pairs.yaml"));
+  EXPECT_EQ(run("plan p.yaml").status, 0);
+
+  write("one.urdf", "<robot name=\"one\"><link name=\"a\"/></robot>");
+  expectRefused("srdf one.urdf", {"one.urdf", "no joint can move"});
+  expectRefused("srdf t.urdf --srdf t.srdf", {"without an SRDF"});
+  expectRefused("srdf t.srdf", {"one URDF or MJCF file"});
+  expectRefused("srdf t.urdf --output t.txt", {"t.txt", ".srdf"});
+}
+
+/// A pair that samples never saw touching is proposed only where a user asks for it.
+TEST_F(RobotFiles, SrdfLeavesSampledPairsChecked) {
+  // `far` reaches `plate` in a share of 1e-4 of its range.
+  std::string text = touchingUrdf();
+  text = replaced(text, "<origin xyz=\"0.5 0 0\"/>", "<origin xyz=\"2 0 0\"/>");
+  text = replaced(text, "xyz=\"-0.2 0 0\"", "xyz=\"-0.0997 0 0\"");
+  write("t.urdf", text);
+  const auto whyOf = [&](const std::string& options) {
+    const json document = run("srdf t.urdf --json --samples 100 " + options).document();
+    for (const json& pair : document["pairs"])
+      if (pair["a"] == "far" && pair["b"] == "plate") return pair;
+    return json();
+  };
+  EXPECT_EQ(whyOf("")["why"], "never_sampled");
+  EXPECT_EQ(whyOf("")["proposed"], false);
+  EXPECT_EQ(whyOf("--sampled")["proposed"], true);
+}
+
 }  // namespace
 }  // namespace leeway::tools::testing

@@ -6,8 +6,8 @@
 namespace leeway::tools::testing {
 namespace {
 
-const char* const kVerbs[] = {"plan", "check", "verify", "clearance", "replan", "batch", "info",
-                              "lint", "ik",    "fk",     "view",      "manual", "report"};
+const char* const kVerbs[] = {"plan", "check", "verify", "clearance", "replan", "batch",  "info",
+                              "lint", "srdf",  "ik",     "fk",        "view",   "manual", "report"};
 
 class Usage : public CommandTest {};
 

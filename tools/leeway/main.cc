@@ -25,7 +25,8 @@ constexpr const char* kReport = "report";
 std::vector<Verb> addVerbs(CLI::App& app) {
   std::vector<Verb> verbs = {addPlan(app),   addCheck(app), addVerify(app), addClearance(app),
                              addReplan(app), addBatch(app), addInfo(app),   addLint(app),
-                             addIk(app),     addFk(app),    addView(app),   addManual(app)};
+                             addSrdf(app),   addIk(app),    addFk(app),     addView(app),
+                             addManual(app)};
   app.add_subcommand(kReport, "measurements of the engine");  // for --help: see startReport()
   return verbs;
 }

@@ -23,6 +23,7 @@ Verb addIk(CLI::App& command);
 Verb addFk(CLI::App& command);
 Verb addView(CLI::App& command);
 Verb addLint(CLI::App& command);
+Verb addSrdf(CLI::App& command);
 Verb addManual(CLI::App& command);
 
 }  // namespace leeway::tools
