@@ -11,6 +11,7 @@
 #include "leeway/planner/planners.h"
 #include "leeway/planner/problem.h"
 #include "leeway/robots/motion_bound.h"
+#include "leeway/robots/named_states.h"
 #include "leeway/robots/placed_model.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/problem/fail_at.h"
@@ -676,7 +677,7 @@ Problem problemFromStates(std::shared_ptr<const Model> model, const std::string&
   problem.start = problem.robot.model->defaultConfiguration();
   takeStart("", 0, statedRanges("start", start, problem), problem);
   const VariableRanges ranges = statedRanges("goal", goal, problem);
-  const auto& states = problem.robot.model->group_states;
+  const auto states = robots::namedStates(*problem.robot.model);
   const bool is_named = std::any_of(states.begin(), states.end(),
                                     [&](const auto& state) { return state.name == goal; });
   problem.goals.push_back(takeGoal("", 0, is_named ? goal : "goal", ranges, problem));

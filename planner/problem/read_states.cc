@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "collision/base/numbers.h"
+#include "leeway/robots/named_states.h"
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/problem/read_poses.h"
@@ -235,7 +236,7 @@ VariableRanges groupStateRanges(const std::string& file, int line, const std::st
   const std::string why = model.whyStateLeftOut(name, problem.robot.variables);
   if (!why.empty())
     throw InputError(file, line, fmt::format("group state '{}' is not known{}", name, why));
-  for (const robots::GroupState& state : model.group_states) {
+  for (const robots::GroupState& state : robots::namedStates(model)) {
     const auto covers = [&](int v) {
       return std::any_of(state.values.begin(), state.values.end(),
                          [&](const auto& value) { return value.first == v; });
@@ -296,7 +297,38 @@ Goal readGoal(const YamlReader& reader, const std::string& name, Problem& proble
                   problem);
 }
 
+namespace {
+
+/// `joints: open`: the state's values of the joints that are not planned.
+void takePassiveState(const YamlReader& reader, Problem& problem) {
+  const Model& model = *problem.robot.model;
+  const std::string name = reader.text();
+  std::vector<std::string> known;
+  std::vector<robots::GroupState> found;
+  for (robots::GroupState& state : robots::namedStates(model)) {
+    std::erase_if(state.values, [&](const auto& value) { return planned(problem, value.first); });
+    if (state.values.empty()) continue;
+    known.push_back(state.name);
+    if (state.name == name) found.push_back(std::move(state));
+  }
+  if (found.empty()) {
+    const std::string why = model.whyLeftOut("group state", name);
+    reader.fail(why.empty() ? fmt::format("no group state '{}' for joints that are not planned{}",
+                                          name, didYouMean(model, "group state", name, known))
+                            : fmt::format("group state '{}' is not known{}", name, why));
+  }
+  if (found.size() > 1)
+    reader.fail(fmt::format(
+        "the groups '{}' and '{}' both have a state '{}' for joints that are not planned; a map by "
+        "joint is expected",
+        found[0].group, found[1].group, name));
+  for (const auto& [v, value] : found[0].values) problem.start[at(v)] = value;
+}
+
+}  // namespace
+
 void readPassiveJoints(const YamlReader& reader, Problem& problem) {
+  if (reader.isScalar()) return takePassiveState(reader, problem);
   StateReader states(problem, false);
   for (const auto& [name, value] : reader.entries())
     if (const int v = problem.robot.model->findVariable(name); v >= 0 && planned(problem, v))

@@ -42,7 +42,8 @@ void readStart(const YamlReader& reader, Problem& problem);
 /// place of a number is a range.
 Goal readGoal(const YamlReader& reader, const std::string& name, Problem& problem);
 
-/// `joints:`, values of joints that are not planned.
+/// `joints:`, values of joints that are not planned: a map by joint, or the name of a state of
+/// robots::namedStates() that has some of them.
 void readPassiveJoints(const YamlReader& reader, Problem& problem);
 
 }  // namespace leeway::planner

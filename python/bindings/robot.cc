@@ -7,6 +7,7 @@
 #include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
+#include "leeway/robots/named_states.h"
 #include "leeway/robots/placed_model.h"
 #include "leeway/robots/text.h"
 #include "python/base/arrays.h"
@@ -116,7 +117,7 @@ Robot freeBody(const std::string& name, const py::list& shapes, const std::strin
 std::vector<double> namedState(const Robot& robot, const std::string& name) {
   std::vector<std::string> known;
   refuseLeftOut("group state", name, robot.model->whyStateLeftOut(name, robot.space->variables()));
-  for (const robots::GroupState& state : robot.model->group_states) {
+  for (const robots::GroupState& state : robots::namedStates(*robot.model)) {
     std::vector<double> point;
     for (const int variable : robot.space->variables())
       for (const auto& [given, value] : state.values)

@@ -54,6 +54,7 @@ def test_bounds_and_base_poses(tmp_path):
         leeway.plan(leeway.Robot(file), leeway.World(), start, goal)
     robot = leeway.Robot(file, bounds={"wheels": {"x": (-5, 4), "y": (-2, 2)}}, base_pose=(0, 10, 0, 0, 0, 0, 1))
     assert list(robot.lower[:2]) == [-5, -2] and list(robot.upper[:2]) == [4, 2] and np.isinf(robot.upper[2])
+    assert list(robot.state("middle")) == [-0.5, 0, 0] and list(robot.state("zero")) == [0, 0, 0]
     assert robot.pose("base", [1, 0, 0])[:3, 3] == pytest.approx([1, 10, 0])
     world = leeway.World()
     world.add_box("crate", (1, 1, 1), position=(0, 10, 0))

@@ -6,9 +6,11 @@
 #include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/named_states.h"
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/execute/unchecked_json.h"
@@ -146,13 +148,11 @@ std::vector<double> parseValues(const planner::Problem& problem, const std::stri
   return point;
 }
 
-const robots::GroupState* findGroupState(const planner::Problem& problem, const std::string& name) {
-  for (const auto& state : problem.robot.model->group_states) {
-    if (state.name == name) {
-      return &state;
-    }
-  }
-  return nullptr;
+std::optional<robots::GroupState> findGroupState(const planner::Problem& problem,
+                                                 const std::string& name) {
+  for (const auto& state : robots::namedStates(*problem.robot.model))
+    if (state.name == name) return state;
+  return std::nullopt;
 }
 
 std::vector<double> groupStatePoint(const planner::Problem& problem,
@@ -189,7 +189,7 @@ std::vector<NamedState> collectStates(const planner::Problem& problem,
       states.push_back({"start", startPoint(problem)});
     } else if (text == "goal") {
       appendGoals(problem, states);
-    } else if (const auto* state = findGroupState(problem, text)) {
+    } else if (const auto state = findGroupState(problem, text)) {
       states.push_back({text, groupStatePoint(problem, *state)});
     } else {
       states.push_back({text, parseValues(problem, text)});

@@ -335,6 +335,50 @@ TEST(Problem, ARobotStandsWhereTheFileSaysIt) {
       << messageOf(file);
 }
 
+/// Names of the values that a state of every robot has, and of states of joints that are not
+/// planned.
+TEST(Problem, EveryRobotHasTheStatesZeroAndMiddle) {
+  const Folder folder;
+  folder.write("two.urdf",
+               R"(<robot name="two"><link name="a"/><link name="b"/><link name="c"/><link name="d"/>
+<joint name="x" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+<limit lower="0.5" upper="2.5" effort="1" velocity="1"/></joint>
+<joint name="y" type="continuous"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/></joint>
+<joint name="grip" type="prismatic"><parent link="c"/><child link="d"/><axis xyz="1 0 0"/>
+<limit lower="0" upper="0.08" effort="1" velocity="1"/></joint></robot>)");
+  folder.write("two.srdf",
+               R"(<robot name="two"><group name="arm"><joint name="x"/><joint name="y"/></group>
+<group name="hand"><joint name="grip"/></group><group name="also"><joint name="grip"/></group>
+<group_state name="open" group="hand"><joint name="grip" value="0.07"/></group_state>
+<group_state name="shut" group="hand"><joint name="grip" value="0"/></group_state>
+<group_state name="shut" group="also"><joint name="grip" value="0.01"/></group_state>
+<group_state name="home" group="arm"><joint name="x" value="1"/><joint name="y" value="1"/></group_state>
+</robot>)");
+  const auto file = [&](const std::string& keys) {
+    return folder.write("problem.yaml",
+                        "leeway: 1\nrobot: {urdf: two.urdf, srdf: two.srdf, group: arm}\n" + keys);
+  };
+  const std::string ends = "start: zero\ngoal: middle\n";
+  const Problem problem = loadProblem(file("joints: open\n" + ends));
+  EXPECT_EQ(problem.start, (std::vector<double>{0.5, 0, 0.07}));
+  EXPECT_EQ(problem.goals[0].ranges, (std::vector<std::pair<double, double>>{{1.5, 1.5}, {0, 0}}));
+  EXPECT_EQ(problem.goals[0].name, "middle");
+  EXPECT_EQ(loadProblem(file("joints: middle\n" + ends)).start[2], 0.04);
+  const std::pair<std::string, std::string> wrong[] = {
+      {"opn", ":3: no group state 'opn' for joints that are not planned; did you mean 'open'?"},
+      {"home", ":3: no group state 'home' for joints that are not planned"},
+      {"shut", ":3: the groups 'hand' and 'also' both have a state 'shut'"}};
+  for (const auto& [name, words] : wrong) {
+    const std::string message = messageOf(file("joints: " + name + "\n" + ends));
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  }
+  // A name that the SRDF gives is the SRDF's.
+  std::string srdf = readText(folder.path("two.srdf"));
+  srdf.replace(srdf.find("\"home\""), 6, "\"zero\"");
+  folder.write("two.srdf", srdf);
+  EXPECT_EQ(loadProblem(file(ends)).start, (std::vector<double>{1, 1, 0}));
+}
+
 TEST(Problem, AWholeRobotAndTheWholeWorldInMargins) {
   const std::string base = robot("arm6", "arm") + kArm6Ends + R"(
 objects: [{name: o, sphere: {radius: 0.1}}, {name: p, sphere: {radius: 0.1}}]

@@ -7,6 +7,7 @@
 
 #include "collision/base/numbers.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/named_states.h"
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 
@@ -19,7 +20,7 @@ void badState(const std::string& text, const std::string& message) {
 std::string meantState(const robots::Model& model, const std::string& text,
                        std::vector<std::string> words) {
   if (text.find_first_of(",=") != std::string::npos || robots::parseNumber(text)) return "";
-  for (const robots::GroupState& state : model.group_states) {
+  for (const robots::GroupState& state : robots::namedStates(model)) {
     // Groups may have states of one name.
     if (std::find(words.begin(), words.end(), state.name) == words.end())
       words.push_back(state.name);
@@ -68,7 +69,7 @@ std::vector<double> parseConfiguration(const planner::Problem& problem, const st
   std::vector<double> q = problem.start;
   if (text == "start") return q;
   refuseLeftOut(problem, text);
-  for (const robots::GroupState& state : model.group_states) {
+  for (const robots::GroupState& state : robots::namedStates(model)) {
     if (state.name != text) continue;
     for (const auto& [variable, value] : state.values) q[at(variable)] = value;
     return q;
