@@ -413,6 +413,8 @@ const char* toString(PlanStatus status) {
       return "invalid_goal";
     case PlanStatus::kNothingChecked:
       return "nothing_checked";
+    case PlanStatus::kNotCompiled:
+      return "not_compiled";
   }
   return "unsolved";
 }
@@ -434,13 +436,13 @@ PlanResult plan(const Problem& problem, const PlanOptions& options) {
     scene = std::make_shared<const CompiledScene>(problem, stop);
   } catch (const robots::Stopped&) {
     PlanResult result;
+    result.status = PlanStatus::kNotCompiled;
     result.planner = problem.planner.name;
     result.seed = problem.seed;
     result.compile_s = elapsed();
-    if (is_late)
-      result.warnings.emplace_back(
-          "the problem was not compiled within its time limit; a longer one (limits.time, --time) "
-          "is expected");
+    result.reason = is_late ? "the problem was not compiled within its time limit; a longer one "
+                              "(limits.time, --time) is expected"
+                            : "the problem was not compiled before it was stopped";
     return result;
   }
   const double compile_s = elapsed();

@@ -175,8 +175,9 @@ void defineResult(py::module_& module) {
                             "proven to keep its margins.");
   defineConstant(
       result, "status", [](const Result& self) { return toString(self.value.status); },
-      "'solved', 'unsolved', 'invalid_start', 'invalid_goal' or 'nothing_checked': no pair of "
-      "shapes is checked, and nothing is planned.");
+      "'solved', 'unsolved', 'invalid_start', 'invalid_goal', 'nothing_checked' (no pair of shapes "
+      "is checked, and nothing is planned) or 'not_compiled' (the time limit was over, or it was "
+      "stopped, before planning began).");
   defineConstant(
       result, "path",
       [](const Result& self) {

@@ -181,7 +181,7 @@ def test_invalid_start_says_what_is_in_the_way(robot, world):
 def test_stop_progress_and_failing_callbacks():
     sealed = leeway.load("problems/unsolvable/sealed.yaml")
     result = leeway.plan(sealed, time=60, iterations=0, stop=lambda: True)
-    assert result.status == "unsolved"
+    assert result.status == "not_compiled"
     phases = []
     leeway.plan(sealed, iterations=200, progress=lambda phase, seconds: phases.append((phase, seconds)))
     assert phases and all(seconds >= 0 for _, seconds in phases)

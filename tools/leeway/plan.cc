@@ -248,6 +248,9 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
     case planner::PlanStatus::kNothingChecked:
       fmt::print("Nothing was checked, and nothing planned: {}.\n", result.reason);
       break;
+    case planner::PlanStatus::kNotCompiled:
+      fmt::print("Nothing was planned: {}.\n", result.reason);
+      break;
   }
   fmt::print("{}", timeText(result, load_s));
 }

@@ -197,15 +197,17 @@ TEST(Stop, CompilingARobot) {
   });
 }
 
-/// A plan whose problem is not compiled in time is unsolved.
-TEST(Stop, APlanSaysUnsolved) {
+/// A plan whose problem is not compiled was not tried.
+TEST(Stop, APlanSaysThatNothingWasCompiled) {
   const Problem problem = test::wallProblem();
   PlanOptions options;
   options.stop = [] { return true; };
   std::set<std::string> phases;
   options.progress = [&](const std::string& phase, double) { phases.insert(phase); };
   const PlanResult result = plan(problem, options);
-  EXPECT_EQ(result.status, PlanStatus::kUnsolved);
+  EXPECT_EQ(result.status, PlanStatus::kNotCompiled);
+  EXPECT_STREQ(toString(result.status), "not_compiled");
+  EXPECT_EQ(result.reason, "the problem was not compiled before it was stopped");
   EXPECT_TRUE(result.path.positions.empty());
   EXPECT_FALSE(result.certificate.certified);
   EXPECT_EQ(phases, std::set<std::string>{"compile"});

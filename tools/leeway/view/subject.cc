@@ -192,6 +192,9 @@ Subject subjectOfPlan(const planner::Problem& problem, const std::string& source
   switch (result.status) {
     case planner::PlanStatus::kNothingChecked:
       break;
+    case planner::PlanStatus::kNotCompiled:
+      subject.verdict = "not compiled";
+      break;
     case planner::PlanStatus::kInvalidStart:
       subject.verdict = "start not valid";
       break;

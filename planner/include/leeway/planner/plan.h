@@ -17,8 +17,9 @@ enum class PlanStatus : unsigned char {
   kInvalidStart,
   kInvalidGoal,
   kNothingChecked,  ///< no pair of shapes is checked: no path could be proven
+  kNotCompiled,  ///< compiling took longer than the time limit, or was stopped: nothing was tried
 };
-/// "solved", "unsolved", "invalid_start", "invalid_goal", "nothing_checked"
+/// "solved", "unsolved", "invalid_start", "invalid_goal", "nothing_checked", "not_compiled"
 const char* toString(PlanStatus status);
 
 /// The stretch of a task's path that is one of Problem::steps.
@@ -124,11 +125,11 @@ struct PlanResult {
   Certificate certificate;
   StateCheck offending;  ///< for an invalid start or goal: pair, depth, place
   std::string offending_a, offending_b;
-  /// For an invalid goal of poses that no configuration was found for, a task that failed, and
-  /// kNothingChecked: so in words. `offending` then says nothing.
+  /// For an invalid goal of poses that no configuration was found for, a task that failed,
+  /// kNothingChecked and kNotCompiled: so in words. `offending` then says nothing.
   std::string reason;
   bool unreachable = false;  ///< that there is none is proven
-  /// Margins and objects that have no effect; goals left out; that compiling took too long.
+  /// Margins and objects that have no effect; goals left out.
   std::vector<std::string> warnings;
 };
 
