@@ -149,7 +149,10 @@ bool PreparedRobot::isAllowedName(const std::string& name) const {
 }
 
 const RobotLanes& PreparedRobot::lanes(const robots::Model& model) const {
-  std::call_once(lanes_once_, [&] { lanes_ = std::make_unique<const RobotLanes>(model, *this); });
+  std::call_once(lanes_once_, [&] {
+    const RobotLanes::Source source{scene_, carriers_, motions_, variables_, ranges_};
+    lanes_ = std::make_unique<const RobotLanes>(model, source);
+  });
   return *lanes_;
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <span>
 
 #include "collision/base/numbers.h"
 #include "collision/base/tolerances.h"
@@ -12,7 +11,6 @@
 #include "collision/scene/scene_access.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/edge/edge_model.h"
-#include "planner/edge/prepared_robot.h"
 
 namespace leeway::planner {
 namespace {
@@ -108,12 +106,12 @@ void addCover(const collision::BallCover& cover, const Pose& X_FG, LaneSweep::Pi
 
 class RobotLanesBuilder {
  public:
-  RobotLanesBuilder(const robots::Model& model, const PreparedRobot& robot, RobotLanes& lanes)
+  RobotLanesBuilder(const robots::Model& model, const RobotLanes::Source& robot, RobotLanes& lanes)
       : model_(model), robot_(robot), lanes_(lanes) {}
 
   void build() {
     addSteps();
-    for (const robots::RelativeMotion& motion : robot_.motions().motions) addMotion(motion);
+    for (const robots::RelativeMotion& motion : robot_.motions.motions) addMotion(motion);
     addPieces();
     lanes_.sweep.finishPieces();
   }
@@ -129,10 +127,10 @@ class RobotLanesBuilder {
 
   void addSteps() {
     std::vector<char> planned(model_.variables.size(), 0);
-    for (const int v : robot_.variables()) planned[at(v)] = 1;
+    for (const int v : robot_.variables) planned[at(v)] = 1;
     std::vector<double> base(model_.variables.size(), 0.0);
     for (std::size_t v = 0; v < base.size(); ++v)
-      if (!planned[v]) base[v] = robot_.ranges()[v].lower;  // stands as it does
+      if (!planned[v]) base[v] = robot_.ranges[v].lower;  // stands as it does
     std::vector<Pose> X_WL(model_.links.size());
     robots::forwardKinematics(model_, base, X_WL);
 
@@ -249,7 +247,7 @@ class RobotLanesBuilder {
 
   /// Those that move, and of those that stand still the ones that some link must not touch.
   void addPieces() {
-    const collision::Scene& scene = robot_.scene();
+    const collision::Scene& scene = robot_.scene;
     std::vector<char> used;
     for (std::size_t b = 0; b < scene.bodies().size(); ++b)
       used.insert(used.end(), scene.bodies()[b].geometries.size(), scene.bodies()[b].moving);
@@ -291,24 +289,24 @@ class RobotLanesBuilder {
   }
 
   int indexOf(int body, int geometry) const {
-    return collision::SceneAccess::geometryIndex(robot_.scene(), body, geometry);
+    return collision::SceneAccess::geometryIndex(robot_.scene, body, geometry);
   }
 
   void addPiece(int body, int geometry) {
     const int index = indexOf(body, geometry);
-    const collision::Body& b = robot_.scene().bodies()[at(body)];
+    const collision::Body& b = robot_.scene.bodies()[at(body)];
     const collision::Geometry& g = b.geometries[at(geometry)];
-    const Ball& outer = collision::SceneAccess::bounds(robot_.scene(), index).outer;
+    const Ball& outer = collision::SceneAccess::bounds(robot_.scene, index).outer;
     RobotLanes::Piece& result = lanes_.pieces[at(index)];
     if (!b.moving) {
       result = addStill(g, b.X_WB, outer, lanes_.sweep);
       return;
     }
-    const LinkPlace& place = places_[at(robot_.carriers()[at(body)])];
+    const LinkPlace& place = places_[at(robot_.carriers[at(body)])];
     const Pose X_FG = place.X_FL * g.X_BG;
     LaneSweep::Piece lane;
     lane.frame = place.frame;
-    lane.motion = robot_.motions().of_world[at(index)];
+    lane.motion = robot_.motions.of_world[at(index)];
     lane.outer = placed(place.X_FL, outer);
     const std::shared_ptr<const collision::BallCover> cover = collision::coverOf(g.shape);
     addCover(*cover, X_FG, lane);
@@ -324,7 +322,7 @@ class RobotLanesBuilder {
   }
 
   const robots::Model& model_;
-  const PreparedRobot& robot_;
+  const RobotLanes::Source& robot_;
   RobotLanes& lanes_;
   std::vector<LinkPlace> places_;  // one a link
   std::vector<double> reach_;      // lengths up to a frame [m]
@@ -334,7 +332,7 @@ class RobotLanesBuilder {
 
 }  // namespace
 
-RobotLanes::RobotLanes(const robots::Model& model, const PreparedRobot& robot) {
+RobotLanes::RobotLanes(const robots::Model& model, const Source& robot) {
   RobotLanesBuilder(model, robot, *this).build();
 }
 

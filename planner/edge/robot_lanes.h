@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "collision/lanes/lane_frames.h"
@@ -11,16 +12,23 @@
 #include "leeway/collision/scene.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/model.h"
+#include "planner/edge/edge_model.h"
 
 namespace leeway::planner {
-
-class PreparedRobot;  // prepared_robot.h
 
 /// Frames of the joints that move, bounds on accelerations, and the geometries as pieces and
 /// obstacles of a collision::LaneSweep. Constant.
 struct RobotLanes {
+  /// The members of a PreparedRobot that lanes are made from.
+  struct Source {
+    const collision::Scene& scene;
+    std::span<const int> carriers;
+    const RobotMotions& motions;
+    std::span<const int> variables;
+    std::span<const robots::VariableRange> ranges;
+  };
   /// O(vertices) for a first robot of these meshes, later O(points of their covers).
-  RobotLanes(const robots::Model& model, const PreparedRobot& robot);
+  RobotLanes(const robots::Model& model, const Source& robot);
 
   /// A joint that turns or slides: a step between two frames, the upper one with its z axis along
   /// the joint's. A floating joint has two; the second turns its frame back to the link's axes.
