@@ -1,5 +1,3 @@
-#include "leeway/planner/compiled_scene.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,13 +16,14 @@
 #include "collision/base/numbers.h"
 #include "collision/scene/scene_access.h"
 #include "leeway/collision/deformable_mesh.h"
+#include "leeway/planner/compiled_scene.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
+#include "planner/compiled/edge_model.h"
+#include "planner/compiled/prepared_robot.h"
+#include "planner/compiled/robot_pairs.h"
 #include "planner/edge/edge_frames.h"
 #include "planner/edge/edge_lanes.h"
-#include "planner/edge/edge_model.h"
-#include "planner/edge/prepared_robot.h"
-#include "planner/edge/robot_pairs.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {

@@ -10,7 +10,7 @@
 #include "collision/lanes/obstacle_boxes.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
-#include "planner/edge/edge_model.h"
+#include "planner/compiled/edge_model.h"
 
 namespace leeway::planner {
 
@@ -21,6 +21,7 @@ EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
   for (std::vector<double>* v : {&a_, &b_, &difference_, &point_}) v->resize(size);
   q_.resize(scene_->model().variables.size());
   dq_.resize(q_.size());
+  shared_slots_.resize(kSharedPlaces + 1);
   only_lines_ = std::all_of(space.parts().begin(), space.parts().end(), [](const auto& part) {
     return part.kind == ConfigurationSpace::Kind::kLine;
   });
@@ -203,6 +204,14 @@ int EdgeFrames::place(double t) {
   }
   ++used_;
   return slot;
+}
+
+int EdgeFrames::slotAt(double t) {
+  const double number = t * kSharedPlaces;
+  if (number != std::floor(number)) return place(t);
+  SharedSlot& shared = shared_slots_[static_cast<std::size_t>(number)];
+  if (shared.slot < 0 || shared.generation != generation_) shared = {generation_, place(t)};
+  return shared.slot;
 }
 
 bool EdgeFrames::nearInRow(std::size_t row, int slot, double reach,

@@ -141,6 +141,8 @@ class EdgeFrames {
   bool begin(std::span<const double> a, std::span<const double> b);
   /// A slot with the configuration at t; -1 when none is left or a body is beyond EdgeModel::reach.
   int place(double t);
+  /// place(), once for each multiple of 1 / kSharedPlaces while its slot is in use.
+  int slotAt(double t);
   int used() const { return used_; }
   /// Frees all slots from `used` on.
   void release(int used) {
@@ -245,7 +247,13 @@ class EdgeFrames {
   int capacity_;
   int used_ = 0;
   std::uint64_t generation_ = 0;
-  bool only_lines_ = false;  // in the space
+  static constexpr int kSharedPlaces = 1 << 9;
+  struct SharedSlot {
+    std::uint64_t generation = 0;
+    int slot = -1;
+  };
+  std::vector<SharedSlot> shared_slots_;  // of slotAt()
+  bool only_lines_ = false;               // in the space
   bool within_limits_ = true, watch_reach_ = false;
   std::vector<double> a_, b_, difference_, point_, q_, dq_;
   std::vector<robots::JointMotion> joint_motion_;

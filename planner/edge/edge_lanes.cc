@@ -14,8 +14,8 @@
 #include "collision/scene/scene_access.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/tolerances.h"
-#include "planner/edge/edge_model.h"
-#include "planner/edge/prepared_robot.h"
+#include "planner/compiled/edge_model.h"
+#include "planner/compiled/prepared_robot.h"
 
 namespace leeway::planner {
 namespace {
@@ -348,6 +348,16 @@ void EdgeLanes::closeGaps(const EdgeFrames& frames, double demanded) {
 
 LaneSweep::Contact EdgeLanes::searchPlanes() {
   return lanes_.sweep.separate(lane_frames_, pass_growth_, slack_, *scratch_);
+}
+
+EdgeLanes::Parts::Range EdgeLanes::Parts::rangeOf(std::uint32_t lanes) const {
+  double begin = 1, end = 0;  // parts need not stand in the order of time
+  for (int lane = 0; lane < collision::kLanes; ++lane) {
+    if ((lanes >> lane & 1U) == 0) continue;
+    begin = std::min(begin, from[lane]);
+    end = std::max(end, from[lane] + width);
+  }
+  return {begin, end - begin};
 }
 
 const EdgeLanes::Parts& EdgeLanes::wholeEdge() {

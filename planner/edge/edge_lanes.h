@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "collision/lanes/lane_sweep.h"
+#include "planner/compiled/robot_lanes.h"
 #include "planner/edge/edge_frames.h"
-#include "planner/edge/robot_lanes.h"
 
 namespace leeway::planner {
 
@@ -68,6 +68,15 @@ class EdgeLanes {
     double from[collision::kLanes] = {};
     double width = 0;
     int share = 1;  ///< neighbouring lanes that stand for one part of the pass before
+
+    /// From where the first of some lanes begins to where the last of them ends.
+    struct Range {
+      double from, width;
+      double middle() const { return from + width / 2; }
+      bool operator==(const Range&) const = default;
+    };
+    Range rangeOf(std::uint32_t lanes) const;
+    double middle(int lane) const { return from[lane] + width / 2; }
   };
   /// The parts of sweep().
   static const Parts& wholeEdge();

@@ -1,55 +1,109 @@
-// Finer passes of lanes. A plane parts two hulls over a part of the edge where none parts them over
-// all of a lane: what a pass leaves open but apart is divided among the lanes of the next pass,
-// which looks at nothing else.
+#include "planner/edge/edge_parts.h"
 
 #include <algorithm>
 #include <bit>
 
 #include "planner/base/tolerances.h"
-#include "planner/edge/edge_certifier_impl.h"
 
 namespace leeway::planner {
+namespace {
 
-std::optional<EdgeCheck> EdgeCertifier::Impl::certifyParts() {
-  std::size_t next = 0;
-  for (int passes = 0; next < edge_parts.size() && passes < kLanePasses; ++passes) {
-    const EdgePart& first = edge_parts[next];
-    if (first.width <= kFinestPart) break;
-    if (work.isSpent())
-      return makeCheck(Verdict::kUndecided, part_pairs[at(first.begin)], first.from);
-    const EdgeLanes::Parts parts = takeParts(next);
-    const collision::LaneSweep::Contact contact = lanes.sweepParts(parts, pass_pairs);
-    if (contact.id >= 0) return makeCheck(parts, contact);
-    if (const auto check = searchContacts(parts)) return check;
-    if (!listParts(parts)) return makeCheck(Verdict::kUndecided, -1, parts.from[0]);
+constexpr std::size_t kMostParts = 512;
+
+}  // namespace
+
+EdgeParts::EdgeParts(EdgeFrames& frames, EdgeLanes& lanes, ContactSearch& contacts,
+                     EdgeQueue& queue, const collision::Work& work, std::size_t pairs,
+                     std::size_t tasks)
+    : frames_(frames), lanes_(lanes), contacts_(contacts), queue_(queue), work_(work) {
+  parts_.reserve(kMostParts);
+  part_pairs_.reserve(tasks);
+  pass_pairs_.reserve(pairs);
+}
+
+bool EdgeParts::begin() {
+  queue_.clear();
+  parts_.clear();
+  part_pairs_.clear();
+  next_ = 0;
+  return addOpenLanes() && list(EdgeLanes::wholeEdge());
+}
+
+int EdgeParts::lanesPerSweep(const collision::LaneSweep::Open& pair) const {
+  double growth = lanes_.growth(frames_.pair(pair.id).motion);
+  int width = 1;
+  while (width < collision::kLanes && 4 * growth <= kMergedGrowth) {
+    growth *= 4;
+    width *= 2;
   }
-  if (!listPartsLeft(next)) return makeCheck(Verdict::kUndecided, -1, edge_parts[next].from);
+  return width;
+}
+
+bool EdgeParts::isSweptOver(const collision::LaneSweep::Open& pair, int lane, int width) const {
+  const auto block = [](int first, int count) { return ((1U << count) - 1) << first; };
+  const std::uint32_t wanted = block(lane, width);
+  if (!frames_.pair(pair.id).by_surfaces)
+    return (pair.lanes & wanted) != 0 && lanesPerSweep(pair) == width;
+  // The sweep of surfaces halves long parts itself where that pays, so it gets the widest blocks
+  // that are open.
+  if ((pair.lanes & wanted) != wanted) return false;
+  if (width == collision::kLanes) return true;
+  const std::uint32_t wider = block(lane & ~(2 * width - 1), 2 * width);
+  return (pair.lanes & wider) != wider;
+}
+
+bool EdgeParts::addOpenLanes() {
+  if (lanes_.isFull()) return false;
+  constexpr double h = 1.0 / collision::kLanes;
+  for (int width = collision::kLanes, level = 0; width >= 1; width /= 2, ++level)
+    for (int lane = 0; lane < collision::kLanes; lane += width)
+      for (const collision::LaneSweep::Open& pair : lanes_.open())
+        if (!isForParts(pair) && isSweptOver(pair, lane, width) &&
+            !queue_.add(pair.id, lane * h, width * h, level))
+          return false;
+  return true;
+}
+
+std::optional<PairVerdict> EdgeParts::certify() {
+  for (int passes = 0; next_ < parts_.size() && passes < kLanePasses; ++passes) {
+    const Part& first = parts_[next_];
+    if (first.width <= kFinestPart) break;
+    if (work_.isSpent())
+      return PairVerdict{Verdict::kUndecided, part_pairs_[at(first.begin)], first.from};
+    const EdgeLanes::Parts parts = take();
+    const collision::LaneSweep::Contact contact = lanes_.sweepParts(parts, pass_pairs_);
+    if (contact.id >= 0)
+      return PairVerdict{Verdict::kNotFree, contact.id, parts.middle(contact.lane)};
+    if (const auto verdict = contacts_.search(parts)) return verdict;
+    if (!list(parts)) return PairVerdict{Verdict::kUndecided, -1, parts.from[0]};
+  }
+  if (!addTasks()) return PairVerdict{Verdict::kUndecided, -1, parts_[next_].from};
   return std::nullopt;
 }
 
-EdgeLanes::Parts EdgeCertifier::Impl::takeParts(std::size_t& next) {
+EdgeLanes::Parts EdgeParts::take() {
   // One, two or four parts of one width; each is divided so that all lanes are full.
-  const double width = edge_parts[next].width;
+  const double width = parts_[next_].width;
   std::size_t count = 1;
-  while (count < std::min<std::size_t>(4, edge_parts.size() - next) &&
-         edge_parts[next + count].width == width)
+  while (count < std::min<std::size_t>(4, parts_.size() - next_) &&
+         parts_[next_ + count].width == width)
     ++count;
   const int share = collision::kLanes / (count == 3 ? 4 : static_cast<int>(count));
   EdgeLanes::Parts parts;
   parts.width = width / share;
   parts.share = share;
-  pass_pairs.clear();
-  for (std::size_t k = 0; k < count; ++k, ++next) {
-    const EdgePart& part = edge_parts[next];
+  pass_pairs_.clear();
+  for (std::size_t k = 0; k < count; ++k, ++next_) {
+    const Part& part = parts_[next_];
     const int lane = static_cast<int>(k) * share;
     for (int i = 0; i < share; ++i) parts.from[lane + i] = part.from + i * parts.width;
     const std::uint32_t mask = ((1U << share) - 1) << lane;
     for (int i = part.begin; i < part.end; ++i) {
-      const int id = part_pairs[at(i)];
-      const auto known = std::find_if(pass_pairs.begin(), pass_pairs.end(),
+      const int id = part_pairs_[at(i)];
+      const auto known = std::find_if(pass_pairs_.begin(), pass_pairs_.end(),
                                       [id](const auto& pair) { return pair.id == id; });
-      if (known == pass_pairs.end())
-        pass_pairs.push_back({id, mask});
+      if (known == pass_pairs_.end())
+        pass_pairs_.push_back({id, mask});
       else
         known->lanes |= mask;
     }
@@ -57,9 +111,7 @@ EdgeLanes::Parts EdgeCertifier::Impl::takeParts(std::size_t& next) {
   return parts;
 }
 
-bool EdgeCertifier::Impl::listParts(const EdgeLanes::Parts& parts) {
-  if (open_pairs.size() + lanes.open().size() * collision::kLanes > open_pairs.capacity())
-    return false;
+bool EdgeParts::list(const EdgeLanes::Parts& parts) {
   for (int first = 0; first < collision::kLanes; first += parts.share) {
     if (!listWideOpen(parts, first)) return false;
     for (int lane = first; lane < first + parts.share; ++lane)
@@ -68,57 +120,44 @@ bool EdgeCertifier::Impl::listParts(const EdgeLanes::Parts& parts) {
   return true;
 }
 
-bool EdgeCertifier::Impl::isWideOpen(const collision::LaneSweep::Open& pair, int first,
-                                     int share) const {
+bool EdgeParts::isWideOpen(const collision::LaneSweep::Open& pair, int first, int share) {
   const std::uint32_t mask = ((1U << share) - 1) << first;
   return share > 1 && 2 * std::popcount(pair.lanes & mask) > share;
 }
 
-bool EdgeCertifier::Impl::listWideOpen(const EdgeLanes::Parts& parts, int first) {
-  bool has_interval = false;
-  for (const collision::LaneSweep::Open& pair : lanes.open()) {
-    if (!isWideOpen(pair, first, parts.share)) continue;
-    if (!has_interval && !addInterval(parts.from[first], parts.width * parts.share)) return false;
-    has_interval = true;
-    open_pairs.push_back(pair.id);
-    intervals.back().end = static_cast<int>(open_pairs.size());
-  }
+bool EdgeParts::listWideOpen(const EdgeLanes::Parts& parts, int first) {
+  for (const collision::LaneSweep::Open& pair : lanes_.open())
+    if (isWideOpen(pair, first, parts.share) &&
+        !queue_.add(pair.id, parts.from[first], parts.width * parts.share))
+      return false;
   return true;
 }
 
-bool EdgeCertifier::Impl::listLane(const EdgeLanes::Parts& parts, int lane, int first) {
-  // After the pass over the whole edge, listOpenLanes() has those that finer passes will not part.
+bool EdgeParts::listLane(const EdgeLanes::Parts& parts, int lane, int first) {
+  // After the pass over the whole edge, addOpenLanes() has those that finer passes will not part.
   const bool is_whole_edge = parts.share == 1;
-  if (part_pairs.size() + lanes.open().size() > part_pairs.capacity()) return false;
-  const auto begin = static_cast<int>(part_pairs.size());
-  bool has_interval = false;
-  for (const collision::LaneSweep::Open& pair : lanes.open()) {
+  if (part_pairs_.size() + lanes_.open().size() > part_pairs_.capacity()) return false;
+  const auto begin = static_cast<int>(part_pairs_.size());
+  for (const collision::LaneSweep::Open& pair : lanes_.open()) {
     if ((pair.lanes >> lane & 1U) == 0 || isWideOpen(pair, first, parts.share)) continue;
     if (is_whole_edge ? isForParts(pair) : pair.apart) {
-      part_pairs.push_back(pair.id);
-    } else if (!is_whole_edge) {
-      if (!has_interval && !addInterval(parts.from[lane], parts.width)) return false;
-      has_interval = true;
-      open_pairs.push_back(pair.id);
-      intervals.back().end = static_cast<int>(open_pairs.size());
+      part_pairs_.push_back(pair.id);
+    } else if (!is_whole_edge && !queue_.add(pair.id, parts.from[lane], parts.width)) {
+      return false;
     }
   }
-  const auto end = static_cast<int>(part_pairs.size());
+  const auto end = static_cast<int>(part_pairs_.size());
   if (begin == end) return true;
-  if (edge_parts.size() == edge_parts.capacity()) return false;
-  edge_parts.push_back({parts.from[lane], parts.width, begin, end});
+  if (parts_.size() == parts_.capacity()) return false;
+  parts_.push_back({parts.from[lane], parts.width, begin, end});
   return true;
 }
 
-bool EdgeCertifier::Impl::listPartsLeft(std::size_t& next) {
-  for (; next < edge_parts.size(); ++next) {
-    const EdgePart& part = edge_parts[next];
-    if (!addInterval(part.from, part.width) ||
-        open_pairs.size() + at(part.end - part.begin) > open_pairs.capacity())
-      return false;
-    open_pairs.insert(open_pairs.end(), part_pairs.begin() + part.begin,
-                      part_pairs.begin() + part.end);
-    intervals.back().end = static_cast<int>(open_pairs.size());
+bool EdgeParts::addTasks() {
+  for (; next_ < parts_.size(); ++next_) {
+    const Part& part = parts_[next_];
+    for (int i = part.begin; i < part.end; ++i)
+      if (!queue_.add(part_pairs_[at(i)], part.from, part.width)) return false;
   }
   return true;
 }

@@ -11,9 +11,9 @@
 #include "collision/base/tolerances.h"
 #include "collision/scene/scene_access.h"
 #include "collision/sweep/mesh_sweep.h"
+#include "planner/compiled/edge_model.h"
+#include "planner/compiled/prepared_robot.h"
 #include "planner/edge/edge_frames.h"
-#include "planner/edge/edge_model.h"
-#include "planner/edge/prepared_robot.h"
 
 namespace leeway::planner {
 namespace {

@@ -10,7 +10,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/trajectory.h"
 #include "planner/base/tolerances.h"
-#include "planner/edge/edge_model.h"
+#include "planner/compiled/edge_model.h"
 
 namespace leeway::planner {
 namespace {

@@ -19,8 +19,8 @@
 #include "collision/distance/plane_gap.h"
 #include "collision/scene/scene_access.h"
 #include "planner/base/tolerances.h"
+#include "planner/compiled/edge_model.h"
 #include "planner/edge/edge_certifier_impl.h"
-#include "planner/edge/edge_model.h"
 #include "planner/objective/nearness.h"
 
 namespace leeway::planner {
@@ -33,9 +33,9 @@ class EdgeCertifier::Impl::CostSearch {
   EdgeCost run() {
     const int start = impl_.frames.place(0), end = start < 0 ? -1 : impl_.frames.place(1);
     if (end < 0) return {};
-    if (!impl_.listWholeEdge(start, end, reach_ + impl_.most_rounding)) return {};
+    if (!impl_.takeWholeEdge(start, end, reach_ + impl_.most_rounding)) return {};
     parts_.clear();
-    add({start, end, 0, 1, 0, static_cast<int>(impl_.open_pairs.size()), 0});
+    add(impl_.queue.intervals().front());
     while (!isEnough() && splitWidest()) {
     }
     return result();
@@ -67,26 +67,15 @@ class EdgeCertifier::Impl::CostSearch {
   /// False where there is no room for more parts.
   bool splitWidest() {
     const CostPart widest = parts_.front();
-    const EdgeInterval& whole = widest.interval;
-    const auto count = static_cast<std::size_t>(whole.end - whole.begin);
-    if (whole.level >= kDeepestLevel || widest.middle < 0 ||
-        parts_.size() + 1 >= parts_.capacity() ||
-        impl_.open_pairs.size() + count > impl_.open_pairs.capacity() ||
+    if (widest.interval.level >= kDeepestLevel || widest.middle < 0 ||
+        parts_.size() + 1 >= parts_.capacity() || !impl_.queue.hasRoomToHalve(widest.interval) ||
         impl_.frames.used() + 2 > kEdgeSlots)
       return false;
     std::pop_heap(parts_.begin(), parts_.end(), isNarrower);
     parts_.pop_back();
     lower_ -= widest.lower;
     upper_ -= widest.upper;
-    EdgeInterval left = whole, right = whole;
-    left.h = right.h = whole.h / 2;
-    left.level = right.level = whole.level + 1;
-    left.slot1 = right.slot0 = widest.middle;
-    right.t0 = whole.t0 + right.h;
-    right.begin = static_cast<int>(impl_.open_pairs.size());
-    for (int i = whole.begin; i < whole.end; ++i)
-      impl_.open_pairs.push_back(impl_.open_pairs[at(i)]);
-    right.end = static_cast<int>(impl_.open_pairs.size());
+    const auto [left, right] = impl_.queue.halve(widest.interval, widest.middle);
     add(left);
     add(right);
     return true;
@@ -95,7 +84,7 @@ class EdgeCertifier::Impl::CostSearch {
   /// The integral of nearness over a part; of its pairs those that may be the nearest stay.
   CostPart bounded(EdgeInterval& interval) {
     ++impl_.statistics->intervals;
-    impl_.startInterval();
+    impl_.queries.startInterval();
     CostPart part{interval, -1, 0, interval.h, -kInfinity, kInfinity};
     part.middle = impl_.frames.place(interval.t0 + interval.h / 2);
     if (part.middle < 0) return part;
@@ -103,13 +92,13 @@ class EdgeCertifier::Impl::CostSearch {
     for (Line& line : uppers_) line = {kInfinity, kInfinity};
     for (Line& line : lowers_) line = {reach_, reach_};
     double enough = reach_;  // nothing beyond matters
-    int kept = interval.begin;
+    std::size_t kept = 0;
     for (const auto& [lower, p] : impl_.order) {
       if (lower >= enough || !bound(interval, part.middle, p, enough)) continue;
-      impl_.open_pairs[at(kept++)] = p;
+      impl_.queue.pairs(interval)[kept++] = p;
       enough = std::min(enough, std::max(highest(uppers_[0]), highest(uppers_[1])));
     }
-    interval.end = kept;
+    interval.end = interval.begin + static_cast<int>(kept);
     part.interval = interval;
     // Below 0 the lines say nothing: depths of meshes may grow faster than points move.
     const double least = std::min(lowest(lowers_[0]), lowest(lowers_[1]));
@@ -132,11 +121,10 @@ class EdgeCertifier::Impl::CostSearch {
   /// The open pairs that may come within reach, nearest first as far as balls say.
   void sortPairs(const EdgeInterval& interval) {
     impl_.order.clear();
-    for (int i = interval.begin; i < interval.end; ++i) {
-      const int p = impl_.open_pairs[at(i)];
+    for (const int p : impl_.queue.pairs(interval)) {
       const EdgePair& pair = impl_.frames.pair(p);
       double growth = 0;
-      const double lower = impl_.coarseSweep(interval, pair, growth) - pair.rounding;
+      const double lower = impl_.queries.coarseSweep(interval, pair, growth) - pair.rounding;
       if (lower < reach_) impl_.order.emplace_back(lower, p);
     }
     std::sort(impl_.order.begin(), impl_.order.end());
@@ -145,18 +133,18 @@ class EdgeCertifier::Impl::CostSearch {
   /// Takes what a pair says of a part; false where it is never nearer than `enough`.
   bool bound(const EdgeInterval& interval, int middle, int p, double enough) {
     const EdgePair& pair = impl_.frames.pair(p);
-    const robots::MotionBound& moves = impl_.motionOf(interval, pair.motion);
+    const robots::MotionBound& moves = impl_.queries.motionOf(interval, pair.motion);
     const double half_way = interval.h / 2 * moves.speed;
     const double growth = interval.h * interval.h / 4 * moves.acceleration / 8 + pair.rounding;
     collision::DistanceRequest request;
     // Nearer than what points leave their chords by does not help.
     request.tolerance = std::max(kCostDistance * request_.nearness.distance, growth / 4);
     if (std::isfinite(enough)) request.threshold = enough + half_way + pair.rounding;
-    collision::DistanceResult found = impl_.stateDistance(middle, pair, request);
+    collision::DistanceResult found = impl_.queries.distanceAt(middle, pair, request);
     if (found.status == collision::DistanceStatus::kNotAboveThreshold &&
         found.distance.width() > request.tolerance) {
       request.threshold = std::numeric_limits<double>::quiet_NaN();
-      found = impl_.stateDistance(middle, pair, request);
+      found = impl_.queries.distanceAt(middle, pair, request);
     }
     const double lower = found.distance.lower - pair.rounding;
     if (lower - half_way >= enough) return false;
@@ -265,7 +253,6 @@ EdgeCost EdgeCertifier::edgeCost(std::span<const double> a, std::span<const doub
   ++statistics.edges;
   Impl& impl = *impl_;
   impl.startWork(request.work_limit > 0 ? request.work_limit : kCostWork);
-  impl.queries = 0;
   if (!impl.frames.begin(a, b)) return {};
   const EdgeCost cost = Impl::CostSearch(impl, request).run();
   statistics.work += impl.work.done;

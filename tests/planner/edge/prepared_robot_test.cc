@@ -1,4 +1,4 @@
-#include "planner/edge/prepared_robot.h"
+#include "planner/compiled/prepared_robot.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/robots/input_error.h"
+#include "planner/compiled/edge_model.h"
 #include "planner/edge/edge_frames.h"
-#include "planner/edge/edge_model.h"
 #include "tests/support/random_problem.h"
 #include "tests/support/small_problems.h"
 

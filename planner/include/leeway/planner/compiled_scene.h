@@ -160,7 +160,7 @@ class CompiledScene {
   std::shared_ptr<const CompiledScene> withPairs(
       const std::function<bool(const collision::ScenePair&)>& keep) const;
 
-  /// What certification knows of every edge; private to planner/ (planner/edge/edge_model.h).
+  /// What certification knows of every edge; private to planner/ (planner/compiled/edge_model.h).
   const EdgeModel& edgeModel() const { return *edge_model_; }
   /// What its certifiers share, made by the first that asks; private to planner/
   /// (planner/edge/edge_frames.h and edge_lanes.h). They borrow from this scene. Thread-safe.

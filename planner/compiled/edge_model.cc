@@ -1,4 +1,4 @@
-#include "planner/edge/edge_model.h"
+#include "planner/compiled/edge_model.h"
 
 #include <algorithm>
 #include <cmath>

@@ -13,8 +13,8 @@
 #include "leeway/planner/problem.h"
 #include "leeway/robots/motion_bound.h"
 #include "leeway/robots/prepared_store.h"
-#include "planner/edge/edge_model.h"
-#include "planner/edge/robot_lanes.h"
+#include "planner/compiled/edge_model.h"
+#include "planner/compiled/robot_lanes.h"
 
 namespace leeway::planner {
 

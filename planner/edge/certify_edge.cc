@@ -1,50 +1,52 @@
-#include "leeway/planner/edge_certifier.h"
-
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 #include "collision/mesh/descent/sweep_fronts.h"
 #include "collision/scene/scene_access.h"
+#include "leeway/planner/edge_certifier.h"
 #include "planner/base/tolerances.h"
+#include "planner/compiled/edge_model.h"
 #include "planner/edge/edge_certifier_impl.h"
-#include "planner/edge/edge_model.h"
 
 namespace leeway::planner {
+
+namespace {
+
+/// As many pairs as a pass of lanes has room for.
+std::size_t mostOpen(const EdgeFrames& frames) {
+  return std::min(frames.pairs().size(),
+                  frames.pairs().listed().size() + collision::LaneSweep::kMostNear);
+}
+
+/// Each of 2^14 pairs may be open in all lanes; of more, each in four.
+std::size_t mostTasks(const EdgeFrames& frames) {
+  const std::size_t pairs = mostOpen(frames);
+  return std::max({std::size_t{1} << 16U,
+                   collision::kLanes * std::min(pairs, std::size_t{1} << 14U), 4 * pairs});
+}
+
+}  // namespace
 
 EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
     : scene(std::move(compiled)),
       frames(scene, kEdgeSlots),
       lanes(frames),
-      workspace(scene->scene()) {
+      workspace(scene->scene()),
+      queue(frames, mostTasks(frames)),
+      queries(frames, workspace, work, asked, memory),
+      contacts(frames, lanes, queries, work, memory),
+      parts(frames, lanes, contacts, queue, work, mostOpen(frames), mostTasks(frames)) {
   workspace.pose_error = scene->edgeModel().rounding;
   collision::countInto(collision::SceneAccess::scratch(workspace), work);
   lanes.countInto(work);
   frames.countInto(work);
-  // As many as a pass of lanes has room for.
-  const std::size_t pairs = std::min(
-      frames.pairs().size(), frames.pairs().listed().size() + collision::LaneSweep::kMostNear);
-  motion.resize(scene->edgeModel().motions.size());
-  world_balls.resize(scene->edges().moving.size());
-  shared_slots.resize(kSharedSlots + 1);
-  // Each of 2^14 pairs may be open in all lanes; of more, each in four.
-  const std::size_t lists = std::max<std::size_t>(
-      {std::size_t{kEdgeOpen},
-       std::size_t{collision::kLanes} * std::min(pairs, std::size_t{1} << 14U), 4 * pairs});
-  for (collision::SpareVector<int>* list : {&open_pairs, &next_open_pairs, &part_pairs})
-    list->reserve(lists);
-  for (collision::SpareVector<EdgeInterval>* list : {&intervals, &next_intervals})
-    list->reserve(kEdgeIntervals);
-  spans.reserve(kEdgeSpans);
   cost_parts.reserve(kEdgeSlots);
-  edge_parts.reserve(kEdgeParts);
-  near_pairs.reserve(pairs);
-  asked_pairs.reserve(pairs);
-  pass_pairs.reserve(pairs);
-  never_parted.reserve(pairs);
-  order.reserve(std::min(lists, frames.pairs().size()));
-  likely_looks.reserve(kContactLooks);
-  pair_memory.resize(frames.pairs().numbers());
+  near_pairs.reserve(mostOpen(frames));
+  asked_pairs.reserve(mostOpen(frames));
+  never_parted.reserve(mostOpen(frames));
+  order.reserve(std::min(mostTasks(frames), frames.pairs().size()));
+  memory.resize(frames.pairs().numbers());
   takePairs();
 }
 
@@ -74,7 +76,7 @@ std::shared_ptr<const CompiledScene> required(std::shared_ptr<const CompiledScen
 
 EdgeCertifier::EdgeCertifier(std::shared_ptr<const CompiledScene> scene)
     : impl_(std::make_unique<Impl>(required(std::move(scene)))) {
-  impl_->statistics = &statistics;
+  impl_->statistics = impl_->queries.statistics = &statistics;
 }
 EdgeCertifier::~EdgeCertifier() = default;
 
@@ -100,7 +102,7 @@ void EdgeCertifier::rebind(std::shared_ptr<const CompiledScene> scene) {
   impl_->scene = std::move(scene);
   impl_->takePairs();
   impl_->workspace.prepare(impl_->scene->scene());
-  impl_->startInterval();
+  impl_->queries.startInterval();
 }
 
 Verdict EdgeCertifier::decide(std::span<const double> point) {
@@ -165,13 +167,13 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
   }
   Impl& impl = *impl_;
   impl.work_limit = request.work_limit > 0 ? request.work_limit : impl.defaultWork();
-  impl.smallest = request.smallest_interval;
+  impl.queries.least_interval = request.smallest_interval;
   EdgeCheck check = impl.decideEdge(a, b);
   if (check.verdict == Verdict::kUndecided) ++statistics.undecided_edges;
   if (check.verdict == Verdict::kFree)
     check.last_valid = 1;
   else if (request.last_valid && impl.has_begun)
-    impl.findLastValid(check);
+    check.last_valid = impl.lastValid();
   return check;
 }
 
@@ -182,70 +184,84 @@ EdgeCheck EdgeCertifier::Impl::decideEdge(std::span<const double> a, std::span<c
   if (!has_begun) return {};
   const collision::SweepFronts fronts(collision::SceneAccess::scratch(workspace));
   const bool by_lanes = lanes_fit && lanes.begin(frames);
-  const EdgeCheck check = by_lanes ? certifyByLanes() : certifyByBisection();
+  const PairVerdict verdict = by_lanes ? certifyByLanes() : certifyByBisection();
   statistics->work += work.done;
-  return check;
+  return checkOf(verdict);
 }
 
-EdgeCheck EdgeCertifier::Impl::makeCheck(Verdict verdict, int p, double t) {
+EdgeCheck EdgeCertifier::Impl::checkOf(const PairVerdict& verdict) {
   EdgeCheck check;
-  check.verdict = verdict;
-  check.pair = p < 0 ? -1 : frames.pairs().numberInScene(p);
-  check.t = t;
-  last_named = p;
-  if (verdict == Verdict::kNotFree && p >= 0) {
-    last_contact = p;
-    PairMemory& known = pair_memory.of(p);
-    known.contact_score = std::max(known.contact_score, 1);
-    known.lane_contact_score = 1;
+  check.verdict = verdict.verdict;
+  check.pair = verdict.pair < 0 ? -1 : frames.pairs().numberInScene(verdict.pair);
+  check.t = verdict.t;
+  last_named = verdict.pair;
+  if (verdict.verdict == Verdict::kNotFree && verdict.pair >= 0) {
+    last_contact = verdict.pair;
+    contacts.remember(verdict.pair);
   }
   return check;
 }
 
 /// What decides that an edge is free. Each stage hands on what it leaves open: pairs, and the
 /// sixteenths of the edge in which they are. The numbers are those of edge_certifier_impl.h.
-EdgeCheck EdgeCertifier::Impl::certifyByLanes() {
+PairVerdict EdgeCertifier::Impl::certifyByLanes() {
   constexpr std::uint32_t all_lanes = (1U << collision::kLanes) - 1;
+  constexpr PairVerdict free{Verdict::kFree}, undecided{Verdict::kUndecided};
   const EdgeLanes::Parts& whole = EdgeLanes::wholeEdge();
+  const auto contactAt = [&](const collision::LaneSweep::Contact& contact) {
+    return PairVerdict{Verdict::kNotFree, contact.id, whole.middle(contact.lane)};
+  };
+  contacts.begin();
 
   // 1. Balls swept to capsules; planes and points that decided a pair before.
-  if (const auto contact = lanes.sweep(frames, asked, demanded); contact.id >= 0)
-    return makeCheck(whole, contact);
-  if (lanes.isFull()) return makeCheck(Verdict::kUndecided);
+  if (const auto contact = lanes.sweep(frames, asked.pairs, asked.separation); contact.id >= 0)
+    return contactAt(contact);
+  if (lanes.isFull()) return undecided;
   // 2. Gaps between two links that the angles of two joints prove.
-  lanes.closeGaps(frames, demanded);
-  if (lanes.open().empty()) return makeCheck(Verdict::kFree);
+  lanes.closeGaps(frames, asked.separation);
+  if (lanes.open().empty()) return free;
   // 3. Contacts, of pairs that are likely to have one.
-  if (const auto check = searchLikelyContacts(whole)) return *check;
+  if (const auto verdict = contacts.searchLikely(whole)) return *verdict;
   // 4. New planes between hulls.
-  if (const auto contact = lanes.searchPlanes(); contact.id >= 0) return makeCheck(whole, contact);
-  if (lanes.open().empty()) return makeCheck(Verdict::kFree);
-  if (work.isSpent()) return makeCheck(Verdict::kUndecided, lanes.open().front().id);
+  if (const auto contact = lanes.searchPlanes(); contact.id >= 0) return contactAt(contact);
+  if (lanes.open().empty()) return free;
+  if (work.isSpent()) return {Verdict::kUndecided, lanes.open().front().id};
   // 5. Contacts, of pairs whose hulls meet.
-  contact_looks = 0;
-  if (const auto check = searchContacts(whole)) return *check;
+  if (const auto verdict = contacts.search(whole)) return *verdict;
 
   never_parted.clear();
   for (const collision::LaneSweep::Open& pair : lanes.open())
     if (pair.lanes == all_lanes && !frames.isConvex(frames.pair(pair.id)))
       never_parted.push_back(pair.id);
-  intervals.clear();
-  open_pairs.clear();
-  edge_parts.clear();
-  part_pairs.clear();
-  if (!listOpenLanes() || !listParts(whole)) return makeCheck(Verdict::kUndecided);
+  if (!parts.begin()) return undecided;
   // 6. Planes over finer parts.
-  if (const auto check = certifyParts()) return *check;
-  if (!mergeIntervals()) return makeCheck(Verdict::kUndecided);
-  if (intervals.empty()) return makeCheck(Verdict::kFree);
-  if (work.isSpent()) {
-    const EdgeInterval& first = intervals.front();
-    return makeCheck(Verdict::kUndecided, open_pairs[at(first.begin)], first.t0);
-  }
+  if (const auto verdict = parts.certify()) return *verdict;
+  // Growth of the whole edge; that of an interval falls with the square of its width.
+  const auto mayJoin = [&](int p, double width) {
+    const EdgePair& pair = frames.pair(p);
+    const double growth = lanes.growth(pair.motion) * collision::kLanes * collision::kLanes;
+    return !pair.by_surfaces && width * width * growth <= kMergedAgainGrowth;
+  };
+  if (!queue.join(mayJoin)) return undecided;
+  if (queue.empty()) return free;
+  if (work.isSpent())
+    return {Verdict::kUndecided, queue.pairs().front(), queue.intervals().front().t0};
   // 7. Containment, which no sweep of surfaces sees.
-  if (const auto check = checkContainment()) return *check;
+  if (const auto verdict = checkContainment()) return *verdict;
   // 8. Exact sweeps.
-  return bisectIntervals();
+  return sweepAll();
+}
+
+PairVerdict EdgeCertifier::Impl::certifyByBisection() {
+  const int end = frames.place(1);
+  int offender = -1;
+  // The end first: it decides most edges. It also settles containment, which cannot change along a
+  // certified edge.
+  const Verdict at_end = end < 0 ? Verdict::kUndecided : checkState(end, 1, offender);
+  if (at_end != Verdict::kFree) return {at_end, offender, 1};
+  const int start = frames.place(0);
+  if (start < 0 || !takeWholeEdge(start, end, beyondMargins())) return {Verdict::kUndecided};
+  return sweepAll();
 }
 
 }  // namespace leeway::planner

@@ -1,4 +1,4 @@
-#include "planner/edge/prepared_robot.h"
+#include "planner/compiled/prepared_robot.h"
 
 #include <algorithm>
 #include <stdexcept>
@@ -6,7 +6,7 @@
 
 #include "collision/base/numbers.h"
 #include "leeway/robots/input_error.h"
-#include "planner/edge/robot_pairs.h"
+#include "planner/compiled/robot_pairs.h"
 
 namespace leeway::planner {
 namespace {

@@ -1,4 +1,4 @@
-#include "planner/edge/robot_lanes.h"
+#include "planner/compiled/robot_lanes.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -10,7 +10,7 @@
 #include "collision/cover/ball_cover.h"
 #include "collision/scene/scene_access.h"
 #include "leeway/robots/kinematics.h"
-#include "planner/edge/edge_model.h"
+#include "planner/compiled/edge_model.h"
 
 namespace leeway::planner {
 namespace {

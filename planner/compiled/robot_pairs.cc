@@ -1,4 +1,4 @@
-#include "planner/edge/robot_pairs.h"
+#include "planner/compiled/robot_pairs.h"
 
 #include <algorithm>
 #include <map>

@@ -12,7 +12,7 @@
 #include "leeway/collision/scene.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/model.h"
-#include "planner/edge/edge_model.h"
+#include "planner/compiled/edge_model.h"
 
 namespace leeway::planner {
 
