@@ -608,6 +608,45 @@ constexpr double kLeastLineTolerance = 1e-7;
 /// robot's reach and to one radian].
 constexpr double kLineRounding = 1e-13;
 
+// Constraints
+
+/// The least tolerance of a constraint [m, rad]: far above rounding, and what edges can keep in a
+/// few thousand pieces.
+constexpr double kLeastConstraintTolerance = 1e-6;
+
+/// The least length of an axis or direction: below, its digits are rounding.
+constexpr double kLeastAxis = 1e-6;
+
+/// Share of its tolerance that a constraint may use on a path: what is left lets the verifier's
+/// first-order bounds prove the same.
+constexpr double kConstraintShare = 0.999;
+
+/// How often an edge is halved to prove its constraints: more, and shorter edges are cheaper.
+constexpr int kConstraintHalvings = 5;
+
+/// Configurations are brought this near to a constraint, as a share of its tolerance, and tilted by
+/// that share of it at most, and of a right angle: the rest is for edges.
+constexpr double kProjectionShare = 0.1;
+constexpr double kTiltShare = 0.8;
+constexpr double kMostTilt = 1.2;
+
+/// Edges of one way along constraints, and its shortest step as a share of its longest.
+constexpr int kWayEdges = 100;
+constexpr double kShortestWayStep = 1.0 / 256;
+/// A step of a way gains at least that share of its length, and is at most so many times as long
+/// after its end was brought back.
+constexpr double kWayGain = 0.1;
+constexpr double kWayDetour = 2;
+
+/// Cuts between two places of a constrained path that are tried, and in a row without success.
+constexpr int kWayCuts = 100;
+constexpr int kWayCutsInVain = 40;
+/// A cut saves at least that share of what it replaces.
+constexpr double kWayCutGain = 1e-3;
+
+/// The verifier halves an edge until its constraints are decided, down to that share of it.
+constexpr double kVerifyConstraintPiece = 1.0 / (1 << 22);
+
 // Replanning
 
 /// A part of a step in which no obstacle's vertex moves farther than this [m] is not halved again:

@@ -639,6 +639,8 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
     file.readOn([&] { filterClouds(file, problem); });
   }
   readPlanner(file, problem);
+  if (has_robot)
+    section("constraints", [&](const YamlReader& list) { readConstraints(list, problem); });
   if (gathers) {
     if (meshes) file.readOn([&] { expectMeshesFound(*meshes, meshes_found, problem); });
     file.readOn([&] { expectMeshesFound(given.load, meshes_found, yaml_path, problem); });

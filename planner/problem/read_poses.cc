@@ -6,8 +6,11 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "collision/base/numbers.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
+#include "planner/problem/fail_at.h"
+#include "planner/problem/read_motion.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/validate/checks.h"
 #include "planner/validate/format_keys.h"
@@ -153,6 +156,63 @@ std::vector<robots::PoseRegion> readPoseRegions(const YamlReader& map, Problem& 
       places[i].fail(fmt::format("{}: {}", places[i].where(), error.what()));
     }
   return regions;
+}
+
+namespace {
+
+Constraint readConstraint(const YamlReader& map, const std::string& name, Problem& problem) {
+  map.expectKeys(keysOf("constraint"));
+  Constraint constraint;
+  constraint.name = name;
+  constraint.frame = map.at("frame", "the name of a frame, link or attached object").text();
+  if (const auto reference = map.find("relative_to")) constraint.relative_to = reference->text();
+  if (const auto position = map.find("position"))
+    readRanges(*position, kInfinity, kAnyPosition, constraint.position);
+  const auto rpy = map.find("rpy"), orientation = map.find("orientation"), axis = map.find("axis");
+  if (static_cast<int>(rpy.has_value()) + static_cast<int>(orientation.has_value()) +
+          static_cast<int>(axis.has_value()) >
+      1)
+    map.fail(fmt::format("{} has more than one of 'rpy', 'orientation' and 'axis'; one is expected",
+                         map.where()));
+  if (rpy) constraint.rotation = rotationFromQuaternion(quaternionFromRpy(rpy->vector3()));
+  if (orientation)
+    constraint.rotation = rotationFromQuaternion(readQuaternion(*orientation, problem.warnings));
+  if (rpy || orientation) constraint.turn = Constraint::Turn::kFixed;
+  if (axis) {
+    constraint.turn = Constraint::Turn::kAxis;
+    constraint.axis = axis->vector3();
+    // Without a tolerance of its own "upright" would be a matter of taste.
+    map.at("angle", "how far the axis may be from its direction [rad]");
+  }
+  const auto expectBeside = [&](const char* key, bool is_there, const char* what) {
+    if (const auto given = map.find(key); given && !is_there)
+      given->fail(
+          fmt::format("key '{}' stands without {}, whose it is; both are expected", key, what));
+  };
+  expectBeside("direction", axis.has_value(), "'axis'");
+  expectBeside("angle", constraint.turn != Constraint::Turn::kAny,
+               "'axis', 'rpy' or 'orientation'");
+  expectBeside("position_tolerance", map.has("position"), "'position'");
+  if (const auto direction = map.find("direction")) constraint.direction = direction->vector3();
+  constraint.position_tolerance =
+      optionalNumber(map, "position_tolerance", constraint.position_tolerance);
+  constraint.angle = optionalNumber(map, "angle", constraint.angle);
+  if (const auto fault = constraintFault(problem, constraint, map.where())) failAt(map, *fault);
+  return constraint;
+}
+
+}  // namespace
+
+void readConstraints(const YamlReader& list, Problem& problem) {
+  int number = 0;
+  list.eachItem([&](const YamlReader& map) {
+    const auto name = map.find("name");
+    ++number;
+    problem.constraints.push_back(
+        readConstraint(map, name ? name->text() : fmt::format("constraint {}", number), problem));
+  });
+  if (number == 0) list.fail("constraints is empty; at least one is expected");
+  if (const auto fault = constraintsFault(problem)) list.fail(*fault);
 }
 
 }  // namespace leeway::planner

@@ -20,4 +20,7 @@ std::vector<FramePose> readFramePoses(const YamlReader& map, std::vector<std::st
 /// The same, looked up: poseRegion(), errors with file and line.
 std::vector<robots::PoseRegion> readPoseRegions(const YamlReader& map, Problem& problem);
 
+/// `constraints:`, after the objects and frames that they name.
+void readConstraints(const YamlReader& list, Problem& problem);
+
 }  // namespace leeway::planner

@@ -11,6 +11,7 @@
 
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/constraint/constrained_way.h"
 #include "planner/contact/contact_slide.h"
 #include "planner/search/run_seed.h"
 #include "planner/space/ompl_planners.h"
@@ -64,11 +65,19 @@ class Worker {
             query_.on_edge(a, b);
           return check;
         }),
-        is_free_([this](std::span<const double> a, std::span<const double> b) {
+        keeps_margins_([this](std::span<const double> a, std::span<const double> b) {
           return check_(a, b).verdict == Verdict::kFree;
         }),
+        is_free_([this](std::span<const double> a, std::span<const double> b) {
+          return way_ ? way_->isFree(a, b) : keeps_margins_(a, b);
+        }),
         slide_([this](std::span<const double> from, std::span<const double> target,
-                      std::vector<double>& points) { narrow_->slide.slide(from, target, points); }),
+                      std::vector<double>& points) {
+          if (way_)
+            way_->go(from, target, points);
+          else
+            narrow_->slide.slide(from, target, points);
+        }),
         is_body_(isBody(query.scene->space())) {}
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
@@ -86,7 +95,7 @@ class Worker {
       scanned_ += trees_->nodes();
       const bool met = trees_->iterate();
       // Slides ask their edges from the tree's root on, which is backwards in the goals' tree.
-      const bool is_certified = !narrow_;
+      const bool is_certified = !narrow_ && !way_;
       if (met) path_ = trees_->path();
       if (met || (--left_ == 0 && !goesOn())) end();
       if (met && query_.accept(path_, certifier_, is_certified)) return true;
@@ -117,11 +126,17 @@ class Worker {
   };
 
   /// After the first run each other one is narrow: the two kinds have a series and seeds each. A
-  /// search for shorter paths, which are through already, has none.
+  /// search for shorter paths, which are through already, has none. Where there are constraints all
+  /// runs slide along these.
   void begin() {
     ConnectTask task{query_.scene->space(), query_.start, goals_, is_free_, query_.bound};
     ConnectSettings settings = settings_;
-    const bool is_narrow = narrow_runs_ < runs_ && std::isinf(query_.bound);
+    if (query_.constrained != nullptr) {
+      way_.emplace(*query_.scene, *query_.constrained, keeps_margins_, settings.range);
+      task.slide = &slide_;
+      settings.dynamic_domain = false;
+    }
+    const bool is_narrow = !way_ && narrow_runs_ < runs_ && std::isinf(query_.bound);
     std::uint64_t& runs = is_narrow ? narrow_runs_ : runs_;
     if (is_narrow) {
       narrow_.emplace(query_.scene, check_, settings.range);
@@ -150,6 +165,7 @@ class Worker {
     trees_.reset();
     narrow_work_ = narrowWork();
     narrow_.reset();
+    way_.reset();
   }
 
   const ConnectQuery& query_;
@@ -160,9 +176,10 @@ class Worker {
   bool has_more_goals_ = static_cast<bool>(query_.more_goals);
   std::size_t goal_batches_ = 0;
   ContactSlide::Edge check_;
-  std::function<bool(std::span<const double>, std::span<const double>)> is_free_;
+  ConstrainedWay::IsFree keeps_margins_, is_free_;
   ConnectSlide slide_;
   std::optional<Narrow> narrow_;
+  std::optional<ConstrainedWay> way_;
   std::optional<ConnectTrees> trees_;
   EdgeCertifier::Statistics narrow_work_;  ///< of runs that have ended
   std::uint64_t runs_ = 0, narrow_runs_ = 0, left_ = 0, iterations_ = 0;

@@ -48,6 +48,8 @@ struct ConnectQuery {
   /// Appends batch k = 0, 1, ... of further goals to a worker's own; false when there is none. May
   /// be empty. Called by several threads.
   std::function<bool(std::size_t k, Waypoints& goals)> more_goals = {};
+  /// The problem whose constraints edges keep; null: none.
+  const Problem* constrained = nullptr;
 };
 
 struct ConnectResult {

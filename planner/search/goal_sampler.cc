@@ -9,6 +9,7 @@
 #include "collision/base/numbers.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
@@ -31,12 +32,12 @@ std::string contactText(const EdgeCertifier& certifier, const StateCheck& check)
 
 /// Whether places drawn evenly from each region alone can be met: not where a position is `any`,
 /// nor where two regions are of one link.
-bool canDrawEvenly(const Goal& goal) {
-  for (std::size_t i = 0; i < goal.poses.size(); ++i) {
-    for (const auto& [from, to] : goal.poses[i].position)
+bool canDrawEvenly(const std::vector<robots::PoseRegion>& poses) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (const auto& [from, to] : poses[i].position)
       if (to - from > kWidestDraw) return false;
     for (std::size_t k = 0; k < i; ++k)
-      if (goal.poses[k].link == goal.poses[i].link) return false;
+      if (poses[k].link == poses[i].link) return false;
   }
   return true;
 }
@@ -47,9 +48,15 @@ GoalSampler::GoalSampler(EdgeCertifier& certifier, const Problem& problem, std::
     : certifier_(&certifier), problem_(problem), seed_(seed) {
   const ConfigurationSpace& space = certifier.scene().space();
   for (std::size_t g = 0; g < problem.goals.size(); ++g) {
-    if (!problem.goals[g].poses.empty())
-      pose_goals_.push_back({g, canDrawEvenly(problem.goals[g])});
+    if (problem.goals[g].poses.empty()) continue;
+    std::vector<robots::PoseRegion> poses = problem.goals[g].poses;
+    for (const Constraint& constraint : problem.constraints)
+      for (const robots::PoseRegion& region : regionsOf(problem, constraint))
+        poses.push_back(region);
+    const bool evenly = canDrawEvenly(poses);
+    pose_goals_.push_back({g, std::move(poses), evenly});
   }
+  if (!problem.constraints.empty()) constraints_.emplace(certifier.scene(), problem);
   difference_.resize(at(space.size()));
   if (!pose_goals_.empty())
     kinematics_ =
@@ -82,6 +89,7 @@ void GoalSampler::drawJoints(std::size_t g, GoalPoints& result, const std::funct
       break;
     }
     drawPoint(space, goal, random, q);
+    if (!keepsConstraints(q)) continue;
     if (certifier_->decide(q) == Verdict::kFree) {
       result.points.push_back(q);
       found = true;
@@ -90,10 +98,13 @@ void GoalSampler::drawJoints(std::size_t g, GoalPoints& result, const std::funct
     }
   }
   result.stopped = result.stopped || stopped;
+  if (!found && point && !keepsConstraints(q) && result.reason.empty())
+    result.reason = "goal '" + goal.name + "': " + constraints_->fault(q);
   if (!found)
     result.warnings.push_back(
         "goal '" + goal.name + "' is left out: " +
-        (point     ? contactText(*certifier_, certifier_->clearance(q, kReportTolerance))
+        (point && !keepsConstraints(q) ? constraints_->fault(q)
+         : point   ? contactText(*certifier_, certifier_->clearance(q, kReportTolerance))
          : stopped ? "no valid point of it was found within the limits"
                    : "none of " + std::to_string(kGoalAttempts) + " points of it was valid"));
 }
@@ -122,7 +133,7 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
     options.starts = effort.starts;
     options.max_solutions = effort.solutions;
     options.prove = effort.starts == kPoseStarts && drawn.found.empty();
-    solved = kinematics_->solve(goal.poses, problem_.start, options);
+    solved = kinematics_->solve(drawn.poses, problem_.start, options);
     starts = solved.starts;
     drawn.complete = solved.complete;
     drawn.pending = std::move(solved.solutions);
@@ -173,7 +184,7 @@ bool GoalSampler::isExhausted(const PoseGoal& drawn) {
 }
 
 void GoalSampler::drawBatch(PoseGoal& drawn, GoalPoints& points) {
-  const std::vector<robots::PoseRegion>& poses = problem_.goals[drawn.goal].poses;
+  const std::vector<robots::PoseRegion>& poses = drawn.poses;
   for (int i = 0; i < kPoseDraws; ++i) {
     ++drawn.idle;
     if (drawn.evenly) {
@@ -220,7 +231,7 @@ void GoalSampler::take(PoseGoal& drawn, std::span<const robots::IkSolution> solu
   for (const robots::IkSolution& solution : solutions) {
     const std::vector<double>& q = solution.values;
     if (isKnown(drawn, q) || !certifier_->scene().space().withinLimits(q) ||
-        !goalHolds(certifier_->scene(), problem_.goals[drawn.goal], q))
+        !goalHolds(certifier_->scene(), problem_.goals[drawn.goal], q) || !keepsConstraints(q))
       continue;
     drawn.idle = 0;
     drawn.found.push_back(q);

@@ -2,11 +2,13 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "leeway/robots/inverse_kinematics.h"
+#include "planner/constraint/constraint_proof.h"
 #include "planner/search/goals.h"
 
 namespace leeway::planner {
@@ -37,6 +39,7 @@ class GoalSampler {
  private:
   struct PoseGoal {
     std::size_t goal;
+    std::vector<robots::PoseRegion> poses;  ///< of the goal, and of the constraints
     bool evenly;  ///< drawn from the regions; else by their solutions nearest to any configuration
     std::uint64_t draws = 0;
     bool complete = false;                         ///< there are no more than found and pending
@@ -44,6 +47,10 @@ class GoalSampler {
     std::vector<robots::IkSolution> pending = {};  ///< known, but not yet looked at
     std::vector<std::vector<double>> found = {};   ///< valid or not
   };
+  /// Whether the constraints hold at a point.
+  bool keepsConstraints(std::span<const double> point) {
+    return !constraints_ || constraints_->holds(point);
+  }
   void drawJoints(std::size_t g, GoalPoints& result, const std::function<bool()>& stop);
   void drawPoses(PoseGoal& drawn, GoalPoints& result, const std::function<bool()>& stop);
   void drawBatch(PoseGoal& drawn, GoalPoints& points);
@@ -59,6 +66,7 @@ class GoalSampler {
   const Problem& problem_;
   std::uint64_t seed_;
   std::unique_ptr<robots::InverseKinematics> kinematics_;  ///< null without poses
+  std::optional<ConstraintProof> constraints_;
   std::vector<PoseGoal> pose_goals_;
   std::size_t turn_ = 0;
   mutable std::vector<double> difference_;

@@ -16,6 +16,7 @@
 #include "planner/base/clock.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/constraint/constrained_way.h"
 #include "planner/improve/lower_cost.h"
 #include "planner/improve/push.h"
 #include "planner/objective/path_cost.h"
@@ -49,6 +50,7 @@ class Plan {
       return std::move(result_);
     }
     cost_ = PathCost::of(*scene_, problem_);
+    if (isConstrained()) constraints_.emplace(*scene_, problem_);
     pool_ = std::make_shared<CertifierPool>(scene_);
     limits_.enter("plan");
     if (checkEnds()) {
@@ -69,6 +71,7 @@ class Plan {
   }
 
  private:
+  bool isConstrained() const { return !problem_.constraints.empty(); }
   bool wantsCost() const { return cost_ != nullptr; }
   bool wantsLength() const {
     return !wantsCost() && std::holds_alternative<MinimumLength>(problem_.objective);
@@ -112,6 +115,11 @@ class Plan {
       offend(PlanStatus::kInvalidStart, certifier().clearance(start_, kReportTolerance));
       return false;
     }
+    if (constraints_)
+      if (result_.reason = constraints_->fault(start_); !result_.reason.empty()) {
+        result_.status = PlanStatus::kInvalidStart;
+        return false;
+      }
     sampler_ = std::make_unique<GoalSampler>(certifier(), problem_, problem_.seed);
     goals_ = sampler_->first([this] { return limits_.over(); });
     result_.warnings.insert(result_.warnings.end(), goals_.warnings.begin(), goals_.warnings.end());
@@ -205,6 +213,7 @@ class Plan {
         goals_.points.begin(), goals_.points.end(), [&](const auto& a, const auto& b) {
           return space.distance(start_, a) < space.distance(start_, b);
         });
+    if (constraints_ && !constraints_->holds(start_, *nearest)) return {};
     if (certifier().certify(start_, *nearest, EdgeRequest::persistent()).verdict != Verdict::kFree)
       return {};
     return {start_, *nearest};
@@ -227,7 +236,7 @@ class Plan {
     if (problem_.planner.simplify && !simplified_)
       timed("simplify", result_.simplify_s, [&] { simplifyPath(path, 0); });
     if (wantsLength()) timed("improve", result_.improve_s, [&] { improve(path); });
-    if (problem_.planner.simplify && problem_.planner.push && !wantsCost())
+    if (problem_.planner.simplify && problem_.planner.push && !wantsCost() && !isConstrained())
       timed("push", result_.push_s, [&] { wantsLength() ? pushPath(path) : pushElsewhere(path); });
     for (int i = 0; i < scene_->space().size(); ++i) result_.path.names.push_back(variableName(i));
     timed("certify", result_.certify_s, [&] {
@@ -255,6 +264,11 @@ class Plan {
         wantsClearance() ? CertificateDetail::kEveryEdge : options_.detail;
     result_.certificate =
         planner::certify(certifier(), result_.path, options_.clearance_tolerance, detail, pushed_);
+    if (constraints_) {
+      auto proven = constraints_->prove(edgesOf(scene_->space(), result_.path).path.positions);
+      result_.certificate.certified = result_.certificate.certified && proven;
+      if (proven) result_.certificate.constraints = std::move(*proven);
+    }
     return result_.certificate.certified;
   }
 
@@ -319,6 +333,15 @@ class Plan {
 
   void simplifyPath(Waypoints& path, std::uint64_t round) {
     const SimplifyOptions options = simplifyOptions(round);
+    if (isConstrained()) {
+      const ConstrainedWay::IsFree is_free = [this](std::span<const double> a,
+                                                    std::span<const double> b) {
+        return certifier().certify(a, b).verdict == Verdict::kFree;
+      };
+      ConstrainedWay way(*scene_, problem_, is_free, defaultRange(scene_->space()));
+      shorten(way, scene_->space(), path, options.seed, options.stop);
+      return;
+    }
     if (wantsLength()) {
       const std::int64_t before = certifier().statistics.work;
       simplify(certifier(), path, options);
@@ -386,6 +409,7 @@ class Plan {
   const PlannerTraits* traits_ = nullptr;
   std::shared_ptr<CertifierPool> pool_;
   std::vector<double> start_;
+  std::optional<ConstraintProof> constraints_;
   std::unique_ptr<GoalSampler> sampler_;
   GoalPoints goals_;
   EdgeCertifier::Statistics work_;

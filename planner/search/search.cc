@@ -15,6 +15,7 @@
 
 #include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
+#include "planner/constraint/constraint_proof.h"
 #include "planner/edge/ompl_point.h"
 #include "planner/search/run_seed.h"
 #include "planner/space/ompl_lock.h"
@@ -121,14 +122,14 @@ std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budge
     });
     if (goals.empty() || certifier().decide(task_.start) != Verdict::kFree) return std::nullopt;
   }
-  const std::function<bool(Waypoints&, EdgeCertifier&, bool)> accept = [this](Waypoints& path,
-                                                                              EdgeCertifier& own,
-                                                                              bool is_certified) {
-    const Waypoints::size_type size = path.size();
-    const std::vector<double> end = path.back();
-    if (!endInGoal(path)) return false;
-    return (is_certified && path.size() == size && path.back() == end) || isCertified(own, path);
-  };
+  const std::function<bool(Waypoints&, EdgeCertifier&, bool)> accept =
+      [this](Waypoints& path, EdgeCertifier& own, bool is_certified) {
+        const Waypoints::size_type size = path.size();
+        const std::vector<double> end = path.back();
+        if (!endInGoal(path)) return false;
+        return (is_certified && path.size() == size && path.back() == end) ||
+               (isCertified(own, path) && keepsConstraints(path));
+      };
   ConnectQuery query{scene_,
                      task_.start,
                      goals,
@@ -139,7 +140,8 @@ std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budge
                      task_.on_edge,
                      bound,
                      bound < kInfinity ? kImproveRun : kConnectRun,
-                     {}};
+                     {},
+                     task_.problem.constraints.empty() ? nullptr : &task_.problem};
   const ConnectChoice choice = connectChoice(parameters_, scene_->space());
   GoalSupply* supply = bound < kInfinity ? nullptr : task_.supply;
   if (supply != nullptr) {
@@ -277,6 +279,14 @@ bool Search::endInGoal(Waypoints& path) {
   });
   if (goal == goals.end()) return false;
   writeAsInGoal(space, *goal, path.back());
+  return true;
+}
+
+bool Search::keepsConstraints(const Waypoints& path) const {
+  if (task_.problem.constraints.empty()) return true;
+  ConstraintProof proof(*scene_, task_.problem);
+  for (std::size_t i = 1; i < path.size(); ++i)
+    if (!proof.holds(path[i - 1], path[i])) return false;
   return true;
 }
 

@@ -69,6 +69,7 @@ class Search {
  private:
   std::optional<Waypoints> connect(std::uint64_t seed, std::uint64_t budget, double bound);
   static bool isCertified(EdgeCertifier& certifier, const Waypoints& path);
+  bool keepsConstraints(const Waypoints& path) const;
   std::optional<Waypoints> search(std::uint64_t seed, std::uint64_t budget, bool first);
   std::optional<Waypoints> run(const ompl::base::OptimizationObjectivePtr& objective,
                                std::uint64_t seed, std::uint64_t budget);

@@ -273,8 +273,9 @@ bool ConnectTrees::iterate() {
     else
       task_.space.interpolate(from_, to, i / steps, next_);
     if (!isFree(tree, pointOf(tree, node))) {
-      slideTowards(tree, node, to);
-      return false;
+      node = slideTowards(tree, node, to);
+      if (!std::equal(to.begin(), to.end(), pointOf(tree, node).begin())) return false;
+      break;
     }
     if (i < steps) node = add(tree, next_, node, gap / steps);
   }

@@ -6,8 +6,6 @@
 #include <cmath>
 
 #include "collision/base/numbers.h"
-#include "leeway/robots/kinematics.h"
-#include "leeway/robots/motion_bound.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
@@ -19,16 +17,8 @@ std::vector<double> expanded(const CompiledScene& scene, std::span<const double>
   return q;
 }
 
-std::vector<robots::Pose> linksAt(const CompiledScene& scene, std::span<const double> point) {
-  std::vector<robots::Pose> X_WL(scene.model().links.size());
-  robots::forwardKinematics(scene.model(), expanded(scene, point), X_WL);
-  return X_WL;
-}
-
 /// How far the frame is from the line, and turned from its rotation, as a chord on the unit sphere.
-LineDeparture departureAt(const CompiledScene& scene, const LinePlace& place,
-                          std::span<const double> point) {
-  const robots::Pose X_WF = linksAt(scene, point)[at(place.link)] * place.X_LF;
+LineDeparture departureAt(const LinePlace& place, const robots::Pose& X_WF) {
   const double length = place.along_W.norm();
   const Eigen::Vector3d from = X_WF.translation - place.X_WF.translation;
   const double way =
@@ -40,36 +30,15 @@ LineDeparture departureAt(const CompiledScene& scene, const LinePlace& place,
 
 }  // namespace
 
-LineDeparture lineDeparture(const CompiledScene& scene, const LinePlace& place,
-                            std::span<const double> a, std::span<const double> b) {
-  const robots::Model& model = scene.model();
-  const ConfigurationSpace& space = scene.space();
-  std::vector<double> difference(a.size()), middle(a.size());
-  space.difference(a, b, difference);
-  space.advance(a, difference, 0.5, middle);
-  std::vector<double> dq(model.variables.size(), 0.0);
-  for (std::size_t i = 0; i < a.size(); ++i) dq[at(space.variables()[i])] = difference[i];
-  std::vector<robots::JointMotion> joints(model.joints.size());
-  robots::jointMotion(model, dq, joints);
-  // What is not planned stays: a robot that its SRDF puts into the world with a floating joint has
-  // no reach otherwise.
-  std::vector<robots::VariableRange> ranges;
-  for (const double q : expanded(scene, a)) ranges.push_back({q, q});
-  for (std::size_t i = 0; i < a.size(); ++i)
-    ranges[at(space.variables()[i])] = {space.lower(static_cast<int>(i)),
-                                        space.upper(static_cast<int>(i))};
-  const robots::RelativeMotion motion =
-      robots::relativeMotion(model, place.link, -1, place.X_LF.translation, 0, ranges);
-  const double acceleration =
-      robots::localMotionBound(model, motion, joints, linksAt(scene, middle), 0.5).acceleration;
-  double turns = 0;
-  for (const robots::RelativeMotion::Term& term : motion.terms)
-    turns += joints[at(term.joint)].angle;
-  const LineDeparture first = departureAt(scene, place, a), last = departureAt(scene, place, b);
-  const double rounding = kLineRounding * (1 + motion.base_reach);
-  const double chord = std::max(first.turn, last.turn) + 1.5 * turns * turns / 8 + kLineRounding;
-  return {std::max(first.deviation, last.deviation) + acceleration / 8 + rounding,
-          chord < 2 ? 2 * std::asin(chord / 2) * (1 + kLineRounding) : 4};
+LineDeparture lineDeparture(FrameMotion& frame, const LinePlace& place, std::span<const double> a,
+                            std::span<const double> b) {
+  frame.begin(a, b);
+  const LineDeparture first = departureAt(place, frame.poseAt(0));
+  const LineDeparture last = departureAt(place, frame.poseAt(1));
+  const ChordDeparture chord = frame.departure(0, 1), rounding = frame.rounding();
+  const double turn = std::max(first.turn, last.turn) + chord.tips + rounding.tips;
+  return {std::max(first.deviation, last.deviation) + chord.origin + rounding.origin,
+          turn < 2 ? 2 * std::asin(turn / 2) * (1 + kLineRounding) : 4};
 }
 
 LineMotion followLine(EdgeCertifier& certifier, const robots::InverseKinematics& kinematics,
@@ -77,6 +46,7 @@ LineMotion followLine(EdgeCertifier& certifier, const robots::InverseKinematics&
                       const std::vector<double>& start) {
   const CompiledScene& scene = certifier.scene();
   const LinePlace place = linePlace(world, line, expanded(scene, start));
+  FrameMotion frame(scene, place.link, place.X_LF);
   robots::IkOptions options;
   options.starts = 1;
   options.prove = false;
@@ -100,7 +70,7 @@ LineMotion followLine(EdgeCertifier& certifier, const robots::InverseKinematics&
     std::string why = "no joint values were found for it";
     if (!solved.solutions.empty() && scene.space().withinLimits(solved.solutions[0].values)) {
       const std::vector<double>& to = solved.solutions[0].values;
-      const LineDeparture departure = lineDeparture(scene, place, from, to);
+      const LineDeparture departure = lineDeparture(frame, place, from, to);
       why = "the joints would have to jump";
       if (departure.deviation <= line.position_tolerance &&
           departure.turn <= line.angle_tolerance) {

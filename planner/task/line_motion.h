@@ -5,6 +5,7 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/robots/inverse_kinematics.h"
+#include "planner/constraint/frame_motion.h"
 #include "planner/task/stages.h"
 
 namespace leeway::planner {
@@ -15,13 +16,10 @@ struct LineDeparture {
   double turn = 0;       ///< of its rotation, from the line's [rad]
 };
 
-/// Bounds on both over the whole edge from a to b. The origin leaves the chord of its places at the
-/// ends by at most A / 8, A its acceleration, and these are as far from the line as kinematics
-/// say. So do the ends of unit vectors fixed to the frame, whose acceleration is at most 1.5 W^2
-/// where W is the sum of the joints' turns: |alpha| <= W^2 / 2 as each joint's axis is turned by
-/// those below it, and |omega|^2 <= W^2. `length`: the line's. O(joints^2).
-LineDeparture lineDeparture(const CompiledScene& scene, const LinePlace& place,
-                            std::span<const double> a, std::span<const double> b);
+/// Bounds on both over the whole edge from a to b: its ends are as far from the line as kinematics
+/// say, all between at most a ChordDeparture farther. `frame`: the line's. O(joints).
+LineDeparture lineDeparture(FrameMotion& frame, const LinePlace& place, std::span<const double> a,
+                            std::span<const double> b);
 
 /// A line in joint pieces.
 struct LineMotion {

@@ -62,6 +62,12 @@ std::optional<std::string> startFault(const Problem& problem);
 std::optional<std::string> posesFault(const Problem& problem,
                                       const std::vector<robots::PoseRegion>& poses);
 
+/// Returns the fault of a constraint alone: "WHERE.angle is ...".
+std::optional<Fault> constraintFault(const Problem& problem, const Constraint& constraint,
+                                     const std::string& where);
+/// Why a problem with constraints cannot be planned.
+std::optional<std::string> constraintsFault(const Problem& problem);
+
 /// Returns the fault of a pose of a problem, "is at (nan, 0, 0); ...", for behind "the pose of
 /// 'a'"; empty: nothing. A matrix is a rotation when it is right-handed and orthogonal within
 /// collision::kRotationTolerance.
@@ -109,5 +115,10 @@ std::vector<robots::Geometry> placedShapes(const Problem& problem, const std::st
 std::vector<PointCloud::Ball> robotReach(const Problem& problem);
 /// poseRegion() of one.
 robots::PoseRegion regionOf(const Problem& problem, const FramePose& pose);
+/// The region of a constraint's frame F itself, seen from its reference, with any pose in it.
+robots::PoseRegion frameOf(const Problem& problem, const Constraint& constraint);
+/// Regions in which a constraint holds: what inverse kinematics brings its frame into. They leave
+/// room for what edges depart. Throws std::invalid_argument as regionOf().
+std::vector<robots::PoseRegion> regionsOf(const Problem& problem, const Constraint& constraint);
 
 }  // namespace leeway::planner

@@ -69,6 +69,9 @@ constexpr Keys kFrame[] = {"link", "position", "orientation", "rpy"};
 constexpr Keys kPoses[] = {"pose", "poses"};
 constexpr Keys kFramePose[] = {"frame",       "relative_to",        "position",       "rpy",
                                "orientation", "position_tolerance", "angle_tolerance"};
+constexpr Keys kConstraint[] = {
+    "name", "frame",       "relative_to", "position",  "position_tolerance",
+    "rpy",  "orientation", "axis",        "direction", "angle"};
 constexpr Keys kStep[] = {"name", "move", "line", "attach", "detach", "allowed"};
 constexpr Keys kLine[] = {"frame", "by", "relative_to", "position_tolerance", "angle_tolerance"};
 constexpr Keys kAttachStep[] = {"object", "link", "touch"};
@@ -124,6 +127,7 @@ const std::array kFormats = {MapFormat{"mesh_treatment", kMeshTreatment},
                              MapFormat{"frame", kFrame},
                              MapFormat{"poses", kPoses},
                              MapFormat{"frame_pose", kFramePose},
+                             MapFormat{"constraint", kConstraint},
                              MapFormat{"step", kStep},
                              MapFormat{"line", kLine},
                              MapFormat{"attach_step", kAttachStep}};

@@ -263,6 +263,10 @@ void validate(const Problem& problem) {
     refuse(problem, "start has a pose: " + *wrong);
   for (const Goal& goal : problem.goals) require(problem, goalFault(problem, goal));
   checkSteps(problem);
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i)
+    require(problem,
+            constraintFault(problem, problem.constraints[i], fmt::format("constraints[{}]", i)));
+  require(problem, constraintsFault(problem));
   require(problem, numbersFault(problem));
   if (const auto* cost = std::get_if<MinimumCost>(&problem.objective)) {
     require(problem, costFault(*cost));

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <set>
 #include <stdexcept>
 
 #include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
 #include "planner/task/stages.h"
-#include "planner/verify/kinematics.h"
+#include "planner/verify/frame_check.h"
 #include "planner/verify/pairs.h"
 #include "planner/verify/path_check.h"
 
@@ -39,66 +38,22 @@ std::string wrongSteps(const Problem& problem, const Path& path) {
   return {};
 }
 
-/// The straightness of one edge.
-class LineCheck {
- public:
-  LineCheck(const Problem& stage, const LineStep& line, const LinePlace& place)
-      : model_(*stage.robot.model),
-        variables_(stage.robot.variables),
-        space_(stage.robot.model, stage.robot.variables),
-        line_(line),
-        place_(place),
-        q_(stage.start),
-        joints_(jointsAbove(model_, place.link)) {}
-
-  VerifyStatus check(const std::vector<double>& a, const std::vector<double>& b, double& t) {
-    std::vector<double> difference(a.size()), point(a.size()), dq(model_.variables.size(), 0.0);
-    space_.lineDifference(a, b, difference);
-    for (std::size_t i = 0; i < a.size(); ++i) dq[at(variables_[i])] = difference[i];
-    std::deque<std::pair<double, double>> open{{0, 1}};
-    VerifyStatus status = VerifyStatus::kCertified;
-    while (!open.empty()) {
-      const auto [begin, end] = open.front();
-      open.pop_front();
-      t = begin / 2 + end / 2;
-      const double half = end / 2 - begin / 2;
-      space_.alongLine(a, b, t, point);
-      for (std::size_t i = 0; i < point.size(); ++i) q_[at(variables_[i])] = point[i];
-      const std::vector<Pose> X_WL = placeLinks(model_, q_);
-      const Pose X_WF = X_WL[at(place_.link)] * place_.X_LF;
-      const Eigen::Vector3d from = X_WF.translation - place_.X_WF.translation;
-      const double length = place_.along_W.norm();
-      const double way = std::clamp(from.dot(place_.along_W) / length, 0.0, length) / length;
-      const double off = (from - way * place_.along_W).norm();
-      // The longest chord between ends of a unit vector turned by either rotation.
-      const double chord = (X_WF.rotation - place_.X_WF.rotation).norm() / std::sqrt(2.0);
-      const double most = 2 * std::sin(std::min(line_.angle_tolerance, 3.0) / 2);
-      const Motion origin = boundMotion(model_, joints_, X_WL, dq, X_WF.translation, 0, half);
-      const Motion tips = boundMotion(model_, joints_, X_WL, dq, X_WF.translation, 1, half);
-      if (off - origin.slack > line_.position_tolerance || chord - tips.slack > most)
-        return VerifyStatus::kRefuted;
-      if (off + origin.slack + origin.speed * half <= line_.position_tolerance &&
-          chord + 2 * tips.slack + (origin.speed + tips.speed) * half <= most)
-        continue;
-      if (half < kShortestLinePiece * kShortestLinePiece) {
-        status = VerifyStatus::kUndecided;
-        return status;
-      }
-      open.emplace_back(begin, t);
-      open.emplace_back(t, end);
-    }
-    return status;
-  }
-
- private:
-  const robots::Model& model_;
-  std::vector<int> variables_;
-  ConfigurationSpace space_;
-  const LineStep& line_;
-  const LinePlace& place_;
-  std::vector<double> q_;
-  std::vector<int> joints_;
-};
+/// Judges a look at a line's frame.
+VerifyStatus judgeLine(const LineStep& line, const LinePlace& place, const FrameLook& look) {
+  const Eigen::Vector3d from = look.X_WF.translation - place.X_WF.translation;
+  const double length = place.along_W.norm();
+  const double way = std::clamp(from.dot(place.along_W) / length, 0.0, length) / length;
+  const double off = (from - way * place.along_W).norm();
+  // The longest chord between ends of a unit vector turned by either rotation.
+  const double chord = (look.X_WF.rotation - place.X_WF.rotation).norm() / std::sqrt(2.0);
+  const double most = 2 * std::sin(std::min(line.angle_tolerance, 3.0) / 2);
+  if (off - look.slack > line.position_tolerance || chord - look.slack > most)
+    return VerifyStatus::kRefuted;
+  return off + look.slack + look.moves <= line.position_tolerance &&
+                 chord + 2 * look.slack + look.tips <= most
+             ? VerifyStatus::kCertified
+             : VerifyStatus::kUndecided;
+}
 
 class TaskCheck {
  public:
@@ -161,10 +116,12 @@ class TaskCheck {
       goal.angle_tolerance = line->angle_tolerance;
       stage.goals = {{asked.name, {}, {goal}}};
       if (auto fault = checkStretch(s, stage, stretch)) return fault;
-      LineCheck check(stage, *line, place);
+      FrameCheck check(stage, place.link, place.X_LF);
       for (std::size_t i = 0; i + 1 < stretch.positions.size(); ++i) {
         double t = 0;
-        const VerifyStatus status = check.check(stretch.positions[i], stretch.positions[i + 1], t);
+        const VerifyStatus status = check.check(
+            stretch.positions[i], stretch.positions[i + 1], kShortestLinePiece * kShortestLinePiece,
+            [&](const FrameLook& look) { return judgeLine(*line, place, look); }, t);
         if (status == VerifyStatus::kCertified) continue;
         VerifyResult result;
         result.status = status;

@@ -27,6 +27,7 @@
 #include "planner/base/tolerances.h"
 #include "planner/validate/checks.h"
 #include "planner/verify/ball_tree.h"
+#include "planner/verify/frame_check.h"
 #include "planner/verify/kinematics.h"
 #include "planner/verify/pairs.h"
 #include "planner/verify/path_check.h"
@@ -98,8 +99,12 @@ class Verifier {
     most_cost_ = kVerifyCost * (most_work_ / kVerifyWork);
     for (std::size_t s = 0; s < segments; ++s)
       if (!checkSegment(s)) break;
-    for (const std::optional<VerifyResult>& failed : {refuted_, undecided_})
-      if (failed) return *failed;
+    if (refuted_) return *refuted_;
+    if (auto broken = findBrokenConstraint(problem_, path_)) {
+      broken->unchecked = result_.unchecked;
+      if (broken->status == VerifyStatus::kRefuted || !undecided_) return *broken;
+    }
+    if (undecided_) return *undecided_;
     result_.status = VerifyStatus::kCertified;
     return result_;
   }

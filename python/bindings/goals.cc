@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <unordered_map>
 
@@ -131,6 +132,36 @@ FramePose makePose(const std::string& frame, const py::object& position,
   return {made};
 }
 
+planner::Constraint makeConstraint(const std::string& frame, const py::object& position,
+                                   const py::object& orientation, const py::object& rpy,
+                                   const py::object& axis, const py::object& direction,
+                                   const py::object& relative_to, double position_tolerance,
+                                   double angle, const py::object& name) {
+  planner::Constraint made;
+  made.frame = frame;
+  if (!name.is_none()) made.name = py::str(name);
+  if (!relative_to.is_none()) made.relative_to = relative_to.cast<std::string>();
+  if (!position.is_none())
+    made.position = rangesOf(position, "position", std::numeric_limits<double>::infinity(),
+                             std::numeric_limits<double>::infinity());
+  made.position_tolerance = position_tolerance;
+  made.angle = angle;
+  if (int{!orientation.is_none()} + int{!rpy.is_none()} + int{!axis.is_none()} > 1)
+    throw py::value_error("more than one of orientation, rpy and axis is given; one is expected");
+  if (!orientation.is_none()) made.rotation = pose(py::none(), orientation, py::none()).rotation;
+  if (!rpy.is_none()) made.rotation = robots::rotationOf(vector3(rpy, "rpy"));
+  if (!orientation.is_none() || !rpy.is_none()) made.turn = planner::Constraint::Turn::kFixed;
+  if (!axis.is_none()) {
+    made.turn = planner::Constraint::Turn::kAxis;
+    made.axis = vector3(axis, "axis");
+  }
+  if (!direction.is_none()) {
+    if (axis.is_none()) throw py::value_error("direction is given without axis; both are expected");
+    made.direction = vector3(direction, "direction");
+  }
+  return made;
+}
+
 py::array_t<double> rangeArray(const std::array<Range, 3>& ranges) {
   std::vector<double> values;
   for (const auto& [lower, upper] : ranges) values.insert(values.end(), {lower, upper});
@@ -239,6 +270,24 @@ py::object goalObject(const planner::Problem& problem, const planner::Goal& goal
   std::vector<double> values;
   for (const auto& [lower, upper] : goal.ranges) values.insert(values.end(), {lower, upper});
   return array(std::move(values), {static_cast<py::ssize_t>(goal.ranges.size()), 2});
+}
+
+void setConstraints(planner::Problem& problem, const py::object& constraints) {
+  std::vector<planner::Constraint> made;
+  for (const py::handle item : constraints.is_none() ? py::list() : py::list(constraints)) {
+    if (!py::isinstance<planner::Constraint>(item))
+      throw py::type_error(std::string("constraints hold a ") + Py_TYPE(item.ptr())->tp_name +
+                           "; Constraints are expected");
+    made.push_back(item.cast<const planner::Constraint&>());
+    if (made.back().name.empty()) made.back().name = "constraint " + std::to_string(made.size());
+  }
+  problem.constraints = std::move(made);
+}
+
+py::object constraintList(const planner::Problem& problem) {
+  py::list list;
+  for (const planner::Constraint& constraint : problem.constraints) list.append(constraint);
+  return py::object(list);
 }
 
 std::vector<FramePose> framePoses(const py::object& value) {
@@ -350,7 +399,45 @@ std::vector<std::pair<std::string, std::string>> namePairs(const planner::Proble
   return pairs;
 }
 
+namespace {
+
+void defineConstraint(py::module_& module) {
+  using planner::Constraint;
+  const std::string init =
+      "(frame, position=None, orientation=None, rpy=None, *, axis=None, direction=None, "
+      "relative_to=None, position_tolerance=0.001, angle=0.01, name=None)";
+  py::class_<Constraint> constraint(
+      module, "Constraint",
+      withSignature(
+          "Constraint", init,
+          "What a frame (a frame of the problem, a link or a held object) keeps on all of a path: "
+          "proven everywhere, as margins are.\n\n"
+          "position: (x, y, z) of its origin [m]; in place of a number a pair (from, to) or 'any'; "
+          "to within position_tolerance [m]. Of its rotation: orientation (x y z w) or rpy [rad]; "
+          "or that its own axis (x, y, z) points along direction, up by default; to within angle "
+          "[rad]. relative_to: an object, or a frame or link at rest; None: the world.")
+          .c_str());
+  defineInit(constraint, init, makeConstraint, py::arg("frame"), py::arg("position") = py::none(),
+             py::arg("orientation") = py::none(), py::arg("rpy") = py::none(), py::kw_only(),
+             py::arg("axis") = py::none(), py::arg("direction") = py::none(),
+             py::arg("relative_to") = py::none(), py::arg("position_tolerance") = 1e-3,
+             py::arg("angle") = 1e-2, py::arg("name") = py::none());
+  defineCopiesOfConstant(constraint);
+  defineConstant(
+      constraint, "frame", [](const Constraint& self) { return self.frame; }, "The frame's name.");
+  defineConstant(
+      constraint, "name", [](const Constraint& self) { return self.name; },
+      "Its name in messages and results.");
+  constraint.def("__repr__", [](const Constraint& self) {
+    return "<leeway.Constraint" + (self.name.empty() ? "" : " '" + self.name + "'") + " of '" +
+           self.frame + "'>";
+  });
+}
+
+}  // namespace
+
 void defineGoals(py::module_& module) {
+  defineConstraint(module);
   const std::string init =
       "(frame, position=None, orientation=None, rpy=None, *, relative_to=None, "
       "position_tolerance=1e-09, angle_tolerance=1e-09)";

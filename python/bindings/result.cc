@@ -92,6 +92,15 @@ void defineCertificate(py::module_& module) {
       [](const Certificate& self) { return uncheckedList(self.unchecked); },
       "Pairs of which it says nothing: [(reason, how many, pairs), ...]. Pairs are by name where "
       "they are left out because they touch at the zero configuration, else empty.");
+  defineConstant(
+      certificate, "constraints",
+      [](const Certificate& self) {
+        py::list list;
+        for (const planner::ConstraintResult& c : self.constraints)
+          list.append(py::make_tuple(c.name, c.deviation, c.angle));
+        return list;
+      },
+      "What constraints keep, proven: [(name, deviation [m], angle [rad]), ...].");
   certificate.def("__bool__", [](const Certificate& self) { return self.certified; });
   certificate.def("__repr__", [](const Certificate& self) {
     return "<leeway.Certificate: " + certificateText(self) + ">";

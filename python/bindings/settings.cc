@@ -317,6 +317,7 @@ const OwnValue kOwnValues[] = {
      },
      [](P& p, V v) { setGoals(p, v, true); }},
     {"steps", "Sequence[TaskStep]", "list[TaskStep]", stepList, setSteps},
+    {"constraints", "Sequence[Constraint]", "list[Constraint]", constraintList, setConstraints},
     {"margins", "Mapping[Any, float]", "dict[Any, float]", getMargins, setMargins},
     {"allowed", "Literal['auto'] | Iterable[Any]", "list[Any]",
      [](const P& p) {

@@ -38,6 +38,10 @@ void setGoals(planner::Problem& problem, const py::object& goal, bool several);
 /// Ranges (joints, 2), or poses.
 py::object goalObject(const planner::Problem& problem, const planner::Goal& goal);
 
+/// A list of Constraints. None: none.
+void setConstraints(planner::Problem& problem, const py::object& constraints);
+py::object constraintList(const planner::Problem& problem);
+
 /// A list of TaskSteps. None: no steps.
 void setSteps(planner::Problem& problem, const py::object& steps);
 py::object stepList(const planner::Problem& problem);

@@ -115,6 +115,13 @@ class FramePose:
     @property
     def rpy(self) -> _Array: ...
 
+class Constraint:
+    def __init__(self, frame: str, position: _Ranges = None, orientation: ArrayLike | None = None, rpy: ArrayLike | None = None, *, axis: ArrayLike | None = None, direction: ArrayLike | None = None, relative_to: str | None = None, position_tolerance: float = 0.001, angle: float = 0.01, name: str | None = None) -> None: ...
+    @property
+    def frame(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+
 class TaskStep:
     @staticmethod
     def move(goal: _Goal, *, name: str | None = None, allowed: Sequence[Any] = []) -> TaskStep: ...
@@ -176,6 +183,7 @@ class Problem:
     margins: dict[Any, float]
     wishes: Any
     steps: list[TaskStep]
+    constraints: list[Constraint]
     planner: str
     parameters: dict[str, str]
     objective: str | dict[str, Any]
@@ -233,6 +241,8 @@ class Certificate(PathClearance):
     def edges(self) -> _Array: ...
     @property
     def unchecked(self) -> _Unchecked: ...
+    @property
+    def constraints(self) -> list[tuple[str, float, float]]: ...
     def __bool__(self) -> bool: ...
 
 class Result:

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import leeway
-from leeway import FramePose, TaskStep
+from leeway import Constraint, FramePose, TaskStep
 
 NAN = float("nan")
+UPRIGHT = Constraint("tool", axis=(0, 0, 1), angle=3)
 TUCKED = [0, -0.6, 0, -2.05, 0, 1.6, 0]
 
 
@@ -90,6 +91,16 @@ MISTAKES = {
     "planner_without_costs": [settings(planner="LBTRRT", objective={"integral": {"hinge": 0.1}})],
     "improve_beside_clearance": [settings(parameters={"improve": 1}, objective="clearance")],
     "deforming_of_another_time": [edits(lambda p: (clothes(p.world, "cloth"), setattr(p, "start_time", 1)))],
+    "constraint_of_nothing": [settings(constraints=[Constraint("tol", axis=(0, 0, 1), angle=3)])],
+    "constraint_that_keeps_nothing": [settings(constraints=[Constraint("tool")])],
+    "constraint_without_room": [settings(constraints=[Constraint("tool", (0, "any", "any"), position_tolerance=0)])],
+    "constraint_of_any_angle": [settings(constraints=[Constraint("tool", axis=(0, 0, 1), angle=4)])],
+    "constraint_without_axis": [settings(constraints=[Constraint("tool", axis=(0, 0, 0), angle=3)])],
+    "constraint_of_the_base": [edits(lambda p: p.constraints.append(Constraint("base", axis=(0, 0, 1), angle=3)))],
+    "constraint_beside_steps": [settings(constraints=[UPRIGHT], steps=[TaskStep.line("tool", (0, 0, 1))])],
+    "constraint_beside_clearance": [settings(constraints=[UPRIGHT], objective="clearance")],
+    "constraint_for_another_planner": [settings(constraints=[UPRIGHT], planner="RRTConnect")],
+    "constraint_beside_blends": [settings(constraints=[UPRIGHT], corners="blend")],
     "step_allows_nothing": [settings(steps=[TaskStep.move(TUCKED, allowed=[("hand", "psot")])])],
     "step_takes_nothing": [settings(steps=[TaskStep.attach("psot", "hand")])],
     "step_held_by_nothing": [settings(steps=[TaskStep.attach("post", "hnad")])],
@@ -302,7 +313,7 @@ def objects(robot):
     ball = leeway.Shape.sphere(1)
     return [robot, problem.world, result, result.certificate, result.certificate.world, result.trajectory(), scene, scene.check("start"),
             scene.certify(TUCKED, TUCKED), leeway.verify(problem, result), replanner, step, leeway.replan(robot, moving, "ready", TUCKED, steps=1), monitor,
-            monitor.look(0, TUCKED, [0] * 7, horizon=1), task.steps[0], FramePose("hand", (0, 0, 0)), TaskStep.move(TUCKED), ball,
+            monitor.look(0, TUCKED, [0] * 7, horizon=1), task.steps[0], FramePose("hand", (0, 0, 0)), UPRIGHT, TaskStep.move(TUCKED), ball,
             leeway.Shape.mesh(vertices=np.eye(3), triangles=[[0, 1, 2]]), leeway.distance(ball, None, ball, (3, 0, 0)), leeway.separation(ball, None, ball, None),
             leeway.inverse_kinematics(robot, "hand", robot.pose("hand", TUCKED)), DEFORMABLE, result.problem, scene.problem]
 

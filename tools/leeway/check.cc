@@ -13,6 +13,7 @@
 #include "leeway/robots/named_states.h"
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
+#include "planner/constraint/constraint_proof.h"
 #include "planner/execute/unchecked_json.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
@@ -216,8 +217,8 @@ std::string brokenLimit(const planner::ConfigurationSpace& space,
   return {};
 }
 
-CheckedState checkState(planner::EdgeCertifier& certifier, const NamedState& state,
-                        double tolerance) {
+CheckedState checkState(planner::EdgeCertifier& certifier, const planner::Problem& problem,
+                        const NamedState& state, double tolerance) {
   CheckedState checked;
   checked.state = state;
   if (!state.fault.empty()) {
@@ -225,6 +226,8 @@ CheckedState checkState(planner::EdgeCertifier& certifier, const NamedState& sta
     return checked;
   }
   checked.limit = brokenLimit(certifier.scene().space(), state.point);
+  if (checked.limit.empty())
+    checked.limit = planner::ConstraintProof(certifier.scene(), problem).fault(state.point);
   checked.nothing_checked = certifier.scene().nothingChecked();
   checked.check = certifier.clearance(state.point, tolerance);
   checked.names = pairNames(certifier.scene(), checked.check.pair);
@@ -376,7 +379,7 @@ int runCheck(const CheckArguments& arguments) {
   bool all_valid = true;
   Json list = Json::array();
   for (const NamedState& state : states) {
-    const CheckedState checked = checkState(certifier, state, arguments.tolerance);
+    const CheckedState checked = checkState(certifier, problem, state, arguments.tolerance);
     all_valid = all_valid && checked.valid();
     if (arguments.json) {
       list.push_back(stateJson(checked));

@@ -126,6 +126,27 @@ std::string certificateText(const planner::Certificate& certificate) {
   return text + planner::toString(certificate.unchecked) + ".\n";
 }
 
+/// What is proven of the constraints.
+std::string constraintsText(const planner::Problem& problem, const planner::PlanResult& result) {
+  std::string text;
+  for (std::size_t i = 0; i < result.certificate.constraints.size(); ++i) {
+    const planner::Constraint& constraint = problem.constraints[i];
+    const planner::ConstraintResult& proven = result.certificate.constraints[i];
+    std::string off;
+    for (const auto& [from, to] : constraint.position)
+      if (std::isfinite(from) || std::isfinite(to))
+        off = fmt::format(" at most {} mm off ({} are allowed)",
+                          formatUpper(millimetres(proven.deviation), 3),
+                          millimetres(constraint.position_tolerance));
+    if (constraint.turn != planner::Constraint::Turn::kAny)
+      off += fmt::format("{} at most {} rad turned ({} are allowed)", off.empty() ? "" : ",",
+                         formatUpper(proven.angle, 4), constraint.angle);
+    text += fmt::format("Constraint '{}' holds everywhere, proven: '{}' is{}.\n", constraint.name,
+                        constraint.frame, off);
+  }
+  return text;
+}
+
 /// What the path costs, and which wishes it keeps.
 std::string costText(const planner::Problem& problem, const planner::PlanResult& result) {
   if (!std::isfinite(result.cost.upper)) return "";
@@ -161,10 +182,12 @@ std::string allPairsText(const planner::Problem& problem, const planner::PlanRes
 
 std::string offendingText(const planner::PlanResult& result) {
   const auto& check = result.offending;
+  const bool is_start = result.status == planner::PlanStatus::kInvalidStart;
   if (!result.reason.empty()) {
-    return fmt::format("No configuration: {}.\n", result.reason);
+    return fmt::format("{}: {}.\n", is_start ? "The start is not valid" : "No configuration",
+                       result.reason);
   }
-  const char* state = result.status == planner::PlanStatus::kInvalidStart ? "start" : "goal";
+  const char* state = is_start ? "start" : "goal";
   if (result.offending_a.empty()) {
     return fmt::format(
         "The {} is not valid: its clearance could not be decided, which sizes or places near the "
@@ -226,6 +249,7 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
       fmt::print("\n{}\n", pathTable(result));
       if (!result.path.steps.empty()) fmt::print("{}\n", stepTable(problem, result));
       fmt::print("{}", certificateText(result.certificate));
+      fmt::print("{}", constraintsText(problem, result));
       fmt::print("Length {:.4f}, {} edges.\n", result.length, result.certificate.segments.size());
       fmt::print("{}", costText(problem, result));
       fmt::print("{}", durationText(*trajectory));

@@ -13,6 +13,7 @@
 #include "planner/base/tolerances.h"
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_shapes.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
@@ -72,6 +73,9 @@ Eigen::Vector3d boxWithin(const YamlReader& primitive) {
                            kConstraintSlack));
   return half;
 }
+
+/// Tolerances of an angle from here on allow any.
+constexpr double kAnyTurn = 3.14;
 
 PoseRegion anywhere(int link) {
   PoseRegion region;
@@ -133,6 +137,71 @@ PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& prob
   tolerance[1] = std::min(tolerance[1], 1.5);
   for (std::size_t i = 0; i < 3; ++i) region.rpy[i] = {-tolerance[i], tolerance[i]};
   return region;
+}
+
+namespace {
+
+/// The constraint, if it can be kept; else an error at its place.
+Constraint checked(Constraint constraint, const YamlReader& place, const Problem& problem) {
+  constraint.name = fmt::format("path constraint {}", problem.constraints.size() + 1);
+  if (const auto fault = constraintFault(problem, constraint, place.where()))
+    place.fail(fault->message);
+  return constraint;
+}
+
+}  // namespace
+
+Constraint readPathPosition(const YamlReader& constraint, Problem& problem) {
+  const PoseRegion region = readPositionConstraint(constraint, problem);
+  Constraint path;
+  path.frame = problem.robot.model->links[at(region.link)].name;
+  if (!region.X_LF.translation.isZero(0)) {
+    path.frame =
+        fmt::format("{} of path constraint {}", path.frame, problem.constraints.size() + 1);
+    problem.robot.frames.push_back({path.frame, region.link, region.X_LF});
+  }
+  path.X_SR = region.X_WR;
+  // The tolerance is taken from the box.
+  double least = kInfinity;
+  for (const auto& [from, to] : region.position) least = std::min(least, (to - from) / 2);
+  path.position_tolerance = std::min(path.position_tolerance, least / 4);
+  for (std::size_t i = 0; i < 3; ++i)
+    path.position[i] = {region.position[i].first + path.position_tolerance,
+                        region.position[i].second - path.position_tolerance};
+  return checked(std::move(path), constraint, problem);
+}
+
+/// Turns of a frame by D = Rx(a) Ry(b) Rz(c): with an angle of D of at most t, |a|, |b| and |c| are
+/// at most t, as cos(a) cos(b), cos(b) cos(c) and sin(b) are entries of D. With any c, a tilt of
+/// the frame's z of at most t has |a| and |b| at most t; with any a, one of its x has |b| and |c|.
+Constraint readPathOrientation(const YamlReader& constraint, Problem& problem) {
+  Constraint path;
+  path.frame = problem.robot.model->links[at(constrainedLink(constraint, problem))].name;
+  path.X_SR = headerPose(constraint, problem);
+  const Eigen::Matrix3d wanted = rotationFromQuaternion(readMoveitQuaternion(
+      constraint.at("orientation", "a quaternion [x, y, z, w]"), problem.warnings));
+  const auto form = constraint.find("parameterization");
+  const bool is_vector = form && form->isScalar() && form->text() != "0";
+  bool any[3];
+  double least = kInfinity;
+  const char* keys[] = {"absolute_x_axis_tolerance", "absolute_y_axis_tolerance",
+                        "absolute_z_axis_tolerance"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double tolerance = constraint.at(keys[i], "an angle [rad]").sizeNumber();
+    any[i] = tolerance >= kAnyTurn;
+    if (!any[i]) least = std::min(least, tolerance);
+  }
+  if (any[1] || (any[0] && any[2]) || (is_vector && (any[0] || any[2])))
+    constraint.fail(fmt::format(
+        "{} leaves turns free that are not about the x or z axis alone{}; one of these, or "
+        "tolerances below {} about all axes are expected",
+        constraint.where(), is_vector ? " (with the rotation vector's form, any)" : "", kAnyTurn));
+  path.angle = least;
+  path.turn = any[0] || any[2] ? Constraint::Turn::kAxis : Constraint::Turn::kFixed;
+  path.rotation = wanted;
+  path.axis = any[0] ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
+  path.direction = wanted * path.axis;
+  return checked(std::move(path), constraint, problem);
 }
 
 }  // namespace leeway::planner

@@ -73,6 +73,10 @@ void readAllowedCollisions(const YamlReader& scene, Problem& problem);
 robots::PoseRegion readPositionConstraint(const YamlReader& constraint, Problem& problem);
 robots::PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& problem);
 
+/// The same as constraints of a path. Neither allows more than MoveIt does.
+Constraint readPathPosition(const YamlReader& constraint, Problem& problem);
+Constraint readPathOrientation(const YamlReader& constraint, Problem& problem);
+
 /// Group, start and goals of a moveit_msgs/MotionPlanRequest. Goals may be relative to all else.
 void readRequestGroup(const YamlReader& request, Problem& problem);
 void readRequestStart(const YamlReader& request, Problem& problem);

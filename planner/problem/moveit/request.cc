@@ -173,12 +173,18 @@ void readGoalConstraints(const YamlReader& request, Problem& problem) {
         problem));
 }
 
-void refusePathConstraints(const YamlReader& request) {
+void readPathConstraints(const YamlReader& request, Problem& problem) {
   const auto constraints = request.find("path_constraints");
   if (!constraints || !constraints->isMap()) return;
-  for (const char* key : {"joint_constraints", "position_constraints", "orientation_constraints",
-                          "visibility_constraints"})
-    refuseContent(*constraints, key, "a path without constraints");
+  for (const char* key : {"joint_constraints", "visibility_constraints"})
+    refuseContent(*constraints, key, "a path without these");
+  if (const auto positions = constraints->find("position_constraints"); hasContent(positions))
+    for (const YamlReader& constraint : positions->items())
+      problem.constraints.push_back(readPathPosition(constraint, problem));
+  if (const auto orientations = constraints->find("orientation_constraints");
+      hasContent(orientations))
+    for (const YamlReader& constraint : orientations->items())
+      problem.constraints.push_back(readPathOrientation(constraint, problem));
 }
 
 }  // namespace
@@ -201,7 +207,7 @@ void readRequestGroup(const YamlReader& request, Problem& problem) {
 
 void readRequestGoals(const YamlReader& request, Problem& problem) {
   readGoalConstraints(request, problem);
-  refusePathConstraints(request);
+  readPathConstraints(request, problem);
 }
 
 }  // namespace leeway::planner

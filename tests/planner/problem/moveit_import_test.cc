@@ -508,7 +508,17 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
       "request.yaml:10: goal_constraints[0].joint_constraints is not supported; a goal of either "
       "joints or poses is expected");
   expect(kScene, request + "path_constraints: {orientation_constraints: [{link_name: left}]}\n",
-         "request.yaml:13: path_constraints.orientation_constraints is not supported");
+         "request.yaml:13: key 'orientation' is missing in "
+         "path_constraints.orientation_constraints[0]");
+  expect(kScene, request + "path_constraints: {joint_constraints: [{joint_name: left_joint}]}\n",
+         "request.yaml:13: path_constraints.joint_constraints is not supported");
+  expect(kScene,
+         request +
+             "path_constraints: {orientation_constraints: [{link_name: left, orientation: [0, 0, "
+             "0, 1], absolute_x_axis_tolerance: 0.1, absolute_y_axis_tolerance: 6, "
+             "absolute_z_axis_tolerance: 0.1}]}\n",
+         "request.yaml:13: path_constraints.orientation_constraints[0] leaves turns free that are "
+         "not about the x or z axis alone");
   expect(kScene,
          replaced(request, "joint_names: [base_joint], transforms: [{rotation: [0, 0, 0, 1]",
                   "joint_names: [left_joint], transforms: [{rotation: [0, 0, 1, 0]"),

@@ -111,12 +111,12 @@ TEST(ShippedProblems, CoverWhatTheReadmePromises) {
         "snake/clutter.yaml", "bodies/window.yaml", "bodies/piano.yaml", "bodies/hooks.yaml",
         "mesh/tote.yaml", "unsolvable/sealed.yaml", "moveit/table.yaml", "deforming/curtain.yaml",
         "pick_place/can.yaml", "pick_place/carton.yaml", "deforming/heap.yaml",
-        "deforming/figure.yaml"})
+        "deforming/figure.yaml", "constrained/glass.yaml"})
     EXPECT_EQ(std::count(files.begin(), files.end(), file), 1) << file;
 }
 
-/// Examples of problems/README.md, in order: a whole file, a goal of poses, a body, a deforming
-/// obstacle, MoveIt's files, a point cloud.
+/// Examples of problems/README.md, in order: a whole file, a goal of poses, constraints, a body, a
+/// deforming obstacle, MoveIt's files, a point cloud.
 std::vector<std::string> readmeExamples() {
   std::ifstream stream(kProblems + "/README.md");
   std::vector<std::string> examples;
@@ -146,7 +146,7 @@ TEST(ShippedProblems, ExamplesOfTheReadmeLoad) {
     std::filesystem::copy_file(kProblems + "/moveit/" + name,
                                folder / "problems" / "example" / name);
   const std::vector<std::string> examples = readmeExamples();
-  EXPECT_EQ(examples.size(), 8U);
+  EXPECT_EQ(examples.size(), 9U);
   for (std::string example : examples) {
     if (example.rfind("leeway:", 0) != 0) example = "leeway: 1\n" + example;
     const std::string file = (folder / "problems" / "example" / "problem.yaml").string();

@@ -444,6 +444,71 @@ std::vector<Mistake> stepMistakes() {
        },
        {{"objects", "[{name: world, sphere: {radius: 0.1}, position: [5, 0, 0]}]"},
         {"steps", "[{line: {frame: tool, by: [0, 0, 1], relative_to: world}}]"}}},
+      {"constraint_of_nothing",
+       [](P& p) {
+         p.constraints = {upright("tol", {0, 0, 1}, 3)};
+       },
+       {{"constraints", "[{frame: tol, axis: [0, 0, 1], angle: 3}]"}}},
+      {"constraint_that_keeps_nothing",
+       [](P& p) {
+         p.constraints.emplace_back();
+         p.constraints[0].frame = "tool";
+       },
+       {{"constraints", "[{frame: tool}]"}}},
+      {"constraint_without_room",
+       [](P& p) {
+         p.constraints = {upright("tool", {0, 0, 1}, 3)};
+         p.constraints[0].position_tolerance = 0;
+       },
+       {{"constraints", "[{frame: tool, position: [0, any, any], position_tolerance: 0}]"}}},
+      {"constraint_of_any_angle",
+       [](P& p) {
+         p.constraints = {upright("tool", {0, 0, 1}, 4)};
+       },
+       {{"constraints", "[{frame: tool, axis: [0, 0, 1], angle: 4}]"}}},
+      {"constraint_without_axis",
+       [](P& p) {
+         p.constraints = {upright("tool", {0, 0, 0}, 3)};
+       },
+       {{"constraints", "[{frame: tool, axis: [0, 0, 0], angle: 3}]"}}},
+      {"constraint_back_to_front",
+       [](P& p) {
+         p.constraints = {upright("tool", {0, 0, 1}, 3)};
+         p.constraints[0].position[1] = {1, 0};
+       },
+       {}},
+      {"constraint_of_the_base",
+       [](P& p) {
+         p.constraints = {upright("base", {0, 0, 1}, 3)};
+       },
+       {{"constraints", "[{frame: base, axis: [0, 0, 1], angle: 3}]"}}},
+      {"constraint_beside_steps",
+       [](P& p) {
+         p.constraints = {upright("tool", {0, 0, 1}, 3)};
+         steps(p, {{"go", LineStep{"tool", {0, 0, 1}, {}}, {}}});
+       },
+       {{"constraints", "[{frame: tool, axis: [0, 0, 1], angle: 3}]"},
+        {"steps", "[{line: {frame: tool, by: [0, 0, 1]}}]"}}},
+      {"constraint_beside_clearance",
+       [](P& p) {
+         p.constraints = {upright("tool", {0, 0, 1}, 3)};
+         p.objective = MaximumClearance{};
+       },
+       {{"constraints", "[{frame: tool, axis: [0, 0, 1], angle: 3}]"}, {"objective", "clearance"}}},
+      {"constraint_for_another_planner",
+       [](P& p) {
+         p.constraints = {upright("tool", {0, 0, 1}, 3)};
+         p.planner.name = "RRTConnect";
+       },
+       {{"constraints", "[{frame: tool, axis: [0, 0, 1], angle: 3}]"},
+        {"planner", "{name: RRTConnect}"}}},
+      {"constraint_beside_blends",
+       [](P& p) {
+         p.constraints = {upright("tool", {0, 0, 1}, 3)};
+         p.execution.corners = Corners::kBlend;
+       },
+       {{"constraints", "[{frame: tool, axis: [0, 0, 1], angle: 3}]"},
+        {"execution", "{corners: blend}"}}},
       {"step_without_tolerance",
        [](P& p) {
          steps(p, {{"go", LineStep{"tool", {0, 0, 1}, {}, 1e-9}, {}}});

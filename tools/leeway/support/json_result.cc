@@ -53,6 +53,11 @@ Json certificateJson(const planner::Problem& problem, const planner::Certificate
       planner::ConfigurationSpace(problem.robot.model, problem.robot.variables).interpolation();
   document["not_checked"] = planner::uncheckedJson(certificate.unchecked);
   document["clouds"] = cloudsJson(problem);
+  document["constraints"] = Json::array();
+  for (const planner::ConstraintResult& constraint : certificate.constraints)
+    document["constraints"].push_back({{"name", constraint.name},
+                                       {"deviation", constraint.deviation},
+                                       {"angle", constraint.angle}});
   return document;
 }
 

@@ -1,6 +1,7 @@
 #include "tools/leeway/support/plan_overrides.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -140,6 +141,12 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
                  "so much times the length is added to that integral; 0 by default")
       ->type_name("W")
       ->check(numberFrom(0, 1e9));
+  app.add_option(
+         "--upright", overrides.upright,
+         "keep that AXIS (x, y, z, -x, -y or -z) of a frame, link or held object points up, "
+         "to within RADIANS, on all of the path: a constraint")
+      ->type_name("FRAME AXIS RADIANS")
+      ->expected(3);
   app.add_option("--certificate", overrides.certificate,
                  "how exactly clearance is told; every edge is proven either way. path: the "
                  "path's least, roughly (to about three tenths); full: that of each edge to 0.1 "
@@ -177,6 +184,28 @@ void applyCost(const PlanOverrides& overrides, planner::Problem& problem) {
   if (overrides.inverse) term.nearness.kind = planner::Nearness::Kind::kInverse;
   term.nearness.distance = overrides.inverse ? *overrides.inverse : *overrides.hinge;
   problem.objective = planner::MinimumCost{overrides.length_weight.value_or(0), {term}};
+}
+
+/// --upright: a constraint besides the problem's.
+void applyUpright(const PlanOverrides& overrides, planner::Problem& problem) {
+  if (overrides.upright.empty()) return;
+  const std::string &axis = overrides.upright[1], text = overrides.upright[2];
+  const auto refuse = [&](const std::string& why) {
+    badUsage(fmt::format("--upright {}: {}", fmt::join(overrides.upright, " "), why));
+  };
+  const std::size_t sign = axis.starts_with('-') ? 1 : 0;
+  const std::size_t place = std::string_view("xyz").find(axis.substr(sign));
+  if (axis.size() != sign + 1 || place == std::string_view::npos)
+    refuse(fmt::format("'{}' is no axis; x, y, z, -x, -y or -z is expected", axis));
+  const std::optional<double> angle = robots::parseFinite(text);
+  if (!angle) refuse(fmt::format("'{}' is no number; an angle in radians is expected", text));
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  up[static_cast<Eigen::Index>(place)] = sign == 1 ? -1 : 1;
+  problem.constraints.push_back(planner::upright(overrides.upright[0], up, *angle));
+  if (const auto fault =
+          planner::constraintFault(problem, problem.constraints.back(), "the constraint"))
+    refuse(fault->message);
+  if (const auto fault = planner::constraintsFault(problem)) refuse(*fault);
 }
 
 /// --improve is of one search and one objective: elsewhere it would be ignored.
@@ -290,6 +319,7 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
     std::visit(Apply{setting, given->second, problem}, setting.value);
   }
   applyCost(overrides, problem);
+  applyUpright(overrides, problem);
   if (const auto improve = overrides.given.find("improve"); improve != overrides.given.end())
     expectImproves(improve->second, problem);
 }

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
@@ -20,6 +21,7 @@ struct PlanOverrides {
   std::map<std::string, std::string, std::less<>> given;
   std::optional<double> hinge, inverse;  ///< of an integral [m]
   std::optional<double> length_weight;
+  std::vector<std::string> upright;  ///< frame, axis, angle
   std::string certificate = "path";
 
   std::optional<double> timeLimit() const;  ///< [s]

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "leeway/planner/constraint_result.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
 #include "leeway/planner/wish_result.h"
@@ -74,8 +75,9 @@ struct Certificate : PathClearance {
   PathClearance world, self;
   /// One an edge [m]. Under CertificateDetail::kPath an upper end may be infinity: not looked for.
   std::vector<Interval> segments;
-  bool certified = false;                 ///< every edge proven to keep its margins
-  std::vector<UncheckedPairs> unchecked;  ///< pairs that it does not speak of
+  bool certified = false;                     ///< every edge proven to keep its margins
+  std::vector<UncheckedPairs> unchecked;      ///< pairs that it does not speak of
+  std::vector<ConstraintResult> constraints;  ///< one each, in the problem's order
 };
 
 /// kPath: the path's clearance to three tenths of itself, or as near as a millisecond of counted

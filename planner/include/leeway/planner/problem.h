@@ -57,6 +57,36 @@ struct PlannedRobot {
   std::vector<Frame> frames;
 };
 
+/// What a frame F keeps, seen from a reference frame R, on all of a path: proven everywhere, as
+/// margins are. Names are those of FramePose.
+struct Constraint {
+  /// What is kept of F's rotation.
+  enum class Turn : unsigned char {
+    kAny,    ///< nothing
+    kFixed,  ///< `rotation`, to within `angle`
+    kAxis,   ///< that `axis` points along `direction`, to within `angle`
+  };
+  static constexpr std::pair<double, double> kFree{-std::numeric_limits<double>::infinity(),
+                                                   std::numeric_limits<double>::infinity()};
+
+  std::string name;         ///< in messages
+  std::string frame;        ///< a frame, a link or an attached object
+  std::string relative_to;  ///< an object, or a frame or link at rest; empty: the world
+  robots::Pose X_SR;        ///< of R in the frame S of that name
+  /// Of F's origin in R [m]: a box, or a plane or line where ranges have no width.
+  std::array<std::pair<double, double>, 3> position{kFree, kFree, kFree};
+  double position_tolerance = 1e-3;  ///< how far outside of the box the origin may be [m]
+  Turn turn = Turn::kAny;
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< R_RF
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();         ///< in F, of any length
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();    ///< in R, of any length
+  double angle = 1e-2;                                     ///< [rad]
+};
+
+/// Keeps a frame upright: the constraint that `axis` of the frame points along the world's z to
+/// within `angle` [rad].
+Constraint upright(const std::string& frame, const Eigen::Vector3d& axis, double angle);
+
 /// Where a frame F may be in a reference frame R, by names; poseRegion() looks up where they stand.
 struct FramePose {
   std::string frame;        ///< a frame, a link or an attached object
@@ -298,6 +328,8 @@ struct Problem {
   std::vector<robots::PoseRegion> start_poses;
   std::vector<Goal> goals;  ///< at least one, or
   std::vector<Step> steps;  ///< a task: planTask() (task.h) instead of plan()
+  /// Each holds on all of a path, its start and goal included; beside goals only.
+  std::vector<Constraint> constraints;
   World world;
   Contacts contacts;
   Margins margins;
@@ -319,6 +351,8 @@ struct Problem {
 /// - a name that stands for two things, or that is empty; a name in margins, wishes or contacts
 /// that
 ///   stands for nothing; a pair of one name;
+/// - constraints of frames that do not move, or of nothing; beside steps, another objective than
+///   length, another planner than Connect, or corners that are cut;
 /// - poses that are not finite or not rotations; numbers that are not finite or negative where that
 ///   makes no sense; a planner or parameters that do not exist or do not fit the objective;
 /// - deforming obstacles without a snapshot of Execution::start.

@@ -1,0 +1,149 @@
+#include "planner/constraint/constraint_proof.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "collision/base/numbers.h"
+#include "planner/base/tolerances.h"
+#include "planner/validate/checks.h"
+
+namespace leeway::planner {
+namespace {
+
+using Turn = Constraint::Turn;
+
+/// The angle between two unit vectors or rotations whose ends are `chord` apart at most, rounded
+/// up; 4 where it may be any.
+double angleOfChord(double chord) {
+  return chord < 2 ? 2 * std::asin(chord / 2) * (1 + kLineRounding) : 4;
+}
+
+}  // namespace
+
+ConstraintProof::ConstraintProof(const CompiledScene& scene, const Problem& problem) {
+  for (const Constraint& constraint : problem.constraints) {
+    const robots::PoseRegion frame = frameOf(problem, constraint);
+    parts_.push_back({constraint, frame.X_WR, FrameMotion(scene, frame.link, frame.X_LF), {}});
+    parts_.back().constraint.axis.normalize();
+    parts_.back().constraint.direction.normalize();
+  }
+}
+
+ConstraintProof::Error ConstraintProof::errorOf(const Part& part, const robots::Pose& X_WF) {
+  const Constraint& constraint = part.constraint;
+  Error error;
+  const Eigen::Matrix3d R_RF = part.X_WR.rotation.transpose() * X_WF.rotation;
+  const Eigen::Vector3d p =
+      part.X_WR.rotation.transpose() * (X_WF.translation - part.X_WR.translation);
+  Eigen::Vector3d outside;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const auto& [from, to] = constraint.position[static_cast<std::size_t>(i)];
+    outside[i] = std::max({from - p[i], p[i] - to, 0.0});
+  }
+  error.position = outside.norm();
+  // |A - B| (Frobenius) of two rotations is sqrt(2) times the longest chord.
+  if (constraint.turn == Turn::kFixed)
+    error.chord = (R_RF - constraint.rotation).norm() / std::numbers::sqrt2;
+  if (constraint.turn == Turn::kAxis) {
+    const Eigen::Vector3d axis = R_RF * constraint.axis;
+    error.cosine = axis.dot(constraint.direction);
+    error.sine = (axis - error.cosine * constraint.direction).norm();
+  }
+  return error;
+}
+
+ConstraintProof::Error ConstraintProof::over(const Error& a, const Error& b,
+                                             const ChordDeparture& departure) {
+  return {std::max(a.position, b.position) + departure.origin,
+          std::max(a.chord, b.chord) + departure.tips, std::max(a.sine, b.sine) + departure.tips,
+          std::min(a.cosine, b.cosine) - departure.tips};
+}
+
+double ConstraintProof::angleOf(const Constraint& constraint, const Error& error) {
+  if (constraint.turn == Turn::kAny) return 0;
+  if (constraint.turn == Turn::kFixed) return angleOfChord(error.chord);
+  const double most = std::acos(std::clamp(error.cosine, -1.0, 1.0)) + kLineRounding;
+  if (!(error.cosine > 0) || !(error.sine < 1)) return most;
+  return std::min(most, std::asin(error.sine) * (1 + kLineRounding));
+}
+
+bool ConstraintProof::isWithin(const Constraint& constraint, const Error& error) {
+  // Written so that NaN is outside.
+  return error.position <= kConstraintShare * constraint.position_tolerance &&
+         angleOf(constraint, error) <= kConstraintShare * constraint.angle;
+}
+
+bool ConstraintProof::holds(std::span<const double> point) {
+  return std::all_of(parts_.begin(), parts_.end(), [&](Part& part) {
+    const Error error = errorOf(part, part.motion.poseAt(point));
+    return isWithin(part.constraint, over(error, error, part.motion.rounding()));
+  });
+}
+
+bool ConstraintProof::holds(std::span<const double> a, std::span<const double> b) {
+  return std::all_of(parts_.begin(), parts_.end(), [&](Part& part) { return holds(part, a, b); });
+}
+
+bool ConstraintProof::holds(Part& part, std::span<const double> a, std::span<const double> b) {
+  FrameMotion& motion = part.motion;
+  const auto errorAt = [&](double t) {
+    const Error error = errorOf(part, motion.poseAt(t));
+    return over(error, error, motion.rounding());
+  };
+  motion.begin(a, b);
+  const Error first = errorAt(0);
+  if (!isWithin(part.constraint, first)) return false;
+  const Error last = errorAt(1);
+  if (!isWithin(part.constraint, last)) return false;
+  open_.assign(1, {0, 1, first, last});
+  while (!open_.empty()) {
+    const Span span = open_.back();
+    open_.pop_back();
+    const Error most = over(span.e0, span.e1, motion.departure(span.t0, span.t1));
+    if (isWithin(part.constraint, most)) {
+      part.worst.deviation = std::max(part.worst.deviation, most.position);
+      part.worst.angle = std::max(part.worst.angle, angleOf(part.constraint, most));
+      continue;
+    }
+    if (span.t1 - span.t0 < 1.5 / (1 << kConstraintHalvings)) return false;
+    const double middle = span.t0 / 2 + span.t1 / 2;
+    const Error error = errorAt(middle);
+    if (!isWithin(part.constraint, error)) return false;
+    open_.push_back({middle, span.t1, error, span.e1});
+    open_.push_back({span.t0, middle, span.e0, error});
+  }
+  return true;
+}
+
+std::string ConstraintProof::fault(std::span<const double> point) {
+  for (Part& part : parts_) {
+    const Constraint& constraint = part.constraint;
+    const Error error = errorOf(part, part.motion.poseAt(point));
+    if (isWithin(constraint, over(error, error, part.motion.rounding()))) continue;
+    if (!(error.position <= kConstraintShare * constraint.position_tolerance))
+      return fmt::format(
+          "constraint '{}': '{}' is {:.6g} m from where it may be, at most {:.6g} m "
+          "is allowed",
+          constraint.name, constraint.frame, error.position, constraint.position_tolerance);
+    return fmt::format(
+        "constraint '{}': '{}' is turned by {:.6g} rad, at most {:.6g} rad is "
+        "allowed",
+        constraint.name, constraint.frame, angleOf(constraint, error), constraint.angle);
+  }
+  return {};
+}
+
+std::optional<std::vector<ConstraintResult>> ConstraintProof::prove(
+    const std::vector<std::vector<double>>& points) {
+  std::vector<ConstraintResult> results;
+  for (Part& part : parts_) part.worst = {part.constraint.name, 0, 0};
+  for (std::size_t i = 0; i + 1 < points.size(); ++i)
+    if (!holds(points[i], points[i + 1])) return std::nullopt;
+  for (const Part& part : parts_) results.push_back(part.worst);
+  return results;
+}
+
+}  // namespace leeway::planner

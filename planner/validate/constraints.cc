@@ -1,0 +1,165 @@
+// What a problem may say of constraints, and the regions of poses in which they hold.
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "collision/base/numbers.h"
+#include "leeway/planner/planners.h"
+#include "planner/base/tolerances.h"
+#include "planner/validate/checks.h"
+
+namespace leeway::planner {
+namespace {
+
+using Turn = Constraint::Turn;
+
+/// The frame's pose, free in all.
+FramePose anyPose(const Constraint& constraint) {
+  FramePose pose;
+  pose.frame = constraint.frame;
+  pose.relative_to = constraint.relative_to;
+  pose.position.fill({-kAnyPosition, kAnyPosition});
+  pose.rpy.fill({-std::numbers::pi, std::numbers::pi});
+  return pose;
+}
+
+bool isAny(const std::pair<double, double>& range) {
+  return std::isinf(range.first) && std::isinf(range.second);
+}
+
+/// A rotation whose z axis is along a vector.
+Eigen::Matrix3d withAxis(const Eigen::Vector3d& vector) {
+  Eigen::Matrix3d R;
+  R.col(2) = vector.normalized();
+  R.col(0) = R.col(2).unitOrthogonal();
+  R.col(1) = R.col(2).cross(R.col(0));
+  return R;
+}
+
+std::string vectorText(const Eigen::Vector3d& v) {
+  return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z());
+}
+
+}  // namespace
+
+Constraint upright(const std::string& frame, const Eigen::Vector3d& axis, double angle) {
+  Constraint constraint;
+  constraint.name = "upright";
+  constraint.frame = frame;
+  constraint.turn = Turn::kAxis;
+  constraint.axis = axis;
+  constraint.angle = angle;
+  return constraint;
+}
+
+robots::PoseRegion frameOf(const Problem& problem, const Constraint& constraint) {
+  robots::PoseRegion frame = regionOf(problem, anyPose(constraint));
+  frame.X_WR = frame.X_WR * constraint.X_SR;
+  return frame;
+}
+
+std::vector<robots::PoseRegion> regionsOf(const Problem& problem, const Constraint& constraint) {
+  std::vector<robots::PoseRegion> regions;
+  FramePose place = anyPose(constraint);
+  bool has_place = false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::pair<double, double>& range = constraint.position[i];
+    if (isAny(range)) continue;
+    has_place = true;
+    place.position[i] = {std::max(range.first, -kAnyPosition),
+                         std::min(range.second, kAnyPosition)};
+  }
+  place.position_tolerance = kProjectionShare * constraint.position_tolerance;
+  if (constraint.turn == Turn::kFixed) {
+    place.rotation = constraint.rotation;
+    place.rpy.fill({0, 0});
+    place.angle_tolerance = kProjectionShare * constraint.angle;
+  }
+  const auto add = [&](const FramePose& pose) {
+    regions.push_back(regionOf(problem, pose));
+    regions.back().X_WR = regions.back().X_WR * constraint.X_SR;
+  };
+  if (has_place || constraint.turn == Turn::kFixed) add(place);
+  if (constraint.turn != Turn::kAxis) return regions;
+  // With F' and R' whose z is the axis and its direction, cos(tilt) = cos(roll) cos(pitch): turns
+  // of angle / sqrt(2) each tilt by less than the angle.
+  FramePose tilt = anyPose(constraint);
+  tilt.rotation = withAxis(constraint.axis).transpose();
+  const double most = std::min(kTiltShare * constraint.angle / std::numbers::sqrt2, kMostTilt);
+  tilt.rpy = {{{-most, most}, {-most, most}, {-std::numbers::pi, std::numbers::pi}}};
+  tilt.angle_tolerance = kProjectionShare * constraint.angle;
+  add(tilt);
+  regions.back().X_WR.rotation = regions.back().X_WR.rotation * withAxis(constraint.direction);
+  return regions;
+}
+
+std::optional<Fault> constraintFault(const Problem& problem, const Constraint& constraint,
+                                     const std::string& where) {
+  const auto fault = [&](const char* key, const std::string& what) {
+    return Fault{fmt::format("{}{}{} {}", where, *key == '\0' ? "" : ".", key, what), key, {}};
+  };
+  bool says = constraint.turn != Turn::kAny;
+  for (const auto& [from, to] : constraint.position) {
+    says = says || !isAny({from, to});
+    if (!(from <= to) || from == kInfinity || to == -kInfinity)
+      return fault("position",
+                   fmt::format("has a range from {} to {}; from <= to is expected", from, to));
+    for (const double end : {from, to})
+      if (std::isfinite(end) && std::abs(end) > kAnyPosition)
+        return fault("position", fmt::format("is {}; at most {} is expected", end, kAnyPosition));
+  }
+  if (!says) return fault("", "keeps nothing; position, a rotation or an axis is expected");
+  const auto tolerance = [&](const char* key, double value, double most) -> std::optional<Fault> {
+    if (value >= kLeastConstraintTolerance && value <= most) return std::nullopt;
+    return fault(
+        key, fmt::format("is {}; {} to {} is expected", value, kLeastConstraintTolerance, most));
+  };
+  if (auto wrong = tolerance("position_tolerance", constraint.position_tolerance, kAnyPosition))
+    return wrong;
+  if (constraint.turn != Turn::kAny)
+    if (auto wrong = tolerance("angle", constraint.angle, std::numbers::pi)) return wrong;
+  if (constraint.turn == Turn::kAxis)
+    for (const auto& [key, v] :
+         {std::pair("axis", &constraint.axis), {"direction", &constraint.direction}})
+      if (!v->allFinite() || !(v->norm() >= kLeastAxis))
+        return fault(key, fmt::format("is {}; a direction is expected", vectorText(*v)));
+  if (constraint.turn == Turn::kFixed)
+    if (const std::string wrong = poseFault({constraint.rotation, Eigen::Vector3d::Zero()});
+        !wrong.empty())
+      return fault("rotation", wrong);
+  if (const std::string wrong = poseFault(constraint.X_SR); !wrong.empty())
+    return fault("X_SR", wrong);
+  try {
+    frameOf(problem, constraint);
+  } catch (const std::invalid_argument& error) {
+    return Fault{where + ": " + error.what(), "frame", {}};
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> constraintsFault(const Problem& problem) {
+  if (problem.constraints.empty()) return std::nullopt;
+  if (!problem.steps.empty())
+    return "there are constraints beside steps, which do not keep them; goals are expected";
+  if (!std::holds_alternative<MinimumLength>(problem.objective) || asksForCost(problem))
+    return "there are constraints, and another objective than length; length without wishes is "
+           "expected";
+  if (findPlanner(problem.planner.name) != findPlanner("Connect"))
+    return fmt::format(
+        "there are constraints, which planner '{}' does not keep; Connect is "
+        "expected",
+        problem.planner.name);
+  if (problem.planner.parameters.count("improve") != 0)
+    return "there are constraints, which planner.parameters.improve does not keep; a planner "
+           "without it is expected";
+  if (problem.execution.corners == Corners::kBlend)
+    return "there are constraints, which corners that are cut do not keep; execution.corners stop "
+           "is expected";
+  return std::nullopt;
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,128 @@
+#include "planner/verify/frame_check.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <optional>
+
+#include "collision/base/numbers.h"
+#include "planner/base/tolerances.h"
+#include "planner/validate/checks.h"
+
+namespace leeway::planner::verification {
+namespace {
+
+using robots::Pose;
+
+/// The most that directions can turn whose unit vectors' ends move by `tips`.
+double turnOf(double tips) { return tips < 2 ? 2 * std::asin(tips / 2) : kInfinity; }
+
+/// Judges a look at a constraint's frame.
+VerifyStatus judge(const Constraint& constraint, const Pose& X_WR, const FrameLook& look) {
+  const Pose X_RF = X_WR.inverse() * look.X_WF;
+  // Rounding of placing F in R.
+  const double slack =
+      look.slack + kVerifyPose * (1 + look.X_WF.translation.norm() + X_WR.translation.norm());
+  Eigen::Vector3d nearest = X_RF.translation;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const auto& [from, to] = constraint.position[static_cast<std::size_t>(i)];
+    nearest[i] = std::clamp(nearest[i], from, to);
+  }
+  const double off = (X_RF.translation - nearest).norm();
+  double angle = 0, most = kInfinity;
+  if (constraint.turn == Constraint::Turn::kFixed) {
+    const Eigen::AngleAxisd between(
+        Eigen::Matrix3d(X_RF.rotation.transpose() * constraint.rotation));
+    angle = std::abs(between.angle());
+    most = constraint.angle;
+  } else if (constraint.turn == Constraint::Turn::kAxis) {
+    const Eigen::Vector3d axis = X_RF.rotation * constraint.axis.normalized();
+    const Eigen::Vector3d direction = constraint.direction.normalized();
+    angle = std::atan2(axis.cross(direction).norm(), axis.dot(direction));
+    most = constraint.angle;
+  }
+  if (off - slack > constraint.position_tolerance || angle - turnOf(slack) > most)
+    return VerifyStatus::kRefuted;
+  // Written so that NaN is not certified.
+  if (off + slack + look.moves <= constraint.position_tolerance &&
+      (constraint.turn == Constraint::Turn::kAny ||
+       angle + turnOf(slack) + turnOf(look.tips + slack) <= most))
+    return VerifyStatus::kCertified;
+  return VerifyStatus::kUndecided;
+}
+
+}  // namespace
+
+FrameCheck::FrameCheck(const Problem& problem, int link, const Pose& X_LF)
+    : model_(*problem.robot.model),
+      variables_(problem.robot.variables),
+      space_(problem.robot.model, problem.robot.variables),
+      link_(link),
+      X_LF_(X_LF),
+      q_(problem.start),
+      joints_(jointsAbove(model_, link)) {}
+
+VerifyStatus FrameCheck::check(const std::vector<double>& a, const std::vector<double>& b,
+                               double least, const Judge& judge, double& t) {
+  std::vector<double> difference(a.size()), point(a.size()), dq(model_.variables.size(), 0.0);
+  space_.lineDifference(a, b, difference);
+  for (std::size_t i = 0; i < a.size(); ++i) dq[at(variables_[i])] = difference[i];
+  std::deque<std::pair<double, double>> open{{0, 1}};
+  while (!open.empty()) {
+    const auto [begin, end] = open.front();
+    open.pop_front();
+    t = begin / 2 + end / 2;
+    const double half = end / 2 - begin / 2;
+    space_.alongLine(a, b, t, point);
+    for (std::size_t i = 0; i < point.size(); ++i) q_[at(variables_[i])] = point[i];
+    const std::vector<Pose> X_WL = placeLinks(model_, q_);
+    FrameLook look;
+    look.X_WF = X_WL[at(link_)] * X_LF_;
+    const Motion origin = boundMotion(model_, joints_, X_WL, dq, look.X_WF.translation, 0, half);
+    const Motion tips = boundMotion(model_, joints_, X_WL, dq, look.X_WF.translation, 1, half);
+    look.slack = std::max(origin.slack, tips.slack);
+    look.moves = origin.speed * half;
+    look.tips = (origin.speed + tips.speed) * half;
+    switch (judge(look)) {
+      case VerifyStatus::kCertified:
+        continue;
+      case VerifyStatus::kRefuted:
+        return VerifyStatus::kRefuted;
+      default:
+        break;
+    }
+    if (half < least) return VerifyStatus::kUndecided;
+    open.emplace_back(begin, t);
+    open.emplace_back(t, end);
+  }
+  return VerifyStatus::kCertified;
+}
+
+std::optional<VerifyResult> findBrokenConstraint(const Problem& problem, const Path& path) {
+  for (const Constraint& constraint : problem.constraints) {
+    const robots::PoseRegion frame = frameOf(problem, constraint);
+    FrameCheck check(problem, frame.link, frame.X_LF);
+    const std::size_t edges = std::max<std::size_t>(1, path.positions.size() - 1);
+    for (std::size_t i = 0; i < edges; ++i) {
+      double t = 0;
+      const VerifyStatus status = check.check(
+          path.positions[i], path.positions[std::min(i + 1, path.positions.size() - 1)],
+          kVerifyConstraintPiece,
+          [&](const FrameLook& look) { return judge(constraint, frame.X_WR, look); }, t);
+      if (status == VerifyStatus::kCertified) continue;
+      VerifyResult result;
+      result.status = status;
+      result.segment = static_cast<int>(i);
+      result.t0 = result.t1 = t;
+      result.reason = "constraint '" + constraint.name +
+                      (status == VerifyStatus::kRefuted ? "' does not hold for '"
+                                                        : "' is not proven to hold for '") +
+                      constraint.frame + "'";
+      return result;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace leeway::planner::verification

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "leeway/planner/configuration_space.h"
+#include "leeway/planner/verify.h"
+#include "planner/verify/kinematics.h"
+
+namespace leeway::planner::verification {
+
+/// A frame at one place of an edge, with first-order bounds for what is around it.
+struct FrameLook {
+  robots::Pose X_WF;
+  double moves = 0;  ///< the origin over this part of the edge, at most [m]
+  double tips = 0;   ///< the ends of unit vectors fixed to the frame, from its rotation alone
+  double slack = 0;  ///< displacement of any of these by rounding [m]
+};
+
+/// Proves or refutes what a frame on a link keeps along edges, by halving them.
+class FrameCheck {
+ public:
+  /// `problem` must outlive it.
+  FrameCheck(const Problem& problem, int link, const robots::Pose& X_LF);
+
+  /// What a look proves of its part of an edge: kCertified holds on all of it, kRefuted does not
+  /// hold at its middle; kUndecided: the part is halved.
+  using Judge = std::function<VerifyStatus(const FrameLook&)>;
+  /// The answer for the line from a to b. `t`: where it is refuted or undecided. `least`: parts of
+  /// half that length are not halved.
+  VerifyStatus check(const std::vector<double>& a, const std::vector<double>& b, double least,
+                     const Judge& judge, double& t);
+
+ private:
+  const robots::Model& model_;
+  std::vector<int> variables_;
+  ConfigurationSpace space_;
+  int link_;
+  robots::Pose X_LF_;
+  std::vector<double> q_;
+  std::vector<int> joints_;
+};
+
+/// The first place of a path where a constraint of the problem is not proven to hold; nothing when
+/// all are, on every line between its rows. Shares nothing with planner/constraint.
+std::optional<VerifyResult> findBrokenConstraint(const Problem& problem, const Path& path);
+
+}  // namespace leeway::planner::verification

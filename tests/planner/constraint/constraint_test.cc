@@ -1,0 +1,310 @@
+// Constraints on frames: what is proven holds at dense samples, planned paths keep them, the
+// verifier agrees by other means, and what cannot be kept is told.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/plan.h"
+#include "leeway/planner/replanner.h"
+#include "leeway/planner/verify.h"
+#include "leeway/robots/input_error.h"
+#include "leeway/robots/kinematics.h"
+#include "planner/base/random.h"
+#include "planner/constraint/constraint_proof.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
+
+namespace leeway::planner {
+namespace {
+
+using robots::Pose;
+using Turn = Constraint::Turn;
+using Point = std::vector<double>;
+
+struct Departure {
+  double position = 0, angle = 0;
+};
+
+/// The obvious twin: how far the frame of a constraint is off, by kinematics of all links.
+Departure departureAt(const Problem& problem, const Constraint& constraint, const Point& point) {
+  std::vector<double> q = problem.start;
+  for (std::size_t i = 0; i < point.size(); ++i)
+    q[static_cast<std::size_t>(problem.robot.variables[i])] = point[i];
+  std::vector<Pose> X_WL(problem.robot.model->links.size());
+  robots::forwardKinematics(*problem.robot.model, q, X_WL);
+  const auto poseOf = [&](const std::string& name) -> Pose {
+    for (const Frame& frame : problem.robot.frames)
+      if (frame.name == name) return X_WL[static_cast<std::size_t>(frame.link)] * frame.X_LF;
+    for (const Attachment& held : problem.robot.attachments)
+      if (held.object.name == name) return X_WL[static_cast<std::size_t>(held.link)] * held.X_LO;
+    for (const Object& object : problem.world.objects)
+      if (object.name == name) return object.X_WO;
+    return X_WL[static_cast<std::size_t>(problem.robot.model->findLink(name))];
+  };
+  Pose X_WR = constraint.X_SR;
+  if (!constraint.relative_to.empty()) X_WR = poseOf(constraint.relative_to) * constraint.X_SR;
+  const Pose X_RF = X_WR.inverse() * poseOf(constraint.frame);
+  Eigen::Vector3d outside;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const auto& [from, to] = constraint.position[static_cast<std::size_t>(i)];
+    outside[i] = std::max({from - X_RF.translation[i], X_RF.translation[i] - to, 0.0});
+  }
+  Departure departure{outside.norm(), 0};
+  if (constraint.turn == Turn::kFixed)
+    departure.angle =
+        Eigen::AngleAxisd(Eigen::Matrix3d(constraint.rotation.transpose() * X_RF.rotation)).angle();
+  if (constraint.turn == Turn::kAxis) {
+    const Eigen::Vector3d axis = X_RF.rotation * constraint.axis;
+    departure.angle =
+        std::atan2(axis.cross(constraint.direction).norm(), axis.dot(constraint.direction));
+  }
+  return departure;
+}
+
+/// Looks at `samples` points of each line of a path: no constraint is off by more than is proven.
+void expectKept(const Problem& problem, const PlanResult& result, int samples) {
+  ASSERT_EQ(result.certificate.constraints.size(), problem.constraints.size());
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+  Point q(static_cast<std::size_t>(space.size()));
+  for (std::size_t c = 0; c < problem.constraints.size(); ++c) {
+    const Constraint& constraint = problem.constraints[c];
+    const ConstraintResult& proven = result.certificate.constraints[c];
+    EXPECT_LE(proven.deviation, constraint.position_tolerance);
+    if (constraint.turn != Turn::kAny) {
+      EXPECT_LE(proven.angle, constraint.angle);
+    }
+    for (std::size_t i = 0; i + 1 < result.path.positions.size(); ++i)
+      for (int k = 0; k <= samples; ++k) {
+        space.alongLine(result.path.positions[i], result.path.positions[i + 1],
+                        static_cast<double>(k) / samples, q);
+        const Departure off = departureAt(problem, constraint, q);
+        ASSERT_LE(off.position, proven.deviation + 1e-12) << problem.name << " edge " << i;
+        ASSERT_LE(off.angle, proven.angle + 1e-9) << problem.name << " edge " << i;
+      }
+  }
+}
+
+void expectSolvedAndKept(const Problem& problem, int samples = 2000) {
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << problem.name << ": " << result.reason;
+  EXPECT_TRUE(result.certificate.certified);
+  expectKept(problem, result, samples);
+  const VerifyResult verified = verify(problem, result.path);
+  EXPECT_EQ(verified.status, VerifyStatus::kCertified) << problem.name << ": " << verified.reason;
+}
+
+Problem shipped(const std::string& name) {
+  return placeStart(loadProblem(leeway::sourceFolder() + "/problems/" + name));
+}
+
+/// An arm in an empty room.
+Problem armProblem(const std::string& arm) {
+  const std::string robot = leeway::sourceFolder() + "/robots/" + arm + "/" + arm;
+  Problem problem = problemFromStates(robots::loadModel(robot + ".urdf", robot + ".srdf"), "arm",
+                                      "ready", "ready");
+  problem.name = arm;
+  problem.limits.time = 60;
+  return problem;
+}
+
+Point randomPoint(const ConfigurationSpace& space, Random& random) {
+  Point point;
+  for (int i = 0; i < space.size(); ++i)
+    point.push_back(space.lower(i) + (space.upper(i) - space.lower(i)) * random.uniform());
+  return point;
+}
+
+Eigen::Matrix3d randomRotation(Random& random) {
+  Eigen::Vector4d xyzw;
+  random.quaternion(xyzw.data());
+  return Eigen::Quaterniond(xyzw[3], xyzw[0], xyzw[1], xyzw[2]).toRotationMatrix();
+}
+
+TEST(Constraints, ProvenEdgesKeepThemAtDenseSamples) {
+  Random random(7, 0);
+  int proven = 0, refused = 0, kept = 0;
+  for (const char* arm : {"arm6", "arm7"}) {
+    Problem problem = armProblem(arm);
+    const auto scene = std::make_shared<const CompiledScene>(problem);
+    const ConfigurationSpace& space = scene->space();
+    const std::string tip = problem.robot.model->links.back().name;
+    for (int i = 0; i < 600; ++i) {
+      // An edge, and a constraint that holds in its middle and may or may not at its ends.
+      const Point a = randomPoint(space, random), far = randomPoint(space, random);
+      Point b(a.size()), middle(a.size());
+      space.interpolate(a, far, std::pow(10, -2.5 * random.uniform()), b);
+      space.interpolate(a, b, 0.5, middle);
+      Constraint constraint;
+      constraint.name = "c";
+      constraint.frame = "tip";
+      problem.robot.frames = {{"tip",
+                               problem.robot.model->findLink(tip),
+                               {randomRotation(random), Eigen::Vector3d(0.1, 0, 0.2)}}};
+      constraint.X_SR = {randomRotation(random), {random.uniform(), 0, random.uniform()}};
+      problem.constraints = {constraint};
+      // Where the frame is there, seen from R.
+      std::vector<double> q = problem.start;
+      for (std::size_t v = 0; v < middle.size(); ++v)
+        q[static_cast<std::size_t>(problem.robot.variables[v])] = middle[v];
+      std::vector<Pose> X_WL(problem.robot.model->links.size());
+      robots::forwardKinematics(*problem.robot.model, q, X_WL);
+      const Frame& frame = problem.robot.frames[0];
+      const Pose X_RF =
+          constraint.X_SR.inverse() * (X_WL[static_cast<std::size_t>(frame.link)] * frame.X_LF);
+      const double size = std::pow(10, -3 * random.uniform());
+      for (std::size_t k = 0; k < 3; ++k)
+        if (random.uniform() < 0.6) {
+          const double x = X_RF.translation[static_cast<Eigen::Index>(k)];
+          constraint.position[k] = {x - size * random.uniform(), x + size * random.uniform()};
+          if (random.uniform() < 0.3) constraint.position[k].second = Constraint::kFree.second;
+        }
+      constraint.position_tolerance = size * (0.01 + random.uniform());
+      constraint.turn = i % 3 == 0 ? Turn::kAny : i % 3 == 1 ? Turn::kFixed : Turn::kAxis;
+      constraint.rotation = X_RF.rotation;
+      constraint.axis = randomRotation(random).col(0);
+      constraint.direction = X_RF.rotation * constraint.axis;
+      constraint.angle = std::min(3.0, 3 * size * (0.01 + random.uniform()));
+      problem.constraints = {constraint};
+      ConstraintProof proof(*scene, problem);
+      Departure worst;
+      Point point(a.size());
+      for (int k = 0; k <= 200; ++k) {
+        space.interpolate(a, b, k / 200.0, point);
+        const Departure off = departureAt(problem, constraint, point);
+        worst.position = std::max(worst.position, off.position);
+        worst.angle = std::max(worst.angle, off.angle);
+      }
+      const bool holds = worst.position <= constraint.position_tolerance &&
+                         (constraint.turn == Turn::kAny || worst.angle <= constraint.angle);
+      kept += holds ? 1 : 0;
+      if (proof.holds(a, b)) {
+        ++proven;
+        EXPECT_TRUE(holds) << arm << " case " << i << ": off " << worst.position << " m, "
+                           << worst.angle << " rad";
+        const auto result = proof.prove({a, b});
+        ASSERT_TRUE(result);
+        EXPECT_GE((*result)[0].deviation + 1e-12, worst.position);
+        EXPECT_GE((*result)[0].angle + 1e-9, worst.angle);
+        EXPECT_TRUE(proof.fault(a).empty());
+      } else {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(proven, 150);
+  EXPECT_GT(refused, 150);
+  // Few that hold stay unproven: those within a thousandth of their tolerance, or long edges.
+  EXPECT_GT(proven, 0.9 * kept);
+}
+
+TEST(Constraints, ShippedProblemIsSolvedKeptAndVerified) {
+  expectSolvedAndKept(shipped("constrained/glass.yaml"));
+}
+
+/// A plane, a line, upright, and a line with a fixed rotation, between random poses of an arm.
+TEST(Constraints, GeneratedProblemsAreSolvedKeptAndVerified) {
+  int solved = 0;
+  for (const char* arm : {"arm6", "arm7"})
+    for (int kind = 0; kind < 4; ++kind)
+      for (std::uint64_t seed = 0; seed < 3; ++seed) {
+        Problem problem = armProblem(arm);
+        const std::string tip = problem.robot.model->links.back().name;
+        Random random(seed, static_cast<std::uint64_t>(kind));
+        const Pose X_WF = [&] {
+          std::vector<Pose> X_WL(problem.robot.model->links.size());
+          robots::forwardKinematics(*problem.robot.model, problem.start, X_WL);
+          return X_WL.back();
+        }();
+        Constraint constraint;
+        constraint.name = "c";
+        constraint.frame = tip;
+        constraint.angle = std::numbers::pi / 180;
+        Eigen::Vector3d by(0, 0.2 + 0.1 * random.uniform(), 0);
+        if (kind == 0 || kind == 1 || kind == 3)
+          constraint.position[0] = {X_WF.translation.x(), X_WF.translation.x()};
+        if (kind == 1 || kind == 3)
+          constraint.position[2] = {X_WF.translation.z(), X_WF.translation.z()};
+        if (kind == 0) by.z() = 0.1 * random.uniform();
+        if (kind == 2) {
+          constraint.turn = Turn::kAxis;
+          constraint.axis = X_WF.rotation.transpose() * Eigen::Vector3d::UnitZ();
+        }
+        if (kind == 3) {
+          constraint.turn = Turn::kFixed;
+          constraint.rotation = X_WF.rotation;
+        }
+        problem.constraints = {constraint};
+        FramePose goal;
+        goal.frame = tip;
+        for (std::size_t i = 0; i < 3; ++i) {
+          const double x =
+              X_WF.translation[static_cast<Eigen::Index>(i)] + by[static_cast<Eigen::Index>(i)];
+          goal.position[i] = {x, x};
+        }
+        goal.rpy.fill({-std::numbers::pi, std::numbers::pi});
+        problem.goals = {{"goal", {}, {poseRegion(problem, goal)}}};
+        problem.seed = seed;
+        problem.name = std::string(arm) + " kind " + std::to_string(kind);
+        expectSolvedAndKept(problem, 500);
+        ++solved;
+      }
+  EXPECT_EQ(solved, 24);
+}
+
+TEST(Constraints, TheVerifierRefutesAPathThatBreaksOne) {
+  Problem problem = shipped("constrained/glass.yaml");
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  problem.constraints[0].angle = result.certificate.constraints[0].angle / 2;
+  // The ends are upright; what is between tilts by more than half of what was proven.
+  const VerifyResult verified = verify(problem, result.path);
+  EXPECT_EQ(verified.status, VerifyStatus::kRefuted);
+  EXPECT_NE(verified.reason.find("constraint 'upright' does not hold for 'glass'"),
+            std::string::npos)
+      << verified.reason;
+}
+
+TEST(Constraints, TheSameBytesForTheSameSeed) {
+  const Problem problem = shipped("constrained/glass.yaml");
+  const PlanResult first = plan(problem), second = plan(problem);
+  EXPECT_EQ(first.path.positions, second.path.positions);
+}
+
+TEST(Constraints, EndsThatBreakOneAreToldBeforePlanning) {
+  Problem problem = armProblem("arm7");
+  Constraint constraint = upright("hand", Eigen::Vector3d::UnitX(), 0.05);
+  problem.constraints = {constraint};
+  PlanResult result = plan(problem);
+  EXPECT_EQ(result.status, PlanStatus::kInvalidStart);
+  EXPECT_EQ(result.reason.find("constraint 'upright': 'hand' is turned by "), 0U) << result.reason;
+  EXPECT_EQ(result.iterations, 0U);
+
+  // The start keeps it, the goal does not.
+  constraint.axis = Eigen::Vector3d::UnitZ();
+  constraint.direction = -Eigen::Vector3d::UnitZ();
+  constraint.angle = 0.2;
+  problem.constraints = {constraint};
+  for (auto& [from, to] : problem.goals[0].ranges) from = to = 0;
+  result = plan(problem);
+  EXPECT_EQ(result.status, PlanStatus::kInvalidGoal) << result.reason;
+  EXPECT_NE(result.reason.find("goal 'ready': constraint 'upright'"), std::string::npos)
+      << result.reason;
+}
+
+TEST(Constraints, AReplannerKeepsNone) {
+  const Problem problem = shipped("constrained/glass.yaml");
+  try {
+    const Replanner replanner(problem);
+    FAIL();
+  } catch (const robots::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("which a Replanner does not keep"), std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace leeway::planner
