@@ -101,6 +101,7 @@ class BallPass {
     scratch_.is_full = false;
     placeOuter();
     cull();
+    if (met_.id >= 0) return met_;
     std::sort(scratch_.candidates.begin(), scratch_.candidates.end(),
               [](const Scratch::Candidate& x, const Scratch::Candidate& y) {
                 return x.key < y.key || (x.key == y.key && x.pair < y.pair);
@@ -108,14 +109,17 @@ class BallPass {
     // Inner balls before covers for obstacles: a contact with one is usually deep. Pairs of pieces
     // usually miss: the other way round, below.
     for (const Scratch::Candidate& c : scratch_.candidates) {
+      if (c.piece < 0) continue;
+      const Sweep::LanePiece& a = s_.pieces[size(c.piece)];
+      if (!(c.key <= a.inner_reach - a.outer.radius)) continue;
       const Sweep::Pair& pair = kernel_.pair(c.pair);
-      const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
-      if (pair.pieces || !(c.key <= a.inner_reach - a.outer.radius)) continue;
+      if (pair.pieces || !isAsked(pair)) continue;
       const std::uint32_t lanes = contact(pair, c.lanes);
       if (lanes != 0) return kernel_.noteContact(c.pair, -1, lanes);
     }
     for (const Scratch::Candidate& c : scratch_.candidates) {
       const Sweep::Pair& pair = kernel_.pair(c.pair);
+      if (!isAsked(pair)) continue;
       std::uint32_t open = c.lanes;
       // The plane that separated the pair last, in an earlier run, often does again.
       const Scratch::Plane* plane = scratch_.planes.find(c.pair);
@@ -218,6 +222,7 @@ class BallPass {
   HWY_INLINE void cull() {
     for (const Sweep::Group& group : s_.groups) boundGroup(group);
     if (s_.world && (LaneSweep::kOfWorld & kernel_.asked.kinds) != 0) cullWorld();
+    if (met_.id >= 0) return;
     for (const Sweep::Loose& loose : s_.loose_pairs) {
       const std::size_t a = size(s_.pairs[size(loose.pair)].a);
       if (!isApart(&scratch_.low[3 * a], &scratch_.high[3 * a], loose.low, loose.high))
@@ -236,15 +241,28 @@ class BallPass {
     const ObstacleBoxes* const first = s_.boxes->first().get();
     for (std::size_t g = 0; g < s_.groups.size(); ++g)
       scratch_.group_near[g] = isNearObstacle(s_.groups[g]) ? 1 : 0;
-    for (const LaneSweep::Row& row : s_.rows) {
-      const std::size_t p = size(row.piece);
-      const Sweep::LanePiece& piece = s_.pieces[p];
-      if (piece.group >= 0 && scratch_.group_near[size(piece.group)] == 0) continue;
-      float low[3], high[3];
-      growBox(&scratch_.low[3 * p], &scratch_.high[3 * p], piece.row_above, low, high);
-      if (first != nullptr) cullBoxes(p, low, high, *first, 0);
-      cullBoxes(p, low, high, *s_.boxes, first != nullptr ? first->slots() : 0);
-    }
+    // The piece that met something last is likely to meet it again, which ends the pass.
+    const std::int32_t last = rowOfLastContact();
+    if (last >= 0) cullRow(s_.rows[size(last)], first);
+    for (std::size_t row = 0; row < s_.rows.size() && met_.id < 0; ++row)
+      if (static_cast<std::int32_t>(row) != last) cullRow(s_.rows[row], first);
+  }
+
+  /// The row of the pair that was found in contact last; -1: it has none.
+  std::int32_t rowOfLastContact() const {
+    const std::int32_t in_world =
+        scratch_.contacts[0].pair - static_cast<std::int32_t>(s_.pairs.size());
+    return in_world < 0 ? -1 : in_world / static_cast<std::int32_t>(s_.places);
+  }
+
+  HWY_INLINE void cullRow(const LaneSweep::Row& row, const ObstacleBoxes* first) {
+    const std::size_t p = size(row.piece);
+    const Sweep::LanePiece& piece = s_.pieces[p];
+    if (piece.group >= 0 && scratch_.group_near[size(piece.group)] == 0) return;
+    float low[3], high[3];
+    growBox(&scratch_.low[3 * p], &scratch_.high[3 * p], piece.row_above, low, high);
+    if (first != nullptr) cullBoxes(p, low, high, *first, 0);
+    cullBoxes(p, low, high, *s_.boxes, first != nullptr ? first->slots() : 0);
   }
 
   /// Whether two boxes are apart; false with NaN.
@@ -313,30 +331,154 @@ class BallPass {
                             const ObstacleBoxes& boxes, std::size_t first_slot) {
     const auto levels = boxes.levels();
     if (levels.empty()) return;
-    cullBoxes(p, low, high, levels.data(), first_slot, levels.size() - 1, 0, levels.back().size());
+    const WorldCull cull{
+        p,     low,        high,
+        boxes, first_slot, s_.pieces[p].row_above + growthOf(s_.pieces[p].motion) + kernel_.slack};
+    cullBoxes(cull, levels.size() - 1, 0, levels.back().size(), kAll);
   }
 
-  /// Boxes [begin, end) of a level against that around a piece's sweep.
-  void cullBoxes(std::size_t p, const float* low, const float* high,
-                 const ObstacleBoxes::Level* levels, std::size_t first_slot, std::size_t level,
-                 std::size_t begin, std::size_t end) {
+  /// A row's piece and the boxes of its world.
+  struct WorldCull {
+    std::size_t p;
+    const float *low, *high;  // the box around the piece's sweep, grown
+    const ObstacleBoxes& boxes;
+    std::size_t first_slot;
+    float above;  // at least what any pair of the row asks of balls, besides their radii
+  };
+
+  /// Boxes [begin, end) of a level: by the box around the piece's sweep, and nodes also by its
+  /// outer ball in `lanes`.
+  void cullBoxes(const WorldCull& of, std::size_t level, std::size_t begin, std::size_t end,
+                 std::uint32_t lanes) {
     const D d;
-    const ObstacleBoxes::Level& boxes = levels[level];
+    const ObstacleBoxes::Level& boxes = of.boxes.levels()[level];
     end = std::min(end, boxes.size());  // NaN meets nodes that are padding, too
     for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
-      std::uint32_t near = nearBoxes(low, high, boxes, i);
+      std::uint32_t near = nearBoxes(of.low, of.high, boxes, i);
       for (std::size_t j = i; near != 0; near >>= 1U, ++j) {
         if ((near & 1U) == 0) continue;
-        if (level > 0)
-          cullBoxes(p, low, high, levels, first_slot, level - 1, ObstacleBoxes::kWidth * j,
-                    ObstacleBoxes::kWidth * (j + 1));
+        if (level == 0) {
+          considerObstacle(of.p, s_.pairOf(s_.pieces[of.p], of.first_slot + j), lanes);
+          continue;
+        }
+        // NaN and infinity meet nodes that are padding, too, which have nothing below.
+        if (ObstacleBoxes::kWidth * j >= of.boxes.levels()[level - 1].size()) break;
+        const Sweep::Core node = boxOf(boxes, j);
+        scratch_.work->add(kLaneBallWork);
+        const std::uint32_t open = openToObstacle<kStill>(
+            node, scratch_.outer[of.p], of.above + s_.pieces[of.p].outer.radius, lanes);
+        if (open == 0) continue;
+        if (level == 1 && of.boxes.hasBallsAlone(j))
+          cullBalls(of, j, node, open);
         else
-          considerObstacle(p, s_.pairOf(s_.pieces[p], first_slot + j));
+          cullBoxes(of, level - 1, ObstacleBoxes::kWidth * j, ObstacleBoxes::kWidth * (j + 1),
+                    open);
+        if (met_.id >= 0) return;
       }
     }
   }
 
-  HWY_INLINE void considerObstacle(std::size_t p, std::int32_t number) {
+  /// A box of a level. Halves of the ends are exact, and the sum and the difference each round by
+  /// at most u times a coordinate. Nothing is rotated into the world's axes, so openToObstacle()
+  /// stays within the rounding that lane_balls-inl.h derives.
+  HWY_INLINE static Sweep::Core boxOf(const ObstacleBoxes::Level& boxes, std::size_t i) {
+    Sweep::Core core{};
+    core.aligned = true;
+    for (int k = 0; k < 3; ++k) {
+      const float low = 0.5F * boxes.low[k][i], high = 0.5F * boxes.high[k][i];
+      core.center[k] = low + high;
+      core.half[k] = high - low;
+    }
+    return core;
+  }
+
+  /// The balls of a node of level 1, which has no others, in `lanes`: by the cover and the outer
+  /// ball of the piece, first against the node's box. The pairs of those that are left are made
+  /// when they are looked at; most never are.
+  void cullBalls(const WorldCull& of, std::size_t node, const Sweep::Core& box,
+                 std::uint32_t lanes) {
+    const Sweep::LanePiece& piece = s_.pieces[of.p];
+    placeCover(of.p);
+    // The lanes in which a ball of the cover is near the node's box.
+    std::uint32_t near_box[kCoverBalls];
+    const int count = std::min(piece.inner - piece.cover, kCoverBalls);
+    std::uint32_t open = 0;
+    for (int i = 0; i < count; ++i) {
+      const std::size_t ball = size(piece.cover + i);
+      near_box[i] = openToObstacle<kStill>(box, scratch_.balls[ball],
+                                           of.above + s_.balls[ball].radius, lanes);
+      open |= near_box[i];
+    }
+    scratch_.work->add(count * kLaneBallWork);
+    // The cover decides nothing here where there is none, or more of it.
+    const bool has_more = count == 0 || count < piece.inner - piece.cover;
+    if (open == 0 && !has_more) return;
+    const ObstacleBoxes::Level& balls = of.boxes.levels()[0];
+    const std::size_t begin = ObstacleBoxes::kWidth * node;
+    const D d;
+    for (std::size_t i = begin; i < begin + ObstacleBoxes::kWidth; i += hn::Lanes(d)) {
+      std::uint32_t near = nearBoxes(of.low, of.high, balls, i);
+      for (std::size_t j = i; near != 0; near >>= 1U, ++j) {
+        if ((near & 1U) == 0) continue;
+        const std::int32_t number = s_.pairOf(piece, of.first_slot + j);
+        if (number < 0) continue;
+        if (has_more)
+          considerObstacle(of.p, number, lanes);
+        else
+          considerBall(of, number, boxOf(balls, j), near_box, count);
+        if (met_.id >= 0) return;
+      }
+    }
+  }
+
+  /// A ball of the world, given by its box, in the lanes in which the balls of the cover are near
+  /// the node. The box is rounded outwards: half of its longest side is at least the radius, and
+  /// its middle is within 4 u of a coordinate of the centre on each axis.
+  HWY_INLINE void considerBall(const WorldCull& of, std::int32_t number, const Sweep::Core& box,
+                               const std::uint32_t* near_box, int count) {
+    Sweep::Core point = box;
+    std::fill_n(point.half, 3, 0.0F);
+    const float above = of.above + std::max(box.half[0], std::max(box.half[1], box.half[2]));
+    const Sweep::LanePiece& piece = s_.pieces[of.p];
+    std::uint32_t open = 0;
+    for (int i = 0; i < count; ++i) {
+      const std::uint32_t lanes = near_box[i] & ~open;
+      if (lanes == 0) continue;
+      scratch_.work->add(kLaneBallWork);
+      const std::size_t ball = size(piece.cover + i);
+      open |=
+          openToObstacle<kStill>(point, scratch_.balls[ball], above + s_.balls[ball].radius, lanes);
+    }
+    if (open == 0) return;
+    float key;
+    const float of_outer = above + piece.outer.radius;
+    open = openToObstacle<kStill>(point, scratch_.outer[of.p], of_outer, open, &key);
+    scratch_.work->add(kLaneBallWork);
+    if (open == 0) return;
+    meetBall(of, number, point, above, open);
+    if (met_.id < 0) addCandidate({key - of_outer, number, -1, open});
+  }
+
+  /// A contact by inner balls with a ball of the world around `point`, if one comes within `above`
+  /// of it.
+  HWY_INLINE void meetBall(const WorldCull& of, std::int32_t number, const Sweep::Core& point,
+                           float above, std::uint32_t lanes) {
+    const Sweep::LanePiece& piece = s_.pieces[of.p];
+    placeInner(of.p);
+    for (int i = piece.inner; i < piece.end; ++i) {
+      scratch_.work->add(kLaneBallWork);
+      if ((lanes & contactWithObstacle(point, scratch_.balls[size(i)],
+                                       above + s_.balls[size(i)].radius)) == 0)
+        continue;
+      const Sweep::Pair& pair = kernel_.pair(number);
+      const std::uint32_t met = isAsked(pair) ? contact(pair, lanes) : 0;
+      if (met != 0) met_ = kernel_.noteContact(number, -1, met);
+      return;
+    }
+  }
+
+  /// In `among` lanes.
+  HWY_INLINE void considerObstacle(std::size_t p, std::int32_t number, std::uint32_t among = kAll) {
     if (number < 0) return;
     const Sweep::Pair& pair = kernel_.pair(number);
     if (!isAsked(pair)) return;
@@ -344,9 +486,9 @@ class BallPass {
     const Sweep::LanePiece& piece = s_.pieces[p];
     const float above = requiredGap(pair) + piece.outer.radius;
     float key;
-    const std::uint32_t lanes = openToObstacle<kStill>(o, scratch_.outer[p], above, kAll, &key);
+    const std::uint32_t lanes = openToObstacle<kStill>(o, scratch_.outer[p], above, among, &key);
     scratch_.work->add(kLaneBallWork);
-    if (lanes != 0 && !isProven(pair)) addCandidate({key - above, number, lanes});
+    if (lanes != 0 && !isProven(pair)) addCandidate({key - above, number, pair.a, lanes});
   }
 
   HWY_INLINE void considerPieces(std::int32_t number) {
@@ -362,7 +504,7 @@ class BallPass {
     const std::uint32_t lanes =
         openToBall<kStill>(scratch_.outer[a], scratch_.outer[b], above, kAll, &key);
     scratch_.work->add(kLaneBallWork);
-    if (lanes != 0 && !isProven(pair)) addCandidate({key - above, number, lanes});
+    if (lanes != 0 && !isProven(pair)) addCandidate({key - above, number, pair.a, lanes});
   }
 
   bool isProven(const Sweep::Pair& pair) const {
@@ -496,6 +638,7 @@ class BallPass {
   const Sweep& s_;
   Scratch& scratch_;
   const LaneSweepKernel& kernel_;
+  LaneSweepKernel::Contact met_;  // found while boxes were culled: ends the pass
 };
 
 }  // namespace leeway::collision::HWY_NAMESPACE

@@ -68,7 +68,7 @@ struct Gap {
 };
 
 /// Gap::outside and `depth` of a point, which is given from the obstacle's centre, in its axes.
-HWY_INLINE V3 outsideOf(D d, const Sweep::Obstacle& o, const V3& p, V& depth) {
+HWY_INLINE V3 outsideOf(D d, const Sweep::Core& o, const V3& p, V& depth) {
   const V zero = hn::Zero(d);
   if (o.kind == Sweep::Kind::kHalfSpace) {
     depth = hn::Min(p.z, zero);
@@ -91,7 +91,7 @@ HWY_INLINE V3 outsideOf(D d, const Sweep::Obstacle& o, const V3& p, V& depth) {
 }
 
 /// Support of the core along a direction in the obstacle's axes, from its centre.
-HWY_INLINE V supportOf(D d, const Sweep::Obstacle& o, const V3& n) {
+HWY_INLINE V supportOf(D d, const Sweep::Core& o, const V3& n) {
   if (o.kind == Sweep::Kind::kHalfSpace) return hn::Zero(d);  // directions are z
   const V z = hn::Mul(hn::Abs(n.z), hn::Set(d, o.half[2]));
   if (o.kind == Sweep::Kind::kCylinder) {
@@ -104,7 +104,7 @@ HWY_INLINE V supportOf(D d, const Sweep::Obstacle& o, const V3& n) {
 }
 
 template <bool kStill>
-HWY_INLINE Gap gapOf(D d, const Sweep::Obstacle& o, const V3& center, const V3& way) {
+HWY_INLINE Gap gapOf(D d, const Sweep::Core& o, const V3& center, const V3& way) {
   V3 p = difference(center, broadcast(d, o.center));
   V3 w = kStill ? p : way;
   if (!o.aligned) {
@@ -120,7 +120,7 @@ HWY_INLINE Gap gapOf(D d, const Sweep::Obstacle& o, const V3& center, const V3& 
 }
 
 template <bool kStill>
-HWY_INLINE Gap gapTo(D d, const Sweep::Obstacle& o, const Placed& ball, std::size_t at) {
+HWY_INLINE Gap gapTo(D d, const Sweep::Core& o, const Placed& ball, std::size_t at) {
   const V3 center = load(d, ball.center, at);
   return gapOf<kStill>(d, o, center, kStill ? center : load(d, ball.way, at));
 }
@@ -128,7 +128,7 @@ HWY_INLINE Gap gapTo(D d, const Sweep::Obstacle& o, const Placed& ball, std::siz
 /// Lanes of `lanes` in which the ball's capsule is not proven to stay farther than `above` from the
 /// core. `key`, if not null: the least signed distance of the ball's centre in any lane.
 template <bool kStill>
-HWY_INLINE std::uint32_t openToObstacle(const Sweep::Obstacle& o, const Placed& ball, float above,
+HWY_INLINE std::uint32_t openToObstacle(const Sweep::Core& o, const Placed& ball, float above,
                                         std::uint32_t lanes, float* key = nullptr) {
   const D d;
   const V bar = hn::Set(d, above);
@@ -149,7 +149,7 @@ HWY_INLINE std::uint32_t openToObstacle(const Sweep::Obstacle& o, const Placed& 
 }
 
 /// Lanes in which the ball's centre, in the middle of the interval, is within `below` of the core.
-HWY_INLINE std::uint32_t contactWithObstacle(const Sweep::Obstacle& o, const Placed& ball,
+HWY_INLINE std::uint32_t contactWithObstacle(const Sweep::Core& o, const Placed& ball,
                                              float below) {
   const D d;
   std::uint32_t found = 0;

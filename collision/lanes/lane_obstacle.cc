@@ -137,6 +137,7 @@ ObstacleBoxes::Box LaneSweep::boxAround(const Shape& shape, const Pose& X_WG) {
     box.low[k] = std::max(roundedDown(exact.min()[k] - rounding), -kFar);
     box.high[k] = std::min(roundedUpToFloat(exact.max()[k] + rounding), kFar);
   }
+  box.is_ball = shape.type() == ShapeType::kSphere;
   return box;
 }
 

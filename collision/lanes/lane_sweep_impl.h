@@ -28,7 +28,6 @@ inline void setSingle(const Eigen::Vector3d& p, float* single) {
 
 struct LaneSweep::Impl {
   enum class Kind : unsigned char { kBox, kCylinder, kHalfSpace };
-  struct Obstacle;
   /// The shape of an obstacle, in double precision.
   struct Exact {
     std::shared_ptr<const Shape> kept;  // null: it is another's, who keeps it
@@ -38,14 +37,17 @@ struct LaneSweep::Impl {
   };
   static Exact exactOf(const Shape& shape, const Pose& X_WG);
   static Exact keptExactOf(const Shape& shape, const Pose& X_WG);
-  /// A core (box, cylinder, or the half-space z <= 0), grown by a radius. Points and segments are
-  /// boxes without size in some axes.
-  struct Obstacle {
+  /// A box, a cylinder, or the half-space z <= 0. Points and segments are boxes without size in
+  /// some axes.
+  struct Core {
     Kind kind = Kind::kBox;
-    bool exact = false;    // the shape itself, not a box or cylinder around it
     bool aligned = false;  // its axes are the world's
     float rotation[9];     // from the world into its own axes, row by row
     float center[3], half[3];
+  };
+  /// A core, grown by a radius.
+  struct Obstacle : Core {
+    bool exact = false;  // the shape itself, not a box or cylinder around it
     float radius = 0;
     double scale = 0;  // magnitudes that its rounding is relative to [m]
     bool has_view = false, deforms = false;
@@ -230,6 +232,7 @@ struct LaneSweep::Scratch::Impl {
   struct Candidate {
     float key;
     std::int32_t pair;
+    std::int32_t piece;  // its first; -1: inner balls are not asked (again)
     std::uint32_t lanes;
   };
   SpareArray<Placed> outer, balls;  // one a piece, one a ball

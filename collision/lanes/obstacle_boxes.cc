@@ -30,15 +30,20 @@ struct Spread {
   }
 };
 
-Spread spreadOf(std::span<const Box> boxes, std::span<const std::int32_t> order) {
+// A box that is sorted.
+struct Middle {
+  float at[3];
+  std::int32_t box;
+};
+
+Spread spreadOf(std::span<const Middle> middles) {
   Spread spread;
   std::fill_n(spread.low, 3, kFar);
   std::fill_n(spread.high, 3, -kFar);
-  for (const std::int32_t i : order)
+  for (const Middle& m : middles)
     for (int k = 0; k < 3; ++k) {
-      const float m = middle(boxes[static_cast<std::size_t>(i)], k);
-      spread.low[k] = std::min(spread.low[k], m);
-      spread.high[k] = std::max(spread.high[k], m);
+      spread.low[k] = std::min(spread.low[k], m.at[k]);
+      spread.high[k] = std::max(spread.high[k], m.at[k]);
     }
   return spread;
 }
@@ -51,22 +56,38 @@ std::size_t fullNode(std::size_t n) {
 }
 
 // Halves along the longest axis, at a multiple of a full node, until kWidth are left.
-void sortBoxes(std::span<const Box> boxes, std::span<std::int32_t> order) {
-  while (order.size() > kWidth) {
-    const std::size_t full = fullNode(order.size());
-    const std::size_t half = (order.size() / 2 + full - 1) / full * full;
-    const int axis = spreadOf(boxes, order).longest();
-    const auto before = [&](std::int32_t x, std::int32_t y) {
-      const float a = middle(boxes[static_cast<std::size_t>(x)], axis),
-                  b = middle(boxes[static_cast<std::size_t>(y)], axis);
-      return a < b || (a == b && x < y);
-    };
-    std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(half), order.end(),
-                     before);
-    sortBoxes(boxes, order.first(half));
-    order = order.subspan(half);
+void sortMiddles(std::span<Middle> middles) {
+  while (middles.size() > kWidth) {
+    const std::size_t full = fullNode(middles.size());
+    const std::size_t half = (middles.size() / 2 + full - 1) / full * full;
+    const int axis = spreadOf(middles).longest();
+    std::nth_element(middles.begin(), middles.begin() + static_cast<std::ptrdiff_t>(half),
+                     middles.end(), [axis](const Middle& x, const Middle& y) {
+                       return x.at[axis] < y.at[axis] ||
+                              (x.at[axis] == y.at[axis] && x.box < y.box);
+                     });
+    sortMiddles(middles.first(half));
+    middles = middles.subspan(half);
   }
-  std::sort(order.begin(), order.end());
+  std::sort(middles.begin(), middles.end(),
+            [](const Middle& x, const Middle& y) { return x.box < y.box; });
+}
+
+// Side by side, because sorting through indices waits for memory.
+std::vector<Middle> middlesOf(std::span<const Box> boxes, std::span<const std::int32_t> order) {
+  std::vector<Middle> middles;
+  middles.reserve(order.size());
+  for (const std::int32_t i : order) {
+    const Box& box = boxes[static_cast<std::size_t>(i)];
+    middles.push_back({{middle(box, 0), middle(box, 1), middle(box, 2)}, i});
+  }
+  return middles;
+}
+
+void sortBoxes(std::span<const Box> boxes, std::span<std::int32_t> order) {
+  std::vector<Middle> middles = middlesOf(boxes, order);
+  sortMiddles(middles);
+  for (std::size_t i = 0; i < middles.size(); ++i) order[i] = middles[i].box;
 }
 
 // So many are sorted along a Morton curve, which is faster; the nodes of fewer are tighter.
@@ -83,7 +104,7 @@ std::uint64_t spread(std::uint64_t x) {
 
 void sortAlongCurve(std::span<const Box> boxes, std::span<std::int32_t> order) {
   constexpr float kCells = 0x1p20F;
-  const Spread world = spreadOf(boxes, order);
+  const Spread world = spreadOf(middlesOf(boxes, order));
   const float length = world.length(world.longest());
   const float cells = length > 0 ? kCells / length : 0;
   std::vector<std::pair<std::uint64_t, std::int32_t>> keys;
@@ -129,7 +150,7 @@ ObstacleBoxes::ObstacleBoxes(std::span<const Box> boxes, std::shared_ptr<const O
   std::vector<std::int32_t> order(boxes.size());
   std::iota(order.begin(), order.end(), 0);
   if (boxes.size() > kMostInList) {
-    const Spread world = spreadOf(boxes, order);
+    const Spread world = spreadOf(middlesOf(boxes, order));
     const float longest = kLargeShare * world.length(world.longest());
     const auto isLarge = [&](std::int32_t i) {
       const Box& box = boxes[static_cast<std::size_t>(i)];
@@ -149,9 +170,11 @@ ObstacleBoxes::ObstacleBoxes(std::span<const Box> boxes, std::shared_ptr<const O
   levels_.push_back(emptyLevel(boxes.size()));
   Level& slots = levels_.front();
   obstacle_.assign(slots.size(), -1);
+  balls_alone_.assign(slots.size() / kWidth, 1);
   for (std::size_t slot = 0; slot < order.size(); ++slot) {
     obstacle_[slot] = number + order[slot];
     const Box& box = boxes[static_cast<std::size_t>(order[slot])];
+    if (!box.is_ball) balls_alone_[slot / kWidth] = 0;
     for (int k = 0; k < 3; ++k) {
       slots.low[k][slot] = box.low[k];
       slots.high[k][slot] = box.high[k];
@@ -163,7 +186,7 @@ ObstacleBoxes::ObstacleBoxes(std::span<const Box> boxes, std::shared_ptr<const O
 std::size_t ObstacleBoxes::bytes() const {
   std::size_t boxes = 0;
   for (const Level& level : levels_) boxes += level.size();
-  return boxes * sizeof(Box) + obstacle_.size() * sizeof(std::int32_t) +
+  return boxes * 6 * sizeof(float) + obstacle_.size() * sizeof(std::int32_t) + balls_alone_.size() +
          (first_ ? first_->bytes() : 0);
 }
 

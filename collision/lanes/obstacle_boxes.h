@@ -21,6 +21,7 @@ class ObstacleBoxes {
 
   struct Box {
     float low[3], high[3];
+    bool is_ball = false;  ///< around a ball, whose centre is the box's within rounding
   };
   /// The boxes of one level, padded to a multiple of kWidth with boxes that nothing meets. Those of
   /// a node are its children's [kWidth i, kWidth (i + 1)) in the level below.
@@ -47,6 +48,8 @@ class ObstacleBoxes {
   std::int32_t obstacle(std::size_t slot) const {
     return slot < slots_of_first_ ? first_->obstacle_[slot] : obstacle_[slot - slots_of_first_];
   }
+  /// Whether all boxes of a node of level 1, without those of first(), are around balls.
+  bool hasBallsAlone(std::size_t node) const { return balls_alone_[node] != 0; }
   std::size_t bytes() const;
 
   /// Calls visit(slot) for the boxes that `box` meets. NaN meets everything. O(boxes) at worst. The
@@ -78,6 +81,7 @@ class ObstacleBoxes {
   std::size_t slots_of_first_ = 0;
   std::vector<Level> levels_;
   std::vector<std::int32_t> obstacle_;
+  std::vector<char> balls_alone_;  // one for each kWidth slots
 };
 
 }  // namespace leeway::collision

@@ -73,6 +73,28 @@ TEST(ObstacleBoxes, FindsWhatAListFinds) {
   }
 }
 
+TEST(ObstacleBoxes, NodesOfBallsAloneHaveNoOthers) {
+  Random random(6);
+  std::vector<Box> all;
+  for (int i = 0; i < 1000; ++i) {
+    all.push_back(randomBox(random, 10, 0.1));
+    all.back().is_ball = i % 50 != 0;
+  }
+  const ObstacleBoxes boxes(all);
+  int alone = 0;
+  for (std::size_t node = 0; node < boxes.slots() / ObstacleBoxes::kWidth; ++node) {
+    bool has_others = false;
+    for (std::size_t i = 0; i < ObstacleBoxes::kWidth; ++i) {
+      const std::int32_t box = boxes.obstacle(ObstacleBoxes::kWidth * node + i);
+      has_others = has_others || (box >= 0 && !all[static_cast<std::size_t>(box)].is_ball);
+    }
+    EXPECT_EQ(boxes.hasBallsAlone(node), !has_others);
+    alone += has_others ? 0 : 1;
+  }
+  EXPECT_GT(alone, 10);
+  EXPECT_LT(alone, 60);
+}
+
 TEST(ObstacleBoxes, NanMeetsEverything) {
   Random random(8);
   std::vector<Box> all;

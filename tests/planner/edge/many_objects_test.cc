@@ -485,8 +485,9 @@ TEST(ManyObjects, LanesThatAreNotUsableNeedNoWorld) {
   EXPECT_EQ(certifier.decide(end), Verdict::kFree);
 }
 
-/// `count` balls within the box around a turned flyer, but beside it; one of them is put on it.
-Problem ballsBesideAFlyer(const std::vector<double>& at, std::size_t count, std::size_t intruder) {
+/// `count` things within the box around a turned flyer, but beside it; one of them is put on it.
+Problem thingsBesideAFlyer(const std::vector<double>& at, const collision::Shape& shape,
+                           std::size_t count, std::size_t intruder) {
   Problem problem = test::problemOf(test::flyingBox(), at, at);
   for (std::size_t i = 0; i < count; ++i) {
     const collision::Pose X_WB = i == intruder
@@ -494,8 +495,7 @@ Problem ballsBesideAFlyer(const std::vector<double>& at, std::size_t count, std:
                                      : test::at(-0.05 + 0.001 * static_cast<double>(i % 100),
                                                 0.040 + 0.0003 * static_cast<double>(i / 100 % 27),
                                                 0.040 + 0.0003 * static_cast<double>(i / 2700));
-    problem.world.objects.push_back(
-        {"ball " + std::to_string(i), {{collision::Shape::sphere(1e-4), {}, "ball"}}, X_WB});
+    problem.world.objects.push_back({"thing " + std::to_string(i), {{shape, {}, "shape"}}, X_WB});
   }
   return problem;
 }
@@ -505,12 +505,18 @@ TEST(ManyObjects, MoreThanAreKeptAreNearAtOnce) {
   constexpr std::size_t kKept = collision::LaneSweep::kMostNear, kNear = kKept + 4000;
   const double w = std::cos(0.125 * std::numbers::pi), x = std::sin(0.125 * std::numbers::pi);
   const std::vector<double> a = {-0.05, 0, 0, x, 0, 0, w}, b = {0.05, 0, 0, x, 0, 0, w};
+  const auto small = collision::Shape::box(Eigen::Vector3d::Constant(5e-5));
   // As long as all are kept, they are decided.
-  EdgeCertifier kept(
-      std::make_shared<const CompiledScene>(ballsBesideAFlyer(a, kKept - 4000, std::string::npos)));
+  EdgeCertifier kept(std::make_shared<const CompiledScene>(
+      thingsBesideAFlyer(a, small, kKept - 4000, std::string::npos)));
   EXPECT_EQ(kept.decide(a), Verdict::kFree);
+  // Balls that a cover is apart from need not be kept.
+  EdgeCertifier of_balls(std::make_shared<const CompiledScene>(
+      thingsBesideAFlyer(a, collision::Shape::sphere(1e-4), kNear, std::string::npos)));
+  EXPECT_EQ(of_balls.decide(a), Verdict::kFree);
   for (const std::size_t intruder : {kNear, std::size_t{0}, kNear / 2, kNear - 1}) {
-    const auto scene = std::make_shared<const CompiledScene>(ballsBesideAFlyer(a, kNear, intruder));
+    const auto scene =
+        std::make_shared<const CompiledScene>(thingsBesideAFlyer(a, small, kNear, intruder));
     EdgeCertifier certifier(scene);
     EXPECT_EQ(certifier.decide(a), Verdict::kUndecided) << intruder;
     const bool is_free = intruder == kNear;
