@@ -253,9 +253,15 @@ std::string cloudFault(const PointCloud& cloud) {
 std::vector<robots::Geometry> geometriesOf(const PointCloud& cloud) {
   std::vector<robots::Geometry> geometries;
   geometries.reserve(cloud.size());
-  for (const Ball& ball : cloud.balls)
+  for (const Ball& ball : cloud.balls) {
+    // Most clouds have one radius, and copies need no checks.
+    const bool is_as_before =
+        !geometries.empty() && geometries.back().shape.radius() == ball.radius;
     geometries.push_back(
-        {collision::Shape::sphere(ball.radius), {Eigen::Matrix3d::Identity(), ball.center}, {}});
+        {is_as_before ? geometries.back().shape : collision::Shape::sphere(ball.radius),
+         {Eigen::Matrix3d::Identity(), ball.center},
+         {}});
+  }
   return geometries;
 }
 
