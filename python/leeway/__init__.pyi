@@ -153,8 +153,8 @@ class Problem:
         # Settings:
         name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
         allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
-        wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
-        parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
+        wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., constraints: Sequence[Constraint] = ...,
+        planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
         clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
         time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
         speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
@@ -380,8 +380,8 @@ class Scene:
         # Settings:
         name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
         allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
-        wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
-        parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
+        wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., constraints: Sequence[Constraint] = ...,
+        planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
         clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
         time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
         speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
@@ -519,8 +519,8 @@ class Replanner:
         # Settings:
         name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
         allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
-        wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
-        parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
+        wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., constraints: Sequence[Constraint] = ...,
+        planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
         clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
         time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
         speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
@@ -566,8 +566,8 @@ def plan(robot: Robot | Problem, world: World | None = None, start: _State | Non
     # Settings:
     name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
     allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
-    wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
-    parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
+    wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., constraints: Sequence[Constraint] = ...,
+    planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
     clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
     time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ...,
     velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ...,
@@ -582,12 +582,12 @@ def plan_many(problems: Iterable[Problem], *, threads: int | None = None, stop: 
     name: str = ..., world: World | None = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ...,
     start: _State | None = ..., goal: _Goal | None = ..., goals: Sequence[_Goal] = ..., allowed: Literal['auto'] | Iterable[Any] = ...,
     margin: float = ..., margins: Mapping[Any, float] = ..., wishes: Mapping[Any, float | tuple[float, float]] = ...,
-    steps: Sequence[TaskStep] = ..., planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ...,
-    keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ...,
-    push: bool = ..., time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
-    speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
-    jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ...,
-    look_ahead: float = ..., buffer: float = ..., patience: float = ...,
+    steps: Sequence[TaskStep] = ..., constraints: Sequence[Constraint] = ..., planner: str = ..., parameters: Mapping[str, Any] = ...,
+    objective: str | Mapping[str, Any] = ..., keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ...,
+    at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ..., time: float = ..., iterations: int = ..., seed: int = ...,
+    start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ..., velocities: float | Mapping[str, float] = ...,
+    accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ...,
+    foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ..., patience: float = ...,
     # (written by tools/scripts/write_settings)
 ) -> list[Result]: ...
 def verify(problem: Problem, path: _Path, *, shortest: bool = False, stop: _Stop = None) -> Verification: ...
@@ -596,8 +596,8 @@ def check(robot: Robot | Problem, world: World | None = None, start: _State | No
     # Settings:
     name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
     allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
-    wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., planner: str = ...,
-    parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
+    wishes: Mapping[Any, float | tuple[float, float]] = ..., steps: Sequence[TaskStep] = ..., constraints: Sequence[Constraint] = ...,
+    planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
     clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
     time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ...,
     velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ...,
@@ -609,12 +609,13 @@ def replan(robot: Robot | Problem, world: World | None = None, start: _State | N
     # Settings:
     name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
     allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
-    wishes: Mapping[Any, float | tuple[float, float]] = ..., planner: str = ..., parameters: Mapping[str, Any] = ...,
-    objective: str | Mapping[str, Any] = ..., keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ...,
-    at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ..., time: float = ..., iterations: int = ..., seed: int = ...,
-    start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ..., velocities: float | Mapping[str, float] = ...,
-    accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ...,
-    foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ..., patience: float = ...,
+    wishes: Mapping[Any, float | tuple[float, float]] = ..., constraints: Sequence[Constraint] = ..., planner: str = ...,
+    parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
+    clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
+    time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ...,
+    velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ...,
+    corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ...,
+    patience: float = ...,
     # (written by tools/scripts/write_settings)
 ) -> Executed: ...
 def distance(a: Shape, X_WA: _Pose, b: Shape, X_WB: _Pose, *, tolerance: float | None = None, threshold: float | None = None, depth: bool = True) -> Distance: ...
