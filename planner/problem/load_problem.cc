@@ -65,23 +65,21 @@ auto loadNamedAt(const YamlReader& place, const Load& load) {
   }
 }
 
-/// `bounds:` of joints.
+/// `bounds:` of planar and floating joints.
 std::shared_ptr<const Model> bounded(std::shared_ptr<const Model> model, const YamlReader& bounds) {
-  robots::JointBounds read;
-  bounds.eachEntry([&](const std::string& joint, const YamlReader& given) {
-    const auto add = [&](const std::string& axis, const YamlReader& range) {
+  robots::OriginBounds read;
+  bounds.eachEntry([&](const std::string& joint, const YamlReader& axes) {
+    axes.expectKeys(keysOf("joint_bounds"));
+    axes.eachEntry([&](const std::string& axis, const YamlReader& range) {
       const std::vector<double> ends = range.numbers();
       if (ends.size() != 2)
-        range.fail(fmt::format("{} is a list of {}; [lower, upper] is expected", range.where(),
+        range.fail(fmt::format("{} is a list of {}; [lower, upper] in m is expected", range.where(),
                                ends.size()));
       const std::pair bound(ends[0], ends[1]);
       if (const std::string fault = robots::boundFault(*model, joint, axis, bound); !fault.empty())
         range.fail(fmt::format("{}: {}", range.where(), fault));
       read[joint][axis] = bound;
-    };
-    if (given.isList()) return add("", given);
-    given.expectKeys(keysOf("joint_bounds"));
-    given.eachEntry(add);
+    });
   });
   return robots::withBounds(*model, read);
 }

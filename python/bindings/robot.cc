@@ -60,25 +60,20 @@ robots::LoadOptions loadOptions(const py::object& packages, const py::object& me
   return options;
 }
 
-/// {joint: {axis: (lower, upper)}}, and {joint: (lower, upper)} of joints with one variable.
-robots::JointBounds jointBounds(const py::object& bounds) {
-  if (!py::isinstance<py::dict>(bounds))
-    throw py::type_error(
-        "bounds: {joint: {'x': (lower, upper), 'y': ...}} or {joint: (lower, upper)} is expected");
-  robots::JointBounds read;
-  const auto add = [&](py::handle joint, const std::string& axis, py::handle range) {
-    const std::string name = "bounds: " + std::string(py::str(joint));
-    const std::vector<double> ends = numbers(range, name.c_str(), 2);
-    read[py::str(joint)][axis] = {ends[0], ends[1]};
+/// {joint: {axis: (lower, upper)}}.
+robots::OriginBounds originBounds(const py::object& bounds) {
+  const auto entries = [](py::handle map) {
+    if (!py::isinstance<py::dict>(map))
+      throw py::type_error("bounds: {joint: {'x': (lower, upper), 'y': ...}} is expected");
+    return py::reinterpret_borrow<py::dict>(map);
   };
-  for (const auto& [joint, given] : py::reinterpret_borrow<py::dict>(bounds)) {
-    if (!py::isinstance<py::dict>(given)) {
-      add(joint, "", given);
-      continue;
+  robots::OriginBounds read;
+  for (const auto& [joint, axes] : entries(bounds))
+    for (const auto& [axis, range] : entries(axes)) {
+      const std::string name = "bounds: " + std::string(py::str(joint));
+      const std::vector<double> ends = numbers(range, name.c_str(), 2);
+      read[py::str(joint)][py::str(axis)] = {ends[0], ends[1]};
     }
-    for (const auto& [axis, range] : py::reinterpret_borrow<py::dict>(given))
-      add(joint, py::str(axis), range);
-  }
   return read;
 }
 
@@ -98,7 +93,7 @@ Robot loadRobot(const py::object& urdf, const py::object& srdf, const std::strin
   const std::string srdf_file = srdf.is_none() ? "" : fileName(srdf, "srdf");
   auto model = interrupt.released([&] { return robots::loadModel(urdf_file, srdf_file, options); });
   if (!base_pose.is_none()) model = robots::withBasePose(*model, pose(base_pose, "base_pose"));
-  if (!bounds.is_none()) model = robots::withBounds(*model, jointBounds(bounds));
+  if (!bounds.is_none()) model = robots::withBounds(*model, originBounds(bounds));
   return {model, group};
 }
 
@@ -246,9 +241,8 @@ void defineRobot(py::module_& module) {
                     "Constant: threads may share it.\n\n"
                     "`group` is one of the SRDF's, or 'all'. `base_pose` says where a base that is "
                     "fixed stands in the world; `bounds` where planar and floating joints may "
-                    "take their link, {joint: {'x': (lower, upper), 'y': ...}} [m], and narrower "
-                    "limits of others, {joint: (lower, upper)}. `packages` maps names of "
-                    "package:// to folders. `xacro` maps names of arguments to "
+                    "take their link: {joint: {'x': (lower, upper), 'y': ...}} [m]. `packages` "
+                    "maps names of package:// to folders. `xacro` maps names of arguments to "
                     "values, for files that end in "
                     ".xacro. With `kinematics_only` no mesh file is read; collisions of a robot "
                     "that has some cannot be checked then. `visual_as_collision` lets the visual "

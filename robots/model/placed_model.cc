@@ -26,22 +26,18 @@ std::string textOf(double number) {
 bool isFree(const Joint& joint) {
   return joint.type == JointType::kPlanar || joint.type == JointType::kFloating;
 }
-bool isLimited(const Joint& joint) {
-  return (joint.type == JointType::kRevolute || joint.type == JointType::kPrismatic) &&
-         joint.variable_count == 1;
-}
 
 std::string unknownJoint(const RobotDescription& robot, const std::string& joint) {
   std::vector<std::string> known;
   for (const Joint& j : robot.joints)
-    if (isFree(j) || isLimited(j)) known.push_back(j.name);
+    if (isFree(j)) known.push_back(j.name);
   std::string listed;
   for (const std::string& name : known) listed += (listed.empty() ? "" : ", ") + name;
   const std::string* const near = nearestName(joint, known);
   return "no joint is named '" + joint + "'; " +
          (near != nullptr ? "did you mean '" + *near + "'?"
-          : known.empty() ? "the robot has no joint that takes bounds"
-                          : "joints that take bounds: " + listed);
+          : known.empty() ? "the robot has no planar or floating joint"
+                          : "planar and floating joints: " + listed);
 }
 
 }  // namespace
@@ -51,24 +47,12 @@ std::string boundFault(const RobotDescription& robot, const std::string& joint,
   const int found = robot.findJoint(joint);
   if (found < 0) return unknownJoint(robot, joint);
   const Joint& bounded = robot.joints[at(found)];
-  if (!isFree(bounded) && !isLimited(bounded))
-    return "joint '" + joint + "' " +
-           (bounded.mimic >= 0                       ? "follows another joint"
-            : bounded.type == JointType::kContinuous ? "turns without limits"
-                                                     : "is fixed") +
-           "; a revolute, prismatic, planar or floating one is expected";
+  if (!isFree(bounded))
+    return "joint '" + joint + "' is neither planar nor floating; one that is, is expected";
   const bool planar = bounded.type == JointType::kPlanar;
-  if (isLimited(bounded)) {
-    if (!axis.empty())
-      return "axis '" + axis + "' is not known; [lower, upper] is expected for joint '" + joint +
-             "'";
-  } else if (axis.empty()) {
-    return "joint '" + joint + "' is " + (planar ? "planar" : "floating") + "; bounds of " +
-           (planar ? "x and y" : "x, y and z") + " are expected";
-  } else if (axis != "x" && axis != "y" && (planar || axis != "z")) {
+  if (axis != "x" && axis != "y" && (planar || axis != "z"))
     return "axis '" + axis + "' is not known; " + (planar ? "x or y" : "x, y or z") +
            " is expected for the " + (planar ? "planar" : "floating") + " joint '" + joint + "'";
-  }
   const auto [lower, upper] = bound;
   if (!(std::abs(lower) <= collision::kLargestSize && std::abs(upper) <= collision::kLargestSize))
     return "the bounds are " + textOf(lower) + " to " + textOf(upper) + "; coordinates up to " +
@@ -76,25 +60,16 @@ std::string boundFault(const RobotDescription& robot, const std::string& joint,
   if (!(lower <= upper))
     return "the lower bound " + textOf(lower) + " is above the upper bound " + textOf(upper) +
            "; lower <= upper is expected";
-  if (isLimited(bounded)) {
-    // What is proven about links holds within the limits of the robot's file.
-    const Variable& own = robot.variables[at(bounded.first_variable)];
-    if (lower < own.lower || upper > own.upper)
-      return "the bounds are " + textOf(lower) + " to " + textOf(upper) +
-             ", outside the joint's limits; bounds within " + textOf(own.lower) + " to " +
-             textOf(own.upper) + " are expected";
-  }
   return {};
 }
 
-std::shared_ptr<const Model> withBounds(const Model& model, const JointBounds& bounds) {
+std::shared_ptr<const Model> withBounds(const Model& model, const OriginBounds& bounds) {
   auto bounded = std::make_shared<Model>(model);
   for (const auto& [joint, axes] : bounds)
     for (const auto& [axis, bound] : axes) {
       if (const std::string fault = boundFault(model, joint, axis, bound); !fault.empty())
         throw std::invalid_argument("bounds: " + fault);
-      const std::string name = axis.empty() ? joint : joint + "/" + axis;
-      Variable& variable = bounded->variables[at(model.findVariable(name))];
+      Variable& variable = bounded->variables[at(model.findVariable(joint + "/" + axis))];
       std::tie(variable.lower, variable.upper) = bound;
     }
   return bounded;

@@ -65,7 +65,6 @@ def test_bounds_and_base_poses(tmp_path):
         ({"wheels": {"z": (0, 1)}}, "axis 'z' is not known; x or y is expected"),
         ({"wheels": {"x": (1, 0)}}, "the lower bound 1 is above the upper bound 0"),
         ({"wheels": {"x": (0,)}}, "bounds: wheels"),
-        ({"wheels": (0, 1)}, "joint 'wheels' is planar; bounds of x and y are expected"),
     ]:
         with pytest.raises(ValueError, match=words):
             leeway.Robot(file, bounds=bounds)

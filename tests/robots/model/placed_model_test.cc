@@ -48,22 +48,11 @@ TEST(PlacedModel, BoundsAreOfTheNamedAxesOnly) {
   EXPECT_EQ(variable(*free, "wheels/x").upper, kInfinite) << "the robot itself is constant";
 }
 
-TEST(PlacedModel, LimitsBecomeNarrowerOnly) {
-  const auto model = withBounds(*cart(), {{"elbow", {{"", {-0.5, 1}}}}});
-  EXPECT_EQ(variable(*model, "elbow").lower, -0.5);
-  EXPECT_EQ(variable(*model, "elbow").upper, 1);
-  EXPECT_THROW(withBounds(*model, {{"elbow", {{"", {-1, 1}}}}}), std::invalid_argument);
-}
-
 TEST(PlacedModel, WrongBoundsAreNamed) {
   const auto model = cart();
-  const std::pair<JointBounds, std::string> wrong[] = {
+  const std::pair<OriginBounds, std::string> wrong[] = {
       {{{"wheel", {{"x", {0, 1}}}}}, "no joint is named 'wheel'; did you mean 'wheels'?"},
-      {{{"elbow", {{"x", {0, 1}}}}}, "axis 'x' is not known; [lower, upper] is expected for joint"},
-      {{{"elbow", {{"", {-2, 1}}}}},
-       "outside the joint's limits; bounds within -1 to 1 are expected"},
-      {{{"elbow", {{"", {1, -1}}}}}, "the lower bound 1 is above the upper bound -1"},
-      {{{"wheels", {{"", {0, 1}}}}}, "joint 'wheels' is planar; bounds of x and y are expected"},
+      {{{"elbow", {{"x", {0, 1}}}}}, "joint 'elbow' is neither planar nor floating"},
       {{{"wheels", {{"z", {0, 1}}}}}, "axis 'z' is not known; x or y is expected"},
       {{{"flight", {{"w", {0, 1}}}}}, "axis 'w' is not known; x, y or z is expected"},
       {{{"wheels", {{"x", {1, 0}}}}}, "the lower bound 1 is above the upper bound 0"},

@@ -9,16 +9,15 @@
 
 namespace leeway::robots {
 
-/// Bounds of joints, lower and upper, by joint and axis. Axes of planar and floating joints are
-/// "x", "y" and, of the latter, "z": coordinates of the child link's origin in the joint's frame
-/// [m]. Revolute and prismatic joints have the axis "": narrower limits [rad or m].
-using JointBounds = std::map<std::string, std::map<std::string, std::pair<double, double>>>;
+/// Bounds of planar and floating joints: by joint and axis ("x", "y", of a floating joint also
+/// "z"), lower and upper coordinate of the child link's origin in the joint's frame [m].
+using OriginBounds = std::map<std::string, std::map<std::string, std::pair<double, double>>>;
 
 /// Returns the robot with these bounds. An axis that is not named keeps its own. Throws
 /// std::invalid_argument with the message of boundFault(). O(links + geometries).
-std::shared_ptr<const Model> withBounds(const Model& model, const JointBounds& bounds);
+std::shared_ptr<const Model> withBounds(const Model& model, const OriginBounds& bounds);
 
-/// Returns what is wrong with one bound, "joint 'elbow' is continuous; ..."; empty: nothing.
+/// Returns what is wrong with one bound, "joint 'elbow' is revolute; ..."; empty: nothing.
 std::string boundFault(const RobotDescription& robot, const std::string& joint,
                        const std::string& axis, const std::pair<double, double>& bound);
 
