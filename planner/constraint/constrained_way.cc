@@ -28,6 +28,7 @@ bool ConstrainedWay::isFree(std::span<const double> a, std::span<const double> b
 
 bool ConstrainedWay::project(std::vector<double>& point) {
   if (proof_.holds(point)) return true;
+  if (regions_.empty()) return false;
   scene_.expand(point, q_);
   robots::IkOptions options;
   options.starts = 1;

@@ -9,6 +9,7 @@
 #include "leeway/planner/plan.h"
 #include "planner/base/tolerances.h"
 #include "planner/base/waypoints.h"
+#include "planner/constraint/constraint_proof.h"
 
 namespace leeway::planner {
 namespace {
@@ -280,6 +281,12 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
     }
   }
   return certificate;
+}
+
+std::optional<std::vector<ConstraintResult>> proveConstraints(const CompiledScene& scene,
+                                                              const Problem& problem,
+                                                              const Path& path) {
+  return ConstraintProof(scene, problem).prove(edgesOf(scene.space(), path).path.positions);
 }
 
 }  // namespace leeway::planner

@@ -132,7 +132,11 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
     if (drawn.complete || (starts > 0 && stop())) break;
     options.starts = effort.starts;
     options.max_solutions = effort.solutions;
-    options.prove = effort.starts == kPoseStarts && drawn.found.empty();
+    // The regions leave out a rim of what constraints allow: nothing is proven by them, and at last
+    // the goal alone is solved, whose solutions may keep the constraints.
+    const bool is_last = effort.starts == kPoseStarts && drawn.found.empty();
+    options.prove = is_last && !constraints_;
+    if (is_last && constraints_) drawn.poses = goal.poses;
     solved = kinematics_->solve(drawn.poses, problem_.start, options);
     starts = solved.starts;
     drawn.complete = solved.complete;

@@ -265,7 +265,7 @@ class Plan {
     result_.certificate =
         planner::certify(certifier(), result_.path, options_.clearance_tolerance, detail, pushed_);
     if (constraints_) {
-      auto proven = constraints_->prove(edgesOf(scene_->space(), result_.path).path.positions);
+      auto proven = proveConstraints(*scene_, problem_, result_.path);
       result_.certificate.certified = result_.certificate.certified && proven;
       if (proven) result_.certificate.constraints = std::move(*proven);
     }

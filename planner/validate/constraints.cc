@@ -10,6 +10,7 @@
 #include "collision/base/numbers.h"
 #include "leeway/planner/planners.h"
 #include "planner/base/tolerances.h"
+#include "planner/space/ompl_planners.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {
@@ -84,7 +85,9 @@ std::vector<robots::PoseRegion> regionsOf(const Problem& problem, const Constrai
     regions.back().X_WR = regions.back().X_WR * constraint.X_SR;
   };
   if (has_place || constraint.turn == Turn::kFixed) add(place);
-  if (constraint.turn != Turn::kAxis) return regions;
+  // Wide cones are seldom left.
+  if (constraint.turn != Turn::kAxis || constraint.angle > kMostTilt * std::numbers::sqrt2)
+    return regions;
   // With F' and R' whose z is the axis and its direction, cos(tilt) = cos(roll) cos(pitch): turns
   // of angle / sqrt(2) each tilt by less than the angle.
   FramePose tilt = anyPose(constraint);
@@ -153,7 +156,8 @@ std::optional<std::string> constraintsFault(const Problem& problem) {
         "there are constraints, which planner '{}' does not keep; Connect is "
         "expected",
         problem.planner.name);
-  if (problem.planner.parameters.count("improve") != 0)
+  const auto improve = problem.planner.parameters.find("improve");
+  if (improve != problem.planner.parameters.end() && parameterNumber(improve->second) != 0.0)
     return "there are constraints, which planner.parameters.improve does not keep; a planner "
            "without it is expected";
   if (problem.execution.corners == Corners::kBlend)

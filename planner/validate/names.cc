@@ -88,12 +88,15 @@ std::string Names::marginFault(const std::string& a, const std::string& b) const
            (!isKnown(side) || isBareLink(*problem_.robot.model, side));
   };
   for (const auto& [side, other] : {std::pair(a, b), std::pair(b, a)}) {
-    if (!isWord(side)) continue;
-    if (other == kWorldWord && !isWord(other))
+    // An object of that name beside other things, too: it may come and go, and the word's meaning
+    // with it.
+    const bool is_object = isKnown(kWorldWord) && problem_.robot.model->findLink(kWorldWord) < 0;
+    if (other == kWorldWord && (isWord(side) ? !isWord(other) : is_object))
       return fmt::format(
           "'world' is the name of {0}, so that it does not stand for all objects; {0} of another "
           "name, or the names of the objects that are meant, are expected",
           problem_.robot.model->findLink(other) >= 0 ? "a link" : "an object");
+    if (!isWord(side)) continue;
     if (isWord(other)) return a == b && a == kWorldWord ? sameName(a) : std::string();
     return isKnown(other) ? std::string() : unknown(other, {kRobotWord, kWorldWord});
   }

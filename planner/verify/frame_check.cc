@@ -73,6 +73,7 @@ VerifyStatus FrameCheck::check(const std::vector<double>& a, const std::vector<d
     const auto [begin, end] = open.front();
     open.pop_front();
     t = begin / 2 + end / 2;
+    if (++looks_ > most_ || (stop_ && looks_ % 64 == 0 && stop_())) return VerifyStatus::kUndecided;
     const double half = end / 2 - begin / 2;
     space_.alongLine(a, b, t, point);
     for (std::size_t i = 0; i < point.size(); ++i) q_[at(variables_[i])] = point[i];
@@ -99,10 +100,12 @@ VerifyStatus FrameCheck::check(const std::vector<double>& a, const std::vector<d
   return VerifyStatus::kCertified;
 }
 
-std::optional<VerifyResult> findBrokenConstraint(const Problem& problem, const Path& path) {
+std::optional<VerifyResult> findBrokenConstraint(const Problem& problem, const Path& path,
+                                                 const std::function<bool()>& stop) {
   for (const Constraint& constraint : problem.constraints) {
     const robots::PoseRegion frame = frameOf(problem, constraint);
     FrameCheck check(problem, frame.link, frame.X_LF);
+    check.limit(kVerifyPairWork, stop);
     const std::size_t edges = std::max<std::size_t>(1, path.positions.size() - 1);
     for (std::size_t i = 0; i < edges; ++i) {
       double t = 0;

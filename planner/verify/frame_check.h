@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "leeway/planner/configuration_space.h"
@@ -30,6 +32,10 @@ class FrameCheck {
   /// half that length are not halved.
   VerifyStatus check(const std::vector<double>& a, const std::vector<double>& b, double least,
                      const Judge& judge, double& t);
+  /// Looks so far.
+  long looks() const { return looks_; }
+  /// After so many looks, or where `stop` says so, what is left is undecided.
+  void limit(long most, const std::function<bool()>& stop) { most_ = most, stop_ = stop; }
 
  private:
   const robots::Model& model_;
@@ -39,10 +45,14 @@ class FrameCheck {
   robots::Pose X_LF_;
   std::vector<double> q_;
   std::vector<int> joints_;
+  long looks_ = 0, most_ = std::numeric_limits<long>::max();
+  std::function<bool()> stop_;
 };
 
 /// The first place of a path where a constraint of the problem is not proven to hold; nothing when
 /// all are, on every line between its rows. Shares nothing with planner/constraint.
-std::optional<VerifyResult> findBrokenConstraint(const Problem& problem, const Path& path);
+/// `stop` is asked often; true, and too many looks, leave the rest undecided.
+std::optional<VerifyResult> findBrokenConstraint(const Problem& problem, const Path& path,
+                                                 const std::function<bool()>& stop);
 
 }  // namespace leeway::planner::verification

@@ -100,7 +100,7 @@ class Verifier {
     for (std::size_t s = 0; s < segments; ++s)
       if (!checkSegment(s)) break;
     if (refuted_) return *refuted_;
-    if (auto broken = findBrokenConstraint(problem_, path_)) {
+    if (auto broken = findBrokenConstraint(problem_, path_, options_.stop)) {
       broken->unchecked = result_.unchecked;
       if (broken->status == VerifyStatus::kRefuted || !undecided_) return *broken;
     }

@@ -136,7 +136,7 @@ planner::Constraint makeConstraint(const std::string& frame, const py::object& p
                                    const py::object& orientation, const py::object& rpy,
                                    const py::object& axis, const py::object& direction,
                                    const py::object& relative_to, double position_tolerance,
-                                   double angle, const py::object& name) {
+                                   const py::object& angle, const py::object& name) {
   planner::Constraint made;
   made.frame = frame;
   if (!name.is_none()) made.name = py::str(name);
@@ -145,7 +145,6 @@ planner::Constraint makeConstraint(const std::string& frame, const py::object& p
     made.position = rangesOf(position, "position", std::numeric_limits<double>::infinity(),
                              std::numeric_limits<double>::infinity());
   made.position_tolerance = position_tolerance;
-  made.angle = angle;
   if (int{!orientation.is_none()} + int{!rpy.is_none()} + int{!axis.is_none()} > 1)
     throw py::value_error("more than one of orientation, rpy and axis is given; one is expected");
   if (!orientation.is_none()) made.rotation = pose(py::none(), orientation, py::none()).rotation;
@@ -155,6 +154,11 @@ planner::Constraint makeConstraint(const std::string& frame, const py::object& p
     made.turn = planner::Constraint::Turn::kAxis;
     made.axis = vector3(axis, "axis");
   }
+  if (angle.is_none() && !axis.is_none())
+    throw py::value_error(
+        "axis is given without angle, how far it may be off [rad]; both are "
+        "expected");
+  if (!angle.is_none()) made.angle = number(angle, "angle");
   if (!direction.is_none()) {
     if (axis.is_none()) throw py::value_error("direction is given without axis; both are expected");
     made.direction = vector3(direction, "direction");
@@ -405,7 +409,7 @@ void defineConstraint(py::module_& module) {
   using planner::Constraint;
   const std::string init =
       "(frame, position=None, orientation=None, rpy=None, *, axis=None, direction=None, "
-      "relative_to=None, position_tolerance=0.001, angle=0.01, name=None)";
+      "relative_to=None, position_tolerance=0.001, angle=None, name=None)";
   py::class_<Constraint> constraint(
       module, "Constraint",
       withSignature(
@@ -415,13 +419,14 @@ void defineConstraint(py::module_& module) {
           "position: (x, y, z) of its origin [m]; in place of a number a pair (from, to) or 'any'; "
           "to within position_tolerance [m]. Of its rotation: orientation (x y z w) or rpy [rad]; "
           "or that its own axis (x, y, z) points along direction, up by default; to within angle "
-          "[rad]. relative_to: an object, or a frame or link at rest; None: the world.")
+          "[rad], 0.01 by default for a rotation. relative_to: an object, or a frame or link at "
+          "rest; None: the world.")
           .c_str());
   defineInit(constraint, init, makeConstraint, py::arg("frame"), py::arg("position") = py::none(),
              py::arg("orientation") = py::none(), py::arg("rpy") = py::none(), py::kw_only(),
              py::arg("axis") = py::none(), py::arg("direction") = py::none(),
              py::arg("relative_to") = py::none(), py::arg("position_tolerance") = 1e-3,
-             py::arg("angle") = 1e-2, py::arg("name") = py::none());
+             py::arg("angle") = py::none(), py::arg("name") = py::none());
   defineCopiesOfConstant(constraint);
   defineConstant(
       constraint, "frame", [](const Constraint& self) { return self.frame; }, "The frame's name.");

@@ -236,7 +236,11 @@ planner::Certificate clearance(const Problem& problem, const py::object& path, d
     const auto scene = std::make_shared<const planner::CompiledScene>(*value, interrupt.callback());
     planner::EdgeCertifier certifier(scene);
     const planner::Path in_parts = parts == 1 ? given : parted(scene->space(), given, parts);
-    return planner::certify(certifier, in_parts, tolerance);
+    planner::Certificate certificate = planner::certify(certifier, in_parts, tolerance);
+    auto proven = planner::proveConstraints(*scene, *value, in_parts);
+    certificate.certified = certificate.certified && proven;
+    if (proven) certificate.constraints = std::move(*proven);
+    return certificate;
   });
 }
 

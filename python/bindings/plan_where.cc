@@ -176,6 +176,9 @@ Result planWhere(const Problem& problem, const py::object& accept, const py::obj
   const Point start = statePoint(problem, py::str("start")),
               goal = statePoint(problem, py::str("goal"));
   const std::shared_ptr<const planner::Problem> value = problem.value();
+  planner::validate(*value);
+  if (!value->constraints.empty())
+    throw py::value_error("plan_where() does not keep constraints; a problem without is expected");
   Interrupt interrupt(stop);
   const Quiet quiet;
   planner::PlanResult result = interrupt.released([&] {

@@ -158,6 +158,10 @@ State check(const Scene& self, const py::object& state, double tolerance) {
   positiveTolerance(tolerance);
   const planner::CompiledScene& scene = *self.compiled;
   result.limit = brokenLimit(scene.space(), result.point);
+  const std::shared_ptr<const planner::Problem> problem = self.problem.value();
+  if (result.limit.empty() &&
+      !planner::proveConstraints(scene, *problem, {{}, {result.point, result.point}, {}}))
+    result.limit = "a constraint does not hold";
   result.nothing_checked = scene.nothingChecked();
   forEach(self, 1, [&](EdgeCertifier& certifier, std::size_t) {
     result.check = certifier.clearance(result.point, tolerance);

@@ -120,8 +120,12 @@ std::string textOf(py::handle key) {
 
 py::object getMargins(const planner::Problem& problem) {
   py::dict margins;
-  for (const planner::PairMargin& m : problem.margins.pairs)
-    margins[py::make_tuple(m.a, m.b)] = m.margin;
+  for (const planner::PairMargin& m : problem.margins.pairs) {
+    // The last one that names a pair holds: a name that stands twice has its last place.
+    const py::tuple key = py::make_tuple(m.a, m.b);
+    if (margins.contains(key)) margins.attr("pop")(key);
+    margins[key] = m.margin;
+  }
   return py::object(margins);
 }
 

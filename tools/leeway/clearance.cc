@@ -345,8 +345,13 @@ int runClearance(ClearanceArguments& arguments) {
       path);
   const bool steps = !problem.steps.empty();
   if (!steps) printWarnings(stages.front().scene->warnings());
-  const Profile profile =
+  Profile profile =
       measure(stages, path, arguments, interactivePlanOptions(arguments.limits.timeLimit()));
+  if (!steps && !planner::proveConstraints(*stages.front().scene, problem, path)) {
+    profile.certified = false;
+    for (Stretch& stretch : profile.stretches) stretch.keeps_margins = false;
+    printWarnings({problem.name + ": the path is not proven to keep the constraints"});
+  }
   endProgress();
   if (!arguments.view.file.empty()) {
     view::writePage(arguments.view, view::subjectOfPath(problem, arguments.source.problem, path));

@@ -74,8 +74,10 @@ Eigen::Vector3d boxWithin(const YamlReader& primitive) {
   return half;
 }
 
-/// Tolerances of an angle from here on allow any.
+/// Tolerances of an angle from here on are taken for any turn, as they are written for it.
 constexpr double kAnyTurn = 3.14;
+/// Where cosines are positive, an angle bounds each of three turns.
+constexpr double kMostEulerTurn = 1.57;
 
 PoseRegion anywhere(int link) {
   PoseRegion region;
@@ -171,9 +173,10 @@ Constraint readPathPosition(const YamlReader& constraint, Problem& problem) {
   return checked(std::move(path), constraint, problem);
 }
 
-/// Turns of a frame by D = Rx(a) Ry(b) Rz(c): with an angle of D of at most t, |a|, |b| and |c| are
-/// at most t, as cos(a) cos(b), cos(b) cos(c) and sin(b) are entries of D. With any c, a tilt of
-/// the frame's z of at most t has |a| and |b| at most t; with any a, one of its x has |b| and |c|.
+/// (All up to a right angle.) Turns of a frame by D = Rx(a) Ry(b) Rz(c): with an angle of D of at
+/// most t, |a|, |b| and |c| are at most t, as cos(a) cos(b), cos(b) cos(c) and sin(b) are entries
+/// of D. With any c, a tilt of the frame's z of at most t has |a| and |b| at most t; with any a,
+/// one of its x has |b| and |c|.
 Constraint readPathOrientation(const YamlReader& constraint, Problem& problem) {
   Constraint path;
   path.frame = problem.robot.model->links[at(constrainedLink(constraint, problem))].name;
@@ -196,7 +199,7 @@ Constraint readPathOrientation(const YamlReader& constraint, Problem& problem) {
         "{} leaves turns free that are not about the x or z axis alone{}; one of these, or "
         "tolerances below {} about all axes are expected",
         constraint.where(), is_vector ? " (with the rotation vector's form, any)" : "", kAnyTurn));
-  path.angle = least;
+  path.angle = std::min(least, kMostEulerTurn);
   path.turn = any[0] || any[2] ? Constraint::Turn::kAxis : Constraint::Turn::kFixed;
   path.rotation = wanted;
   path.axis = any[0] ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();

@@ -141,10 +141,10 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
                  "so much times the length is added to that integral; 0 by default")
       ->type_name("W")
       ->check(numberFrom(0, 1e9));
-  app.add_option(
-         "--upright", overrides.upright,
-         "keep that AXIS (x, y, z, -x, -y or -z) of a frame, link or held object points up, "
-         "to within RADIANS, on all of the path: a constraint")
+  app.add_option("--upright", overrides.upright,
+                 "keep that AXIS (x, y or z, or turned round nx, ny or nz) of a frame, link or "
+                 "held object points up, "
+                 "to within RADIANS, on all of the path: a constraint")
       ->type_name("FRAME AXIS RADIANS")
       ->expected(3);
   app.add_option("--certificate", overrides.certificate,
@@ -193,10 +193,10 @@ void applyUpright(const PlanOverrides& overrides, planner::Problem& problem) {
   const auto refuse = [&](const std::string& why) {
     badUsage(fmt::format("--upright {}: {}", fmt::join(overrides.upright, " "), why));
   };
-  const std::size_t sign = axis.starts_with('-') ? 1 : 0;
+  const std::size_t sign = axis.starts_with('n') ? 1 : 0;
   const std::size_t place = std::string_view("xyz").find(axis.substr(sign));
   if (axis.size() != sign + 1 || place == std::string_view::npos)
-    refuse(fmt::format("'{}' is no axis; x, y, z, -x, -y or -z is expected", axis));
+    refuse(fmt::format("'{}' is no axis; x, y, z, nx, ny or nz is expected", axis));
   const std::optional<double> angle = robots::parseFinite(text);
   if (!angle) refuse(fmt::format("'{}' is no number; an angle in radians is expected", text));
   Eigen::Vector3d up = Eigen::Vector3d::Zero();

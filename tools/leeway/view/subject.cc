@@ -129,7 +129,7 @@ void certifyPath(const planner::PathEdges& edges, const planner::Certificate* ce
                  subject);
 }
 
-/// A task's path, which has to keep its lines, too: as `leeway verify` proves it.
+/// A path that has to keep lines or constraints, too: as `leeway verify` proves it.
 void verifyTask(const planner::Path& path, const planner::Certificate* certificate,
                 Subject& subject) {
   const planner::VerifyResult result = planner::verify(subject.problem, path);
@@ -154,7 +154,7 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
     noteNothingChecked(nothing, subject);
     return subject;
   }
-  if (problem.steps.empty())
+  if (problem.steps.empty() && problem.constraints.empty())
     certifyPath(edges, certificate, subject);
   else
     verifyTask(path, certificate, subject);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -183,5 +184,12 @@ Problem placeStart(const Problem& problem);
 Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance,
                     CertificateDetail detail = CertificateDetail::kEveryEdge,
                     double world_guess = 0);
+
+/// What is proven of a problem's constraints along a path, one result each; nothing where one is
+/// not proven everywhere. `scene`: the problem's, or a variant. Errors as edgesOf(). O(edges *
+/// constraints * joints), more where an edge is long.
+std::optional<std::vector<ConstraintResult>> proveConstraints(const CompiledScene& scene,
+                                                              const Problem& problem,
+                                                              const Path& path);
 
 }  // namespace leeway::planner
