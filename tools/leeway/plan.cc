@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -126,6 +127,11 @@ std::string certificateText(const planner::Certificate& certificate) {
   return text + planner::toString(certificate.unchecked) + ".\n";
 }
 
+/// Decimals that show a part of `allowed`.
+int decimalsOf(double allowed) {
+  return std::clamp(3 - static_cast<int>(std::floor(std::log10(allowed))), 3, 9);
+}
+
 /// What is proven of the constraints.
 std::string constraintsText(const planner::Problem& problem, const planner::PlanResult& result) {
   std::string text;
@@ -136,11 +142,12 @@ std::string constraintsText(const planner::Problem& problem, const planner::Plan
     for (const auto& [from, to] : constraint.position)
       if (std::isfinite(from) || std::isfinite(to))
         off = fmt::format(" at most {} mm off ({} are allowed)",
-                          formatUpper(millimetres(proven.deviation), 3),
+                          formatUpper(millimetres(proven.deviation),
+                                      decimalsOf(millimetres(constraint.position_tolerance))),
                           millimetres(constraint.position_tolerance));
     if (constraint.turn != planner::Constraint::Turn::kAny)
       off += fmt::format("{} at most {} rad turned ({} are allowed)", off.empty() ? "" : ",",
-                         formatUpper(proven.angle, 4), constraint.angle);
+                         formatUpper(proven.angle, decimalsOf(constraint.angle)), constraint.angle);
     text += fmt::format("Constraint '{}' holds everywhere, proven: '{}' is{}.\n", constraint.name,
                         constraint.frame, off);
   }

@@ -295,6 +295,38 @@ TEST(Constraints, EndsThatBreakOneAreToldBeforePlanning) {
       << result.reason;
 }
 
+// The regions that inverse kinematics searches leave out a rim of what is allowed: no goal in it is
+// called out of reach.
+TEST(Constraints, AGoalNearTheLimitIsFound) {
+  Problem problem = shipped("constrained/glass.yaml");
+  for (const double tilt : {0.15, 0.165}) {
+    FramePose goal;
+    goal.frame = "glass";
+    for (auto& range : goal.position) range = {0.45, 0.45};
+    goal.rpy = {{{tilt, tilt}, {0, 0}, {-std::numbers::pi, std::numbers::pi}}};
+    problem.goals = {{"goal", {}, {poseRegion(problem, goal)}}};
+    expectSolvedAndKept(problem, 200);
+  }
+  // One that breaks it is not found, which is no proof that it is out of reach.
+  FramePose tilted;
+  tilted.frame = "glass";
+  for (auto& range : tilted.position) range = {0.45, 0.45};
+  tilted.rpy = {{{0.2, 0.2}, {0, 0}, {-std::numbers::pi, std::numbers::pi}}};
+  problem.goals = {{"goal", {}, {poseRegion(problem, tilted)}}};
+  const PlanResult result = plan(problem);
+  EXPECT_EQ(result.status, PlanStatus::kInvalidGoal);
+  EXPECT_FALSE(result.unreachable);
+}
+
+TEST(Constraints, TheVerifierEndsWhereItsCallerSaysSo) {
+  const Problem problem = shipped("constrained/glass.yaml");
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  PlanOptions options;
+  options.stop = [] { return true; };
+  EXPECT_EQ(verify(problem, result.path, options).status, VerifyStatus::kUndecided);
+}
+
 TEST(Constraints, AReplannerKeepsNone) {
   const Problem problem = shipped("constrained/glass.yaml");
   try {
