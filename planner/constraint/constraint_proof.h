@@ -20,8 +20,6 @@ class ConstraintProof {
   /// The constraints' names are known. O(constraints * joints^2).
   ConstraintProof(const CompiledScene& scene, const Problem& problem);
 
-  bool empty() const { return parts_.empty(); }
-
   /// Whether all constraints hold at a point. O(constraints * joints).
   bool holds(std::span<const double> point);
   /// Whether they are proven to hold everywhere on the edge from a to b. Errors at both ends bound

@@ -181,7 +181,7 @@ Constraint readConstraint(const YamlReader& map, const std::string& name, Proble
   if (axis) {
     constraint.turn = Constraint::Turn::kAxis;
     constraint.axis = axis->vector3();
-    // Without a tolerance of its own "upright" would be a matter of taste.
+    // No default angle suits both a cup and a camera.
     map.at("angle", "how far the axis may be from its direction [rad]");
   }
   const auto expectBeside = [&](const char* key, bool is_there, const char* what) {

@@ -1,4 +1,4 @@
-// What a problem may say of constraints, and the regions of poses in which they hold.
+// Checks the constraints of a problem, and derives the regions of poses in which they hold.
 
 #include <fmt/format.h>
 

@@ -44,7 +44,7 @@ VerifyStatus judge(const Constraint& constraint, const Pose& X_WR, const FrameLo
   }
   if (off - slack > constraint.position_tolerance || angle - turnOf(slack) > most)
     return VerifyStatus::kRefuted;
-  // Written so that NaN is not certified.
+  // Both comparisons are false for NaN, which is therefore never certified.
   if (off + slack + look.moves <= constraint.position_tolerance &&
       (constraint.turn == Constraint::Turn::kAny ||
        angle + turnOf(slack) + turnOf(look.tips + slack) <= most))

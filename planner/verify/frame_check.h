@@ -25,16 +25,15 @@ class FrameCheck {
   /// `problem` must outlive it.
   FrameCheck(const Problem& problem, int link, const robots::Pose& X_LF);
 
-  /// What a look proves of its part of an edge: kCertified holds on all of it, kRefuted does not
-  /// hold at its middle; kUndecided: the part is halved.
+  /// Returns what a look proves about its part of an edge: kCertified, it holds on all of it;
+  /// kRefuted, it does not hold at its middle; kUndecided, the part is halved.
   using Judge = std::function<VerifyStatus(const FrameLook&)>;
   /// The answer for the line from a to b. `t`: where it is refuted or undecided. `least`: parts of
   /// half that length are not halved.
   VerifyStatus check(const std::vector<double>& a, const std::vector<double>& b, double least,
                      const Judge& judge, double& t);
-  /// Looks so far.
-  long looks() const { return looks_; }
-  /// After so many looks, or where `stop` says so, what is left is undecided.
+  /// check() leaves the rest of an edge undecided after `most` looks, counted over all edges, and
+  /// once `stop` returns true; it may be empty.
   void limit(long most, const std::function<bool()>& stop) { most_ = most, stop_ = stop; }
 
  private:
@@ -51,7 +50,8 @@ class FrameCheck {
 
 /// The first place of a path where a constraint of the problem is not proven to hold; nothing when
 /// all are, on every line between its rows. Shares nothing with planner/constraint.
-/// `stop` is asked often; true, and too many looks, leave the rest undecided.
+/// An edge is left undecided after kVerifyPairWork looks at a constraint, and once `stop`, which is
+/// called often, returns true; it may be empty.
 std::optional<VerifyResult> findBrokenConstraint(const Problem& problem, const Path& path,
                                                  const std::function<bool()>& stop);
 

@@ -92,7 +92,7 @@ std::vector<std::pair<int, int>> touchingAtRest(const Model& model, const Stop& 
   for (int a = 0; a < static_cast<int>(model.links.size()); ++a)
     for (int b = a + 1; b < static_cast<int>(model.links.size()); ++b) {
       const bool is_adjacent = parent(a) == b || parent(b) == a;
-      // What an SRDF asks to check is checked.
+      // Pairs of enable_collisions stay checked.
       if (is_adjacent || enabled.count({a, b}) != 0 || disabled.count({a, b}) != 0 ||
           model.links[at(a)].geometries.empty() || model.links[at(b)].geometries.empty() ||
           jointsBetween(model, a, b).empty())

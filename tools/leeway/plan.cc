@@ -132,7 +132,7 @@ int decimalsOf(double allowed) {
   return std::clamp(3 - static_cast<int>(std::floor(std::log10(allowed))), 3, 9);
 }
 
-/// What is proven of the constraints.
+/// Returns a line for each constraint, with the bounds that are proven.
 std::string constraintsText(const planner::Problem& problem, const planner::PlanResult& result) {
   std::string text;
   for (std::size_t i = 0; i < result.certificate.constraints.size(); ++i) {

@@ -1,5 +1,5 @@
 // Constraints on frames: what is proven holds at dense samples, planned paths keep them, the
-// verifier agrees by other means, and what cannot be kept is told.
+// verifier agrees by other means, and constraints that cannot be kept are refused with a reason.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -307,7 +307,7 @@ TEST(Constraints, AGoalNearTheLimitIsFound) {
     problem.goals = {{"goal", {}, {poseRegion(problem, goal)}}};
     expectSolvedAndKept(problem, 200);
   }
-  // One that breaks it is not found, which is no proof that it is out of reach.
+  // A goal that breaks the constraint is not found; that does not prove it out of reach.
   FramePose tilted;
   tilted.frame = "glass";
   for (auto& range : tilted.position) range = {0.45, 0.45};

@@ -60,7 +60,7 @@ TEST(TouchingAtRest, AnSrdfSaysWhichPairsItMeans) {
       namesOf(*robot(start +
                      R"(<disable_collisions link1="hub" link2="base" reason="Always"/></robot>)")),
       (Names{{"base", "rest"}}));
-  // What it asks to check is never left out, however it touches.
+  // Pairs of enable_collisions are never left out, even if they always touch.
   for (const char* link : {"neck", "hub"}) {
     Names others = namesOf(*robot(start + "</robot>"));
     std::erase(others, Names::value_type("base", link));
