@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to the library: flat arrays as bytes, in the machine's own layout, for files that only
-// the same build reads again.
+// Private to the library: flat arrays as bytes, in the machine's own layout. The files are read
+// only by the build that wrote them.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,12 +12,12 @@
 
 namespace leeway::collision {
 
-/// Whether T's bytes are all there is of it. (Eigen's vectors copy their numbers one by one, and
-/// are no more than these.)
+/// Whether a copy of T's bytes is a copy of T. (Eigen's vectors copy their numbers one by one, but
+/// they contain nothing else.)
 template <class T>
 inline constexpr bool kIsFlat = std::is_trivially_destructible_v<T> && !std::is_pointer_v<T>;
 
-/// Arrays begin at multiples of it [B].
+/// Arrays begin at multiples of this [B].
 inline constexpr std::size_t kArrayAlignment = 8;
 
 /// Appends values and arrays to a vector of bytes.
@@ -28,7 +28,7 @@ class ByteWriter {
     static_assert(kIsFlat<T>);
     append(&value, sizeof(T));
   }
-  /// The number of elements and the elements, these at a multiple of kArrayAlignment.
+  /// Writes the number of elements, then the elements, aligned to kArrayAlignment.
   template <class T>
   void array(std::span<const T> values) {
     static_assert(kIsFlat<T>);
@@ -51,11 +51,12 @@ class ByteWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads them back. What does not fit into the bytes that are left makes it fail for good: it then
-/// yields zeros and empty arrays. Which values make sense the caller decides.
+/// Reads what a ByteWriter wrote. A value or array that exceeds the remaining bytes makes the
+/// reader fail permanently: it then yields zeros and empty arrays. The caller decides which values
+/// are plausible.
 class ByteReader {
  public:
-  /// The bytes must outlive this, and what view() returns of them.
+  /// The bytes must outlive the reader and all spans that view() returned.
   explicit ByteReader(std::span<const std::byte> bytes)
       : begin_(bytes.data()),
         rest_(bytes),
@@ -73,7 +74,7 @@ class ByteReader {
     const std::span<const T> values = view<T>();
     return {values.begin(), values.end()};
   }
-  /// An array where it stands.
+  /// Returns an array in place, without a copy.
   template <class T>
   std::span<const T> view() {
     static_assert(kIsFlat<T> && alignof(T) <= kArrayAlignment);

@@ -4,7 +4,8 @@ namespace leeway::collision {
 
 namespace {
 
-// No target chosen: functions that are called before this file is initialized choose on their own.
+// No target is chosen yet: functions that are called before this file is initialized choose their
+// own.
 constinit const hwy::ChosenTarget unknown;
 
 }  // namespace

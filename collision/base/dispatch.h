@@ -23,8 +23,9 @@ extern const hwy::ChosenTarget* chosen_target;
 
 #endif
 
-// Once a target. Plain code, the last of several targets, is for processors from before 2008 and
-// for tests: inlined where the compiler sees fit it takes a third as long to compile.
+// Compiled once for each target. Plain code, the last of several targets, is for processors from
+// before 2008 and for tests. If the compiler decides what to inline there, compiling takes a third
+// of the time.
 #if HWY_TARGET == HWY_SCALAR && (HWY_TARGETS & (HWY_TARGETS - 1)) != 0
 #undef HWY_INLINE
 #define HWY_INLINE inline

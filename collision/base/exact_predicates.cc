@@ -9,16 +9,16 @@
 namespace leeway::collision {
 namespace {
 
-// A nonoverlapping expansion, smallest term first: the exact value is the sum of the terms, its
-// sign that of the last one. Shewchuk 1997, section 2. The capacities below suffice for a product
-// of three differences.
+// A nonoverlapping expansion, smallest term first. The exact value is the sum of the terms; its
+// sign is that of the last term. Shewchuk 1997, section 2. The capacities below suffice for a
+// product of three differences.
 template <std::size_t capacity>
 struct Expansion {
   std::array<double, capacity> term;
   std::size_t size = 0;
 
-  // Coordinates beyond the range of the predicates (from a damaged file, say) end in NaN, and in
-  // more terms than fit: the sign is arbitrary then.
+  // Coordinates outside the range of the predicates (for example from a damaged file) end in NaN,
+  // and in more terms than fit. The sign is then arbitrary.
   void push(double value) {
     if (value != 0 && size < capacity) term[size++] = value;
   }
@@ -58,7 +58,8 @@ Expansion<2> difference(double a, double b) {
   return e;
 }
 
-// Adds f to e, term by term (Shewchuk's grow-expansion). In place: writes never overtake reads.
+// Adds f to e, term by term (Shewchuk's grow-expansion). It works in place because writes never
+// overtake reads.
 template <std::size_t n, std::size_t m>
 void add(Expansion<n>& e, const Expansion<m>& f) {
   for (std::size_t j = 0; j < f.size; ++j) {

@@ -76,7 +76,7 @@ HWY_INLINE Mask<n> operator&(const Mask<n>& a, const Mask<n>& b) {
   return result;
 }
 
-/// b where a is not.
+/// b, cleared where a is set.
 template <int n>
 HWY_INLINE Mask<n> andNot(const Mask<n>& a, const Mask<n>& b) {
   Mask<n> result;
@@ -84,7 +84,7 @@ HWY_INLINE Mask<n> andNot(const Mask<n>& a, const Mask<n>& b) {
   return result;
 }
 
-/// Lane by lane x where the mask is set, else y.
+/// Lane by lane: x where the mask is set, otherwise y.
 template <int n>
 HWY_INLINE Lanes<n> choose(const Mask<n>& mask, const Lanes<n>& x, const Lanes<n>& y) {
   return eachLane<n>([&](int i) { return hn::IfThenElse(mask.v[i], x.v[i], y.v[i]); });
@@ -96,7 +96,7 @@ HWY_INLINE Lanes<n> withSignOf(const Lanes<n>& x, const Lanes<n>& s) {
       [&](int i) { return hn::Xor(x.v[i], hn::And(s.v[i], hn::SignBit(Doubles<n>()))); });
 }
 
-/// Bit i is set where lane i of the mask is.
+/// Bit i is set if lane i of the mask is set.
 template <int n>
 HWY_INLINE unsigned bitsOf(const Mask<n>& mask) {
   unsigned bits = 0;
@@ -108,7 +108,7 @@ HWY_INLINE unsigned bitsOf(const Mask<n>& mask) {
   return bits;
 }
 
-/// From and to n doubles, aligned to 8 n bytes.
+/// Reads or writes n doubles, aligned to 8 n bytes.
 template <int n>
 HWY_INLINE Lanes<n> load(const double* from) {
   return eachLane<n>(
@@ -186,8 +186,8 @@ class Pick {
 /// Gathers from[places], lane by lane; places >= 0.
 HWY_INLINE Same gathered(const double* from, hn::Vec<hn::RebindToSigned<Widest>> places) {
 #if HWY_CAP_GE512
-  // Highway's gather merges into an uninitialized register, which makes one hull's result wait for
-  // the other's. (A constant mask would let compilers drop the zeroed source, too.)
+  // Highway's gather merges into an uninitialized register, which makes the result of one hull wait
+  // for that of the other. (With a constant mask, compilers could also drop the zeroed source.)
   const __mmask8 all = _mm512_cmpge_epi64_mask(places.raw, _mm512_setzero_si512());
   return Same{_mm512_mask_i64gather_pd(_mm512_setzero_pd(), all, places.raw, from, 8)};
 #else
@@ -210,11 +210,11 @@ HWY_INLINE Same leastLane(Same x) {
 #endif
 }
 
-/// A lane whose value is the least to within some units in the last place. Values must be finite
-/// and not below 0. (Tagged with its lane infinity would become NaN, on whose minimum lanes
-/// disagree.)
+/// Picks a lane whose value is the least to within some units in the last place. Values must be
+/// finite and not negative. (Infinity tagged with its lane would become NaN, and lanes disagree on
+/// a minimum with NaN.)
 HWY_INLINE Pick<8> leastLaneOf(const Lanes<8>& a) {
-  // The lane's number replaces the last bits of each value, which saves the way from a mask to an
+  // The lane's number replaces the last bits of each value. This avoids converting a mask to an
   // index.
   const hn::RebindToSigned<Widest> di;
   const auto named = [&](int i) HWY_ATTR {
@@ -239,8 +239,8 @@ HWY_INLINE Lanes<4> fourOf(const Lanes<8>& a, const std::int64_t (&lanes)[8]) {
 #endif
 }
 
-/// Rotates all lanes but the last by one: each gets its successor, the last of them the first. The
-/// last lane gets any value.
+/// Rotates all lanes except the last by one: each gets its successor, and the last of them gets the
+/// first. The last lane gets an arbitrary value.
 HWY_INLINE Lanes<4> nextInRing(const Lanes<4>& a) {
 #if HWY_TARGET == HWY_SCALAR
   return {{a.v[1], a.v[2], a.v[0], a.v[1]}};
@@ -268,7 +268,8 @@ HWY_INLINE Lanes<8> nextInRing(const Lanes<8>& a) {
 /// The lane with the least of a[k] / part[k] for k = 0, 1, 2; no part is below 0. (The fourth lane
 /// may hold anything.)
 HWY_INLINE Pick<4> leastOfThree(const Lanes<4>& a, const Lanes<4>& part) {
-  // Cross-multiplied instead of divided: is the lane's quotient greater than the next one's?
+  // Cross-multiplied instead of divided: tests whether the lane's quotient is greater than the next
+  // one's.
   const Mask<4> greater = a * nextInRing(part) > nextInRing(a) * part;
   static constexpr std::int64_t kLeastLane[8] = {0, 1, 2, 2, 0, 1, 0, 0};
   return Pick<4>(kLeastLane[bitsOf(greater) & 7U]);
@@ -301,7 +302,7 @@ HWY_INLINE double secondOf(const Lanes<2>& a) {
 #endif
 }
 
-/// n points.
+/// A group of n points.
 template <int n>
 struct Points {
   Lanes<n> x, y, z;

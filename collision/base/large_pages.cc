@@ -14,7 +14,7 @@
 #define LEEWAY_PLAIN_MEMORY
 #endif
 #elif defined(__SANITIZE_ADDRESS__)
-// Within a shared page the sanitizer would miss reads past an array's end.
+// Within a shared page, the sanitizer would miss reads past an array's end.
 #define LEEWAY_PLAIN_MEMORY
 #endif
 
@@ -26,11 +26,11 @@ namespace {
 
 constexpr std::size_t kPage = std::size_t{2} << 20;
 constexpr std::align_val_t kPageAlignment{kPage};
-// Smaller arrays gain nothing. Nor do larger ones (measured: with pages of their own for the arrays
-// of 200k triangles queries were no faster, and distances after `restructure` took 1.4 times as
-// long).
+// Smaller arrays gain nothing, and neither do larger ones. (Measured: with separate pages for the
+// arrays of 200k triangles, queries were no faster, and distances after `restructure` took 1.4
+// times as long.)
 constexpr std::size_t kLeast = 4096, kMost = kPage / 2;
-// Arrays that share a page begin at cache lines.
+// Alignment of arrays that share a page: a cache line.
 constexpr std::size_t kAlignment = 64;
 
 class LargePages final : public std::pmr::memory_resource {
@@ -74,7 +74,7 @@ class LargePages final : public std::pmr::memory_resource {
 
   static Shared* newPage() {
     void* const page = ::operator new(kPage, kPageAlignment);
-    // Only a hint: without a large page small ones back the same memory.
+    // This is only a hint: without a large page, small pages back the same memory.
     static_cast<void>(madvise(page, kPage, MADV_HUGEPAGE));
     return new (page) Shared{kAlignment, 0};
   }
@@ -86,7 +86,7 @@ class LargePages final : public std::pmr::memory_resource {
 }  // namespace
 
 std::pmr::memory_resource* largePages() {
-  // Never destroyed: arrays may outlive any static object.
+  // Never destroyed, because arrays may outlive any static object.
   static LargePages* const pages = new LargePages;
   return pages;
 }
@@ -99,7 +99,7 @@ class LargeArrays final : public std::pmr::memory_resource {
   void* do_allocate(std::size_t bytes, std::size_t alignment) override {
     void* const result = std::pmr::new_delete_resource()->allocate(bytes, alignment);
     if (bytes >= kLeastArray) {
-      // The whole pages within; only a hint.
+      // The whole pages within the array. This is only a hint.
       const std::size_t before = (kPage - reinterpret_cast<std::uintptr_t>(result) % kPage) % kPage;
       const std::size_t whole = (bytes - before) / kPage * kPage;
       static_cast<void>(madvise(static_cast<std::byte*>(result) + before, whole, MADV_HUGEPAGE));

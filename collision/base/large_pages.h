@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: memory for the arrays that queries read at scattered places.
+// Private to collision/: memory for arrays that queries read at scattered places.
 
 #include <cstddef>
 #include <memory_resource>
@@ -8,19 +8,19 @@
 
 namespace leeway::collision {
 
-/// Memory on large pages, where the system grants them on request (Linux, transparent huge pages).
-/// A query of a mesh reads from some hundred small pages; each that has dropped out of the TLB
-/// costs a walk through page tables that are evicted, too. Elsewhere, and under sanitizers, plain
-/// memory. For arrays that keep their size: freed memory is used again only once all arrays of the
-/// same 2 MB are freed. Any thread; O(1); throws std::bad_alloc, as new does.
+/// Memory on large pages where the system provides them on request (Linux, transparent huge pages);
+/// elsewhere, and under sanitizers, plain memory. A query of a mesh reads from about a hundred
+/// small pages. Each page that is no longer in the TLB costs a walk through page tables that are
+/// evicted, too. Use this for arrays of constant size: freed memory is reused only after all arrays
+/// of the same 2 MB are freed. Any thread; O(1); throws std::bad_alloc, like new.
 std::pmr::memory_resource* largePages();
 
-/// For arrays of megabytes that are filled as a whole, as those of a large mesh are: on large pages
-/// of their own they are filled in half the time, which goes into the system's handing out of small
-/// pages. Any thread; throws std::bad_alloc.
+/// Memory for arrays of megabytes that are filled as a whole, such as those of a large mesh. On
+/// separate large pages they are filled in half the time, because the system takes long to provide
+/// small pages. Any thread; throws std::bad_alloc.
 std::pmr::memory_resource* largeArrays();
 
-/// Bytes of largeArrays() that are not set to zero first: files of hundreds of megabytes are read
+/// Bytes of largeArrays() that are not initialized to zero. Files of hundreds of megabytes are read
 /// into them. Aligned to 16.
 class LargeBuffer {
  public:

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the library: what is remembered of pairs or places, in a table of fixed size.
+// Private to the library: a table of fixed size with data about pairs or places.
 
 #include <algorithm>
 #include <cstddef>
@@ -13,9 +13,10 @@
 
 namespace leeway::collision {
 
-/// One value a pair, by its number. Up to kMost pairs have a place each; more share places, and a
-/// pair that comes to the place of another finds a new value there. So it is for what may be
-/// forgotten: hints, warm starts. What is forgotten depends on the pairs that are asked for alone.
+/// One value for each pair, by its number. Up to kMost pairs have a place each. With more pairs,
+/// several share a place, and a pair that replaces another starts with a new value. Use it only for
+/// data that may be lost: hints, warm starts. The lost values depend only on the pairs that are
+/// queried.
 template <class T>
 class PairTable {
  public:
@@ -26,8 +27,8 @@ class PairTable {
   PairTable& operator=(const PairTable&) = delete;
   ~PairTable() { clear(); }
 
-  /// Room for pairs [0, pairs), in `most` places at most: a power of two. Nothing is known of any.
-  /// The only one that allocates.
+  /// Makes room for pairs [0, pairs), in at most `most` places (a power of two), and removes all
+  /// values. This is the only function that allocates.
   void resize(std::size_t pairs, std::size_t most = kMost) {
     static_assert(alignof(Place) <= 64, "what takeMemory() aligns to");
     clear();
@@ -36,11 +37,11 @@ class PairTable {
     places_.reset(static_cast<Place*>(takeMemory(has_begun_.size() * sizeof(Place))));
   }
 
-  /// The value of a pair, a new one where another has its place.
+  /// Returns the value of a pair, or a new value if another pair has its place.
   T& of(std::int32_t pair) {
     return of(pair, [](std::int32_t) { return T(); });
   }
-  /// The same; make(pair) is the new value.
+  /// As above; make(pair) is the new value.
   template <class Make>
   T& of(std::int32_t pair, const Make& make) {
     const std::size_t i = indexOf(pair);
@@ -53,9 +54,9 @@ class PairTable {
     }
     return place.value;
   }
-  /// Whether pairs share places. Otherwise a value stays where it is.
+  /// Whether pairs share places. If not, a value is never lost.
   bool isShared() const { return is_shared_; }
-  /// The value of a pair; null: nothing is known of it.
+  /// The value of a pair; null if none is stored.
   const T* find(std::int32_t pair) const {
     const std::size_t i = indexOf(pair);
     if (has_begun_[i] == 0) return nullptr;
@@ -70,7 +71,7 @@ class PairTable {
   };
   std::size_t indexOf(std::int32_t pair) const {
     const auto number = static_cast<std::size_t>(pair);
-    // A hash, because pairs of one thing have numbers that differ by multiples of a row's length.
+    // A hash, because the numbers of one body's pairs differ by multiples of a row's length.
     return number < has_begun_.size()
                ? number
                : (number * 0x9e3779b97f4a7c15U >> 32U) & (has_begun_.size() - 1);
@@ -81,7 +82,8 @@ class PairTable {
         if (has_begun_[i] != 0) std::destroy_at(places_.get() + i);
     has_begun_.clear();
   }
-  // Room for all places, each begun where a pair first comes to it: most never are.
+  // Memory for all places. A place is initialized when a pair first uses it, because most are never
+  // used.
   std::unique_ptr<Place, GiveBack> places_;
   std::vector<unsigned char> has_begun_;
   bool is_shared_ = false;

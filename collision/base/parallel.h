@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the library: two halves of a large task at the same time.
+// Private to the library: runs two halves of a large task at the same time.
 
 #include <exception>
 #include <system_error>
@@ -8,9 +8,10 @@
 
 namespace leeway::collision {
 
-/// Calls both, and returns when both are done: at the same time where that is `worth` a thread
-/// (some 20 us) and the machine has two cores, else one after the other. They must not depend on
-/// each other, so that nothing depends on which it is. Throws what one of them throws.
+/// Calls both functions and returns when both are done. They run at the same time if that is
+/// `worth` a thread (about 20 us) and the machine has two cores, otherwise one after the other.
+/// They must not depend on each other, so that the result does not depend on the order. Rethrows
+/// what one of them throws.
 template <class First, class Second>
 void inParallel(bool worth, const First& first, const Second& second) {
   std::exception_ptr error;
@@ -24,7 +25,7 @@ void inParallel(bool worth, const First& first, const Second& second) {
           error = std::current_exception();
         }
       });
-    } catch (const std::system_error&) {  // no thread is to be had
+    } catch (const std::system_error&) {  // no thread is available
     }
   }
   if (!other.joinable()) {
@@ -42,7 +43,7 @@ void inParallel(bool worth, const First& first, const Second& second) {
   if (error) std::rethrow_exception(error);
 }
 
-/// Tasks of so many triangles or more are worth a thread [count].
+/// A task of this many triangles or more is worth a thread [count].
 inline constexpr std::size_t kWorthAThread = 20000;
 
 }  // namespace leeway::collision

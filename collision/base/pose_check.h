@@ -8,8 +8,8 @@
 
 namespace leeway::collision {
 
-/// Two doubles with the same operation on both: a lane for each body. (A vector extension of gcc
-/// and clang; lanes are rounded like single doubles, so that targets without such registers give
+/// Two doubles with the same operation on both: one lane for each body. (A vector extension of gcc
+/// and clang. Lanes are rounded like single doubles, so that targets without such registers give
 /// the same results.)
 using BodyLanes = double __attribute__((vector_size(16)));
 
@@ -19,7 +19,7 @@ inline __attribute__((always_inline)) BodyLanes magnitude(BodyLanes x) {
   return reinterpret_cast<BodyLanes>(reinterpret_cast<Bits>(x) & Bits{kAllButSign, kAllButSign});
 }
 
-/// x > y in either lane, in one branch: which lane it is is unpredictable.
+/// x > y in either lane, in one branch, because which lane it is is unpredictable.
 inline __attribute__((always_inline)) bool eitherIsGreater(BodyLanes x, BodyLanes y) {
   const auto greater = x > y;
   return (greater[0] | greater[1]) != 0;
@@ -27,12 +27,12 @@ inline __attribute__((always_inline)) bool eitherIsGreater(BodyLanes x, BodyLane
 
 /// How far the matrices of two poses are from rotations: see RelativePose (gjk/convex_view.h).
 struct PoseCheck {
-  /// Both departures are at most kRotationTolerance; false when an entry is not finite.
+  /// Both departures are at most kRotationTolerance; false if an entry is not finite.
   bool rotations = false;
   double departure = 0;  ///< an upper bound of their sum, at most sqrt(2) times it
 };
 
-/// R^T R - 1 of two matrices, a lane each: the diagonal and the other entries. NaN or infinite when
+/// R^T R - 1 of two matrices, one lane each: the diagonal and the other entries. NaN or infinite if
 /// an entry of the matrix is.
 struct Departures {
   BodyLanes aa, bb, cc, ab, bc, ca;
@@ -51,7 +51,7 @@ inline __attribute__((always_inline)) Departures departuresOf(const Eigen::Matri
           b0 * c0 + b1 * c1 + b2 * c2,       c0 * a0 + c1 * a1 + c2 * a2};
 }
 
-/// Every query starts with it: O(1), branch-free. Translations are not looked at.
+/// Every query starts with this check: O(1), branch-free. It ignores the translations.
 inline __attribute__((always_inline)) PoseCheck checkRotations(const Eigen::Matrix3d& R,
                                                                const Eigen::Matrix3d& S) {
   const Departures d = departuresOf(R, S);
@@ -64,8 +64,10 @@ inline __attribute__((always_inline)) PoseCheck checkRotations(const Eigen::Matr
           std::sqrt(2 * (departure[0] + departure[1]))};
 }
 
-/// ||R^T R - 1|| (Frobenius) of one matrix, no less than it is: its norm is computed to within 9
-/// units of roundoff. A matrix is half of that, times (1 + itself), from the rotation next to it.
+/// An upper bound on
+/// R^T R - 1
+///  (Frobenius) of one matrix; the norm is computed to within 9 units of roundoff. The distance of
+///  a matrix from the nearest rotation is half of that, times (1 + itself).
 inline double departureOf(const Eigen::Matrix3d& R) {
   return 0.5 * checkRotations(R, R).departure + 16 * kUnitRoundoff;
 }
@@ -75,8 +77,8 @@ inline bool isPose(const Pose& X) {
   return X.translation.allFinite() && checkRotations(X.rotation, X.rotation).rotations;
 }
 
-/// checkRotations() with sums of magnitudes, which are no smaller than Frobenius norms: fewer
-/// operations and no root, but a matrix near the tolerance may be refused.
+/// checkRotations() with sums of magnitudes, which are no smaller than Frobenius norms. It needs
+/// fewer operations and no root, but may reject a matrix near the tolerance.
 inline __attribute__((always_inline)) PoseCheck checkRotationsQuickly(const Eigen::Matrix3d& R,
                                                                       const Eigen::Matrix3d& S) {
   const Departures d = departuresOf(R, S);

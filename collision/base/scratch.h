@@ -11,16 +11,16 @@ struct SweepScratch;       // sweep/mesh_sweep_scratch.h
 class TouchingTriangles;   // mesh/descent/touching_triangles.h
 struct Work;               // base/work.h
 
-/// The contents of a Scratch: one member for each folder of the engine that keeps some. References
-/// to incomplete types, so that no folder needs to know the others'; distance/scratch_buffers.cc
-/// owns what they refer to.
+/// The contents of a Scratch: one member for each folder of the engine that stores some. They are
+/// references to incomplete types, so that no folder depends on another's;
+/// distance/scratch_buffers.cc owns the objects.
 struct Scratch::Impl {
   PolytopeBuffers& polytope;
   DeformScratch& deform;
   SweepScratch& sweep;
   SweepFrontScratch& fronts;
   TouchingTriangles& touching;
-  Work* work;  ///< where work is counted; the scratch's own until countInto()
+  Work* work;  ///< the counter of work; the scratch's own until countInto()
 
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;

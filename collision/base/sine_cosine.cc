@@ -1,8 +1,8 @@
 // Sine and cosine from basic operations alone, so that a configuration has the same bytes on every
 // machine. Reduction: Cody and Waite, Software Manual for the Elementary Functions (1980), with
-// pi/2 in three parts; where cancellation leaves too few digits of the remainder, and for large
-// arguments, Payne and Hanek, Radian Reduction for Trigonometric Functions (1983), in integers. The
-// polynomials are minimax (Remez exchange, 300 bits) on |r| <= pi/4 + 2^-20:
+// pi/2 in three parts. Where cancellation leaves too few digits of the remainder, and for large
+// arguments: Payne and Hanek, Radian Reduction for Trigonometric Functions (1983), in integers. The
+// polynomials are minimax (Remez exchange, 300 bits) on |r| <= pi/4 + 2^-20;
 // tools/truth/long_run/derive_sine_cosine.py prints them.
 
 #include "collision/base/sine_cosine.h"
@@ -68,7 +68,7 @@ Reduced reduceExactly(double x) {
   const auto bits = std::bit_cast<std::uint64_t>(x);
   const std::uint64_t mantissa = (bits & ((std::uint64_t{1} << 52) - 1)) | (std::uint64_t{1} << 52);
   const int exponent = static_cast<int>(bits >> 52) - 1075;  // x = mantissa * 2^exponent
-  // Bits of 2/pi whose product with x is a multiple of 4 are left out; 256 bits are kept.
+  // Omits bits of 2/pi whose product with x is a multiple of 4; 256 bits are kept.
   const int first = exponent >= 2 ? exponent - 2 : 0;
   std::array<std::uint64_t, 5> fixed{};  // most significant word first
   std::uint64_t carry = 0;

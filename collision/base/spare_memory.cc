@@ -7,10 +7,10 @@ namespace leeway::collision {
 namespace {
 
 constexpr std::size_t kBlockAlignment = 64;
-/// Blocks of a thread, and their bytes together.
+/// Limits on the blocks that a thread keeps, and on their total bytes.
 constexpr std::size_t kMostBlocks = 48, kMostBytes = std::size_t{8} << 20U;
 
-/// Before each block.
+/// Precedes each block.
 struct Header {
   std::size_t bytes;
 };
@@ -23,11 +23,11 @@ void* memoryOf(Header* block) { return reinterpret_cast<std::byte*>(block) + kBl
 
 void release(Header* block) { ::operator delete (block, std::align_val_t{kBlockAlignment}); }
 
-/// The thread ends: nothing is kept any more. Not a member of Spare, whose destructor's last stores
-/// compilers leave out.
+/// Set when the thread ends: no more blocks are kept. It is not a member of Spare, because
+/// compilers omit the last stores of Spare's destructor.
 thread_local bool spare_is_gone = false;
 
-/// The blocks that a thread keeps, the one given back last at the end.
+/// The blocks that a thread keeps, in the order in which they were given back.
 struct Spare {
   ~Spare() {
     for (std::size_t i = 0; i < count; ++i) release(blocks[i]);
@@ -41,7 +41,7 @@ thread_local Spare spare;
 }  // namespace
 
 void* takeMemory(std::size_t bytes) {
-  // Not one that is far too large: it is another's.
+  // Skips a block that is far too large, because it fits a larger request.
   for (std::size_t i = spare_is_gone ? 0 : spare.count; i-- > 0;) {
     Header* const block = spare.blocks[i];
     if (block->bytes < bytes || block->bytes > 2 * bytes) continue;
@@ -58,7 +58,7 @@ void giveBackMemory(void* memory) noexcept {
   if (memory == nullptr) return;
   Header* const block = headerOf(memory);
   if (spare_is_gone || block->bytes > kMostBytes) return release(block);
-  // The oldest ones go first.
+  // Drops the oldest blocks first.
   std::size_t gone = 0;
   for (; gone < spare.count &&
          (spare.count - gone == kMostBlocks || spare.bytes + block->bytes > kMostBytes);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the library: memory that goes from one certifier to the next.
+// Private to the library: memory that is passed from one certifier to the next.
 
 #include <cstddef>
 #include <memory>
@@ -9,15 +9,15 @@
 
 namespace leeway::collision {
 
-/// At least `bytes` bytes, aligned to 64; what a thread gave back last is taken first. Planning
-/// makes a certifier a problem, each with a megabyte of which few pages are touched: given back to
-/// the system, these would cost a fault each the next time. A thread keeps a few megabytes of it
-/// until it ends. Throws std::bad_alloc.
+/// Returns at least `bytes` bytes, aligned to 64, preferably the block that the thread gave back
+/// last. Planning makes a certifier for each problem, each with a megabyte of which few pages are
+/// used. If these were returned to the system, each would cost a page fault the next time. A thread
+/// keeps a few megabytes until it ends. Throws std::bad_alloc.
 void* takeMemory(std::size_t bytes);
-/// Of takeMemory(), from any thread.
+/// Frees memory of takeMemory(), from any thread.
 void giveBackMemory(void* memory) noexcept;
 
-/// For containers that are large and made once a certifier.
+/// For large containers that are made once for each certifier.
 template <class T>
 struct SpareAllocator {
   using value_type = T;
@@ -34,13 +34,13 @@ struct SpareAllocator {
 template <class T>
 using SpareVector = std::vector<T, SpareAllocator<T>>;
 
-/// Memory without content.
+/// Deleter of memory that has no content to destroy.
 struct GiveBack {
   void operator()(void* memory) const { giveBackMemory(memory); }
 };
 template <class T>
 using SpareArray = std::unique_ptr<T[], GiveBack>;
-/// `T` needs no constructor or destructor: what is there before it is set means nothing.
+/// `T` needs no constructor or destructor: a value is undefined until it is set.
 template <class T>
 SpareArray<T> spareArray(std::size_t count) {
   static_assert(std::is_trivially_default_constructible_v<T> &&

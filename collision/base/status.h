@@ -6,7 +6,7 @@ namespace leeway::collision {
 
 /// Conditions of a request that an interval meets, as bits.
 enum Conditions : unsigned {
-  kOverlapProven = 1,    ///< overlap is proven and no depth is asked
+  kOverlapProven = 1,    ///< overlap is proven and no depth is requested
   kNotAboveProven = 2,   ///< upper <= threshold
   kAboveProven = 4,      ///< lower > threshold
   kWithinTolerance = 8,  ///< width <= tolerance
@@ -32,7 +32,7 @@ inline bool isSignKnown(const Interval& distance) {
   return (distance.lower > 0) | (distance.upper <= 0);
 }
 
-/// The status of an answer with this interval: kLimit where it meets no condition.
+/// The status of an answer with this interval; kLimit if it meets no condition.
 inline DistanceStatus statusOf(const Interval& distance, const DistanceRequest& request) {
   using enum DistanceStatus;
   static constexpr DistanceStatus kStatusOf[16] = {

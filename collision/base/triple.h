@@ -10,14 +10,14 @@
 namespace leeway::collision {
 
 /// Three plain numbers, uninitialized, that stay in registers. A Vector goes through memory: two
-/// coordinates written one by one and read back together stall the store forwarding, for longer
+/// coordinates that are written one by one and read back together stall store forwarding for longer
 /// than a closed form takes.
 struct Triple {
   double x, y, z;
 };
 
 inline Triple tripleOf(const Vector& v) { return {v.x(), v.y(), v.z()}; }
-/// Stores in pieces of the size that compilers copy by, so that reads do not stall.
+/// Stores in units of the size that compilers copy by, so that reads do not stall.
 inline void write(double first, double second, double* to) {
   using Pair = double __attribute__((vector_size(16)));
   const Pair pair = {first, second};
@@ -61,7 +61,7 @@ inline Triple rotatedBack(const Eigen::Matrix3d& R, const Triple& v) {
           R(0, 2) * v.x + R(1, 2) * v.y + R(2, 2) * v.z};
 }
 
-/// x clamped to [low, high], branch-free; NaN becomes one of the ends.
+/// x clamped to [low, high], branch-free; NaN becomes one of the limits.
 inline double within(double x, double low, double high) {
   const double y = x < high ? x : high;
   return y > low ? y : low;

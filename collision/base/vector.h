@@ -8,8 +8,8 @@ namespace leeway::collision {
 
 using Vector = Eigen::Vector3d;
 
-// The products that every query computes, written out: unlike Eigen's matrix products they are
-// always inlined, and the order of the sums is fixed.
+// Written-out products that every query computes. Unlike Eigen's matrix products they are always
+// inlined, and the order of the sums is fixed.
 
 /// a x b. (Eigen's own is in Eigen/Geometry, which is slow to compile.)
 inline Vector cross(const Vector& a, const Vector& b) {

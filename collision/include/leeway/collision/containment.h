@@ -13,11 +13,11 @@ enum class Containment : unsigned char {
 };
 
 /// Whether a component of A lies inside a closed component of B, or the reverse, at these poses.
-/// One point of each component is tested: that decides containment where surfaces are apart; where
-/// they cross, kYes and kNo are both possible. Only closed components of meshes are tested for an
-/// inside, because distance() and sweptDistance() already count that of convex shapes; without one
-/// the answer is kNo at once. A half-space lies inside nothing. Never throws or allocates.
-/// O(components * sqrt(triangles)) as a rule.
+/// One point of each component is tested. This decides containment where the surfaces are apart;
+/// where they cross, both kYes and kNo are possible. Only closed components of meshes are tested
+/// for an inside, because distance() and sweptDistance() already handle the inside of convex
+/// shapes. If neither body has such a component, the answer is kNo at once. A half-space lies
+/// inside nothing. Never throws or allocates. Usually O(components * sqrt(triangles)).
 Containment contains(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                      Scratch& scratch);
 

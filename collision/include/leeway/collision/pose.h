@@ -6,8 +6,9 @@ namespace leeway::collision {
 
 /// A rigid placement: X_AB maps the coordinates of a point in frame B to those in frame A.
 ///
-/// Not Eigen::Isometry3d: its alignment depends on the compiler's instruction set (-march), so it
-/// must not stand in the interface of a library that is compiled apart from its caller.
+/// This is not Eigen::Isometry3d, because its alignment depends on the compiler's instruction set
+/// (-march): it must not appear in the interface of a library that is compiled separately from its
+/// caller.
 struct Pose {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  // [m]
@@ -22,12 +23,12 @@ struct Pose {
     return {rotation * X_BC.rotation, rotation * X_BC.translation + translation};
   }
 
-  /// X_BA, by transposition: exact only as far as `rotation` is orthogonal.
+  /// X_BA, by transposition: only as exact as `rotation` is orthogonal.
   Pose inverse() const { return {rotation.transpose(), -(rotation.transpose() * translation)}; }
 
-  /// From Eigen::Isometry3d, copied number by number. Converters are inline, so that the caller's
-  /// alignment holds, and templates, so that this header needs no <Eigen/Geometry>: a caller that
-  /// has an isometry has included it.
+  /// From Eigen::Isometry3d, copied number by number. The converters are inline, so that the
+  /// caller's alignment holds. They are templates, so that this header does not need
+  /// <Eigen/Geometry>: a caller that has an isometry has included it.
   template <int kOptions>
   static Pose fromIsometry(const Eigen::Transform<double, 3, Eigen::Isometry, kOptions>& isometry) {
     return {isometry.linear(), isometry.translation()};

@@ -11,19 +11,20 @@
 
 namespace leeway::collision {
 
-/// When the answer of a query is good enough. Its interval holds the truth in any case.
+/// When a query may stop. Its interval contains the exact value in any case.
 struct DistanceRequest {
-  /// Stop when upper - lower <= tolerance [m]. NaN: defaultTolerance() of the pair.
+  /// Stop when upper - lower <= tolerance [m]. NaN selects defaultTolerance() of the pair.
   double tolerance = std::numeric_limits<double>::quiet_NaN();
-  /// Stop when lower > threshold ("farther than") or upper <= threshold ("not farther"); NaN: no
-  /// threshold [m].
+  /// Stop when lower > threshold ("farther than") or upper <= threshold ("not farther") [m]. NaN:
+  /// no threshold.
   double threshold = std::numeric_limits<double>::quiet_NaN();
-  /// False: stop as soon as overlap is proven (upper <= 0), with whatever lower end is known.
+  /// False: stop as soon as overlap is proven (upper <= 0), whatever the lower end is by then.
   bool depth = true;
-  /// Most steps of GJK and of the penetration search for one pair, twice as many for depths of
-  /// round shapes. At a limit the interval is wider, but holds.
+  /// Limit on the steps of GJK and of the penetration search for one pair; doubled for depths of
+  /// round shapes. At a limit the interval is wider, but still holds.
   int iteration_limit = 256;
-  /// Most node pairs of bounding-volume hierarchies visited for a pair with a mesh.
+  /// Limit on the node pairs of bounding-volume hierarchies that are visited for a pair with a
+  /// mesh.
   int node_limit = 10'000'000;
 };
 
@@ -31,18 +32,19 @@ enum class DistanceStatus : unsigned char {
   kConverged,          ///< upper - lower <= tolerance, the request's or the default one
   kAboveThreshold,     ///< lower > threshold
   kNotAboveThreshold,  ///< upper <= threshold
-  kOverlap,            ///< upper <= 0 and no depth was asked
-  kLimit,    ///< stopped by a limit or by rounding: the interval holds, but is wider than asked
-  kInvalid,  ///< a pose is not finite or no rotation, the frames are more than 1e10 m apart (sum of
-             ///< the coordinates' differences), or both are half-spaces: (-inf, inf)
+  kOverlap,            ///< upper <= 0 and no depth was requested
+  kLimit,    ///< stopped by a limit or by rounding: the interval holds, but is wider than requested
+  kInvalid,  ///< a pose is not finite or its matrix is not a rotation, the frames are more than
+             ///< 1e10 m apart (sum of the coordinates' differences), or both are half-spaces:
+             ///< (-inf, inf)
 };
 
 /// The signed separation of A and B: their distance when apart, minus the length of the shortest
 /// translation that separates them when they overlap. For overlapping meshes that length is only
-/// enclosed. It is at least what follows from the deepest pair of triangles found, from the
+/// bounded. The lower bound on it follows from the deepest pair of triangles found, from the
 /// distance of an inner point to the surface, or from two balls around a common point, one in each
-/// body; it is at most the length of a translation that is proven to separate them. Such an
-/// interval can stay wider than asked (kLimit).
+/// body. The upper bound is the length of a translation that is proven to separate them. Such an
+/// interval can stay wider than requested (kLimit).
 struct DistanceResult {
   Interval distance;  // [m]
   DistanceStatus status = DistanceStatus::kInvalid;
@@ -53,27 +55,28 @@ struct DistanceResult {
   /// Unit vector from A to B. For convex shapes it is the normal of the plane that proves the lower
   /// end: moving B by t * normal adds t to that end. For meshes that overlap, moving B by -lower *
   /// normal separates them. For meshes that are apart it points from the nearest part of A to that
-  /// of B; other parts may get nearer when B moves along it. Without meaning where an overlap was
-  /// proven and no depth asked for (kOverlap), and where the status is kInvalid.
+  /// of B; other parts may get closer when B moves along it. The normal has no meaning with
+  /// kInvalid, nor with kOverlap, where no depth was requested.
   Eigen::Vector3d normal = Eigen::Vector3d::UnitX();
   int iterations = 0;
-  /// Indices into TriangleMesh::triangles() of the triangles that carry the upper end; -1: none, a
-  /// hull or a convex piece does.
+  /// Indices into TriangleMesh::triangles() of the triangles that determine the upper end; -1 if a
+  /// hull or a convex piece determines it.
   int triangle_a = -1;
   int triangle_b = -1;
 };
 
-/// Caller-owned memory of a pair's last query, for warm starts. Any content is valid: stale or
-/// foreign content only costs time.
+/// Caller-owned memory of a pair's last query, for warm starts. Any content is valid: stale content
+/// or that of another pair only costs time.
 struct PairCache {
-  /// Last separating direction, in B's frame; 0: none.
+  /// Last separating direction, in B's frame; 0 if there is none.
   Eigen::Vector3d direction_B = Eigen::Vector3d::Zero();
-  /// Pairs of vertices of A and B that carried the last distance [count].
+  /// Number of vertex pairs of A and B that determined the last distance [count].
   int simplex_count = 0;
   int simplex_a[3] = {0, 0, 0}, simplex_b[3] = {0, 0, 0};
   int vertex_a = 0, vertex_b = 0;        ///< last support vertices
   int triangle_a = -1, triangle_b = -1;  ///< last closest triangles, or convex pieces
-  int place = -1;  ///< of the closest triangle in the hierarchy of a deforming mesh; -1: none
+  int place = -1;  ///< position of the closest triangle in the hierarchy of a deforming mesh; -1:
+                   ///< none
   std::uint64_t hierarchy = 0;  ///< the number of that hierarchy; 0: none
 };
 

@@ -26,8 +26,8 @@ struct Geometry {
   std::string name;  // for messages; may be empty
 };
 
-/// A rigid thing with one pose. A body that stands still has its pose here, a moving one has it in
-/// the Workspace.
+/// A rigid thing with one pose. The pose of a fixed body is stored here; the pose of a moving body
+/// is in the Workspace.
 struct Body {
   std::string name;
   std::vector<Geometry> geometries;
@@ -35,7 +35,7 @@ struct Body {
   Pose X_WB;
 };
 
-/// The bodies of a scene, by number: those that it was built with, and those that a change added.
+/// The bodies of a scene, by number: those of the SceneBuilder and those that a SceneChange added.
 class Bodies {
  public:
   Bodies(std::span<const Body> built, std::span<const Body> added) : built_(built), added_(added) {}
@@ -77,9 +77,9 @@ struct GeometryBounds;  // private to the library
 struct SceneAccess;     // private to the library
 class SceneBuilder;
 
-/// What must not touch what: constant while it is queried, shared by any number of Workspaces.
-/// Made by SceneBuilder, or from another by SceneChange. Has no pair of two bodies that stand
-/// still. A copy shares the bodies until one of both changes a shape.
+/// The pairs of bodies that must not touch. A scene is constant during queries and shared by any
+/// number of Workspaces. It is made by a SceneBuilder, or from another scene by a SceneChange. Two
+/// fixed bodies never form a pair. Copies share their bodies until one of them changes a shape.
 class Scene {
  public:
   Scene();
@@ -94,26 +94,26 @@ class Scene {
             added_ ? std::span<const Body>(added_->bodies) : std::span<const Body>()};
   }
   const ScenePairs& pairs() const { return pairs_; }
-  /// Index of the first body with that name that no change has removed, -1 when there is none.
+  /// Index of the first body with that name that no change has removed; -1 if there is none.
   /// O(bodies).
   int find(const std::string& name) const;
-  /// Whether a change has removed it. O(log removed).
+  /// Whether a change has removed the body. O(log removed).
   bool isRemoved(int body) const {
     return std::binary_search(removed_.begin(), removed_.end(), body);
   }
 
-  /// Another shape for one geometry: the next snapshot of a deforming obstacle. No query may run
-  /// meanwhile; pairs and margins stay. O(1) for a snapshot; O(bodies) for the first after this
-  /// scene was copied or is a copy, for a body of the world that does not deform, and for one that
-  /// a change added.
+  /// Replaces the shape of one geometry, for example by the next snapshot of a deforming obstacle.
+  /// No query may run meanwhile; pairs and margins stay. O(1) for a snapshot. O(bodies) for the
+  /// first call after this scene was copied or is a copy, for a fixed body that does not deform,
+  /// and for a body that a change added.
   void setShape(int body, int geometry, const Shape& shape);
 
   /// Raises every pair's margin to at least this [m].
   void raiseMargins(double margin) { pairs_.raise(margin, 0); }
 
-  /// Adds `growth` >= 0 [m] to the margin of every pair of that geometry, negative margins raised
-  /// to 0 first: a bound on how far vertices of a mesh move bounds its distances, not its depths. A
-  /// growth of 0 leaves margins as they are; with NaN such a pair is never free.
+  /// Adds `growth` >= 0 [m] to the margin of every pair of that geometry. Negative margins are
+  /// raised to 0 first, because a bound on how far vertices of a mesh move bounds its distances,
+  /// not its depths. A growth of 0 leaves margins as they are; with NaN such a pair is never free.
   void growMargins(int body, int geometry, double growth);
 
  private:
@@ -124,27 +124,27 @@ class Scene {
     std::vector<Body> bodies;
     std::vector<int> first_geometry;  // of each body, in the numbering of all geometries
     std::vector<GeometryBounds> bounds;
-    void add(Body body, int first);  // the number of its first geometry
+    void add(Body body, int first);  // first: the number of the body's first geometry
   };
   static const std::shared_ptr<Things>& nothing();
-  /// To change: no other scene has them from now on.
+  /// Returns the bodies for modification, no longer shared with other scenes.
   Things& own();
   std::shared_ptr<Things> things_;
-  std::shared_ptr<const Things> added_;  // by changes, after those; null: none
-  std::vector<int> removed_;             // by changes; ascending
-  // Set, for good, in both where one is a copy of the other: counting owners would not order their
-  // reads before a change.
+  std::shared_ptr<const Things> added_;  // added by changes, after those of the builder; null: none
+  std::vector<int> removed_;             // removed by changes; ascending
+  // Set permanently in both scenes when one is a copy of the other. A count of owners would not
+  // order their reads before a change.
   mutable std::atomic<bool> is_shared_ = true;
   ScenePairs pairs_;
-  // Bounds of the geometries in places.
+  // Bounds of the geometries in the table (see ScenePairs).
   struct Still {
     std::shared_ptr<const ObstacleBoxes> boxes;  // around each; a deforming one may be anywhere
     std::shared_ptr<const std::vector<std::int32_t>> added;  // see SceneAccess::added()
     double scale = 0;  // sums of their coordinates are at most this, see SceneAccess [m]
   };
-  // Of all that is in places. O(n log n).
+  // Computes them for all geometries in the table. O(n log n).
   void findStill();
-  // Again, of what changes added. O(n log n) in that.
+  // Computes them again for the bodies that changes added. O(n log n) in the number of those.
   void findAddedStill();
   Still still_;
 };
@@ -153,27 +153,27 @@ class Scene {
 class SceneBuilder {
  public:
   SceneBuilder() = default;
-  /// Begins with the bodies of `base` and, among them, with its pairs, but for their margins: a
-  /// robot is prepared once, and worlds are added. What is known of its geometries is not computed
+  /// Starts with the bodies of `base` and with its pairs, but not with their margins. This way a
+  /// robot is prepared once, and worlds are added. The bounds of its geometries are not computed
   /// again. O(bodies + pairs of base).
   explicit SceneBuilder(const Scene& base) : base_(base) {}
-  /// Lists all pairs (see ScenePairs), also those with bodies that stand still: for a robot, to
-  /// which builders add worlds.
+  /// Lists all pairs (see ScenePairs), including those with fixed bodies: for a robot to which
+  /// other builders add worlds.
   void listAll() { lists_all_ = true; }
 
-  void reserve(std::size_t bodies);  ///< room for so many that are added, in all
-  /// The new body's index.
+  void reserve(std::size_t bodies);  ///< reserves room for this many added bodies in total
+  /// Adds a body and returns its index.
   int add(Body body);
-  void allow(int body_a, int body_b);    ///< the two may touch: no pair of theirs is kept
+  void allow(int body_a, int body_b);    ///< the two bodies may touch: no pair of theirs is kept
   void setDefaultMargin(double margin);  ///< [m]; default 0; may be negative (allowed depth)
   void setMargin(int body_a, int body_b, double margin);  ///< [m]; the last call for a pair counts
-  /// All pairs with a moving body that are not allowed, each with its margin. Throws
-  /// std::invalid_argument for a margin or a pose that is not finite, for a rotation that is not
-  /// orthogonal within kRotationTolerance, and for two half-spaces, naming their bodies; and where
-  /// moving geometries times those that stand still are more than an int numbers. Bodies after the
-  /// last one that moves and after those of `base` get places. The places of `base` stay, if
-  /// nothing is added that moves. O(listed pairs + allowed + margins), and O(n log n) in what
-  /// stands still.
+  /// Makes the scene with all pairs that have a moving body and are not allowed, each with its
+  /// margin. Throws std::invalid_argument if a margin or a pose is not finite, if a rotation is not
+  /// orthogonal within kRotationTolerance, if a pair has two half-spaces (the message names the
+  /// bodies), or if the number of moving geometries times the number of fixed ones exceeds an int.
+  /// Bodies after the last moving one and after those of `base` get places in the table. The places
+  /// of `base` stay if no moving body is added. O(listed pairs + allowed + margins), plus O(n log
+  /// n) in the fixed bodies.
   Scene build() const& { return SceneBuilder(*this).build(); }
   Scene build() &&;
 
@@ -181,8 +181,8 @@ class SceneBuilder {
   void addTable(std::span<const Body> bodies, int first_still, ScenePairs& pairs) const;
   static void addTableOf(const ScenePairs& base, ScenePairs& pairs);
 
-  Scene base_;                // what build() begins with
-  std::vector<Body> bodies_;  // added to those
+  Scene base_;                // build() starts with it
+  std::vector<Body> bodies_;  // bodies added to those of base_
   std::vector<std::pair<int, int>> allowed_;
   struct PairMargin {
     int a, b;
@@ -193,33 +193,34 @@ class SceneBuilder {
   bool lists_all_ = false;
 };
 
-/// What comes and goes in a world of which most stays: makes a scene from the one before, with more
-/// bodies that stand still and without the pairs of some. Bodies are shared.
+/// A change to a world that mostly stays the same: makes a scene from a previous one, with
+/// additional fixed bodies and without the pairs of removed ones. The bodies are shared.
 class SceneChange {
  public:
   explicit SceneChange(Scene before) : scene_(std::move(before)) {}
 
-  /// A body that stands still has no pairs any more. It stays in bodies(), which keep their
+  /// Removes the pairs of a fixed body. The body stays in bodies(), so other bodies keep their
   /// numbers.
   void remove(int body);
-  /// The new body's index. It has pairs with all that moves.
+  /// Adds a fixed body and returns its index. It has pairs with all moving bodies.
   int add(Body body);
-  /// A body that moves and one that is added, in either order, may touch.
+  /// A moving body and an added one, in either order, may touch.
   void allow(int body_a, int body_b);
-  void setDefaultMargin(double margin);  ///< of pairs of what is added [m]; default 0
-  /// Of a body that moves and one that is added, in either order [m]; the last call counts.
+  void setDefaultMargin(double margin);  ///< of pairs of added bodies [m]; default 0
+  /// The margin of a moving body and an added one, in either order [m]; the last call counts.
   void setMargin(int body_a, int body_b, double margin);
-  /// Pairs change their numbers. Throws std::invalid_argument as SceneBuilder::build() does, and
-  /// for other bodies than those above. O(m log m), m being listed pairs, pairs that are left out
-  /// or have margins of their own, meshes and hulls, and all that changes have added and removed,
-  /// times what moves. Where some body of the world has not exactly one geometry, it also copies
-  /// eight bytes for each geometry.
+  /// Makes the scene. Pairs change their numbers. Throws std::invalid_argument as
+  /// SceneBuilder::build() does, and for bodies other than those described above. O(m log m), where
+  /// m is the number of listed pairs, of pairs that are left out or have margins of their own, of
+  /// meshes and hulls, and of all bodies that changes have added and removed, times the number of
+  /// moving bodies. If some fixed body does not have exactly one geometry, it also copies eight
+  /// bytes for each geometry.
   Scene build() &&;
 
  private:
   bool isAdded(int body) const;
   std::pair<int, int> movingAndAdded(int body_a, int body_b) const;
-  /// None: the two may touch.
+  /// nullopt: the two may touch.
   std::optional<double> marginOf(int moving, std::size_t added) const;
   void removePairs();
   void addPairs(std::size_t first);
@@ -232,9 +233,9 @@ class SceneChange {
   double default_margin_ = 0;
 };
 
-/// What one thread changes while it queries a Scene: poses of moving bodies, caches of as many
-/// pairs as it has room for, scratch memory, statistics. For that scene only, and those with the
-/// same bodies and pairs.
+/// The state of one thread that queries a Scene: poses of moving bodies, a fixed number of pair
+/// caches, scratch memory and statistics. It is valid for that scene and for scenes with the same
+/// bodies and pairs.
 class Workspace {
  public:
   explicit Workspace(const Scene& scene);
@@ -242,18 +243,18 @@ class Workspace {
   Workspace(Workspace&&) noexcept;
   Workspace& operator=(Workspace&&) noexcept;
 
-  /// Places a moving body. (A body that stands still is where the scene has it.)
+  /// Sets the pose of a moving body. The pose of a fixed body is in the scene.
   void setPose(int body, const Pose& X_WB);
-  /// Where a body stands. Throws std::out_of_range for a body in the table (see ScenePairs), which
-  /// stands where the scene has it.
+  /// The pose of a body. Throws std::out_of_range for a body in the table (see ScenePairs), whose
+  /// pose is in the scene.
   const Pose& pose(int body) const;
-  /// Makes room for what queries of the scene's deforming shapes fill on demand (see prepare() in
-  /// deformable_mesh.h). The constructor does it; call it when a snapshot may have more nodes than
-  /// before (strategies that rebuild need no room). May allocate.
+  /// Makes room for data that queries of the scene's deforming shapes fill on demand (see prepare()
+  /// in deformable_mesh.h). The constructor calls it; call it when a snapshot may have more nodes
+  /// than before (strategies that rebuild need no room). May allocate.
   void prepare(const Scene& scene);
 
-  /// How far any point of a moving body may be from where its pose places it [m]: widens every
-  /// interval.
+  /// The largest distance of any point of a moving body from its place by the body's pose [m]. It
+  /// widens every interval.
   double pose_error = 0;
 
   struct Statistics {
@@ -267,34 +268,34 @@ class Workspace {
   std::unique_ptr<Impl> impl_;
 };
 
-/// What is known of pairs and their margins. For safety treat kUndecided as kNotFree.
+/// The verdict on pairs and their margins. For safety, treat kUndecided as kNotFree.
 enum class Verdict : unsigned char {
   kFree,       ///< every pair is proven to keep more than its margin
-  kNotFree,    ///< some pair is proven not to
+  kNotFree,    ///< some pair is proven not to keep more than its margin
   kUndecided,  ///< a limit or rounding left it open
 };
 
 /// The answer of decide() and clearance().
 struct SceneResult {
   Verdict verdict = Verdict::kUndecided;
-  Interval clearance;      ///< minimum over the pairs of the signed separation [m]; (inf, inf) when
+  Interval clearance;      ///< minimum over the pairs of the signed separation [m]; (inf, inf) if
                            ///< there is no pair
-  int pair = -1;           ///< the pair that carries the upper end
+  int pair = -1;           ///< the pair that determines the upper end
   DistanceResult closest;  ///< that pair's result, in world coordinates
 };
 
-/// Decides every pair against its margin, coarse bounds first, and stops at the first pair that is
-/// not free: `clearance` is what is known by then. Never throws or allocates. O(listed pairs)
-/// queries, and of others, those of the pairs that are near.
+/// Decides for every pair whether it keeps its margin, coarse bounds first. Stops at the first pair
+/// that is not free; `clearance` is then only the interval found so far. Never throws or allocates.
+/// At most one query for each listed pair, and for each pair in the table that is near.
 SceneResult decide(const Scene& scene, Workspace& workspace);
 
-/// The clearance to within `tolerance` [m], with the closest pair and its witness points, and the
-/// verdict of all pairs. Never throws or allocates. O(n log n) in listed pairs and others that are
-/// near.
+/// Computes the clearance to within `tolerance` [m], with the closest pair and its witness points,
+/// and the verdict for all pairs. Never throws or allocates. O(n log n) in the number of listed
+/// pairs and of near pairs in the table.
 SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance);
 
-/// The distance of one pair, in world coordinates, as the workspace places its bodies; widened by
-/// the workspace's pose_error. Never throws or allocates.
+/// The distance of one pair in world coordinates, at the workspace's poses; widened by the
+/// workspace's pose_error. Never throws or allocates.
 DistanceResult pairDistance(const Scene& scene, Workspace& workspace, int pair,
                             const DistanceRequest& request);
 

@@ -20,28 +20,28 @@ struct ScenePair {
 
 /// The pairs of a Scene: a list and a table. The list has the pairs of two moving geometries, and
 /// of moving geometries with bodies before firstStill(). The table has a row for each moving
-/// geometry and a place for each geometry of the bodies from firstStill() on, which stand still.
+/// geometry and a place for each geometry of the bodies from firstStill() on, which are fixed.
 ///
-/// A pair's number is its index in the list, or, in the table, listedCount() + row * places() +
-/// place. Some numbers of the table have no pair, because the two may touch or a body was removed.
-/// A pair takes memory only where it differs from its row.
+/// The number of a listed pair is its index in the list. The number of a pair in the table is
+/// listedCount() + row * places() + place. Some numbers of the table have no pair, because the two
+/// may touch or a body was removed. A pair takes memory only where it differs from its row.
 class ScenePairs {
  public:
   /// The number of pairs.
   std::size_t size() const { return listed_.size() + in_table_; }
   bool empty() const { return size() == 0; }
-  /// The pairs' numbers are below this.
+  /// All pair numbers are below this.
   std::size_t numbers() const { return listed_.size() + rows_.size() * places_; }
-  /// Whether `number`, which is below numbers(), has a pair. O(1).
+  /// Whether there is a pair with this number, which is below numbers(). O(1).
   bool has(std::size_t number) const {
     return number < listed_.size() || find(placeOf(number)).has_pair;
   }
-  /// The two geometries and the margin of a number, also where it has no pair. O(1).
+  /// The two geometries and the margin for a number, even if it has no pair. O(1).
   ScenePair operator[](std::size_t number) const {
     return number < listed_.size() ? listed_[number] : inTable(placeOf(number));
   }
 
-  /// Visits the pairs in the order of their numbers.
+  /// Iterates over the pairs in the order of their numbers.
   class Iterator {
    public:
     using iterator_category = std::input_iterator_tag;
@@ -74,11 +74,12 @@ class ScenePairs {
   /// Pairs [0, listedCount()) are listed.
   std::size_t listedCount() const { return listed_.size(); }
 
-  /// The least margin of all pairs that have one of these bodies from `first_body` on, or, where
-  /// `with` is false, of those that have none [m]; infinity: there are none. NaN counts as 0.
+  /// The least margin of all pairs that have a body from `first_body` on or, if `with` is false, of
+  /// all pairs that have no such body [m]; infinity if there are no such pairs. NaN counts as 0.
   /// O(listed pairs).
   double leastMargin(int first_body = 0, bool with = true) const;
-  /// The greatest of all, NaN where one is NaN [m]; -infinity: there are none. O(listed pairs).
+  /// The greatest margin of all pairs, NaN if one is NaN [m]; -infinity if there are no pairs.
+  /// O(listed pairs).
   double mostMargin() const;
 
   // The table.
@@ -86,8 +87,8 @@ class ScenePairs {
   struct Row {
     std::int32_t body, geometry;
     double margin;  ///< of pairs without a margin of their own [m]
-    // The number of its pairs, their least margin, where NaN counts as 0, and the greatest, which
-    // is NaN where one is [m].
+    // The number of the row's pairs, their least margin (NaN counts as 0), and their greatest
+    // margin (NaN if one is NaN) [m].
     std::size_t count = 0;
     double least = std::numeric_limits<double>::infinity();
     double most = -std::numeric_limits<double>::infinity();
@@ -96,7 +97,7 @@ class ScenePairs {
   std::span<const Row> rows() const { return rows_; }
   std::size_t places() const { return places_; }
   int firstStill() const { return first_still_; }
-  /// What stands in a place: a body, and which of its geometries. O(1).
+  /// The geometry at a place: a body, and which of its geometries. O(1).
   struct Geometry {
     std::int32_t body, geometry;
   };
@@ -107,13 +108,13 @@ class ScenePairs {
   struct Place {
     std::size_t row, place;
   };
-  /// The row and place of a number from listedCount() on. O(1).
+  /// The row and place of a number, which is at least listedCount(). O(1).
   Place placeOf(std::size_t number) const {
     const auto in_table = static_cast<std::uint32_t>(number - listed_.size());
     const auto places = static_cast<std::uint32_t>(places_);
     return {in_table / places, in_table % places};
   }
-  /// The number of a pair by row and place; -1: there is none. O(1).
+  /// The number of a pair by row and place; -1 if there is no such pair. O(1).
   std::int32_t numberOf(std::size_t row, std::size_t place) const {
     return find({row, place}).has_pair
                ? static_cast<std::int32_t>(listed_.size() + row * places_ + place)
@@ -139,10 +140,10 @@ class ScenePairs {
   Found findException(const Place& of) const;
   ScenePair inTable(const Place& of) const;
 
-  // Sets what rows know of their pairs; to be called after all changes. O(rows + exceptions).
+  // Updates the count and margins of the rows; called after all changes. O(rows + exceptions).
   void count();
   void leaveOut(const Place& of) { exceptions_.of(keyOf(of)).has_pair = false; }
-  // Leaves out a place's pairs of all rows.
+  // Removes a place's pairs from all rows.
   void clearPlace(std::size_t place);
   void setMargin(const Place& of, double margin) {
     Exceptions::Entry& entry = exceptions_.of(keyOf(of));
@@ -150,11 +151,11 @@ class ScenePairs {
     entry.margin = margin;
   }
   void raise(double margin, int first_body);
-  // first_place: of a body that stands still.
+  // first_place: the first place of a fixed body.
   void grow(int body, int geometry, double growth, std::size_t first_place);
   void keep(const std::function<bool(const ScenePair&)>& keeps);
 
-  // Rows and places whose pairs differ from their row, by hash with linear probing.
+  // Rows and places whose pairs differ from their row: a hash table with linear probing.
   class Exceptions {
    public:
     struct Entry {
@@ -179,16 +180,16 @@ class ScenePairs {
     std::vector<Entry> entries_;  // a power of two
     std::size_t count_ = 0;
   };
-  // Where places are added, keys stay.
+  // Keys stay the same when places are added.
   static std::uint64_t keyOf(const Place& of) {
     return static_cast<std::uint64_t>(of.row) << 32U | static_cast<std::uint64_t>(of.place);
   }
-  // The row in keys of places that no row has a pair with.
+  // The row number in keys of places with which no row has a pair.
   static constexpr std::size_t kAllRows = 0x7fffffff;
 
   std::vector<ScenePair> listed_;
   std::vector<Row> rows_;
-  std::size_t places_ = 0, in_table_ = 0;  // in_table_: how many pairs
+  std::size_t places_ = 0, in_table_ = 0;  // in_table_: number of pairs in the table
   int first_still_ = 0;
   std::vector<Geometry> geometries_;  // one a place; empty: each body has one
   std::size_t cleared_places_ = 0;

@@ -31,8 +31,8 @@ enum class ShapeType : unsigned char {
 const char* toString(ShapeType type);
 
 /// A body in its own frame G: immutable, cheap to copy (vertices are shared). Sizes may be 0: a
-/// sphere of radius 0 is a point, a box with one half extent of 0 a rectangle. The largest one is 0
-/// or from 1e-9 to 1e9 m, as the factories take it; else they throw InvalidShape.
+/// sphere of radius 0 is a point, a box with one half extent of 0 is a rectangle. The largest size
+/// is 0 or from 1e-9 to 1e9 m; otherwise the factories throw InvalidShape.
 class Shape {
  public:
   /// Centre at the origin. radius >= 0 [m].
@@ -49,36 +49,36 @@ class Shape {
   static Shape ellipsoid(const Eigen::Vector3d& semi_axes);
   /// All points with z <= 0. Unbounded.
   static Shape halfSpace();
-  /// The convex hull of one or more `vertices` [m]; duplicates and flat sets are allowed. Costs as
-  /// much as ConvexHull::compute().
+  /// The convex hull of one or more `vertices` [m]; duplicates and flat sets are allowed. Same cost
+  /// as ConvexHull::compute().
   static Shape convexHull(std::span<const Eigen::Vector3d> vertices);
   static Shape convexHull(std::shared_ptr<const ConvexHull> hull);
   /// A triangle mesh; its closed components are solids.
   static Shape mesh(std::shared_ptr<const TriangleMesh> mesh);
-  /// A deforming mesh at one time; its closed components are solids. O(1): make a new shape for
+  /// A deforming mesh at one time; its closed components are solids. O(1), so make a new shape for
   /// every snapshot.
   static Shape deformable(std::shared_ptr<const DeformableSnapshot> snapshot);
 
   ShapeType type() const { return type_; }
-  /// True for all types but kMesh and kDeformable.
+  /// True for all types except kMesh and kDeformable.
   bool isConvex() const { return type_ != ShapeType::kMesh && type_ != ShapeType::kDeformable; }
   double radius() const { return radius_; }           // sphere, capsule, cylinder, cone
   double halfLength() const { return half_length_; }  // capsule, cylinder, cone
   const Eigen::Vector3d& halfExtents() const { return half_extents_; }  // box; ellipsoid: semi-axes
   /// The hull of a kConvexHull, the mesh of a kMesh, the snapshot of a kDeformable; null for every
-  /// other type. They live as long as a copy of this shape.
+  /// other type. They live as long as any copy of this shape.
   const ConvexHull* hull() const { return hull_.get(); }
   const TriangleMesh* mesh() const { return mesh_.get(); }
   const DeformableSnapshot* deformable() const { return deformable_.get(); }
 
-  /// Centre [m, frame G] and radius [m] of a sphere that holds the whole shape, rounded outwards;
-  /// the radius is infinite for a half-space.
+  /// Centre [m, frame G] and radius [m] of a sphere that contains the whole shape, rounded
+  /// outwards; the radius is infinite for a half-space.
   const Eigen::Vector3d& boundingCenter() const { return bounding_center_; }
   double boundingRadius() const { return bounding_radius_; }
   /// No point of the shape is farther from the origin of G than this [m]; infinite for a
   /// half-space.
   double extent() const { return extent_; }
-  /// The shape's part in defaultTolerance() (distance.h) [m]; 0 for a half-space.
+  /// The shape's contribution to defaultTolerance() (distance.h) [m]; 0 for a half-space.
   double defaultTolerance() const { return default_tolerance_; }
 
  private:

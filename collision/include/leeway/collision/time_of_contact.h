@@ -30,16 +30,16 @@ class RigidMotion {
   virtual ~RigidMotion() = default;
   virtual Pose pose(double t) const = 0;
   virtual FrameVelocity velocity(double t) const = 0;
-  /// Over [t0, t1], rounded outwards.
+  /// The bound over [t0, t1], rounded outwards.
   virtual FrameMotionBound bound(double t0, double t1) const = 0;
   /// A bound on how far rounding in pose() moves a point within `reach` of the origin of A [m]. The
-  /// rotation of pose(t) may depart from orthogonality as far as that of pose(0), and by as much
-  /// again as this rounding.
+  /// rotation of pose(t) may depart from orthogonality by as much as that of pose(0), plus this
+  /// rounding.
   virtual double rounding(double reach) const = 0;
 };
 
 /// Rotation from one orientation to another about an axis fixed in the world, at constant speed,
-/// the shorter way round (by at most half a turn).
+/// the shorter way (at most half a turn).
 class AxisTurn {
  public:
   AxisTurn(const Eigen::Matrix3d& R_WA0, const Eigen::Matrix3d& R_WA1);
@@ -54,7 +54,7 @@ class AxisTurn {
   Eigen::Matrix3d along_, across_, turned_;
 };
 
-/// A body that stands still.
+/// A fixed body.
 class Still final : public RigidMotion {
  public:
   explicit Still(const Pose& X_WA) : X_WA_(X_WA) {}
@@ -67,8 +67,9 @@ class Still final : public RigidMotion {
   Pose X_WA_;
 };
 
-/// The origin of A moves along a straight line, A turns about an axis, both at constant speed: the
-/// geodesic of R^3 x SO(3). At t = 1 the pose is X_WA1 up to rounding.
+/// Straight motion: the origin of A moves along a straight line while A turns about an axis, both
+/// at constant speed. This is the geodesic of R^3 x SO(3). At t = 1 the pose is X_WA1 up to
+/// rounding.
 class StraightMotion final : public RigidMotion {
  public:
   StraightMotion(const Pose& X_WA0, const Pose& X_WA1);
@@ -100,7 +101,8 @@ class ScrewMotion final : public RigidMotion {
   double cotangent_;  // of half the angle
 };
 
-/// The motion of a frame G that is fixed to a moving body B: of a geometry. Borrows both arguments.
+/// The motion of a frame G (of a geometry) that is fixed to a moving body B. Borrows both
+/// arguments.
 class MountedMotion final : public RigidMotion {
  public:
   MountedMotion(const RigidMotion& body, const Pose& X_BG) : body_(body), X_BG_(X_BG) {}
@@ -123,32 +125,33 @@ struct ContactRequest {
   double tolerance = 1e-9;
   /// The motion is followed over [0, end]; in [0, 1].
   double end = 1;
-  /// Distance and sweep queries. Reaching it leaves the rest of the motion undecided.
+  /// Limit on distance and sweep queries. Reaching it leaves the rest of the motion undecided.
   int query_limit = 10'000;
 };
 
 enum class ContactStatus : unsigned char {
   kFree,       ///< certified: the separation exceeds the margin over [0, end]
   kContact,    ///< proven: above the margin before time.lower, at or below it at time.upper
-  kUndecided,  ///< certified before time.lower; from there a limit or rounding left it open
+  kUndecided,  ///< certified before time.lower; after that a limit or rounding left it open
   kInvalid,    ///< kInvalid of distance(), or a request out of its range
 };
 
 struct ContactResult {
   ContactStatus status = ContactStatus::kInvalid;
-  /// Holds the first time of contact; (infinity, infinity) when free.
+  /// Contains the first time of contact; (infinity, infinity) when free.
   Interval time{0, 0};
-  /// At time.upper of a contact, else at the last time that was queried; world coordinates. Of
-  /// bodies that are far apart only a lower end may be known. The normal is that of the bodies
-  /// while they are apart: where they overlap at time.upper, of the time just before the contact.
-  /// In contact at the start it is that of the depth if both bodies are convex. With a margin below
-  /// 0 it is that of the depth at time.upper. It is 0 where no normal is known.
+  /// At time.upper of a contact, otherwise at the last time that was queried; world coordinates.
+  /// For bodies that are far apart only a lower end may be known. The normal is that of the bodies
+  /// while they are apart: if they overlap at time.upper, it is the normal just before the contact.
+  /// If two convex bodies are in contact at the start, it is the normal of the depth. With a margin
+  /// below 0 it is the normal of the depth at time.upper. It is 0 if no normal is known.
   DistanceResult distance;
   int queries = 0;
-  int pair = -1;  ///< index of Scene::pairs(), where a scene was asked
+  int pair = -1;  ///< index of Scene::pairs(), if a scene was queried
 };
 
-/// The first contact of two moving shapes. In contact at the start: contact at [0, 0].
+/// The first contact of two moving shapes. If they touch at the start, the time of contact is [0,
+/// 0].
 ///
 /// Convex shapes: distances are queried where Newton's method or a secant predicts the contact; the
 /// time between two queries is certified from their separating planes with second-order bounds.
@@ -156,23 +159,23 @@ struct ContactResult {
 /// body systems", 1996, section 2.3.2; X. Zhang, M. Lee, Y. J. Kim, "Interactive continuous
 /// collision detection for non-convex polyhedra", 2006) and sweeps (sweptDistance()).
 ///
-/// Never throws, allocates or loops without end; O(request.query_limit) distance queries. `cache`
-/// may be null.
+/// Never throws or allocates and always terminates; O(request.query_limit) distance queries.
+/// `cache` may be null.
 ContactResult timeOfContact(const Shape& a, const RigidMotion& motion_a, const Shape& b,
                             const RigidMotion& motion_b, const ContactRequest& request,
                             Scratch& scratch, PairCache* cache = nullptr);
 
-/// A triangle whose corners move on straight lines from `from` to `to` (t in [0, 1]), as those of a
-/// deforming mesh between two of its states.
+/// A triangle whose corners move on straight lines from `from` to `to` (t in [0, 1]), like those of
+/// a deforming mesh between two of its states.
 struct MovingTriangle {
   std::array<Eigen::Vector3d, 3> from, to;  // [m]
 };
 
-/// The first contact of two such triangles, and of one and a convex shape that moves or stands
-/// still (kInvalid for a mesh). A triangle may be an edge or a corner, by equal corners. Such ones
-/// pass through each other in an instant, for which rounding proves no contact at a margin of 0:
-/// the answer is kUndecided, with time.lower within the time tolerance. A margin of 1e-12 of the
-/// coordinates is enough.
+/// The first contact of two such triangles, and of one and a convex shape that moves or is fixed
+/// (kInvalid for a mesh). Equal corners make a triangle an edge or a point. Edges and points pass
+/// through each other in an instant, so rounding proves no contact at a margin of 0: the answer is
+/// kUndecided, with time.lower within the time tolerance. A margin of 1e-12 of the coordinates is
+/// enough.
 ContactResult timeOfContact(const MovingTriangle& a, const MovingTriangle& b,
                             const ContactRequest& request, Scratch& scratch);
 ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const RigidMotion& motion_b,
@@ -181,22 +184,23 @@ ContactResult timeOfContact(const MovingTriangle& a, const Shape& b, const Pose&
                             const ContactRequest& request, Scratch& scratch);
 
 /// The first contact of a deforming mesh and a convex shape that moves in the mesh's frame. The
-/// mesh's vertices move on straight lines from those of one snapshot (t = 0) to those of another of
-/// the same mesh (t = 1). At the start its closed components are solids; later the shape can only
-/// enter them through their triangles. `distance.triangle_a` is the triangle of the contact.
-/// kInvalid also for snapshots of different meshes and margins below 0.
+/// mesh's vertices move on straight lines from one snapshot (t = 0) to another snapshot of the same
+/// mesh (t = 1). At the start its closed components are solids; later the shape can only enter them
+/// through their triangles. `distance.triangle_a` is the triangle of the contact. kInvalid also for
+/// snapshots of different meshes and for margins below 0.
 ///
-/// Descends the hierarchy of `from` into the nodes that the shape may meet, earliest first: at any
-/// time between, a node is in the blend of its boxes at both ends. A strategy without a hierarchy
-/// costs O(triangles).
+/// Descends the hierarchy of `from` into the nodes that the shape may meet, earliest first. At any
+/// time in between, a node lies in the blend of its boxes at both ends. A strategy without a
+/// hierarchy costs O(triangles).
 ContactResult timeOfContact(const std::shared_ptr<const DeformableSnapshot>& from,
                             const std::shared_ptr<const DeformableSnapshot>& to, const Shape& b,
                             const RigidMotion& motion_b, const ContactRequest& request,
                             Scratch& scratch);
 
 /// The first contact of any pair of a scene: separation at or below the pair's margin plus
-/// request.margin. `motions`: one a body, null for a body that stands still; kInvalid for another
-/// number of them. O(pairs) contact queries, each followed only up to the first contact found.
+/// request.margin. `motions` has one entry for each body, null for a fixed body; kInvalid for
+/// another number of entries. O(pairs) contact queries, each followed only up to the first contact
+/// found.
 ContactResult timeOfContact(const Scene& scene, std::span<const RigidMotion* const> motions,
                             const ContactRequest& request, Workspace& workspace);
 

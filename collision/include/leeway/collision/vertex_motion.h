@@ -32,8 +32,9 @@ class InvalidMotion : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// What lies between two keys: (1 - s) times the one plus s times the other, where u in [0, 1] is
-/// the share of the time between them. Before the first key and after the last its value is held.
+/// The interpolation between two keys: (1 - s) times the first plus s times the second, where u in
+/// [0, 1] is the fraction of the time between them. Before the first key and after the last, the
+/// value of that key is held.
 enum class Interpolation : unsigned char {
   kLinear,  ///< s = u: constant speed, which jumps at every key
   kSmooth,  ///< s = u^2 (3 - 2 u): at rest at every key, up to 1.5 times as fast in between
@@ -49,7 +50,7 @@ struct Wave {
   double phase = 0;                                      // [rad]
 };
 
-/// Holds an edge still: waves are multiplied by (r - point) . direction / length, clamped to [0,
+/// Holds an edge fixed: waves are multiplied by (r - point) . direction / length, clamped to [0,
 /// 1].
 struct PinnedEdge {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();       // [m]
@@ -80,7 +81,7 @@ struct LatticeMotion {
 };
 
 /// Morph targets: a vertex is the sum over the references of weight times its position there.
-/// Weights need not add up to 1 nor lie in [0, 1].
+/// Weights need not sum to 1 nor lie in [0, 1].
 struct MorphMotion {
   std::vector<std::vector<Eigen::Vector3d>> references;  // [m]
   struct Key {
@@ -123,8 +124,8 @@ struct SkinnedMotion {
 };
 
 /// Reduced deformation: rest position plus the sum over the modes of coordinate times displacement.
-/// Either every mode is harmonic, its coordinate being amplitude * sin(2 pi frequency t + phase),
-/// or the coordinates have keys.
+/// Either every mode is harmonic, with the coordinate amplitude * sin(2 pi frequency t + phase), or
+/// the coordinates have keys.
 struct ReducedMotion {
   struct Harmonic {
     double amplitude = 1;  // no unit
@@ -149,14 +150,14 @@ struct CacheMotion {
   std::vector<Eigen::Vector3f> positions;  // [m], frame by frame
 };
 
-/// Where the vertices of a mesh are at any time. Immutable; safe to use from many threads.
+/// The positions of a mesh's vertices at any time. Immutable; safe to use from many threads.
 /// Positions are functions of a few parameters (weights, bone matrices, coordinates), so that one
-/// vertex, or a bound of many, costs nothing for the others. Same bytes on every machine. Times
-/// [s], positions [m] in the mesh's frame.
+/// vertex, or a bound of many, can be computed without the others. Same bytes on every machine.
+/// Times [s], positions [m] in the mesh's frame.
 class VertexMotion {
  public:
-  /// All factories throw InvalidMotion for numbers that are not finite or exceed 1e15 in magnitude,
-  /// counts that do not match, no vertices, no keys, or key times that do not increase.
+  /// All factories throw InvalidMotion if a number is not finite or exceeds 1e15 in magnitude, if
+  /// counts do not match, if there are no vertices or no keys, or if key times do not increase.
   /// O(vertices x (references, modes, waves, control points, bones or frames)).
   static std::shared_ptr<const VertexMotion> waves(WavesMotion motion);
   static std::shared_ptr<const VertexMotion> lattice(LatticeMotion motion);
@@ -174,26 +175,26 @@ class VertexMotion {
   /// Times between which the motion is smooth, increasing; may be empty [s].
   std::span<const double> keyTimes() const { return key_times_; }
 
-  /// How many parameters there are.
+  /// The number of parameters.
   int parameterCount() const { return parameter_count_; }
   /// The parameters at `time` [s], which must be finite; out.size() is parameterCount(). The cost
   /// does not depend on the number of vertices. Never throws or allocates.
   virtual void parameters(double time, std::span<double> out) const = 0;
-  /// The vertices first ... first + out.size() - 1 for such parameters [m]; the same bytes whatever
-  /// the range. Never throws or allocates. O(out.size()).
+  /// The vertices first ... first + out.size() - 1 for these parameters [m]; a vertex has the same
+  /// bytes for every range. Never throws or allocates. O(out.size()).
   virtual void vertices(std::span<const double> parameters, int first,
                         std::span<Eigen::Vector3d> out) const = 0;
   /// All vertices at `time` [s]; positions.size() is vertexCount(). Allocates the parameters.
   void evaluate(double time, std::span<Eigen::Vector3d> positions) const;
 
   /// No vertex moves faster [m/s] or accelerates more [m/s^2] than this from t0 to t1, in exact
-  /// arithmetic. Infinite when nothing is known; the acceleration also when speed jumps at a key
-  /// strictly between t0 and t1. Updates rely on it: with a bound that is too small queries miss
-  /// what has moved. Never throws or allocates. O(log keys + keys between).
+  /// arithmetic. Infinite if no bound is known; the acceleration is also infinite if speed jumps at
+  /// a key strictly between t0 and t1. Updates rely on these bounds: if one is too small, queries
+  /// miss moved triangles. Never throws or allocates. O(log keys + keys between).
   virtual double speedBound(double t0, double t1) const = 0;
   virtual double accelerationBound(double t0, double t1) const = 0;
-  /// No vertex evaluated at a time from t0 to t1 is farther than this from the exact one [m]:
-  /// evaluated vertices move by at most speedBound * (t1 - t0) + 2 * rounding.
+  /// No vertex evaluated at a time from t0 to t1 is farther than this from the exact one [m].
+  /// Evaluated vertices therefore move by at most speedBound * (t1 - t0) + 2 * rounding.
   virtual double rounding(double t0, double t1) const = 0;
 
  protected:
