@@ -32,9 +32,9 @@ DistanceResult resultOf(const Progress& progress) {
   result.status = progress.status();
   result.normal = progress.normal();
   result.iterations = progress.iterations;
-  // Radii are laid off along the witnesses when apart: the plane may be poor (a threshold may be
-  // met by that of a stale cache alone). Along its normal where witnesses (nearly) coincide or
-  // overlap.
+  // When apart, radii are laid off along the witnesses, because the plane may be poor (the plane of
+  // a stale cache alone may meet a threshold). Where the witnesses (nearly) coincide or overlap,
+  // radii are laid off along the plane's normal.
   const Vector& w = progress.witnessW();
   const double norm = w.norm(), doubt = 16 * query.roundoff;
   const bool apart =
@@ -52,7 +52,7 @@ CoreQuery coreQuery(const ConvexView& a, const ConvexView& b, double translation
   query.radius_a = a.radius;
   query.radius_b = b.radius;
   query.roundoff = kUnitRoundoff * (a.extent + b.extent + translation + kLeastSum);
-  // Sums of radii and their subtraction: a few roundings of each.
+  // Sums of radii and their subtraction: a few roundings each.
   const double radii = a.radius + b.radius;
   const double rounding = rounding_units * query.roundoff + 4 * kUnitRoundoff * radii + slack;
   query.lower_offset = radii + a.excess + b.excess + rounding;
@@ -60,7 +60,8 @@ CoreQuery coreQuery(const ConvexView& a, const ConvexView& b, double translation
   return query;
 }
 
-// B is the half-space z <= 0 of its frame: the height of A's lowest point, apart or overlapping.
+// B is the half-space z <= 0 of its frame: the result is the height of A's lowest point, apart or
+// overlapping.
 DistanceResult fromHalfSpace(const ConvexView& a, const Pose& X_BA, const DistanceRequest& request,
                              double slack) {
   const double translation = X_BA.translation.norm();
@@ -80,8 +81,8 @@ DistanceResult fromHalfSpace(const ConvexView& a, const Pose& X_BA, const Distan
   return resultOf(progress);
 }
 
-// Brings the result of the pair (B, A) back into B's frame. X_BA's inverse is its transpose only to
-// within its departure from orthogonality, which the caller's `slack` covers.
+// Transforms the result of the pair (B, A) back into B's frame. X_BA's inverse is its transpose
+// only up to its departure from orthogonality, which the caller's `slack` covers.
 DistanceResult exchanged(DistanceResult result, const Pose& X_BA) {
   const Vector point_a = placed(X_BA, result.point_b);
   result.point_b = placed(X_BA, result.point_a);
@@ -103,9 +104,9 @@ DistanceResult fromPoint(const ConvexView& a, const Vector& p, const ConvexView&
 }
 
 // A direction from two ellipsoids that approximate the hulls. The normal n at their nearest points
-// solves (A / reach A + B / reach B + distance) n = c, with c from A's middle to B's, the matrices
-// of HullSupport, and their reach along n. One step of the iteration from c. NaN when there is
-// none.
+// solves (A / reach A + B / reach B + distance) n = c, where c is the vector from A's middle to
+// B's, A and B are the matrices of HullSupport, and reach is along n. This is one step of the
+// iteration from c. NaN if it gives no direction.
 Vector directionOfEllipsoids(const HullSupport& a, const Pose& X_BA, const HullSupport& b) {
   // Overlapping ellipsoids count as apart by this share of their reach, so that flat ones have a
   // direction, too. (Any direction is valid.)
@@ -125,7 +126,7 @@ Vector directionOfEllipsoids(const HullSupport& a, const Pose& X_BA, const HullS
   return n / n.norm();
 }
 
-// Where GJK looks first: the cached direction if it is one, else from A's middle to B's.
+// GJK's first direction: the cached one if it is valid, otherwise from A's middle to B's.
 Vector firstDirection(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                       const PairCache* cache) {
   if (cache != nullptr) {
@@ -156,7 +157,7 @@ void remember(const Progress& progress, const Simplex& simplex, bool vertices, i
   }
 }
 
-// Takes over the search of answerHullPair() as if runVertexGjk() had made it.
+// Continues the search of answerHullPair() as if runVertexGjk() had made it.
 GjkEnd resume(Difference<false>& difference, const VertexStart& start, Progress& progress,
               Simplex& simplex) {
   progress.iterations = start.iterations;
@@ -176,7 +177,7 @@ Vector anyPoint(const ConvexView& view) {
   return view.core == Core::kPoints ? view.points[0] : Vector::Zero();
 }
 
-// Ends without a search, however wide.
+// Offers any valid ends, however wide, without a search.
 void offerAnything(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Progress& progress) {
   const Vector p = X_BA * anyPoint(a);
   const Vector w = anyPoint(b) - p;
@@ -189,7 +190,7 @@ void offerAnything(const ConvexView& a, const Pose& X_BA, const ConvexView& b, P
   }
 }
 
-// Pairs with a closed form. False when it does not suffice; what was offered stays.
+// Pairs with a closed form. False if it does not suffice; the offered ends stay.
 bool tryClosedForms(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Progress& progress,
                     PairCache* cache, DistanceResult& result) {
   const auto met = [&](bool enough) {
@@ -212,7 +213,7 @@ bool tryClosedForms(const ConvexView& a, const Pose& X_BA, const ConvexView& b, 
     return met(offerSegmentAndBox(a, X_BA, b, progress));
   }
   if (a.core == Core::kBox && b.core == Core::kSegment) return metExchanged(offerSegmentAndBox);
-  // (answerBoxPair() has answered most boxes that are apart.)
+  // (answerBoxPair() has already answered most boxes that are apart.)
   if (a.core == Core::kBox && b.core == Core::kBox) {
     ++progress.iterations;
     if (!offerBoxOverlap(a, X_BA, b, progress) || !progress.enough()) return false;
@@ -230,7 +231,7 @@ bool tryClosedForms(const ConvexView& a, const Pose& X_BA, const ConvexView& b, 
   return false;
 }
 
-// GJK on vertices where both cores have finitely many, else on support functions.
+// GJK on vertices if both cores have finitely many, otherwise on support functions.
 GjkEnd runAnyGjk(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
                  Difference<false>& difference, const VertexStart* start, const PairCache* cache,
                  Progress& progress, Simplex& simplex) {
@@ -252,7 +253,7 @@ GjkEnd runAnyGjk(const ConvexView& a, const Pose& X_BA, const ConvexView& b,
   return end;
 }
 
-// Near and below contact, from where GJK ended, in the order of cost: the closed form of parallel
+// Near and below contact, from the end of GJK, in the order of cost: the closed form for parallel
 // axes, an expanding polytope, the search over directions for round bodies. `narrow` [m]: the width
 // that rounding leaves.
 void searchDepth(const ConvexView& a, const Pose& X_BA, const ConvexView& b, bool inside,
@@ -273,13 +274,13 @@ void searchDepth(const ConvexView& a, const Pose& X_BA, const ConvexView& b, boo
   }
 }
 
-// Interval and witnesses by search: GJK, then the stages below contact or near it.
+// Finds interval and witnesses by search: GJK, then the stages for contact or near contact.
 void search(const ConvexView& a, const Pose& X_BA, const ConvexView& b, const VertexStart* start,
             const PairCache* cache, Difference<false>& difference, Scratch::Impl& scratch,
             Progress& progress, Simplex& simplex) {
   const CoreQuery& query = progress.query();
   const GjkEnd end = runAnyGjk(a, X_BA, b, difference, start, cache, progress, simplex);
-  // Rounding keeps the ends this far apart.
+  // Rounding keeps the ends at least this far apart.
   const double narrow = query.lower_offset - query.upper_offset + 8 * query.roundoff;
   const bool inside = end == GjkEnd::kInside;
   if ((inside || end == GjkEnd::kStagnated) && !progress.enough() &&
@@ -293,7 +294,7 @@ void search(const ConvexView& a, const Pose& X_BA, const ConvexView& b, const Ve
 }
 
 // The separation of B from a half-space swept between two placements, or of a half-space B from a
-// swept body: the lesser one of the two placements'.
+// swept body: the smaller separation of the two placements.
 DistanceResult sweptHalfSpace(const ConvexView& a, const Pose& X_BA0, const Pose& X_BA1,
                               double growth, const ConvexView& b, const DistanceRequest& request,
                               Scratch& scratch, double slack) {
@@ -302,7 +303,7 @@ DistanceResult sweptHalfSpace(const ConvexView& a, const Pose& X_BA0, const Pose
   if (first.status == DistanceStatus::kInvalid) return first;
   const double lower = std::min(first.distance.lower, second.distance.lower);
   if (second.distance.upper < first.distance.upper) first = second;
-  // The hull of two half-spaces is everything unless they are parallel, which rounding hides.
+  // The hull of two half-spaces is the whole space unless they are parallel, which rounding hides.
   first.distance.lower = a.core == Core::kHalfSpace
                              ? -std::numeric_limits<double>::infinity()
                              : lower - growth - kUnitRoundoff * (std::abs(lower) + growth);
@@ -355,7 +356,7 @@ DistanceResult convexSweptDistance(const ConvexView& a, const Pose& X_BA0, const
                                    double growth, const ConvexView& b,
                                    const DistanceRequest& request, Scratch& scratch,
                                    PairCache* cache, double slack) {
-  // (growth counts against the lower end only: the placements themselves do not grow.)
+  // (growth reduces the lower end only, because the placements themselves do not grow.)
   DistanceRequest swept_request = request;
   swept_request.depth = true;
   if (a.core == Core::kHalfSpace || b.core == Core::kHalfSpace) {

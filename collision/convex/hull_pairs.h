@@ -7,22 +7,22 @@
 
 namespace leeway::collision {
 
-/// Where a search ended that another takes over: vertices of A and B, pairwise. With kInside four
-/// of them hold the origin of the difference.
+/// The end of a search that another one continues: vertices of A and B, pairwise. With kInside,
+/// four of them hold the origin of the difference.
 struct VertexStart {
   GjkEnd end = GjkEnd::kStagnated;
   int iterations = 0;
-  int count = 0;  ///< 0: nothing is known
+  int count = 0;  ///< 0: no vertices are known
   int vertex_a[4], vertex_b[4];
 };
 
 /// The signed separation of two hulls (kConvexHull) that are apart, by GJK on their vertices from
-/// the world poses, in the world's axes: no view, relative pose or simplex is made, and small hulls
-/// are placed once, in vector lanes. Cost as distance().
+/// the world poses, in the world's axes. It makes no view, relative pose or simplex, and places
+/// small hulls once, in vector lanes. Cost as for distance().
 ///
-/// False, with nothing written to `result`, where that does not suffice: hulls in contact, large
-/// ones without a threshold or cache (which are faster in B's frame), invalid poses, sizes out of
-/// range, tolerances below rounding, an iteration limit. `start` then holds where the search ended.
+/// Returns false, with `result` unchanged, if that does not suffice: hulls in contact, large hulls
+/// without a threshold or cache (which are faster in B's frame), invalid poses, sizes out of range,
+/// tolerances below rounding, an iteration limit. `start` then holds the end of the search.
 bool answerHullPair(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                     const DistanceRequest& request, PairCache* cache, DistanceResult& result,
                     VertexStart& start);

@@ -45,7 +45,7 @@ class WorldHull {
 
   HWY_INLINE Triple turnedBack(const Triple& n) const { return rotatedBack(R_, n); }
   HWY_INLINE const HullCell* cellOf(const Triple& d) const { return cellFor(support_, d); }
-  // The vertex farthest along d, in the hull's frame, with d's cell.
+  // The vertex farthest along d (in the hull's frame), for the cell of d.
   HWY_INLINE Triple farthest(const Triple& d, const HullCell* cell, std::int32_t& index) const {
     const int found = scannedSupport(support_, cell, d, index);
     index = HWY_LIKELY(found >= 0) ? found : climbed(d, index);
@@ -81,7 +81,8 @@ struct WorldCores {
   static constexpr double kTilt = 0;  // (used with a threshold or a cache)
   WorldHull a, b;
   HWY_INLINE Triple support(const Triple& n, VertexIndices& indices) const {
-    // Both cells first: reads of a hull's vertices wait for its cell, and fill the reorder buffer.
+    // Looks up both cells first, because reads of a hull's vertices wait for its cell and fill the
+    // reorder buffer.
     const Triple d_a = a.turnedBack(n), d_b = b.turnedBack(-n);
     const HullCell *cell_a = a.cellOf(d_a), *cell_b = b.cellOf(d_b);
     return b.farthest(d_b, cell_b, indices.b) - a.farthest(d_a, cell_a, indices.a);
@@ -95,10 +96,10 @@ struct WorldCores {
 };
 
 // Up to 8 kEights vertices of a hull, or of its mirror image, placed at a pose once in vector
-// lanes: neither directions nor vertices are rotated for each support.
+// lanes, so that neither directions nor vertices are rotated for each support.
 //
-// The least value along a direction carries the index of its vertex in its last bits. Of two values
-// that differ in these bits only, the wrong one may win: an error below 8 kEights units in the last
+// The least value along a direction carries the index of its vertex in its last bits. If two values
+// differ in these bits only, the wrong one may win: an error below 8 kEights units in the last
 // place.
 template <int kEights>
 class PlacedVertices {
@@ -146,8 +147,8 @@ class PlacedVertices {
     return found;
   }
   using Place = hn::Vec<hn::RebindToSigned<Widest>>;
-  // The vertices with the least v . n of each direction of a ring, and their indices in `places`. A
-  // value is that along the first direction and what two coordinates add.
+  // The vertices with the least v . n for each direction of a ring, and their indices in `places`.
+  // Each value is the one along the first direction plus what two coordinates add.
   HWY_INLINE Points<kFan> farthest(const Ring<kFan>& ring, Place* places) const {
     const Widest d;
     const hn::RebindToSigned<Widest> di;
@@ -291,7 +292,7 @@ struct Pair {
   Triple t;  // of A, from B's origin
   double size, rounding;
   VertexIndices hints;
-  bool needles;  // at least one is a needle
+  bool needles;  // at least one of them is a needle
 };
 
 HWY_INLINE Triple betweenMiddles(const Pair& pair) {
@@ -300,8 +301,8 @@ HWY_INLINE Triple betweenMiddles(const Pair& pair) {
          (rotated(pair.X_WA.rotation, tripleOf(a.middle())) + pair.t);
 }
 
-// From one axis to the other where they are nearest: a needle's nearest point may be far from its
-// middle. A hull that is no needle counts with its middle.
+// The vector from one axis to the other where they are nearest, because a needle's nearest point
+// may be far from its middle. For a hull that is not a needle, its middle is used.
 HWY_INLINE Triple betweenAxes(const Pair& pair) {
   const HullSupport &a = pair.a.hull()->support(), &b = pair.b.hull()->support();
   const Triple axis_a = rotated(pair.X_WA.rotation, tripleOf(a.axis())),
@@ -314,8 +315,8 @@ HWY_INLINE Triple betweenAxes(const Pair& pair) {
   return squared(way) > kLeastSum * kLeastSum ? way : Triple{1, 0, 0};
 }
 
-// The cached direction if it is one, else from A's middle to B's. Its length is the distance of the
-// middles, which a fan's reach is compared with.
+// The cached direction if it is valid, otherwise from A's middle to B's. Its length is the distance
+// of the middles, which is compared with a fan's reach.
 HWY_INLINE Triple firstDirection(const Pair& pair) {
   if (pair.cache != nullptr) {
     const Triple n = tripleOf(pair.cache->direction_B);
@@ -330,7 +331,7 @@ HWY_INLINE Triple firstDirection(const Pair& pair) {
   return squared(middle) > kLeastSum * kLeastSum ? middle : Triple{1, 0, 0};
 }
 
-// Writes the result; false when the request is not met.
+// Writes the result; false if the request is not met.
 template <class Cores>
 HWY_INLINE bool answered(const Pair& pair, const Cores& cores, const Search<Cores>& search,
                          const Carriers& found, double lower_offset, double upper_offset,
@@ -378,7 +379,7 @@ HWY_INLINE bool answered(const Pair& pair, const Cores& cores, const Search<Core
   return true;
 }
 
-// Searches; false when the request is not met.
+// Searches; false if the request is not met.
 template <class Cores>
 HWY_INLINE bool answer(const Pair& pair, const Cores& cores, double more_rounding,
                        const PairCache* carried, DistanceResult& result, VertexStart& start) {
@@ -404,7 +405,7 @@ HWY_INLINE bool answer(const Pair& pair, const Cores& cores, double more_roundin
   return false;
 }
 
-// Kept apart, here and below: merged, they spill registers.
+// This function and those below are not merged, because merged they spill registers.
 HWY_NOINLINE bool answerInWorld(const Pair& pair, const PairCache* carried, DistanceResult& result,
                                 VertexStart& start) {
   const WorldCores cores = {{pair.a, pair.X_WA.rotation, pair.t},

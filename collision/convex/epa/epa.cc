@@ -23,7 +23,7 @@ class Epa {
         cover_(planes_) {}
 
   int facetCells() const { return cover_.facets().cells(); }
-  // False when the difference is flat: the lower ends found on the way are all there is.
+  // False if the difference is flat: only the lower ends found so far are available.
   bool begin(const Simplex& start);
   void search();
   void offerWitness();
@@ -51,13 +51,13 @@ class Epa {
   const double roundoff_;
   SupportPlanes planes_;
   PolytopeSurface surface_;
-  FacetCover cover_;          // facets that it covers leave the queue
-  bool left_facing_ = false;  // a facet that sees the origin was given up: no depth can be claimed
+  FacetCover cover_;          // covered facets leave the queue
+  bool left_facing_ = false;  // a facet that sees the origin was dropped: no depth can be claimed
   double claim_ = 0;          // the largest depth proven; 0: none
   std::int32_t claim_vertex_[3] = {0, 0, 0};
 };
 
-// Adds the first support point among `directions` and their opposites that is far enough.
+// Adds the first support point, along `directions` and their opposites, that is far enough.
 template <class Far>
 bool Epa::addVertexAlong(const Vector* directions, int count, Far far) {
   for (int i = 0; i < count; ++i) {
@@ -82,7 +82,7 @@ bool Epa::begin(const Simplex& start) {
     SupportPlanes::clean(s.w);
     surface_.addVertex();
   }
-  // A point this near to the flat spanned so far counts as in it.
+  // A point this close to the flat spanned so far counts as part of it.
   const double flat = 8 * roundoff_;
   if (surface_.vertexCount() == 1) {
     const Vector axes[3] = {Vector::UnitX(), Vector::UnitY(), Vector::UnitZ()};
@@ -106,7 +106,7 @@ bool Epa::begin(const Simplex& start) {
     const Vector p = w(0);
     double longest_squared = 0;
     Vector n = triangleNormal(p, w(1), w(2), longest_squared).normalized();
-    // Towards the origin first, so that the tetrahedron holds it if possible.
+    // Starts towards the origin, so that the tetrahedron contains it if possible.
     if (n.dot(p) < 0) n = -n;
     if (!addVertexAlong(&n, 1, [&](const Vector& q) { return std::abs(n.dot(q - p)) > flat; })) {
       return false;
@@ -115,8 +115,8 @@ bool Epa::begin(const Simplex& start) {
   return surface_.makeTetrahedron();
 }
 
-// A sliver's normal may be poor, and with it the distance claimed: tries the direction of its
-// nearest point. True when that is better.
+// A sliver may have a poor normal and therefore a poor claimed distance. Tries the direction of its
+// nearest point. True if that is better.
 bool Epa::refine(PolytopeFacet& f) {
   f.refined = true;
   f.outward =
@@ -138,8 +138,8 @@ bool Epa::refine(PolytopeFacet& f) {
   return true;
 }
 
-// The facet's own ends: its distance as a depth (that of the nearest facet is proven), or its
-// nearest point as a witness.
+// Offers the facet's own ends: its distance as a depth (that of the nearest facet is proven), or
+// its nearest point as a witness.
 void Epa::offerFacet(const PolytopeFacet& f) {
   if (f.distance > 0 && !left_facing_ && surface_.windsAroundOrigin()) {
     // All facets outside the queue are farther out than the nearest plane, or covered.
@@ -164,7 +164,7 @@ void Epa::claimAll() {
   }
 }
 
-// The witness of the depth claimed, written once.
+// Offers the witness of the claimed depth, once.
 void Epa::offerWitness() {
   if (!(claim_ > 0)) return;
   Vector a;
@@ -172,8 +172,8 @@ void Epa::offerWitness() {
   progress_.offerWitness(-claim_, nearest, a);
 }
 
-// Where several facets lie in one plane, the one that claimed need not be the one that the plane's
-// normal passes through.
+// If several facets lie in one plane, the facet that made the claim need not be the one that the
+// plane's normal passes through.
 Vector Epa::memberClaimed(Vector& a) const {
   Vector nearest = surface_.nearestOf(claim_vertex_, a);
   if (cover_.any() || !(nearest.norm() - claim_ <= progress_.query().request.tolerance)) {
@@ -183,7 +183,7 @@ Vector Epa::memberClaimed(Vector& a) const {
 }
 
 // The member along the normal of the nearest plane, on the facet that the normal passes through or
-// on the curved surface over it: the one that fits the claim best.
+// on the curved surface over it, whichever fits the claim best.
 void Epa::memberAlongNormal(Vector& nearest, Vector& a) const {
   const Vector outward = -progress_.normal(), wanted = claim_ * outward;
   double misfit = (nearest - wanted).squaredNorm();
@@ -217,8 +217,8 @@ void Epa::memberAlongNormal(Vector& nearest, Vector& a) const {
   }
 }
 
-// Hill climbs start from vertices that make the facet: the farthest one of A along n and of B
-// against n. The latter goes with the least one of A, because all three have the same n . (b - a).
+// Hill climbs start from vertices of the facet: the farthest vertex of A along n and of B against
+// n. B's vertex belongs to the lowest of A's, because all three have the same n . (b - a).
 void Epa::startNear(const PolytopeFacet& f, const Vector& n) {
   const SupportPoint* lowest = &surface_.vertex(f.vertex[0]);
   const SupportPoint* highest = lowest;
@@ -232,13 +232,14 @@ void Epa::startNear(const PolytopeFacet& f, const Vector& n) {
   difference_.setHints(highest->index_a, lowest->index_b);
 }
 
-// True when the normal reported is that of the facet. Where several translations separate equally
-// well, the plane must be that of the witness.
+// True if the reported normal is that of the facet. If several translations separate equally well,
+// the plane must belong to the witness.
 bool Epa::hasPlaneOf(const PolytopeFacet& f) const {
   return -f.outward.dot(progress_.normal()) >= kSameNormal;
 }
 
-// The support point beyond a facet, in the slot of the next vertex. True when the request is met.
+// Finds the support point beyond a facet, in the slot of the next vertex. True if the request is
+// met.
 bool Epa::askBeyond(const PolytopeFacet& f) {
   const DistanceRequest& request = progress_.query().request;
   const Vector outward = f.outward;
@@ -268,11 +269,12 @@ void Epa::search() {
     if (progress_.enough() &&
         (progress_.decided() || cover_.any() || !(f.distance > 0) || hasPlaneOf(f)))
       return;
-    // Once the pair is known to be apart, or a facet that sees the origin was given up, facets that
-    // the origin is behind gain nothing.
+    // Once the pair is proven apart, or a facet that sees the origin was dropped, facets with the
+    // origin behind them gain nothing.
     if (f.distance > 0 && (left_facing_ || progress_.lower() > 0)) return;
     if (full() || askBeyond(f)) return;
-    // No farther out than the facet, to within rounding: this is a facet of the difference itself.
+    // The point is not farther out than the facet, up to rounding: this is a facet of the
+    // difference itself.
     const Vector& p = surface_.nextVertex().w;
     const double beyond = f.outward.dot(p - w(f.vertex[0]));
     if (!(beyond > 2 * roundoff_) || !surface_.sees(f, p)) {

@@ -9,10 +9,10 @@ namespace leeway::collision {
 
 namespace {
 
-// Covers are tried from this iteration on: most polytopes have ended by then [count].
+// Covers are tried from this iteration on, because most polytopes have ended by then [count].
 constexpr int kCoverFrom = 48;
-// Depths tried with one facet, Newton's steps towards each, and the longest back-off [count]: a few
-// of each gain most.
+// Depths tried for one facet, Newton steps towards each, and the longest back-off [count]. A few of
+// each gain most.
 constexpr int kCoverTries = 4;
 constexpr int kDescentSteps = 10;
 constexpr int kLongestRest = 63;
@@ -24,7 +24,7 @@ FacetCover::FacetCover(SupportPlanes& planes)
       roundoff_(planes.progress.query().roundoff),
       curved_(planes.difference, roundoff_, planes.progress.query().request.iteration_limit) {}
 
-// The part of the width asked for that rounding leaves to the search.
+// The part of the requested width that rounding leaves to the search.
 double FacetCover::tolerance() const {
   const CoreQuery& query = planes_.progress.query();
   return query.request.tolerance - (query.lower_offset - query.upper_offset);
@@ -35,14 +35,14 @@ double FacetCover::rounding() const {
   return 1024 * roundoff_ * (roundoff_ / kUnitRoundoff) / planes_.reach;
 }
 
-// A tolerance below the rounding of covers is left to the polytope, but for its last iterations.
+// A tolerance below the rounding of covers is left to the polytope, except for its last iterations.
 bool FacetCover::worthTrying() const {
   const int limit = planes_.progress.query().request.iteration_limit;
   return curved_.any() && planes_.progress.iterations >=
                               (0.75 * tolerance() > rounding() ? kCoverFrom : limit - limit / 8);
 }
 
-// A quarter of the width is left for the plane and the rounding that was subtracted.
+// A quarter of the width is reserved for the plane and the subtracted rounding.
 double FacetCover::depth() const {
   const double reach = planes_.reach;
   return reach - std::min(std::max(0.75 * tolerance(), rounding()), 0.25 * reach);
@@ -74,8 +74,8 @@ bool FacetCover::covers(const PolytopeSurface& surface, const PolytopeFacet& f) 
   return false;
 }
 
-// Newton's steps on the sphere for a plane nearer to the origin. The support h has the gradient w
-// less its part along n, and the Hessian K - h with K the curvatures' sum.
+// Newton steps on the sphere for a plane closer to the origin. The gradient of the support h is w
+// minus its part along n, and its Hessian is K - h, where K is the sum of the curvatures.
 void FacetCover::descend(Vector outward) {
   const Progress& progress = planes_.progress;
   outward /= outward.norm();

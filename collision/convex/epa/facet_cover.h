@@ -7,20 +7,20 @@
 namespace leeway::collision {
 
 /// Proves that the curved surface over a facet is farther out than its triangle (CurvedFacets), so
-/// that a polytope need not approximate it. All facets covered are at least depth() out, which only
-/// shrinks: once covered, always covered.
+/// that a polytope need not approximate it. All covered facets are at least depth() out. depth()
+/// only decreases, so a covered facet stays covered.
 class FacetCover {
  public:
   explicit FacetCover(SupportPlanes& planes);
 
   /// False while the polytope is likely to end without covers.
   bool worthTrying() const;
-  /// True when the curved surface over the facet is proven to be at least depth() out. Asks for
-  /// planes where it is not.
+  /// True if the curved surface over the facet is proven to be at least depth() out. Queries planes
+  /// where it is not.
   bool covers(const PolytopeSurface& surface, const PolytopeFacet& f);
-  /// Some facet has been covered.
+  /// Whether any facet has been covered.
   bool any() const { return any_; }
-  /// The depth that covers prove: near enough to the nearest plane, and far enough from it for
+  /// The depth that covers prove: close enough to the nearest plane, and far enough from it for
   /// rounding.
   double depth() const;
   const CurvedFacets& facets() const { return curved_; }
@@ -34,7 +34,8 @@ class FacetCover {
   const double roundoff_;
   CurvedFacets curved_;
   bool any_ = false;
-  // Back-off: descents in a row that found nothing nearer, and covers left to try without one.
+  // Back-off: the number of successive descents that found nothing closer, and of covers left to
+  // try without a descent.
   int idle_ = 0, rest_ = 0;
 };
 

@@ -15,7 +15,8 @@ struct HorizonEdge {
 /// Closes the surface by a fan over the horizon, whose edges form a loop in order. `facet(i)` is
 /// facet i, with its neighbours across its three edges. `make(edge)` makes the facet over an edge
 /// and returns its index: that edge is its edge 0, and its edges 1 and 2 meet the next facet of the
-/// fan and the one before. False, with the surface open, when an index is below 0. O(edges).
+/// fan and the previous one. Returns false, with the surface open, if an index is below 0.
+/// O(edges).
 template <class FacetOf, class Make>
 bool closeByFan(std::span<const HorizonEdge> horizon, FacetOf facet, Make make) {
   std::int32_t first = -1, previous = -1;

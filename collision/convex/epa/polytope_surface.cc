@@ -13,7 +13,7 @@ namespace {
 constexpr int kVertexCapacity = 1024;
 constexpr int kFacetCapacity = 2 * kVertexCapacity;
 constexpr int kQueueCapacity = 16 * kVertexCapacity;
-// A query adds no more than kVertexCapacity walks: their numbers do not overflow.
+// A query adds no more than kVertexCapacity walks, so their numbers do not overflow.
 constexpr std::int32_t kLastMark = 1 << 30;
 
 struct Later {
@@ -110,7 +110,7 @@ Vector PolytopeSurface::nearestOf(const std::int32_t (&corner)[3], Vector& a) co
 inline void PolytopeSurface::insert(int index, double key) {
   std::vector<PolytopeBuffers::Entry>& queue = buffers_.queue;
   if (static_cast<int>(queue.size()) >= kQueueCapacity) {
-    // Drops the entries of facets that are gone; fewer than kFacetCapacity remain.
+    // Drops the entries of removed facets; fewer than kFacetCapacity remain.
     std::size_t kept = 0;
     for (const PolytopeBuffers::Entry& e : queue) {
       const PolytopeFacet& f = facet(e.facet);
@@ -123,12 +123,12 @@ inline void PolytopeSurface::insert(int index, double key) {
   std::push_heap(queue.begin(), queue.end(), Later());
 }
 
-// Facets farther out than a supporting plane cannot be the nearest, and stay out of the queue: most
-// do.
+// Facets farther out than a supporting plane cannot be the nearest and stay out of the queue. This
+// applies to most facets.
 inline void PolytopeSurface::enqueue(int index, double longest_squared) {
   PolytopeFacet& f = facet(index);
-  // Less the normal's error over the length of the facet (all of the difference is within L of the
-  // origin) and the rounding of the products.
+  // Subtracts the normal's error over the length of the facet (all of the difference is within L of
+  // the origin) and the rounding of the products.
   const double height = f.normal.dot(w(f.vertex[2])) - 32 * roundoff_ * longest_squared;
   const double out = std::max(reach_ + 16 * roundoff_, 0.0);
   // (Strictly, so that squares that overflow compare false.)
@@ -136,8 +136,8 @@ inline void PolytopeSurface::enqueue(int index, double longest_squared) {
   const double length = std::sqrt(f.length_squared);
   f.distance = length > 0 ? leastAlong(f, f.normal) / length : 0;
   Vector a;
-  // Facets that see the origin come first, the nearest of them foremost: all of the difference is
-  // within 4 L.
+  // Facets that see the origin are processed first, the nearest of them foremost: all of the
+  // difference is within 4 L.
   insert(index, f.distance > 0 ? f.distance
                                : nearestOf(f.vertex, a).norm() - 4 * (roundoff_ / kUnitRoundoff));
 }
@@ -182,9 +182,9 @@ int PolytopeSurface::pop() {
   return -1;
 }
 
-// The facets seen from p that are connected with `first`, and their horizon in the order of a loop.
-// The walk follows a tree of facets and so meets their rim in order. False when the rim is not one
-// loop without repeated vertices.
+// Finds the facets seen from p that are connected with `first`, and their horizon in the order of a
+// loop. The walk follows a tree of facets, so it meets their rim in order. False if the rim is not
+// a single loop without repeated vertices.
 bool PolytopeSurface::findHorizon(int first, const Vector& p) {
   ++mark_;
   buffers_.visible.assign(1, first);
@@ -227,7 +227,7 @@ bool PolytopeSurface::findHorizon(int first, const Vector& p) {
   return true;
 }
 
-// A single facet, whose three edges are always a loop.
+// Replaces a single facet, whose three edges always form a loop.
 void PolytopeSurface::takeAlone(int first) {
   buffers_.visible.assign(1, first);
   buffers_.horizon.clear();
@@ -241,7 +241,7 @@ void PolytopeSurface::takeAlone(int first) {
 }
 
 // Replacing a facet by three over p keeps the winding number if the origin is not in the
-// tetrahedron (p, facet): it is not if all four points are strictly on one side of a plane through
+// tetrahedron (p, facet). It is not if all four points are strictly on one side of a plane through
 // it.
 bool PolytopeSurface::keepsWinding(const PolytopeFacet& f, const Vector& p) const {
   const Vector& n = f.refined ? f.outward : f.normal;
@@ -266,7 +266,7 @@ void PolytopeSurface::expand(int first) {
       [&](const HorizonEdge& e) { return newFacet(e.from, e.to, apex); });
 }
 
-// How often a ray from the origin crosses the surface outwards; nothing when it meets an edge.
+// How often a ray from the origin crosses the surface outwards; nullopt if it meets an edge.
 std::optional<int> PolytopeSurface::windingAlong(const Vector& ray) const {
   int winding = 0;
   for (int i = 0; i < facetCount(); ++i) {
@@ -279,7 +279,7 @@ std::optional<int> PolytopeSurface::windingAlong(const Vector& ray) const {
     if (positive && negative) continue;  // the ray's line misses it
     const int side = signOfDeterminant(a, b, c);
     if (sa == 0 || sb == 0 || sc == 0 || side == 0) return std::nullopt;
-    if (positive && side > 0) ++winding;  // else the opposite ray crosses it
+    if (positive && side > 0) ++winding;  // otherwise the opposite ray crosses it
     if (negative && side < 0) --winding;
   }
   return winding;
@@ -290,7 +290,7 @@ bool PolytopeSurface::windsAroundOrigin() {
   return winds_;
 }
 
-// Along rays through the middle of facets, until one meets no edge.
+// Tries rays through the middle of facets, until one meets no edge.
 bool PolytopeSurface::computeWinding() const {
   int tried = 0;
   for (int i = 0; i < facetCount(); ++i) {

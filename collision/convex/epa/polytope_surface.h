@@ -17,22 +17,23 @@ struct PolytopeFacet {
   std::int32_t vertex[3];
   std::int32_t neighbour[3];
   Vector normal;              ///< outward, of any length
-  double length_squared = 0;  ///< of `normal`; 0: the triangle has no area to speak of
-  double doubt = 0;           ///< error of normal . d for a vector d, per length of d
-  /// Unit: the direction of `normal`, or for a sliver a better one. Set when `refined`.
+  double length_squared = 0;  ///< of `normal`; 0: the triangle has no significant area
+  double doubt = 0;           ///< error of normal . d for a vector d, divided by the length of d
+  /// A unit vector: the direction of `normal`, or a better one for a sliver. Set when `refined`.
   Vector outward;
-  /// All of the triangle is at least this far out, along normal or outward. Set for facets in the
-  /// queue only.
+  /// All of the triangle is at least this far out, along normal or outward. Set only for facets in
+  /// the queue.
   double distance = 0;
-  /// Grows when the slot is used again or its place in the queue changes: marks old queue entries.
+  /// Incremented when the slot is reused or its place in the queue changes, which marks old queue
+  /// entries.
   std::int32_t stamp = 0;
   std::int32_t mark = 0;
   bool alive = false;  ///< on the surface
   bool refined = false;
 };
 
-/// Memory of one penetration query; sized once. Reserved, and not filled before a query uses it:
-/// half a megabyte takes longer to fill than many paths take to find.
+/// Memory of one penetration query, sized once. It is reserved but not initialized until a query
+/// uses it, because filling half a megabyte takes longer than finding many paths.
 struct PolytopeBuffers {
   PolytopeBuffers();
 
@@ -41,8 +42,8 @@ struct PolytopeBuffers {
     std::int32_t facet, stamp;
   };
   struct Step {
-    std::int32_t facet, edge;  ///< where the walk came in, and the edge to cross next
-    std::int32_t left;         ///< edges still to cross
+    std::int32_t facet, edge;  ///< the facet that the walk entered, and the edge to cross next
+    std::int32_t left;         ///< edges that are still to be crossed
   };
   std::vector<SupportPoint> vertices;
   std::vector<PolytopeFacet> facets;
@@ -55,23 +56,23 @@ struct PolytopeBuffers {
   std::int32_t mark = 0;                ///< number of the last walk, of any query
 };
 
-/// The surface of a polytope whose vertices are members of a difference: closed and oriented by
-/// construction, with a queue of its facets by their distance from the origin.
+/// The surface of a polytope whose vertices are members of a difference. It is closed and oriented
+/// by construction, with a queue of its facets ordered by their distance from the origin.
 class PolytopeSurface {
  public:
-  /// `reach` [m]: facets farther out stay out of the queue; it may shrink.
+  /// `reach` [m]: facets farther out stay out of the queue; it may decrease.
   PolytopeSurface(PolytopeBuffers& buffers, double roundoff, const double& reach);
 
-  /// No room for another vertex and its facets.
+  /// True if there is no room for another vertex and its facets.
   bool full() const;
   int vertexCount() const { return vertex_count_; }
   const SupportPoint& vertex(int i) const { return buffers_.vertices[static_cast<std::size_t>(i)]; }
   const Vector& w(int i) const { return vertex(i).w; }
-  /// The slot of the next vertex, and the step that makes it one.
+  /// The slot of the next vertex; addVertex() then makes it a vertex.
   SupportPoint& nextVertex();
   void addVertex() { ++vertex_count_; }
 
-  /// Makes the surface of the tetrahedron of the first four vertices; false when they are flat.
+  /// Makes the surface of the tetrahedron of the first four vertices; false if they are flat.
   bool makeTetrahedron();
   /// Replaces the facets that the newest vertex sees, `first` among them, by a fan over it.
   void expand(int first);
@@ -80,12 +81,12 @@ class PolytopeSurface {
   int facetCount() const { return static_cast<int>(buffers_.facets.size()); }
   PolytopeFacet& facet(int i) { return buffers_.facets[static_cast<std::size_t>(i)]; }
   const PolytopeFacet& facet(int i) const { return buffers_.facets[static_cast<std::size_t>(i)]; }
-  /// The facet of the queue with the smallest key; -1 when none is left.
+  /// Removes the facet with the smallest key from the queue; -1 if the queue is empty.
   int pop();
   void push(int index, double key);
 
-  /// True when p is beyond the facet's plane. Exact, so that the surface is the convex hull of its
-  /// vertices as rounded, and p sees one patch: two contradicting predicates would fold the
+  /// True if p is beyond the facet's plane. The test is exact, so that the surface is the convex
+  /// hull of its rounded vertices and p sees one patch: two contradicting predicates would fold the
   /// surface.
   bool sees(const PolytopeFacet& f, const Vector& p) const;
   double leastAlong(const PolytopeFacet& f, const Vector& n) const;

@@ -9,15 +9,16 @@
 
 namespace leeway::collision {
 
-/// The supporting planes that a polytope's search asks for, each offered to `progress`.
+/// The supporting planes that a polytope's search queries, each offered to `progress`.
 struct SupportPlanes {
   Difference<false>& difference;
   Progress& progress;
-  /// The least -n . w of all planes: the origin is no deeper in the difference [m].
+  /// The least -n . w of all planes: an upper bound on the depth of the origin in the difference
+  /// [m].
   double reach = std::numeric_limits<double>::infinity();
 
-  /// The support point along a unit vector n. True when its plane meets the request. (The normal of
-  /// a tiny facet may be 0 or NaN, which gives no plane.)
+  /// Finds the support point along a unit vector n. True if its plane meets the request. (The
+  /// normal of a tiny facet may be 0 or NaN, which gives no plane.)
   bool ask(const Vector& n, SupportPoint& found) {
     ++progress.iterations;
     difference.support(n, found);

@@ -9,27 +9,28 @@
 
 namespace leeway::collision {
 
-/// growPolytope() for cores with vertices, from four points of the difference that hold the origin:
-/// facets side by side in vector lanes, in plain arithmetic. True when the request is met; false
-/// when robust steps, from `start`, or more than a few tens of vertices are needed. The ends
-/// offered stay then, and the iterations are not counted unless the limit was reached.
+/// growPolytope() for cores with vertices, from four points of the difference that contain the
+/// origin: facets are processed in vector lanes, in plain arithmetic. True if the request is met;
+/// false if robust steps, from `start`, or more than a few tens of vertices are needed. In that
+/// case the offered ends stay, and the iterations are not counted unless the limit was reached.
 bool growVertexPolytope(Difference<false>& difference, const Simplex& start, Progress& progress);
 
 /// The result of such a polytope, for the difference without radii, excess or rounding.
 struct VertexPolytopeAnswer {
   enum class End : unsigned char {
-    kOpen,     ///< there is a plane, and a depth where there are near facets
+    kOpen,     ///< there is a plane, and also a depth if there are near facets
     kDecided,  ///< the threshold, or the overlap, is decided
     kMet,      ///< the depth is known to within the tolerance
   };
-  /// Most facets about as near to the origin as the nearest that are reported [count].
+  /// Limit on the reported facets that are about as close to the origin as the nearest one [count].
   static constexpr int kMostNear = 8;
 
   End end = End::kOpen;
   Triple outward = {1, 0, 0};                              ///< of a supporting plane, a unit vector
   double reach = std::numeric_limits<double>::infinity();  ///< how far out the plane is
   double depth = 0;  ///< no point of the surface is nearer; 0 without near facets
-  /// The corners, by their vertices, of facets, one of which holds the nearest point.
+  /// The corners of the near facets, by their vertices; one of these facets holds the nearest
+  /// point.
   int near_count = 0;
   std::int32_t near_a[kMostNear][3], near_b[kMostNear][3];
 };

@@ -14,15 +14,15 @@
 #include "collision/base/dispatch.h"
 #include "collision/convex/gjk/vertex_cores-inl.h"
 
-// The polytope of epa.h in plain arithmetic: the conditions of its claims are checked on the way,
-// and in doubt nothing is claimed.
+// The polytope of epa.h in plain arithmetic. It checks the conditions of its claims on the way, and
+// claims nothing if one is in doubt.
 //
-// The surface is closed. It begins as a tetrahedron. A set of triangles is only ever replaced by
+// The surface is closed. It starts as a tetrahedron. A set of triangles is only ever replaced by
 // one triangle over each of their directed edges whose reverse is not removed, and every directed
-// edge exists at most once. It winds around the origin. Every triangle, and the point that replaces
-// it, is farther out along its normal than rounding: their tetrahedron does not hold the origin.
-// Rounding may misjudge which triangles a point sees when it is in their planes: that folds the
-// surface, but opens nothing.
+// edge exists at most once. The surface winds around the origin: every triangle, and the point that
+// replaces it, is farther out along its normal than rounding, so their tetrahedron does not hold
+// the origin. Rounding may misjudge which triangles a point sees if it is in their planes. That
+// folds the surface, but opens nothing.
 //
 // Rounding: a normal's length is 1 within 4 units of roundoff, and products with it err by 3 units
 // of L (see gjk.cc). With the error of the members, kSupportRounding covers it.
@@ -45,7 +45,7 @@ class VertexPolytope {
   HWY_INLINE VertexPolytope(const PlacedCores& cores, const CoreQuery& query, int iterations)
       : cores_(cores), query_(query), iterations_(iterations), rounding_(8 * query.roundoff) {}
 
-  /// From four points; false when they do not hold the origin by more than rounding.
+  /// Starts from four points; false if they do not hold the origin by more than rounding.
   HWY_INLINE bool begin(const Simplex& start);
   HWY_INLINE void grow(VertexPolytopeAnswer& answer);
   HWY_INLINE int iterations() const { return iterations_; }
@@ -53,7 +53,7 @@ class VertexPolytope {
 
  private:
   static constexpr int kVertices = 32, kFacets = 64, kEight = 8;
-  // (Most facets that one point removes, and their edges.)
+  // (Limits on the facets that one point removes, and on their edges.)
   static constexpr int kMostSeen = 20, kEdges = 64;
 
   HWY_INLINE Triple vertex(int i) const { return {x_[i], y_[i], z_[i]}; }
@@ -89,7 +89,7 @@ class VertexPolytope {
     store(far, least_ + from);
     store(far, most_ + from);
   }
-  // A slot for a new facet; slots are cleared a register at a time.
+  // Returns a slot for a new facet; slots are cleared one register at a time.
   HWY_INLINE std::int32_t newSlot() {
     if (facet_count_ % kEight == 0) clearEight(facet_count_);
     return facet_count_++;
@@ -101,15 +101,15 @@ class VertexPolytope {
   int iterations_;
   const double rounding_;
   int vertex_count_ = 0, facet_count_ = 0;
-  // Of each facet: the outward unit normal, and the least and most that its corners are out along
-  // it.
+  // For each facet: the outward unit normal, and the least and greatest distance of its corners
+  // along it.
   alignas(64) double nx_[kFacets], ny_[kFacets], nz_[kFacets], least_[kFacets], most_[kFacets];
   alignas(64) double x_[kVertices], y_[kVertices], z_[kVertices];
   std::uint8_t corner_[kFacets][4];
   VertexIndices indices_[kVertices];
 };
 
-// Makes facets with corners a, b, c, counter-clockwise from outside. False when one is not farther
+// Makes facets with corners a, b, c, counter-clockwise from outside. False if one is not farther
 // out than rounding, or has no normal. (Written so that NaN fails.)
 HWY_INLINE bool VertexPolytope::place(const Points<kEight>& a, const Points<kEight>& b,
                                       const Points<kEight>& c, const std::int64_t* indices_a,
@@ -163,7 +163,7 @@ HWY_INLINE bool VertexPolytope::begin(const Simplex& start) {
   alignas(64) const std::int64_t first[kEight] = {0, 0, j, k, 0, 0, 0, 0},
                                  second[kEight] = {j, 3, 3, 3, j, j, j, j},
                                  third[kEight] = {k, j, k, 0, k, k, k, k};
-  // That the origin is inside must not rest on normals: slivers have none.
+  // The proof that the origin is inside must not depend on normals, because slivers have none.
   for (int i = 0; i < 4; ++i) {
     const Triple p = vertex(static_cast<int>(first[i])), q = vertex(static_cast<int>(second[i])),
                  r = vertex(static_cast<int>(third[i]));
@@ -242,7 +242,7 @@ HWY_INLINE bool VertexPolytope::expand(std::uint64_t seen) {
     if (HWY_UNLIKELY(facet_count_ == kFacets)) return false;
     slots[slot_count++] = newSlot();
   }
-  // The rest of the last eight repeats the first.
+  // Pads the last eight with copies of the first.
   for (int i = count; i % kEight != 0; ++i) from[i] = from[0], to[i] = to[0];
   for (int i = 0; i < (count + kEight - 1) / kEight * kEight; ++i) apex[i] = newest;
   const Points<kEight> top = allLanes<kEight>(vertex(vertex_count_ - 1));
@@ -259,7 +259,7 @@ HWY_INLINE bool VertexPolytope::expand(std::uint64_t seen) {
   return true;
 }
 
-// Reports a facet's depth and its corners, then those of facets about as near.
+// Reports a facet's depth and its corners, then those of facets that are about as close.
 HWY_INLINE void VertexPolytope::report(int facet, double within,
                                        VertexPolytopeAnswer& answer) const {
   const auto add = [&](int i) HWY_ATTR {
@@ -299,7 +299,7 @@ HWY_INLINE void VertexPolytope::grow(VertexPolytopeAnswer& answer) {
     const double reach = dot(outward, p);
     const double lower = -reach - query_.lower_offset;
     const bool met = upper - lower <= request.tolerance && upper <= 0;
-    // Where several translations separate equally well, the plane must be that of the facet.
+    // If several translations separate equally well, the plane must belong to the facet.
     if (met || reach < answer.reach) answer.outward = outward, answer.reach = reach;
     if (met || lower > request.threshold) {
       answer.end = lower > request.threshold ? End::kDecided : End::kMet;
@@ -336,14 +336,14 @@ HWY_EXPORT(vertexPolytope);
 bool growVertexPolytope(Difference<false>& difference, const Simplex& start, Progress& progress) {
   using End = VertexPolytopeAnswer::End;
   const CoreQuery& query = progress.query();
-  // A tolerance near the width that rounding and excess keep is left to the robust steps.
+  // A tolerance close to the width that rounding and excess leave is left to the robust steps.
   const double narrow = query.lower_offset - query.upper_offset + 16 * query.roundoff;
   if (query.request.depth && !(query.request.tolerance > narrow)) return false;
   VertexPolytopeAnswer answer;
   const int before = progress.iterations;
   LEEWAY_DISPATCH(vertexPolytope)(difference, start, progress, answer);
   const Vector outward(answer.outward.x, answer.outward.y, answer.outward.z);
-  // Of several facets in one plane, the one that the normal passes through.
+  // Selects, among several facets in one plane, the one that the normal passes through.
   double least = std::numeric_limits<double>::infinity();
   Vector nearest = Vector::Zero(), a = Vector::Zero();
   for (int i = 0; i < answer.near_count && !(least - answer.depth <= query.roundoff); ++i) {
@@ -364,7 +364,7 @@ bool growVertexPolytope(Difference<false>& difference, const Simplex& start, Pro
   }
   progress.offerLower(-answer.reach, -outward);
   if (answer.near_count > 0) progress.offerWitness(-answer.depth, nearest, a);
-  // The robust steps begin anew, with all iterations.
+  // The robust steps start again, with all iterations.
   if (answer.end == End::kOpen && progress.iterations < query.request.iteration_limit) {
     progress.iterations = before;
   }

@@ -97,7 +97,7 @@ RelativePose relativePose(const Pose& X_WA, const Pose& X_WB) {
     return result;
   result.valid = true;
   result.slack = check.departure + kPoseRounding * kUnitRoundoff;
-  // Rows 0 and 1 of a column side by side, row 2 alone.
+  // Rows 0 and 1 of a column are computed together, row 2 alone.
   using Pair = double __attribute__((vector_size(16)));
   const Eigen::Matrix3d &A = X_WA.rotation, &B = X_WB.rotation;
   const Pair x = {B(0, 0), B(0, 1)}, y = {B(1, 0), B(1, 1)}, z = {B(2, 0), B(2, 1)};

@@ -33,24 +33,25 @@ struct ConvexView {
   int count = 0;
   const ConvexHull* hull = nullptr;                  ///< neighbour lists of `points`; may be null
   const HullSupport* support = nullptr;              ///< of `points`; may be null
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< about its middle: where a search starts
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< roughly its middle: the start of a search
   double radius = 0;                                 ///< the shape is the core grown by this [m]
   /// No point of the core is farther from the frame's origin; rounding is proportional to it [m].
   double extent = 0;
-  double excess = 0;  ///< the true shape may stand out of core + radius by this much [m]
+  double excess = 0;  ///< the true shape may protrude from core + radius by this much [m]
 };
 
 /// The view of a convex shape (not of a mesh). O(1).
 ConvexView viewOf(const Shape& shape);
 
-/// The hull of `count` >= 1 points, grown by radius: for triangles, boxes of a hierarchy and the
-/// like. O(count).
+/// The hull of `count` >= 1 points, grown by radius: for triangles, boxes of a hierarchy and
+/// similar sets. O(count).
 ConvexView viewOfPoints(const Eigen::Vector3d* points, int count, double radius);
 
 /// X_BA of two poses in a common frame and its error. Translations are subtracted first.
 struct RelativePose {
   Pose X_BA;
-  /// Frames are within kFarthest of each other, rotations orthogonal within kRotationTolerance.
+  /// Frames are within kFarthest of each other, and rotations are orthogonal within
+  /// kRotationTolerance.
   bool valid = false;
   /// Rounding and departure from orthogonality, as a fraction: true distances differ from those
   /// under X_BA by at most slack * (extent of A + extent of B + |X_BA.translation|).

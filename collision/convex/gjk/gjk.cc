@@ -66,8 +66,9 @@ class Gjk {
   Vector n_;
   double along_nearest_ = std::numeric_limits<double>::infinity();  // n . nearest
   double norm_ = 0;                                                 // of nearest
-  // Newton's steps are for the last digits: gate_ is the relative width from which they are tried,
-  // and shrinks after each failure. Sweeps do without: the first few steps decide their threshold.
+  // Newton steps are for the last digits. gate_ is the relative width below which they are tried;
+  // it shrinks after each failure. Sweeps do not use them, because the first few steps decide their
+  // threshold.
   bool newton_ = false;
   double gate_ = kNewtonFrom;
   int failures_ = 0;
@@ -75,8 +76,8 @@ class Gjk {
   double width_ = std::numeric_limits<double>::infinity();
 };
 
-// GJK's steps only come nearer, so that their witness is written once, at the end. Newton's steps
-// write each of theirs.
+// GJK's steps only come closer, so their witness is written once, at the end. Newton steps write
+// each of theirs.
 template <bool kSwept>
 GjkEnd Gjk<kSwept>::leave(GjkEnd end) {
   if constexpr (!kSwept) {
@@ -87,7 +88,7 @@ GjkEnd Gjk<kSwept>::leave(GjkEnd end) {
   return end;
 }
 
-// The support point along n, in the simplex's free slot; returns n . w.
+// Finds the support point along n, in the simplex's free slot; returns n . w.
 template <bool kSwept>
 double Gjk<kSwept>::askPlane() {
   ++progress_.iterations;
@@ -98,7 +99,7 @@ double Gjk<kSwept>::askPlane() {
   return value;
 }
 
-// Back to GJK's steps, which always converge: the simplex is reduced anew in true coordinates.
+// Returns to GJK's steps, which always converge: the simplex is reduced again in true coordinates.
 template <bool kSwept>
 void Gjk<kSwept>::stopNewton() {
   newton_ = false;
@@ -120,7 +121,7 @@ void Gjk<kSwept>::stopIdleNewton() {
   progress_.offerUpper(norm_);
 }
 
-// Begins, goes on with or gives up Newton's steps; true when the next reduction is to be scaled.
+// Starts, continues or stops Newton steps; true if the next reduction is to be scaled.
 template <bool kSwept>
 bool Gjk<kSwept>::scale(double value, Vector rows[3]) {
   if constexpr (!kSwept) {
@@ -133,7 +134,7 @@ bool Gjk<kSwept>::scale(double value, Vector rows[3]) {
       followPieces(difference_, n_, simplex_);
       return true;
     }
-    // The new point waits in the first free slot, which the reduction may move.
+    // The new point is in the first free slot, which the reduction may move.
     const int before = simplex_.count;
     stopNewton();
     std::swap(simplex_.slot[simplex_.count], simplex_.slot[before]);
@@ -156,8 +157,8 @@ void Gjk<kSwept>::offerNearest() {
   }
 }
 
-// A point of the swept hull belongs to a placement only when all its parts do. False when the hull
-// is not above the threshold: its lower end cannot rise above that any more.
+// A point of the swept hull belongs to a placement only if all its parts do. False if the hull is
+// not above the threshold, because its lower end can no longer rise above that.
 template <bool kSwept>
 bool Gjk<kSwept>::offerSweptNearest() {
   bool one_placement = true;
@@ -183,14 +184,15 @@ void Gjk<kSwept>::chooseDirection() {
 template <bool kSwept>
 GjkEnd Gjk<kSwept>::run(const Vector& first_direction) {
   n_ = first_direction;
-  // A simplex that was handed over comes before the first plane.
+  // A simplex that was passed in is used before the first plane.
   for (bool ask = simplex_.count == 0;; ask = true) {
     if (ask) {
       if (progress_.iterations >= query_.request.iteration_limit) return leave(GjkEnd::kLimit);
       const double value = askPlane();
       if (progress_.enough()) return leave(GjkEnd::kEnough);
       if (along_nearest_ - value <= 2 * query_.roundoff) {
-        // No point beyond the simplex along n, to within rounding: more steps would chase noise.
+        // There is no point beyond the simplex along n, up to rounding: more steps would only
+        // follow rounding errors.
         if (!newton_) return leave(GjkEnd::kStagnated);
         stopNewton();
         along_nearest_ = std::numeric_limits<double>::infinity();

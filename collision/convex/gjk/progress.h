@@ -14,10 +14,10 @@ namespace leeway::collision {
 struct CoreQuery {
   DistanceRequest request;
   double radius_a = 0, radius_b = 0;
-  /// A support plane at core distance d proves d - lower_offset, a witness at core distance d
-  /// proves d - upper_offset [m]: they hold radii, rounding and excess.
+  /// A support plane at core distance d proves d - lower_offset, and a witness at core distance d
+  /// proves d - upper_offset [m]. The offsets include radii, rounding and excess.
   double lower_offset = 0, upper_offset = 0;
-  /// Part of lower_offset: how far a swept body may leave the hull of its placements [m].
+  /// The part of lower_offset by which a swept body may leave the hull of its placements [m].
   double growth = 0;
   /// Rounding of a coordinate: kUnitRoundoff * (extents + |translation|) [m].
   double roundoff = 0;
@@ -28,7 +28,7 @@ class Progress {
  public:
   explicit Progress(const CoreQuery& query) : query_(query) {}
 
-  /// A plane: every point w of the difference has w . n >= value.
+  /// Offers a plane: every point w of the difference has w . n >= value.
   void offerLower(double value, const Vector& n) {
     const double lower = value - query_.lower_offset;
     if (lower > lower_) {
@@ -37,13 +37,13 @@ class Progress {
     }
   }
 
-  /// Replaces a plane that is better by rounding only: `normal` then belongs to the witness.
+  /// Replaces a plane that is better only by rounding: `normal` then belongs to the witness.
   void preferLower(double value, const Vector& n) {
     lower_ = value - query_.lower_offset;
     normal_ = n;
   }
 
-  /// A point w of the difference at `distance` from the origin; `a` is A's part of it.
+  /// Offers a point w of the difference at `distance` from the origin; `a` is A's part of it.
   void offerWitness(double distance, const Vector& w, const Vector& a) {
     const double upper = distance - query_.upper_offset;
     if (upper <= upper_) {
@@ -53,9 +53,9 @@ class Progress {
     }
   }
 
-  /// A witness and the plane next to it. Where the two meet the tolerance they replace others, even
-  /// slightly better ones: radii are laid off along `normal`, which must be that of the witness.
-  /// Otherwise offers the plane alone and returns false.
+  /// Offers a witness and the plane next to it. If the two meet the tolerance, they replace others,
+  /// even slightly better ones, because radii are laid off along `normal`, which must be that of
+  /// the witness. Otherwise offers the plane alone and returns false.
   bool offerTogether(double distance, const Vector& w, const Vector& a, double value,
                      const Vector& n) {
     const double upper = distance - query_.upper_offset, lower = value - query_.lower_offset;
@@ -72,8 +72,8 @@ class Progress {
   /// offerWitness() without its points, which must follow.
   void offerUpper(double distance) { upper_ = std::min(upper_, distance - query_.upper_offset); }
 
-  /// A point of a swept hull at `distance`. No single placement need reach it: it is no upper end,
-  /// but bounds what the lower end can gain.
+  /// Offers a point of a swept hull at `distance`. A single placement need not reach it, so it is
+  /// not an upper end, but it bounds what the lower end can gain.
   void offerSweptWitness(double distance) {
     const double upper = distance - query_.upper_offset - query_.growth;
     if (upper < swept_upper_) swept_upper_ = upper;
@@ -90,8 +90,8 @@ class Progress {
   bool decided() const { return isDecided({lower_, upper_}, query_.request); }
   bool enough() const { return decided() || (converged() && signKnown()); }
 
-  /// False while the interval holds 0: a query goes on until the sign is known, however narrow the
-  /// interval.
+  /// False while the interval holds 0: a query continues until the sign is known, however narrow
+  /// the interval.
   bool signKnown() const { return isSignKnown({lower_, upper_}); }
 
   DistanceStatus status() const {
@@ -105,7 +105,7 @@ class Progress {
   const Vector& witnessW() const { return witness_w_; }
   const Vector& witnessA() const { return witness_a_; }
   int iterations = 0;
-  int facet_cells = 0;  ///< of CurvedFacets; they count as work besides the iterations
+  int facet_cells = 0;  ///< of CurvedFacets; they count as work in addition to the iterations
 
  private:
   const CoreQuery& query_;

@@ -49,12 +49,12 @@ inline void offerEdge(const Vector* const w[4], int i, int j, Candidate& best) {
   best.index[1] = j;
   best.lambda[0] = 1 - t;
   best.lambda[1] = t;
-  // Near contact cancellation leaves a part along the edge: projected out.
+  // Near contact, cancellation leaves a part along the edge, which is projected out.
   best.normal = nearest - (nearest.dot(edge) / length_squared) * edge;
   best.has_normal = true;
 }
 
-// The triangle of points i, j, k; or the edges that the origin's projection is beyond.
+// The triangle of points i, j, k, or those of its edges beyond which the origin's projection lies.
 inline void offerTriangle(const Vector* const w[4], int i, int j, int k, Candidate& best) {
   const Vector& p = *w[k];
   const Vector to_i = *w[i] - p;
@@ -86,8 +86,9 @@ inline void offerTriangle(const Vector* const w[4], int i, int j, int k, Candida
       best.lambda[1] = lambda_j;
       best.lambda[2] = lambda_k;
       best.normal = normal;
-      // Points err by about u L: the normal's direction by that over the triangle's height, that of
-      // the nearest point by that over its length. The better one is kept.
+      // Points err by about u L. The normal's direction errs by that divided by the triangle's
+      // height, and the direction of the nearest point by that divided by its length. The better
+      // one is kept.
       const double longest_squared = std::max(to_i.squaredNorm(), to_j.squaredNorm());
       best.has_normal = normal_squared > norm_squared * longest_squared;
       return;
@@ -104,7 +105,7 @@ inline double sizeOf(const Vector& v) {
   return std::abs(v.x()) + std::abs(v.y()) + std::abs(v.z());
 }
 
-// Offers the faces of the tetrahedron that the origin is, or may be, beyond. True when there are
+// Offers the faces of the tetrahedron beyond which the origin is, or may be. True if there are
 // none.
 bool tetrahedronHoldsOrigin(const Vector* const w[4], Candidate& best) {
   const Vector& d = *w[3];
@@ -149,9 +150,9 @@ bool tetrahedronHoldsOrigin(const Vector* const w[4], Candidate& best) {
   return inside;
 }
 
-// Reduces the simplex to the candidate: its slots first, in their old order.
+// Reduces the simplex to the candidate: its slots come first, in their old order.
 void keep(Simplex& s, const Candidate& best) {
-  int place[4] = {-1, -1, -1, -1};  // in the candidate, by point
+  int place[4] = {-1, -1, -1, -1};  // position in the candidate, by point
   for (int n = 0; n < best.count; ++n) place[best.index[n]] = n;
   int kept = 0;
   int dropped[4], dropped_count = 0;
@@ -171,7 +172,7 @@ void keep(Simplex& s, const Candidate& best) {
   if (best.has_normal) s.feature_normal = best.normal;
 }
 
-// Offers the faces of the first count + 1 points; false when these hold the origin.
+// Offers the faces of the first count + 1 points; false if these hold the origin.
 bool offerFaces(const Vector* const w[4], int count, Candidate& best) {
   switch (count) {
     case 0:

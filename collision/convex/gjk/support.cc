@@ -96,7 +96,7 @@ bool farthestOfPiece(const ConvexView& view, const Vector& direction, int piece,
         return true;
       }
       const double across_squared = direction.x() * direction.x() + direction.y() * direction.y();
-      // Nearly along the axis all of the rim is equally far: points stay where they were found.
+      // Nearly along the axis the whole rim is equally far, so points stay where they were found.
       if (!(across_squared > kFollowRimSquared)) return false;
       const double s = view.size.x() / std::sqrt(across_squared);
       p = Vector(s * direction.x(), s * direction.y(), piece == 1 ? view.size.z() : -view.size.z());

@@ -1,8 +1,9 @@
 #pragma once
 
 // Support mappings: the point of a convex core, or of the difference of two placed cores, that lies
-// farthest along a direction. All inline, with one switch a call and no dynamic dispatch. The
-// switches have no default: the compiler names what a new core has to decide.
+// farthest along a direction. All are inline, with one switch for each call and no dynamic
+// dispatch. The switches have no default, so that the compiler lists the cases that a new core must
+// add.
 
 #include <cmath>
 
@@ -18,14 +19,15 @@
 namespace leeway::collision {
 
 /// farthest() of a cylinder, cone or ellipsoid; `piece` becomes the smooth piece of the surface
-/// that carries it: the rim below (0) or above (1), the apex (1), the ellipsoid (0).
+/// that holds the point: the rim below (0) or above (1), the apex (1), the ellipsoid (0).
 Vector farthestOfRound(const ConvexView& view, const Vector& direction, int& piece);
 
-/// The point of a given piece that is farthest along `direction`: what farthestOfRound() returns
-/// where that piece wins; for cores with vertices the vertex. False when there is none.
+/// The point of a given piece that is farthest along `direction`: the result of farthestOfRound()
+/// where that piece is farthest, or the vertex for cores with vertices. False if there is no such
+/// point.
 bool farthestOfPiece(const ConvexView& view, const Vector& direction, int piece, Vector& p);
 
-/// How farthest() of a round core moves when its unit direction turns:
+/// The motion of farthest() of a round core when its unit direction turns:
 ///   dp = sum over i of strength[i] axis[i] (axis[i] . d direction).
 /// Zero for cores and places without curvature.
 struct Curvature {
@@ -58,13 +60,13 @@ inline bool climbs(const ConvexView& view) {
          view.hull->hasNeighbours();
 }
 
-/// True when both are hulls that look up their farthest vertices in a table of directions.
+/// True if both are hulls that look up their farthest vertices in a table of directions.
 inline bool haveTables(const ConvexView& a, const ConvexView& b) {
   return a.support != nullptr && b.support != nullptr && a.support->sides() > 0 &&
          b.support->sides() > 0;
 }
 
-/// Index of the farthest of the points of a kPoints core along a direction of about unit length.
+/// Index of the farthest point of a kPoints core along a direction of about unit length.
 inline int farthestPoint(const ConvexView& view, const Vector& direction, int hint) {
   if (view.support != nullptr) {
     const int found = scanFarthest(*view.support, direction, hint);
@@ -81,7 +83,7 @@ inline int farthestPoint(const ConvexView& view, const Vector& direction, int hi
 /// Rounding, in units of roundoff times extent: the point's value along `direction` is within 6 of
 /// the maximum, and the point lies in the core grown by 3. Points, segment and box give exact
 /// members, whose dot products err by 3. A rim point r (x, y)/rho has a relative error of 2.5; its
-/// value errs by no more, because the error of its direction counts to second order.
+/// value errs by no more, because the error of its direction only has a second-order effect.
 inline Vector farthest(const ConvexView& view, const Vector& direction, int& hint) {
   switch (view.core) {
     case Core::kPoint:
@@ -101,13 +103,13 @@ inline Vector farthest(const ConvexView& view, const Vector& direction, int& hin
     case Core::kCylinder:
     case Core::kCone:
     case Core::kEllipsoid:
-    case Core::kHalfSpace:  // has none: queries treat it by itself
+    case Core::kHalfSpace:  // has none: queries handle it separately
       break;
   }
   return farthestOfRound(view, direction, hint);
 }
 
-/// A point of the difference {b - a} of two placed cores, and the two points that make it.
+/// A point of the difference {b - a} of two placed cores, and the two points that form it.
 struct SupportPoint {
   Vector w;                      ///< b - a, in B
   Vector a;                      ///< the point of A, in B
@@ -115,7 +117,7 @@ struct SupportPoint {
   int placement = 0;             ///< of a sweep: 0 at its start, 1 at its end
 };
 
-/// How many vertices a core has; 0 without hasVertices().
+/// The number of a core's vertices; 0 if hasVertices() is false.
 inline int vertexCount(const ConvexView& view) {
   switch (view.core) {
     case Core::kPoint:
@@ -135,8 +137,8 @@ inline int vertexCount(const ConvexView& view) {
   return 0;
 }
 
-/// The vertex for which farthest() sets its hint to `index`; false when there is none. Any core,
-/// any index.
+/// The vertex for which farthest() sets its hint to `index`; false if there is none. Valid for any
+/// core and any index.
 inline bool vertex(const ConvexView& view, int index, Vector& p) {
   switch (view.core) {
     case Core::kPoint:
@@ -188,7 +190,7 @@ class Difference {
     s.index_b = hint_b_;
   }
 
-  /// The member made of two vertices; false when an index is out of range. One placement only.
+  /// The member made of two vertices; false if an index is out of range. One placement only.
   bool member(int index_a, int index_b, SupportPoint& s) const {
     Vector a, b;
     if (!vertex(a_, index_a, a) || !vertex(b_, index_b, b)) return false;
@@ -199,7 +201,7 @@ class Difference {
     s.placement = 0;
     return true;
   }
-  /// True when some part of the cores' surfaces is curved.
+  /// True if some part of the cores' surfaces is curved.
   bool isRound() const { return collision::isRound(a_.core) || collision::isRound(b_.core); }
 
   /// The curvature of A (first placement) plus that of B at n, and `more` times the identity.

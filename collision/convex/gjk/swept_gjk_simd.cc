@@ -35,11 +35,11 @@ struct PointColumns {
 };
 
 /// The difference of the hull of a core's two placements and another core. A's indices: columns()
-/// of the first placement, then those of the second.
+/// of the first placement, followed by those of the second.
 class SweptCores {
  public:
   using Point = Triple;
-  static constexpr double kTilt = 0;  // (most sweeps ask for a threshold)
+  static constexpr double kTilt = 0;  // (most sweeps have a threshold)
 
   HWY_INLINE explicit SweptCores(const Difference<true>& difference)
       : b_(difference.viewB()), columns_b_(b_) {
@@ -97,8 +97,8 @@ GjkEnd sweptSteps(Difference<true>& difference, const Vector& direction, Progres
                   Simplex& simplex) {
   const CoreQuery& query = progress.query();
   const SweptCores cores(difference);
-  // Ends where the swept hull, grown, is not above the threshold: its lower end cannot rise above
-  // it.
+  // Ends when the swept hull, grown, is not above the threshold, because its lower end can no
+  // longer rise above it.
   Search<SweptCores> search(cores, query.request, query.lower_offset, query.lower_offset,
                             progress.iterations);
   const GjkEnd end =

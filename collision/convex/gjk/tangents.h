@@ -1,6 +1,6 @@
 #pragma once
 
-// Newton's steps on the unit sphere: a basis of the tangent plane and quadratic forms on it.
+// Newton steps on the unit sphere: a basis of the tangent plane and quadratic forms on it.
 
 #include <cmath>
 
@@ -36,7 +36,7 @@ struct TangentForm {
   }
 };
 
-/// -H^-1 g of a Hessian H, not singular, and a gradient g = (gu, gv).
+/// -H^-1 g of a nonsingular Hessian H and a gradient g = (gu, gv).
 inline Vector newtonStep(const Tangents& at, const TangentForm& hessian, double gu, double gv) {
   const auto [uu, uv, vv] = hessian;
   const double determinant = hessian.determinant();

@@ -19,7 +19,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
 
-/// A point of a kPoints core, from the copy of its vertices that support functions just read.
+/// A point of a kPoints core, from the copy of its vertices that support functions have just read.
 HWY_INLINE Triple point(const ConvexView& view, int index) {
   return view.support != nullptr ? tripleOf(view.support->corners()[index])
                                  : tripleOf(view.points[index]);
@@ -66,11 +66,11 @@ HWY_INLINE Triple farthestCorner(const ConvexView& view, const Triple& d, std::i
   }
 }
 
-/// The vertices of a small hull placed at a pose once: neither directions nor vertices are rotated
-/// for each support.
+/// The vertices of a small hull, placed at a pose once, so that neither directions nor vertices are
+/// rotated for each support.
 class PlacedColumns {
  public:
-  /// Places them unless there are too many.
+  /// Places them if their number is within the limit.
   HWY_INLINE void place(const HullSupport& support, const Eigen::Matrix3d& R, const Triple& t) {
     if (support.length() == 0 || support.length() > kPlacedUpTo) return;
     length_ = support.length();
@@ -90,12 +90,12 @@ class PlacedColumns {
   alignas(64) double x_[kPlacedUpTo], y_[kPlacedUpTo], z_[kPlacedUpTo];
 };
 
-/// The difference of two cores with vertices; those of A are placed in B's frame where they are few
+/// The difference of two cores with vertices. A's vertices are placed in B's frame if they are few
 /// and the search will be long.
 class PlacedCores {
  public:
   using Point = Triple;
-  static constexpr double kTilt = 0.4, kSmallTilt = 0.2;  // the best of a few each
+  static constexpr double kTilt = 0.4, kSmallTilt = 0.2;  // the best of a few values each
   static constexpr double reach = std::numeric_limits<double>::infinity();
   HWY_INLINE PlacedCores(const Difference<false>& difference, bool place)
       : a_(difference.viewA()),

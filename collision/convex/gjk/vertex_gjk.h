@@ -4,7 +4,7 @@
 
 namespace leeway::collision {
 
-/// True when the vertices in a cache exist in bodies with so many vertices.
+/// True if the vertices in a cache exist in bodies with these numbers of vertices.
 inline bool fits(const PairCache& cache, int vertices_a, int vertices_b) {
   if (cache.simplex_count < 1 || cache.simplex_count > 3) return false;
   bool all = true;
@@ -19,9 +19,9 @@ inline bool fits(const PairCache& cache, int vertices_a, int vertices_b) {
 bool fits(const Difference<false>& difference, const PairCache& cache);
 
 /// runGjk() for cores with vertices, written for speed: branch-free steps in plain arithmetic.
-/// Starts from the points of `carried` where that is not null (and fits()), else along `direction`
-/// (a unit vector). Ends with kEnough, kLimit, kInside or, where robust steps must take over from
-/// `simplex`, kStagnated.
+/// Starts from the points of `carried` if that is not null (and fits()), otherwise along
+/// `direction` (a unit vector). Ends with kEnough, kLimit, kInside or, if robust steps must
+/// continue from `simplex`, kStagnated.
 GjkEnd runVertexGjk(Difference<false>& difference, const Vector& direction,
                     const PairCache* carried, Progress& progress, Simplex& simplex);
 

@@ -17,7 +17,7 @@ HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
 namespace {
 
-// Hands over the end of a search; the simplex is empty without one.
+// Passes on the end of a search; the simplex is empty if there is none.
 HWY_INLINE void leave(const Search<PlacedCores>& search, const PlacedCores& cores, GjkEnd end,
                       Progress& progress, Simplex& simplex) {
   Carriers found;

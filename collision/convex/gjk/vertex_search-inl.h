@@ -1,5 +1,5 @@
 // GJK on the vertices of a difference, in vector lanes, for any two cores that index their
-// vertices. Included once a target (see Highway's foreach_target.h).
+// vertices. Included once for each target (see Highway's foreach_target.h).
 
 #if defined(LEEWAY_COLLISION_VERTEX_SEARCH_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_VERTEX_SEARCH_INL_H
@@ -23,29 +23,29 @@
 #include "collision/convex/gjk/gjk.h"
 #include "collision/shapes/hull_scan-inl.h"
 
-// A step has a new point p of the difference and three older ones (at first copies of one). In
+// A step has a new point p of the difference and three older ones (at first, copies of one). In
 // exact arithmetic the nearest point of their hull lies on a triangle of p and two of the others.
-// Lane k takes one of these: p, point k and point k + 1 (modulo three); or, where the origin does
+// Lane k computes one of these: p, point k and point k + 1 (modulo three) or, if the origin does
 // not project into it, its edge from p to point k. p replaces the older point that the best lane
-// leaves out. A point without weight may stay: it does no harm.
+// omits. A point without weight may stay, because it has no effect.
 //
-// Nothing here calls code of another target: code without AVX that runs while registers' upper
-// halves are in use costs hundreds of cycles, and compilers forget to clear them.
+// This file calls no code of another target. Code without AVX that runs while the upper halves of
+// registers are in use costs hundreds of cycles, and compilers forget to clear them.
 //
-// Rounding only costs steps: both ends rest on points and support values, whose rounding gjk.cc
-// derives. (A direction's length is divided out of its support value, which errs by no more than
-// the value along a unit vector.) What plain arithmetic cannot settle - flat simplices, the origin
-// inside, ends that rounding keeps apart - is left to runGjk().
+// Rounding only costs steps: both ends are computed from points and support values, whose rounding
+// gjk.cc derives. (The support value is divided by the direction's length and errs by no more than
+// the value along a unit vector.) Cases that plain arithmetic cannot settle - flat simplices, the
+// origin inside, ends that rounding keeps apart - are left to runGjk().
 
 HWY_BEFORE_NAMESPACE();
 namespace leeway::collision::HWY_NAMESPACE {
 
-/// The indices of the two vertices that make a point of the difference.
+/// The indices of the two vertices that form a point of the difference.
 struct VertexIndices {
   std::int32_t a, b;
 };
-/// Both in a lane, which is only ever copied. (Joined in a register: reading two separately written
-/// halves from memory at once stalls.)
+/// Both in one lane, which is only ever copied. (They are joined in a register, because reading two
+/// separately written halves from memory at once stalls.)
 HWY_INLINE double inLane(const VertexIndices& indices) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(static_cast<std::uint32_t>(indices.b))
                                    << 32U |
@@ -58,11 +58,11 @@ HWY_INLINE VertexIndices indicesIn(double lane) {
 }
 HWY_INLINE Lanes<4> allLanes(const VertexIndices& indices) { return allLanes<4>(inLane(indices)); }
 
-/// The point that the triangle of lane k leaves out.
+/// The point that the triangle of lane k omits.
 constexpr int kLeftOut[3] = {2, 0, 1};
 
-/// scanColumns(), not inlined: its many cases would swell every call site, and a call costs little
-/// beside it.
+/// scanColumns(), not inlined: its many cases would enlarge every call site, and a call is cheap in
+/// comparison.
 inline HWY_NOINLINE int calledColumns(const HullSupport& support, double dx, double dy, double dz) {
   return scanColumns<kScanUpTo>(support.x(), support.y(), support.z(), support.length(), dx, dy,
                                 dz);
@@ -72,18 +72,18 @@ HWY_INLINE int scannedSupport(const HullSupport& support, const Triple& d, std::
   return support.length() == 0 ? scanTable(support, d.x, d.y, d.z, hint)
                                : calledColumns(support, d.x, d.y, d.z);
 }
-/// The cell that it scans; null where there is none.
+/// The cell that it scans; null if there is none.
 HWY_INLINE const HullCell* cellFor(const HullSupport& support, const Triple& d) {
   return support.length() == 0 ? cellOf(support, d.x, d.y, d.z) : nullptr;
 }
-/// scannedSupport() with that cell known.
+/// scannedSupport() with a known cell.
 HWY_INLINE int scannedSupport(const HullSupport& support, const HullCell* cell, const Triple& d,
                               std::int32_t& hint) {
   return support.length() == 0 ? scanCell(support, cell, d.x, d.y, d.z, hint)
                                : calledColumns(support, d.x, d.y, d.z);
 }
 
-/// The points nearest to the origin on the triangles of a point p and two neighbours on a ring, a
+/// The points nearest to the origin on the triangles of a point p and two neighbours on a ring, one
 /// lane each.
 template <int n>
 struct Triangles {
@@ -94,10 +94,10 @@ struct Triangles {
   Lanes<n> direction_squared;   ///< its length squared
   Lanes<n> norm_squared, part;  ///< of the nearest point, times `part`, which is above 0
   Lanes<n> first, second, all;  ///< weights of points k, k + 1 (parts of `all`)
-  Mask<n> on_edge;              ///< it is inside the edge from p to point k
+  Mask<n> on_edge;              ///< the point is inside the edge from p to point k
 };
 
-// Without divisions: latencies overlap.
+// Computed without divisions, so that latencies overlap.
 template <int n>
 HWY_INLINE Triangles<n> trianglesOf(const Points<n>& p, const Points<n>& ring) {
   const Lanes<n> zero = allLanes<n>(0.0), one = allLanes<n>(1.0);
@@ -130,18 +130,17 @@ HWY_INLINE Triangles<n> trianglesOf(const Points<n>& p, const Points<n>& ring) {
   return t;
 }
 
-/// The result of a step. Points and directions stand in the cores' own form: single, or in all
-/// lanes.
+/// The result of a step. Points and directions are in the cores' own form: single, or in all lanes.
 template <class Point>
 struct Nearest {
   Point direction;               ///< of the nearest point, any length
   double direction_squared = 0;  ///< its length squared
   double norm_squared = 0;       ///< of the nearest point
-  int lane = -1;                 ///< of Triangles; -1: none yet
+  int lane = -1;                 ///< of Triangles; -1: none so far
   Lanes<4> first, second, all;   ///< as Triangles has them, of that lane
 };
 
-/// Reads the nearest point out of the best lane of the newest point's triangles.
+/// Reads the nearest point from the best lane of the newest point's triangles.
 template <int n, class Point>
 HWY_INLINE void take(const Triangles<n>& t, const Pick<n>& best, const Point& newest,
                      Nearest<Point>& nearest) {
@@ -149,9 +148,9 @@ HWY_INLINE void take(const Triangles<n>& t, const Pick<n>& best, const Point& ne
   nearest.direction_squared = best(t.direction_squared);
   nearest.norm_squared = best(t.norm_squared) / best(t.part);
   nearest.lane = best.lane();
-  // Near contact cancellation leaves an edge's point with a part along the edge: projected out.
-  // (Not at an edge's end. One branch for all: most pairs this near have their nearest points
-  // elsewhere.)
+  // Near contact, cancellation leaves an edge's point with a part along the edge, which is
+  // projected out, but not at an edge's end. (One branch for all lanes, because most pairs at this
+  // distance have their nearest points elsewhere.)
   const Lanes<n> least = allLanes<n>(kCancelled * squared(tripleOf(newest)));
   const Mask<n> cancelled = (least * t.part > t.norm_squared) & t.on_edge;
   if (HWY_UNLIKELY((bitsOf(cancelled) >> static_cast<unsigned>(nearest.lane) & 1U) != 0)) {
@@ -166,10 +165,10 @@ HWY_INLINE void take(const Triangles<n>& t, const Pick<n>& best, const Point& ne
 
 enum class Step : unsigned char { kNearer, kHoldsOrigin, kHoldsOriginWell };
 
-/// Whether the tetrahedron of p and three older points holds the origin; kNearer when not.
+/// Whether the tetrahedron of p and three older points holds the origin; kNearer if it does not.
 HWY_INLINE Step heldBy(const Triangles<4>& t) {
   const Lanes<4> volume = dot(t.normal, nextInRing(t.f)), zero = allLanes<4>(0.0);
-  // The barycentric weight of the point that lane k leaves out is height / volume.
+  // The barycentric weight of the point that lane k omits is height / volume.
   const Lanes<4> weight = withSignOf(t.height, volume);
   if (HWY_LIKELY((bitsOf(weight > zero) & 7U) != 7U)) return Step::kNearer;
   alignas(32) double weights[4], volumes[4], squares[4];
@@ -207,7 +206,7 @@ class BestPlane {
       : value_(-std::numeric_limits<double>::infinity()),
         per_(allLanes<4>(1.0)),
         direction_(allLanes<4>(1.0)) {}
-  /// The support value of a direction, and the reciprocal `per` of the direction's length.
+  /// Offers the support value of a direction; `per` is the reciprocal of the direction's length.
   template <class Point>
   HWY_INLINE void offer(double value, double per, const Point& direction) {
     const double offered = per * value;
@@ -234,11 +233,11 @@ class BestPlane {
   Lanes<4> direction_;
 };
 
-/// A cold search asks along its first direction and along others around it at once. Their points
-/// make a fan of triangles, whose nearest point saves two or three steps of six. Seven directions;
-/// three where a support is expensive and the first direction good. The numbers are added to the
-/// two coordinates that follow the largest one, times that and a tilt. The last lane is the first
-/// direction itself.
+/// A search without a start from a cache evaluates its first direction and others around it at
+/// once. Their points form a fan of triangles, whose nearest point saves two or three steps of six.
+/// The fan has seven directions, or three if a support is expensive and the first direction is
+/// good. These numbers, multiplied by the largest coordinate and a tilt, are added to the two
+/// coordinates that follow the largest one. The last lane is the first direction itself.
 constexpr int kFan = 8;
 alignas(64) constexpr double kFanRing[2][kFan] = {
     {1, 0.62348980185873353, -0.2225209339563144, -0.90096886790241913, -0.90096886790241913,
@@ -263,7 +262,7 @@ HWY_INLINE Ring<n> ringAround(const Triple& first, const double* ring_u, const d
   const int y_most = static_cast<int>(y > x);
   const double xy_most = std::max(x, y);
   const int axis = z > xy_most ? 2 : y_most;
-  // (The largest coordinate is known before the length is.)
+  // (The largest coordinate is available before the length.)
   const Lanes<n> size = allLanes<n>(tilt * std::min(std::max(xy_most, z), most));
   return {first, axis, size * load<n>(ring_u), size * load<n>(ring_v)};
 }
@@ -322,15 +321,15 @@ class Search {
         upper_offset_(upper_offset),
         iterations_(iterations) {}
 
-  /// First along `first`, of any length; or, where `carried` is not null, from its points, which
-  /// are vertices of the pair. Ends with kLimit, kInside or, where the request is met or robust
-  /// steps must take over, with kStagnated.
+  /// Starts along `first`, of any length, or from the points of `carried` if that is not null;
+  /// those are vertices of the pair. Ends with kLimit, kInside or kStagnated. kStagnated means that
+  /// the request is met or that robust steps must take over.
   HWY_INLINE GjkEnd run(const Triple& first, const PairCache* carried, const VertexIndices& hints);
 
   HWY_INLINE const BestPlane& best() const { return best_; }
   HWY_INLINE int iterations() const { return iterations_; }
   HWY_INLINE const VertexIndices& lastIndices() const { return newest_indices_; }
-  /// The points that the end rests on; none before the first step.
+  /// The points that the end is computed from; none before the first step.
   HWY_INLINE void carriers(GjkEnd end, Carriers& found) const;
 
  private:
@@ -368,7 +367,7 @@ HWY_INLINE Step Search<Cores>::beginCarried(const PairCache& carried) {
   }
   old_ = cores_.members(indices);
   old_indices_ = sideBySide(allLanes(indices[0]), allLanes(indices[1]), allLanes(indices[2]));
-  // One of them counts as the newest.
+  // One of them becomes the newest.
   pick(old_, Pick<4>(0), newest_);
   newest_indices_ = indices[0];
   const Step found = step(newest_, old_, nearest_);
@@ -461,8 +460,8 @@ HWY_INLINE GjkEnd Search<Cores>::run(const Triple& first, const PairCache* carri
     beginAlong(first);
   }
   while (last == Step::kNearer) {
-    // Progress::enough() for an upper end without its points. (Goes on where that equals the
-    // threshold.)
+    // Same as Progress::enough(), for an upper end without its points. (Continues if that equals
+    // the threshold.)
     const double upper = std::sqrt(nearest_.norm_squared) - upper_offset_;
     double lower = best_.value() - lower_offset_;
     if (eitherIsGreater(BodyLanes{lower, -upper},
@@ -527,7 +526,7 @@ HWY_INLINE void Search<Cores>::carriers(GjkEnd end, Carriers& found) const {
   keep((k + 1) % 3, weight_second);
 }
 
-/// Offers the best plane of a search that has ended, and its iterations; `found` carries its end.
+/// Offers the best plane of a finished search, and its iterations; `found` carries its end.
 template <class Cores>
 HWY_INLINE void offerPlane(const Search<Cores>& search, GjkEnd end, Progress& progress,
                            Carriers& found) {

@@ -60,7 +60,7 @@ Axis bestAxis(const Boxes& boxes, const Eigen::Matrix3d& R) {
     axes[7 + 3 * i] = {z, 0, -x};
     axes[8 + 3 * i] = {-y, x, 0};
   }
-  // In one loop without dependencies, so that roots and quotients overlap.
+  // One loop without dependencies, so that roots and quotients overlap.
   double apart[15], length[15];
   for (int i = 0; i < 15; ++i) {
     const Gap gap = gapAlong(boxes, axes[i].x(), axes[i].y(), axes[i].z());
@@ -74,8 +74,8 @@ Axis bestAxis(const Boxes& boxes, const Eigen::Matrix3d& R) {
   return {side / length[best] * axes[best], apart[best]};
 }
 
-// The feature of a box that is farthest along a direction: a corner, edge or face. Edges within
-// kPerpendicularEdge of perpendicular belong to it.
+// The feature of a box that is farthest along a direction: a corner, edge or face. It includes
+// edges that are perpendicular to the direction within kPerpendicularEdge.
 struct Feature {
   Vector center;
   Vector half[2];  // half edges
@@ -98,7 +98,7 @@ Feature farthestFeature(const Vector& center, const Vector half[3], const Vector
   return f;
 }
 
-// The coordinate of p - center along a half edge, as a fraction of that.
+// The coordinate of p - center along a half edge, as a fraction of that half edge.
 double coordinate(const Feature& f, int i, const Vector& p) {
   const double squared = f.half[i].squaredNorm();
   return squared > 0 ? f.half[i].dot(p - f.center) / squared : 0;
@@ -129,7 +129,8 @@ int cut(const Feature& f, int i, double sign, Vector polygon[12], int count) {
   return kept;
 }
 
-// The middle of the intersection of f with `of`, which touches it or misses it by rounding; on f.
+// The middle of the intersection of f with `of`, which touches f or misses it by rounding; the
+// point is on f.
 Vector shared(const Feature& f, const Feature& of) {
   Vector polygon[12];
   int count = 0;
@@ -149,7 +150,7 @@ Vector shared(const Feature& f, const Feature& of) {
       Vector before[12];
       std::copy(polygon, polygon + count, before);
       const int kept = cut(f, i, sign, polygon, count);
-      // Rounding may leave nothing: the polygon before the cut is near enough then.
+      // Rounding may leave nothing; the polygon before the cut is then close enough.
       if (kept > 0) {
         count = kept;
       } else {

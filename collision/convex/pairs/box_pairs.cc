@@ -10,7 +10,8 @@ namespace leeway::collision {
 
 namespace {
 
-// Cosines from and to which a face, or an edge, is tried in a cached direction. Any value is right.
+// Limits on the cosine: above the first a face, below the second an edge, is tried for a cached
+// direction. Any value is correct.
 constexpr double kCachedAligned = 0.99;
 constexpr double kCachedAcross = 0.1;
 
@@ -71,7 +72,7 @@ double planeAlong(const Boxes& boxes, const Triple& n) {
          std::abs(n.y) * boxes.half_b[1] - std::abs(n.z) * boxes.half_b[2];
 }
 
-// A box in another one's frame: its centre c and its axes m[.][k].
+// A box in the frame of another box: its centre c and its axes m[.][k].
 struct Placement {
   double c[3];
   double m[3][3];
@@ -83,8 +84,8 @@ Triple beyond(const double p[3], const double half[3]) {
           p[2] - within(p[2], -half[2], half[2])};
 }
 
-// The corner of the other box that is nearest to this one's face across axis i. True when it is
-// above that face.
+// The corner of the other box that is nearest to this box's face across axis i. True if it is above
+// that face.
 bool cornerAboveFace(const Placement& other, const double half[3], const double other_half[3],
                      int i, double corner[3]) {
   for (int j = 0; j < 3; ++j) corner[j] = other.c[j];
@@ -119,8 +120,8 @@ struct EdgePair {
   int i = -1, k = -1;
 };
 
-// The pair of edges with the largest gap, if that is larger than `gap`. Branch-free: which pair
-// wins is unpredictable.
+// The pair of edges with the largest gap, if that is larger than `gap`. Branch-free, because the
+// best pair is unpredictable.
 EdgePair widestEdges(const Placement& a, const double half_a[3], const double half_b[3],
                      double gap) {
   double r[3][3];
@@ -151,13 +152,13 @@ EdgePair widestEdges(const Placement& a, const double half_a[3], const double ha
   return which < 0 ? EdgePair{} : EdgePair{which / 3, which % 3};
 }
 
-// The nearest points of two edges. False when one of them is beyond an end.
+// The nearest points of two edges. False if one of them is beyond an end.
 bool edgesMeet(const Boxes& boxes, const Placement& a, const EdgePair& edges, Nearest& nearest) {
   const int i = edges.i, k = edges.k;
   const int j = i == 2 ? 0 : i + 1, m = i == 0 ? 2 : i - 1;
   const int p = k == 2 ? 0 : k + 1, q = k == 0 ? 2 : k - 1;
   const double sine_squared = a.m[j][k] * a.m[j][k] + a.m[m][k] * a.m[m][k];
-  // (Below, the square has lost digits, and the normal would not be of unit length.)
+  // (Below this, the square has lost digits, and the normal would not be of unit length.)
   if (!(sine_squared > kParallelEdgesSquared)) return false;
   double n_j = -a.m[m][k], n_m = a.m[j][k];
   // From A to B.
@@ -190,9 +191,10 @@ bool edgesMeet(const Boxes& boxes, const Placement& a, const EdgePair& edges, Ne
   return true;
 }
 
-// Coordinate descent from A's corner farthest along n: Newton steps along A's axis with the largest
-// possible gain. The squared distance from B is convex, and quadratic between the planes of B's
-// faces. True once the points are nearest to within a share of kPairNarrow, or after the last step.
+// Coordinate descent from A's corner farthest along n: Newton steps along the axis of A with the
+// largest possible gain. The squared distance from B is convex, and quadratic between the planes of
+// B's faces. True once the points are nearest to within a share of kPairNarrow, or after the last
+// step.
 bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
   constexpr int kSteps = 16;
   const double narrow = 0.1 * kPairNarrow * sizeOf(boxes);
@@ -203,12 +205,12 @@ bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
     p = p + s[k] * boxes.axis[k];
   }
   const Triple half_b = {boxes.half_b[0], boxes.half_b[1], boxes.half_b[2]};
-  int last = -1;  // axis of the step before; its coordinate and the slope before that step
+  int last = -1;  // axis of the previous step; its coordinate and the slope before that step
   double last_s = 0, last_slope = 0;
   for (int step = 0;; ++step) {
     const Triple w = within(p, half_b) - p;
     const double squares = squared(w);
-    // The gain that a move along each axis may have, to first order. Their sum is the gap between
+    // The possible gain of a move along each axis, to first order. Their sum is the gap between
     // both ends.
     double slope[3], gain[3], sum = 0;
     for (int k = 0; k < 3; ++k) {
@@ -230,7 +232,8 @@ bool descend(const Boxes& boxes, const Triple& n, Nearest& nearest) {
     const double curvature = (w.x != 0) * (axis.x * axis.x) + (w.y != 0) * (axis.y * axis.y) +
                              (w.z != 0) * (axis.z * axis.z);
     const double before = s[k];
-    // Newton's step; the secant's where the step before overshot, or they might alternate for ever.
+    // A Newton step, or a secant step if the previous step overshot, because Newton steps might
+    // alternate for ever.
     const bool beyond_it = k == last && last_slope * slope[k] < 0;
     const double way =
         beyond_it ? slope[k] * (before - last_s) / (last_slope - slope[k]) : slope[k] / curvature;
@@ -259,14 +262,14 @@ Views viewsOf(const Boxes& boxes) {
             {axis[2].x, axis[2].y, axis[2].z}}}};
 }
 
-// A face of B (or of A) with a gap of `gap` to the other box. True when the other's nearest corner
-// is above the face, or the goal is decided.
+// Handles a face of B (or of A) with a gap of `gap` to the other box. True if the other box's
+// nearest corner is above the face, or if the goal is decided.
 bool faceMeets(const Boxes& boxes, const Views& views, bool on_b, int face, double gap,
                const Goal& goal, Nearest& nearest) {
   double corner[3];
   const bool above = on_b ? cornerAboveFace(views.a_in_b, boxes.half_b, boxes.half_a, face, corner)
                           : cornerAboveFace(views.b_in_a, boxes.half_a, boxes.half_b, face, corner);
-  // The vector to the corner, in the frame of the face's box; above the face it is along the
+  // The vector to the corner, in the frame of the face's box; above the face it is parallel to the
   // normal.
   const Triple w = beyond(corner, on_b ? boxes.half_b : boxes.half_a);
   const bool meets = above && gap > 0;
@@ -287,7 +290,7 @@ bool faceMeets(const Boxes& boxes, const Views& views, bool on_b, int face, doub
   return true;
 }
 
-// For a pair that has hardly moved since the cache was written: the cached direction names the
+// For a pair that has hardly moved since the cache was written: the cached direction selects the
 // face, the edges, or the corner to start from. Any content is valid.
 bool nearestFromCache(const Boxes& boxes, const Views& views, const PairCache& cache,
                       const Goal& goal, Nearest& nearest) {
@@ -314,7 +317,7 @@ bool nearestFromCache(const Boxes& boxes, const Views& views, const PairCache& c
   if (!(across && edgesMeet(boxes, views.a_in_b, edges, nearest)) && !descend(boxes, n, nearest)) {
     return false;
   }
-  // (Where the vector is too short to have a direction, the separating axes are better.)
+  // (If the vector is too short to have a direction, the separating axes are better.)
   return nearest.apart - nearest.plane <= kPairNarrow * sizeOf(boxes) || nearest.plane > goal.above;
 }
 
@@ -327,7 +330,8 @@ bool nearestInB(const Boxes& boxes, const Views& views, const Goal& goal, Neares
   const int face = on_b ? face_b : face_a;
   if (faceMeets(boxes, views, on_b, face, gap, goal, nearest)) return true;
   const EdgePair edges = widestEdges(views.a_in_b, boxes.half_a, boxes.half_b, gap);
-  // No axis separates them, except perhaps across nearly parallel edges: nowhere to descend to.
+  // No axis separates them, except perhaps across nearly parallel edges, so there is no start for a
+  // descent.
   if (edges.i < 0 && !(gap > 0)) return false;
   if (edges.i >= 0 && edgesMeet(boxes, views.a_in_b, edges, nearest)) return true;
   const Triple n = on_b ? Triple{face == 0 ? -boxes.c.x : 0, face == 1 ? -boxes.c.y : 0,

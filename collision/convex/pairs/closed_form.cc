@@ -48,8 +48,8 @@ PointDistance fromBox(const Vector& half, const Vector& p) {
     const double norm = std::sqrt(norm_squared);
     return {norm, nearest, d / norm};
   }
-  // Inside: out through the nearest face. (Also where the square of d underflows: an error of
-  // 1e-160.)
+  // Inside: the way out is through the nearest face. (Also if the square of d underflows: an error
+  // of 1e-160.)
   int axis = 0;
   const double depth = (half - p.cwiseAbs()).minCoeff(&axis);
   PointDistance result{-std::max(depth, 0.0), nearest, Vector::Zero()};
@@ -105,15 +105,15 @@ PointDistance fromCone(double radius, double half_length, const Vector& p) {
         plane.point(plane.across - from_slant * normal_across, p.z() - from_slant * normal_along),
         normal_across * plane.radial + normal_along * Vector::UnitZ()};
   }
-  // Outside. Above the base or the slant the direction is their normal: a difference of two points
-  // would lose it near contact.
+  // Outside. Above the base or the slant, the direction is their normal, because a difference of
+  // two points would lose it near contact.
   if (from_base > 0 && plane.across <= radius) {
     return {from_base, plane.point(plane.across, -half_length), -Vector::UnitZ()};
   }
-  // How far the point is, along the slant, beyond the apex and the rim. Computed from differences
-  // to them, which keep the point's accuracy nearby. (Computed as a share of the slant they would
-  // not: next to the apex the direction would come out across the axis, along which the cone
-  // reaches farther.)
+  // The distances of the point, along the slant, beyond the apex and the rim. They are computed
+  // from differences to apex and rim, which keep the point's accuracy nearby. As a share of the
+  // slant they would lose it: next to the apex the direction would point across the axis, along
+  // which the cone reaches farther.
   const double rise = 2 * half_length;
   const double over_apex = ((p.z() - half_length) * rise - plane.across * radius) / slant;
   const double over_rim = ((plane.across - radius) * radius - (p.z() + half_length) * rise) / slant;
@@ -130,7 +130,7 @@ PointDistance fromCone(double radius, double half_length, const Vector& p) {
           unitOr(d, norm, normal_across * plane.radial + normal_along * Vector::UnitZ())};
 }
 
-// Lane by lane: y, but 0 where x is 0.
+// Lane by lane: y, or 0 where x is 0.
 BodyLanes whereNotZero(BodyLanes x, BodyLanes y) {
   using Bits = std::int64_t __attribute__((vector_size(16)));
   return reinterpret_cast<BodyLanes>((x != BodyLanes{0, 0}) & reinterpret_cast<Bits>(y));
@@ -168,7 +168,7 @@ double breakpointsNearestToBox(const Triple& c, const Triple& h, const Triple& h
 
 }  // namespace
 
-// No default: the compiler names what a new core has to decide.
+// No default, so that the compiler lists the cases that a new core must add.
 bool hasPointDistance(Core core) {
   switch (core) {
     case Core::kPoint:
@@ -208,8 +208,8 @@ PointDistance pointDistance(const ConvexView& view, const Vector& p) {
 
 double nearestToBox(const Triple& c, const Triple& h, const Triple& half) {
   // The squared distance is convex in s. Its derivative increases and is linear between the
-  // breakpoints where a coordinate enters or leaves the box: Newton's step is exact once it is on
-  // the root's piece, mostly after two or three steps.
+  // breakpoints where a coordinate enters or leaves the box. Newton's step is exact once it is on
+  // the root's piece, in most cases after two or three steps.
   constexpr int kSteps = 6;
   const Triple squares = {h.x * h.x, h.y * h.y, h.z * h.z};
   double s = nearestOnSegment(within(c, half) - c, h);
@@ -217,7 +217,7 @@ double nearestToBox(const Triple& c, const Triple& h, const Triple& half) {
     const Triple p = c + s * h;
     const Triple out = p - within(p, half);
     const double slope = dot(h, out);
-    // (0 where the point is inside; then the slope is 0, too.)
+    // (0 if the point is inside; then the slope is 0, too.)
     const BodyLanes x_y = whereNotZero(BodyLanes{out.x, out.y}, BodyLanes{squares.x, squares.y});
     const BodyLanes z = whereNotZero(BodyLanes{out.z, 0}, BodyLanes{squares.z, 0});
     const double curvature = std::max(x_y[0] + x_y[1] + z[0], kInsteadOfZero);

@@ -24,8 +24,8 @@ struct Cylinder {
 
 double norm(const Triple& v) { return std::sqrt(squared(v)); }
 
-// A column of a rotation (to within kRotationTolerance), normalized: projections onto the axis rely
-// on its length.
+// A column of a rotation (within kRotationTolerance), normalized, because projections onto the axis
+// depend on its length.
 Triple unitAxis(const Triple& v) {
   const double squares = squared(v);
   return std::abs(squares - 1) <= 8 * kUnitRoundoff ? v : (1 / std::sqrt(squares)) * v;
@@ -35,8 +35,8 @@ Cylinder cylinderOf(const Shape& shape, const Triple& center, const Triple& axis
   return {center, unitAxis(axis), shape.radius(), shape.halfLength()};
 }
 
-// The unit vector along v's part across u, 0 where rounding leaves none. Orthogonalized twice:
-// where v is nearly along u, the first pass leaves rounding of v's size.
+// The unit vector along v's part across u; 0 if only rounding is left. Orthogonalized twice,
+// because if v is nearly along u, the first pass leaves rounding of v's size.
 Triple unitAcross(const Triple& v, const Triple& u) {
   const Triple once = v - dot(v, u) * u, twice = once - dot(once, u) * u;
   const double squares = squared(twice);
@@ -51,10 +51,10 @@ double reachOf(const Cylinder& a, const Triple& n) {
   return a.half * std::abs(along) + a.radius * norm(n - along * a.u);
 }
 
-// Solids with a closed form for the point nearest to p. project() gives the vector g from that
-// point to p; the vector `pull` to p from a point, line or solid whose distance differs by a
-// constant; and `bend` = t . dpull/dt, the rate at which `pull` grows with p along the unit vector
-// t.
+// Solids with a closed form for the point nearest to p. project() returns three things: the vector
+// g from that point to p; the vector `pull` to p from a point, line or solid whose distance differs
+// by a constant; and `bend` = t . dpull/dt, the rate at which `pull` grows with p along the unit
+// vector t.
 struct SegmentSolid {
   Triple c, h;
   double reachAlong(const Triple& n) const { return std::abs(dot(n, h)); }
@@ -92,7 +92,7 @@ struct CylinderSolid {
     g = (out * per) * radial + up * body.u;
     const double along_z = dot(t, body.u), along_radial = dot(t, radial) * per;
     const double z_squared = along_z * along_z, radial_squared = along_radial * along_radial;
-    // Next to the side the distance from the axis has the same minimum, and its square is curved
+    // Next to the side, the distance from the axis has the same minimum, and its square is curved
     // even where the bodies nearly touch.
     pull = up == 0 ? radial : g;
     bend = up == 0 ? 1 - z_squared
@@ -123,7 +123,7 @@ inline bool nearestOfRim(const Cylinder& a, double side, Triple radial, const So
     double bend = 0;
     solid.project(nearest.point_a, t, g, pull, bend);
     const double along = dot(pull, t), inwards = -dot(pull, radial);
-    // To second order the rim stands out of the plane by at most half this share of its radius.
+    // To second order, the rim protrudes from the plane by at most half this share of its radius.
     if (along * along <= kRimNarrow * (inwards * inwards) || i == kSteps) break;
     if (goal.below > 0 && squared(g) < goal.below * goal.below) break;
     const double curvature = a.radius * bend + inwards;
@@ -138,20 +138,22 @@ inline bool nearestOfRim(const Cylinder& a, double side, Triple radial, const So
   return nearest.apart > 0;
 }
 
-// The unit vector across A's axis towards p; any one where p is on the axis.
+// The unit vector across A's axis towards p; an arbitrary one if p is on the axis.
 Triple radialTowards(const Cylinder& a, const Triple& p) {
   const Triple v = unitAcross(p - a.c, a.u);
   if (squared(v) > 0) return v;
   return unitAcross(std::abs(a.u.x) < 0.6 ? Triple{1, 0, 0} : Triple{0, 1, 0}, a.u);
 }
 
-// By how much p + radius n misses the side of a cylinder with axis u, for p on the axis and not at
-// an end, and n nearly across u: the distance to move it along the axis is at most this.
+// The distance by which p + radius n misses the side of a cylinder with axis u, for p on the axis
+// but not at an end, and n nearly across u. Moving it along the axis by at most this distance is
+// enough.
 double tiltOf(const Triple& n, const Triple& u, double radius) {
   return std::abs(dot(n, u)) * radius;
 }
 
-// Two sides are nearest where their axes are: p is on A's axis, p + w on the other's (or on a box).
+// Two sides are nearest where their axes are nearest: p is on A's axis, p + w on the other's (or on
+// a box).
 bool sidesMeet(const Cylinder& a, const Triple& p, const Triple& w, double other_radius,
                Nearest& nearest) {
   const double length = norm(w);
@@ -166,7 +168,7 @@ Triple farthestPoint(const Cylinder& a, const Triple& n) {
   return a.c + std::copysign(a.half, dot(n, a.u)) * a.u + a.radius * unitAcross(n, a.u);
 }
 
-// The farthest point along the axis, where all of the cap is equally far: the one nearest
+// The farthest point along the axis, where the whole cap is equally far: the one nearest to
 // `towards`.
 Triple farthestOfCap(const Cylinder& a, const Triple& n, const Triple& towards) {
   const Triple end = a.c + std::copysign(a.half, dot(n, a.u)) * a.u;
@@ -175,7 +177,7 @@ Triple farthestOfCap(const Cylinder& a, const Triple& n, const Triple& towards) 
   return length <= a.radius ? end + w : end + (a.radius / length) * w;
 }
 
-// A's cap and p, the other body's point nearest to the cap's plane. True when p is above the cap.
+// A's cap and p, the other body's point nearest to the cap's plane. True if p is above the cap.
 bool capMeets(const Cylinder& a, const Triple& p, Nearest& nearest) {
   const Triple from = p - a.c;
   const double z = dot(from, a.u);
@@ -243,7 +245,7 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
   const double gap_a = std::abs(along_a) - a.half - b.half * std::abs(cosine) - b.radius * sine;
   const double gap_b = std::abs(along_b) - b.half - a.half * std::abs(cosine) - a.radius * sine;
   const double gap = std::max(gap_a, gap_b);
-  // Ends early, where a cap's plane or two points of the axes decide the threshold.
+  // Ends early if a cap's plane or two points of the axes decide the threshold.
   const auto settle = [&](const Triple& p, const Triple& w) {
     nearest.settle(
         p, w,
@@ -285,7 +287,7 @@ bool nearestOfCylinders(const Shape& shape_a, const Pose& X_WA, const Shape& sha
     planeOf(a, CylinderSolid{b}, nearest);
     return true;
   }
-  // First rims at which the axes' nearest points are, then those nearest to inner ones.
+  // Tries the rims at the axes' nearest points first, then those nearest to inner points.
   const double narrow = kPairNarrow * (a.radius + a.half + b.radius + b.half);
   const auto enough = [&] {
     return nearest.apart - nearest.plane <= narrow || nearest.apart < goal.below;
@@ -354,7 +356,7 @@ bool nearestOfCylinderAndBox(const Shape& cylinder, const Pose& X_WC, const Shap
   } else if (gap > 0) {
     nearest.normal = n;
     nearest.plane = gap;
-    // True where only the face's coordinate of p is outside of the box.
+    // True if only the face's coordinate of p is outside the box.
     const auto faceMeets = [&](const Triple& p) {
       const Triple w = within(p, half) - p;
       nearest.point_a = p;

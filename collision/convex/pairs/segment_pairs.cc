@@ -20,7 +20,7 @@ bool offerSegments(const ConvexView& a, const Pose& X_BA, const ConvexView& b, P
   const double norm = w.norm();
   ++progress.iterations;
   progress.offerWitness(norm, w, p);
-  // The lowest point of the difference along n: its centre less both half segments.
+  // The lowest point of the difference along n: its centre minus both half segments.
   const auto offer = [&](const Vector& n) {
     const double value =
         -n.dot(X_BA.translation) - std::abs(n.dot(half_a)) - std::abs(n.dot(half_b));
@@ -28,7 +28,7 @@ bool offerSegments(const ConvexView& a, const Pose& X_BA, const ConvexView& b, P
   };
   if (norm > 0) offer(w / norm);
   if (progress.enough()) return true;
-  // (Nearly) crossing: the common perpendicular is the better direction.
+  // (Nearly) crossing segments: the common perpendicular is the better direction.
   Vector across = cross(half_a, half_b);
   const double across_squared = across.squaredNorm();
   // (A smaller square has lost digits.)
@@ -78,7 +78,7 @@ bool offerTriangle(const ConvexView& a, const Pose& X_BA, const ConvexView& b, P
     return offer(p, closestPointOnTriangle(p, t[0], t[1], t[2]));
   };
   if (!segment) return offerEnd(center);
-  // The end nearer to the triangle first.
+  // Starts with the end that is closer to the triangle.
   const Vector away = center - b.center;
   const double sign = away.dot(half) > 0 ? -1 : 1;
   if (offerEnd(center + sign * half)) return true;

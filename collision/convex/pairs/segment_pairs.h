@@ -5,9 +5,9 @@
 namespace leeway::collision {
 
 // Candidate points of a segment (the core of a capsule) and another core, and the plane across the
-// vector between them. Planes and points are certified like any others, so that poor candidates
-// only widen the interval. All return true when the request is met; otherwise the pair (nearly)
-// touches, and what was offered stays. O(1).
+// vector between them. Planes and points are certified like any others, so poor candidates only
+// widen the interval. All functions return true if the request is met; otherwise the pair (nearly)
+// touches, and the offered ends stay. O(1).
 
 /// Two segments.
 bool offerSegments(const ConvexView& a, const Pose& X_BA, const ConvexView& b, Progress& progress);

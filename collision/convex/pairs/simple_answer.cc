@@ -9,15 +9,16 @@ namespace leeway::collision {
 
 namespace {
 
-// With room for rounding. Where the poses' slack needs more, answer() finds the request not met.
+// The goal has room for rounding. If the poses' slack needs more, answer() finds that the request
+// is not met.
 Goal goalOf(const PairFrame& frame, const DistanceRequest& request) {
   const double core = request.threshold + (frame.radius_a + frame.radius_b);
   const double room = 256 * kUnitRoundoff * (std::abs(core) + frame.extent_a + frame.extent_b);
   return {core + room, core - room};
 }
 
-// How far a core reaches from its centre along a unit vector, and the distance at which a ray along
-// it leaves the core, or less.
+// The reach of a core from its centre along a unit vector, and a lower bound on the distance at
+// which a ray along that vector leaves the core.
 struct Ray {
   double reach = 0, exit = 0;
 };
@@ -46,8 +47,8 @@ Ray rayOf(const Shape& shape, const Eigen::Matrix3d& R, const Triple& n) {
   }
 }
 
-// Along the line of the centres: the plane across it and the points where it leaves the bodies
-// decide most thresholds.
+// Along the line of the centres: the plane across the line and the points where it leaves the
+// bodies decide most thresholds.
 bool settleAlongCenters(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                         const Goal& goal, Nearest& nearest) {
   const Triple d = tripleOf(X_WA.translation) - tripleOf(X_WB.translation);
@@ -78,7 +79,7 @@ bool settleBoxes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
   for (bool last = false;; last = true) {
     const Triple w = q - p;
     const double apart = std::sqrt(squared(w));
-    // How far both reach along w, a lane each. (Divided last, so that it need not wait for the
+    // The reach of both along w, one lane each. (Divided last, so that it need not wait for the
     // root.)
     const auto along = [&](int k) __attribute__((always_inline)) {
       const BodyLanes x = {R(0, k), S(0, k)}, y = {R(1, k), S(1, k)}, z = {R(2, k), S(2, k)};

@@ -10,8 +10,8 @@
 
 namespace leeway::collision {
 
-// From the nearest points of two cores to an answer; and spheres and capsules, which need no more.
-// Inline, because a call costs as much as their arithmetic.
+// From the nearest points of two cores to an answer; also spheres and capsules, which need nothing
+// else. Inline, because a call costs as much as their arithmetic.
 
 // clang-format off
 // Rounding, in units of u L with u = kUnitRoundoff and L >= extent A + extent B + |t|, of points and planes
@@ -45,27 +45,27 @@ struct PairAnswer {
     write(point_a, result.point_a);
     write(point_b, result.point_b);
     write(normal, result.normal);
-    // (Neighbours in memory: one store writes both, one load reads them.)
+    // (Neighbours in memory, so that one store writes both and one load reads them.)
     result.iterations = 1;
     result.triangle_a = -1;
   }
 };
 
-/// The answer from nearest points of the cores. False when it meets no condition of the request, or
-/// when poses or sizes are out of range.
+/// Makes the answer from nearest points of the cores. False if it meets no condition of the
+/// request, or if poses or sizes are out of range.
 inline __attribute__((always_inline)) bool answer(const PairFrame& frame, const Nearest& nearest,
                                                   const DistanceRequest& request, PairCache* cache,
                                                   PairAnswer& answer) {
   const PoseCheck check = checkRotationsQuickly(frame.X_WA.rotation, frame.X_WB.rotation);
   const double radii = frame.radius_a + frame.radius_b;
-  // |t| <= apart + both extents. (Written so that little has to wait for the root in `apart`.)
+  // |t| <= apart + both extents. (Written so that few operations wait for the root in `apart`.)
   const double share = check.departure + (kClosedFormRounding + kPoseRounding) * kUnitRoundoff;
   const double extents = 2 * (frame.extent_a + frame.extent_b);
   const double size = nearest.apart + (extents + kLeastSum);
   const double rounding =
       share * nearest.apart + (share * (extents + kLeastSum) + 4 * kUnitRoundoff * radii);
   const Interval found = {(nearest.plane - radii) - rounding, (nearest.apart - radii) + rounding};
-  // False for NaN; a translation that is not finite gives no finite size.
+  // False for NaN; a translation that is not finite gives a size that is not finite.
   if (!(check.rotations && nearest.apart > 64 * kUnitRoundoff * size && size <= kFarthest)) {
     return false;
   }
@@ -86,9 +86,9 @@ inline __attribute__((always_inline)) bool answer(const PairFrame& frame, const 
 }
 
 /// The signed separation of two spheres or capsules (kSegment: a capsule) that are apart, by closed
-/// forms from the world poses (Lumelsky 1985), in the world's axes. False where a closed form is
-/// not enough: cores that overlap or nearly do, sizes out of range, tolerances below rounding,
-/// invalid poses, no iteration allowed. The interval rests on points of both bodies and on a
+/// forms from the world poses (Lumelsky 1985), in the world's axes. False if a closed form is not
+/// enough: cores that overlap or nearly do, sizes out of range, tolerances below rounding, invalid
+/// poses, no iteration allowed. The interval is computed from points of both bodies and a
 /// supporting plane, however they were found: near-parallel segments may get poor points, and the
 /// plane then makes the interval wide. O(1).
 template <bool kSegmentA, bool kSegmentB>
@@ -103,7 +103,7 @@ inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const 
   Nearest nearest;
   nearest.point_a = d;
   if constexpr (kSegmentA && kSegmentB) {
-    // A lane for each axis.
+    // One lane for each axis.
     const BodyLanes x = {R(0, 2), S(0, 2)}, y = {R(1, 2), S(1, 2)}, z = {R(2, 2), S(2, 2)};
     const auto along = [&](const Triple& v) __attribute__((always_inline)) {
       return x * BodyLanes{v.x, v.x} + y * BodyLanes{v.y, v.y} + z * BodyLanes{v.z, v.z};
@@ -134,8 +134,8 @@ inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const 
     nearest.apart = nearest.plane = std::sqrt(squared(w));
     const double per = 1 / nearest.apart;
     nearest.normal = per * w;
-    // For a point the distance is the plane's. For a segment the normal of a short vector is not
-    // perpendicular to it, and callers rely on the plane.
+    // For a point the distance is that of the plane. For a segment, the normal of a short vector is
+    // not perpendicular to it, and callers rely on the plane.
     if constexpr (kSegmentA || kSegmentB)
       nearest.plane = per * (-dot(w, d) - std::abs(dot(w, half)));
   }
@@ -144,7 +144,7 @@ inline __attribute__((always_inline)) bool answerSegments(const Shape& a, const 
 }
 
 /// The signed separation of a box or cylinder that is apart from a box, cylinder, sphere or
-/// capsule. False, with nothing written to `result`, where answerSegments() would be, for other
+/// capsule. Returns false, with `result` unchanged, in the cases of answerSegments(), for other
 /// shapes, and for a few pairs of features that no closed form covers. O(1).
 bool answerBoxPair(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                    const DistanceRequest& request, PairCache* cache, DistanceResult& result);

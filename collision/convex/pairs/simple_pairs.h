@@ -9,7 +9,7 @@
 
 namespace leeway::collision {
 
-/// Distances of the cores that decide the caller's threshold, with room for rounding [m]; NaN:
+/// Distances of the cores that decide the caller's threshold, with room for rounding [m]; NaN if
 /// there is no threshold.
 struct Goal {
   double above = std::numeric_limits<double>::quiet_NaN();  ///< farther is above the threshold
@@ -17,15 +17,15 @@ struct Goal {
   bool asked() const { return above == above; }
 };
 
-/// Nearest points of two cores that are apart, and a plane between them. In a frame with B's
+/// Nearest points of two cores that are apart, and a plane between them, in a frame with B's
 /// origin.
 struct Nearest {
   Triple point_a;
   double apart = 0;  ///< distance of the two points: an upper end of the cores' distance [m]
   Triple normal;     ///< unit, from A to B
-  double plane = 0;  ///< along `normal` all of B is beyond all of A by this: the lower end [m]
+  double plane = 0;  ///< along `normal`, all of B is beyond all of A by this: the lower end [m]
   /// The search ended at a decided threshold: the vector from A's point to B's is `way`. Otherwise
-  /// it is apart * normal, but for rounding.
+  /// it is apart * normal, up to rounding.
   bool early = false;
   Triple way;
 
@@ -50,8 +50,8 @@ inline void toWorld(const Eigen::Matrix3d& R_WB, Nearest& nearest) {
 
 struct VertexStart;  // convex/hull_pairs.h
 
-/// distance() without answerSegments(), answerBoxPair() and answerHullPair(): their fallback, for
-/// hulls from where a search has ended (`start`), and their slow twin in tests.
+/// distance() without answerSegments(), answerBoxPair() and answerHullPair(). It is their fallback,
+/// which for hulls continues from the end of a search (`start`), and their slow twin in tests.
 DistanceResult generalDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                                const DistanceRequest& request, Scratch& scratch, PairCache* cache,
                                const VertexStart* start = nullptr);

@@ -74,7 +74,7 @@ double at(const double (&values)[3], const double (&mu)[3]) {
 
 }  // namespace
 
-// Splits v into parts along the middle and across, and `beyond` = |v| - along. False where the
+// Splits v into parts along the middle and across, and `beyond` = |v| - along. False if the
 // direction is lost: v may be off by `doubt`.
 bool CellBound::split(const Vector (&v)[3], double doubt, Round& round, double (&beyond)[3]) {
   constexpr double kThird = 1.0 / 3;
@@ -94,7 +94,8 @@ bool CellBound::split(const Vector (&v)[3], double doubt, Round& round, double (
     round.r_squared = std::max(round.r_squared, r_squared);
     if (squared > 0) largest = std::max(largest, r_squared / squared);
     shortest = std::min(shortest, squared);
-    // (Opposite to e, |v| and e . v err in opposite directions, however small the angle's sine.)
+    // (Opposite to e, |v| and e . v err in opposite directions, however small the sine of the
+    // angle.)
     if (!(along > 0)) slack_ += 2 * doubt;
   }
   angle_ = std::max(angle_, std::sqrt(largest));
@@ -162,14 +163,14 @@ void CellBound::addRound(const Vector (&v)[3], const double (&share)[3], double 
   double beyond[3];
   for (int i = 0; i < 3; ++i) round.share[i] = share[i];
   if (!split(v, doubt, round, beyond)) {
-    // (|v| >= 0 is a bound, too.)
+    // (|v| >= 0 is also a bound.)
     for (int i = 0; i < 3; ++i) at_[i] -= round.share[i] * v[i].norm();
     slack_ += doubt;
     return;
   }
   const double nearest = std::min({round.along[0], round.along[1], round.along[2]}),
                most = std::max({round.along[0], round.along[1], round.along[2]});
-  // (About a cap's middle |M x| is far from linear.)
+  // (Around a cap's middle, |M x| is far from linear.)
   const double constant = 2 * nearest > most ? 0 : most + std::sqrt(most * most + round.r_squared);
   for (int i = 0; i < 3; ++i) {
     const int j = kNext[i];
@@ -201,7 +202,7 @@ Form CellBound::middleForm() const {
   return form;
 }
 
-// Adds the bends at mu, less what they change by; false where the margins leave no room for that.
+// Adds the bends at mu, minus their change; false if the margins leave no room for that.
 bool CellBound::bendAt(const double (&mu)[3], double most, Form& form) const {
   if (!(most > 0)) return false;
   for (int m = 0; m < rounds_; ++m) {
@@ -233,7 +234,7 @@ bool CellBound::proves(const double (&margins)[3], double depth) {
   for (int i = 0; i < 3; ++i) lengths[i] = corners_[i].x.norm();
   const double least_length = std::min({lengths[0], lengths[1], lengths[2]});
   if (!(least_length > 0)) return false;
-  // Directions of one length, because r^2 / (2 l) has one l for all.
+  // Uses directions of equal length, because r^2 / (2 l) has one l for all.
   for (int i = 0; i < 3; ++i) {
     shorter_[i] = least_length / lengths[i];
     at_[i] = shorter_[i] * margins[i];

@@ -4,8 +4,8 @@
 
 namespace leeway::collision {
 
-/// An ellipsoid that is nearly a ball, with semi-axes M and r the least of them: r |x| of |M x| is
-/// subtracted from the depth, and the rest is small. Where ball and depth are about equal, separate
+/// An ellipsoid that is nearly a ball, with semi-axes M and r the least of them. r |x| of |M x| is
+/// subtracted from the depth, and the rest is small. If ball and depth are about equal, separate
 /// bounds of |M x| and depth |x| would err by more than their difference.
 struct NearlyBall {
   double radius = 0;               ///< r; 0: no such core
@@ -13,21 +13,21 @@ struct NearlyBall {
   Vector spread = Vector::Zero();  ///< sqrt(M^2 - r^2) / M
 };
 
-/// provesCell() with a bound that errs by the fourth power of the cell's size: it interpolates the
-/// exact margins of the corners, and only the second-order part in between is bounded. margins[i]
-/// is x . center + sum share |M x| - depth |x| of corner i, or less.
+/// provesCell() with a bound that errs by the fourth power of the cell's size. It interpolates the
+/// exact margins of the corners and bounds only the second-order part in between. margins[i] is at
+/// most x . center + sum share |M x| - depth |x| of corner i.
 class CellBound {
  public:
-  /// sizes: the largest M of each core, or more [m]; roundoff: as CoreQuery; balls, of A and B:
+  /// sizes: at least the largest M of each core [m]; roundoff: as in CoreQuery; balls, of A and B:
   /// cores that are treated as NearlyBall.
   CellBound(const CurvedCorner (&corners)[3], const double (&sizes)[2], double roundoff,
             const NearlyBall* balls = nullptr)
       : corners_(corners), sizes_(sizes), roundoff_(roundoff), balls_(balls) {}
 
-  /// True when the bound is at least 0 in all of the cell. To be called once. O(1).
+  /// True if the bound is at least 0 in the whole cell. Must be called only once. O(1).
   bool proves(const double (&margins)[3], double depth);
-  /// After proves(): the direction, of any length, in which the bound is about least, and whether
-  /// it seems to be below 0 there.
+  /// After proves(): the direction, of any length, in which the bound is approximately least, and
+  /// whether it seems to be below 0 there.
   bool seemsBelow() const { return below_; }
   const Vector& leastDirection() const { return least_; }
 

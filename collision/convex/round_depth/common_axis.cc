@@ -9,11 +9,11 @@ namespace leeway::collision {
 
 namespace {
 
-// What a core is of revolution about.
+// The symmetry of a core's revolution.
 struct Revolution {
   enum Kind { kNone, kAxis, kPoint } kind = kNone;
   int axis = 2;       // of the core's frame
-  double uneven = 0;  // by how much it is not [m]
+  double uneven = 0;  // departure from revolution [m]
 };
 
 Revolution ofEllipsoid(const Vector& semi_axes, double wide) {
@@ -45,11 +45,11 @@ Revolution revolutionOf(const ConvexView& view, double wide) {
 }  // namespace
 
 // Let A' be the body next to A whose axis is parallel to B's. The frame's origin lies in every
-// core, so that supports are at least 0, and those of A and A' differ by no more than the turn's
-// sine times extent A, here with a little room, and the departure from a rotation times extent A.
-// (That would not hold for a core beside its origin.) Uneven semi-axes count once each. A direction
-// is moved to the half plane with A' in the place of A, so that all of this counts twice. Axis and
-// halved corners of the half plane err by some 20 units of roundoff of the sizes.
+// core, so supports are at least 0, and those of A and A' differ by no more than the turn's sine
+// times extent A (here with a little room) plus the departure from a rotation times extent A. (That
+// would not hold if the origin were outside a core.) Uneven semi-axes count once each. A direction
+// is moved to the half plane with A' in place of A, so all of this counts twice. Axis and halved
+// corners of the half plane err by about 20 units of roundoff of the sizes.
 CommonAxis commonAxis(const ConvexView& a, const Pose& X_BA, const ConvexView& b, double roundoff,
                       double wide) {
   CommonAxis result;
@@ -66,7 +66,7 @@ CommonAxis commonAxis(const ConvexView& a, const Pose& X_BA, const ConvexView& b
   const double sine = has_a && has_b ? cross(axis_a, axis_b).norm() : 0;
   const Vector across = t - t.dot(result.along) * result.along;
   const double length = across.norm();
-  // (Shorter, it is rounding, and any direction will do.)
+  // (A shorter vector is rounding, and any direction will do.)
   const Vector beside = std::abs(result.along.x()) < 0.6 ? Vector::UnitX() : Vector::UnitY();
   result.across = length > kAcrossRounding * roundoff ? Vector(across / length)
                                                       : cross(result.along, beside).normalized();

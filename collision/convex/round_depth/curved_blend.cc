@@ -12,12 +12,13 @@ namespace leeway::collision {
 
 namespace {
 
-// Major cycles of Wolfe's algorithm in a direction, each of which adds a member [count].
+// Limit on the major cycles of Wolfe's algorithm in one direction, each of which adds a member
+// [count].
 constexpr int kMajorCycles = 32;
 // Weights of vertices are multiples of this, so that their sum is exactly 1.
 constexpr double kWeightUnit = 0x1p-52;
 
-// Puts the heaviest weight first and rounds the others to multiples of the unit; the first has the
+// Puts the heaviest weight first and rounds the others to multiples of the unit; the first gets the
 // rest.
 void roundWeights(CurvedChoice& choice) {
   for (int i = 1; i < choice.vertices; ++i) {
@@ -36,21 +37,21 @@ void roundWeights(CurvedChoice& choice) {
 
 }  // namespace
 
-// blend() for round parts of given shares. Wolfe's algorithm (1976): the best mean of few members,
-// exactly, then the member that gains most beside it, until none does. (One piece after the other
-// creeps where ways are nearly parallel; Frank and Wolfe's steps take thousands among the vertices
-// of a needle.) |y|^2 across the direction counts by the inverse of the bend of pieces and round
-// parts.
+// blend() for round parts of given shares. Wolfe's algorithm (1976) finds the best mean of a few
+// members exactly, then adds the member that gains most, until none does. (Optimizing one piece
+// after the other converges slowly where ways are nearly parallel; Frank and Wolfe's steps take
+// thousands of steps among the vertices of a needle.) |y|^2 across the direction is weighted by the
+// inverse of the bend of pieces and round parts.
 class CurvedFaces::Blend {
  public:
   Blend(const CurvedFaces& faces, const CurvedFace& face, double stiffness, double scale,
         const double (&shares)[2]);
 
-  /// False when the bends are out of range.
+  /// False if the bends are out of range.
   bool valid() const { return valid_; }
-  /// Finds the members and their weights; `vertex`: where the hull's climbs start.
+  /// Finds the members and their weights; `vertex`: the start of the hull's climbs.
   void run(int vertex);
-  /// Writes the choice that the members make; `shares` becomes the share taken of each round part.
+  /// Writes the choice that the members form; `shares` becomes the share taken of each round part.
   void write(CurvedChoice& choice, double (&shares)[2]) const;
 
  private:
@@ -117,7 +118,7 @@ FaceMember CurvedFaces::Blend::farthestMember(int vertex) const {
   return m;
 }
 
-// The gradient of the gain less half the square, at the mean.
+// The gradient of the gain minus half the square, at the mean.
 Vector CurvedFaces::Blend::gradientAt(const double (&mean)[kOffsets]) const {
   const double along_v = mean[1] / factor_vv_;
   return gain_scale_ * face_.e - ((mean[0] - factor_vu_ * along_v) / factor_uu_) * tangents_.u -
@@ -194,8 +195,8 @@ Vector CurvedFaces::blend(const CurvedFace& face, double stiffness, double scale
                           CurvedChoice& choice) const {
   support(face, choice);
   if (stiffness > 0 && (parameters_ > 0 || hull_ >= 0)) {
-    // The bend of round parts depends on the shares taken: repeated where these differ much from
-    // the guess.
+    // The bend of round parts depends on the shares taken, so the loop repeats if these differ much
+    // from the guess.
     const double guess[2] = {cone_[0] >= 0 ? 0.5 : 1, cone_[1] >= 0 ? 0.5 : 1};
     double shares[2] = {guess[0], guess[1]};
     const int first = hull_ >= 0 ? choice.vertex[0] : 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A lower bound of the support function of a difference on a triangle of directions (a cell):
+// A lower bound of the support function of a difference on a triangle of directions (a cell),
 // shared by curved_facet.cc and curved_depth.cc.
 
 #include <algorithm>
@@ -25,9 +25,9 @@ struct Form {
   }
 };
 
-/// True when the form is proven not to be negative: Hadeler's criterion for copositive matrices.
-/// Roots and sums err by a few units of roundoff of their terms, which are subtracted. (Written so
-/// that NaN fails.)
+/// True if the form is proven to be nonnegative: Hadeler's criterion for copositive matrices. Roots
+/// and sums err by a few units of roundoff of their terms, which are subtracted. (Written so that
+/// NaN fails.)
 inline bool copositive(const Form& f) {
   if (!(0 <= f.p00 && 0 <= f.p11 && 0 <= f.p22)) return false;
   if (0 <= f.p01 && 0 <= f.p02 && 0 <= f.p12) return true;
@@ -44,7 +44,7 @@ inline bool copositive(const Form& f) {
 }
 
 /// A corner of a triangle of directions, with a convex combination of pieces of each core: a point
-/// and a share of the ellipsoid with semi-axes M around it. All of it is linear between the
+/// and a share of the ellipsoid with semi-axes M around it. All of this is linear between the
 /// corners.
 struct CurvedCorner {
   Vector x;          ///< direction
@@ -65,7 +65,7 @@ struct CurvedCorner {
 ///   and the corners: k^2 = 1 + r^2 / (2 l^2) with their r and l.
 inline bool provesCell(const CurvedCorner (&corners)[3], const double (&sizes)[2], double depth,
                        double slack) {
-  // Directions of one length, the least of the three, because r^2 / (2 l) has one l for all.
+  // Uses directions of equal length, the least of the three, because r^2 / (2 l) has one l for all.
   CurvedCorner c[3] = {corners[0], corners[1], corners[2]};
   double lengths[3];
   for (int i = 0; i < 3; ++i) lengths[i] = c[i].x.norm();
@@ -95,7 +95,7 @@ inline bool provesCell(const CurvedCorner (&corners)[3], const double (&sizes)[2
   for (int k = 0; k < 2; ++k) {
     const double least_share = std::min({c[0].share[k], c[1].share[k], c[2].share[k]});
     const double most_share = std::max({c[0].share[k], c[1].share[k], c[2].share[k]});
-    // (Where the direction is lost, |v| >= 0 is the bound.)
+    // (If the direction is lost, |v| >= 0 is the bound.)
     if (!(most_share > 0) ||
         !split(c[0].scaled[k], c[1].scaled[k], c[2].scaled[k], kLostShare * sizes[k])) {
       continue;

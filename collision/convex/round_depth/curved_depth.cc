@@ -15,23 +15,23 @@ namespace leeway::collision {
 
 namespace {
 
-// The work of a direction where a hull's vertices are blended [count].
+// The work of a direction in which a hull's vertices are blended [count].
 constexpr std::int64_t kHullWork = 4;
 // Back-off: after descents that found nothing, up to this many are skipped [count].
 constexpr int kLongestRest = 255;
-// Halvings of a face of the octahedron [count]: most corners' coordinates stay exact, so that cells
+// Halvings of a face of the octahedron [count]. Most corners' coordinates stay exact, so that cells
 // that share an edge leave no gap. (A search ends at the first inexact one.)
 constexpr int kMostHalvings = 96;
-// Those of a half plane [count].
+// Halvings of a half plane [count].
 constexpr int kMostPlaneHalvings = 48;
 // The back-off ends at every cell whose halvings are a multiple of this [count].
 constexpr int kHalvingsPerLook = 32;
 // Stiffnesses tried for a choice [count].
 constexpr int kStiffnesses = 16;
-// Share of the width that axes which are not quite parallel may take.
+// Share of the width that may be used by axes that are not quite parallel.
 constexpr double kShareOfAxis = 0.2;
 
-// Factor to the next stiffness: small steps at first, at last to the farthest piece alone.
+// Factor to the next stiffness: small steps at first, and finally to the farthest piece alone.
 double stifferBy(int i) { return i < kStiffnesses / 2 ? 4 : 64; }
 
 // A direction at which the bound is evaluated.
@@ -40,7 +40,7 @@ struct Node {
   CurvedChoice choice;
   CurvedCorner corner;
   double value, length;  // the bound at x, and the length of x
-  int looks;             // CurvedDepth::looks_ of the depth that it was chosen for
+  int looks;             // CurvedDepth::looks_ of the depth for which it was chosen
 };
 
 struct Cell {
@@ -48,13 +48,13 @@ struct Cell {
   int halvings;
 };
 
-// (Not for points without a hull: triangles of meshes are too many.)
+// (Points need a hull, because there are too many triangles of meshes.)
 bool isSearched(const ConvexView& view) {
   return view.core == Core::kPoint || view.core == Core::kSegment || view.core == Core::kBox ||
          (view.core == Core::kPoints && view.hull != nullptr) || isRound(view.core);
 }
 
-// The ball in an ellipsoid whose axes are nearly equal; of radius 0 in any other.
+// The ball in an ellipsoid whose axes are nearly equal; its radius is 0 for any other ellipsoid.
 NearlyBall nearlyBall(const Vector& semi_axes) {
   NearlyBall ball;
   const double least = semi_axes.minCoeff(), most = semi_axes.maxCoeff();
@@ -105,12 +105,12 @@ class CurvedDepth {
   bool has_balls_ = false;
   const std::int64_t node_work_;
   const std::int64_t work_limit_;
-  // Back-off: descents in a row that found nothing, and how many to skip.
+  // Back-off: the number of successive descents that found nothing, and how many to skip.
   int idle_ = 0, rest_ = 0;
   double gap_ = 0;  // the depth to prove is this much less than the nearest plane [m]
   double depth_ = std::numeric_limits<double>::infinity();  // to be proven [m]
-  double wanted_ = 0;  // a support below this leads to a nearer plane [m]
-  int looks_ = 0;      // how often the depth has become less
+  double wanted_ = 0;  // a support below this leads to a closer plane [m]
+  int looks_ = 0;      // how often the depth has decreased
 };
 
 CurvedDepth::CurvedDepth(Difference<false>& difference, Progress& progress)
@@ -134,8 +134,8 @@ Node CurvedDepth::nodeAt(const Vector& x) {
   const CurvedFace face = faces_.along(x);
   const double support = faces_.support(face, node.choice);
   if (support < wanted_) look(face.e);
-  // A blend below the depth lies far from an edge, where it needs more of the farther piece; or
-  // near a place on the edge that is nearer than the depth.
+  // A blend below the depth lies far from an edge, where it needs more of the farther piece, or
+  // near a place on the edge that is closer than the depth.
   double times = 1;
   for (int i = 0; i < kStiffnesses; ++i, times *= stifferBy(i)) {
     const Vector y = faces_.blend(face, depth_, times, node.choice);
@@ -166,12 +166,12 @@ void CurvedDepth::fill(Node& node) const {
   node.length = x.norm();
 }
 
-// The depth to be proven. It only becomes less, so that what is proven stays proven.
+// Sets the depth to be proven. It only decreases, so what is proven stays proven.
 void CurvedDepth::setDepth() {
   const double reach = planes_.reach(), depth = reach - std::min(gap_, 0.25 * reach);
   if (!(depth < depth_)) return;
   ++looks_;
-  // (Twice, so that the parameters kept before do not count.)
+  // (Twice, so that the parameters kept before have no effect.)
   for (int i = 0; i < 2; ++i) {
     CurvedChoice choice;
     faces_.blend(faces_.along(-progress_.normal()), reach, 1, choice);
@@ -181,7 +181,7 @@ void CurvedDepth::setDepth() {
   wanted_ = depth + 2 * kCellRounding * roundoff_;
 }
 
-// Descends from a direction in which the difference is no farther out than the depth.
+// Descends from a direction in which the difference is not farther out than the depth.
 void CurvedDepth::look(const Vector& e) {
   const double before = planes_.reach(), value = planes_.ask(e);
   if (!(value < before)) return;
@@ -189,7 +189,8 @@ void CurvedDepth::look(const Vector& e) {
   setDepth();
 }
 
-// Descends from a direction in which it is farther out, but beside which an edge may not be.
+// Descends from a direction in which the difference is farther out, but next to which an edge may
+// not be.
 void CurvedDepth::lookBelow(const Vector& e) {
   if (rest_ > 0) {
     --rest_;
@@ -234,8 +235,8 @@ bool CurvedDepth::proves(const Cell& cell) {
   return false;
 }
 
-// The depth proven, `less` what the proof left open, with the member that lies along the nearest
-// plane's normal.
+// Claims the proven depth, minus `less`, which the proof left open, with the member that lies along
+// the nearest plane's normal.
 void CurvedDepth::claim(double less) {
   const CurvedFace face = faces_.along(-progress_.normal());
   const double reach = planes_.reach(), wide = std::max(reach - depth_, 0.0);
@@ -249,7 +250,7 @@ void CurvedDepth::claim(double less) {
   progress_.offerWitness(less - depth_, w, a);
 }
 
-// Rough depths first: they stay proven where the search for the last digits does not end.
+// Proves rough depths first: they stay proven if the search for the last digits does not end.
 bool CurvedDepth::provesByStages(double wanted, double offsets) {
   for (const double share : {kRoughDepths[0], kRoughDepths[1], 0.0}) {
     gap_ = 0.75 * share * (roundoff_ / kUnitRoundoff);
@@ -267,22 +268,22 @@ bool CurvedDepth::provesByStages(double wanted, double offsets) {
 bool CurvedDepth::run() {
   const CoreQuery& query = progress_.query();
   const double offsets = query.lower_offset - query.upper_offset;
-  // A quarter of the width is left for the plane and for rounding. (In this order, so that a NaN
-  // tolerance counts as the least.)
+  // A quarter of the width is reserved for the plane and for rounding. (In this order, so that a
+  // NaN tolerance counts as the least.)
   const double wanted =
       std::max(4 * kCellRounding * roundoff_, 0.75 * (query.request.tolerance - offsets));
   if (progress_.upper() - progress_.lower() <= wanted + offsets) return false;
   const bool proven = provesAroundAxis(wanted) || provesByStages(wanted, offsets);
-  // (No more than the limit, but for the last descent.)
+  // (At most the limit, except for the last descent.)
   progress_.iterations += static_cast<int>(planes_.work() / kCellsPerStep);
   return proven;
 }
 
-// Estimate, up to a factor, of the error of a cell's bound along its edge from corner i to j: for
-// each |v| the fourth power of the angle that v turns by. Needle-like ellipsoids turn theirs within
-// a strip as narrow as they are thin; cells may be long along it. (Shares and lengths are those of
-// the whole cell, so that an edge counts for more than its parts: else cells become flat, never
-// small.)
+// Estimates, up to a factor, the error of a cell's bound along its edge from corner i to j: for
+// each |v|, the fourth power of the angle by which v turns. For needle-like ellipsoids, v turns
+// within a strip as narrow as they are thin; cells may be long along it. (Shares and lengths are
+// those of the whole cell, so that an edge counts for more than its parts; otherwise cells become
+// flat, never small.)
 double CurvedDepth::bentAlong(const Cell& cell, int i, int j, bool edges) const {
   const auto bent = [&](double share, const auto& of) {
     double length = 0;
@@ -305,7 +306,7 @@ double CurvedDepth::bentAlong(const Cell& cell, int i, int j, bool edges) const 
   return sum;
 }
 
-// The nearest plane, and with it the depth to be proven; false when there is none.
+// Finds the nearest plane, and with it the depth to be proven; false if there is none.
 bool CurvedDepth::startSearch() {
   if (!(-(progress_.lower() + progress_.query().lower_offset) > 0)) return false;
   planes_.forgetReach();
@@ -317,13 +318,13 @@ bool CurvedDepth::startSearch() {
 bool CurvedDepth::search() {
   if (!startSearch()) return false;
   if (provesAtPoint()) return true;
-  // (Cells on which one way of halving spends its work are most often easy for the other.)
+  // (Cells that use up the work of one way of halving are in most cases easy for the other.)
   return provesAll(false, workLeft() / 4) || provesAll(true, 0);
 }
 
-// The depth of two bodies is no less than that of any point of one in the other, which has a closed
-// form. Where a corner or an edge lies in the middle of a round body, it is no more, either, and
-// the difference is as far out in many directions: cells would have to prove them one by one.
+// The depth of two bodies is at least that of any point of one in the other, which has a closed
+// form. If a corner or an edge lies in the middle of a round body, it is also at most that, and the
+// difference is equally far out in many directions, which cells would have to prove one by one.
 bool CurvedDepth::provesAtPoint() const {
   const CurvedFace face = faces_.along(-progress_.normal());
   CurvedChoice choice;
@@ -341,8 +342,8 @@ bool CurvedDepth::provesAtPoint() const {
   return isDeep(1, a) || isDeep(0, rotatedBack(X_BA.rotation, b - X_BA.translation));
 }
 
-// Evaluates anew the corners that were chosen for a larger depth: what is best beside an edge
-// depends on it. False when there are none.
+// Evaluates again the corners that were chosen for a larger depth, because the best choice next to
+// an edge depends on it. False if there are none.
 bool CurvedDepth::renew(Cell& cell) {
   bool any = false;
   for (Node& node : cell.node) {
@@ -354,7 +355,7 @@ bool CurvedDepth::renew(Cell& cell) {
 }
 
 // Halves a cell across the edge, from corner i to corner j, along which its bound errs most. False
-// when the middle is not exact.
+// if the middle is not exact.
 bool CurvedDepth::halve(Cell& cell, bool edges, Cell& other) {
   int i = 0, j = 1;
   double most = -1;
@@ -374,8 +375,8 @@ bool CurvedDepth::halve(Cell& cell, bool edges, Cell& other) {
   return true;
 }
 
-// True when the depth is proven in all cells of the stack, which halve() halves; ends when less
-// work than `spare` is left.
+// True if the depth is proven in all cells of the stack, which halve() halves; ends when less work
+// than `spare` is left.
 template <class Halve>
 bool CurvedDepth::provesCells(Cell* stack, int count, int most_halvings, std::int64_t spare,
                               const Halve& halve) {
@@ -410,7 +411,7 @@ bool CurvedDepth::provesAll(bool edges, std::int64_t spare) {
                      [&](Cell& cell, Cell& other) { return halve(cell, edges, other); });
 }
 
-// Cells of a half plane are angles: the second and third corner are one.
+// Cells of a half plane are angles: the second and third corners are the same.
 bool CurvedDepth::provesHalfPlane(const CommonAxis& axis) {
   Cell stack[2 + kMostPlaneHalvings];
   for (int i = 0; i < 2; ++i) {
@@ -429,8 +430,8 @@ bool CurvedDepth::provesHalfPlane(const CommonAxis& axis) {
   });
 }
 
-// For bodies of revolution about axes that are nearly parallel. What is proven is a rough depth
-// where the axes' excess is more than the width asked allows.
+// For bodies of revolution about axes that are nearly parallel. If the axes' excess is more than
+// the requested width allows, only a rough depth is proven.
 bool CurvedDepth::provesAroundAxis(double wanted) {
   const CommonAxis axis = commonAxis(faces_.view(0), planes_.pose(), faces_.view(1), roundoff_,
                                      0.25 * kShareOfAxis * wanted);

@@ -8,7 +8,7 @@ namespace leeway::collision {
 
 namespace {
 
-// The axis of an ellipsoid that is a segment, or -1.
+// The axis of an ellipsoid that is a segment; -1 if it is not.
 int segmentAxis(const Vector& semi_axes) {
   int axis = 0;
   semi_axes.maxCoeff(&axis);
@@ -28,7 +28,7 @@ CurvedFaces::CurvedFaces(const Difference<false>& difference, double evenly)
       case Core::kEllipsoid:
         part.semi_axes = views[k]->size;
         part.axis = segmentAxis(part.semi_axes);
-        // (A segment is no round part: |M x| is not smooth across it.)
+        // (A segment is not a round part, because |M x| is not smooth across it.)
         if (part.axis >= 0) part.semi_axes.setZero(), part.count = 1;
         break;
       case Core::kCone:
@@ -47,7 +47,7 @@ CurvedFaces::CurvedFaces(const Difference<false>& difference, double evenly)
         hull_ = k;
         break;
       case Core::kPoint:
-      case Core::kHalfSpace:  // is not searched
+      case Core::kHalfSpace:  // not searched
         break;
     }
     parameters_ += part.count;
@@ -70,7 +70,7 @@ CurvedFace CurvedFaces::along(const Vector& direction) const {
     if (isRound(view.core)) {
       const Vector scaled = part.semi_axes.cwiseProduct(turnedBack(k, face.e));
       const double length = scaled.norm();
-      // (Else the centre of a cap that is met squarely.)
+      // (Otherwise it is the centre of a cap that is perpendicular to the direction.)
       if (length > (view.core == Core::kEllipsoid ? 0 : kFlatRim * view.size.x())) {
         face.length[k] = length;
         face.arm[k] = turned(k, part.semi_axes.cwiseProduct(scaled) / length);

@@ -9,7 +9,7 @@ namespace leeway::collision {
 
 /// Three of a box and one of a cone.
 inline constexpr int kMostCurvedParameters = 4;
-/// Most vertices of a hull that are blended in one direction [count].
+/// Limit on the vertices of a hull that are blended in one direction [count].
 inline constexpr int kMostBlendedVertices = 4;
 
 /// The weight of each piece of the cores. Parameters of segments, boxes and cylinders are from -1
@@ -32,8 +32,8 @@ struct CurvedFace {
   double length[2] = {0, 0};  ///< |M e|, M the semi-axes
 };
 
-/// A straight edge of the difference between two pieces: of a parameter, or between two vertices of
-/// a hull.
+/// A straight edge of the difference between two pieces, either of a parameter or between two
+/// vertices of a hull.
 struct CurvedEdge {
   int parameter = -1;
   int from = 0, to = 0;
@@ -43,25 +43,25 @@ struct CurvedEdge {
 class CurvedFaces {
  public:
   /// Parallel pieces give a member in many ways. So that neighbouring directions choose alike,
-  /// departing from the parameters kept, at first the middles, is penalised: by the share `evenly`
-  /// of the penalty for lying beside the direction. A larger share costs width.
+  /// departing from the kept parameters (at first the middles) is penalised: by the share `evenly`
+  /// of the penalty for the distance from the direction. A larger share costs width.
   CurvedFaces(const Difference<false>& difference, double evenly);
-  /// Parameters to stay near.
+  /// Sets the parameters to stay close to.
   void keepNear(const CurvedChoice& choice);
 
   CurvedFace along(const Vector& direction) const;
-  /// How far the difference reaches along face.e, and the pieces that reach it.
+  /// The reach of the difference along face.e, and the pieces that attain it.
   double support(const CurvedFace& face, CurvedChoice& choice) const;
   /// The member y, over all pieces, with the largest e . y - |y - (e . y) e|^2 / (2 s). Across the
-  /// direction s counts the bend of the round parts besides `stiffness`, the sum `scale` as much.
-  /// While choosing, round parts may count in part: about the pole of a cap their arms reach to all
-  /// sides, and other pieces would be chosen to balance them. The choice has all of them, which is
-  /// farther out.
+  /// direction, s includes the bend of the round parts in addition to `stiffness`, with the sum
+  /// multiplied by `scale`. While choosing, round parts may count in part: around the pole of a cap
+  /// their arms reach to all sides, and other pieces would be chosen to balance them. The final
+  /// choice has all of them, which is farther out.
   Vector blend(const CurvedFace& face, double stiffness, double scale, CurvedChoice& choice) const;
-  /// How far the round parts' farthest points move along v when the direction moves along w.
+  /// How far the farthest points of the round parts move along v when the direction moves along w.
   double bend(const CurvedFace& face, const CurvedChoice& choice, const Vector& v,
               const Vector& w) const;
-  /// The edges that a choice lies on, two at most: pieces between which weight can be moved.
+  /// The edges that a choice lies on, at most two: pieces between which weight can be moved.
   int edges(const CurvedChoice& choice, CurvedEdge edge[2]) const;
   Vector wayOf(const CurvedFace& face, const CurvedEdge& edge) const;
 
@@ -76,7 +76,7 @@ class CurvedFaces {
   Vector axis(int part) const { return turned(part, Vector::UnitZ()); }
 
  private:
-  /// One core; that of A is mirrored.
+  /// One core; A is mirrored.
   struct Part {
     const ConvexView* view = nullptr;
     Vector semi_axes = Vector::Zero();
@@ -90,7 +90,7 @@ class CurvedFaces {
   Vector turnedBack(int part, const Vector& v) const {
     return part == 0 ? rotatedBack(pose_.rotation, v) : v;
   }
-  /// A vertex of the hull, or a vector between two, as it stands in the difference.
+  /// A vertex of the hull, or a vector between two, as it appears in the difference.
   Vector ofHull(const Vector& v) const { return hull_ == 0 ? Vector(-turned(0, v)) : v; }
   const Vector& vertex(int i) const { return part_[hull_].view->points[i]; }
   int farthestOfHull(const Vector& direction, int hint) const;
@@ -101,7 +101,7 @@ class CurvedFaces {
   const Pose& pose_;
   const double evenly_;
   Part part_[2];
-  int cone_[2] = {-1, -1};  // the parameter that is a cone's
+  int cone_[2] = {-1, -1};  // the parameter that belongs to a cone
   int hull_ = -1;           // the part that is a hull
   int parameters_ = 0;
   double kept_[kMostCurvedParameters];

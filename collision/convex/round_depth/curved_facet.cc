@@ -10,9 +10,9 @@ namespace leeway::collision {
 
 namespace {
 
-// Most halvings of a cell [count]: the slack covers the rounding of as many.
+// Limit on the halvings of a cell [count]: the slack covers the rounding of this many.
 constexpr int kMostFacetHalvings = 24;
-// Cells of one facet [count]; more cover larger facets, and cost more where they fail.
+// Cells of one facet [count]. More cells cover larger facets, but cost more if they fail.
 constexpr int kMostCells = 256;
 
 }  // namespace
@@ -120,7 +120,7 @@ bool CurvedFacets::covers(const SupportPoint& w0, const SupportPoint& w1, const 
     if (cells >= kMostCells || cells_left_ <= 0 || cell.depth == kMostFacetHalvings) {
       return false;
     }
-    // Halves it across its longest edge, from corner i to corner j.
+    // Halves the cell across its longest edge, from corner i to corner j.
     int i = 0, j = 1;
     double longest = -1;
     for (int m = 0; m < 3; ++m) {
@@ -157,7 +157,7 @@ void CurvedFacets::member(const SupportPoint* const w[3], const double weights[3
       share[k] += weights[i] * c.share[k];
     }
   }
-  // From its centre, an ellipsoid's farthest point along x is M M x / |M x|.
+  // Relative to its centre, an ellipsoid's farthest point along x is M M x / |M x|.
   Vector arm[2];
   for (int k = 0; k < 2; ++k) {
     const double length = scaled[k].norm();

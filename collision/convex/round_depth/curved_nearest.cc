@@ -10,12 +10,12 @@ namespace leeway::collision {
 namespace {
 
 constexpr int kNearestSteps = 32;
-// Least stiffnesses, tried in turn [of the sizes involved]. With the bodies' distance for a
-// stiffness, those that nearly touch hold pieces loosely, and far vertices of a hull along the
-// direction.
+// Smallest stiffnesses, tried in turn [of the sizes involved]. If the bodies' distance were the
+// stiffness, bodies that nearly touch would hold pieces loosely, and also far vertices of a hull
+// along the direction.
 constexpr double kNearestStiffnesses[] = {0, 1e-4, 1};
 
-// The member of a choice is a point of the difference: returns how far it is. A centre errs by 8
+// The member of a choice is a point of the difference; returns its distance. A centre errs by 8
 // units of roundoff of its body's extent, turning by 6, an arm by 11, and sums and the norm by 6 of
 // all: less than kSupportRounding.
 double offerMember(const CurvedPlanes& planes, const CurvedFace& face, const CurvedChoice& choice,
@@ -27,7 +27,7 @@ double offerMember(const CurvedPlanes& planes, const CurvedFace& face, const Cur
   return apart;
 }
 
-// Offers the blended member along e and, beside a cap, the farthest one.
+// Offers the blended member along e and, next to a cap, the farthest one.
 double offerNearest(const CurvedPlanes& planes, const Vector& e, Progress& progress) {
   const CurvedFace face = planes.faces().along(e);
   CurvedChoice choice;
@@ -38,8 +38,8 @@ double offerNearest(const CurvedPlanes& planes, const Vector& e, Progress& progr
   return std::min(apart, offerMember(planes, face, choice, progress));
 }
 
-// Newton's steps while the plane or the member comes nearer: a plane known to within rounding gives
-// its direction only to the root of that.
+// Newton steps while the plane or the member comes closer: a plane known up to rounding gives its
+// direction only up to the square root of that.
 void stepNearer(CurvedPlanes& planes, Progress& progress) {
   Vector e = -progress.normal();
   double least = offerNearest(planes, e, progress);

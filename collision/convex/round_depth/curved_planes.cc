@@ -11,7 +11,7 @@ namespace leeway::collision {
 
 namespace {
 
-// Newton's steps, and steps back onto an edge [count].
+// Newton steps, and steps back onto an edge [count].
 constexpr int kDescentSteps = 12;
 constexpr int kEdgeSteps = 3;
 
@@ -58,7 +58,7 @@ Vector CurvedPlanes::wayFrom(const CurvedFace& face, CurvedStep& step) const {
   const Vector y = faces_.blend(face, stiffness(), 1, choice);
   const Vector& e = face.e;
   const double reach = e.dot(y);
-  // The Hessian, along v and w, of the support less the distance.
+  // The Hessian, along v and w, of the support minus the distance.
   const auto bend = [&](const Vector& v, const Vector& w) {
     return faces_.bend(face, choice, v, w) - reach * v.dot(w);
   };
@@ -108,7 +108,7 @@ void CurvedPlanes::descend(Vector e, double value) {
       if (next_value < value) e = next, value = next_value, nearer = true;
     };
     for (int k = 0; k < kHalves && !nearer; ++k, step.way *= 0.5) tryNext();
-    // (Onto two edges that are nearly parallel the step follows the first.)
+    // (If two edges are nearly parallel, the step follows the first.)
     if (step.edges == 2) {
       std::swap(step.edge[0], step.edge[1]);
       step.way.setZero();

@@ -15,11 +15,11 @@ struct CurvedStep {
   int edges = 0;
 };
 
-/// Newton's steps over directions towards the nearest supporting plane of a difference with round
+/// Newton steps over directions towards the nearest supporting plane of a difference with round
 /// parts. Planes and members are offered to `progress`.
 class CurvedPlanes {
  public:
-  /// Halves of a step that are tried, too [count].
+  /// Number of halved steps that are also tried [count].
   static constexpr int kHalves = 4;
 
   /// evenly: see CurvedFaces.
@@ -28,32 +28,34 @@ class CurvedPlanes {
   CurvedFaces& faces() { return faces_; }
   const CurvedFaces& faces() const { return faces_; }
   const Pose& pose() const { return difference_.pose(); }
-  /// The distance of the nearest plane asked [m].
+  /// The distance of the nearest plane so far [m].
   double reach() const { return reach_; }
   void forgetReach() { reach_ = std::numeric_limits<double>::infinity(); }
-  /// Least stiffness of blending [m].
+  /// Smallest stiffness of blending [m].
   void setStiffness(double stiffness) { stiff_ = stiffness; }
   double stiffness() const;
-  /// Work spent on planes, and what a caller adds [count].
+  /// Work spent on planes, plus what a caller adds [count].
   std::int64_t work() const { return work_; }
   void spend(std::int64_t work) { work_ += work; }
 
   /// Offers the plane across the unit vector e, and returns its distance. (A step along a tiny way
-  /// may leave a direction that is 0 or NaN, which gives no plane.)
+  /// may give a direction that is 0 or NaN, which gives no plane.)
   double ask(const Vector& e);
-  /// Newton's step from e to where the gradient of the plane's distance vanishes; where pieces of
-  /// the cores are blended, along the edges of the difference between them. False when it is 0.
+  /// Newton step from e to where the gradient of the plane's distance vanishes. If pieces of the
+  /// cores are blended, it follows the edges of the difference between them. False if the step is
+  /// 0.
   bool stepFrom(const Vector& e, CurvedStep& step) const;
-  /// The direction after a step, back on its edges, which are curved.
+  /// The direction after a step, moved back onto its edges, which are curved.
   Vector after(const Vector& e, const CurvedStep& step) const;
-  /// Descends from e, whose plane is at distance `value`; by way of planes that are not the
-  /// nearest, too.
+  /// Descends from e, whose plane is at distance `value`, also through planes that are not the
+  /// nearest.
   void descend(Vector e, double value);
 
-  /// True for the core's flat end where the direction is perpendicular to it, to within `wide` [m].
+  /// True for the core's flat end if the direction is perpendicular to it, to within `wide` [m].
   bool meetsCap(const CurvedFace& face, int part, double wide) const;
-  /// The member of a choice, computed directly: the sum that blend() returns has many terms. On a
-  /// cap that is met squarely, the point nearest to the direction's line, which blending ignores.
+  /// The member of a choice, computed directly, because the sum that blend() returns has many
+  /// terms. On a cap perpendicular to the direction, it is the point nearest to the direction's
+  /// line, which blending ignores.
   Vector memberOf(const CurvedFace& face, const CurvedChoice& choice, double wide,
                   Vector& point_a) const;
 

@@ -24,7 +24,7 @@ void meanOf(const FaceMember* members, int count, double (&mean)[kOffsets]) {
 
 namespace {
 
-// The change of the weights to the best mean. False where the gain is unbounded along the change.
+// The change of the weights to the best mean. False if the gain is unbounded along the change.
 bool bestChange(const FaceMember* members, int count, double (&change)[kMostMembers]) {
   double way[kMostMembers][kOffsets], a[kMostMembers][kMostMembers], mean[kOffsets];
   double whole[kMostMembers] = {}, right[kMostMembers] = {};
@@ -64,7 +64,7 @@ bool bestChange(const FaceMember* members, int count, double (&change)[kMostMemb
     for (int j = i + 1; j < rank; ++j) sum -= a[i][j] * c[j];
     c[i] = sum / a[i][i];
   }
-  // (The right side that remains is the gain along the change.)
+  // (The remaining right side is the gain along the change.)
   const double sign = !ends && right[rank] < 0 ? -1 : 1;
   change[0] = 0;
   for (int i = 1; i < count; ++i) {
@@ -74,8 +74,8 @@ bool bestChange(const FaceMember* members, int count, double (&change)[kMostMemb
   return ends;
 }
 
-// Moves the weights to the best ones, or to where one of them vanishes; returns true then, with
-// that member dropped.
+// Moves the weights to the best ones, or to where one of them vanishes; in the latter case drops
+// that member and returns true.
 bool moveWeights(FaceMember* members, int& count) {
   double change[kMostMembers];
   const bool ends = bestChange(members, count, change);

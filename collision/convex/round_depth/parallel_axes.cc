@@ -17,8 +17,8 @@ struct Point {
 };
 double dot(const Point& p, const Point& q) { return p.across * q.across + p.along * q.along; }
 
-// A body of revolution, cut through its axis: a convex polygon, and the outward normals of the
-// sides on one side of the axis.
+// A section of a body of revolution through its axis: a convex polygon, and the outward normals of
+// the sides on one side of the axis.
 struct Section {
   Point corner[4];
   int corners = 0;
@@ -82,10 +82,10 @@ bool haveAxes(const ConvexView& a, const ConvexView& b) {
   return has(a) && has(b);
 }
 
-// Let A' be A turned so that its axis is parallel to B's. Each of A and A' lies in the other grown
-// by the largest distance of corresponding points, so that the signed separation changes by no
-// more: extent A times the angle between the axes (less than 1.01 times its sine, the part of A's
-// axis across z) plus the departure from a rotation.
+// Let A' be A turned so that its axis is parallel to B's. Each of A and A' lies in the other one
+// grown by the largest distance of corresponding points, so the signed separation changes by at
+// most that distance: extent A times the angle between the axes (less than 1.01 times its sine, the
+// part of A's axis across z) plus the departure from a rotation.
 //
 // Rounding of the closed form: the normal 3 units, the supports 6 of their extents, t's length and
 // dot product 6 of |t|; in all less than 16 of L.
@@ -135,7 +135,7 @@ bool offerParallelAxes(const ConvexView& a, const Pose& X_BA, const ConvexView& 
   const Vector w = point(side_b, along_b, radial, Vector::UnitZ()) - point_a;
   const double upper = -(depth - moved);
   if (progress.offerTogether(upper, w, point_a, plane, -outward)) return true;
-  // Too wide for the depth, but narrow enough to prove the overlap.
+  // Too wide for the depth, but may be narrow enough to prove the overlap.
   const CoreQuery& query = progress.query();
   if (!isDecided({plane - query.lower_offset, upper - query.upper_offset}, query.request))
     return false;
