@@ -43,7 +43,7 @@ void addBox(Polygons& faces, const Vector3d& half) {
   addPrism(faces, base, Vector3d(0, 0, 2 * half.z()));
 }
 
-/// The prism over a regular octagon around the circle; its corners are 8 % outside.
+/// The prism over a regular octagon around the circle; its corners are 8 % outside the circle.
 void addCylinder(Polygons& faces, double radius, double half_length) {
   const double a = radius * (1 + 1e-12), b = a * 0.41421356237309515;  // tan(pi / 8), rounded up
   std::array<Vector3d, 8> base;
@@ -79,7 +79,7 @@ Polygons facesOf(const Shape& shape) {
       break;
     case ShapeType::kSphere:
     case ShapeType::kHalfSpace:
-    case ShapeType::kDeformable:  // covered anew at every step: one ball
+    case ShapeType::kDeformable:  // a new cover at every step would be needed: one ball
       break;
   }
   return faces;
@@ -106,7 +106,7 @@ std::pair<Part, Part> bisect(const Part& part, Eigen::Index axis) {
   return halves;
 }
 
-/// By the axis whose larger half is the smaller.
+/// Bisects by the axis whose larger half is smaller.
 std::pair<Part, Part> bisectBest(const Part& part, const std::array<Eigen::Index, 2>& axes) {
   std::pair<Part, Part> first = bisect(part, axes[0]), second = bisect(part, axes[1]);
   const auto worst = [](const std::pair<Part, Part>& halves) {
@@ -115,8 +115,8 @@ std::pair<Part, Part> bisectBest(const Part& part, const std::array<Eigen::Index
   return worst(second) < worst(first) ? std::move(second) : std::move(first);
 }
 
-/// Radius of the largest ball inside the shape around that centre [m]; not positive for a centre
-/// outside.
+/// Radius of the largest ball inside the shape around that centre [m]; not positive if the centre
+/// is outside.
 double roomAt(const Shape& shape, const Vector3d& center, Scratch& scratch) {
   const Shape point = Shape::sphere(0);
   Pose X_GP;
@@ -171,7 +171,7 @@ void addInnerBalls(const Shape& shape, BallCover& cover) {
     const double room = roomAt(shape, ball.center, scratch) * (1 - kInnerBallSlack);
     if (room > 0 && std::isfinite(room)) cover.inner.push_back({ball.center, room});
   }
-  // Largest first: it proves most contacts.
+  // Sorts the largest first, because it proves most contacts.
   std::stable_sort(cover.inner.begin(), cover.inner.end(),
                    [](const Ball& x, const Ball& y) { return x.radius > y.radius; });
 }

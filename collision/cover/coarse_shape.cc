@@ -17,8 +17,8 @@
 namespace leeway::collision {
 namespace {
 
-/// The shape's vertices; of a mesh only those of its hull. A mesh is placed in many scenes, and its
-/// other vertices change nothing that is made of these.
+/// The shape's vertices; for a mesh, only those of its hull. A mesh is placed in many scenes, and
+/// its other vertices have no effect on what is computed from these.
 std::span<const Eigen::Vector3d> cornersOf(const Shape& shape) {
   if (shape.type() == ShapeType::kDeformable) return shape.deformable()->vertices();
   if (shape.type() == ShapeType::kConvexHull) return shape.hull()->vertices();
@@ -135,8 +135,8 @@ double CoarseShape::signedDistance(const Eigen::Vector3d& p_F) const {
 
 double CoarseShape::lower(const Eigen::Vector3d& p_F) const {
   const double d = signedDistance(p_F);
-  // Rounding relative to the point's coordinates: those are at most the shape's, in slack_, and the
-  // distance. A half-space has no such size: the coordinates themselves.
+  // Rounding is relative to the point's coordinates, which are at most the shape's (in slack_) plus
+  // the distance. A half-space has no size, so the coordinates themselves are used.
   const double far = kind_ == Kind::kHalfSpace ? p_F.lpNorm<1>() : std::abs(d);
   return d - slack_ - kCoarseRounding * far;
 }
@@ -154,7 +154,7 @@ namespace {
 void addRow(std::vector<Ball>& balls, const Eigen::Vector3d& axis, double reach, double radius) {
   balls.push_back({Eigen::Vector3d::Zero(), radius});
   if (!(reach > 0)) return;
-  const double step = std::max(radius, reach / 3);  // at most three on a side
+  const double step = std::max(radius, reach / 3);  // at most three on each side
   for (double s = step; s < reach + step / 2; s += step)
     for (const double sign : {1.0, -1.0})
       balls.push_back({axis * (sign * std::min(s, reach)), radius});
@@ -165,7 +165,7 @@ void addRow(std::vector<Ball>& balls, const Eigen::Vector3d& axis, double reach,
 void addVertices(std::vector<Ball>& balls, const Shape& shape) {
   const std::span<const Eigen::Vector3d> vertices = cornersOf(shape);
   std::vector<double> squared(vertices.size(), kInfinity);
-  // The first of the farthest from `p` and from those before, in one pass.
+  // The first of the vertices farthest from `p` and from the previous ones, in one pass.
   const auto farthestFrom = [&](const Eigen::Vector3d& p) {
     std::size_t farthest = 0;
     double most = -1;
@@ -178,7 +178,8 @@ void addVertices(std::vector<Ball>& balls, const Shape& shape) {
     return farthest;
   };
   std::size_t next = farthestFrom(shape.boundingCenter());
-  std::fill(squared.begin(), squared.end(), kInfinity);  // the centre is not one of those chosen
+  std::fill(squared.begin(), squared.end(), kInfinity);  // the centre is not one of the chosen
+                                                         // vertices
   for (int k = 0; k < kVertexProbes; ++k) {
     balls.push_back({vertices[next], 0});
     if (k + 1 == kVertexProbes) break;
@@ -187,7 +188,7 @@ void addVertices(std::vector<Ball>& balls, const Shape& shape) {
   }
 }
 
-/// The ball around the mean of the vertices that stays behind every facet's plane.
+/// Adds the ball around the mean of the vertices that stays behind the planes of all facets.
 void addHullMiddle(std::vector<Ball>& balls, const ConvexHull& hull) {
   if (hull.facets().empty()) return;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -250,7 +251,8 @@ std::vector<Ball> innerBalls(const Shape& shape, const Pose& X_FG) {
       addVertices(balls, shape);
       break;
     case ShapeType::kDeformable: {
-      // Made anew at every step: a few vertices of triangles, without a search.
+      // A new snapshot arrives at every step, so a few vertices of triangles are taken without a
+      // search.
       const DeformableSnapshot& snapshot = *shape.deformable();
       const std::size_t count = snapshot.mesh().triangles().size();
       for (std::size_t k = 0; k < static_cast<std::size_t>(kVertexProbes) && k < count; ++k) {

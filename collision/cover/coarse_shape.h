@@ -19,23 +19,23 @@ struct AxisBox {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Vector3d half = Eigen::Vector3d::Zero();
 };
-/// The box around a hull (with its excess) or mesh, rounded outwards. O(vertices) of a hull, else
-/// O(1).
+/// The box around a hull (with its excess) or mesh, rounded outwards. O(vertices) for a hull, O(1)
+/// for a mesh.
 AxisBox boxOf(const Shape& hull_or_mesh);
 
-/// A stand-in for a placed shape that bounds the distance of a point in a few nanoseconds, which
-/// decides most pairs without GJK. Spheres, capsules, boxes, cylinders and half-spaces stand for
-/// themselves, a cylinder for a cone, a box for everything else.
+/// A replacement for a placed shape that bounds the distance of a point in a few nanoseconds, which
+/// decides most pairs without GJK. Spheres, capsules, boxes, cylinders and half-spaces are replaced
+/// by themselves, a cone by a cylinder, and everything else by a box.
 class CoarseShape {
  public:
   CoarseShape() = default;
-  /// The stand-in of `shape`, placed in frame F by X_FG. O(vertices).
+  /// Makes the replacement for `shape`, placed in frame F by X_FG. O(vertices).
   CoarseShape(const Shape& shape, const Pose& X_FG);
 
   /// A lower bound, rounding included, on the signed distance of the point to the shape [m];
   /// negative inside.
   double lower(const Eigen::Vector3d& p_F) const;
-  /// An upper bound on the same distance; infinite where the stand-in is larger than the shape.
+  /// An upper bound on the same distance; infinite if the replacement is larger than the shape.
   double upper(const Eigen::Vector3d& p_F) const;
 
  private:
@@ -51,9 +51,9 @@ class CoarseShape {
   double slack_ = 0;            // rounding at the shape [m]
 };
 
-/// Balls inside the shape, points where nothing larger is known, in frame F; a dozen or so at most.
-/// They prove most collisions. Of solids the one in the middle comes first; of meshes they are
-/// vertices far from each other. May be empty. O(vertices).
+/// Balls inside the shape, or points if nothing larger is known, in frame F; about a dozen at most.
+/// They prove most collisions. For solids the ball in the middle is the first one; for meshes the
+/// balls are vertices far from each other. May be empty. O(vertices).
 std::vector<Ball> innerBalls(const Shape& shape, const Pose& X_FG);
 
 }  // namespace leeway::collision

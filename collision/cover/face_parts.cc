@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-// A point of these that is farthest from the centre; null for no points.
+// The point that is farthest from the centre; null if there are no points.
 const Vector3d* farthestFrom(const Vector3d& center, std::span<const Vector3d> points,
                              std::size_t stride, double& squared) {
   const Vector3d* farthest = nullptr;
@@ -42,8 +42,8 @@ Ball ballAround(std::span<const Vector3d> points) {
     return std::sqrt(squared) * (1 + kRelativeRounding) + kRelativeRounding * center.lpNorm<1>();
   };
   Vector3d center = low + (high - low) / 2;
-  // Fewer steps for large sets, and for very large ones by some of the points: any centre gives a
-  // valid ball, once all points are in it.
+  // Uses fewer steps for large sets, and a sample of the points for very large sets: any centre
+  // gives a valid ball, once all points are in it.
   const int steps = points.size() > 5000 ? 8 : 24;
   const std::size_t stride = points.size() > 50000 ? points.size() / 10000 : 1;
   for (int step = 1; step <= steps; ++step) {

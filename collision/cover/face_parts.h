@@ -14,7 +14,7 @@
 
 namespace leeway::collision {
 
-/// Convex polygons, corners one after the other.
+/// Convex polygons, stored as consecutive corners.
 class Polygons {
  public:
   std::size_t size() const { return ends_.size(); }
@@ -23,7 +23,7 @@ class Polygons {
     const std::size_t begin = i == 0 ? 0 : ends_[i - 1];
     return std::span(corners_).subspan(begin, ends_[i] - begin);
   }
-  /// Those of all polygons.
+  /// The corners of all polygons.
   std::span<const Eigen::Vector3d> corners() const { return corners_; }
 
   void reserve(std::size_t polygons, std::size_t corners) {
@@ -35,8 +35,9 @@ class Polygons {
     corners_.insert(corners_.end(), polygon.begin(), polygon.end());
     ends_.push_back(corners_.size());
   }
-  /// Adds the part of a convex polygon (not one of these) on one side of the plane x[axis] = at: of
-  /// greater x[axis] for side 1, of less for -1; corners on the plane stay. O(corners).
+  /// Adds the part of a convex polygon (not one of these) on one side of the plane x[axis] = at:
+  /// the part with greater x[axis] for side 1, with smaller x[axis] for -1. Corners on the plane
+  /// are kept. O(corners).
   void addClipped(std::span<const Eigen::Vector3d> polygon, Eigen::Index axis, double at,
                   double side);
 
@@ -45,14 +46,14 @@ class Polygons {
   std::pmr::vector<std::size_t> ends_{largeArrays()};
 };
 
-/// All polygons, each as by addClipped(). O(corners).
+/// All polygons, each clipped as by addClipped(). O(corners).
 Polygons clipped(const Polygons& polygons, Eigen::Index axis, double at, double side);
 
 /// The triangles of a mesh.
 Polygons polygonsOf(const TriangleMesh& mesh);
 
 /// A small ball around the points, rounded outwards: steps towards the farthest point (M. Badoiu,
-/// K. Clarkson, "Smaller core-sets for balls", 2003); the best of the centres counts. O(points).
+/// K. Clarkson, "Smaller core-sets for balls", 2003); the best of the centres is used. O(points).
 Ball ballAround(std::span<const Eigen::Vector3d> points);
 
 }  // namespace leeway::collision

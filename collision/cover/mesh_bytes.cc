@@ -46,7 +46,7 @@ bool areBalls(const std::vector<Ball>& balls) {
          std::all_of(balls.begin(), balls.end(), isBall);
 }
 
-// Whether clusters are parts of `fine`, one after the other, as clusterFine() leaves them.
+// Whether the clusters are consecutive parts of `fine`, as clusterFine() makes them.
 bool areClusters(const PointCover& cover) {
   const auto count = static_cast<int>(cover.fine.size());
   if (count == 0) return cover.clusters.empty() && cover.nearest.empty();

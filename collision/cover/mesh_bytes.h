@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to the library: meshes as bytes, with all that was made of them, so that a program that
-// starts again need not make it again. Where the bytes are kept is up to others
+// Private to the library: meshes as bytes, with all data computed from them, so that a program need
+// not compute the data again when it restarts. Others decide where the bytes are stored
 // (robots/cache/disk_cache.h).
 
 #include <cstddef>
@@ -19,18 +19,18 @@ struct MeshAndBytes {
   std::vector<std::byte> bytes;
 };
 
-/// The mesh as TriangleMesh::make() makes it, with its cover (coverOf()) made, too. Throws
+/// Makes the mesh as TriangleMesh::make() does, including its cover (coverOf()). Throws
 /// InvalidShape, and what `checkpoint` throws, which is called between stages in any thread. O(n
-/// log n); about 250 bytes a triangle.
+/// log n); about 250 bytes for each triangle.
 MeshAndBytes makeMeshAndBytes(std::span<const Eigen::Vector3d> vertices,
                               std::span<const TriangleMesh::Triangle> triangles,
                               const MeshOptions& options = {},
                               const std::function<void()>& checkpoint = {});
 
-/// The same mesh: every query has the same answer, byte for byte. Null where the bytes are none
-/// that makeMeshAndBytes() of this build made, as far as that can be seen in O(n): no bytes
-/// whatever lead a query out of its arrays or into a loop without end. (What a checksum is for,
-/// bits that fell over in a coordinate, is not seen.)
+/// Restores the same mesh: every query has the same answer, byte for byte. Returns null if
+/// makeMeshAndBytes() of this build did not make the bytes, as far as O(n) checks can detect. No
+/// bytes at all can lead a query out of its arrays or into an endless loop. (Flipped bits in a
+/// coordinate are not detected; use a checksum for these.)
 std::shared_ptr<const TriangleMesh> meshFromBytes(std::span<const std::byte> bytes);
 
 }  // namespace leeway::collision

@@ -25,15 +25,15 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-/// Slices of a part across an axis: it may be cut at their boundaries; and directions around the
-/// axis in which their widths are measured [count].
+/// Slices of a part across an axis, at whose boundaries the part may be cut; and directions around
+/// the axis in which their widths are measured [count].
 constexpr int kSlices = 16;
 constexpr int kDirections = 12;
 
 /// A cut must save this share of the measure of the whole mesh's hull.
 constexpr double kLeastSaving = 0.02;
 
-/// Faces of a part that are measured at most [count]. Only the choice of cuts depends on it.
+/// Limit on the faces of a part that are measured [count]. Only the choice of cuts depends on it.
 constexpr std::size_t kMeasuredFaces = 4000;
 
 /// Supports of a part's slices across an axis, in each direction.
@@ -59,7 +59,7 @@ class Profile {
   double boundary(int slice) const { return low_ + (high_ - low_) * slice / kSlices; }
 
   /// Measure of the hull of slices [begin, end): the widths of its sections, summed along the axis
-  /// [m^2]. 0 where it is empty.
+  /// [m^2]. 0 if it is empty.
   double measure(int begin, int end) const {
     double sum = 0;
     for (int d = 0; d < kDirections; ++d) sum += envelope(begin, end, d);
@@ -115,7 +115,7 @@ class Profile {
   std::array<std::array<double, kDirections>, kSlices> reach_{};
 };
 
-/// A cut of a part and what it saves [m^2]; 0 for none.
+/// A cut of a part and what it saves [m^2]; 0 if there is none.
 struct Cut {
   double saved = 0;
   Index axis = 0;
@@ -164,7 +164,7 @@ CoverPart coverOfPart(const MeshPart& part, double extent) {
     points.radius = std::max(points.radius, distanceFromHull(vertices[at(i)], vertices, few));
   if (vertices.size() <= kMostHullPoints && vertices.size() > points.points.size())
     points.fine.assign(vertices.begin(), vertices.end());
-  // Corners that clipping made are rounded.
+  // Corners from clipping are rounded.
   const double rounding = kTransferRounding * extent;
   points.radius += rounding;
   points.fine_radius = rounding;

@@ -35,7 +35,7 @@ void addBox(const Vector3d& half, std::vector<Vector3d>& points) {
                         (i & 4) != 0 ? half.z() : -half.z());
 }
 
-/// Greedy choice of a hull's vertices, by their distances from the hull of those chosen.
+/// Greedy choice of a hull's vertices by their distances from the hull of those already chosen.
 class VertexChoice {
  public:
   VertexChoice(std::span<const Vector3d> vertices, std::size_t most)
@@ -48,7 +48,7 @@ class VertexChoice {
   }
 
   PointCover run() {
-    // As the hull grows, distances from it only shrink: only the farthest is computed again.
+    // Distances from the hull only shrink as it grows, so only the farthest is computed again.
     double farthest = 0;
     while (true) {
       const auto v = static_cast<std::size_t>(std::max_element(distance_.begin(), distance_.end()) -
@@ -96,19 +96,19 @@ class VertexChoice {
   std::span<const Vector3d> vertices_;
   std::size_t most_;
   std::vector<double>
-      distance_;  // of each vertex from the hull of those chosen, an upper bound [m]
+      distance_;  // upper bound on each vertex's distance from the hull of those chosen [m]
   std::vector<Vector3d> chosen_;
   Scratch scratch_;
 };
 
-/// All vertices of a hull as fine points, where they are more than those chosen.
+/// Adds all vertices of a hull as fine points, if there are more of them than chosen ones.
 void addFine(std::span<const Vector3d> vertices, double excess, PointCover& cover) {
   if (vertices.size() > kMostHullPoints || vertices.size() <= cover.points.size()) return;
   cover.fine.assign(vertices.begin(), vertices.end());
   cover.fine_radius = excess;
 }
 
-/// Clusters of fine[begin, end), at most `most` of them; appends their ends.
+/// Splits fine[begin, end) into at most `most` clusters; appends their ends.
 void halve(std::vector<Vector3d>& fine, std::size_t begin, std::size_t end, int most,
            std::vector<int>& ends) {
   if (end - begin <= kClusterPoints || most < 2) {

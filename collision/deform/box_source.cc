@@ -22,7 +22,7 @@ void prepare(Scratch& scratch, const DeformableSnapshot& snapshot) {
       deform.lists.resize(8 * triangles + 64);
     }
   }
-  // A quarter more: a rebuilt hierarchy may be a little larger.
+  // Allocates a quarter more, because a rebuilt hierarchy may be a little larger.
   const std::size_t count = s.tree->nodes().size() + s.tree->nodes().size() / 4;
   if (entry->boxes.size() >= s.tree->nodes().size()) return;
   entry->boxes.resize(count);

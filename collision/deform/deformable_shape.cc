@@ -7,7 +7,7 @@
 
 namespace leeway::collision {
 
-// Defined here since shapes/ does not know deforming meshes.
+// Defined here because shapes/ does not depend on deforming meshes.
 Shape Shape::deformable(std::shared_ptr<const DeformableSnapshot> snapshot) {
   if (!snapshot) throw InvalidShape("deformable: there is no snapshot");
   const Eigen::Vector3d corners[2] = {snapshot->low(), snapshot->high()};

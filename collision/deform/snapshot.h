@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to collision/: a deforming mesh at one time, and where queries find the boxes of its
-// nodes.
+// Private to collision/: a deforming mesh at one time, and the source of its nodes' boxes for
+// queries.
 
 #include <cstdint>
 #include <memory>
@@ -16,13 +16,13 @@
 
 namespace leeway::collision {
 
-/// Which boxes of nodes a snapshot leaves to the queries.
+/// The boxes of nodes that a snapshot leaves to the queries.
 enum class Demand : unsigned char {
   kNothing,   ///< none
-  kBranches,  ///< those of branches, to be found from the vertices below the node
-  kVertices,  ///< all, to be found from the vertices below the node
-  kMotion,    ///< all, to be found from the parameters of the motion
-  kNoTree,    ///< queries work without nodes
+  kBranches,  ///< those of branches, computed from the vertices below the node
+  kVertices,  ///< all, computed from the vertices below the node
+  kMotion,    ///< all, computed from the parameters of the motion
+  kNoTree,    ///< queries do not use nodes
 };
 
 struct DeformableSnapshotImpl {
@@ -34,7 +34,7 @@ struct DeformableSnapshotImpl {
   std::shared_ptr<const DeformableMesh> mesh;
   std::shared_ptr<const DeformTree> tree;
   std::shared_ptr<const NodeBounds> bounds;  // for Demand::kMotion
-  // One more than the mesh has: kernels load four doubles a vertex.
+  // One more than the mesh has, because kernels load four doubles for each vertex.
   std::pmr::vector<Eigen::Vector3d> vertices{largePages()};
   std::vector<double> parameters;                 // of the motion
   std::pmr::vector<WideBox> boxes{largePages()};  // of the nodes that are not left to queries
@@ -54,7 +54,7 @@ struct DeformScratch {
     std::pmr::vector<std::uint64_t> stamp{largePages()};
   };
   std::vector<Entry> entries;
-  std::uint64_t asked = 0;  ///< id of the snapshot that a query has read last
+  std::uint64_t asked = 0;  ///< id of the snapshot that the last query read
   /// For Demand::kNoTree: boxes of two bodies' triangles, and room for OctreePairs.
   std::vector<FloatBox> boxes_a, boxes_b;
   std::vector<std::int32_t> lists;
@@ -73,19 +73,21 @@ class BoxSource {
   BoxSource() = default;
   BoxSource(const DeformableSnapshotImpl& snapshot, DeformScratch& scratch);
 
-  /// Boxes of the node's children. `room` holds them where the thread's scratch has no room.
+  /// Boxes of the node's children. `room` stores them if the thread's scratch has no room.
   const WideBox& boxes(std::int32_t node, WideBox& room) const {
     return isThere(node) ? snapshot_->boxes[static_cast<std::size_t>(node)] : fill(node, room);
   }
 
   /// Whether the snapshot itself has the boxes of a node's children. Queries must not depend on
-  /// which others were found on demand: answers would depend on earlier queries of the thread.
+  /// which other boxes were found on demand, because answers would then depend on earlier queries
+  /// of the thread.
   bool isThere(std::int32_t node) const {
     return snapshot_->demand == Demand::kNothing ||
            (snapshot_->demand == Demand::kBranches && node < snapshot_->tree->upperCount());
   }
 
-  /// Prefetches what opening this child of a node reads: an update has evicted it from the cache.
+  /// Prefetches the data for opening this child of a node, which an update has evicted from the
+  /// cache.
   void fetch(std::int32_t child) const {
     if (child < 0) return;
     const auto i = static_cast<std::size_t>(child);
@@ -98,7 +100,7 @@ class BoxSource {
     __builtin_prefetch(&snapshot_->tree->node(child));
     if (!there) snapshot_->tree->fetchLeaves(child);
     if (there || snapshot_->demand == Demand::kMotion || entry_->stamp[i] == snapshot_->id) return;
-    // Nearly every child that stays open is opened later.
+    // Prefetched because nearly every child that stays open is opened later.
     if (child >= snapshot_->tree->upperCount())
       snapshot_->tree->fetchVertices(child, snapshot_->vertices.data());
   }

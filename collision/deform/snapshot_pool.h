@@ -12,9 +12,9 @@
 
 namespace leeway::collision {
 
-/// Snapshots are handed out as shared pointers and return when the last of these goes. The control
-/// block of the shared pointer is in the slot, too: nothing is allocated once there are enough
-/// slots. One thread takes; any thread gives back.
+/// Snapshots are handed out as shared pointers and return when the last pointer is released. The
+/// control block of the shared pointer is also in the slot, so nothing is allocated once there are
+/// enough slots. One thread takes slots; any thread gives them back.
 class SnapshotPool : public std::enable_shared_from_this<SnapshotPool> {
  public:
   struct Slot {
@@ -23,7 +23,7 @@ class SnapshotPool : public std::enable_shared_from_this<SnapshotPool> {
     std::atomic<bool> free{true};
   };
 
-  /// A free slot; allocates one when there is none.
+  /// A free slot; allocates one if there is none.
   Slot& take() {
     for (const std::unique_ptr<Slot>& slot : slots_) {
       // Pairs with the release in Allocator::deallocate(): all reads have ended.
@@ -33,7 +33,7 @@ class SnapshotPool : public std::enable_shared_from_this<SnapshotPool> {
     return *slots_.back();
   }
 
-  /// The slot's snapshot as readers hold it. It keeps the pool alive.
+  /// The slot's snapshot for readers. It keeps the pool alive.
   std::shared_ptr<const DeformableSnapshot> publish(Slot& slot) {
     slot.free.store(false, std::memory_order_relaxed);
     return {&slot.snapshot.face, [](const DeformableSnapshot*) {},

@@ -15,7 +15,8 @@
 namespace leeway::collision {
 namespace {
 
-// The boxes of a field below a node. Zeros in empty lanes: infinity times a weight of 0 is NaN.
+// The boxes of a field below a node. Empty lanes are 0, because infinity times a weight of 0 is
+// NaN.
 WideBox boxOf(const BlendedMotion::Field& field, const DeformTree& tree, std::int32_t node) {
   WideBox box{};
   for (int lane = 0; lane < kWidth; ++lane) {
@@ -34,14 +35,14 @@ WideBox boxOf(const BlendedMotion::Field& field, const DeformTree& tree, std::in
   return box;
 }
 
-// How many children a node has.
+// The number of a node's children.
 std::uint8_t lanesOf(const DeformTree& tree, std::int32_t node) {
   std::uint8_t lanes = 0;
   while (lanes < kWidth && tree.node(node).child[lanes] != DeformTree::kNone) ++lanes;
   return lanes;
 }
 
-// Starts a sum with [-slack, slack] everywhere.
+// Starts a sum with [-slack, slack] in every lane.
 BoxSum sumOf(double slack) {
   BoxSum sum;
   std::fill_n(sum.low, BoxSum::kNumbers, -slack);
@@ -67,7 +68,7 @@ Pair pairOf(int i) {
   const int a = i / 2;
   return {a, (a + 1) % 3, i % 2 == 0 ? 1.0 : -1.0};
 }
-// One over the length of a diagonal.
+// The reciprocal of a diagonal's length.
 constexpr double kPerDiagonal = std::numbers::sqrt2 / 2;
 
 double alongDiagonal(const double* p, int i) {
@@ -75,8 +76,8 @@ double alongDiagonal(const double* p, int i) {
   return p[d.a] + d.sign * p[d.b];
 }
 
-// The interval that a body takes along diagonal i, by its box along B's axes and by its box along
-// its own, grown by `slack`.
+// The interval that a body covers along diagonal i, by its box along B's axes and by its box along
+// its own axes, grown by `slack`.
 Interval reachAlongDiagonal(const Probe& probe, int i, double slack) {
   const Pair d = pairOf(i);
   const auto number = [](float x) { return static_cast<double>(x); };
@@ -91,7 +92,7 @@ Interval reachAlongDiagonal(const Probe& probe, int i, double slack) {
     own.lower += n > 0 ? n * low : n * high;
     own.upper += n > 0 ? n * high : n * low;
   }
-  // Written so that a NaN (0 times infinity) narrows nothing.
+  // Written so that a NaN (0 times infinity) has no effect.
   if (own.lower > reach.lower) reach.lower = own.lower;
   if (own.upper < reach.upper) reach.upper = own.upper;
   return reach;
@@ -203,7 +204,8 @@ BlendedBounds::Diagonals BlendedBounds::diagonalsOf(const BlendedMotion::Field& 
   return result;
 }
 
-// Centred in the box. Radii are measured from the stored centres, so their rounding is covered.
+// Balls are centred in the boxes. Radii are measured from the stored centres, so their rounding is
+// covered.
 BlendedBounds::Balls BlendedBounds::ballsOf(const BlendedMotion::Field& field,
                                             const DeformTree& tree, std::int32_t node) {
   Balls result{};
@@ -240,16 +242,14 @@ void BlendedBounds::bound(std::int32_t node, std::span<const double> parameters,
   }
 }
 
-// In exact arithmetic the sums below hold the exact vertices. With n fields, in units of
+// In exact arithmetic the sums below contain the exact vertices. With n fields, in units of
 // kUnitRoundoff times the sum of magnitudes (`size`):
-//   - an evaluated vertex and each bound are off by one rounding a product and a sum, n + 1 each:
-//     4 (n + 2) cover both and the addition of the slack;
-//   - a difference from the mean is at most twice as large and one rounding more, and a diagonal
-//   adds
-//     two coordinates: 8 (n + 4);
+//   - an evaluated vertex and each bound are off by one rounding for each product and sum, n + 1
+//     each; 4 (n + 2) cover both and the addition of the slack;
+//   - a difference from the mean is at most twice as large, with one more rounding, and a diagonal
+//     adds two coordinates: 8 (n + 4);
 //   - the errors of a vertex and of a ball's centre are sqrt(3) times as long, and a radius is at
-//   most
-//     2 sqrt(3) times the largest coordinate: 7 (n + 2) in all.
+//     most 2 sqrt(3) times the largest coordinate: 7 (n + 2) in all.
 double BlendedBounds::rounding(std::span<const double> parameters) const {
   double size = base_size_;
   for (std::size_t k = 0; k < fields_; ++k) size += std::abs(parameters[k]) * field_sizes_[k];
@@ -280,9 +280,9 @@ void BlendedBounds::boundBoxes(std::int32_t node, std::span<const double> parame
   box.clear(lanes_[static_cast<std::size_t>(node)]);
 }
 
-// The difference of two sums is the sum with the differences of the parameters. Each of the two is
-// off by its rounding(), and the differences, at most as large as both together, by the sum of
-// these.
+// The difference of two sums is the sum with the differences of the parameters. Each of the two
+// sums is off by its rounding(). The differences are at most as large as both together, so they are
+// off by the sum of these.
 void BlendedBounds::displacement(std::int32_t node, std::span<const double> from,
                                  std::span<const double> to, double rounding, WideBox& box) const {
   (has_base_ ? boxes_ : differences_).fetch(node + kNodesAhead);

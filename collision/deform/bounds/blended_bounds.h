@@ -6,25 +6,26 @@
 
 namespace leeway::collision {
 
-/// Volumes of vertices that are blended from fields.
+/// Bounding volumes of vertices that are blended from fields.
 ///
 /// T. Larsson and T. Akenine-Moller, "Efficient collision detection for models deformed by
 /// morphing", 2003: a vertex is the sum over the references of weight times position, and each
-/// position is in its reference's volume of the node; so the vertex is in the sum of weights times
-/// volumes, a negative weight mirroring its volume. O(references) a node. D. James and D. Pai,
-/// "BD-Tree: output-sensitive collision detection for reduced deformation models", 2004: the sum is
-/// that of the rest shape's volume (the base) and a volume of displacements for every mode.
+/// position is in its reference's volume of the node. So the vertex is in the sum of weights times
+/// volumes, where a negative weight mirrors its volume. O(references) for each node. D. James and
+/// D. Pai, "BD-Tree: output-sensitive collision detection for reduced deformation models", 2004:
+/// the sum is that of the rest shape's volume (the base) and a volume of displacements for every
+/// mode.
 ///
-/// A box is an interval along each axis; an 18-DOP has six more, along the diagonals of the
-/// coordinate planes; centres of balls are blended as vertices are, radii by the magnitudes of the
-/// weights.
+/// A box is an interval along each axis. An 18-DOP has six more, along the diagonals of the
+/// coordinate planes. Centres of balls are blended like vertices, and radii by the magnitudes of
+/// the weights.
 class BlendedBounds final : public NodeBounds {
  public:
   BlendedBounds(const BlendedMotion& motion, const DeformTree& tree, DeformVolume volume,
                 std::int32_t nodes);
-  /// The boxes; with kBall those around the balls.
+  /// The boxes; with kBall, the boxes around the balls.
   void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const override;
-  /// Not with kBall.
+  /// Not available with kBall.
   void displacement(std::int32_t node, std::span<const double> from, std::span<const double> to,
                     double rounding, WideBox& box) const override;
   double displacementRounding(std::span<const double> from,
@@ -49,19 +50,19 @@ class BlendedBounds final : public NodeBounds {
 
   /// Boxes of some fields, node by node, without the axes along which a field is 0 everywhere.
   struct Boxes {
-    std::vector<std::uint8_t> axes;  ///< one a field: a bit for each of x, y, z that is kept
+    std::vector<std::uint8_t> axes;  ///< one for each field: a bit for each of x, y, z that is kept
     std::vector<AxisRow> rows;       ///< node by node, field by field, axis by axis
     std::size_t rows_a_node = 0;
 
     void addField(const BlendedMotion::Field& field);
     /// Prefetches the rows of a node, if there is such a node.
     void fetch(std::int32_t node) const;
-    /// Appends the rows of a field in a node; to be called node by node, field by field.
+    /// Appends the rows of a field in a node; called node by node, field by field.
     void addNode(const BlendedMotion::Field& field, std::size_t number, const DeformTree& tree,
                  std::int32_t node);
-    /// Adds the boxes of the node's fields, each times its parameter in `to` (or in to - from,
-    /// where `from` is not empty). One field more than `to` has parameters: it comes first, times
-    /// *first, or is skipped where `first` is null.
+    /// Adds the boxes of the node's fields, each times its parameter in `to` (or in to - from, if
+    /// `from` is not empty). If there is one more field than parameters in `to`, the first field is
+    /// multiplied by *first, or skipped if `first` is null.
     void blend(std::int32_t node, const double* first, std::span<const double> to,
                std::span<const double> from, BoxSum& sum) const;
   };
@@ -77,7 +78,7 @@ class BlendedBounds final : public NodeBounds {
                           LaneBounds& bounds) const;
   void tightenByBalls(std::int32_t node, std::span<const double> parameters, const Probe& probe,
                       LaneBounds& bounds) const;
-  /// The weight of a node's volume i: 1 for the base, which comes first.
+  /// The weight of a node's volume i: 1 for the base, which is the first one.
   double weight(std::span<const double> parameters, std::size_t i) const {
     return !has_base_ ? parameters[i] : i == 0 ? 1 : parameters[i - 1];
   }
@@ -86,11 +87,12 @@ class BlendedBounds final : public NodeBounds {
   DeformVolume volume_;
   std::size_t fields_;
   bool has_base_;
-  // In each node that of the base, if there is one, then one a field. No boxes with kBall.
+  // For each node that of the base, if there is one, then one for each field. No boxes with kBall.
   Boxes boxes_;
   std::vector<Diagonals> diagonals_;
   std::vector<Balls> balls_;
-  Boxes differences_;  // no base: of the mean of the fields, then of each field minus the mean
+  Boxes differences_;  // without a base: of the mean of the fields, then of each field minus the
+                       // mean
   std::vector<std::uint8_t> lanes_;  // children of each node
   double base_size_ = 0;
   std::vector<double> field_sizes_;  // largest |coordinate| [m]

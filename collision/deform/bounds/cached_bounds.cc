@@ -5,17 +5,17 @@
 
 namespace leeway::collision {
 
-// Minimum and maximum of stored floats are exact: no rounding here.
+// Minimum and maximum of stored floats are exact, so nothing is rounded here.
 CachedBounds::CachedBounds(const CachedVertices& motion, const DeformTree& tree, std::int32_t nodes)
     : frames_(motion.frameCount()),
       rows_(3 * frames_ * static_cast<std::size_t>(nodes)),
       lanes_(static_cast<std::size_t>(nodes)) {
-  // Backwards: children come after their parents.
+  // Backwards, because children have higher numbers than their parents.
   for (std::int32_t node = nodes - 1; node >= 0; --node) {
     const auto n = static_cast<std::size_t>(node);
     for (int lane = 0; lane < kWidth; ++lane) {
       const std::int32_t child = tree.node(node).child[lane];
-      if (child == DeformTree::kNone) break;  // empty lanes come last
+      if (child == DeformTree::kNone) break;  // empty lanes are last
       ++lanes_[n];
       const std::span<const std::int32_t> below = tree.vertices(node, lane);
       for (std::size_t f = 0; f < frames_; ++f) {
@@ -46,7 +46,7 @@ CachedBounds::CachedBounds(const CachedVertices& motion, const DeformTree& tree,
 }
 
 // Products and sums are rounded like those of CachedVertices::vertices(), and rounding is
-// monotonic: no evaluated vertex is outside its box.
+// monotonic, so no evaluated vertex is outside its box.
 void CachedBounds::bound(std::int32_t node, std::span<const double> parameters,
                          WideBox& box) const {
   constexpr std::uint8_t kAllAxes[] = {7, 7};
@@ -54,7 +54,7 @@ void CachedBounds::bound(std::int32_t node, std::span<const double> parameters,
   const double weights[] = {share > 0 ? 1 - share : 1, share};
   BoxSum sum{};
   const MotionKernels& kernels = motionKernels();
-  // There is no frame after the last.
+  // There is no frame after the last one.
   kernels.blend(rowsOf(node, parameters), kAllAxes, weights, nullptr, share > 0 ? 2 : 1, sum);
   kernels.put(sum, box);
   box.clear(lanes_[static_cast<std::size_t>(node)]);

@@ -12,17 +12,18 @@
 namespace leeway::collision {
 
 /// Boxes of the nodes of one hierarchy for vertices between two stored frames: the boxes of the two
-/// frames, blended as the vertices are (T. Larsson and T. Akenine-Moller, "Efficient collision
+/// frames, blended like the vertices (T. Larsson and T. Akenine-Moller, "Efficient collision
 /// detection for models deformed by morphing", 2003). No weight is negative, which keeps the boxes
-/// almost as tight as those of the vertices. 192 bytes a node and frame: meant for upper nodes.
+/// almost as tight as those of the vertices. 192 bytes for each node and frame: meant for upper
+/// nodes.
 class CachedBounds {
  public:
-  /// For the nodes 0 .. nodes - 1. Keeps no reference to the tree. O(frames x (vertices + nodes)).
+  /// For the nodes 0 .. nodes - 1. Stores no reference to the tree. O(frames x (vertices + nodes)).
   CachedBounds(const CachedVertices& motion, const DeformTree& tree, std::int32_t nodes);
 
   /// The boxes of the node's children, see NodeBounds::bound(). O(1).
   void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const;
-  /// Prefetches what bound() will read.
+  /// Prefetches the data that bound() reads.
   void fetch(std::int32_t node, std::span<const double> parameters) const;
   std::size_t bytes() const {
     return sizeof(*this) + rows_.capacity() * sizeof(AxisRow) + lanes_.capacity();

@@ -8,7 +8,7 @@ namespace leeway::collision {
 
 std::unique_ptr<const NodeBounds> makeNodeBounds(const VertexMotion& motion, const DeformTree& tree,
                                                  DeformVolume volume, std::int32_t nodes) {
-  // By class, not by kind(): an embedding program's motion is kOwn whatever it computes.
+  // Selects by class, not by kind(), because an embedding program's motion is always kOwn.
   if (const auto* blended = dynamic_cast<const BlendedMotion*>(&motion))
     return std::make_unique<BlendedBounds>(*blended, tree, volume, nodes);
   if (const auto* skinned = dynamic_cast<const SkinnedVertices*>(&motion))

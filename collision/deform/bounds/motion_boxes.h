@@ -15,7 +15,7 @@ struct alignas(64) AxisRow {
   float low[kWidth], high[kWidth];
 };
 
-/// Boxes of the eight children of a node while they are summed up: x of all lanes, then y, z.
+/// Sums of boxes of the eight children of a node: x of all lanes, then y, z.
 struct BoxSum {
   static constexpr int kNumbers = 3 * kWidth;
   double low[kNumbers], high[kNumbers];
@@ -26,16 +26,16 @@ struct SkinRest {
   double center[3][kWidth], half[3][kWidth];
 };
 
-/// A bone's weights in the vertices of each lane: all are within `range` of `mean`, and within
-/// `residue` of mean + gradient . (rest position - center). The means of a lane's bones add up to
-/// 1, as the weights do. Range and mean 0: the bone carries no vertex of the lane.
+/// A bone's weights in the vertices of each lane. All are within `range` of `mean`, and within
+/// `residue` of mean + gradient . (rest position - center). The means of a lane's bones sum to 1,
+/// as the weights do. If range and mean are 0, the bone carries no vertex of the lane.
 struct SkinPart {
   std::int32_t bone;
   double mean[kWidth], range[kWidth], residue[kWidth], gradient[3][kWidth];
 };
 
-/// Function pointers of one instruction set. Every set yields the same bytes. `to` and `from` are
-/// parameters of a motion; where `from` is not null, to - from replaces `to`.
+/// Function pointers for one instruction set. Every set yields the same bytes. `to` and `from` are
+/// parameters of a motion; if `from` is not null, to - from replaces `to`.
 struct MotionKernels {
   /// Adds `count` boxes, each times its parameter (interval arithmetic: a negative factor swaps low
   /// and high). A box has a row for each of the axes x, y, z whose bit is set in its `axes`.
@@ -43,8 +43,8 @@ struct MotionKernels {
                 std::size_t count, BoxSum& sum);
   /// Rounds a sum outwards.
   void (*put)(const BoxSum& sum, WideBox& box);
-  /// Boxes of what was in `before` and has been displaced by something in `way`. `way` is first cut
-  /// to low .. high, which also replaces NaN; `side` receives the longest side of each lane's way.
+  /// Displaces the boxes in `before` by the displacements in `way`. `way` is first clamped to low
+  /// .. high, which also replaces NaN; `side` receives the longest side of each lane's way.
   void (*move)(const WideBox& before, float low, float high, WideBox& way, WideBox& box,
                float* side);
   /// The boxes of skinned_bounds.cc, grown by `rounding`; lanes without a part are undefined.
@@ -52,7 +52,7 @@ struct MotionKernels {
                const double* from, double rounding, WideBox& box);
 };
 
-/// The kernels of the best instruction set of this machine. Costs about 3 ns.
+/// The kernels for the best instruction set of this machine. Takes about 3 ns.
 const MotionKernels& motionKernels();
 
 }  // namespace leeway::collision

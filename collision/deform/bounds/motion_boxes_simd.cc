@@ -14,7 +14,7 @@
 // After foreach_target.h.
 #include <hwy/highway.h>
 
-// Products and sums stay apart (no fused multiply-add), so that all instruction sets agree. Plain
+// Products and sums are separate (no fused multiply-add), so that all instruction sets agree. Plain
 // loops over lanes are left to the compiler's vectoriser.
 
 HWY_BEFORE_NAMESPACE();
@@ -33,7 +33,7 @@ void blend(const AxisRow* rows, const std::uint8_t* axes, const double* to, cons
   unsigned any = 0;
   for (std::size_t f = 0; f < count; ++f) any |= axes[f];
   for (std::size_t k = 0; k < 3; ++k) {
-    if ((any >> k & 1) == 0) continue;  // waves, for one, move along one axis
+    if ((any >> k & 1) == 0) continue;  // waves, for example, move along one axis
     for (std::size_t i = 0; i < kWidth; i += hn::Lanes(kDoubles)) {
       double *const at_low = sum.low + k * kWidth + i, *const at_high = sum.high + k * kWidth + i;
       auto low = hn::LoadU(kDoubles, at_low), high = hn::LoadU(kDoubles, at_high);
@@ -59,8 +59,8 @@ void blend(const AxisRow* rows, const std::uint8_t* axes, const double* to, cons
   }
 }
 
-// A sum is off by half a unit in the last place. 2^-23 of it is at least one unit; subnormal sums
-// are exact.
+// A sum is off by half a unit in the last place, and 2^-23 of it is at least one unit. Subnormal
+// sums are exact.
 void move(const WideBox& before, float least, float most, WideBox& way, WideBox& box, float* side) {
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(kLanes)) {
     const auto lowest = hn::Set(kLanes, least), highest = hn::Set(kLanes, most),
@@ -83,7 +83,7 @@ void move(const WideBox& before, float least, float most, WideBox& way, WideBox&
   }
 }
 
-// roundedDown() and roundedUpToFloat() in vectors: plain code takes eight times as long.
+// roundedDown() and roundedUpToFloat() in vectors, because plain code takes eight times as long.
 void put(const BoxSum& sum, WideBox& box) {
   const auto most = hn::Set(kSingles, std::numeric_limits<float>::max()),
              least = hn::Set(kSingles, std::numeric_limits<float>::min()),
@@ -92,7 +92,7 @@ void put(const BoxSum& sum, WideBox& box) {
     for (std::size_t i = 0; i < kWidth; i += hn::Lanes(kDoubles)) {
       auto low = hn::DemoteTo(kSingles, hn::LoadU(kDoubles, sum.low + k * kWidth + i)),
            high = hn::DemoteTo(kSingles, hn::LoadU(kDoubles, sum.high + k * kWidth + i));
-      // Written so that a NaN stays one.
+      // Written so that a NaN stays NaN.
       low = hn::IfThenElse(hn::Gt(low, most), most, low);
       high = hn::IfThenElse(hn::Lt(high, hn::Neg(most)), hn::Neg(most), high);
       low = hn::Sub(low, hn::Add(hn::Mul(hn::Abs(low), unit), least));
@@ -142,7 +142,7 @@ void skin(const SkinRest& rest, std::span<const SkinPart> parts, const double* t
         x[i] += mean * r.x;
         y[i] += mean * r.y;
         z[i] += mean * r.z;
-        // A bone that carries no vertex of the lane does not count.
+        // A bone that carries no vertex of the lane is ignored.
         const bool has_part = static_cast<int>(part.range[i] > 0) | static_cast<int>(mean > 0);
         const double lower = has_part ? image - reach : kInfinity,
                      upper = has_part ? image + reach : -kInfinity;

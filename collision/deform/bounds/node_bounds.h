@@ -13,34 +13,34 @@
 
 namespace leeway::collision {
 
-/// Boxes are found in the order of the nodes; what they are made from is prefetched so many nodes
-/// ahead. Any value is right.
+/// Boxes are computed in the order of the nodes; their data is prefetched this many nodes ahead.
+/// Any value is correct.
 inline constexpr std::int32_t kNodesAhead = 3;
 
 /// Boxes of the nodes of one hierarchy as functions of a motion's parameters
-/// (VertexMotion::parameters()), at a cost that does not depend on how many vertices are below a
-/// node. Constant; safe to use from many threads.
+/// (VertexMotion::parameters()). The cost does not depend on the number of vertices below a node.
+/// Immutable; safe to use from many threads.
 class NodeBounds {
  public:
   virtual ~NodeBounds() = default;
-  /// The boxes of the node's children: each holds every vertex of tree.vertices(node, lane) as
-  /// VertexMotion::vertices() gives it for these parameters, rounding included; lanes without a
+  /// The boxes of the node's children. Each contains every vertex of tree.vertices(node, lane) as
+  /// VertexMotion::vertices() computes it for these parameters, rounding included; lanes without a
   /// child are empty. Never throws or allocates.
   virtual void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const = 0;
 
-  /// Boxes of the displacements of the vertices below each child of the node from the parameters
-  /// `from` to `to`, as VertexMotion::vertices() gives both, rounding included; lanes without a
-  /// child are undefined. `rounding`: displacementRounding(from, to), which is the same for all
-  /// nodes. Not for DeformVolume::kBall. Never throws or allocates.
+  /// Boxes of the displacements, from the parameters `from` to `to`, of the vertices below each
+  /// child of the node. They include the rounding of VertexMotion::vertices() for both; lanes
+  /// without a child are undefined. `rounding`: displacementRounding(from, to), which is the same
+  /// for all nodes. Not for DeformVolume::kBall. Never throws or allocates.
   virtual void displacement(std::int32_t node, std::span<const double> from,
                             std::span<const double> to, double rounding, WideBox& box) const = 0;
   virtual double displacementRounding(std::span<const double> from,
                                       std::span<const double> to) const = 0;
 
-  /// Whether tighten() can improve on the boxes.
+  /// Whether tighten() can improve the boxes' bounds.
   virtual bool hasVolumes() const { return false; }
-  /// Raises the lower bounds on the separation of a body and each child of the node to what volumes
-  /// other than boxes prove. Never throws or allocates.
+  /// Raises the lower bounds on the separation of a body and each child of the node to the bounds
+  /// that volumes other than boxes prove. Never throws or allocates.
   virtual void tighten(std::int32_t /*node*/, std::span<const double> /*parameters*/,
                        const Probe& /*probe*/, LaneBounds& /*bounds*/) const {}
 

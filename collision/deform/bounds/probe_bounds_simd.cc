@@ -23,7 +23,7 @@ namespace leeway::collision {
 namespace HWY_NAMESPACE {
 namespace {
 
-// A bit for each lane at or below the bar; lowers `closed` to the least of the others.
+// A bit for each lane at or below the bar; lowers `closed` to the least bound of the other lanes.
 HWY_INLINE unsigned openOf(Floats lower, Floats bar, Floats& closed) {
   // Written so that a NaN stays open.
   const auto above = hn::Gt(lower, bar);
@@ -31,12 +31,13 @@ HWY_INLINE unsigned openOf(Floats lower, Floats bar, Floats& closed) {
   return ~bitsOf(above) & kStepBits;
 }
 
-// Lower bounds by the boxes alone; kTurned: along the body's own axes, too.
+// Lower bounds by the boxes alone; kTurned: also along the body's own axes.
 //
-// Tried and dropped: slabs beside the boxes, along one normal a branch, since boxes are loose
-// around tilted sheets. On waves of 20k and 200k triangles they closed 20 to 30 % of the nodes that
-// boxes leave open, but evaluating them cost as much (12 distances came out even) and a refit took
-// a third longer. Boxes in a frame of each branch would close no more.
+// Tried and rejected: slabs in addition to the boxes, along one normal for each branch, because
+// boxes are loose around tilted sheets. On waves of 20k and 200k triangles they closed 20 to 30 %
+// of the nodes that boxes leave open, but evaluating them cost as much (the time of 12 distances
+// was the same) and a refit took a third longer. Boxes in a separate frame for each branch would
+// close no more.
 template <bool kTurned>
 HWY_INLINE void lowerBounds(const Probe& probe, const WideBox& box, float bar, LaneBounds& bounds) {
   const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
@@ -77,8 +78,8 @@ HWY_INLINE void lowerBounds(const Probe& probe, const WideBox& box, float bar, L
       squared = hn::Max(squared, squared_axes);
     }
     // Axes that depart from a rotation by 1e-6 overstate distances by half of that. A square that
-    // overflows is at least the largest float; one near the subnormal numbers has lost its digits
-    // and proves nothing.
+    // overflows is at least the largest float. A square near the subnormal numbers has lost its
+    // digits and proves nothing.
     const Floats kept = hn::Min(squared, set(std::numeric_limits<float>::max()));
     Floats lower = hn::Mul(hn::Sqrt(kept), set(static_cast<float>(1 - kRotationTolerance)));
     lower = hn::IfThenElse(hn::Gt(kept, set(kLeastWaySquared)), lower, hn::Min(deepest, zero));
@@ -92,14 +93,14 @@ HWY_INLINE void lowerBounds(const Probe& probe, const WideBox& box, float bar, L
   bounds.closed = hn::GetLane(hn::MinOfLanes(kLanes, closed));
 }
 
-// A plane per triangle, perpendicular to the line from the body's nearest point to the triangle's
-// centroid, in coordinates along the probe's own axes, in which the body is a box. Nearly exact for
-// triangles that are small beside the distance, where their boxes are loose.
+// Uses a plane for each triangle, perpendicular to the line from the body's nearest point to the
+// triangle's centroid, in coordinates along the probe's own axes, in which the body is a box. This
+// is nearly exact for triangles that are small compared with the distance, whose boxes are loose.
 void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
                     std::int32_t begin, std::int32_t end, LaneBounds& bounds) {
   HWY_ALIGN float corner[3][kWidth][4];  // corner, triangle, axis
   for (std::int32_t slot = begin; slot < begin + kWidth; ++slot) {
-    // Lanes left over repeat the last triangle.
+    // Unused lanes repeat the last triangle.
     const DeformTree::Triangle& t = tree.corners(std::min(slot, end - 1));
     const std::size_t lane = static_cast<std::size_t>(slot - begin);
     for (std::size_t c = 0; c < 3; ++c) putSingle(at(vertices, t[c]), corner[c][lane]);
@@ -142,16 +143,16 @@ void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vec
     const auto usable = hn::Gt(squared, set(kLeastWaySquared));
     const Floats safe = hn::IfThenElse(usable, squared, set(1.0F));
     Floats lower = hn::Div(least, hn::Sqrt(safe));
-    // The line's length is off where the axes depart from a rotation by 1e-6.
+    // The line's length is inexact if the axes depart from a rotation by 1e-6.
     lower =
         hn::Sub(lower, hn::Mul(hn::Abs(lower), set(static_cast<float>(2 * kRotationTolerance))));
-    // Boxes that overlap prove nothing about depth; squares as in lowerBounds().
+    // Overlapping boxes prove nothing about depth; squares as in lowerBounds().
     const Floats unknown = set(-std::numeric_limits<float>::infinity());
     const Floats by_box =
         hn::IfThenElse(hn::Gt(outside, set(kLeastWaySquared)),
                        hn::Sqrt(hn::Min(outside, set(std::numeric_limits<float>::max()))), unknown);
     lower = hn::Max(hn::IfThenElse(usable, lower, unknown), by_box);
-    // Minimum and maximum may have dropped a NaN; the sum of all coordinates has not.
+    // Minimum and maximum may have dropped a NaN, but the sum of all coordinates has not.
     const auto finite = hn::Eq(hn::Sub(sum, sum), zero);
     lower = hn::IfThenElse(finite, lower, unknown);
     hn::Store(hn::Sub(hn::Sub(lower, set(probe.radius)), set(probe.slack)), kLanes,
@@ -172,7 +173,7 @@ bool leastAlong(const double* n, const Eigen::Vector3d* vertices, std::span<cons
   return leastOf(n, vertices, of.data(), of.size(), least);
 }
 
-// Finds `open` and `closed` anew.
+// Computes `open` and `closed` again.
 void openLanes(float bar, LaneBounds& bounds) {
   bounds.open = 0;
   Floats closed = hn::Set(kLanes, std::numeric_limits<float>::infinity());
@@ -193,9 +194,8 @@ unsigned leafLanes(const DeformTree::Node& node) {
   return leaves;
 }
 
-// From the body's point nearest to the middle of each box to that middle: unit vectors in the
-// boxes' frame, and how far the body reaches along them. A direction too short to normalise is not
-// finite.
+// Unit vectors from the body's point nearest to the middle of each box to that middle, in the
+// boxes' frame, and the body's reach along them. A direction too short to normalise is not finite.
 struct Directions {
   HWY_ALIGN float way[3][kWidth], reach[kWidth];
 };
@@ -232,13 +232,14 @@ HWY_INLINE void directionsTo(const Probe& probe, const WideBox& box, Directions&
 }
 
 // Tightens the bounds of open leaves by their vertices. The body, a box along the probe's axes, is
-// convex: none of its points is farther along the direction to a leaf than its nearest point. So
-// the leaf's least vertex along it, less that point, bounds the separation.
+// convex, so none of its points is farther along the direction to a leaf than its nearest point.
+// The leaf's least vertex along that direction, minus that point, is a lower bound on the
+// separation.
 void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
                 const DeformTree::Node& node, const WideBox& box, float bar, LaneBounds& bounds) {
   const unsigned leaves = bounds.open & leafLanes(node);
   if (leaves == 0) return;
-  // Prefetches the leaves' vertex numbers, which are read further below.
+  // Prefetches the numbers of the leaves' vertices, which are read below.
   for (unsigned left = leaves; left != 0; left &= left - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(left));
     const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[lane]));
@@ -271,7 +272,7 @@ void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3
     lower = hn::Sub(
         lower, hn::Add(hn::Mul(hn::Abs(lower), hn::Set(kDoubles, 2 * kRotationTolerance)), grown));
     lower = hn::Sub(lower, hn::Mul(hn::Abs(lower), hn::Set(kDoubles, 0x1p-23)));
-    // NaN stands for nothing known; it is not greater on any instruction set.
+    // NaN means that no bound is known; it compares as not greater on every instruction set.
     const auto found = hn::DemoteTo(singles, lower), before = hn::Load(singles, bounds.lower + i);
     hn::Store(hn::IfThenElse(hn::Gt(found, before), found, before), singles, bounds.lower + i);
   }

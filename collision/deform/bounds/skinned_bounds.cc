@@ -93,8 +93,8 @@ SkinnedBounds::SkinnedBounds(const SkinnedVertices& motion, const DeformTree& tr
 
 void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tree,
                              std::int32_t node) {
-  // Least and largest weight of every bone in every lane. Vertices that a bone does not carry have
-  // weight 0.
+  // Least and largest weight of every bone in every lane. A bone has weight 0 at vertices that it
+  // does not carry.
   struct Seen {
     std::int32_t bone;
     double least[kWidth], largest[kWidth];
@@ -130,7 +130,7 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
     }
     parts_.push_back(part);
   }
-  // Makes the means add up to 1: the bones of the lane share equally what is missing.
+  // Makes the means sum to 1: the bones of the lane share the missing part equally.
   for (int lane = 0; lane < kWidth; ++lane) {
     double sum = 0, bones = 0;
     for (std::size_t i = begin; i < parts_.size(); ++i) {
@@ -151,8 +151,8 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
   }
 }
 
-// Least squares, regularised where the vertices do not span all directions. Any gradient is right:
-// the bound rests on its residue, which includes the rounding of these sums.
+// Least squares, regularised where the vertices do not span all directions. Any gradient is
+// correct, because the bound uses its residue, which includes the rounding of these sums.
 void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
                                  std::span<const std::int32_t> vertices, int lane,
                                  std::span<SkinPart> parts) const {
@@ -190,7 +190,8 @@ void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
       residue = std::max(residue, std::abs(weight(v, part.bone) - part.mean[lane] - linear));
     }
     residue += 16 * kUnitRoundoff * (1 + gradient.lpNorm<1>() * (reach + 2 * center.lpNorm<1>()));
-    // A NaN leaves the gradient at 0, and so does a steep one, which would cost digits.
+    // With a NaN the gradient stays 0, and also if it is steep, because a steep gradient would cost
+    // digits.
     const double across = std::abs(gradient.x()) * rest.half[0][lane] +
                           std::abs(gradient.y()) * rest.half[1][lane] +
                           std::abs(gradient.z()) * rest.half[2][lane];
@@ -201,16 +202,16 @@ void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
 }
 
 // Rounding: every number here and in the evaluation of a vertex is at most `size` (boundBy()) and a
-// sum of up to terms_ + 12 products. Means and weights add up to 1 within terms_ + 2 units each,
-// which moves x by that share of the size. A gradient changes a weight by at most kSteepestWeight
-// over a node. 64 (terms_ + 12) units a part, and four parts more, cover all of it.
+// sum of up to terms_ + 12 products. Means and weights sum to 1 within terms_ + 2 units each, which
+// moves x by that share of the size. A gradient changes a weight by at most kSteepestWeight over a
+// node. 64 (terms_ + 12) units for each part, and four more parts, cover all of this.
 void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
                           WideBox& box) const {
   boundBy(node, parameters, {}, box);
   box.clear(lanes_[static_cast<std::size_t>(node)]);
 }
 
-// A vertex moves from sum w_b S_b r to sum w_b T_b r, that is by sum w_b (T_b - S_b) r: the
+// A vertex moves from sum w_b S_b r to sum w_b T_b r, that is by sum w_b (T_b - S_b) r; the
 // derivation above does not need rigid bones. Both ends are off by their own rounding, and a
 // difference is at most as large as both numbers together.
 void SkinnedBounds::displacement(std::int32_t node, std::span<const double> from,
@@ -220,7 +221,7 @@ void SkinnedBounds::displacement(std::int32_t node, std::span<const double> from
   boundBy(node, to, from, box);
 }
 
-// boundBy() finds each node's own, which is far less than that of all bones.
+// boundBy() computes the rounding of each node, which is far less than that of all bones.
 double SkinnedBounds::displacementRounding(std::span<const double> /*from*/,
                                            std::span<const double> /*to*/) const {
   return 0;

@@ -8,9 +8,9 @@ namespace leeway::collision {
 
 /// Boxes of vertices that are blended from bones. L. Kavan and J. Zara, "Fast collision detection
 /// for skeletally deformable models", 2005: a vertex is a convex combination of its images under
-/// the bones, so it is bounded by the bones' images of the node's own rest volume, however much
-/// else a bone carries. They refine spheres by the range of the weights; this refines boxes
-/// (derivation in skinned_bounds.cc). O(bones of the node's vertices) a node.
+/// the bones, so it is bounded by the bones' images of the node's own rest volume, whatever other
+/// vertices a bone carries. They refine spheres by the range of the weights; this class refines
+/// boxes (derivation in skinned_bounds.cc). O(bones of the node's vertices) for each node.
 class SkinnedBounds final : public NodeBounds {
  public:
   SkinnedBounds(const SkinnedVertices& motion, const DeformTree& tree, std::int32_t nodes);
@@ -27,10 +27,10 @@ class SkinnedBounds final : public NodeBounds {
   }
 
  private:
-  /// Boxes for the matrices `to`, or for to - from where `from` is not empty.
+  /// Boxes for the matrices `to`, or for to - from if `from` is not empty.
   void boundBy(std::int32_t node, std::span<const double> to, std::span<const double> from,
                WideBox& box) const;
-  /// Prefetches what the node's boxes are made from.
+  /// Prefetches the data of the node's boxes.
   void fetch(std::int32_t node) const;
   void addParts(const SkinnedVertices& motion, const DeformTree& tree, std::int32_t node);
   void fitGradients(const SkinnedVertices& motion, std::span<const std::int32_t> vertices, int lane,

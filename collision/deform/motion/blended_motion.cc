@@ -53,7 +53,8 @@ void BlendedMotion::measureFields() {
 }
 
 // Within a segment a vertex moves along a straight line, with ds/dt times the difference of its
-// positions at the two keys: the sum of the fields times the differences of their coordinates.
+// positions at the two keys. That difference is the sum of the fields times the differences of
+// their coordinates.
 void BlendedMotion::measureSegments() {
   const std::size_t n = fields_.size();
   std::vector<double> difference(n);
@@ -124,14 +125,14 @@ double BlendedMotion::accelerationBound(double t0, double t1) const {
   return track_->largest(accelerations_, t0, t1);
 }
 
-// Errors of a parameter: with keys that of the share times the difference of two values, and four
-// roundings; of a harmonic that of its argument, which is 2 pi |f t| and the terms of
+// Errors of a parameter. With keys: the error of the share times the difference of two values, and
+// four roundings. For a harmonic: the error of its argument, which is 2 pi |f t| and the terms of
 // angleOfTurns() and of the sum with the phase, and three units of the sine. A vertex is off by
-// these times the fields, by the fields' own error times the parameters, and by one rounding a
-// product and sum. The factor 2 > sqrt(3) leads from one coordinate to three.
+// these times the fields, by the fields' own error times the parameters, and by one rounding for
+// each product and sum. The factor 2 > sqrt(3) leads from one coordinate to three.
 //
-// Where 7 f t overflows, f t may, too; the sine is then NaN, and so is NaN times an amplitude of 0:
-// nothing is known of the vertices.
+// Where 7 f t overflows, f t may overflow, too. The sine is then NaN, and so is NaN times an
+// amplitude of 0: the vertices are unknown.
 double BlendedMotion::rounding(double t0, double t1) const {
   if (!(t0 <= t1)) return kInfinity;
   const double latest = std::max(std::abs(t0), std::abs(t1));

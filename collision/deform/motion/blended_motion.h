@@ -10,8 +10,8 @@
 
 namespace leeway::collision {
 
-/// 2 pi turns [rad]. Whole turns are taken off first, which is exact. Off by less than 16 units for
-/// the two operations, besides 2 pi times the error of `turns`.
+/// 2 pi turns [rad]. Whole turns are subtracted first, which is exact. The error is less than 16
+/// units for the two operations, plus 2 pi times the error of `turns`.
 inline double angleOfTurns(double turns) { return kTwoPi * (turns - std::nearbyint(turns)); }
 
 // clang-format off
@@ -36,10 +36,10 @@ class BlendedMotion final : public VertexMotion {
     double speed = 0, acceleration = 0, field_error = 0;
   };
 
-  /// With keys: a row of coordinates each. `base` may be empty.
+  /// With keys: one row of coordinates for each key. `base` may be empty.
   BlendedMotion(MotionKind kind, Field base, std::vector<Field> fields, KeyTrack track,
                 std::vector<std::vector<double>> coordinates);
-  /// With one harmonic a field.
+  /// With one harmonic for each field.
   BlendedMotion(MotionKind kind, Field base, std::vector<Field> fields,
                 std::vector<Harmonic> harmonics, const HarmonicBounds& bounds);
 

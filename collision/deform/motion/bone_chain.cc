@@ -21,7 +21,7 @@ double dot(const Vector4d& a, const Vector4d& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
 }
 
-// Scaled first: squares of tiny or huge numbers would under- or overflow.
+// Scales first, because squares of tiny or huge numbers would under- or overflow.
 Vector4d unit(const Vector4d& q) {
   const double largest = q.cwiseAbs().maxCoeff();
   const Vector4d scaled = q / largest;
@@ -37,7 +37,7 @@ Eigen::Matrix3d matrix(const Vector4d& q) {
   return R;
 }
 
-// Written out: the order of the sums must not depend on how Eigen is compiled.
+// Written out, because the order of the sums must not depend on how Eigen is compiled.
 Pose product(const Pose& a, const Pose& b) {
   Pose c;
   for (int k = 0; k < 3; ++k) {
@@ -81,7 +81,7 @@ BoneChain::BoneChain(const SkinnedMotion& motion, KeyTrack track) : track_(std::
     for (std::size_t b = 0; b < motion.bones.size(); ++b) {
       const SkinnedMotion::BonePose& pose = motion.keys[i].poses[b];
       Vector4d q = unit(pose.quaternion);
-      // q and -q are the same rotation: takes the one that makes the shorter arc from the last key.
+      // q and -q are the same rotation; selects the one with the shorter arc from the last key.
       if (i > 0 && dot(q, key(i - 1, b).quaternion) < 0) q = -q;
       keys_.push_back({pose.translation, q});
     }
@@ -103,7 +103,7 @@ Pose BoneChain::interpolated(const KeyPlace& place, std::size_t bone) const {
 
 void BoneChain::skinningMatrices(double time, std::span<double> out) const {
   const KeyPlace place = track_.at(time);
-  // First X_MB(t) of all bones, parents first; then times X_MB(rest)^-1.
+  // Computes X_MB(t) of all bones, parents first, then multiplies by X_MB(rest)^-1.
   for (std::size_t b = 0; b < parents_.size(); ++b) {
     Pose X = interpolated(place, b);
     if (parents_[b] >= 0) {
@@ -166,7 +166,7 @@ BoneChain::Rates BoneChain::rates(std::size_t segment, std::span<const double> r
       speed += moved * rate + turn * reach;
       reach += std::max(length(from.translation), length(to.translation));
     }
-    // A rate overflows where keys are very close; 0 times it is NaN and no bound.
+    // A rate overflows if keys are very close. 0 times it is NaN, which is not a bound.
     worst.speed = std::max(worst.speed, speed >= 0 ? speed : kInfinity);
     worst.acceleration = std::max(worst.acceleration, acceleration >= 0 ? acceleration : kInfinity);
   }

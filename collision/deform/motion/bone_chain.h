@@ -19,15 +19,15 @@ class BoneChain {
   int count() const { return static_cast<int>(parents_.size()); }
   const KeyTrack& track() const { return track_; }
 
-  /// The bones' matrices X_MB(t) X_MB(rest)^-1 in the mesh's frame M: 12 numbers each, the rotation
-  /// row by row, then the translation. Never allocates. O(bones).
+  /// Computes the bones' matrices X_MB(t) X_MB(rest)^-1 in the mesh's frame M: 12 numbers each, the
+  /// rotation row by row, then the translation. Never allocates. O(bones).
   void skinningMatrices(double time, std::span<double> out) const;
 
-  /// A point of the mesh at rest in a bone's rest frame.
+  /// A point of the mesh at rest, in a bone's rest frame.
   Eigen::Vector3d inBone(int bone, const Eigen::Vector3d& rest) const;
 
-  /// Bounds of speed [m/s] and acceleration [m/s^2] in a segment of any point within reaches[b] of
-  /// the origin of a bone b that it is fixed to. Bones with a negative reach carry nothing.
+  /// Bounds of speed [m/s] and acceleration [m/s^2] in a segment, for any point within reaches[b]
+  /// of the origin of the bone b that it is fixed to. Bones with a negative reach carry no point.
   struct Rates {
     double speed, acceleration;
   };

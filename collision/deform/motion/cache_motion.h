@@ -10,7 +10,8 @@
 
 namespace leeway::collision {
 
-/// Vertices stored frame by frame. Two parameters: the number of a frame and the share of the next.
+/// Vertices stored frame by frame. The two parameters are the number of a frame and the share of
+/// the next frame.
 class CachedVertices final : public VertexMotion {
  public:
   explicit CachedVertices(CacheMotion motion);

@@ -9,7 +9,7 @@
 namespace leeway::collision {
 
 /// A time between keys: values are (1 - share) * value[key] + share * value[key + 1]. From the last
-/// key on the share is 0 and key + 1 must not be read.
+/// key on, the share is 0 and key + 1 must not be read.
 struct KeyPlace {
   std::size_t key;
   double share;
@@ -27,16 +27,17 @@ class KeyTrack {
   /// The share is within kShareRounding * kUnitRoundoff of the exact one. O(log keys).
   KeyPlace at(double time) const;
 
-  /// The numbers between two rows, one row a key; a row has out.size() numbers. O(log keys).
+  /// Interpolates between two rows, with one row for each key; a row has out.size() numbers. O(log
+  /// keys).
   void blend(std::span<const std::vector<double>> rows, double time, std::span<double> out) const;
 
-  /// Bounds of |ds/dt| [1/s] and |d2s/dt2| [1/s^2] within a segment, s being the share, rounded up;
-  /// the second is exactly 0 for kLinear.
+  /// Bounds of |ds/dt| [1/s] and |d2s/dt2| [1/s^2] within a segment, where s is the share, rounded
+  /// up; the second is exactly 0 for kLinear.
   double rate(std::size_t segment) const;
   double rateChange(std::size_t segment) const;
 
-  /// The largest entry among the segments that [t0, t1] meets; 0 before the first key and after the
-  /// last; infinite unless t0 <= t1.
+  /// The largest entry among the segments that intersect [t0, t1]; 0 before the first key and after
+  /// the last; infinite unless t0 <= t1.
   double largest(std::span<const double> of_segments, double t0, double t1) const;
   /// Whether speed may jump strictly between t0 and t1.
   bool jumps(double t0, double t1) const;

@@ -20,7 +20,7 @@ constexpr int kLargestDegree = 16;
 
 // The Bernstein polynomials of `degree` at u in [0, 1], to out[0 ... degree]: de Casteljau's
 // triangle of convex combinations, in which nothing cancels. An error e of u changes the values by
-// at most 2 degree e in sum; every row adds four units.
+// at most 2 degree e in total; every row adds four units.
 void bernstein(int degree, double u, double* out) {
   const double v = 1 - u;
   out[0] = 1;
@@ -75,8 +75,8 @@ class LatticeVertices final : public VertexMotion {
 
  private:
   // A bound on the error of a coordinate of blended(), in units of kUnitRoundoff times the largest
-  // control coordinate. An axis adds 2 degree times the 4 units of its u, 4 units a row of the
-  // triangle, and one a product and sum.
+  // control coordinate. An axis adds 2 degree times the 4 units of its u, 4 units for each row of
+  // the triangle, and one for each product and sum.
   double blendError() const { return 16.0 * (cells_[0] + cells_[1] + cells_[2]) + 32; }
 
   void weighVertices(const LatticeMotion& motion) {
@@ -114,7 +114,7 @@ class LatticeVertices final : public VertexMotion {
     return {sum[0], sum[1], sum[2]};
   }
 
-  // Within a segment control points, and so vertices, move along straight lines.
+  // Within a segment, control points move along straight lines, and so do vertices.
   void measureSegments() {
     std::vector<double> difference(controls_[0].size());
     for (std::size_t i = 0; i < track_.segments(); ++i) {

@@ -8,12 +8,12 @@
 
 #include "leeway/collision/vertex_motion.h"
 
-// Private to collision/: what the factories of VertexMotion refuse. Every function throws
-// InvalidMotion with the kind of motion, the place, the value and what is accepted.
+// Private to collision/: the input checks of VertexMotion's factories. Every function throws
+// InvalidMotion with the kind of motion, the place, the value and the accepted values.
 
 namespace leeway::collision {
 
-/// A number as messages show it: the shortest text that reads back as the same number.
+/// A number as text in messages: the shortest text that reads back as the same number.
 std::string shown(double value);
 
 /// Throws with the message "<kind>: <what>".
@@ -21,23 +21,24 @@ std::string shown(double value);
 
 /// Times must be finite, each larger than the one before.
 void requireIncreasing(MotionKind kind, std::span<const double> times);
-/// A number must be finite and at most kLargestMotion in magnitude. `what` names it: "reference 2,
-/// vertex 17".
+/// A number must be finite and at most kLargestMotion in magnitude. `what` names it, for example
+/// "reference 2, vertex 17".
 void requireUsable(MotionKind kind, const std::string& what, double value);
-/// Every coordinate of `positions` must be usable. `what` names all of them: "reference 2, vertex".
+/// Every coordinate of `positions` must be usable. `what` names all of them, for example "reference
+/// 2, vertex".
 void requireUsable(MotionKind kind, const std::string& what,
                    std::span<const Eigen::Vector3d> positions);
-/// There must be `wanted` of `things`.
+/// The count of `things` must be `wanted`.
 void requireCount(MotionKind kind, const std::string& what, std::size_t count, std::size_t wanted,
                   const std::string& things);
-/// There must be a vertex.
+/// There must be at least one vertex.
 void requireVertices(MotionKind kind, std::size_t count);
-/// There must be a key; times as in requireIncreasing().
+/// There must be at least one key; times as in requireIncreasing().
 void requireKeys(MotionKind kind, std::span<const double> times);
-/// A direction must be usable and not zero. Returns the unit vector.
+/// A direction must be usable and not zero. Returns its unit vector.
 Eigen::Vector3d requireDirection(MotionKind kind, const std::string& what,
                                  const Eigen::Vector3d& direction);
-/// A key must have `wanted` numbers, each usable. `thing`: "weight".
+/// A key must have `wanted` numbers, each usable. `thing` names one, for example "weight".
 void requireRow(MotionKind kind, std::size_t key, std::span<const double> row, std::size_t wanted,
                 const std::string& thing);
 /// A phase must be finite and at most kLargestPhase in magnitude [rad].
@@ -55,7 +56,7 @@ inline double squaredLength(const Eigen::Vector3d& v) {
   return v.x() * v.x() + v.y() * v.y() + v.z() * v.z();
 }
 
-/// The largest magnitude of a coordinate; 0 for no points.
+/// The largest magnitude of a coordinate; 0 if there are no points.
 inline double largestCoordinate(std::span<const Eigen::Vector3d> points) {
   double largest = 0;
   for (const Eigen::Vector3d& p : points) largest = std::max(largest, p.cwiseAbs().maxCoeff());

@@ -12,8 +12,8 @@
 namespace leeway::collision {
 namespace {
 
-// A vertex is no faster than the sum over the modes of 2 pi |f a| times its displacement there; its
-// acceleration has another factor 2 pi |f|.
+// A vertex is no faster than the sum over the modes of 2 pi |f a| times its displacement there. Its
+// acceleration has another factor of 2 pi |f|.
 BlendedMotion::HarmonicBounds boundsOf(const ReducedMotion& motion) {
   double fastest = 0, sharpest = 0;
   for (std::size_t v = 0; v < motion.rest.size(); ++v) {

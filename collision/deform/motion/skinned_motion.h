@@ -13,7 +13,7 @@ class SkinnedVertices final : public VertexMotion {
  public:
   struct Influence {
     std::int32_t bone;
-    double weight;  // >= 0; those of a vertex add up to 1 within rounding
+    double weight;  // >= 0; the weights of a vertex sum to 1 within rounding
   };
 
   /// `first_influence` has vertices + 1 entries.

@@ -19,7 +19,7 @@ double sumOfMagnitudes(const Vector3d& v) {
   return std::abs(v.x()) + std::abs(v.y()) + std::abs(v.z());
 }
 
-// The share of the waves that a pinned edge leaves to a vertex.
+// The factor by which a pinned edge scales the waves at a vertex.
 class Envelope {
  public:
   explicit Envelope(const std::optional<PinnedEdge>& pinned) : pinned_(pinned) {

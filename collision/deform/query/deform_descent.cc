@@ -43,7 +43,7 @@ void descendAll(DescentState& state) {
     state.settle(root);
     return;
   }
-  // descendRound() may have found an upper bound.
+  // descendRound() may have found an upper bound already.
   if (!(state.result.upper < kInfinity)) state.warmStart();
   if (hasNoTree(state.a) || hasNoTree(state.b))
     descendOctree(state, root);
@@ -54,7 +54,7 @@ void descendAll(DescentState& state) {
 }
 
 // A lower bound by the ball around a rigid A, which settles most queries with a threshold; 0 or
-// less where it proves nothing.
+// less if it proves nothing.
 double ballBound(const DeformSide& a, const DeformSide& b, const DescentPlacement& placement) {
   if (a.snapshot != nullptr || !(a.rigid.radius < kInfinity) || !(b.extent < kInfinity)) return 0;
   Vector3d p = placement.X_BA0 * a.rigid.center;

@@ -18,7 +18,7 @@ DeformSide deformSide(const Shape& shape) {
   side.high = side.rigid.high;
   side.extent = side.rigid.extent;
   if (shape.type() == ShapeType::kConvexHull) {
-    // Tighter than the box of the sphere around them.
+    // This box is tighter than the box of the sphere around the vertices.
     Eigen::Vector3d low = shape.hull()->vertices()[0], high = low;
     for (const Eigen::Vector3d& v : shape.hull()->vertices()) {
       low = low.cwiseMin(v);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: a body of a query that a deforming mesh takes part in.
+// Private to collision/: a body in a query that involves a deforming mesh.
 
 #include "collision/deform/snapshot.h"
 #include "collision/mesh/descent/mesh_descent.h"
@@ -11,7 +11,7 @@ namespace leeway::collision {
 struct DeformSide {
   const DeformableSnapshotImpl* snapshot = nullptr;
   DescentSide rigid;          ///< used when there is no snapshot
-  Eigen::Vector3d low, high;  ///< a box that holds the body, in its own frame; may be infinite
+  Eigen::Vector3d low, high;  ///< a box that contains the body, in its own frame; may be infinite
   double extent = 0;  ///< greatest distance of a point from the frame's origin [m]; may be infinite
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: what the stages of a descent share. Each stage has a file of its own.
+// Private to collision/: the state that the stages of a descent share. Each stage has its own file.
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -17,29 +17,30 @@
 
 namespace leeway::collision {
 
-/// A rigid body is taken as a whole, against one triangle after the other; mesh_descent.cc opens
-/// the hierarchy of a rigid mesh where its hull does not decide.
+/// A rigid body is compared as a whole with one triangle after the other; mesh_descent.cc opens the
+/// hierarchy of a rigid mesh if its hull does not decide.
 inline bool isRigid(const DeformSide& side) { return side.snapshot == nullptr; }
 
-/// The triangles of a deforming mesh are told by their slots; this one is a rigid body as a whole.
+/// The triangles of a deforming mesh are identified by their slots; this value is a rigid body as a
+/// whole.
 inline constexpr int kWholeBody = -1;
 
-/// An exact piece of a body: the triangle in a slot, whose corners are put into `corners`, or a
+/// An exact piece of a body: the triangle in a slot, whose corners are written to `corners`, or a
 /// rigid convex body.
 ConvexView pieceOf(const DeformSide& side, int slot, Eigen::Vector3d* corners);
 
-/// The interval found so far, when to stop, and the comparison of exact pieces. As Descent in
-/// mesh_descent.cc.
+/// The interval found so far, the stop criteria, and the comparison of exact pieces. Compare
+/// Descent in mesh_descent.cc.
 class DescentState {
  public:
   DescentState(const DeformSide& a, const DeformSide& b, const DescentPlacement& placement,
                const DistanceRequest& request, Scratch& scratch, PairCache& cache);
 
-  // When to stop.
+  // Stop criteria.
 
-  /// Pairs with a lower bound above this need no closer look.
+  /// Pairs with a lower bound above this need no further comparison.
   double bar() const { return placement.swept ? std::min(bar_, result.lower) : bar_; }
-  /// To be called when result.upper has changed.
+  /// Must be called when result.upper has changed.
   void updateBar();
   bool needless(double lower) const {
     return lower > bar() || (placement.swept && lower >= result.lower);
@@ -49,13 +50,13 @@ class DescentState {
     if (!placement.swept) return result.upper <= 0 && !request.depth;
     return result.upper <= 0 || result.lower <= floor();
   }
-  /// Nodes, leaves and pairs of pieces that may be visited.
+  /// Limit on the visited nodes, leaves and pairs of pieces.
   int limit() const {
     if (scratch.impl().work->isSpent()) return 0;
     const int most = request.node_limit - mesh_nodes;
     return result.upper <= 0 && !half_space ? std::min(most, overlap_limit_) : most;
   }
-  /// Whatever is dropped without a closer look must pass its lower bound through here.
+  /// Records the lower bound of anything that is dropped without a closer look.
   void settle(double lower) { result.lower = std::min(result.lower, lower); }
 
   // Bounds by boxes.
@@ -67,7 +68,7 @@ class DescentState {
   }
   /// A rigid A: the box of its core, grown by its radius.
   Probe rigidProbe() const;
-  /// Raises the bounds of a node of B by the volumes of its motion, and closes lanes with them.
+  /// Raises the bounds of a node of B by the volumes of its motion, and closes lanes accordingly.
   void tighten(std::int32_t node, const Probe& probe, LaneBounds& bounds) const {
     if (has_volumes) tightenByVolumes(node, probe, bounds);
   }
@@ -77,19 +78,19 @@ class DescentState {
   /// Compares two pieces, by slot or kWholeBody.
   void comparePieces(int slot_a, int slot_b);
   /// Compares a piece of A with the pieces of B in slots [begin_b, end_b), nearest first. `lower`
-  /// holds for all of them, `bounds.lower` for each; its entries are overwritten.
+  /// is a bound for all of them, `bounds.lower` for each; its entries are overwritten.
   void compareWithLeaf(int slot_a, int begin_b, int end_b, double lower, LaneBounds& bounds);
-  /// Compares the pair that was nearest in the last query: an upper bound at once.
+  /// Compares the pair that was nearest in the last query, which gives an upper bound at once.
   void warmStart();
-  /// Remembers that this pair was compared first: when it comes again in its turn, and is known as
-  /// well as the request asks, it need not be compared again.
+  /// Records that this pair was compared first. When it comes up again and its distance is known as
+  /// accurately as requested, it is not compared again.
   void rememberWarm(int slot_a, int slot_b);
-  /// Remembers the plane perpendicular to the shortest way so far, at A's end: what is beyond it is
-  /// as far from A as from the plane. Most triangles that share the nearest vertex or edge end
-  /// here.
+  /// Records the plane perpendicular to the shortest displacement so far, at A's end: points beyond
+  /// it are at least as far from A as from the plane. This closes most triangles that share the
+  /// nearest vertex or edge.
   void rememberPlane(const DistanceResult& nearest);
-  /// Whether these vertices, and what they span, are so far beyond that plane that they need no
-  /// closer look; they are settled then.
+  /// Whether these vertices, and all points that they span, are so far beyond that plane that they
+  /// need no further comparison; they are settled in that case.
   bool isBeyondPlane(std::span<const std::int32_t> vertices) {
     return has_plane_ && areBeyondPlane(vertices);
   }
@@ -102,8 +103,8 @@ class DescentState {
   PairCache& cache;
   const ProbeKernels& kernels;
   BoxSource boxes_a, boxes_b;
-  bool half_space = false;   // one of the bodies is one
-  bool has_volumes = false;  // B's motion bounds nodes by more than boxes
+  bool half_space = false;   // one of the bodies is a half-space
+  bool has_volumes = false;  // B's motion provides bounds for nodes other than boxes
   double extent_b = 0;       // sum of magnitudes of B's coordinates, see makeProbe()
   Probe rigid_probe{};       // of a rigid A
 
@@ -120,8 +121,10 @@ class DescentState {
   DistanceResult compareConvex(const ConvexView& piece_a, const ConvexView& piece_b,
                                double threshold, bool depth);
 
-  double bar_ = std::numeric_limits<double>::infinity();  // without what a sweep adds, see bar()
-  int overlap_limit_ = std::numeric_limits<int>::max();   // of `visited`, once bodies overlap
+  double bar_ = std::numeric_limits<double>::infinity();  // without the contribution of a sweep,
+                                                          // see bar()
+  int overlap_limit_ = std::numeric_limits<int>::max();   // limit on `visited` once the bodies
+                                                          // overlap
   static constexpr int kNoSlot = -2;
   int warm_a_ = kNoSlot, warm_b_ = kNoSlot;  // see rememberWarm()
   double warm_lower_ = 0;                    // proven for that pair
@@ -132,9 +135,10 @@ class DescentState {
 
 // The stages. `root`: a lower bound for the two bodies as a whole, not needless.
 
-/// A sphere or a capsule A: finds the triangle nearest to its core. False where the question stays
-/// open (contact with a depth asked for, or rounding not small beside the tolerance): nothing is
-/// settled then, but there is an upper bound. Finds result.hull_lower in either case.
+/// A sphere or a capsule A: finds the triangle nearest to its core. False if the question stays
+/// open (contact with a requested depth, or rounding that is not small compared with the
+/// tolerance). In that case nothing is settled, but there is an upper bound. Computes
+/// result.hull_lower in either case.
 bool isRound(const DescentState& state);
 bool descendRound(DescentState& state);
 /// Demand::kNoTree: all pieces of both bodies, by an octree.

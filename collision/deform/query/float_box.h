@@ -9,7 +9,7 @@
 
 namespace leeway::collision {
 
-/// Rounded outwards.
+/// Rounds a box outwards.
 inline FloatBox floatBox(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   FloatBox box;
   for (int k = 0; k < 3; ++k) {
@@ -19,7 +19,7 @@ inline FloatBox floatBox(const Eigen::Vector3d& low, const Eigen::Vector3d& high
   return box;
 }
 
-/// The box in a lane.
+/// The box in one lane.
 inline FloatBox floatBox(const WideBox& box, int lane) {
   FloatBox one;
   for (int k = 0; k < 3; ++k) {

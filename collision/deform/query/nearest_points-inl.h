@@ -1,6 +1,6 @@
-// Private to collision/: nearest points of a point or a segment and of as many triangles as a
-// vector has lanes (C. Ericson, "Real-Time Collision Detection", 2005). Included once for each of
-// Highway's targets, hence no #pragma once.
+// Private to collision/: nearest points of a point or a segment and of one triangle in each vector
+// lane (C. Ericson, "Real-Time Collision Detection", 2005). Included once for each of Highway's
+// targets, so it has no #pragma once.
 
 #if defined(LEEWAY_COLLISION_DEFORM_NEAREST_POINTS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_DEFORM_NEAREST_POINTS_INL_H
@@ -18,7 +18,7 @@ namespace leeway::collision {
 namespace HWY_NAMESPACE {
 namespace {
 
-// Eight doubles, one a triangle, or as many of them as a vector holds.
+// Eight doubles, one for each triangle, or as many of them as a vector holds.
 const hn::CappedTag<double, kWidth> kMany;
 using Many = hn::Vec<decltype(kMany)>;
 constexpr std::size_t kManyLanes = hn::MaxLanes(decltype(kMany)());
@@ -27,15 +27,16 @@ constexpr std::size_t kManyLanes = hn::MaxLanes(decltype(kMany)());
 struct Triple {
   Many x[3];
 };
-// A point of the core, the vector from there to a point of the triangle, and its squared length.
+// A point of the core, the vector from it to a point of the triangle, and the squared length of
+// that vector.
 struct PointPair {
   Triple from, way;
   Many squared;
 };
 
-// x brought into [0, most].
+// x clamped to [0, most].
 HWY_INLINE Many clampTo(Many x, Many most) { return hn::Min(hn::Max(x, hn::Zero(kMany)), most); }
-// Vertices, seen from p.
+// Vertices relative to p.
 HWY_INLINE Triple verticesFrom(const double* const* vertices, const double* p) {
   Triple t;
   loadMany(kMany, vertices, t.x);
@@ -66,7 +67,7 @@ HWY_INLINE Many dot(const Triple& a, const Triple& b) {
 }
 
 // The point p, the same in all lanes, and the nearest point of each triangle, by its Voronoi
-// regions (Ericson, section 5.1.5). Without kSegment p is the origin.
+// regions (Ericson, section 5.1.5). Without kSegment, p is the origin.
 template <bool kSegment>
 HWY_INLINE PointPair nearestTo(const Triple& p, const Triple& from_a, const Triple& from_b,
                                const Triple& from_c) {
@@ -88,8 +89,8 @@ HWY_INLINE PointPair nearestTo(const Triple& p, const Triple& from_a, const Trip
              on_ac = hn::And(hn::Le(vb, zero), hn::And(hn::Ge(d2, zero), hn::Le(d6, zero))),
              on_bc =
                  hn::And(hn::Le(va, zero), hn::And(hn::Ge(along_bc, zero), hn::Ge(back_bc, zero)));
-  // The point is a + (v / all) ab + (w / all) ac. Ericson's cases in reverse: the first that holds
-  // is put in last.
+  // The point is a + (v / all) ab + (w / all) ac. Ericson's cases are applied in reverse: the first
+  // that holds is written last.
   Many v = vb, w = vc, all = hn::Add(hn::Add(va, vb), vc);
   const auto put = [&](auto mask, Many weight_b, Many weight_c, Many sum) HWY_ATTR {
     v = hn::IfThenElse(mask, weight_b, v);
@@ -102,7 +103,7 @@ HWY_INLINE PointPair nearestTo(const Triple& p, const Triple& from_a, const Trip
   put(on_ab, d1, zero, hn::Sub(d1, d3));
   put(at_b, one, zero, one);
   put(at_a, zero, zero, one);
-  // A convex combination whatever rounding did, for degenerate triangles, too.
+  // The result is a convex combination in spite of rounding, also for degenerate triangles.
   const Many safe = hn::IfThenElse(hn::Gt(all, zero), all, one);
   v = clampTo(hn::Div(v, safe), one);
   w = clampTo(hn::Div(w, safe), hn::Sub(one, v));
@@ -114,9 +115,9 @@ HWY_INLINE PointPair nearestTo(const Triple& p, const Triple& from_a, const Trip
   return pair;
 }
 
-// The segment from -half to half and the edge from a to b (Ericson, section 5.1.9): where the two
-// lines are nearest, clamped to the segment; the edge's point nearest to that; and the segment's
-// point nearest to that.
+// The segment from -half to half and the edge from a to b (Ericson, section 5.1.9): the point where
+// the two lines are nearest, clamped to the segment; the edge's point nearest to it; and the
+// segment's point nearest to that.
 HWY_INLINE PointPair nearestOnEdge(const Triple& half, const Triple& a, const Triple& b) {
   const Many zero = hn::Zero(kMany), one = hn::Set(kMany, 1.0);
   const Triple edge = difference(b, a);

@@ -11,14 +11,17 @@
 
 namespace leeway::collision {
 
-/// A search. Distances are those of the core, a point or a segment [m].
+/// The parameters of a search. Distances are those of the core, a point or a segment [m].
 struct NearestSearch {
   Eigen::Vector3d middle;  ///< of the core, in the mesh's frame; finite
   Eigen::Vector3d half;    ///< from there to one of a segment's ends; 0 for a point
-  double reach = std::numeric_limits<double>::infinity();  ///< nothing farther is searched for
-  double enough = 0;                                       ///< a triangle this near ends the search
-  double tolerance = 0;     ///< nothing nearer by less than this is searched for
-  double size = 0;          ///< sum of the magnitudes of coordinates: rounding grows with it
+  double reach = std::numeric_limits<double>::infinity();  ///< triangles farther than this are
+                                                           ///< ignored
+  double enough = 0;                                       ///< a triangle within this distance ends
+                                                           ///< the search
+  double tolerance = 0;     ///< triangles that are closer by less than this are ignored
+  double size = 0;          ///< sum of the magnitudes of coordinates; rounding is proportional to
+                            ///< it
   double slack = 0;         ///< the core's own error, included in all bounds
   std::int32_t first = -1;  ///< slot of the triangle to compare first; -1: none
   int limit = 0;            ///< of nodes and leaves [count]
@@ -31,15 +34,15 @@ struct NearestFound {
   /// The nearest point of the core relative to its middle, and the vector from there to the
   /// triangle; rounded.
   Eigen::Vector3d from, way;
-  double lower = 0;  ///< no other triangle is nearer; 0 when `enough` ended the search
+  double lower = 0;  ///< no other triangle is closer; 0 if `enough` ended the search
   int visited = 0;   ///< nodes and leaves [count]
 };
 
-/// Branch and bound, nearer nodes first. Triangles are compared several at a time by closed forms
+/// Branch and bound, nearer nodes first. Several triangles are compared at a time by closed forms
 /// (C. Ericson, "Real-Time Collision Detection", 2005, sections 5.1.5 and 5.1.9): the ends of a
-/// segment and the triangle, the segment and the edges. Rounding of the two points cannot spoil the
-/// lower bound, nor can a segment that crosses the triangle: it comes from the plane perpendicular
-/// to the way between them. Every instruction set yields the same bytes.
+/// segment and the triangle, the segment and the edges. The lower bound is that of the plane
+/// perpendicular to the vector between the two points, so neither their rounding nor a segment that
+/// crosses the triangle can make it wrong. Every instruction set yields the same bytes.
 NearestFound findNearest(const NearestSearch& search, const DeformableSnapshotImpl& snapshot,
                          const BoxSource& source);
 

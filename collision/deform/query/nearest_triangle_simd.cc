@@ -26,7 +26,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kLargest = std::numeric_limits<float>::max();
-// Nodes that are opened together, to overlap their cache misses.
+// Number of nodes that are opened together, so that their cache misses overlap.
 constexpr std::size_t kTogether = 8;
 
 // The search, from a segment or a point.
@@ -55,7 +55,8 @@ class NearestDescent {
     open_[size_++] = {0, 0};
     bool within = true;
     while (size_ > 0 && !over_ && within) {
-      // One at a time before there is an upper bound: the nearest node leads to one.
+      // Opens one node at a time until there is an upper bound, because the nearest node leads to
+      // one.
       const std::size_t most = found_.slot >= 0 ? kTogether : 1;
       std::array<std::int32_t, kTogether> taken;
       std::size_t count = 0;
@@ -76,22 +77,23 @@ class NearestDescent {
           taken[count++] = next.ref;
           continue;
         }
-        // Most leaves that come here share the nearest vertex or edge. The plane perpendicular to
-        // the shortest way so far would close them and save 3 to 8 % of the time; but then the
-        // triangle reported, and the last digits, would depend on earlier queries of this thread.
+        // Most leaves here share the nearest vertex or edge. The plane perpendicular to the
+        // shortest displacement so far would close them and save 3 to 8 % of the time. But then the
+        // reported triangle and the last digits would depend on earlier queries of this thread.
         const DeformTree::Leaf& l = tree_.leaf(DeformTree::leafOf(next.ref));
         trianglesFor(*this, l.slot_begin, l.slot_end);
         break;
       }
       if (count > 0) nodes(taken.data(), count);
     }
-    // Nodes that the limit has left open.
+    // Nodes that the limit left open.
     while (size_ > 0) closed_ = std::min(closed_, open_[--size_].squared);
     found_.lower = over_ ? 0 : std::min(settled_, distanceOf(closed_));
     return found_;
   }
 
-  // The triangles in these slots, at most eight. A function, for fetchFinder() to prefetch.
+  // Compares the triangles in these slots, at most eight. A separate function, so that
+  // fetchFinder() can prefetch it.
   HWY_NOINLINE static void trianglesFor(NearestDescent& descent, std::int32_t begin,
                                         std::int32_t end) {
     descent.triangles(begin, end);
@@ -103,10 +105,10 @@ class NearestDescent {
     std::int32_t ref;  // as in DeformTree::Node
   };
 
-  // Nothing above the bar needs a closer look.
+  // Sets the bar: bounds above it need no further comparison.
   void setBar(double bar) {
     bar_ = bar;
-    // Rounded up, and kept within the range where squares have their digits.
+    // Rounded up, and kept within the range in which squares keep their digits.
     const float up =
         roundedUpToFloat((std::max(bar, 0.0) + search_.slack) * (1 + kNearestBoxRounding));
     bar_squared_ = std::clamp(up * up * static_cast<float>(1 + kNearestBoxRounding),
@@ -119,8 +121,8 @@ class NearestDescent {
   }
   void settle(double lower) { settled_ = std::min(settled_, lower); }
 
-  // Opens several nodes: puts the children that need a closer look on the stack, the first node's
-  // last, and of each node the nearest last.
+  // Opens several nodes: pushes the children that need a closer look onto the stack, those of the
+  // first node last, and for each node the nearest last.
   void nodes(const std::int32_t* ids, std::size_t count) {
     std::array<WideBox, kTogether> room;
     std::array<const WideBox*, kTogether> boxes;
@@ -132,7 +134,8 @@ class NearestDescent {
     for (std::size_t i = count; i-- > 0;) push(ids[i], squared[i], left[i]);
   }
 
-  // Squared distances of the core and the boxes. A bit for each lane that is not above the bar.
+  // Squared distances of the core and the boxes. Sets a bit for each lane that is not above the
+  // bar.
   HWY_INLINE unsigned squares(const WideBox& box, float* squared) {
     const Floats zero = hn::Zero(kLanes), most = hn::Set(kLanes, kLargest),
                  bar = hn::Set(kLanes, bar_squared_);
@@ -159,8 +162,8 @@ class NearestDescent {
   }
 
   // A box around a segment is loose. A plane perpendicular to the line from the segment to the
-  // middle of each box gives another bound: its square, 0 where it proves nothing and for empty
-  // lanes.
+  // middle of each box gives another bound. Returns its square; 0 if it proves nothing and for
+  // empty lanes.
   HWY_INLINE Floats acrossWay(const WideBox& box, std::size_t i) const {
     const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
     const auto set = [](double x) HWY_ATTR { return hn::Set(kLanes, static_cast<float>(x)); };
@@ -171,7 +174,7 @@ class NearestDescent {
       side[k] = hn::Mul(hn::Sub(high, low), half);
       along = hn::Add(along, hn::Mul(w[k], set(h_[k])));
     }
-    // Any start on the segment is right: what counts is how far the segment reaches along the way.
+    // Any start on the segment is correct, because only the segment's reach along the way matters.
     const Floats s = hn::Max(hn::Min(hn::Mul(along, set(1 / half_squared_)), hn::Set(kLanes, 1.0F)),
                              hn::Set(kLanes, -1.0F));
     Floats squared = zero, middle = zero, reach = zero, own = zero;
@@ -187,7 +190,7 @@ class NearestDescent {
                                 hn::Lt(squared, hn::Set(kLanes, kLargest)));
     const Floats length = hn::Sqrt(hn::IfThenElse(usable, squared, hn::Set(kLanes, 1.0F)));
     const Floats lower = hn::Sub(hn::Div(proven, length), set(kSingleRounding * search_.size));
-    // A NaN, as in empty lanes, is not greater.
+    // A NaN, as in empty lanes, compares as not greater.
     const auto known = hn::And(usable, hn::Gt(lower, zero));
     return hn::IfThenElse(known, hn::Mul(lower, lower), zero);
   }
@@ -254,8 +257,8 @@ class NearestDescent {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   }
 
-  // Whether vertices, and what they span, are above the bar; they are settled then. Else raises
-  // `near`, a squared lower bound.
+  // Whether vertices, and all points that they span, are above the bar; they are settled in that
+  // case. Otherwise raises `near`, a squared lower bound.
   HWY_INLINE bool isBeyond(const LeastAlong& along, const Way& way, float& near) {
     if (!along.isFinite()) return false;
     const double own = dotOf(way.n, p_) + (kSegment ? std::abs(dotOf(way.n, h_)) : 0);
@@ -283,7 +286,7 @@ class NearestDescent {
     return isBeyond(along, way, near);
   }
 
-  // isBeyond() for a node that has leaves only; false for other nodes.
+  // isBeyond() for a node that has only leaves; false for other nodes.
   HWY_INLINE bool isBeyondLeaves(const WideBox& box, std::size_t lane, std::int32_t child,
                                  float& near) {
     for (const std::int32_t below : tree_.node(child).child)
@@ -323,13 +326,13 @@ class NearestDescent {
     over_ = found_.upper <= search_.enough;
   }
 
-  // Of triangles: lower and upper bound of the distance, and the rest as in NearestFound.
+  // For triangles: lower and upper bound of the distance, and the other data as in NearestFound.
   struct Ends {
     HWY_ALIGN double lower[kWidth], upper[kWidth];
     HWY_ALIGN double from[3][kWidth], way[3][kWidth];
   };
-  // Bounds of the distances of as many triangles as a vector has lanes; lanes left over repeat the
-  // last triangle. One that is not finite gets 0 and NaN.
+  // Bounds of the distances of one triangle in each vector lane; unused lanes repeat the last
+  // triangle. A triangle that is not finite gets 0 and NaN.
   HWY_INLINE void ends(std::int32_t begin, std::int32_t end, std::size_t i, Ends& of) const {
     const double* from[3][kManyLanes];
     for (std::size_t lane = 0; lane < kManyLanes; ++lane) {
@@ -355,8 +358,8 @@ class NearestDescent {
     }
     const Many length = hn::Sqrt(best.squared);
     Many least = hn::Min(hn::Min(dot(best.way, a), dot(best.way, b)), dot(best.way, c));
-    // Rounding grows with the corners' coordinates relative to the core, and with nothing that
-    // depends on the update strategy, such as the box of the mesh.
+    // Rounding is proportional to the corners' coordinates relative to the core. It must not depend
+    // on the update strategy, for example on the box of the mesh.
     Many size = hn::Max(hn::Max(sizeOf(a), sizeOf(b)), sizeOf(c));
     if constexpr (kSegment) {
       least = hn::Sub(least, hn::Abs(dot(best.way, half)));
@@ -379,16 +382,18 @@ class NearestDescent {
   const BoxSource& source_;
   double p_[3], h_[3];  // the core's middle, and from there to an end
   double half_squared_ = 0;
-  double rounding_ = 0;     // of distances along any way, the core's own error included [m]
+  double rounding_ = 0;     // of distances along any way, including the core's own error [m]
   float low_[3], high_[3];  // a box around the core, in single precision
   double bar_ = kInfinity;
   float bar_squared_ = kLargest;
-  float closed_ = kLargest;     // least squared lower bound of what its box has closed
-  double settled_ = kInfinity;  // least lower bound of what was compared or closed otherwise
+  float closed_ = kLargest;     // least squared lower bound of the subtrees that were closed by
+                                // their boxes
+  double settled_ = kInfinity;  // least lower bound of the triangles that were compared or closed
+                                // otherwise
   NearestFound found_;
   bool over_ = false;
-  // The children of nodes opened together go on top, above all shallower nodes: each level of the
-  // hierarchy has at most the children of one such batch here.
+  // The children of nodes that are opened together are pushed on top, above all shallower nodes, so
+  // each level of the hierarchy has at most the children of one such batch here.
   std::array<Open, (DeformTree::kMaxDepth + 1) * kWidth * kTogether> open_;
   std::size_t size_ = 0;
 };
@@ -405,7 +410,7 @@ NearestFound find(const NearestSearch& search, const DeformableSnapshotImpl& sna
                                : findFor<true>(search, snapshot, source);
 }
 
-// Prefetches the code of a search from a point; sizes as g++ 12 makes them [bytes].
+// Prefetches the code of a search from a point; sizes as compiled by g++ 12 [bytes].
 void fetchFinder() {
   prefetchCode(findFor<false>, 6144);
   prefetchCode(NearestDescent<false>::trianglesFor, 2816);

@@ -47,12 +47,12 @@ FloatBox boxOfB(const DescentState& state, int slot) {
   return floatBox(c[0].cwiseMin(c[1]).cwiseMin(c[2]), c[0].cwiseMax(c[1]).cwiseMax(c[2]));
 }
 
-// Compares the pairs within the current bar, and settles all others with it. False when the limit
+// Compares the pairs within the current bar, and settles all others with it. False if the limit
 // ended it.
 bool compareNear(DescentState& state, std::span<const FloatBox> a, int begin_a,
                  std::span<const FloatBox> b, int begin_b, std::span<std::int32_t> lists) {
   const double reach = std::max(state.bar(), 0.0);
-  // Growing boxes by the reach is itself rounded.
+  // Growing the boxes by the reach is itself rounded.
   const double grown = reach + kSingleRounding * (reach + state.extent_b + magnitude(state.a.low) +
                                                   magnitude(state.a.high) +
                                                   state.placement.X_BA0.translation.lpNorm<1>());
@@ -77,7 +77,7 @@ bool compareNear(DescentState& state, std::span<const FloatBox> a, int begin_a,
 
 }  // namespace
 
-// As many pieces at a time as there is room for.
+// Processes as many pieces at a time as there is room for.
 void descendOctree(DescentState& state, double root) {
   DeformScratch& scratch = state.scratch.impl().deform;
   std::array<FloatBox, 64> few_a, few_b;
@@ -102,7 +102,7 @@ void descendOctree(DescentState& state, double root) {
       for (int i = begin_b; i < end_b; ++i)
         boxes_b[static_cast<std::size_t>(i - begin_b)] = boxOfB(state, i);
       if (!(state.bar() < kInfinity)) {
-        // The octree needs a reach: any pair gives one.
+        // The octree needs a reach; any pair gives one.
         const double lower = state.result.lower;
         state.comparePieces(slotOf(state.a, begin_a), slotOf(state.b, begin_b));
         if (!state.placement.swept) state.result.lower = lower;
@@ -112,7 +112,7 @@ void descendOctree(DescentState& state, double root) {
                       boxes_b.first(static_cast<std::size_t>(end_b - begin_b)), begin_b, lists);
     }
   }
-  // For what was not compared the boxes of the bodies are the bound.
+  // For pieces that were not compared, the boxes of the bodies are the bound.
   if (state.done() || !complete) state.settle(root);
 }
 

@@ -17,8 +17,8 @@
 namespace leeway::collision {
 
 /// Distance of two boxes in one frame, rounded downwards: three differences of outward-rounded
-/// numbers, three squares and a root are each off by 2^-24 of themselves. 0 when the boxes overlap,
-/// or are so near that squares lose digits. A square that overflows counts as the largest float.
+/// numbers, three squares and a root are each off by 2^-24 of themselves. 0 if the boxes overlap,
+/// or are so close that squares lose digits. A square that overflows counts as the largest float.
 inline float boxDistance(const FloatBox& a, const FloatBox& b) {
   float squared = 0;
   for (int k = 0; k < 3; ++k) {
@@ -31,13 +31,13 @@ inline float boxDistance(const FloatBox& a, const FloatBox& b) {
 
 /// Finds all pairs of boxes, one from each of two sets, that are within `reach` of each other.
 /// Boxes in the overlap of the two sets' boxes are sorted into the cells of an implicit octree; a
-/// cell with boxes of one set only is done (A. Smith et al., "A simple and efficient method for
+/// cell with boxes of only one set is finished (A. Smith et al., "A simple and efficient method for
 /// accurate collision detection among deformable polyhedral objects in arbitrary motion", 1995).
 /// Boxes of the first set are grown by `reach`, which turns distance into overlap. A box may be in
 /// several cells; a pair belongs to the cell that has the lowest corner of the two boxes' overlap.
 class OctreePairs {
  public:
-  /// `room` holds the lists of the cells from the root to the current one, and needs at least
+  /// `room` stores the lists of the cells from the root to the current one, and needs at least
   /// a.size() + b.size() entries. A cell for which it is too small is not split.
   OctreePairs(std::span<const FloatBox> a, std::span<const FloatBox> b, float reach,
               std::span<std::int32_t> room)
@@ -76,9 +76,9 @@ class OctreePairs {
   };
 
   static constexpr int kMaxDepth = 16;
-  // The octants below the middle along x, y, z, a bit each.
+  // The octants below the middle along x, y, z, one bit each.
   static constexpr unsigned kLower[] = {0x55, 0x33, 0x0f};
-  // So few pairs are compared without splitting.
+  // Up to this many pairs are compared without splitting.
   static constexpr std::size_t kFew = 32;
 
   static FloatBox around(std::span<const FloatBox> boxes) {
@@ -124,7 +124,7 @@ class OctreePairs {
       middle[k] = cell_box.high[k];
       parts &= kLower[k];
     }
-    // Boxes longer than a cell are in several of its parts: splitting gains nothing where most
+    // Boxes longer than a cell are in several of its parts, so splitting gains nothing if most
     // pairs remain.
     std::array<std::size_t, 8> count_a{}, count_b{};
     for (std::size_t i = lists.begin; i < lists.begin + lists.count_a; ++i)
@@ -161,8 +161,8 @@ class OctreePairs {
   const FloatBox& boxB(std::size_t i) const { return b_[static_cast<std::size_t>(room_[i])]; }
 
   // Whether splitting along axis k leaves fewer pairs. Across flat boxes that share a plane, or
-  // along ropes side by side, it leaves twice as many. A cell without thickness is not split: both
-  // halves would own all its pairs.
+  // along parallel ropes, it leaves twice as many. A cell without thickness is not split, because
+  // both halves would own all its pairs.
   bool isHalved(const FloatBox& cell_box, const Lists& lists, int k, float middle) const {
     if (!(cell_box.low[k] < middle && middle < cell_box.high[k])) return false;
     std::size_t lower_a = 0, upper_a = 0, lower_b = 0, upper_b = 0;
@@ -178,7 +178,7 @@ class OctreePairs {
     return lower_a * lower_b + upper_a * upper_b < lists.count_a * lists.count_b;
   }
 
-  // The octants around `middle` that a box of the cell overlaps, a bit each.
+  // The octants around `middle` that a box of the cell overlaps, one bit each.
   static unsigned octantsOf(const FloatBox& box, float grown, const float* middle) {
     unsigned octants = 0xff;
     for (int k = 0; k < 3; ++k) {

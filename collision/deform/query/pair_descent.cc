@@ -38,7 +38,9 @@ class PairDescent {
         break;
       }
       expand(pair);
-      if (state_.done()) state_.settle(pair.lower);  // some of it may not have been compared
+      if (state_.done())
+        state_.settle(pair.lower);  // some of the pair's pieces may not have been
+                                    // compared
     }
     while (size_ > 0) state_.settle(stack_[--size_].lower);
   }
@@ -65,7 +67,8 @@ class PairDescent {
     }
   }
 
-  // Pairs that need a closer look go on the stack, the nearest on top; the others are settled.
+  // Pushes the pairs that need a closer look onto the stack, the nearest on top; settles the
+  // others.
   void push(const std::array<PartPair, kWidth>& pairs, int count) {
     std::array<int, kWidth> order{};
     int open = 0;
@@ -152,7 +155,7 @@ class PairDescent {
   DescentState& state_;
   const DeformSide& a_;
   const DeformSide& b_;
-  // Every pair that is taken off puts back at most eight, which are one level deeper on one side.
+  // Every pair that is popped pushes at most eight, which are one level deeper on one side.
   std::array<PartPair, (kWidth - 1) * (2 * DeformTree::kMaxDepth) + kWidth> stack_;
   std::size_t size_ = 0;
 };

@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-// A deforming triangle as mesh_descent.cc takes a convex shape.
+// A deforming triangle in the form in which mesh_descent.cc takes a convex shape.
 DescentSide triangleSide(const ConvexView& view) {
   DescentSide side;
   side.view = view;
@@ -28,7 +28,7 @@ DescentSide triangleSide(const ConvexView& view) {
   return side;
 }
 
-// Whether a piece's corners, if it has any, are finite: x - x is 0 then.
+// Whether a piece's corners, if it has any, are finite: x - x is then 0.
 bool isFinite(const DeformSide& side, const Vector3d* corners) {
   if (isRigid(side)) return true;
   const double sum = corners[0].sum() + corners[1].sum() + corners[2].sum();
@@ -87,7 +87,8 @@ void DescentState::comparePieces(int slot_a, int slot_b) {
   Vector3d corners_a[3], corners_b[3];
   const ConvexView piece_a = pieceOf(a, slot_a, corners_a), piece_b = pieceOf(b, slot_b, corners_b);
   if (!isFinite(a, corners_a) || !isFinite(b, corners_b)) {
-    // The caller vouched for this vertex. It may be anywhere, outside the box of the mesh, too.
+    // The caller guaranteed that this vertex is finite. It may be anywhere, also outside the box of
+    // the mesh.
     settle(-kInfinity);
     result.hull_lower = -kInfinity;
     result.misplaced = true;
@@ -102,7 +103,7 @@ void DescentState::comparePieces(int slot_a, int slot_b) {
     return compareConvex(piece_a, piece_b, threshold, depth);
   });
   settle(r.distance.lower);
-  // (descend() has kept those of a rigid mesh.)
+  // (descend() has stored those of a rigid mesh.)
   if (!placement.swept && a.snapshot != nullptr && b.snapshot != nullptr && r.distance.upper > 0 &&
       r.distance.lower <= scratch.impl().touching.near()) {
     for (Vector3d& p : corners_a) p = placement.X_BA0 * p;
@@ -124,13 +125,13 @@ void DescentState::compareWithLeaf(int slot_a, int begin_b, int end_b, double lo
   for (int round = 0; round < count; ++round) {
     int next = -1;
     for (int i = 0; i < count; ++i) {
-      // NaN marks those that are done, and fails.
+      // NaN marks finished entries, and fails.
       if (bounds.lower[i] == bounds.lower[i] && (next < 0 || bounds.lower[i] < bounds.lower[next]))
         next = i;
     }
     const double least = std::max(lower, static_cast<double>(bounds.lower[next]));
     if (needless(least)) {
-      settle(least);  // holds for all others
+      settle(least);  // a bound for all others
       return;
     }
     bounds.lower[next] = std::numeric_limits<float>::quiet_NaN();
@@ -158,7 +159,7 @@ void DescentState::warmStart() {
   comparePieces(slot_a, slot_b);
   if (placement.swept) return;
   rememberWarm(slot_a, slot_b);
-  result.lower = lower;  // the pair comes again in its turn
+  result.lower = lower;  // the pair will be compared again in its turn
 }
 
 void DescentState::rememberWarm(int slot_a, int slot_b) {
@@ -177,7 +178,7 @@ void DescentState::rememberPlane(const DistanceResult& nearest) {
   const ConvexView& view = a.rigid.view;
   const Vector3d last =
       placement.X_BA0 * farthest(view, placement.X_BA0.rotation.transpose() * plane_normal_, hint);
-  // Rounding of two scalar products, their difference and the length of the normal: some ten
+  // Rounding of two scalar products, their difference and the length of the normal: about ten
   // operations on numbers no larger than this.
   const double size =
       extent_b + view.extent + view.radius + placement.X_BA0.translation.lpNorm<1>();

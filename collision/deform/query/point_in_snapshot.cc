@@ -21,7 +21,7 @@ bool boxesMeet(const WideBox& box, int lane, const Vector3d& low, const Vector3d
   return true;
 }
 
-// Crossings of the segment from p to q with a component, counted with their signs. False when one
+// Counts crossings of the segment from p to q with a component, with their signs. False if one
 // cannot be counted (Crossing::kIrregular).
 bool windingNumber(const DeformableSnapshotImpl& snapshot, const BoxSource& boxes, int component,
                    const Vector3d& p, const Vector3d& q, Winding& winding) {

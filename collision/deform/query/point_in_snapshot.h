@@ -6,8 +6,8 @@
 
 namespace leeway::collision {
 
-/// On which side of a closed component of a deforming mesh a point is. Coordinates of vertices
-/// below kSmallestExact count as 0. O(log n) to O(n) where nodes are known.
+/// The side of a closed component of a deforming mesh on which a point lies. Coordinates of
+/// vertices below kSmallestExact count as 0. O(log n) to O(n) if nodes are known.
 Side sideOf(const DeformableSnapshotImpl& snapshot, int component, const Eigen::Vector3d& point,
             Scratch& scratch);
 

@@ -8,10 +8,10 @@ namespace leeway::collision {
 
 namespace {
 
-// Nodes that are opened together.
+// Number of nodes that are opened together.
 constexpr std::size_t kTogether = 8;
 
-// A node or a leaf that is still to be opened.
+// A node or a leaf that has not been opened.
 struct OpenNode {
   float lower;  // proven for everything below
   std::int32_t ref;
@@ -31,8 +31,8 @@ void compareLeaf(DescentState& state, const OpenNode& open) {
                         bounds);
 }
 
-// Appends the children of the nodes that need a closer look: the first node's last, and of each
-// node the nearest last. Returns how many.
+// Appends the children of the nodes that need a closer look: those of the first node last, and for
+// each node the nearest last. Returns their number.
 std::size_t openChildren(DescentState& state, std::span<const OpenNode> parents, OpenNode* open) {
   const DeformTree& tree = *state.b.snapshot->tree;
   std::array<WideBox, kTogether> room;
@@ -66,12 +66,13 @@ std::size_t openChildren(DescentState& state, std::span<const OpenNode> parents,
 
 }  // namespace
 
-// Opens several nodes on top of the stack together, to overlap their cache misses; before there is
-// an upper bound one at a time, since the nearest leads to one. Not inlined: most queries with a
-// threshold end before it, and its stack would touch another page.
+// Opens several nodes on top of the stack together, so that their cache misses overlap. Until there
+// is an upper bound it opens one at a time, because the nearest leads to one. Not inlined, because
+// most queries with a threshold end before it and its stack would touch another page.
 __attribute__((noinline)) void descendRigid(DescentState& state, double root) {
-  // The children of nodes opened together go on top of the stack, above all shallower nodes: each
-  // level of the hierarchy has at most the children of one such batch there.
+  // The children of nodes that are opened together are pushed on top of the stack, above all
+  // shallower nodes, so each level of the hierarchy has at most the children of one such batch
+  // there.
   std::array<OpenNode, (DeformTree::kMaxDepth + 1) * kWidth * kTogether> open;
   std::size_t size = 0;
   open[size++] = {roundedDown(root), 0};
@@ -105,7 +106,7 @@ __attribute__((noinline)) void descendRigid(DescentState& state, double root) {
       break;
     }
     if (count > 0) size += openChildren(state, {taken.data(), count}, &open[size]);
-    // Bounds of nodes can end a sweep, nothing else.
+    // Bounds of nodes can only end a sweep.
     over = over || (state.placement.swept && state.done());
   }
   while (size > 0) state.settle(static_cast<double>(open[--size].lower));

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: spheres and capsules near a deforming mesh.
+// Private to collision/: spheres and capsules close to a deforming mesh.
 
 #include <Eigen/Core>
 
@@ -21,21 +21,21 @@ struct RoundBody {
 /// A sphere (half_length 0) or a capsule along z of its frame A, in the mesh's frame B.
 RoundBody roundBody(double radius, double half_length, const Pose& X_BA);
 
-/// Whether findNearest() can take such a body. False for a segment so short that its direction
-/// would not survive single precision, and for meshes without nodes or with volumes other than
-/// boxes.
+/// Whether findNearest() accepts such a body. False for a segment so short that its direction is
+/// lost in single precision, and for meshes without nodes or with volumes other than boxes.
 bool hasNearest(bool is_segment, double half_length, const DeformableSnapshotImpl& mesh);
 
 /// The search for a request, without its limit and first triangle. `slack` as in convexDistance().
 NearestSearch nearestSearch(const RoundBody& body, const DeformableSnapshotImpl& mesh, double slack,
                             const DistanceRequest& request);
 
-/// A lower bound of the distance by the box around the mesh [m]; proves nothing where 0 or less.
+/// A lower bound of the distance by the box around the mesh [m]; it proves nothing if it is 0 or
+/// less.
 double boxLower(const RoundBody& body, const DeformableSnapshotImpl& mesh,
                 const NearestSearch& search);
 
-/// The distance to the triangle that is nearest to the core, with witnesses in the mesh's frame.
-/// False in contact, and where the interval is wider than the requested tolerance.
+/// Computes the distance to the triangle that is nearest to the core, with witnesses in the mesh's
+/// frame. False in contact, and if the interval is wider than the requested tolerance.
 bool answerNearest(const RoundBody& body, const NearestFound& found, const DeformTree& tree,
                    const DistanceRequest& request, DistanceResult& result);
 

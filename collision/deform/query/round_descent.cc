@@ -21,7 +21,7 @@ bool descendRound(DescentState& state) {
   NearestSearch search = nearestSearch(body, mesh, state.placement.slack, state.request);
   double root = boxLower(body, mesh, search);
   if (!(root > 0)) {
-    // boxLower() knows no depths; boxes do.
+    // boxLower() gives no depths; boxes do.
     const FloatBox box = floatBox(state.b.low, state.b.high);
     root = lowerBound(state.rigidProbe(), box.low, box.high);
   }

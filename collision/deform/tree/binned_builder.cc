@@ -9,11 +9,12 @@ namespace leeway::collision {
 namespace {
 
 constexpr std::size_t kBins = 16;
-// Pieces of up to this many triangles are halved at the median, so that their nodes come out full:
-// half-empty nodes cost every update, and the shape of so small a piece soon changes with the mesh.
+// Pieces of up to this many triangles are halved at the median, so that their nodes are full.
+// Half-empty nodes cost every update, and the shape of such a small piece soon changes with the
+// mesh.
 constexpr std::int32_t kBalanced = 512;
-// From this depth on nodes are halved, too: the heuristic may cut off a triangle at a time, and no
-// tree may be deeper than DeformTree::kMaxDepth.
+// From this depth on, nodes are also halved. The heuristic may cut off one triangle at a time, but
+// no tree may be deeper than DeformTree::kMaxDepth.
 constexpr int kFreeDepth = 32;
 
 std::size_t binOf(const DraftBox& box, int axis, float from, float scale) {
@@ -21,15 +22,15 @@ std::size_t binOf(const DraftBox& box, int axis, float from, float scale) {
   return static_cast<std::size_t>(std::clamp(static_cast<int>(f), 0, static_cast<int>(kBins) - 1));
 }
 
-// A border between bins: the triangles of lower bins go to the left.
+// A border between bins: the triangles of lower bins are on the left.
 struct Cut {
   float cost = std::numeric_limits<float>::infinity();  // area times count of both sides, summed
   int axis = -1;                                        // -1: none
   std::size_t bin = 0;
-  float scale = 0;  // bins a unit of middle()
+  float scale = 0;  // bins per unit of middle()
 };
 
-// Replaces `best` by the cheapest cut along an axis, when that is cheaper.
+// Replaces `best` by the cheapest cut along an axis, if that is cheaper.
 void findCut(const TreeDraft& draft, DraftRange range, int axis, float from, float scale,
              Cut& best) {
   std::array<DraftBox, kBins> bins;
@@ -40,7 +41,7 @@ void findCut(const TreeDraft& draft, DraftRange range, int axis, float from, flo
     bins[bin].add(box);
     ++number[bin];
   }
-  std::array<float, kBins> right_cost{};  // of bins i and up; -1: they are empty
+  std::array<float, kBins> right_cost{};  // of bins i and up; -1 if they are empty
   DraftBox right;
   std::int32_t right_number = 0;
   for (std::size_t i = kBins - 1; i > 0; --i) {
@@ -60,7 +61,8 @@ void findCut(const TreeDraft& draft, DraftRange range, int axis, float from, flo
 }
 
 // Cuts at the border of bins with the least sum of area times number on both sides, over three
-// axes; in the middle of the order where there is none. Returns the first place on the right.
+// axes; in the middle of the order if there is no such border. Returns the first place on the
+// right.
 std::int32_t cutByArea(TreeDraft& draft, DraftRange range) {
   float from[3], to[3];
   draft.middles(range, from, to);
@@ -81,8 +83,8 @@ std::int32_t cutByArea(TreeDraft& draft, DraftRange range) {
   return cut > range.begin && cut < range.end ? cut : half;
 }
 
-// Up to eight parts: the one with the largest box is cut again and again. Parts stay in the order
-// of their triangles.
+// Splits into up to eight parts by repeatedly cutting the one with the largest box. Parts stay in
+// the order of their triangles.
 std::size_t partByArea(TreeDraft& draft, DraftRange range, std::array<DraftRange, kWidth>& parts) {
   std::array<float, kWidth> area{};
   std::size_t count = 1;
@@ -109,7 +111,7 @@ std::size_t partByArea(TreeDraft& draft, DraftRange range, std::array<DraftRange
   return count;
 }
 
-// Puts the triangles with the lower middles along the longest axis before place `cut`.
+// Moves the triangles with the lower middles along the longest axis before place `cut`.
 void halve(TreeDraft& draft, DraftRange range, std::int32_t cut) {
   float from[3], to[3];
   draft.middles(range, from, to);
@@ -125,7 +127,8 @@ void halve(TreeDraft& draft, DraftRange range, std::int32_t cut) {
       });
 }
 
-// Parts of `capacity` triangles, the last one smaller: the longest part is halved again and again.
+// Splits into parts of `capacity` triangles, the last one smaller, by repeatedly halving the
+// longest part.
 std::size_t partEvenly(TreeDraft& draft, DraftRange range, std::int32_t capacity,
                        std::array<DraftRange, kWidth>& parts) {
   std::size_t count = 1;

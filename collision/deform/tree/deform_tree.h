@@ -14,7 +14,7 @@
 
 namespace leeway::collision {
 
-/// Children of a node; a lane of its bounds each.
+/// Number of children of a node, each with one lane of the node's bounds.
 inline constexpr int kWidth = 8;
 
 /// Boxes of the eight children of a node, single precision, rounded outwards. A lane without a
@@ -32,18 +32,18 @@ struct alignas(64) WideBox {
   }
 };
 
-/// One box, single precision, rounded outwards.
+/// One box in single precision, rounded outwards.
 struct FloatBox {
   float low[3], high[3];
 };
 
 /// A hierarchy of fixed shape over the triangles of a mesh: nodes of up to eight children, leaves
-/// of up to kLeafTriangles. Bounds are kept apart (one WideBox a node): they change with every
-/// update, the tree does not.
+/// of up to kLeafTriangles. Bounds are stored separately (one WideBox for each node), because they
+/// change with every update and the tree does not.
 ///
 /// Order of the nodes: parents before their children, so that a refit is one backward loop. A
 /// branch is a maximal subtree of up to `split` triangles. The nodes of a branch are consecutive,
-/// and all branches come after all nodes above them: the upper levels are a prefix of the array.
+/// and all branches follow all nodes above them, so the upper levels are a prefix of the array.
 ///
 /// Slots are the triangles in the order of the leaves.
 class DeformTree {
@@ -57,11 +57,11 @@ class DeformTree {
   using Triangle = std::array<std::int32_t, 3>;
   static constexpr int kLeafTriangles = 8;
   static constexpr std::int32_t kNone = -1;
-  /// No path from the root to a leaf has more nodes.
+  /// Limit on the nodes of a path from the root to a leaf.
   static constexpr int kMaxDepth = 48;
 
   struct Node {
-    /// >= 0: a node; < -1: leaf -2 - child; kNone: no child. Lanes without a child come last.
+    /// >= 0: a node; < -1: leaf -2 - child; kNone: no child. Lanes without a child are last.
     std::int32_t child[kWidth];
   };
   struct Leaf {
@@ -74,17 +74,17 @@ class DeformTree {
     std::int32_t lane;
   };
   /// Vertices below a node. Runs of four or more consecutive vertices are listed as fours, the last
-  /// of which may overlap the one before; shorter runs vertex by vertex.
+  /// of which may overlap the previous one; shorter runs are listed vertex by vertex.
   struct Runs {
     std::int32_t four_begin, four_end;      ///< in fours()
     std::int32_t single_begin, single_end;  ///< in singles()
   };
-  /// Where a refit finds the leaf vertices of a node. The last node comes first, as in the refit.
+  /// Positions of the leaf vertices of a node for a refit. The last node is first, as in the refit.
   struct RefitOffsets {
     std::int32_t vertices;  ///< in refitVertices()
     std::int32_t corners;   ///< in refitCorners()
   };
-  /// Padding behind the last of refitVertices(), so that prefetching may read ahead [count].
+  /// Padding after the end of refitVertices(), so that prefetching may read ahead [count].
   static constexpr std::int32_t kAhead = 128;
   /// Four or more consecutive vertices of a branch.
   struct Row {
@@ -93,7 +93,7 @@ class DeformTree {
   };
   struct Branch {
     std::int32_t root;
-    Runs runs;  ///< fours and singles follow each other in the order of the branches
+    Runs runs;  ///< fours and singles are consecutive, in the order of the branches
   };
 
   std::span<const Node> nodes() const { return nodes_; }
@@ -105,11 +105,11 @@ class DeformTree {
   std::span<const Branch> branches() const { return branches_; }
   /// The runs of all branches that fours() holds, in the order of memory.
   std::span<const Row> rows() const { return rows_; }
-  /// The vertices below a node of a branch other than its root, each once.
+  /// The vertices below a node of a branch (not its root), each once.
   const Runs& runs(std::int32_t node) const {
     return runs_[static_cast<std::size_t>(node - upper_count_)];
   }
-  /// The first of four consecutive vertices each.
+  /// The first vertex of each four consecutive ones.
   std::span<const std::int32_t> fours() const { return fours_; }
   std::span<const std::int32_t> singles() const { return singles_; }
   /// Vertices of branches that are read one by one: a measure of how scattered memory is [count].
@@ -119,12 +119,12 @@ class DeformTree {
 
   /// nodeCount() + 1 entries: node i's range begins at [i + 1] and ends at [i].
   std::span<const RefitOffsets> refitOffsets() const { return refit_offsets_; }
-  /// The leaf vertices of each node, last node first: each once, the last one repeated up to a
+  /// The leaf vertices of each node, last node first: each once, with the last one repeated up to a
   /// multiple of four.
   std::span<const std::int32_t> refitVertices() const { return refit_vertices_; }
-  /// For each node with leaves: the vertex count of its largest leaf, then as many places for each
-  /// lane, counted within the node's refitVertices(). Smaller leaves repeat their last place; lanes
-  /// without a leaf hold any.
+  /// For each node with leaves: the vertex count of its largest leaf, then that many places for
+  /// each lane, counted within the node's refitVertices(). Smaller leaves repeat their last place;
+  /// lanes without a leaf have arbitrary places.
   std::span<const std::uint8_t> refitCorners() const { return refit_corners_; }
 
   static bool isLeaf(std::int32_t child) { return child < kNone; }
@@ -139,7 +139,7 @@ class DeformTree {
     __builtin_prefetch(reinterpret_cast<const char*>(first) + 64);
   }
   std::span<const std::int32_t> leafVertices() const { return leaf_vertices_; }
-  /// Prefetches the first vertices below a node of a branch; nothing for the branch's root.
+  /// Prefetches the first vertices below a node of a branch; does nothing for the branch's root.
   void fetchVertices(std::int32_t node, const Eigen::Vector3d* vertices) const {
     constexpr std::int32_t kMost = 16;  // fours
     const Runs& own = runs(node);
@@ -176,22 +176,22 @@ class DeformTree {
     return slots_[static_cast<std::size_t>(slot)].corners;
   }
   std::int32_t triangleCount() const { return static_cast<std::int32_t>(slots_.size()); }
-  /// Unique in this process, > 0. Addresses are not: memory is used again.
+  /// Unique in this process, > 0. Addresses are not unique, because memory is reused.
   std::uint64_t id() const { return id_; }
   std::size_t bytes() const;
 
  private:
   friend class TreeLayout;
-  // One cache line for both: a query that reads the corners of the nearest triangle reports its
-  // number next.
+  // One cache line for both, because a query that reads the corners of the nearest triangle reports
+  // its number next.
   struct alignas(16) Slot {
     Triangle corners;
     std::int32_t triangle;
   };
   static std::uint64_t nextId();
 
-  // Not the default resource: an embedding program may have set one that belongs to one thread, and
-  // any thread may release the tree.
+  // Not the default resource, because an embedding program may have set one that belongs to one
+  // thread, and any thread may release the tree.
   static std::pmr::memory_resource* plain() { return std::pmr::new_delete_resource(); }
 
   std::pmr::vector<Node> nodes_{plain()};
@@ -205,16 +205,16 @@ class DeformTree {
   std::pmr::vector<std::uint8_t> refit_corners_{plain()};
   std::pmr::vector<Branch> branches_{plain()};
   std::pmr::vector<Row> rows_{plain()};
-  std::pmr::vector<Runs> runs_{plain()};  // one a node of a branch; empty for the roots
+  std::pmr::vector<Runs> runs_{plain()};  // one for each node of a branch; empty for the roots
   std::pmr::vector<std::int32_t> fours_{plain()}, singles_{plain()};
   std::pmr::vector<std::int32_t> slot_of_{plain()};
-  std::uint64_t id_ = nextId();  // beside the slots, with which it is read
+  std::uint64_t id_ = nextId();  // next to the slots, with which it is read
   std::pmr::vector<Slot> slots_{plain()};
   std::int32_t upper_count_ = 0;
 };
 
-/// The box of the vertices of a branch of the tree, as far as they are read: x, y, z, x, ... of
-/// several vertices.
+/// The box of those vertices of a branch that have been read so far: x, y, z, x, ... of several
+/// vertices.
 struct alignas(64) BranchBox {
   double low[12], high[12];
 };

@@ -22,7 +22,7 @@ std::uint64_t spread(std::uint64_t x) {
   return x;
 }
 
-// Stable, 11 bits a pass.
+// Stable sort, 11 bits for each pass.
 void radixSort(std::vector<Key>& keys) {
   std::vector<Key> other(keys.size());
   for (int shift = 0; shift < 66; shift += 11) {

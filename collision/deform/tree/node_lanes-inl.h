@@ -1,5 +1,5 @@
-// Private to collision/: vertices and nodes of a deforming mesh, as many at a time as a vector has
-// lanes. Included once for each of Highway's targets, hence no #pragma once.
+// Private to collision/: vertices and nodes of a deforming mesh, one in each vector lane. Included
+// once for each of Highway's targets, so it has no #pragma once.
 
 #if defined(LEEWAY_COLLISION_DEFORM_NODE_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_DEFORM_NODE_LANES_INL_H
@@ -25,12 +25,12 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Four doubles, x, y, z of a vertex and whatever follows, in one, two or four vectors.
+// Four doubles, x, y, z of a vertex and the number that follows, in one, two or four vectors.
 const hn::CappedTag<double, 4> kDoubles;
 using Doubles = hn::Vec<decltype(kDoubles)>;
 constexpr std::size_t kDoubleLanes = hn::MaxLanes(decltype(kDoubles)());
 
-// Eight floats, one a child of a node, in one or more vectors.
+// Eight floats, one for each child of a node, in one or more vectors.
 const hn::CappedTag<float, kWidth> kLanes;
 using Floats = hn::Vec<decltype(kLanes)>;
 constexpr std::size_t kStep = hn::MaxLanes(decltype(kLanes)());
@@ -48,7 +48,7 @@ HWY_INLINE const double* at(const Eigen::Vector3d* vertices, std::int32_t i) {
   return vertices->data() + 3 * static_cast<std::ptrdiff_t>(i);
 }
 
-// A vertex and whatever follows, rounded to the nearest floats. `to` is aligned.
+// Rounds a vertex and the number that follows to the nearest floats. `to` is aligned.
 HWY_INLINE void putSingle(const double* from, float* to) {
   if constexpr (kDoubleLanes == 4) {
     const hn::Rebind<float, decltype(kDoubles)> four;
@@ -58,7 +58,7 @@ HWY_INLINE void putSingle(const double* from, float* to) {
   }
 }
 
-// The coordinates of as many vertices as a vector has lanes. Reads four doubles of each.
+// The coordinates of one vertex for each vector lane. Reads four doubles of each vertex.
 HWY_INLINE void loadVertices(const double* const* v, Doubles& x, Doubles& y, Doubles& z) {
 #if HWY_TARGET == HWY_SCALAR
   x = hn::LoadU(kDoubles, v[0]);
@@ -82,7 +82,8 @@ HWY_INLINE void loadVertices(const double* const* v, Doubles& x, Doubles& y, Dou
 #endif
 }
 
-// Coordinates of as many vertices as a vector of D has lanes: those of Doubles, or twice as many.
+// Coordinates of one vertex for each lane of a vector of D, which has as many lanes as Doubles or
+// twice as many.
 template <class D>
 HWY_INLINE void loadMany([[maybe_unused]] D d, const double* const* v, hn::Vec<D>* p) {
 #if HWY_TARGET != HWY_SCALAR
@@ -108,7 +109,7 @@ class LeastAlong {
         lowest_(hn::Set(kDoubles, std::numeric_limits<double>::infinity())),
         doubt_(hn::Zero(kDoubles)) {}
 
-  // Adds as many vertices as a vector has lanes.
+  // Adds one vertex for each vector lane.
   HWY_INLINE void add(const double* const* from) {
     Doubles x, y, z;
     loadVertices(from, x, y, z);
@@ -138,7 +139,7 @@ class LeastAlong {
   HWY_INLINE void add(const Eigen::Vector3d* vertices, const std::int32_t* v, std::size_t count) {
     add(vertices, count, [v](std::size_t i) { return v[i]; });
   }
-  // Adding 0.0 makes -0 a +0: which of the two a minimum picks depends on the lanes.
+  // Adding 0.0 turns -0 into +0, because which of the two a minimum picks depends on the lanes.
   HWY_INLINE double least() const { return hn::GetLane(hn::MinOfLanes(kDoubles, lowest_)) + 0.0; }
   // Whether all vertices are finite.
   HWY_INLINE bool isFinite() const {

@@ -28,7 +28,7 @@ using FourFloats = hn::Vec<decltype(kFourFloats)>;
 constexpr std::size_t kFourLanes = hn::MaxLanes(decltype(kFourFloats)());
 constexpr std::size_t kFloatParts = 4 / kFourLanes;
 
-// Puts the union of the eight boxes of a node into the node's lane of its parent.
+// Writes the union of the eight boxes of a node to the node's lane of its parent.
 HWY_INLINE void unite(const WideBox& box, WideBox& parent, std::size_t lane) {
   for (int k = 0; k < 3; ++k) {
     Floats low = hn::Load(kLanes, box.low[k]), high = hn::Load(kLanes, box.high[k]);
@@ -41,9 +41,9 @@ HWY_INLINE void unite(const WideBox& box, WideBox& parent, std::size_t lane) {
   }
 }
 
-// The boxes of a node's leaves, lane by lane, from its vertices `near`, rounded to nearest:
-// rounding is monotonic, so the least of the rounded numbers is the rounded least. All leaves of a
-// node are padded to one size: a mispredicted loop end costs more.
+// The boxes of a node's leaves, lane by lane, from its vertices `near`, rounded to nearest.
+// Rounding is monotonic, so the least of the rounded numbers is the rounded least. All leaves of a
+// node are padded to one size, because a mispredicted loop end costs more.
 HWY_INLINE void leavesFrom(const float (*near)[4], const std::uint8_t* corners, float (*low)[4],
                            float (*high)[4]) {
   const std::size_t count = *corners++;
@@ -65,8 +65,8 @@ HWY_INLINE void leavesFrom(const float (*near)[4], const std::uint8_t* corners, 
   }
 }
 
-// Puts the boxes of leaves, rounded outwards, into the lanes of leaves. Empties lanes without a
-// child; keeps those of child nodes, which unite() has filled.
+// Writes the boxes of leaves, rounded outwards, to the lanes of leaves. Empties lanes without a
+// child, and keeps those of child nodes, which unite() has filled.
 HWY_INLINE void putLeaves(const float (*low)[4], const float (*high)[4],
                           const DeformTree::Node& node, WideBox& box) {
   const hn::RebindToSigned<decltype(kLanes)> ints;
@@ -82,7 +82,7 @@ HWY_INLINE void putLeaves(const float (*low)[4], const float (*high)[4],
     for (int k = 0; k < 3; ++k) {
       l[k] = hn::IfThenElse(none, infinity, hn::Sub(l[k], doubtOf(kLanes, l[k])));
       h[k] = hn::IfThenElse(none, hn::Neg(infinity), hn::Add(h[k], doubtOf(kLanes, h[k])));
-      if (!none_inner) {  // else spares a load that misses the cache
+      if (!none_inner) {  // otherwise avoids a load that misses the cache
         l[k] = hn::IfThenElse(inner, hn::Load(kLanes, box.low[k] + i), l[k]);
         h[k] = hn::IfThenElse(inner, hn::Load(kLanes, box.high[k] + i), h[k]);
       }
@@ -92,11 +92,11 @@ HWY_INLINE void putLeaves(const float (*low)[4], const float (*high)[4],
   }
 }
 
-// One backward loop over the nodes: boxes of a node's leaves from their vertices, then the union of
-// all its boxes into its parent, whose turn comes later.
+// One backward loop over the nodes: first the boxes of a node's leaves from their vertices, then
+// the union of all its boxes into its parent, which is processed later.
 bool refit(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t begin,
            std::int32_t end, WideBox* boxes) {
-  // Vertices and leaf boxes of the current node; lanes without a leaf hold leftovers.
+  // Vertices and leaf boxes of the current node; lanes without a leaf have old values.
   HWY_ALIGN float near[3 * DeformTree::kLeafTriangles * kWidth][4];
   HWY_ALIGN float low[kWidth][4] = {}, high[kWidth][4] = {};
   const std::span<const DeformTree::RefitOffsets> offsets = tree.refitOffsets();
@@ -109,7 +109,7 @@ bool refit(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t
     const std::int32_t* v = tree.refitVertices().data() + from.vertices;
     const std::int32_t* const last = tree.refitVertices().data() + to.vertices;
     if (v != last) {
-      // Each vertex is prefetched, and read once.
+      // Each vertex is prefetched and read once.
       for (float(*put)[4] = near; v != last; v += 4, put += 4) {
         for (std::size_t i = 0; i < 4; ++i) {
           hwy::Prefetch(at(vertices, v[i + DeformTree::kAhead]));
@@ -127,7 +127,7 @@ bool refit(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t
   return sums[0].finite();
 }
 
-// Puts the box of `four` and of the single vertices of the runs into a lane. Returns whether the
+// Writes the box of `four` and of the single vertices of the runs to a lane. Returns whether the
 // single vertices are finite.
 HWY_INLINE bool endRuns(const DeformTree& tree, const Eigen::Vector3d* vertices,
                         const DeformTree::Runs& runs, const FourExtremes& four, WideBox& box,
@@ -157,10 +157,10 @@ bool branches(const DeformTree& tree, const Eigen::Vector3d* vertices, std::size
   return finite;
 }
 
-constexpr std::size_t kRowAhead = 384;  // prefetched so much ahead [doubles]
+constexpr std::size_t kRowAhead = 384;  // prefetch distance [doubles]
 
-// Reads vertices in the order of memory rather than of branches, prefetching 3 KB ahead: 30 % less
-// time together.
+// Reads vertices in the order of memory instead of branches, prefetching 3 KB ahead: together 30 %
+// less time.
 bool allBranches(const DeformTree& tree, const Eigen::Vector3d* vertices, BranchBox* room,
                  WideBox* boxes) {
   const std::span<const DeformTree::Branch> branches = tree.branches();
@@ -188,7 +188,7 @@ bool allBranches(const DeformTree& tree, const Eigen::Vector3d* vertices, Branch
   return finite;
 }
 
-// The boxes of a node that has leaves only, as refit() finds them. False when a vertex is not
+// The boxes of a node that has only leaves, as refit() computes them. False if a vertex is not
 // finite.
 bool fromLeaves(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t id,
                 WideBox& box) {
@@ -251,8 +251,8 @@ void triangles(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int
   }
 }
 
-// Adds consecutive vertices, four at a time. Not inlined: within a larger function g++ 12 spills
-// some of the extremes, which takes 2.5 times as long.
+// Adds consecutive vertices, four at a time. Not inlined, because within a larger function g++ 12
+// spills some of the extremes, which takes 2.5 times as long.
 HWY_NOINLINE void addRow(const double* v, const double* last, FourExtremes& four) {
   FourExtremes held = four;
   for (; v != last; v += 12) {

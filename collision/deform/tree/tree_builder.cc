@@ -12,7 +12,7 @@ using Triangle = DeformTree::Triangle;
 
 namespace {
 
-// Copies the nodes from `node` down, but builds those anew that are marked.
+// Copies the nodes from `node` down, and rebuilds the marked ones.
 std::int32_t copyNode(TreeDraft& draft, const DeformTree& old, std::int32_t node,
                       const std::vector<char>& anew, int depth) {
   const std::int32_t begin = old.slotBegin(node), count = old.slotsBelow(node);

@@ -18,15 +18,15 @@ enum class DeformMethod : unsigned char {
   kLinear,  ///< along a Morton curve
 };
 
-/// A hierarchy for the triangles where their vertices are now. `split`: most triangles of a branch,
-/// > 0 (DeformOptions::hybrid_split). Ties are broken by triangle number. O(n log n); O(n) for
-/// kLinear.
+/// Builds a hierarchy for the triangles at the current positions of their vertices. `split`: limit
+/// on the triangles of a branch, > 0 (DeformOptions::hybrid_split). Ties are broken by triangle
+/// number. O(n log n); O(n) for kLinear.
 std::shared_ptr<const DeformTree> buildDeformTree(
     std::span<const Eigen::Vector3d> vertices,
     std::span<const std::array<std::int32_t, 3>> triangles, DeformMethod method, int split);
 
-/// A copy of `old` in which the subtrees below `roots` (nodes, none below another) are built anew
-/// by kBinned. O(n + m log m) for the m triangles below the roots.
+/// Copies `old` and rebuilds the subtrees below `roots` (nodes, none below another) with kBinned.
+/// O(n + m log m) for the m triangles below the roots.
 std::shared_ptr<const DeformTree> restructureDeformTree(
     const DeformTree& old, std::span<const Eigen::Vector3d> vertices,
     std::span<const std::array<std::int32_t, 3>> triangles, std::span<const std::int32_t> roots,

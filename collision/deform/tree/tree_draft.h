@@ -16,8 +16,8 @@
 
 namespace leeway::collision {
 
-/// The box of a triangle or of many, in single precision, rounded to nearest: it decides where to
-/// cut and bounds nothing.
+/// The box of one or more triangles, in single precision, rounded to nearest: it is used for
+/// choosing cuts, not for bounds.
 struct DraftBox {
   float low[3] = {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
                   std::numeric_limits<float>::infinity()};
@@ -39,14 +39,14 @@ struct DraftBox {
   }
 };
 
-/// Places begin .. end - 1 in TreeDraft::order or, of leaves, in TreeDraft::leaves.
+/// Places begin .. end - 1 in TreeDraft::order or, for leaves, in TreeDraft::leaves.
 struct DraftRange {
   std::int32_t begin, end;
   std::int32_t count() const { return end - begin; }
 };
 
-/// What the builders (binned_builder.cc, morton_builder.cc) make and tree_layout.cc turns into a
-/// DeformTree: nodes in the order of their making, parents before their children.
+/// The output of the builders (binned_builder.cc, morton_builder.cc), which tree_layout.cc turns
+/// into a DeformTree: nodes in the order of creation, parents before their children.
 class TreeDraft {
  public:
   struct Node {
@@ -62,10 +62,10 @@ class TreeDraft {
   void setChild(std::int32_t node, std::size_t lane, std::int32_t child) {
     nodes_[static_cast<std::size_t>(node)].child[lane] = child;
   }
-  /// To be called when all that is below the node has been made.
+  /// Must be called after everything below the node has been made.
   void endNode(std::int32_t node, std::int32_t triangles);
-  /// Returns the leaf as a child, see DeformTree::Node. Sorts its triangles by number, which
-  /// brings them nearer to each other in memory.
+  /// Returns the leaf as a child, see DeformTree::Node. Sorts its triangles by number, which brings
+  /// them closer together in memory.
   std::int32_t newLeaf(DraftRange range);
 
   /// All triangles.
@@ -76,9 +76,9 @@ class TreeDraft {
   const DraftBox& boxAt(std::int32_t place) const {
     return box(order[static_cast<std::size_t>(place)]);
   }
-  /// The box of some triangles.
+  /// The box of a range of triangles.
   DraftBox bound(DraftRange range) const;
-  /// Least and largest middle() of some triangles along each axis.
+  /// Least and largest middle() of a range of triangles along each axis.
   void middles(DraftRange range, float* least, float* largest) const;
 
   std::span<const Node> nodes() const { return nodes_; }
@@ -92,18 +92,20 @@ class TreeDraft {
   std::vector<DraftRange> leaves_;
 };
 
-/// The most triangles below a child of a node with `count` triangles, when all nodes are full.
+/// The limit on the triangles below a child of a node with `count` triangles, if all nodes are
+/// full.
 std::int32_t childCapacity(std::int32_t count);
 
 /// Surface area heuristic over bins (I. Wald, "On fast construction of SAH-based bounding volume
-/// hierarchies", 2007), down to pieces of some hundred triangles, which are halved at the median.
+/// hierarchies", 2007), down to pieces of a few hundred triangles, which are halved at the median.
 /// `depth`: nodes above. Returns the node. O(n log n).
 std::int32_t buildBinned(TreeDraft& draft, DraftRange range, int depth);
 
 /// Along a Morton curve (C. Lauterbach et al., "Fast BVH construction on GPUs", 2009). O(n).
 std::int32_t buildMorton(TreeDraft& draft);
 
-/// The finished hierarchy: nodes in the order of DeformTree, and all that updates and queries read.
+/// The finished hierarchy: nodes in the order of DeformTree, and all data that updates and queries
+/// read.
 std::shared_ptr<const DeformTree> layOut(const TreeDraft& draft, std::size_t vertex_count,
                                          std::span<const DeformTree::Triangle> triangles,
                                          int split);

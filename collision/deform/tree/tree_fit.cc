@@ -23,7 +23,7 @@ Areas areasOf(const WideBox& box) {
   }
   areas.whole = halfArea(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
   for (int lane = 0; lane < kWidth; ++lane) {
-    if (!(box.low[0][lane] <= box.high[0][lane])) break;  // empty lanes come last
+    if (!(box.low[0][lane] <= box.high[0][lane])) break;  // empty lanes are last
     areas.children +=
         halfArea(box.high[0][lane] - box.low[0][lane], box.high[1][lane] - box.low[1][lane],
                  box.high[2][lane] - box.low[2][lane]);

@@ -2,11 +2,11 @@
 
 // Private to collision/: how well a hierarchy still fits its vertices.
 //
-// Subtrees that decayed are built anew. Rejected: tree rotations (D. Kopta et al., "Fast, effective
-// BVH updates for animated scenes", 2012), bottom-up, at every node the exchange of a grandchild
-// with an uncle or a cousin that saves the most area, until none saves any. Measured with `leeway
-// report deform --motion explode twist --no-rivals`: update and 12 distances of spheres, in us (on
-// a busy machine: the rows of 200k are good to a third):
+// Decayed subtrees are rebuilt. Rejected: tree rotations (D. Kopta et al., "Fast, effective BVH
+// updates for animated scenes", 2012), bottom-up: at every node the exchange of a grandchild with
+// an uncle or a cousin that saves the most area, until none saves any. Measured with `leeway report
+// deform --motion explode twist --no-rivals`: update and 12 distances of spheres, in us (on a busy
+// machine: the rows of 200k are accurate to a third):
 //
 // clang-format off
 //                   refit     built anew   rotated       rotated in
@@ -19,9 +19,9 @@
 //           200k    1030, 330 187000, 196                245000, 434
 // clang-format on
 //
-// When triangles fly apart it is the leaves of eight that decay, which no rotation takes apart; a
-// twisted sheet leaves nothing to gain; and after any exchange slots and vertices have to be laid
-// out again.
+// When triangles fly apart, the leaves of eight triangles decay, and no rotation splits these. A
+// twisted sheet leaves nothing to gain. After any exchange, slots and vertices must be laid out
+// again.
 
 #include <cstdint>
 #include <span>
@@ -31,17 +31,17 @@
 
 namespace leeway::collision {
 
-/// Fit of each node: its children's surface area over that of the box around them, which is what a
-/// query pays at a node that it opens; 0 for a node without area. All boxes must be known.
+/// Fit of each node: its children's surface area divided by that of the box around them, which is
+/// the cost for a query that opens the node; 0 for a node without area. All boxes must be known.
 /// O(nodes). T. Larsson, T. Akenine-Moller, "A dynamic bounding volume hierarchy for generalized
 /// collision detection", 2006, compare volumes instead.
 void measureFit(const DeformTree& tree, std::span<const WideBox> boxes, std::vector<float>& fit);
 
 /// Cost of a random query by the surface area heuristic: the surface area of all children of the
-/// nodes 0 .. count - 1 over that of the root's box. 0 for a root without area.
+/// nodes 0 .. count - 1 divided by that of the root's box. 0 for a root without area.
 double surfaceCost(std::span<const WideBox> boxes, std::int32_t count);
 
-/// Nodes whose fit has grown by more than `factor` since `before`; none is below another.
+/// Finds nodes whose fit has grown by more than `factor` since `before`; none is below another.
 void findDecayed(const DeformTree& tree, std::span<const float> fit, std::span<const float> before,
                  double factor, std::vector<std::int32_t>& roots);
 

@@ -11,7 +11,7 @@ namespace {
 
 using Triangle = DeformTree::Triangle;
 
-// Collects vertices, each once a round.
+// Collects vertices, each once in each round.
 class VertexSet {
  public:
   explicit VertexSet(std::size_t vertex_count) : stamp_(vertex_count, -1) {}
@@ -34,7 +34,7 @@ class VertexSet {
   std::vector<std::int32_t> vertices;
 
  private:
-  std::vector<std::int32_t> stamp_;  // one a vertex: the round in which it was added last
+  std::vector<std::int32_t> stamp_;  // for each vertex, the round in which it was last added
   std::int32_t round_ = 0;
 };
 
@@ -71,12 +71,12 @@ class TreeLayout {
   }
 
  private:
-  // Upper nodes level by level, then branch by branch, parents first.
+  // Numbers upper nodes level by level, then branch by branch, parents first.
   void numberNodes(int split) {
     number_.assign(draft_.nodes().size(), DeformTree::kNone);
     std::int32_t next = 0;
     std::vector<std::int32_t> branches, none;
-    // The root is an upper node however small the mesh.
+    // The root is always an upper node, even for a small mesh.
     numberFrom(0, split, next, branches);
     tree_->upper_count_ = next;
     for (const std::int32_t branch : branches) {
@@ -86,7 +86,7 @@ class TreeLayout {
   }
 
   // Numbers the node and those below it with more than `most` triangles, level by level; appends
-  // the nodes that hang below these to `roots`.
+  // the nodes directly below these to `roots`.
   void numberFrom(std::int32_t node, int most, std::int32_t& next,
                   std::vector<std::int32_t>& roots) {
     std::vector<std::int32_t> queue{node};
@@ -147,7 +147,8 @@ class TreeLayout {
 
   void listRefitVertices() {
     static_assert(3 * DeformTree::kLeafTriangles * kWidth <= 256, "places in a node are bytes");
-    std::vector<std::uint8_t> place(set_.vertexCount());  // in the node, of each of its vertices
+    std::vector<std::uint8_t> place(set_.vertexCount());  // place in the node of each of its
+                                                          // vertices
     std::pmr::vector<std::int32_t>& all = tree_->refit_vertices_;
     std::pmr::vector<std::uint8_t>& corners = tree_->refit_corners_;
     tree_->refit_offsets_.assign(tree_->nodes_.size() + 1, {0, 0});
@@ -179,14 +180,14 @@ class TreeLayout {
     all.insert(all.end(), at(DeformTree::kAhead), 0);
   }
 
-  // Empty for what is no leaf.
+  // Empty if the child is not a leaf.
   std::span<const std::int32_t> verticesOfLeaf(std::int32_t child) const {
     if (!DeformTree::isLeaf(child)) return {};
     const DeformTree::Leaf& l = tree_->leaf(DeformTree::leafOf(child));
     return tree_->leafVertices().subspan(at(l.vertex_begin), at(l.vertex_end - l.vertex_begin));
   }
 
-  // The branches' own fours and singles come before all others.
+  // The branches' own fours and singles precede all others.
   void listBranchVertices() {
     for (std::size_t b = 0; b < tree_->branches_.size(); ++b) {
       DeformTree::Branch& branch = tree_->branches_[b];
@@ -195,7 +196,7 @@ class TreeLayout {
         if (count >= 4) tree_->rows_.push_back({begin, count, static_cast<std::int32_t>(b)});
       });
     }
-    // Rows of one branch have no vertex in common, those of two may.
+    // Rows of one branch have no vertex in common, but rows of two branches may.
     std::sort(tree_->rows_.begin(), tree_->rows_.end(),
               [](const DeformTree::Row& l, const DeformTree::Row& r) {
                 return l.begin != r.begin ? l.begin < r.begin : l.branch < r.branch;
@@ -215,7 +216,7 @@ class TreeLayout {
     }
   }
 
-  // Leaves the vertices in set_.
+  // Puts the vertices into set_.
   DeformTree::Runs runsBelow(std::int32_t node) {
     const std::int32_t begin = tree_->slotBegin(node);
     collectSlots(begin, begin + tree_->slotsBelow(node));
@@ -229,7 +230,7 @@ class TreeLayout {
     return runs;
   }
 
-  // The last four of a run may begin among the vertices before them.
+  // The last four of a run may start among the vertices before them.
   void addRun(std::int32_t begin, std::int32_t count) {
     if (count < 4) {
       for (std::int32_t i = 0; i < count; ++i) tree_->singles_.push_back(begin + i);
@@ -239,7 +240,7 @@ class TreeLayout {
     if (count % 4 != 0) tree_->fours_.push_back(begin + count - 4);
   }
 
-  // The vertices of the triangles in these slots, ascending, into set_.
+  // Puts the vertices of the triangles in these slots, ascending, into set_.
   void collectSlots(std::int32_t begin, std::int32_t end) {
     set_.clear();
     for (std::int32_t slot = begin; slot < end; ++slot) set_.add(tree_->corners(slot));

@@ -1,5 +1,5 @@
 // Private to collision/: boxes of vertices of a deforming mesh. Included once for each of Highway's
-// targets, hence no #pragma once.
+// targets, so it has no #pragma once.
 
 #if defined(LEEWAY_COLLISION_DEFORM_VERTEX_BOXES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_DEFORM_VERTEX_BOXES_INL_H
@@ -33,11 +33,11 @@ HWY_INLINE bool isFinite(D d, V x) {
   return hn::AllTrue(d, hn::Eq(hn::Sub(x, x), hn::Zero(d)));
 }
 
-// The box of vertices, in double. Minimum and maximum are exact: neither the order of the vertices
-// nor the number of lanes changes the result.
+// The box of vertices, in double. Minimum and maximum are exact, so neither the order of the
+// vertices nor the number of lanes changes the result.
 struct Extremes {
   Doubles low[kParts], high[kParts];
-  Doubles sum[kParts];  // not finite when a vertex is not
+  Doubles sum[kParts];  // not finite if a vertex is not finite
 
   // The empty box.
   HWY_INLINE Extremes() {
@@ -68,7 +68,7 @@ struct Extremes {
       sum[i] = hn::Add(sum[i], other.sum[i]);
     }
   }
-  // Only takes note of whether the vertex is finite.
+  // Only records whether the vertex is finite.
   HWY_INLINE void count(const double* v) {
     for (std::size_t i = 0; i < kParts; ++i)
       sum[i] = hn::Add(sum[i], hn::LoadU(kDoubles, v + kDoubleLanes * i));
@@ -87,7 +87,7 @@ HWY_INLINE V doubtOf(D d, V x) {
   return hn::Add(hn::Mul(hn::Abs(x), hn::Set(d, 0x1p-23F)), hn::Set(d, 0x1p-126F));
 }
 
-// A box in single precision, rounded outwards; x, y, z and one number more each.
+// A box in single precision, rounded outwards; x, y, z and one more number each.
 template <class D>
 HWY_INLINE void outwards(D d, const Doubles* low, const Doubles* high, float* l, float* h) {
   if constexpr (hn::MaxLanes(D()) == 4) {
@@ -126,7 +126,7 @@ HWY_INLINE Extremes boxOf(const Eigen::Vector3d* vertices, const std::int32_t* v
     for (++v; v != end; ++v) e.add(at(vertices, *v));
     return e;
   }
-  Extremes other = e;  // two chains of dependent operations
+  Extremes other = e;  // two independent chains of operations
   for (++v; end - v >= 2; v += 2) {
     e.add(at(vertices, v[0]));
     other.add(at(vertices, v[1]));
@@ -144,7 +144,7 @@ void fillLane(WideBox& box, std::size_t lane, float low, float high) {
 }
 
 // The box of vertices that are read four consecutive ones at a time: 12 doubles x, y, z, x, ...
-// fill three, six or twelve vectors. Three vectors hold as many vertices as a vector has lanes.
+// fill three, six or twelve vectors. Three vectors hold one vertex for each vector lane.
 struct FourExtremes {
   struct Third {
     Doubles low, high, sum;
@@ -161,7 +161,7 @@ struct FourExtremes {
       sum = hn::Add(sum, p);
     }
   };
-  Third first, second, last;  // no array: these stay in registers
+  Third first, second, last;  // not an array, so that these stay in registers
 
   HWY_INLINE FourExtremes() = default;
   HWY_INLINE void add(const double* v) {
@@ -171,7 +171,8 @@ struct FourExtremes {
       last.add(v + 2 * kDoubleLanes);
     }
   }
-  // Sets the box aside, and takes it up again; the sums, which find what is not finite, go on.
+  // Stores the box, and loads it again; the sums, which detect numbers that are not finite,
+  // continue.
   HWY_INLINE void save(BranchBox& box) const {
     hn::Store(first.low, kDoubles, box.low);
     hn::Store(second.low, kDoubles, box.low + kDoubleLanes);
@@ -188,8 +189,8 @@ struct FourExtremes {
     second.high = hn::Load(kDoubles, box.high + kDoubleLanes);
     last.high = hn::Load(kDoubles, box.high + 2 * kDoubleLanes);
   }
-  // The box of all vertices and of those of `e`. Number by number: a vector load across two that
-  // were just stored would wait for both.
+  // The box of all vertices and of those of `e`. It is written number by number, because a vector
+  // load across two that were just stored would wait for both.
   HWY_INLINE void fold(const Extremes& e, double* lowest, double* highest) const {
     HWY_ALIGN double l[3 * kDoubleLanes + 4], h[3 * kDoubleLanes + 4];
     hn::Store(first.low, kDoubles, l);
@@ -218,7 +219,8 @@ struct FourExtremes {
 };
 
 // Adds the fours begin .. end - 1. Prefetching kAhead fours early saves a third of the time. An
-// update goes on to the next branch's fours and reads far ahead; a query seldom passes its node.
+// update continues with the next branch's fours and reads far ahead; a query seldom passes the end
+// of its node.
 template <std::size_t kAhead>
 HWY_INLINE void addFours(std::span<const std::int32_t> fours, std::int32_t begin, std::int32_t end,
                          const Eigen::Vector3d* vertices, FourExtremes& four) {

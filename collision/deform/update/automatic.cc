@@ -5,7 +5,7 @@
 #include "collision/deform/update/snapshot_box.h"
 #include "collision/deform/update/strategy.h"
 
-// What kAuto does. No choice changes an answer: every constant here only tunes speed.
+// The choices of kAuto. They never change an answer: every constant here only tunes speed.
 
 namespace leeway::collision {
 
@@ -14,27 +14,28 @@ using Eigen::Vector3d;
 namespace {
 
 // Cost model [us]; only ratios matter. Measured by `leeway report deform`, rounded.
-// A query against a hierarchy that fits.
+// A query of a hierarchy that fits.
 constexpr double kQueryMicroseconds = 3;
-// A rebuild by the surface area heuristic, a triangle.
+// A rebuild by the surface area heuristic, for each triangle.
 constexpr double kRebuildMicroseconds = 0.2;
-// What a query takes longer among boxes from modes, waves or bones, which add up what never meets.
-// Boxes of blended morph targets are as tight as boxes of vertices.
+// The additional time of a query with boxes from modes, waves or bones, which add extremes that
+// never occur together. Boxes of blended morph targets are as tight as boxes of vertices.
 constexpr double kModesMicroseconds = 3.5;
-// An update that reads the vertices, a triangle.
+// An update that reads the vertices, for each triangle.
 constexpr double kReadMicroseconds = 0.001;
-// What reading a vertex takes longer when its neighbours in the hierarchy are not its neighbours in
-// memory. After a rebuild of what has decayed all vertices may be read so.
+// The additional time for reading a vertex whose neighbours in the hierarchy are not its neighbours
+// in memory. After a rebuild of decayed subtrees, this may apply to all vertices.
 constexpr double kScatteredMicroseconds = 0.004;
-// Deciding about a rebuild.
+// The decision about a rebuild.
 constexpr double kWeighMicroseconds = 7;
 
-// Decay is weighed when a round of branches ends. So kAuto reads this share of the branches in
-// every update at least, unless that would take more than kOverhead of what the queries take; and
-// it weighs nothing that costs more than this share either.
+// Decay is evaluated at the end of a round of branches. Therefore kAuto reads at least this share
+// of the branches in every update, unless that would take more than kOverhead of the queries' time.
+// It also evaluates nothing that costs more than this share.
 constexpr double kLeastShare = 0.125;
 constexpr double kOverhead = 0.1;
-// Triangles sampled to tell growth of the mesh from decay of the hierarchy [count].
+// Number of sampled triangles, to distinguish growth of the mesh from decay of the hierarchy
+// [count].
 constexpr std::size_t kSampledTriangles = 256;
 
 double frameMicroseconds(const DeformOptions& options) {
@@ -42,8 +43,9 @@ double frameMicroseconds(const DeformOptions& options) {
 }
 
 // Whether the decay since the last rebuild has cost queries more than a rebuild costs. This is the
-// ski rental rule: decay known in every frame, it would pay at most twice the least possible. Decay
-// is known at the end of a round only, and is then charged to all frames since the last round.
+// ski rental rule: if decay were known in every frame, the cost would be at most twice the least
+// possible. Decay is only known at the end of a round, and is then charged to all frames since the
+// last round.
 bool rebuildPays(UpdateState& state, const DeformableSnapshotImpl& next) {
   const DeformTree& tree = *state.tree;
   UpdateState::BranchRound& round = state.round;
@@ -55,8 +57,8 @@ bool rebuildPays(UpdateState& state, const DeformableSnapshotImpl& next) {
   if (kOverhead * fresh < kWeighMicroseconds) return false;
   const double looser =
       state.built_looseness > 0 ? looseness(state, next, round.area) / state.built_looseness : 1;
-  // Queries slow down by less than boxes grow in length: in an explosion 1.4 times at 10 times the
-  // area, 2.7 times at 65 times.
+  // Queries slow down by less than the factor by which boxes grow in length: in an explosion, 1.4
+  // times at 10 times the area, 2.7 times at 65 times.
   const double queries = fresh * std::max(std::sqrt(looser) - 1, 0.0);
   const double dearer_updates =
       kScatteredMicroseconds * std::max(state.mesh->vertexCount() - tree.branchSingles(), 0);
@@ -87,7 +89,8 @@ DeformStrategy strategyOf(MotionKind kind) {
 }
 
 StrategyChoice chooseStrategy(const UpdateState& state, bool by_motion) {
-  // The rest position need not be one of the motion's, whose bounds hold for no other vertices.
+  // The rest position need not be one of the motion's positions, and the motion's bounds hold for
+  // no other vertices.
   if (!state.current) return {DeformStrategy::kRefit, "the first snapshot is at rest"};
   const DeformOptions& options = state.options;
   if (needsMotion(options.strategy) && !by_motion)
@@ -109,11 +112,11 @@ double leastShare(const UpdateState& state) {
   return std::min(kLeastShare, kOverhead * frameMicroseconds(state.options) / read);
 }
 
-// What hangs below the upper nodes: branches and leaves. A rebuild improves their area relative to
-// that of the triangles, of which some are sampled. Where the triangles themselves grow, as in an
-// explosion, all hierarchies grow with them and a rebuild gains nothing. In a tree without branches
-// the upper nodes are all there is: their children count, since leaves alone do not show how they
-// are arranged.
+// The area of the nodes and leaves below the upper nodes, relative to that of the triangles, some
+// of which are sampled. A rebuild improves this ratio. If the triangles themselves grow, as in an
+// explosion, all hierarchies grow with them and a rebuild gains nothing. A tree without branches
+// has only upper nodes; in that case their children count, because leaves alone do not show how
+// they are arranged.
 double looseness(const UpdateState& state, const DeformableSnapshotImpl& snapshot,
                  double branch_area) {
   const std::span<const DeformableMesh::Triangle> triangles = state.mesh->triangles();

@@ -17,8 +17,8 @@
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/vertex_motion.h"
 
-// The owner of a deforming mesh: checks what comes in, lets a strategy (strategy.h) bring the
-// hierarchy in line with the vertices, and publishes the snapshot.
+// The owner of a deforming mesh: checks the input, lets a strategy (strategy.h) update the
+// hierarchy for the new vertices, and publishes the snapshot.
 
 namespace leeway::collision {
 
@@ -26,14 +26,14 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Of owners and snapshots; unique in this process.
+// A number for owners and snapshots; unique in this process.
 std::uint64_t nextNumber() {
   static std::atomic<std::uint64_t> last{0};
   return last.fetch_add(1, std::memory_order_relaxed) + 1;
 }
 
-// Throws std::invalid_argument with the option's name, its value and what is accepted. NaN is
-// refused.
+// Throws std::invalid_argument with the option's name, its value and the accepted values. NaN is
+// rejected.
 void requireOptions(const DeformOptions& options) {
   const auto require = [](bool good, const char* field, const std::string& value,
                           const char* accepted) {
@@ -83,16 +83,16 @@ struct Deformable::Impl {
   UpdateState state;
   std::uint64_t number = 0;  // of this owner
   std::shared_ptr<SnapshotPool> pool = std::make_shared<SnapshotPool>();
-  SnapshotPool::Slot* next = nullptr;  // the next snapshot's
+  SnapshotPool::Slot* next = nullptr;  // of the next snapshot
   int bad_vertex = -1;
   bool all_used = false;  // every vertex is a corner of a triangle
 
-  // What the next snapshot's vertices are.
+  // State of the next snapshot's vertices.
   enum class Prepared : unsigned char {
-    kNothing,  // leftovers of an older snapshot
+    kNothing,  // old values of an earlier snapshot
     kGiven,    // the caller's, who has a span to write them until the commit
-    kMotion,   // the motion's at `evaluated`; nobody has a span to change them
-    kMixed,    // the motion's, or leftovers of a refused evaluate(), but the caller has a span
+    kMotion,   // the motion's at `evaluated`; no caller has a span to change them
+    kMixed,    // the motion's, or old values from a refused evaluate(), but the caller has a span
   };
   Prepared prepared = Prepared::kNothing;
   double evaluated = kNaN;  // [s]
@@ -100,9 +100,9 @@ struct Deformable::Impl {
   void makeBounds();
   DeformableSnapshotImpl& prepareNext();
   UpdateStatus evaluate(double time);
-  /// Makes the next snapshot the current one. `checked`: the caller vouches for finite vertices.
-  /// `moved` [m]: no given vertex is farther from its place in the current snapshot. Whatever it
-  /// returns, nothing is prepared afterwards.
+  /// Makes the next snapshot the current one. `checked`: the caller guarantees finite vertices.
+  /// `moved` [m]: no given vertex is farther from its place in the current snapshot. In every case,
+  /// nothing is prepared afterwards.
   UpdateStatus take(double time, double speed_bound, bool checked, double moved);
   double movedByMotion() const;
   bool staysWithinLimits(double moved) const;
@@ -127,7 +127,7 @@ DeformableSnapshotImpl& Deformable::Impl::prepareNext() {
   return next->snapshot;
 }
 
-// Leaves -1 when all are finite and within the limit.
+// Leaves -1 if all are finite and within the limit.
 void Deformable::Impl::findBadVertex(const DeformableSnapshotImpl& s) {
   bad_vertex = -1;
   for (int i = 0; i < state.mesh->vertexCount(); ++i) {
@@ -139,7 +139,8 @@ void Deformable::Impl::findBadVertex(const DeformableSnapshotImpl& s) {
   }
 }
 
-// How far the motion can have taken a vertex from its place in the current snapshot [m].
+// Upper bound on the distance by which the motion has moved a vertex from its place in the current
+// snapshot [m].
 double Deformable::Impl::movedByMotion() const {
   if (!std::isfinite(state.current_motion_time)) return kInfinity;
   const double t0 = std::min(state.current_motion_time, evaluated),
@@ -151,22 +152,23 @@ double Deformable::Impl::movedByMotion() const {
   return moved >= 0 ? moved : kInfinity;  // NaN: 0 m/s times an infinite duration
 }
 
-// Whether vertices that have moved by at most so much are finite and within the limit.
+// Whether vertices that have moved by at most this distance are finite and within the limit.
 bool Deformable::Impl::staysWithinLimits(double moved) const {
   const DeformableSnapshotImpl& last = state.current->impl();
   return last.low.minCoeff() - moved >= -kLargestSize &&
          last.high.maxCoeff() + moved <= kLargestSize;
 }
 
-// Finds the box of all vertices; false when one is not finite or beyond the limit.
+// Finds the box of all vertices; false if one is not finite or beyond the limit.
 bool Deformable::Impl::boundVertices(DeformableSnapshotImpl& s) const {
   return deformKernels().bound(s.vertices.data(), state.mesh->rest().size(), kLargestSize, s.low,
                                s.high);
 }
 
-// Brings the hierarchy in line with the vertices, and checks these unless they are known to be
-// finite and within the limit. A strategy that reads all vertices finds what is not finite itself,
-// and a box within the limit holds nothing beyond it: then the check needs no pass of its own.
+// Updates the hierarchy for the new vertices, and checks these unless they are known to be finite
+// and within the limit. A strategy that reads all vertices detects those that are not finite
+// itself, and a box within the limit contains no vertex beyond it, so the check then needs no
+// separate pass.
 bool Deformable::Impl::followVertices(DeformableSnapshotImpl& s, StrategyChoice& choice,
                                       bool by_motion, bool checked, double moved) {
   const bool reads_all =
@@ -175,7 +177,7 @@ bool Deformable::Impl::followVertices(DeformableSnapshotImpl& s, StrategyChoice&
   const bool bounded = !checked && !reads_all;
   if (bounded && !boundVertices(s)) return false;
   if (!follow(state, choice, s, {bounded, by_motion, moved})) return false;
-  // Boxes are rounded outwards: only one beyond the limit calls for a closer look.
+  // Boxes are rounded outwards, so only a box beyond the limit requires a closer look.
   return checked || bounded || isWithin(s, kLargestSize) || boundVertices(s);
 }
 
@@ -186,7 +188,7 @@ UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checke
   if (!std::isfinite(time) || !(speed_bound >= 0) || !(moved >= 0)) return UpdateStatus::kBadTime;
   const bool by_motion = was == Prepared::kMotion;
   if (was != Prepared::kGiven) moved = by_motion ? movedByMotion() : kInfinity;
-  // An embedding program's own motion is not trusted to keep to its bounds.
+  // An embedding program's own motion may violate its bounds.
   if (by_motion && state.motion->kind() != MotionKind::kOwn)
     checked = checked || staysWithinLimits(moved);
   StrategyChoice choice = chooseStrategy(state, by_motion);
@@ -208,7 +210,7 @@ UpdateStatus Deformable::Impl::take(double time, double speed_bound, bool checke
   return UpdateStatus::kUpdated;
 }
 
-// Bounds that the motion has, for the strategies that may take them.
+// Makes the motion's bounds, for the strategies that may use them.
 void Deformable::Impl::makeBounds() {
   const DeformStrategy strategy = state.options.strategy;
   const bool automatic = strategy == DeformStrategy::kAuto;
@@ -238,8 +240,8 @@ Deformable::Deformable(std::shared_ptr<const DeformableMesh> mesh,
   state.split = options.hybrid_split > 0 ? options.hybrid_split : kHybridSplit;
   impl_->all_used = areAllUsed(*state.mesh);
   impl_->number = nextNumber();
-  // Copied into large pages, with arrays of just their size. Rebuilt trees are not: the next
-  // rebuild may replace them soon.
+  // Copied into large pages, with arrays of exact size. Rebuilt trees are not copied, because the
+  // next rebuild may replace them soon.
   state.tree =
       std::make_shared<DeformTree>(*buildDeformTree(state.mesh->rest(), state.mesh->triangles(),
                                                     DeformMethod::kBinned, state.split),

@@ -8,11 +8,11 @@
 #include "collision/deform/update/strategy.h"
 
 // T. Larsson, T. Akenine-Moller, "Collision detection for continuously deforming bodies", 2001: the
-// upper nodes are brought up to date from below, the others when a query opens them (Demand::
-// kBranches). The boxes of the branches, from which the upper nodes follow, come from
-//   - the stored frames of a vertex cache, blended: no vertex is read; or
-//   - the current snapshot's, moved and grown by how far vertices can have moved since, while a
-//     share of the branches is read anew, round robin; or
+// upper nodes are updated bottom-up, the others when a query opens them (Demand::kBranches). The
+// upper nodes follow from the boxes of the branches, which are computed from
+//   - the stored frames of a vertex cache, blended, without reading a vertex; or
+//   - the current snapshot's boxes, moved and grown by how far vertices can have moved since, while
+//     a share of the branches is read again, round robin; or
 //   - all their vertices.
 
 namespace leeway::collision {
@@ -21,16 +21,16 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Between two readings the boxes of branches grow, in the mean, by at most this share of their
-// longest sides. Larger: cheaper updates, dearer queries; 0.5 changes them by a sixth and a quarter
-// on waves of 200k triangles.
+// Between two readings, the boxes of branches grow on average by at most this share of their
+// longest sides. A larger value makes updates cheaper and queries more expensive; 0.5 changes them
+// by a sixth and a quarter on waves of 200k triangles.
 constexpr double kRoundGrowth = 0.35;
-// All branches are read when more than this share of them is due: growing the others costs time,
-// too.
+// All branches are read if more than this share of them is due, because growing the others also
+// costs time.
 constexpr double kWorthwhileShare = 0.75;
-// Fewer branches are read faster than moved [count].
+// Fewer branches than this are faster to read than to move [count].
 constexpr std::size_t kFewBranches = 16;
-// Up to this many vertices [count] stay in the cache after they are written: the order in which
+// Up to this many vertices [count] stay in the cache after they are written, so the order in which
 // they are read does not matter.
 constexpr int kCachedVertices = 40000;
 
@@ -41,13 +41,13 @@ void fetchFour(const Vector3d* first) {
   __builtin_prefetch(from + 64);
 }
 
-// Whether the boxes come from the stored frames of a vertex cache.
+// Whether the boxes are blended from the stored frames of a vertex cache.
 bool blendsCache(const UpdateState& state, const KnownVertices& known) {
   return known.by_motion && state.cached_bounds && state.tree == state.motion_tree;
 }
 
-// The fours of the branches that come next in the round, as many branches as in the last update.
-// Empty when that is all of them, which would not stay in the cache.
+// The fours of the branches that are next in the round, for as many branches as in the last update.
+// Empty if these are all branches, which would not stay in the cache.
 std::span<const std::int32_t> foursAhead(const UpdateState& state) {
   const std::span<const DeformTree::Branch> branches = state.tree->branches();
   const std::size_t begin = state.round.next < branches.size() ? state.round.next : 0,
@@ -59,11 +59,11 @@ std::span<const std::int32_t> foursAhead(const UpdateState& state) {
 }
 
 // Makes the boxes of branches from those of the current snapshot and from how far their vertices
-// can have moved since. Returns the growth at either end along the longest axis, in the mean [m];
-// infinite when the current snapshot has no boxes of branches, when no bound is known, or when
-// reading all is as fast. Bounds from the motion know what the vertices of a branch have in common,
-// which moves the box without growing it. Other lanes of these nodes are left undefined: the refit
-// fills them.
+// can have moved since. Returns the growth at either end along the longest axis, on average [m].
+// The result is infinite if the current snapshot has no boxes of branches, if no bound is known, or
+// if reading all is as fast. Bounds from the motion include the common movement of a branch's
+// vertices, which moves the box without growing it. Other lanes of these nodes are left undefined,
+// because the refit fills them.
 double moveBranches(const UpdateState& state, DeformableSnapshotImpl& next,
                     const KnownVertices& known) {
   const DeformTree& tree = *state.tree;
@@ -76,7 +76,7 @@ double moveBranches(const UpdateState& state, DeformableSnapshotImpl& next,
       known.by_motion && std::isfinite(state.current_motion_time) && state.tree == state.motion_tree
           ? state.upper_bounds.get()
           : nullptr;
-  // Too far, whatever follows.
+  // Too far in any case.
   if (bounds == nullptr && !(known.moved < state.branch_length)) return kInfinity;
   const float low = roundedDown(-known.moved), high = roundedUpToFloat(known.moved);
   WideBox moved;
@@ -88,8 +88,8 @@ double moveBranches(const UpdateState& state, DeformableSnapshotImpl& next,
   const double rounding =
       bounds != nullptr ? bounds->displacementRounding(last.parameters, next.parameters) : 0;
   double sum = 0;
-  // The vertices to be read next are prefetched meanwhile, some of them a node: reading them then
-  // takes less than half the time.
+  // The vertices that are read next are prefetched meanwhile, a few of them for each node. Reading
+  // them then takes less than half the time.
   std::span<const std::int32_t> ahead = foursAhead(state);
   const std::size_t step = ahead.size() / static_cast<std::size_t>(upper) + 1;
   for (std::int32_t node = 0; node < upper; ++node) {
@@ -108,7 +108,7 @@ double moveBranches(const UpdateState& state, DeformableSnapshotImpl& next,
     for (int lane = 0; lane < kWidth; ++lane) {
       if (!isBranch(children[lane])) continue;
       sum += 0.5 * static_cast<double>(side[lane]);
-      // A NaN would not survive into the boxes above.
+      // A NaN would not propagate to the boxes above.
       for (int k = 0; k < 3; ++k)
         if (!(box.low[k][lane] <= box.high[k][lane])) return kInfinity;
     }
@@ -116,7 +116,7 @@ double moveBranches(const UpdateState& state, DeformableSnapshotImpl& next,
   return sum / static_cast<double>(tree.branches().size());
 }
 
-// How many branches are to be read when the others grow so much in an update [m].
+// The number of branches to read when the others grow by this much in an update [m].
 std::size_t branchesDue(const UpdateState& state, double growth) {
   const std::size_t all = state.tree->branches().size();
   // Written so that a NaN reads all.
@@ -126,7 +126,7 @@ std::size_t branchesDue(const UpdateState& state, double growth) {
   return std::min(all, 1 + static_cast<std::size_t>(due));
 }
 
-// Reads the branches begin .. end - 1 from their vertices, and unites the upper nodes. False when a
+// Reads the branches begin .. end - 1 from their vertices, and unites the upper nodes. False if a
 // vertex is not finite.
 bool readBranches(UpdateState& state, DeformableSnapshotImpl& next, std::size_t begin,
                   std::size_t end, bool all) {
@@ -180,7 +180,7 @@ bool updateUpperNodes(UpdateState& state, DeformableSnapshotImpl& next,
 
 bool followByHybrid(UpdateState& state, DeformableSnapshotImpl& next, const KnownVertices& known) {
   bool good = updateUpperNodes(state, next, known);
-  // Boxes that were moved and grown may leave the limits though no vertex does.
+  // Boxes that were moved and grown may exceed the limits although no vertex does.
   if (good && !isWithinLimits(next))
     good = updateUpperNodes(state, next, {known.bounded, false, kInfinity});
   return good && isWithinLimits(next);

@@ -3,8 +3,8 @@
 
 namespace leeway::collision {
 
-// The queries' part: BoxSource::fill() finds a node's boxes when a query opens it (kLazy);
-// query/octree_descent.cc works without nodes (kOctree).
+// The rest is done by queries: BoxSource::fill() computes a node's boxes when a query opens it
+// (kLazy); query/octree_descent.cc works without nodes (kOctree).
 bool followOnDemand(UpdateState& state, DeformableSnapshotImpl& next, Demand demand, bool bounded) {
   next.tree = state.tree;
   next.demand = demand;

@@ -5,8 +5,8 @@ namespace leeway::collision {
 
 // T. Larsson, T. Akenine-Moller, "A dynamic bounding volume hierarchy for generalized collision
 // detection", 2006; S. Yoon, S. Curtis, D. Manocha, "Ray tracing dynamic scenes using selective
-// restructuring", 2007. tree_fit.h says how fit is measured, and why subtrees are built anew rather
-// than rotated.
+// restructuring", 2007. tree_fit.h explains how fit is measured, and why subtrees are rebuilt
+// instead of rotated.
 bool followByRestructure(UpdateState& state, DeformableSnapshotImpl& next) {
   if (!followByRefit(state, next)) return false;
   const double factor = state.options.restructure_factor;
@@ -15,8 +15,8 @@ bool followByRestructure(UpdateState& state, DeformableSnapshotImpl& next) {
   findDecayed(*state.tree, state.fit, state.built_fit, factor, state.decayed);
   const double cost = surfaceCost(boxes, state.tree->nodeCount());
   state.statistics.decay = state.built_cost > 0 ? cost / state.built_cost : 1;
-  // A restructured subtree is compared with its new state: slow decay everywhere escapes
-  // findDecayed(), not the cost of the whole.
+  // A restructured subtree is compared with its new state. findDecayed() therefore misses slow
+  // decay in all subtrees, but the cost of the whole tree shows it.
   if (state.statistics.decay > factor * factor) state.decayed.assign(1, 0);
   if (state.decayed.empty()) return true;
   if (state.decayed[0] == 0) return followByRebuild(state, next, DeformMethod::kBinned, true);

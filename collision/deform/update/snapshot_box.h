@@ -30,7 +30,8 @@ inline bool isWithin(const DeformableSnapshotImpl& snapshot, double limit) {
   return (snapshot.low.array() >= -limit).all() && (snapshot.high.array() <= limit).all();
 }
 
-/// Whether all vertices may be within the limit: boxes are rounded outwards, hence a little more.
+/// Whether all vertices may be within the limit. Boxes are rounded outwards, so the limit is a
+/// little larger.
 inline bool isWithinLimits(const DeformableSnapshotImpl& snapshot) {
   return isWithin(snapshot, 1.01 * kLargestSize);
 }
