@@ -8,7 +8,7 @@
 namespace leeway::collision {
 
 /// The k-th of `count` unit vectors spaced evenly on the cone around the unit vector `axis`;
-/// `tangent` is that of the cone's half angle. Same bits on every machine.
+/// `tangent` is the tangent of the cone's half angle. Same bits on every machine.
 inline Vector coneDirection(const Vector& axis, double tangent, int k, int count) {
   const Vector u =
       cross(axis, std::abs(axis.x()) < 0.6 ? Vector::UnitX() : Vector::UnitY()).normalized();

@@ -21,7 +21,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A convex body around a body: itself, or its box by its corners, which holds a mesh's hull.
+// A convex body around a body: the body itself, or the corners of its box, which contains a mesh's
+// hull.
 ConvexView outerOf(const DeformSide& side, std::array<Vector3d, 8>& corners) {
   if (side.snapshot == nullptr && side.rigid.tree == nullptr) return side.rigid.view;
   for (std::size_t i = 0; i < 8; ++i) {
@@ -37,7 +38,7 @@ void fetchSlot(const DeformableSnapshot& snapshot, int triangle) {
     __builtin_prefetch(&tree.corners(tree.slotOf(triangle)));
 }
 
-// The answer for the bodies in the other order.
+// The answer with the bodies swapped.
 DistanceResult exchanged(DistanceResult result) {
   std::swap(result.point_a, result.point_b);
   std::swap(result.triangle_a, result.triangle_b);
@@ -47,7 +48,7 @@ DistanceResult exchanged(DistanceResult result) {
 
 DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                                const DistanceRequest& request, Scratch& scratch, PairCache& cache) {
-  // Boxes are compared in B's frame: a mesh that deforms has its own there, unturned.
+  // Boxes are compared in B's frame, because the boxes of a deforming mesh are axis-aligned there.
   if (b.type() != ShapeType::kDeformable) {
     std::swap(cache.triangle_a, cache.triangle_b);
     const DistanceResult result =
@@ -55,7 +56,7 @@ DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b,
     std::swap(cache.triangle_a, cache.triangle_b);
     return result;
   }
-  // The last nearest triangle is tried first; its corners are likely out of cache.
+  // The last nearest triangle is tried first; its corners are probably out of cache.
   fetchSlot(*b.deformable(), cache.triangle_b);
   const RelativePose relative = relativePose(X_WA, X_WB);
   if (!relative.valid) return {};
@@ -66,12 +67,14 @@ DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b,
   remember(found, cache);
 
   DistanceResult result = surfaceDistance(found, X_WB);
-  // Where boxes meet, the surfaces may be apart, one body inside the other or not, or overlap.
+  // Where boxes meet, the surfaces may be apart (with one body inside the other or not), or
+  // overlap.
   if (!(found.hull_lower > 0) && !found.misplaced) {
     Containment containment = Containment::kUndecided;
     if (found.lower > 0) containment = containsAt(a, X_WA, b, X_WB, found.lower, scratch);
     if (containment != Containment::kNo) {
-      // A body inside must come out through the surface, which is that far away.
+      // A body inside must come out through the surface, so its depth is at least the distance to
+      // the surface.
       if (containment == Containment::kYes) result.distance.upper = -found.lower;
       if (containment == Containment::kUndecided)
         offerCommonPoint(a, b, relative, X_WB, request, scratch, result);
@@ -80,7 +83,7 @@ DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b,
         const Vector3d way_out = containment == Containment::kYes
                                      ? Vector3d(result.point_a - result.point_b)
                                      : result.normal;
-        // A translation that separates the convex bodies around both separates both.
+        // A translation that separates the convex bodies around both also separates both.
         std::array<Vector3d, 8> corners_a, corners_b;
         const DistanceResult outer =
             convexDistance(outerOf(side_a, corners_a), relative.X_BA, outerOf(side_b, corners_b),

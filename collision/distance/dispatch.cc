@@ -20,11 +20,11 @@ double finiteExtent(const ConvexView& view) {
   return view.core == Core::kHalfSpace ? 0 : view.extent;
 }
 
-// An ellipsoid whose semi-axes differ by a small part of the tolerance becomes a ball with a little
-// excess. When such a body is concentric with the other, all directions are nearly as deep and the
-// search for the least depth does not converge. Thresholds are still compared with the ellipsoid
-// itself. The extent stays that of the ellipsoid: it bounds what a pose whose rotation departs from
-// orthogonality makes of it.
+// Replaces an ellipsoid whose semi-axes differ by a small part of the tolerance by a ball with a
+// small excess. If such an ellipsoid is concentric with the other body, all directions are nearly
+// equally deep and the search for the least depth does not converge. Thresholds are still compared
+// with the ellipsoid itself. The extent stays that of the ellipsoid, because it bounds the effect
+// of a pose whose rotation departs from orthogonality.
 ConvexView ballOr(ConvexView view, const DistanceRequest& request) {
   if (view.core != Core::kEllipsoid) return view;
   const double least = view.size.minCoeff(), beyond = view.size.maxCoeff() - least;
@@ -38,8 +38,8 @@ ConvexView ballOr(ConvexView view, const DistanceRequest& request) {
   return view;
 }
 
-// Spheres and capsules. One function for each pair: merged, each would save the registers that only
-// the others use, and answers would go through memory.
+// Spheres and capsules. Each pair has its own function, because a merged function would save
+// registers that only the other pairs use, and answers would go through memory.
 template <bool kSegmentA, bool kSegmentB>
 __attribute__((noinline)) DistanceResult distanceOfSegments(const Shape& a, const Pose& X_WA,
                                                             const Shape& b, const Pose& X_WB,
@@ -62,7 +62,7 @@ __attribute__((noinline)) DistanceResult distanceOfOthers(const Shape& a, const 
                                                           const Shape& b, const Pose& X_WB,
                                                           const DistanceRequest& request,
                                                           Scratch& scratch, PairCache* cache) {
-  // One named result: constructed in place in the caller.
+  // One named result, which is constructed in place in the caller.
   DistanceResult result;
   if (a.type() == ShapeType::kConvexHull && b.type() == ShapeType::kConvexHull) {
     VertexStart start;
@@ -75,8 +75,8 @@ __attribute__((noinline)) DistanceResult distanceOfOthers(const Shape& a, const 
   return result;
 }
 
-// Branches straight to one function a pair: every cache line of code in between is a miss when the
-// caller has evicted it since the last query.
+// Branches directly to one function for each pair, because every cache line of code in between is a
+// miss if the caller has evicted it since the last query.
 DistanceResult distanceOf(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                           const DistanceRequest& request, Scratch& scratch, PairCache* cache) {
   using enum ShapeType;
@@ -103,7 +103,7 @@ DistanceResult distanceOf(const Shape& a, const Pose& X_WA, const Shape& b, cons
 double toleranceOf(const Shape& a, const Shape& b, const Eigen::Vector3d& offset) {
   const double least = (kDefaultLeastShare * offset).lpNorm<1>() + kLeastSum,
                tolerance = std::max(std::max(a.defaultTolerance(), b.defaultTolerance()), least);
-  // 0 for NaN and infinity: any interval would meet an infinite tolerance.
+  // 0 for NaN and infinity, because any interval would meet an infinite tolerance.
   return least < std::numeric_limits<double>::infinity() ? tolerance : 0;
 }
 

@@ -45,8 +45,8 @@ double boxToSphere(const Shape& mesh, const Eigen::Matrix3d& R, const Triple& ga
 }
 
 // Separation of the boxes around two meshes along the best of the axes of either (six of the
-// fifteen of the separating axis theorem), and that axis. `t` is B's origin from A's, in the
-// world's axes.
+// fifteen axes of the separating axis theorem), and that axis. `t` is the vector from A's origin to
+// B's, in the world's axes.
 double boxToBox(const Shape& a, const Eigen::Matrix3d& R_A, const Shape& b,
                 const Eigen::Matrix3d& R_B, const Triple& t, Triple& normal) {
   const auto middle = [](const MeshNode& n) {
@@ -75,8 +75,8 @@ double boxToBox(const Shape& a, const Eigen::Matrix3d& R_A, const Shape& b,
 }
 
 // Whether bounding spheres, a sphere and a mesh's box, or two such boxes are already farther apart
-// than the threshold: most pairs of a scene end here. From the world poses, because a relative pose
-// would cost as much as the answer. Invalid poses decide nothing.
+// than the threshold. This decides most pairs of a scene. It uses the world poses, because a
+// relative pose would cost as much as the answer. Invalid poses decide nothing.
 bool boundsDecide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                   const DistanceRequest& request, DistanceResult& result) {
   if (std::isnan(request.threshold)) return false;
@@ -85,14 +85,13 @@ bool boundsDecide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
   const Triple gap = t + (rotated(X_WB.rotation, tripleOf(b.boundingCenter())) -
                           rotated(X_WA.rotation, tripleOf(a.boundingCenter())));
   const double norm = std::sqrt(squared(gap)), least = std::max(request.threshold, 0.0);
-  // The factor 2: a box is transformed by a
-  // transpose in place of an inverse, which doubles the departure from orthogonality. That holds
-  // along axes of either matrix, too, which need not be unit vectors: a box's reach is computed
-  // from the same matrix.
+  // The factor is 2 because a box is transformed by a transpose instead of an inverse, which
+  // doubles the departure from orthogonality. This also holds along the axes of either matrix,
+  // which need not be unit vectors, because a box's reach is computed from the same matrix.
   const double rounding = 2 * (check.departure + kRelativeRounding) *
                           (a.extent() + b.extent() + std::sqrt(squared(t)) + kLeastSum);
   const double radius_a = a.boundingRadius(), radius_b = b.boundingRadius();
-  // Written so that a NaN, which infinite sizes give, decides nothing.
+  // Written so that a NaN, which results from infinite sizes, decides nothing.
   const auto decides = [&](double lower, const Triple& normal) {
     if (!(lower - rounding > least && check.rotations)) return false;
     result.distance.lower = lower - rounding;
@@ -144,12 +143,14 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
   remember(found, warm);
 
   DistanceResult result = surfaceDistance(found, X_WB);
-  // Where hulls meet, the surfaces may be apart, one body inside the other or not, or overlap.
+  // Where hulls meet, the surfaces may be apart (with one body inside the other or not), or
+  // overlap.
   if (!(found.hull_lower > 0)) {
     Containment containment = Containment::kUndecided;
     if (found.lower > 0) containment = containsAt(a, X_WA, b, X_WB, found.lower, scratch);
     if (containment != Containment::kNo) {
-      // A body inside must come out through the surface, which is that far away.
+      // A body inside must come out through the surface, so its depth is at least the distance to
+      // the surface.
       if (containment == Containment::kYes) result.distance.upper = -found.lower;
       if (containment == Containment::kUndecided)
         offerCommonPoint(a, b, relative, X_WB, request, scratch, result);

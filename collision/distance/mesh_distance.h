@@ -6,13 +6,13 @@
 
 namespace leeway::collision {
 
-/// distance() of pairs with at least one mesh, none of them deforming. Swapping a and b swaps the
+/// distance() for pairs with at least one mesh, none of them deforming. Swapping a and b swaps the
 /// answer. O(nodes visited), bounded by request.node_limit.
 DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                             const DistanceRequest& request, Scratch& scratch, PairCache* cache);
 
-/// sweptDistance() of pairs with at least one mesh, none of them deforming: each leaf of a
-/// hierarchy is swept by itself, so a concave body's sweep is the union of its pieces' sweeps.
+/// sweptDistance() for pairs with at least one mesh, none of them deforming. Each leaf of a
+/// hierarchy is swept separately, so a concave body's sweep is the union of its pieces' sweeps.
 /// Points and normal are in B's frame.
 DistanceResult meshSweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA1,
                                  double growth, const Shape& b, const DistanceRequest& request,

@@ -22,7 +22,7 @@ class TranslationSearch {
         tolerance_(request.tolerance),
         scratch_(scratch),
         result_(result) {
-    // Bodies may be smaller than the default tolerance.
+    // The bodies may be smaller than the default tolerance.
     apart_.tolerance = std::min(kDefaultTolerance, request.tolerance);
     apart_.threshold = 0;
     apart_.depth = false;
@@ -35,7 +35,8 @@ class TranslationSearch {
     for (const Vector& direction : tries) {
       if (direction.norm() > 0) searchAlong(direction / direction.norm());
     }
-    // Along the hulls' way out a shorter translation may separate. A copy: a find replaces it.
+    // A shorter translation along the hulls' separating direction may separate the meshes. A copy,
+    // because a better result replaces the normal.
     searchAlong(Vector(result_.normal));
     for (double angle = kSeparationFirstTurn; angle > kSeparationLastTurn && !isDone();
          angle *= 0.5) {
@@ -58,7 +59,7 @@ class TranslationSearch {
     const DistanceResult r = distance(a_, X_WA_, b_, moved, apart_, scratch_, &cache_);
     result_.iterations += r.iterations;
     if (!(r.distance.lower > 0)) return false;
-    // The length rounded up, and the rounding of the moved translation.
+    // The length rounded up, plus the rounding of the moved translation.
     const double lower = -(length * (1 + 8 * kUnitRoundoff) + rounding_);
     if (lower > result_.distance.lower) {
       result_.distance.lower = lower;
@@ -67,10 +68,10 @@ class TranslationSearch {
     return true;
   }
 
-  // Lengths grow from the least that can separate; then bisection.
+  // Lengths increase from the least that can separate; then bisection.
   void searchAlong(const Vector& unit) {
     double too_short = least_, next = least_ * (1 + 1e-6) + std::max(tolerance_, rounding_);
-    // Short steps first: the proven least length is often nearly enough.
+    // Short steps first, because the proven least length is often nearly enough.
     double factor = 1.1;
     for (int step = 0; step < kSeparationSteps && next < length() && !isDone();
          ++step, next *= factor) {

@@ -8,11 +8,11 @@
 
 namespace leeway::collision {
 
-/// Looks for the shortest translation t of B that is proven to separate two overlapping meshes;
+/// Searches the shortest translation t of B that is proven to separate two overlapping meshes;
 /// raises the lower end of `result` to -|t| and makes its direction the normal. `result` is in W:
-/// its upper end bounds the length from below, its lower end and normal are a translation that is
-/// known to separate (that of the hulls). `tries`: further directions, of any length. At most
-/// kSeparationQueries queries.
+/// its upper end is a lower bound on the length, and its lower end and normal are a translation
+/// that is known to separate (that of the hulls). `tries`: additional directions, of any length. At
+/// most kSeparationQueries queries.
 void separateMeshes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                     std::span<const Eigen::Vector3d> tries, const DistanceRequest& request,
                     Scratch& scratch, DistanceResult& result);

@@ -16,7 +16,7 @@ struct NearestPoint {
   double best_squared = std::numeric_limits<double>::infinity();
   Vector point = Vector::Zero();
 
-  /// Takes t if it is nearer and in all half-spaces.
+  /// Accepts t if it is closer and in all half-spaces.
   void offer(const Vector& t) {
     const double squared = t.squaredNorm();
     if (!(squared < best_squared)) return;

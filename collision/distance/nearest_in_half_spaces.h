@@ -10,9 +10,9 @@ struct PlaneHalfSpace {
   double offset;
 };
 
-/// The point nearest to the origin that lies in all of `count` half-spaces, to within rounding.
-/// False when there is none, or planes are too nearly parallel to find it. Tries every one, two and
-/// three planes: O(count^4), for up to ten or so.
+/// Computes the point nearest to the origin that lies in all of `count` half-spaces, up to
+/// rounding. False if there is none, or if planes are too nearly parallel to find it. Tries all
+/// choices of one, two and three planes: O(count^4), for up to about ten.
 bool nearestInHalfSpaces(const PlaneHalfSpace* spaces, int count, Vector& point);
 
 }  // namespace leeway::collision

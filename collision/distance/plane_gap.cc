@@ -15,7 +15,7 @@
 namespace leeway::collision {
 namespace {
 
-/// How far a body reaches along a direction of its own frame.
+/// The reach of a body along a direction of its own frame.
 double reachAlong(const ConvexView& view, const Eigen::Vector3d& direction) {
   int hint = 0;
   return direction.dot(farthest(view, direction, hint)) + view.radius + view.excess;
@@ -25,7 +25,8 @@ ConvexView hullOf(const Shape& shape) {
   return shape.isConvex() ? viewOf(shape) : shape.mesh()->tree().hullView();
 }
 
-/// How near the distance along a direction is known, as a share: planes forgive a turn.
+/// Accuracy of the distance along a direction, as a share. It need not be high, because planes
+/// tolerate a small turn.
 constexpr double kDirectionShare = 1e-3;
 
 bool hasHull(const Shape& shape) { return shape.type() != ShapeType::kDeformable; }
@@ -77,7 +78,8 @@ class SurfaceGaps {
   }
 
  private:
-  /// Gaps of a part by the direction of the part around it, if these are enough, else by its own.
+  /// Gaps of a part along the direction of the enclosing part if these are enough, otherwise along
+  /// its own direction.
   ThreeGaps gapsOfPart(const ConvexView& part, Eigen::Vector3d& direction) {
     --left_;
     const ConvexView &a = is_a_ ? part : other_, &b = is_a_ ? other_ : part;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to planner/ and collision/: what planes leave between two bodies at three places of one
-// of them.
+// Private to planner/ and collision/: the gaps that planes leave between two bodies, at three
+// placements of one of them.
 
 #include <array>
 
@@ -11,24 +11,26 @@
 
 namespace leeway::collision {
 
-/// Where body A is, seen from B: three placements of one motion.
+/// Poses of body A in B's frame: three placements of one motion.
 using ThreePoses = std::array<Pose, 3>;
-/// Lower bounds on the signed separation at each of them [m].
+/// Lower bounds on the signed separation at each placement [m].
 using ThreeGaps = std::array<double, 3>;
 
-/// The gaps that the convex hulls of A and B leave along the unit vector `direction_B`, from B to
-/// A, less rounding of the sums. Each is the least over points of A of linear functions of their
-/// places. Of a half-space B the direction is its own. -infinity where there are no such hulls:
-/// deforming meshes, a half-space A. Poses hold as they are. O(vertices of both hulls) at worst.
+/// The gaps between the convex hulls of A and B along the unit vector `direction_B`, from B to A,
+/// minus the rounding of the sums. Each is the least over points of A of linear functions of their
+/// positions. If B is a half-space, its own direction is used. -infinity if there are no such
+/// hulls: deforming meshes, a half-space A. Poses are used as exact. O(vertices of both hulls) at
+/// worst.
 ThreeGaps planeGaps(const Shape& a, const ThreePoses& X_BA, const Shape& b,
                     const Eigen::Vector3d& direction_B);
 
-/// The same of two bodies of which one is a mesh, whose surface alone counts: planes between nodes
-/// of its hierarchy and the hull of the other, each node with a direction of its own, as deep as
-/// `wanted` needs. Of two meshes the one that is farther from convex. The least of all. Where the
-/// surface meets the other body these bounds are not above 0; so they bound the separation from
-/// where that is known not to be inside on, until then. Looks at no more than `nodes` nodes, which
-/// becomes how many are left.
+/// The gaps of two bodies, one of which is a mesh that counts only as a surface: planes between
+/// nodes of its hierarchy and the hull of the other body, where each node has its own direction,
+/// descending as deep as `wanted` needs. If both are meshes, the hierarchy of the one farther from
+/// convex is used. Returns the least gaps of all nodes. Where the surface meets the other body,
+/// these bounds are not above 0. They bound the separation from a placement that is known not to be
+/// inside, up to the first bound that is not above 0. Visits at most `nodes` nodes and sets it to
+/// the number left.
 ThreeGaps surfaceGaps(const Shape& a, const ThreePoses& X_BA, const Shape& b,
                       const ThreeGaps& wanted, int& nodes, Scratch& scratch);
 

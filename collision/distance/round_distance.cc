@@ -24,7 +24,7 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
   visited = 0;
   const DeformableSnapshotImpl& mesh = b.deformable()->impl();
   const DeformTree& tree = *mesh.tree;
-  // The last nearest triangle is tried first; its corners are likely out of cache.
+  // The last nearest triangle is tried first; its corners are probably out of cache.
   const int triangle = swapped ? cache.triangle_a : cache.triangle_b;
   std::int32_t first = -1;
   if (cache.hierarchy == tree.id() && cache.place >= 0 && cache.place < tree.triangleCount()) {
@@ -34,7 +34,7 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
   }
   if (first >= 0) __builtin_prefetch(&tree.corners(first));
 
-  // At the first query after an update the code is likely out of cache, too.
+  // At the first query after an update, the code is probably out of cache, too.
   DeformScratch& scratch_of_meshes = scratch.impl().deform;
   if (scratch_of_meshes.asked != mesh.id) {
     scratch_of_meshes.asked = mesh.id;
@@ -51,7 +51,7 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
                                          relative.X_BA.translation.norm() + kLeastSum);
   NearestSearch search = nearestSearch(body, mesh, slack, request);
   const double root = boxLower(body, mesh, search);
-  // Written so that a NaN, no threshold, decides nothing.
+  // Written so that a NaN (no threshold) decides nothing.
   if (root > std::max(request.threshold, 0.0)) {
     result.distance = {root, kInfinity};
     result.status = statusOf(result.distance, request);
@@ -80,8 +80,8 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
     near = result.distance.upper <= request.threshold;
     lower = std::min(near ? root : lower, result.distance.lower);
   }
-  // Contact, and bodies whose boxes meet, are left to the caller, for their depth; not so where the
-  // limit has ended the search, since the caller would have no nodes left.
+  // Contact, and bodies whose boxes meet, are left to the caller, which computes their depth. This
+  // does not apply if the limit ended the search, because the caller would have no nodes left.
   const bool over = visited >= request.node_limit && !near;
   if (!over && !(near ? root > 0 : found.lower - body.radius > bar)) return false;
   result.distance.lower = std::max(lower, root);

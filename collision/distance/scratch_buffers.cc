@@ -19,7 +19,7 @@ struct Buffers {
   Work work;
 };
 
-/// Buffers are the first base, so that they are constructed before Impl, which refers to them.
+/// Buffers is the first base, so that it is constructed before Impl, which refers to it.
 struct OwningImpl : private Buffers, public Scratch::Impl {
   OwningImpl()
       : Scratch::Impl(Buffers::polytope, Buffers::deform, Buffers::sweep, Buffers::fronts,

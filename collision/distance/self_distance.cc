@@ -76,7 +76,7 @@ class SelfDescent {
       if (done()) settle(lower);
     }
     while (size_ > 0) settle(static_cast<double>(stack_[--size_].lower));
-    // Crossing triangles end the search; others may be deeper.
+    // Crossing triangles end the search; other pairs may be deeper.
     if (result_.distance.upper <= 0) result_.distance.lower = -kInfinity;
     if (result_.triangle_a > result_.triangle_b) {
       std::swap(result_.triangle_a, result_.triangle_b);
@@ -141,7 +141,7 @@ class SelfDescent {
     WideBox room;
     const WideBox& box = boxes_.boxes(id, room);
     const DeformTree::Node& node = tree_.node(id);
-    // Pairs of children first: each child with itself, whose lower end is 0, goes on top.
+    // Pushes pairs of children first: each child with itself, whose lower end is 0, goes on top.
     for (int own = 0; own < 2; ++own) {
       for (int i = 0; i < kWidth && node.child[i] != DeformTree::kNone; ++i) {
         for (int j = own == 0 ? i + 1 : i;
@@ -160,7 +160,7 @@ class SelfDescent {
     }
   }
 
-  // The children of one node with another part.
+  // Pairs the children of one node with another part.
   void split(std::int32_t id, std::int32_t other, const float* low, const float* high) {
     WideBox room;
     const WideBox& box = boxes_.boxes(id, room);
@@ -176,7 +176,7 @@ class SelfDescent {
       }
       pair.lower = boxDistance(pair.low_a, pair.high_a, pair.low_b, pair.high_b);
       push(pair);
-      // The nearest on top.
+      // Keeps the nearest on top.
       for (std::size_t at = size_; at > begin + 1 && stack_[at - 1].lower > stack_[at - 2].lower;
            --at)
         std::swap(stack_[at - 1], stack_[at - 2]);
@@ -269,7 +269,7 @@ class SelfDescent {
   const double rounding_;  // of a pair in closed form, as in mesh_pair.cc [m]
   DistanceResult result_;
   int visited_ = 0;
-  // A pair that is popped pushes at most 36 (a node with itself, once a level) or 8.
+  // A pair that is popped pushes at most 36 (a node with itself, once for each level) or 8.
   std::array<SelfPair, 36 * DeformTree::kMaxDepth + 8 * 2 * DeformTree::kMaxDepth> stack_;
   std::size_t size_ = 0;
 };

@@ -17,10 +17,10 @@
 namespace leeway::collision {
 namespace {
 
-constexpr int kPlanes = 8;  // planes of a choice; its point is on three of them at most
+constexpr int kPlanes = 8;  // planes of a choice; its point is on at most three of them
 
-// Support of a shape (of a mesh its hull, of a deforming one its bounding ball) along a unit
-// direction; infinite where the shape is unbounded.
+// Support of a shape (for a mesh its hull, for a deforming mesh its bounding ball) along a unit
+// direction; infinite if the shape is unbounded.
 double supportOf(const PlacedShape& s, const Vector& direction) {
   const Vector d = rotatedBack(s.X_WS.rotation, direction);
   const double origin = direction.dot(s.X_WS.translation);
@@ -36,7 +36,7 @@ double supportOf(const PlacedShape& s, const Vector& direction) {
 
 struct Plane {
   PlaneHalfSpace space;
-  Vector point;   // nearest to the origin across all planes of the choice and this one
+  Vector point;   // nearest to the origin among all planes of the choice and this one
   double length;  // of `point`
 };
 
@@ -49,7 +49,8 @@ class BodyTranslationSearch {
     query_.tolerance = std::min(kDefaultTolerance, request.tolerance);
     query_.iteration_limit = request.iteration_limit;
     query_.node_limit = request.node_limit;
-    // Planes are moved out by half the tolerance: rounding keeps translations beyond them.
+    // Planes are moved out by half the tolerance, so that translations stay beyond them in spite of
+    // rounding.
     margin_ = 0.5 * request.tolerance;
   }
 
@@ -113,7 +114,7 @@ class BodyTranslationSearch {
     }
   }
 
-  // The deepest pair, unless all are farther apart than the clearance.
+  // The deepest pair, unless all pairs are farther apart than the clearance.
   State deepest(const Vector& t, Pair& worst, DistanceResult& found) {
     State state = State::kFree;
     DistanceRequest exact = query_;
@@ -141,8 +142,8 @@ class BodyTranslationSearch {
     return state;
   }
 
-  // Whether every pair is farther apart than the clearance. The pair that was not last time is
-  // tried first.
+  // Whether every pair is farther apart than the clearance. The pair that failed last time is tried
+  // first.
   bool isFree(const Vector& t) {
     DistanceRequest quick = query_;
     quick.depth = false;
@@ -175,7 +176,7 @@ class BodyTranslationSearch {
            length_ - result_.least <= request_.tolerance;
   }
 
-  // A length that separates in some direction, where the shapes are bounded.
+  // A length that separates in some direction, if the shapes are bounded.
   double farEnough() {
     double far = 0;
     forEachPair([&](const Pair& pair) {
@@ -189,12 +190,13 @@ class BodyTranslationSearch {
     return far;
   }
 
-  // Translations that separate a pair along `normal`: at the translation t it is `lower` apart.
+  // Translations that separate a pair along `normal`; at the translation t the pair is `lower`
+  // apart.
   PlaneHalfSpace across(const Vector& normal, double lower, const Vector& t) const {
     return {normal, normal.dot(t) + request_.clearance - lower + margin_};
   }
 
-  // Separation of the pair along n at t = 0; -infinity where a shape is unbounded.
+  // Separation of the pair along n at t = 0; -infinity if a shape is unbounded.
   double separationAlong(const Pair& pair, const Vector& n) const {
     const PlacedShape &a = obstacles_[pair.obstacle], &b = body_[pair.part];
     return -supportOf(b, -n) - supportOf(a, n);
@@ -208,7 +210,7 @@ class BodyTranslationSearch {
     if (!nearestInHalfSpaces(chosen.data(), count + 1, plane.point)) return;
     plane.length = plane.point.norm();
     if (plane.length >= length_) return;
-    // Shortest first; of equal ones the earlier.
+    // Sorted by length; equal lengths keep their order.
     int at = size++;
     for (; at > 0 && planes[static_cast<std::size_t>(at - 1)].length > plane.length; --at) {
       planes[static_cast<std::size_t>(at)] = planes[static_cast<std::size_t>(at - 1)];
@@ -242,7 +244,7 @@ class BodyTranslationSearch {
     }
   }
 
-  // Planes do not lead out of hollows: marches along 26 directions.
+  // Planes do not lead out of concavities, so this marches along 26 directions.
   void march() {
     const double far = std::min(length_, farEnough());
     for (int x = -1; x <= 1; ++x) {
@@ -311,7 +313,7 @@ class BodyTranslationSearch {
     double least = kInfinity;
     forEachPair([&](const Pair& pair) {
       double lower = ask(pair, t, exact).distance.lower;
-      // The query with a threshold has proven it before.
+      // The query with a threshold has already proven it.
       if (!(lower > request_.clearance))
         lower = std::max(lower, ask(pair, t, quick).distance.lower);
       least = std::min(least, lower);
@@ -326,7 +328,7 @@ class BodyTranslationSearch {
   DistanceRequest query_;
   SeparationResult result_;
   double margin_ = 0;
-  double length_ = kInfinity;  // of the best translation; without one, of those that are too long
+  double length_ = kInfinity;  // of the best translation, or the limit on lengths if there is none
   Pair blocking_;
   int queries_ = 0;
   int nodes_ = 0;

@@ -1,5 +1,5 @@
 // The passes of LaneSweep over its pairs by balls.
-// Included once a target (see Highway's foreach_target.h).
+// Included once for each target (see Highway's foreach_target.h).
 
 #if defined(LEEWAY_COLLISION_BALL_PASS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_BALL_PASS_INL_H
@@ -28,15 +28,16 @@ namespace leeway::collision::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The passes over pairs by balls. all() culls by boxes around sweeps, then by outer balls, then
-/// looks for contacts by inner balls, then tries the last planes and the covers of balls.
+/// The passes over pairs by balls. all() first culls by boxes around sweeps, then by outer balls.
+/// Then it searches contacts by inner balls, and finally tries the last planes and the covers of
+/// balls.
 template <bool kStill>
 class BallPass {
  public:
   explicit BallPass(const LaneSweepKernel& kernel)
       : s_(kernel.sweep), scratch_(kernel.scratch), kernel_(kernel) {}
 
-  /// The last contacts again, in the middle of the intervals.
+  /// Tests the last contacts again, in the middle of the intervals.
   HWY_INLINE LaneSweepKernel::Contact again() {
     ++scratch_.stamp;
     for (const Scratch::PastContact& last : scratch_.contacts) {
@@ -53,7 +54,7 @@ class BallPass {
     return {};
   }
 
-  /// A contact of one pair by balls and all points.
+  /// Searches a contact of one pair by balls and all points.
   HWY_INLINE LaneSweepKernel::Contact one(std::int32_t number) {
     ++scratch_.stamp;
     const Sweep::Pair& pair = kernel_.pair(number);
@@ -92,7 +93,7 @@ class BallPass {
     }
   }
 
-  /// All pairs: a contact, or what is left open.
+  /// Tests all pairs: returns a contact, or records the lanes that stay open.
   HWY_INLINE LaneSweepKernel::Contact all() {
     ++scratch_.stamp;
     scratch_.open.clear();
@@ -106,8 +107,8 @@ class BallPass {
               [](const Scratch::Candidate& x, const Scratch::Candidate& y) {
                 return x.key < y.key || (x.key == y.key && x.pair < y.pair);
               });
-    // Inner balls before covers for obstacles: a contact with one is usually deep. Pairs of pieces
-    // usually miss: the other way round, below.
+    // For obstacles, inner balls are tested before covers, because a contact with one is usually
+    // deep. Pairs of pieces usually miss, so the order is reversed below.
     for (const Scratch::Candidate& c : scratch_.candidates) {
       if (c.piece < 0) continue;
       const Sweep::LanePiece& a = s_.pieces[size(c.piece)];
@@ -121,7 +122,7 @@ class BallPass {
       const Sweep::Pair& pair = kernel_.pair(c.pair);
       if (!isAsked(pair)) continue;
       std::uint32_t open = c.lanes;
-      // The plane that separated the pair last, in an earlier run, often does again.
+      // The plane that last separated the pair, in an earlier run, often does so again.
       const Scratch::Plane* plane = scratch_.planes.find(c.pair);
       if (plane != nullptr && plane->known)
         open = notSeparated<kStill>(kernel_, pair, *plane, open);
@@ -172,14 +173,14 @@ class BallPass {
         scratch_.high[3 * p + static_cast<std::size_t>(k)] =
             hn::GetLane(hn::MaxOfLanes(d, high)) + radius;
       }
-      // hn::Min() may have dropped NaN or infinity: then NaN bounds keep the piece near everything.
+      // hn::Min() may have dropped NaN or infinity. NaN bounds then keep the piece near everything.
       if (hn::AllTrue(d, hn::Eq(hn::Sub(sum, sum), hn::Zero(d)))) continue;
       std::fill_n(&scratch_.low[3 * p], 3, std::numeric_limits<float>::quiet_NaN());
       std::fill_n(&scratch_.high[3 * p], 3, std::numeric_limits<float>::quiet_NaN());
     }
   }
 
-  /// The box around the sweeps of a group's pieces; NaN where one is.
+  /// Computes the box around the sweeps of a group's pieces; NaN if one of them is NaN.
   HWY_INLINE void boundGroup(const Sweep::Group& group) {
     float* const low = &scratch_.low[3 * size(group.piece)];
     float* const high = &scratch_.high[3 * size(group.piece)];
@@ -199,7 +200,7 @@ class BallPass {
     std::fill_n(high, 3, std::numeric_limits<float>::quiet_NaN());
   }
 
-  /// Whether all pairs of a bundle keep their thresholds, by the balls of the group.
+  /// Whether all pairs of a bundle keep their thresholds, tested by the balls of the group.
   HWY_INLINE bool isApart(const Sweep::Bundle& bundle) {
     const std::size_t a = size(s_.groups[size(bundle.group)].piece), b = size(bundle.other);
     for (std::size_t k = 0; k < 3; ++k)
@@ -209,7 +210,7 @@ class BallPass {
     float growth = 0;
     for (int i = bundle.motions_begin; i < bundle.motions_end; ++i) {
       const float more = growthOf(s_.bundle_motions[size(i)]);
-      growth = std::isnan(growth) || growth >= more ? growth : more;  // NaN stays
+      growth = std::isnan(growth) || growth >= more ? growth : more;  // NaN is kept
     }
     const float fixed = bundle.above + growth + 2 * kernel_.slack;
     const float above = fixed + s_.pieces[a].outer.radius + s_.pieces[b].outer.radius;
@@ -241,14 +242,15 @@ class BallPass {
     const ObstacleBoxes* const first = s_.boxes->first().get();
     for (std::size_t g = 0; g < s_.groups.size(); ++g)
       scratch_.group_near[g] = isNearObstacle(s_.groups[g]) ? 1 : 0;
-    // The piece that met something last is likely to meet it again, which ends the pass.
+    // Starts with the piece of the last contact, because it is likely to be in contact again, which
+    // ends the pass.
     const std::int32_t last = rowOfLastContact();
     if (last >= 0) cullRow(s_.rows[size(last)], first);
     for (std::size_t row = 0; row < s_.rows.size() && met_.id < 0; ++row)
       if (static_cast<std::int32_t>(row) != last) cullRow(s_.rows[row], first);
   }
 
-  /// The row of the pair that was found in contact last; -1: it has none.
+  /// The row of the pair that was last found in contact; -1 if it has none.
   std::int32_t rowOfLastContact() const {
     const std::int32_t in_world =
         scratch_.contacts[0].pair - static_cast<std::int32_t>(s_.pairs.size());
@@ -273,7 +275,7 @@ class BallPass {
     return apart;
   }
 
-  /// Rounded outwards.
+  /// Grows a box, rounded outwards.
   static void growBox(const float* low, const float* high, float above, float* grown_low,
                       float* grown_high) {
     for (int k = 0; k < 3; ++k) {
@@ -284,7 +286,7 @@ class BallPass {
     }
   }
 
-  /// Whether some box is near a group.
+  /// Whether any box is near a group.
   HWY_INLINE bool isNearObstacle(const Sweep::Group& group) {
     float above = 0;
     for (int i = group.begin; i < group.end; ++i)
@@ -299,7 +301,7 @@ class BallPass {
   bool isNearBoxes(const float* low, const float* high, std::span<const ObstacleBoxes::Level> of) {
     return !of.empty() && isNearBoxes(low, high, of.data(), of.size() - 1, 0, of.back().size());
   }
-  /// Of boxes [begin, end) of a level.
+  /// Whether any of the boxes [begin, end) of a level is near.
   bool isNearBoxes(const float* low, const float* high, const ObstacleBoxes::Level* levels,
                    std::size_t level, std::size_t begin, std::size_t end) {
     const D d;
@@ -314,7 +316,7 @@ class BallPass {
     }
     return false;
   }
-  /// A bit for each of the boxes from `i` on, as many as there are lanes, that is near.
+  /// Tests one box for each lane, starting at box `i`; returns a bit for each box that is near.
   HWY_INLINE static std::uint32_t nearBoxes(const float* low, const float* high,
                                             const ObstacleBoxes::Level& boxes, std::size_t i) {
     const D d;
@@ -343,16 +345,16 @@ class BallPass {
     const float *low, *high;  // the box around the piece's sweep, grown
     const ObstacleBoxes& boxes;
     std::size_t first_slot;
-    float above;  // at least what any pair of the row asks of balls, besides their radii
+    float above;  // lower bound on requiredGap() for every pair of the row
   };
 
-  /// Boxes [begin, end) of a level: by the box around the piece's sweep, and nodes also by its
+  /// Tests boxes [begin, end) of a level by the box around the piece's sweep, and nodes also by its
   /// outer ball in `lanes`.
   void cullBoxes(const WorldCull& of, std::size_t level, std::size_t begin, std::size_t end,
                  std::uint32_t lanes) {
     const D d;
     const ObstacleBoxes::Level& boxes = of.boxes.levels()[level];
-    end = std::min(end, boxes.size());  // NaN meets nodes that are padding, too
+    end = std::min(end, boxes.size());  // NaN also meets nodes that are padding
     for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
       std::uint32_t near = nearBoxes(of.low, of.high, boxes, i);
       for (std::size_t j = i; near != 0; near >>= 1U, ++j) {
@@ -361,7 +363,7 @@ class BallPass {
           considerObstacle(of.p, s_.pairOf(s_.pieces[of.p], of.first_slot + j), lanes);
           continue;
         }
-        // NaN and infinity meet nodes that are padding, too, which have nothing below.
+        // NaN and infinity also meet nodes that are padding, which have no children.
         if (ObstacleBoxes::kWidth * j >= of.boxes.levels()[level - 1].size()) break;
         const Sweep::Core node = boxOf(boxes, j);
         scratch_.work->add(kLaneBallWork);
@@ -378,9 +380,9 @@ class BallPass {
     }
   }
 
-  /// A box of a level. Halves of the ends are exact, and the sum and the difference each round by
-  /// at most u times a coordinate. Nothing is rotated into the world's axes, so openToObstacle()
-  /// stays within the rounding that lane_balls-inl.h derives.
+  /// A box of a level as a core. Halves of the ends are exact, and the sum and the difference each
+  /// round by at most u times a coordinate. Nothing is rotated into the world's axes, so
+  /// openToObstacle() stays within the rounding that lane_balls-inl.h derives.
   HWY_INLINE static Sweep::Core boxOf(const ObstacleBoxes::Level& boxes, std::size_t i) {
     Sweep::Core core{};
     core.aligned = true;
@@ -392,14 +394,14 @@ class BallPass {
     return core;
   }
 
-  /// The balls of a node of level 1, which has no others, in `lanes`: by the cover and the outer
-  /// ball of the piece, first against the node's box. The pairs of those that are left are made
-  /// when they are looked at; most never are.
+  /// Tests the balls of a node of level 1 that contains only balls, in `lanes`: by the cover and
+  /// the outer ball of the piece, first against the node's box. The pairs of the remaining balls
+  /// are made when they are tested, because most never are.
   void cullBalls(const WorldCull& of, std::size_t node, const Sweep::Core& box,
                  std::uint32_t lanes) {
     const Sweep::LanePiece& piece = s_.pieces[of.p];
     placeCover(of.p);
-    // The lanes in which a ball of the cover is near the node's box.
+    // The lanes in which each ball of the cover is near the node's box.
     std::uint32_t near_box[kCoverBalls];
     const int count = std::min(piece.inner - piece.cover, kCoverBalls);
     std::uint32_t open = 0;
@@ -410,7 +412,7 @@ class BallPass {
       open |= near_box[i];
     }
     scratch_.work->add(count * kLaneBallWork);
-    // The cover decides nothing here where there is none, or more of it.
+    // The cover decides nothing here if it is empty or has more balls than were tested.
     const bool has_more = count == 0 || count < piece.inner - piece.cover;
     if (open == 0 && !has_more) return;
     const ObstacleBoxes::Level& balls = of.boxes.levels()[0];
@@ -431,9 +433,9 @@ class BallPass {
     }
   }
 
-  /// A ball of the world, given by its box, in the lanes in which the balls of the cover are near
-  /// the node. The box is rounded outwards: half of its longest side is at least the radius, and
-  /// its middle is within 4 u of a coordinate of the centre on each axis.
+  /// Tests a ball of the world, given by its box, in the lanes in which the balls of the cover are
+  /// near the node. The box is rounded outwards: half of its longest side is at least the radius,
+  /// and its middle is within 4 u of a coordinate of the centre on each axis.
   HWY_INLINE void considerBall(const WorldCull& of, std::int32_t number, const Sweep::Core& box,
                                const std::uint32_t* near_box, int count) {
     Sweep::Core point = box;
@@ -459,8 +461,8 @@ class BallPass {
     if (met_.id < 0) addCandidate({key - of_outer, number, -1, open});
   }
 
-  /// A contact by inner balls with a ball of the world around `point`, if one comes within `above`
-  /// of it.
+  /// Records a contact by inner balls with a ball of the world around `point`, if one comes within
+  /// `above` of it.
   HWY_INLINE void meetBall(const WorldCull& of, std::int32_t number, const Sweep::Core& point,
                            float above, std::uint32_t lanes) {
     const Sweep::LanePiece& piece = s_.pieces[of.p];
@@ -477,7 +479,7 @@ class BallPass {
     }
   }
 
-  /// In `among` lanes.
+  /// Tests an obstacle in the lanes of `among`.
   HWY_INLINE void considerObstacle(std::size_t p, std::int32_t number, std::uint32_t among = kAll) {
     if (number < 0) return;
     const Sweep::Pair& pair = kernel_.pair(number);
@@ -512,7 +514,7 @@ class BallPass {
     return pair.has_proof && proofs != nullptr && proofs->keeps(pair.id);
   }
 
-  /// Of what is listed there is room for all.
+  /// There is room for all listed pairs.
   HWY_INLINE void addCandidate(const Scratch::Candidate& candidate) {
     if (scratch_.candidates.size() < scratch_.candidates.capacity())
       scratch_.candidates.push_back(candidate);
@@ -520,7 +522,7 @@ class BallPass {
       scratch_.is_full = true;
   }
 
-  /// What a pair's separation must exceed besides the radii of pieces.
+  /// The gap that a pair's separation must exceed, in addition to the radii of pieces.
   float requiredGap(const Sweep::Pair& pair) const { return requiredGap(pair, pair.free_above); }
   float requiredGap(const Sweep::Pair& pair, float above) const {
     const float growth = growthOf(pair.motion);
@@ -554,7 +556,8 @@ class BallPass {
       placeBall<true>(frame(piece), s_.balls[size(i)].center, scratch_.balls[size(i)]);
   }
 
-  /// Whether no inner ball of A can meet the obstacle in any lane, by the ball around them all.
+  /// Whether no inner ball of A can touch the obstacle in any lane, tested by the ball around them
+  /// all.
   HWY_INLINE bool isOutOfReach(const Sweep::Pair& pair) {
     const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
     if (pair.pieces || a.frame < 0 || !kernel_.obstacle(pair).exact) return false;
@@ -612,7 +615,7 @@ class BallPass {
                            pair.cover_above + growthOf(pair.motion) + 2 * kernel_.slack, lanes);
   }
 
-  /// `kAny`: ends where some lane is open, with that alone.
+  /// `kAny`: ends at the first open lanes and returns only these.
   template <bool kAny = false>
   HWY_INLINE std::uint32_t uncoveredPieces(const Sweep::LanePiece& a, std::size_t number,
                                            float fixed, std::uint32_t lanes) {
@@ -638,7 +641,7 @@ class BallPass {
   const Sweep& s_;
   Scratch& scratch_;
   const LaneSweepKernel& kernel_;
-  LaneSweepKernel::Contact met_;  // found while boxes were culled: ends the pass
+  LaneSweepKernel::Contact met_;  // found while boxes were culled; it ends the pass
 };
 
 }  // namespace leeway::collision::HWY_NAMESPACE

@@ -1,4 +1,4 @@
-// A separating plane between a piece and an obstacle for each lane of its own.
+// A separating plane between a piece and an obstacle, computed separately in each lane.
 //
 // clang-format off
 // Rounding besides that of lane_planes-inl.h: a normal is computed in the lane.
@@ -9,7 +9,7 @@
 // One more kLaneSweepRounding (64 u s) is taken.
 // clang-format on
 //
-// Included once a target (see Highway's foreach_target.h).
+// Included once for each target (see Highway's foreach_target.h).
 
 #if defined(LEEWAY_COLLISION_GILBERT_PLANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_GILBERT_PLANES_INL_H
@@ -36,14 +36,14 @@ namespace leeway::collision::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Steps towards an obstacle by A's few points, then by its many [count].
+/// Steps towards an obstacle by A's coarse points, then by its fine points [count].
 constexpr int kCoarseSteps = 4, kFineSteps = 4;
 
 /// A separating plane for each lane by Gilbert's algorithm (E. G. Gilbert, "An iterative procedure
 /// for computing the minimum of a quadratic form on a convex set", 1966). The iterate is a point of
 /// A's sweep, at first the centre of its ball. The direction to it from the nearest point of the
-/// obstacle's core is the plane's normal; the iterate moves towards the point of the sweep that is
-/// least along it, as far as that comes nearer.
+/// obstacle's core is the plane's normal. The iterate moves towards the sweep's lowest point along
+/// the normal, until it is closest to the obstacle.
 template <bool kStill>
 class GilbertPlanes {
  public:
@@ -95,7 +95,7 @@ class GilbertPlanes {
     if (!kStill) turn_ = load(d, frame_.turn, at), slide_ = load(d, frame_.slide, at);
   }
 
-  /// From the core to the iterate, in the obstacle's axes, and the depth inside.
+  /// The vector from the core to the iterate, in the obstacle's axes, and the depth inside.
   HWY_INLINE V3 outside(V& depth) const {
     const D d;
     V3 p = iterate_;
@@ -114,12 +114,12 @@ class GilbertPlanes {
     return bitsOf(d, hn::Le(dot(gap, gap), hn::Mul(near, near)));
   }
 
-  /// One step by these points; the lanes that its plane does not separate.
+  /// One step with these points; returns the lanes that its plane does not separate.
   HWY_INLINE std::uint32_t next(const Sweep::LanePiece::Points& points) {
     const D d;
     V depth;
     V3 n = outside(depth);
-    // Smaller squares lose digits: a normal longer than 1 would prove too much.
+    // Smaller squares lose digits, and a normal longer than 1 would prove too much.
     const V squared = dot(n, n), length = hn::Sqrt(squared);
     const V scale = hn::IfThenElseZero(hn::Gt(squared, hn::Set(d, kLeastWaySquared)),
                                        hn::Div(hn::Set(d, 1.0f), length));
@@ -132,11 +132,11 @@ class GilbertPlanes {
     }
     const SweptDirection<kStill> swept(d, columns_, n, turn_, slide_);
     const V low = hn::Add(least(points, swept), swept.doubt);
-    // NaN stays open, and so does an iterate inside, whose normal is 0.
+    // A lane with NaN stays open, and so does one with the iterate inside, whose normal is 0.
     const V bar = hn::Set(d, (above_ + points.radius) * kLaneNormalOutwards);
     const M separated = hn::Gt(hn::Add(dot(n, origin_), low), hn::Add(support, bar));
-    // Keeps the first plane of a lane: how many steps follow depends on other lanes of the
-    // register.
+    // Keeps the first plane of a lane, because the number of later steps depends on other lanes of
+    // the register.
     const M first = hn::AndNot(done_, separated);
     done_ = hn::Or(done_, separated);
     normal_ = {hn::IfThenElse(first, n.x, normal_.x), hn::IfThenElse(first, n.y, normal_.y),
@@ -173,15 +173,15 @@ class GilbertPlanes {
       scan(points.begin, points.end);
       return low;
     }
-    // The last lowest point, or the one next to it, is nearly the lowest again: most clusters are
-    // above it. To skip those changes no answer, so a lane does not depend on other lanes.
+    // The last lowest point, or the one next to it, is nearly the lowest again, and most clusters
+    // are above it. Skipping those changes no answer, so a lane does not depend on other lanes.
     lowest_ = hn::GatherIndex(di, s_.nearest_fine, lowest_);
     low = valueOf(swept, lowestPoint());
     const ClusterBounds<kStill> clusters(d, swept);
     std::uint64_t wanted = 0;
     for (int i = points.clusters_begin; i < points.clusters_end; ++i) {
       const Sweep::Cluster& cluster = s_.clusters[static_cast<std::size_t>(i)];
-      // Not AllFalse() of Lt(): NaN is not above.
+      // Not AllFalse() of Lt(), because NaN is not above.
       const bool above = hn::AllTrue(d, hn::Ge(clusters.leastOf(d, cluster), low));
       wanted |= std::uint64_t{above ? 0U : 1U} << (i - points.clusters_begin);
     }
@@ -202,7 +202,7 @@ class GilbertPlanes {
     if (!kStill) {
       const V3 t = cross(turn_, arm);
       const V3 w = {hn::Add(slide_.x, t.x), hn::Add(slide_.y, t.y), hn::Add(slide_.z, t.z)};
-      const V end = hn::CopySign(one, dot(n, w));  // the end of the segment that is less along n
+      const V end = hn::CopySign(one, dot(n, w));  // the end of the segment that is lower along n
       to = {hn::Sub(to.x, hn::Mul(end, w.x)), hn::Sub(to.y, hn::Mul(end, w.y)),
             hn::Sub(to.z, hn::Mul(end, w.z))};
     }

@@ -1,4 +1,4 @@
-// Balls against obstacles and against each other, an interval a lane.
+// Balls against obstacles and against each other, one interval in each lane.
 //
 // clang-format off
 // Rounding, with u = 2^-24 and s the sum of the magnitudes at play (how far a ball's centre can be
@@ -16,11 +16,11 @@
 // 64 u s is taken (kLaneSweepRounding).
 // clang-format on
 //
-// Given a computed centre, the plane is a plane of the obstacle whatever rounding does to its
-// direction: a box's is spanned by coordinates beyond its faces, each right to u of itself; a
-// cylinder's radial part errs by u s, counted above.
+// For a computed centre, the plane is a plane of the obstacle in spite of rounding of its
+// direction. A box's plane is spanned by coordinates beyond its faces, each accurate to u of
+// itself; a cylinder's radial part errs by u s, which is included above.
 //
-// Included once a target (see Highway's foreach_target.h).
+// Included once for each target (see Highway's foreach_target.h).
 
 #if defined(LEEWAY_COLLISION_LANE_BALLS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_LANE_BALLS_INL_H
@@ -43,8 +43,8 @@ namespace leeway::collision::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The ball's centre in the middle of each interval, and (unless kStill) its displacement over half
-/// an interval.
+/// Computes the ball's centre in the middle of each interval and (unless kStill) its displacement
+/// over half an interval.
 template <bool kStill>
 HWY_INLINE void placeBall(const LaneFrame& frame, const float* center, Placed& placed) {
   const D d;
@@ -59,15 +59,15 @@ HWY_INLINE void placeBall(const LaneFrame& frame, const float* center, Placed& p
   }
 }
 
-/// From the core of an obstacle (the obstacle without its radius) to a ball's centre, in the
-/// obstacle's axes: `outside`, 0 inside, else as long as the distance; `depth`, negative inside,
-/// else 0; `way`, the centre's displacement.
+/// The vector from the core of an obstacle (the obstacle without its radius) to a ball's centre, in
+/// the obstacle's axes. `outside` is 0 inside, otherwise as long as the distance; `depth` is
+/// negative inside, otherwise 0; `way` is the centre's displacement.
 struct Gap {
   V3 outside, way;
   V depth;
 };
 
-/// Gap::outside and `depth` of a point, which is given from the obstacle's centre, in its axes.
+/// Gap::outside and `depth` of a point, relative to the obstacle's centre and in its axes.
 HWY_INLINE V3 outsideOf(D d, const Sweep::Core& o, const V3& p, V& depth) {
   const V zero = hn::Zero(d);
   if (o.kind == Sweep::Kind::kHalfSpace) {
@@ -90,7 +90,7 @@ HWY_INLINE V3 outsideOf(D d, const Sweep::Core& o, const V3& p, V& depth) {
   return {hn::Mul(p.x, share), hn::Mul(p.y, share), hn::CopySign(hn::Max(ez, zero), p.z)};
 }
 
-/// Support of the core along a direction in the obstacle's axes, from its centre.
+/// Support of the core along a direction in the obstacle's axes, relative to its centre.
 HWY_INLINE V supportOf(D d, const Sweep::Core& o, const V3& n) {
   if (o.kind == Sweep::Kind::kHalfSpace) return hn::Zero(d);  // directions are z
   const V z = hn::Mul(hn::Abs(n.z), hn::Set(d, o.half[2]));
@@ -126,7 +126,7 @@ HWY_INLINE Gap gapTo(D d, const Sweep::Core& o, const Placed& ball, std::size_t 
 }
 
 /// Lanes of `lanes` in which the ball's capsule is not proven to stay farther than `above` from the
-/// core. `key`, if not null: the least signed distance of the ball's centre in any lane.
+/// core. `key`, if not null, becomes the least signed distance of the ball's centre in any lane.
 template <bool kStill>
 HWY_INLINE std::uint32_t openToObstacle(const Sweep::Core& o, const Placed& ball, float above,
                                         std::uint32_t lanes, float* key = nullptr) {
@@ -161,8 +161,8 @@ HWY_INLINE std::uint32_t contactWithObstacle(const Sweep::Core& o, const Placed&
   return found;
 }
 
-/// openToObstacle() for two balls. Seen from the second's frame; its rotation moves the first
-/// across the line of their centres and so drops out.
+/// openToObstacle() for two balls, in the second ball's frame. The frame's rotation moves the first
+/// ball across the line of their centres and therefore has no effect.
 template <bool kStill>
 HWY_INLINE std::uint32_t openToBall(const Placed& a, const Placed& b, float above,
                                     std::uint32_t lanes, float* key = nullptr) {

@@ -1,7 +1,7 @@
-// Frames and second-order bounds, an interval or a motion a lane.
+// Frames and second-order bounds, one interval or motion in each lane.
 //
-// Every lane does the same operations in the same order, each rounded once (no fused multiply and
-// add): all instruction sets give the same bits.
+// Every lane does the same operations in the same order, each rounded once (no fused multiply-add),
+// so all instruction sets give the same bits.
 
 #include <algorithm>
 #include <cmath>
@@ -64,7 +64,7 @@ HWY_INLINE V dot3(V ax, V ay, V az, V bx, V by, V bz) {
   return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
 }
 
-// Origin of a step's frame, seen from its parent.
+// Origin of a step's frame, relative to its parent.
 HWY_INLINE void placeTranslation(D d, const FrameStep& step, V middle, V* t) {
   for (int i = 0; i < 3; ++i)
     t[i] = hn::Add(hn::Set(d, step.translation[i]), hn::Mul(middle, hn::Set(d, step.slide[i])));
@@ -109,7 +109,7 @@ HWY_INLINE void placeStep(D d, const FrameStep& step, const LaneFrame* parent, s
   }
 }
 
-// The motion of a placed frame. Its z axis is the one that the step turns about.
+// The motion of a placed frame. The step turns about the frame's z axis.
 HWY_INLINE void moveStep(D d, const FrameStep& step, const LaneFrame* parent, std::size_t at,
                          V middle, V half, LaneFrame& frame) {
   const V swing = hn::Mul(half, hn::Set(d, step.turn));
@@ -148,7 +148,7 @@ void PlaceFrames(const FrameStep* steps, std::size_t count, const LaneValues& pl
   }
 }
 
-// half: of an interval, in t.
+// half: half an interval, in t.
 void MoveFrames(const FrameStep* steps, std::size_t count, const LaneValues& places, float half,
                 LaneFrame* frames) {
   const D d;
@@ -173,8 +173,8 @@ void SumGrowth(const std::int32_t* motion, const float* reach, const float* turn
       acceleration = hn::Add(acceleration, hn::Mul(share, hn::LoadU(d, turns + i)));
       speed = hn::Add(speed, step);
     }
-    // All terms are positive, so rounding is relative: 4 units of 2^-24 a term, below 1e-5 for
-    // kMostTerms. Rows of reach 0 add nothing.
+    // All terms are positive, so rounding is relative: 4 units of 2^-24 for each term, below 1e-5
+    // for kMostTerms. Rows with reach 0 add nothing.
     const V scale = hn::Set(d, kLaneGrowthOutwards / (8 * kLanes * kLanes));
     hn::StoreU(hn::Mul(acceleration, scale), d, growth + at);
   }

@@ -16,7 +16,7 @@ namespace leeway::collision {
 
 namespace {
 
-/// The core of a shape, about its centre in its own frame.
+/// The core of a shape in its own frame, relative to its centre.
 struct ShapeCore {
   Eigen::Vector3d center = Eigen::Vector3d::Zero(), half = Eigen::Vector3d::Zero();
   double radius = 0;
@@ -54,7 +54,7 @@ ShapeCore coreOf(const Shape& shape) {
   return core;
 }
 
-/// The shape itself is its core.
+/// Whether the shape is identical to its core.
 bool isCore(ShapeType type) {
   return type == ShapeType::kSphere || type == ShapeType::kCapsule || type == ShapeType::kBox ||
          type == ShapeType::kCylinder || type == ShapeType::kHalfSpace;
@@ -76,7 +76,7 @@ LaneSweep::Impl::Obstacle LaneSweep::Impl::obstacleOf(const Shape& shape, const 
     for (int column = 0; column < 3; ++column)
       o.rotation[3 * row + column] = static_cast<float>(rotation_GW(row, column));
   setSingle(center, o.center);
-  // Rounded to nearest: what that changes is relative to `scale`.
+  // Rounded to nearest; the rounding error is relative to `scale`.
   for (int k = 0; k < 3; ++k) o.half[k] = static_cast<float>(core.half[k]);
   o.radius = static_cast<float>(core.radius);
   o.scale = center.lpNorm<1>() + core.half.lpNorm<1>() + core.radius;
@@ -141,7 +141,7 @@ ObstacleBoxes::Box LaneSweep::boxAround(const Shape& shape, const Pose& X_WG) {
   return box;
 }
 
-// A part of a mesh: its hull, grown by how far the part stands out of it.
+// The obstacle of a part of a mesh: its hull, grown by how far the part protrudes from it.
 LaneSweep::Impl::Obstacle LaneSweep::Impl::partOf(const CoverPart& part, const Pose& X_WG) {
   const bool fine = !part.points.fine.empty();
   const std::shared_ptr<const ConvexHull> hull =

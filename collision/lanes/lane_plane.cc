@@ -28,7 +28,7 @@ Pose poseOf(const LaneFrame& frame, int lane) {
 
 LaneSweep::Contact LaneSweepKernel::noteContact(std::int32_t pair, std::int32_t point,
                                                 std::uint32_t lanes) const {
-  // To the front; the others move back.
+  // Moves the contact to the front; the others move back.
   Scratch::PastContact previous{pair, point};
   for (Scratch::PastContact& contact : scratch.contacts) {
     std::swap(contact, previous);
@@ -57,7 +57,7 @@ bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
   const DistanceResult r =
       convexDistance(viewOfPiece(a), X_BA, b, request, scratch.distance, cache);
   if (!(r.distance.upper > 0) || !r.normal.allFinite()) return false;
-  // The offset is that of the rounded normal.
+  // The offset is computed with the rounded normal.
   Eigen::Vector3d n = -r.normal;
   if (o != nullptr) n = X_WB.rotation * n;
   for (int k = 0; k < 3; ++k) {

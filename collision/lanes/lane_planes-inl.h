@@ -1,4 +1,4 @@
-// Separating planes against hulls of points, an interval a lane.
+// Separating planes against hulls of points, one interval in each lane.
 //
 // clang-format off
 // A point v of A's frame moves over half an interval by
@@ -30,7 +30,7 @@
 // cluster is lower than the cluster.
 // clang-format on
 //
-// Included once a target (see Highway's foreach_target.h).
+// Included once for each target (see Highway's foreach_target.h).
 
 #if defined(LEEWAY_COLLISION_LANE_PLANES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_LANE_PLANES_INL_H
@@ -54,20 +54,21 @@ namespace leeway::collision::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Work of a scan of points along a direction: most clusters are skipped as a whole.
+/// Work of a scan of points along a direction; most clusters are skipped as a whole.
 HWY_INLINE std::int64_t workOf(const Sweep::LanePiece::Points& points) {
   const int clusters = points.clusters_end - points.clusters_begin;
   return kLanePointWork *
          (clusters == 0 ? points.end - points.begin : clusters + 3 * kClusterPoints);
 }
 
-/// A direction n as the points v of a moving frame see it (derived above): the least of
-/// n . (R v -+ w) is the lesser of first . v - drift and second . v + drift.
+/// A direction n relative to the points v of a moving frame (derived above): the least of n . (R v
+/// -+ w) is the lesser of first . v - drift and second . v + drift.
 template <bool kStill>
 struct SweptDirection {
   V3 first, second;
   V drift;
-  V doubt;  // 0, or NaN where any of them is NaN or infinite: hn::Min() drops NaN on some targets
+  V doubt;  // 0, or NaN if any of them is NaN or infinite, because hn::Min() drops NaN on some
+            // targets
 
   /// columns: of the frame's rotation; turn, slide: its motion over half an interval.
   HWY_INLINE SweptDirection(D d, const V3* columns, const V3& n, const V3& turn, const V3& slide) {
@@ -81,7 +82,7 @@ struct SweptDirection {
     first = difference(back, way);
     second = {hn::Add(back.x, way.x), hn::Add(back.y, way.y), hn::Add(back.z, way.z)};
     drift = dot(n, slide);
-    // NaN in `second` comes from `way` or `back`, both of which are in `first`, too.
+    // NaN in `second` comes from `way` or `back`, both of which are also in `first`.
     doubt = hn::Add(doubtOf(first), hn::Sub(drift, drift));
   }
 
@@ -92,8 +93,8 @@ struct SweptDirection {
   }
 };
 
-/// Lower bounds of a SweptDirection over clusters of points: at most what the points of the cluster
-/// give one by one, as computed.
+/// Lower bounds of a SweptDirection over clusters of points: at most the values computed for the
+/// points of the cluster one by one.
 template <bool kStill>
 class ClusterBounds {
  public:
@@ -113,7 +114,7 @@ class ClusterBounds {
   }
 
  private:
-  // Rounded up where the square underflows.
+  // Rounded up if the square underflows.
   static HWY_INLINE V lengthOf(D d, const V3& v) {
     return hn::Sqrt(hn::Add(dot(v, v), hn::Set(d, kLaneInsteadOfZero)));
   }
@@ -122,8 +123,8 @@ class ClusterBounds {
   V first_, second_;
 };
 
-/// Lanes of `lanes` in which the plane does not separate B from the hull of A's `points` by what
-/// the pair asks for.
+/// Lanes of `lanes` in which the plane does not separate B from the hull of A's `points` by the gap
+/// that the pair requires.
 template <bool kStill>
 HWY_INLINE std::uint32_t notSeparatedByPoints(const LaneSweepKernel& kernel,
                                               const Sweep::Pair& pair,
@@ -169,7 +170,7 @@ HWY_INLINE std::uint32_t notSeparatedByPoints(const LaneSweepKernel& kernel,
     };
     const V from = hn::Add(dot(n, o), swept.doubt);
     if (points.clusters_begin == points.clusters_end) scan(points.begin, points.end);
-    // A cluster above the bar is skipped: its points, one by one, would be above it, too.
+    // A cluster above the bar is skipped, because each of its points would also be above it.
     const ClusterBounds<kStill> clusters(d, swept);
     for (int i = points.clusters_begin; i < points.clusters_end; ++i) {
       const Sweep::Cluster& cluster = s.clusters[static_cast<std::size_t>(i)];
@@ -178,14 +179,14 @@ HWY_INLINE std::uint32_t notSeparatedByPoints(const LaneSweepKernel& kernel,
     }
     V low = hn::Sub(low_first, swept.drift);
     if (!kStill) low = hn::Min(low, hn::Add(low_second, swept.drift));
-    // NaN stays open.
+    // Lanes with NaN stay open.
     open |= bitsOf(d, hn::Not(hn::Gt(hn::Add(from, low), bar))) << at;
   }
   return open & lanes;
 }
 
-/// Lanes of `lanes` in which the plane does not separate the pair: by A's few points, then by its
-/// many.
+/// Lanes of `lanes` in which the plane does not separate the pair: by A's coarse points, then by
+/// its fine points.
 template <bool kStill>
 HWY_INLINE std::uint32_t notSeparated(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
                                       const Scratch::Plane& plane, std::uint32_t lanes) {

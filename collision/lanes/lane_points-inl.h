@@ -1,5 +1,5 @@
-// Points of a piece against an obstacle: each that is inside proves a contact.
-// Included once a target (see Highway's foreach_target.h).
+// Points of a piece against an obstacle: each point inside proves a contact.
+// Included once for each target (see Highway's foreach_target.h).
 
 #if defined(LEEWAY_COLLISION_LANE_POINTS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_LANE_POINTS_INL_H
@@ -31,7 +31,7 @@ HWY_INLINE V3 pointOf(D d, const Sweep& s, int i) {
 
 /// Finds the first of the points [begin, end) that is within `below` of the obstacle's core in the
 /// middle of one of `lanes`. Returns the lanes in which it is; `point` becomes its index, or `end`
-/// where there is none.
+/// if there is none.
 HWY_INLINE std::uint32_t contactOfPoints(const Sweep& s, const LaneFrame& frame,
                                          const Sweep::Obstacle& o, std::int32_t begin,
                                          std::int32_t end, float below, std::uint32_t lanes,
@@ -56,8 +56,8 @@ HWY_INLINE std::uint32_t contactOfPoints(const Sweep& s, const LaneFrame& frame,
   return 0;
 }
 
-/// contactOfPoints() of a pair: lanes in which a point of A proves a contact. `point` is set where
-/// the pair's points can prove any.
+/// contactOfPoints() for a pair: lanes in which a point of A proves a contact. `point` is set if
+/// the pair's points can prove one.
 HWY_INLINE std::uint32_t pointsInside(const LaneSweepKernel& kernel, const Sweep::Pair& pair,
                                       std::int32_t begin, std::int32_t end, std::uint32_t lanes,
                                       std::int32_t& point) {

@@ -19,20 +19,20 @@
 namespace leeway::collision {
 namespace {
 
-/// The gap that a plane must leave besides radius, growth and slack; its rounding is derived in
-/// lane_planes-inl.h.
+/// The gap that a plane must leave in addition to radius, growth and slack; its rounding is derived
+/// in lane_planes-inl.h.
 float planeAbove(double threshold, double rounding) {
   return floatAbove(std::max(threshold, 0.0) + 4 * rounding);
 }
-/// For a plane of a lane's own, see gilbert_planes-inl.h.
+/// The same for a plane computed in a lane, see gilbert_planes-inl.h.
 float ownPlaneAbove(double threshold, double rounding) {
   return floatAbove(std::max(threshold, 0.0) + 5 * rounding);
 }
 
-/// Fewer pairs are not worth a look at all of them [count].
+/// Minimum number of pairs for a test of all of them together [count].
 constexpr std::size_t kLeastBundle = 3;
 
-/// Rounding of a centre to single precision; added to the radius.
+/// Rounding of a centre to single precision, which is added to the radius.
 double centerRounding(const Ball& ball) { return 0x1p-23 * ball.center.lpNorm<1>(); }
 
 }  // namespace
@@ -49,7 +49,7 @@ LaneSweep::Impl::Stock& LaneSweep::Impl::ownStock() {
   if (!owns_stock || stock.use_count() > 1) {
     stock = std::make_shared<Stock>(*stock);
     owns_stock = true;
-    // Views borrow from the stock that was shared.
+    // Views borrow from the stock, which was shared.
     for (std::vector<LanePiece>* of : {&pieces, &parts})
       for (LanePiece& piece : *of) piece.view = piece.fine_view = {};
   }
@@ -262,7 +262,7 @@ void LaneSweep::Impl::addPoints(const PointCover& cover, LanePiece& piece) {
   if (!cover.fine.empty()) piece.fine = add(cover.fine, cover.fine_radius);
   if (cover.own) piece.own = floatAbove(rounding);
   piece.fine.clusters_begin = static_cast<int>(own.clusters.size());
-  // Only clusters as clusterFine() makes them; any others are left out.
+  // Uses only clusters as clusterFine() makes them; any others are ignored.
   const std::vector<int>& ends = cover.clusters;
   const bool whole = ends.size() <= kMostClusters && !ends.empty() && ends.front() > 0 &&
                      std::is_sorted(ends.begin(), ends.end()) &&
@@ -392,10 +392,11 @@ void LaneSweep::Impl::findBundles() {
   piece_pairs.insert(piece_pairs.end(), loose.begin(), loose.end());
 }
 
-// How far centres leave their chords. A pair's motion is that of A's points, seen from B. Where the
-// other piece is A, that is all there is to know: to it the group is one body. Where it is B, the
-// way of a group's point from its chord is the mean of those of the pieces' points that it is a
-// mean of, so it is at most the longest of these, for which each piece must have a pair.
+// The bundle's motions, which bound how far centres leave their chords. A pair's motion is that of
+// A's points in B's frame. If the other piece is A, the group is one body for it, and this motion
+// is sufficient. If the other piece is B, a point of the group is a mean of points of the pieces.
+// Its deviation from its chord is the mean of theirs, so it is at most the longest of these, for
+// which each piece must have a pair.
 void LaneSweep::Impl::addBundle(std::int32_t group, std::int32_t other,
                                 std::span<const std::int32_t> of) {
   const Group& g = groups[at(group)];
@@ -428,13 +429,13 @@ void LaneSweep::Impl::addBundle(std::int32_t group, std::int32_t other,
 }
 
 // Boxes are rounded outwards; comparing them rounds by less than the pair's own rounding, which
-// free_above has.
+// free_above includes.
 void LaneSweep::Impl::findLoosePairs() {
   for (const Pair& pair : pairs) {
     if (pair.pieces) continue;
     const Exact& exact = obstacles[at(pair.b)].exact_shape;
     const Eigen::AlignedBox3d box = boxOf(*exact.shape, exact.X_WG);
-    // A threshold of NaN is never kept: such an obstacle is near everything.
+    // A threshold of NaN is never kept, so such an obstacle counts as near everything.
     const double grown = std::isnan(pair.free_above) ? std::numeric_limits<double>::infinity()
                                                      : static_cast<double>(pair.free_above);
     Loose loose{pair.id, {}, {}};
@@ -459,7 +460,7 @@ void LaneSweep::Impl::findRows() {
   for (std::size_t row = 0; row < rows.size(); ++row) {
     LanePiece& piece = pieces[at(rows[row].piece)];
     piece.row = static_cast<std::int32_t>(row);
-    // As pairWith() has it. What is never kept is near everything.
+    // As in pairWith(). A threshold that is never kept counts as near everything.
     const double above =
         rows[row].most_threshold +
         kLaneSweepRounding *

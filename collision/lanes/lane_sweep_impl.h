@@ -1,6 +1,6 @@
 #pragma once
 
-// The data of LaneSweep, as its kernels read it.
+// The data of LaneSweep, in the form that its kernels read.
 
 #include <Eigen/Geometry>
 #include <cstddef>
@@ -30,30 +30,30 @@ struct LaneSweep::Impl {
   enum class Kind : unsigned char { kBox, kCylinder, kHalfSpace };
   /// The shape of an obstacle, in double precision.
   struct Exact {
-    std::shared_ptr<const Shape> kept;  // null: it is another's, who keeps it
+    std::shared_ptr<const Shape> kept;  // null: another owner keeps it
     const Shape* shape = nullptr;
     Pose X_WG;
     ConvexView view;  // of the shape or its hull; borrows from it
   };
   static Exact exactOf(const Shape& shape, const Pose& X_WG);
   static Exact keptExactOf(const Shape& shape, const Pose& X_WG);
-  /// A box, a cylinder, or the half-space z <= 0. Points and segments are boxes without size in
-  /// some axes.
+  /// A box, a cylinder, or the half-space z <= 0. Points and segments are boxes with size 0 in some
+  /// axes.
   struct Core {
     Kind kind = Kind::kBox;
-    bool aligned = false;  // its axes are the world's
-    float rotation[9];     // from the world into its own axes, row by row
+    bool aligned = false;  // its axes are parallel to the world's
+    float rotation[9];     // from the world to its own axes, row by row
     float center[3], half[3];
   };
   /// A core, grown by a radius.
   struct Obstacle : Core {
-    bool exact = false;  // the shape itself, not a box or cylinder around it
+    bool exact = false;  // identical to the shape, not a box or cylinder around it
     float radius = 0;
     double scale = 0;  // magnitudes that its rounding is relative to [m]
     bool has_view = false, deforms = false;
     int parts_begin = 0, parts_end = 0;  // indices into obstacles
-    std::int32_t place = -1;             // in the world; -1: in none
-    int balls = -1;                      // Pair::balls, of pairs with the world
+    std::int32_t place = -1;             // in the world; -1: none
+    int balls = -1;                      // Pair::balls of its pairs with the world
     Exact exact_shape;
   };
   struct LaneBall {
@@ -65,53 +65,53 @@ struct LaneSweep::Impl {
     int cover, inner, end;  // balls [cover, inner) and [inner, end)
     double reach;
     std::int32_t row = -1;    // -1: it has no pairs with the world
-    std::int32_t group = -1;  // index into groups; -1: in none
+    std::int32_t group = -1;  // index into groups; -1: none
     float row_above = 0;      // the greatest free_above of its row's pairs
     float inner_reach = 0;    // inner balls are within this of outer's centre [m]
-    // Points whose hull, grown by a radius, holds the piece: `points` a few, `fine` more, with a
-    // smaller radius. Both may be the same.
+    // Points whose hull, grown by a radius, contains the piece: `points` are a few, `fine` are
+    // more, with a smaller radius. Both may be the same.
     struct Points {
       int begin = 0, end = 0;
       float radius = 0;
-      int clusters_begin = 0, clusters_end = 0;  // all points in clusters; or no clusters
+      int clusters_begin = 0, clusters_end = 0;  // clusters with all points; or no clusters
     };
     Points points, fine;
-    float own = -1;   // points are of the piece, within this [m]; below 0: not all are
-    ConvexView view;  // of `points`; borrows from Impl::points; no points: not made yet
+    float own = -1;   // points belong to the piece within this [m]; below 0: not all do
+    ConvexView view;  // of `points`; borrows from Impl::points; without points: not made yet
     ConvexView fine_view;
     int parts_begin = 0, parts_end = 0;  // indices into pieces
   };
   struct Pair {
     int id, a;  // its number; a piece
-    int b;      // of a thing in a place that has no obstacle: -1 - its place
-    int balls;  // the piece whose balls hold b, where b is an obstacle; else b; -1: none
+    int b;      // for a place without an obstacle: -1 - the place
+    int balls;  // the piece whose balls contain b, if b is an obstacle; otherwise b; -1: none
     int motion;
-    bool pieces;  // b is a piece, too
-    // The threshold plus and minus this pass's own rounding.
+    bool pieces;  // b is also a piece
+    // The threshold plus and minus the rounding of this pass.
     float free_above, contact_below;
-    // free_above for the balls of a cover one by one, at least 0: depths of single balls do not
-    // bound the depth of all, as each may have a way out of its own.
+    // free_above for single balls of a cover, at least 0. Depths of single balls do not bound the
+    // depth of all, because each ball may have a different shortest way out.
     float cover_above;
-    // free_above for planes that queries find and for planes of each lane's own, without the
-    // points' radius; below 0: no such planes.
+    // free_above for planes from queries and for planes computed in each lane, without the points'
+    // radius; below 0: no such planes.
     float plane_above, own_plane_above;
     bool by_parts = false, has_proof = false;  // see addPair()
     std::uint8_t kind = 1;                     // 0: there is no such pair
-    // How many pairs its convex parts make (or one side's parts with the other as a whole), tried
-    // where the hulls of wholes are not apart; those of b's parts side by side. Not listed; 0: it
-    // is not tried by parts.
+    // The number of pairs that its convex parts make (or one side's parts with the other side as a
+    // whole), which are tried if the hulls of the wholes are not apart; those of b's parts are
+    // adjacent. These pairs are not listed. 0: the pair is not tried by parts.
     int parts = 0;
-    const Obstacle* made = nullptr;  // where b is none: see LaneSweepKernel::pair()
+    const Obstacle* made = nullptr;  // used if b has no obstacle, see LaneSweepKernel::pair()
     bool hasObstacle() const { return b >= 0; }
     std::int32_t place() const { return -1 - b; }
   };
-  /// A pair with more pairs of parts is not tried by parts [count].
+  /// A pair with more pairs of parts than this is not tried by parts [count].
   static constexpr int kMostPartPairs = kCoverParts * kCoverParts;
   struct Range {
     int begin, end;
     int size() const { return end - begin; }
   };
-  /// The parts of a piece or an obstacle, or itself where it has none.
+  /// The parts of a piece or an obstacle, or the thing itself if it has none.
   template <class Thing>
   static Range partsOf(const std::vector<Thing>& things, int i) {
     const Thing& thing = things[static_cast<std::size_t>(i)];
@@ -124,27 +124,27 @@ struct LaneSweep::Impl {
     return pair.pieces ? partsOf(pieces, pair.b) : partsOf(obstacles, pair.b);
   }
 
-  /// Neighbouring points and a ball around them, grown by the rounding of both: points of most
-  /// clusters are skipped.
+  /// Neighbouring points and a ball around them, grown by the rounding of both, so that the points
+  /// of most clusters can be skipped.
   struct Cluster {
     float center[3], radius;
     int begin, end;
   };
-  /// Balls and points of all pieces. Shared by sweeps that are copies of one, until one adds more.
+  /// Balls and points of all pieces. Copies of a sweep share them until one of them adds more.
   struct Stock {
     std::vector<LaneBall> balls;
     std::vector<Eigen::Vector3d> points;
     std::vector<float> point[3];  // `points`, coordinate by coordinate
-    // Of each point: itself, or the fine point of its piece that is nearest to it. A search by fine
-    // points starts there.
+    // For each point: itself, or the fine point of its piece that is nearest to it. A search by
+    // fine points starts there.
     std::vector<std::int32_t> nearest_fine;
     std::vector<Cluster> clusters;
   };
   std::shared_ptr<Stock> stock = std::make_shared<Stock>();
-  bool owns_stock = true;  // false for copies, which may stand in other threads
-  /// The stock, to add to: its own from now on.
+  bool owns_stock = true;  // false for copies, which other threads may use
+  /// Returns the stock for additions; from then on it is not shared.
   Stock& ownStock();
-  // Of the stock, from finish() on.
+  // Pointers into the stock, set by finish().
   const LaneBall* balls = nullptr;
   const Eigen::Vector3d* points = nullptr;
   const float* point[3] = {nullptr, nullptr, nullptr};
@@ -158,10 +158,10 @@ struct LaneSweep::Impl {
   std::size_t whole_obstacles = 0;
   std::vector<Obstacle> obstacle_parts;
   std::vector<Pair> pairs;  // of wholes
-  // Numbers of pairs with parts are below this; and the largest Pair::parts.
+  // Numbers of pairs with parts are below the first; the second is the largest Pair::parts.
   std::size_t pairs_with_parts = 0, most_parts = 0;
   std::vector<std::int32_t> piece_pairs;  // indices into pairs, those of bundles first
-  /// Pieces that are looked at together: `piece` has their balls.
+  /// Pieces that are tested together; `piece` has their balls.
   struct Group {
     std::int32_t piece;
     std::int32_t begin, end;  // of group_members
@@ -178,8 +178,8 @@ struct LaneSweep::Impl {
   };
   std::vector<Bundle> bundles;
   std::vector<std::int32_t> bundle_motions;
-  std::shared_ptr<const ObstacleBoxes> boxes;  // of the world; null: there is none
-  /// The number of the pair of a piece with what has a slot of `boxes`; -1: the slot is empty.
+  std::shared_ptr<const ObstacleBoxes> boxes;  // of the world; null if there is none
+  /// The number of the pair of a piece with the shape in a slot of `boxes`; -1: the slot is empty.
   std::int32_t pairOf(const LanePiece& piece, std::size_t slot) const {
     const std::int32_t place = boxes->obstacle(slot);
     return place < 0 ? -1
@@ -191,27 +191,27 @@ struct LaneSweep::Impl {
   std::vector<Row> rows;
   std::size_t places = 0;
   double scale_of_world = 0;  // see setWorld() [m]
-  /// A pair of `pairs` with an obstacle. Pieces outside of the box are not near the obstacle.
+  /// A pair of `pairs` with an obstacle. Pieces outside the box are not near the obstacle.
   struct Loose {
     std::int32_t pair;
     float low[3], high[3];
   };
   std::vector<Loose> loose_pairs;
-  std::vector<int> placed_obstacles;  // those in places, ascending by these
-  /// The obstacle in a place; -1: none was added.
+  std::vector<int> placed_obstacles;  // obstacles in places, in ascending order of the places
+  /// The obstacle in a place; -1 if none was added.
   int obstacleAt(std::int32_t place) const;
-  /// That of a thing in a place that was not added.
+  /// Makes the obstacle of a shape in a place that was not added.
   Obstacle obstacleIn(std::int32_t place) const;
   /// The pair with a number beyond those of `pairs`; its kind is 0 if the two may touch.
   Pair pairWithWorld(std::int32_t number) const;
-  /// `o` is the obstacle of number `b`.
+  /// Makes a pair; `o` is the obstacle with number `b`.
   Pair pairWith(int id, int piece, const Obstacle& o, int b, int balls, double threshold,
                 bool by_parts) const;
   void setParts(Pair& pair) const;
   void findRows();
   void findLoosePairs();
   static Obstacle obstacleOf(const Shape& shape, const Pose& X_WG);
-  /// Around a shape in the world, but for rounding [m].
+  /// The box around a shape in the world, without rounding [m].
   static Eigen::AlignedBox3d boxOf(const Shape& shape, const Pose& X_WG);
   static Obstacle partOf(const CoverPart& part, const Pose& X_WG);
   void finish();
@@ -232,10 +232,10 @@ struct LaneSweep::Scratch::Impl {
   struct Candidate {
     float key;
     std::int32_t pair;
-    std::int32_t piece;  // its first; -1: inner balls are not asked (again)
+    std::int32_t piece;  // its first piece; -1: inner balls are not tested (again)
     std::uint32_t lanes;
   };
-  SpareArray<Placed> outer, balls;  // one a piece, one a ball
+  SpareArray<Placed> outer, balls;  // one for each piece, one for each ball
   // The run in which the balls of a piece's cover, its inner balls, and a part's ball were placed.
   std::vector<std::uint64_t> cover_stamp, inner_stamp, part_stamp;
   std::vector<float> low, high;  // boxes around pieces' sweeps, three numbers each
@@ -246,21 +246,21 @@ struct LaneSweep::Scratch::Impl {
   PairTable<LaneSweep::Impl::Obstacle> made;  // by places
   std::vector<Open> open;
   std::vector<std::int32_t> open_pairs;  // indices into pairs, one for each of `open`
-  /// A plane in B's frame, its normal from B to A: nothing of B is beyond `offset` along it.
+  /// A plane in B's frame with a normal from B to A: no point of B is beyond `offset` along it.
   struct Plane {
     float normal[3], offset;
     bool known = false;
   };
-  PairTable<Plane> planes;        // the plane that separated a pair last
+  PairTable<Plane> planes;        // the plane that last separated a pair
   PairTable<PairCache> searches;  // of the last query for a plane
-  /// What is remembered of a pair, or of one of parts.
+  /// The stored data of a pair, or of a pair of parts.
   struct Memory {
     Plane* plane;
     PairCache* search;
   };
   Memory memoryOf(std::int32_t pair) { return {&planes.of(pair), &searches.of(pair)}; }
-  /// For a pair that has parts: whether its parts were apart last where the hulls of its wholes
-  /// were not, and the pair of parts that was open last.
+  /// Hints for a pair with parts: whether its parts were apart in the last run in which the hulls
+  /// of its wholes were not, and the pair of parts that was last open.
   struct PartHint {
     bool by_parts = false;
     std::int32_t blocking = 0;
@@ -271,24 +271,24 @@ struct LaneSweep::Scratch::Impl {
     PairCache search;
   };
   static_assert(std::is_trivially_destructible_v<PartMemory>);
-  // Blocks of as many as a pair has at most, as in a PairTable. Begun where a pair is first tried
-  // by parts: few ever are.
+  // Blocks whose size is the largest number of part pairs of any pair, addressed as in a PairTable.
+  // A block is initialized when a pair is first tried by parts, because few pairs are.
   static constexpr std::size_t kPartBlocks = 1U << 8U;
   SpareArray<std::byte> part_memory;
-  std::vector<std::int32_t> part_owners;  // the pair that has a block; -1: none
+  std::vector<std::int32_t> part_owners;  // the pair that owns a block; -1: none
   /// The memory of the pairs of parts of a pair.
   PartMemory* partsOf(const LaneSweep::Impl::Pair& pair, std::size_t most_parts);
   collision::Scratch distance;
   Work own;
   Work* work = &own;  // counts passes and the queries of `distance`
   std::uint64_t stamp = 0;
-  /// A pair that was found in contact, and the point that was inside; point -1: by balls.
+  /// A pair that was found in contact, and the point that was inside; point -1: found by balls.
   struct PastContact {
     std::int32_t pair = -1, point = -1;
   };
-  // So many are asked first: with four, searches of ur5 take a fifth longer.
+  // This many are tested first. With four, searches of ur5 take a fifth longer.
   static constexpr int kContacts = 12;
-  PastContact contacts[kContacts];  // the last ones first
+  PastContact contacts[kContacts];  // the most recent first
 };
 
 /// One run's arguments, and its steps.
@@ -304,7 +304,7 @@ struct LaneSweepKernel {
   float slack;
   LaneSweep::Asked asked = {};
 
-  /// The pair with a number. One with the world stays until the next such call.
+  /// The pair with a number. A pair with the world is valid until the next such call.
   const Sweep::Pair& pair(std::int32_t number) const {
     const auto added = static_cast<std::int32_t>(sweep.pairs.size());
     if (number < added) return sweep.pairs[static_cast<std::size_t>(number)];
@@ -315,56 +315,57 @@ struct LaneSweepKernel {
   }
   /// Sets Pair::made.
   void findObstacle(Sweep::Pair& pair) const;
-  /// Of a pair that is none of two pieces; `b`: one of partsOfB().
+  /// The obstacle of a pair that does not join two pieces; `b`: one of partsOfB().
   const Sweep::Obstacle& obstacle(const Sweep::Pair& pair) const { return obstacle(pair, pair.b); }
   const Sweep::Obstacle& obstacle(const Sweep::Pair& pair, int b) const {
     return b >= 0 ? sweep.obstacles[static_cast<std::size_t>(b)] : *pair.made;
   }
-  /// Remembers a contact and returns it, in the first of `lanes`.
+  /// Stores a contact and returns it, in the first of `lanes`.
   Contact noteContact(std::int32_t pair, std::int32_t point, std::uint32_t lanes) const;
-  /// A plane between the pair's bodies in the middle of a lane's interval; false where they are not
-  /// apart. `closely`: by fine points and to a smaller tolerance. `cache`: of the pair's last such
-  /// query, or null.
+  /// Finds a plane between the pair's bodies in the middle of a lane's interval; false if they are
+  /// not apart. `closely`: by fine points and to a smaller tolerance. `cache`: that of the pair's
+  /// last such query, or null.
   bool findPlane(const Sweep::Pair& pair, int lane, bool closely, Scratch::Plane& plane,
                  PairCache* cache = nullptr) const;
-  /// A plane for each lane: the lanes that are still open, those of them in which the search came
-  /// to the obstacle, and the normals of the others.
+  /// A plane for each lane: the lanes that are still open, those of them in which the search
+  /// reached the obstacle, and the normals of the others.
   struct OwnPlanes {
     std::uint32_t open = 0, touching = 0;
     LaneValues normal[3];
   };
-  /// The lanes of a pair that planes leave open, and what its hulls are in the middle of these
-  /// intervals: apart in all of them; in contact, as far as the search can tell, in one.
+  /// The lanes of a pair that planes leave open, and the state of its hulls in the middle of these
+  /// intervals: apart in all of them, or in contact in one, as far as the search can determine.
   struct Separation {
     std::uint32_t open;
     bool apart, touching;
   };
-  // Of a pair of wholes or of parts, with what is remembered of it.
+  // The following functions take a pair of wholes or of parts, with its stored data.
 
-  /// By a plane for each lane.
+  /// Separates by a plane for each lane.
   Separation separateByOwnPlanes(const Sweep::Pair& pair, Scratch::Memory memory,
                                  std::uint32_t lanes) const;
-  /// By planes between the hulls, found by distance queries, each for all of the lanes: removes the
-  /// lanes that these separate. Returns whether the hulls are apart in the median of the others.
+  /// Separates by planes between the hulls, found by distance queries, each for all of the lanes:
+  /// removes the lanes that these separate. Returns whether the hulls are apart in the median of
+  /// the others.
   bool separateByQueries(const Sweep::Pair& pair, Scratch::Memory memory, bool closely,
                          std::uint32_t& lanes) const;
-  /// By both.
+  /// Separates by both methods.
   Separation separatePair(const Sweep::Pair& pair, Scratch::Memory memory, std::uint32_t lanes,
                           bool closely) const;
-  /// A pair of parts: first by the plane that separated it last.
+  /// Separates a pair of parts, first by the plane that last separated it.
   Separation separateParts(const Sweep::Pair& pair, Scratch::PartMemory& memory,
                            std::uint32_t lanes, bool closely) const;
-  /// Keeps a lane's plane as the one that separated the pair last.
+  /// Stores a lane's plane as the one that last separated the pair.
   void remember(const Sweep::Pair& pair, const OwnPlanes& planes, int lane,
                 Scratch::Plane& plane) const;
 
-  /// By the pairs of its parts; apart where all open ones are.
+  /// Separates by the pairs of its parts; apart if all open ones are.
   Separation separateByParts(std::int32_t pair, std::uint32_t lanes, bool closely) const;
   /// Sets the plane's offset: the obstacle's support along its normal.
   void placePlane(const Sweep::Obstacle& obstacle, Scratch::Plane& plane) const;
-  /// Looks for a few points of each open pair in its obstacle.
+  /// Searches for a few points of each open pair in its obstacle.
   Contact contactOfOpen() const;
-  /// Tries planes on what is open, then looks for more points in obstacles.
+  /// Tries planes on the open pairs, then searches for more points in obstacles.
   Contact separateOpen(bool closely) const;
 };
 

@@ -10,7 +10,7 @@
 namespace leeway::collision {
 namespace {
 
-/// Obstacles that are made when they are near and kept [count].
+/// Obstacles that are made when they are near, and kept [count].
 constexpr std::size_t kMostMade = std::size_t{1} << 8U;
 
 }  // namespace
@@ -18,7 +18,7 @@ constexpr std::size_t kMostMade = std::size_t{1} << 8U;
 LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Impl>()) {
   const LaneSweep::Impl& s = *sweep.impl_;
   countInto(impl_->own);
-  // Not set: what moves is placed before it is read.
+  // Not initialized, because moving balls are placed before they are read.
   impl_->outer = spareArray<Impl::Placed>(s.pieces.size());
   impl_->balls = spareArray<Impl::Placed>(s.stock->balls.size());
   impl_->cover_stamp.resize(s.pieces.size());
@@ -40,7 +40,7 @@ LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Imp
   impl_->part_owners.assign(std::min(s.pairs_with_parts, Impl::kPartBlocks), -1);
   impl_->part_memory =
       spareArray<std::byte>(impl_->part_owners.size() * s.most_parts * sizeof(Impl::PartMemory));
-  // Balls that stand in the world are placed once, here.
+  // Fixed balls are placed once, here.
   const auto still = [](const LaneSweep::Impl::LaneBall& ball, Impl::Placed& placed) {
     for (int k = 0; k < 3; ++k)
       for (int i = 0; i < kLanes; ++i) {

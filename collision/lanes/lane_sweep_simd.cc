@@ -1,7 +1,7 @@
-// The kernels of LaneSweep for each instruction set, and what dispatches to them.
+// The kernels of LaneSweep for each instruction set, and their dispatch.
 //
-// One rounding an operation (no fused multiply and add), the same operations in every lane, and
-// decisions by masks of all kLanes intervals: all instruction sets give the same answers.
+// Each operation is rounded once (no fused multiply-add), every lane does the same operations, and
+// decisions use masks of all kLanes intervals, so all instruction sets give the same answers.
 
 #include <bit>
 #include <cstddef>
@@ -74,8 +74,8 @@ HWY_AFTER_NAMESPACE();
 namespace leeway::collision {
 namespace {
 
-/// Planes that are searched for a pair, one after the other as long as each separates a lane
-/// [count].
+/// Limit on the planes that are searched for a pair, one after the other as long as each separates
+/// a lane [count].
 constexpr int kPlaneTries = 3;
 
 /// The median of the lanes.
@@ -139,7 +139,7 @@ LaneSweepKernel::Separation LaneSweepKernel::separatePair(const Sweep::Pair& pai
                                                           std::uint32_t lanes, bool closely) const {
   Separation found{lanes, false, false};
   if (pair.own_plane_above >= 0) found = separateByOwnPlanes(pair, memory, lanes);
-  // At the box around a hull, a piece may still be apart from the hull itself.
+  // A piece that touches the box around a hull may still be apart from the hull itself.
   const bool touching = found.touching && (!pair.by_parts || obstacle(pair).exact);
   if (pair.plane_above >= 0 && !found.apart && !touching)
     found.apart = separateByQueries(pair, memory, closely, found.open);
@@ -173,7 +173,8 @@ LaneSweepKernel::Separation LaneSweepKernel::separateByParts(std::int32_t number
   Separation all{0, true, false};
   const std::int32_t count = pair.parts;
   std::int32_t& blocking = scratch.part_hints.of(number).blocking;
-  // The pair of parts that was open last goes first: if it is open again, the others do not matter.
+  // Starts with the pair of parts that was last open, because if it is open again, the others do
+  // not matter.
   const std::int32_t first = blocking;
   for (std::int32_t k = 0; k < count && all.open != lanes; ++k) {
     if (scratch.work->isSpent()) return {lanes, false, false};
@@ -293,7 +294,7 @@ LaneSweep::Contact LaneSweep::runStill(std::span<const LaneFrame> frames, float 
                                        Scratch& scratch) const {
   const LaneSweepKernel kernel{*impl_, *scratch.impl_, frames.data(), nullptr, slack};
   Contact contact = HWY_DYNAMIC_DISPATCH(StillAll)(kernel);
-  // A deep contact in any pair ends the run: found before planes are searched.
+  // A deep contact in any pair ends the run, so it is searched before planes.
   if (contact.id < 0) contact = kernel.contactOfOpen();
   return contact.id < 0 ? kernel.separateOpen(false) : contact;
 }

@@ -1,5 +1,5 @@
-// Vectors and frames of LaneSweep's kernels, an interval a lane.
-// Included once a target (see Highway's foreach_target.h).
+// Vectors and frames of LaneSweep's kernels, one interval in each lane.
+// Included once for each target (see Highway's foreach_target.h).
 
 #if defined(LEEWAY_COLLISION_LANE_VECTORS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_LANE_VECTORS_INL_H
@@ -28,7 +28,7 @@ using Scratch = LaneSweepKernel::Scratch;
 using Placed = Scratch::Placed;
 constexpr std::uint32_t kAll = (1U << kLanes) - 1;
 
-/// Bit i is set where lane i of the mask is.
+/// Bit i is set if lane i of the mask is set.
 HWY_INLINE std::uint32_t bitsOf(D d, M mask) {
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(d, mask, bytes);
@@ -64,7 +64,7 @@ HWY_INLINE V3 broadcast(D d, const float* v) {
   return {hn::Set(d, v[0]), hn::Set(d, v[1]), hn::Set(d, v[2])};
 }
 
-/// R p: a point of a frame, from the frame's origin, in the world's axes.
+/// R p: a point of a frame, relative to the frame's origin, in the world's axes.
 HWY_INLINE V3 armOf(D d, const LaneFrame& frame, const V3& point, std::size_t at) {
   const auto row = [&](std::size_t i) {
     return dot({hn::Load(d, frame.rotation[i].at + at), hn::Load(d, frame.rotation[3 + i].at + at),

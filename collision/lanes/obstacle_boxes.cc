@@ -12,13 +12,13 @@ using Box = ObstacleBoxes::Box;
 using Level = ObstacleBoxes::Level;
 
 constexpr std::size_t kWidth = ObstacleBoxes::kWidth;
-// Boxes that are longer than this share of the world would stretch the nodes of all others: they
-// stand together.
+// Boxes that are longer than this share of the world would stretch the nodes of all others, so they
+// are grouped together.
 constexpr float kLargeShare = 0.25F;
 
 float middle(const Box& box, int k) { return 0.5F * box.low[k] + 0.5F * box.high[k]; }
 
-// How far apart the middles are, axis by axis.
+// The range of the middles on each axis.
 struct Spread {
   float low[3], high[3];
   float length(int k) const { return high[k] - low[k]; }
@@ -30,7 +30,7 @@ struct Spread {
   }
 };
 
-// A box that is sorted.
+// A box while it is sorted.
 struct Middle {
   float at[3];
   std::int32_t box;
@@ -48,7 +48,7 @@ Spread spreadOf(std::span<const Middle> middles) {
   return spread;
 }
 
-// The largest power of kWidth below n: the boxes of a node that is full.
+// The largest power of kWidth below n: the number of boxes of a full node.
 std::size_t fullNode(std::size_t n) {
   std::size_t full = kWidth;
   while (full * kWidth < n) full *= kWidth;
@@ -73,7 +73,7 @@ void sortMiddles(std::span<Middle> middles) {
             [](const Middle& x, const Middle& y) { return x.box < y.box; });
 }
 
-// Side by side, because sorting through indices waits for memory.
+// Stored contiguously, because sorting through indices waits for memory.
 std::vector<Middle> middlesOf(std::span<const Box> boxes, std::span<const std::int32_t> order) {
   std::vector<Middle> middles;
   middles.reserve(order.size());
@@ -90,10 +90,11 @@ void sortBoxes(std::span<const Box> boxes, std::span<std::int32_t> order) {
   for (std::size_t i = 0; i < middles.size(); ++i) order[i] = middles[i].box;
 }
 
-// So many are sorted along a Morton curve, which is faster; the nodes of fewer are tighter.
+// At least this many boxes are sorted along a Morton curve, which is faster; for fewer boxes,
+// halving gives tighter nodes.
 constexpr std::size_t kManyBoxes = 1U << 16U;
 
-// Every third bit.
+// Spreads bits to every third position.
 std::uint64_t spread(std::uint64_t x) {
   x = (x | x << 32U) & 0x001f00000000ffffU;
   x = (x | x << 16U) & 0x001f0000ff0000ffU;
@@ -158,7 +159,7 @@ ObstacleBoxes::ObstacleBoxes(std::span<const Box> boxes, std::shared_ptr<const O
         if (box.high[k] - box.low[k] > longest) return true;
       return false;
     };
-    // Last, so that the nodes of the others stay full.
+    // Large boxes are last, so that the nodes of the others stay full.
     const auto large = std::stable_partition(order.begin(), order.end(),
                                              [&](std::int32_t i) { return !isLarge(i); });
     if (large - order.begin() > static_cast<std::ptrdiff_t>(kManyBoxes))

@@ -12,19 +12,19 @@ namespace leeway::collision {
 inline constexpr float kFar = 1e30F;  ///< beyond all coordinates [m]
 
 /// Axis-aligned boxes of obstacles in the world, in single precision: a tree whose nodes have
-/// kWidth children side by side, as vectors compare them. Few boxes are one list.
+/// kWidth adjacent children, for comparison in vectors. A small number of boxes is one list.
 class ObstacleBoxes {
  public:
   static constexpr std::size_t kWidth = 16;
-  /// Up to so many boxes are compared one after the other [count].
+  /// Up to this many boxes are compared one after the other [count].
   static constexpr std::size_t kMostInList = 4 * kWidth;
 
   struct Box {
     float low[3], high[3];
-    bool is_ball = false;  ///< around a ball, whose centre is the box's within rounding
+    bool is_ball = false;  ///< around a ball, whose centre is the box's up to rounding
   };
-  /// The boxes of one level, padded to a multiple of kWidth with boxes that nothing meets. Those of
-  /// a node are its children's [kWidth i, kWidth (i + 1)) in the level below.
+  /// The boxes of one level, padded to a multiple of kWidth with boxes that intersect nothing. The
+  /// children of node i are [kWidth i, kWidth (i + 1)) in the level below.
   struct Level {
     std::vector<float> low[3], high[3];
     std::size_t size() const { return low[0].size(); }
@@ -33,27 +33,27 @@ class ObstacleBoxes {
   ObstacleBoxes() = default;
   /// O(n log n).
   explicit ObstacleBoxes(std::span<const Box> boxes) : ObstacleBoxes(boxes, nullptr, 0) {}
-  /// More boxes beside those of `first`, which are shared and have no others beside them; the
-  /// first one's number is `number`. O(n log n) in what is more.
+  /// Adds more boxes to those of `first`, which are shared and must not have a first() themselves;
+  /// the number of the first added box is `number`. O(n log n) in the number of added boxes.
   ObstacleBoxes(std::span<const Box> more, std::shared_ptr<const ObstacleBoxes> first,
                 std::int32_t number);
 
-  /// Without those of first(). Level 0 has the boxes themselves, in an order in which neighbours
-  /// are near each other.
+  /// The levels, without those of first(). Level 0 has the boxes themselves, ordered so that
+  /// neighbours are near each other.
   std::span<const Level> levels() const { return levels_; }
-  /// The boxes that stand in the slots before; null: there are none.
+  /// The boxes in the preceding slots; null if there are none.
   const std::shared_ptr<const ObstacleBoxes>& first() const { return first_; }
   std::size_t slots() const { return slots_of_first_ + obstacle_.size(); }
   /// The number of the box in a slot of level 0; -1: padding.
   std::int32_t obstacle(std::size_t slot) const {
     return slot < slots_of_first_ ? first_->obstacle_[slot] : obstacle_[slot - slots_of_first_];
   }
-  /// Whether all boxes of a node of level 1, without those of first(), are around balls.
+  /// Whether all boxes of a node of level 1 are around balls; without those of first().
   bool hasBallsAlone(std::size_t node) const { return balls_alone_[node] != 0; }
   std::size_t bytes() const;
 
-  /// Calls visit(slot) for the boxes that `box` meets. NaN meets everything. O(boxes) at worst. The
-  /// ball pass of LaneSweep has a twin of it in vectors.
+  /// Calls visit(slot) for the boxes that `box` intersects. NaN intersects everything. O(boxes) at
+  /// worst. The ball pass of LaneSweep has a vector version of it.
   template <class Visit>
   void forEachNear(const Box& box, const Visit& visit) const {
     if (first_ != nullptr) first_->forEachNear(box, visit);
@@ -65,7 +65,7 @@ class ObstacleBoxes {
   void visitNear(std::size_t level, std::size_t begin, std::size_t end, const Box& box,
                  const Visit& visit) const {
     const Level& of = levels_[level];
-    end = std::min(end, of.size());  // NaN meets nodes that are padding, too
+    end = std::min(end, of.size());  // NaN also meets nodes that are padding
     for (std::size_t i = begin; i < end; ++i) {
       bool apart = false;
       for (int k = 0; k < 3; ++k) apart |= box.high[k] < of.low[k][i] || box.low[k] > of.high[k][i];

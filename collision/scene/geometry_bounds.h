@@ -6,12 +6,12 @@
 
 namespace leeway::collision {
 
-/// Cheap bounds of one geometry, which decide most pairs of a scene before exact queries. In its
-/// body's frame; of a body that stands still, in the world's.
+/// Cheap bounds of one geometry, which decide most pairs of a scene before exact queries. They are
+/// in the body's frame, or in the world's frame for a fixed body.
 struct GeometryBounds {
-  Ball outer;  ///< holds the geometry, rounding included; infinite radius for a half-space
+  Ball outer;  ///< contains the geometry, rounding included; infinite radius for a half-space
   CoarseShape coarse;
-  std::vector<Ball> inner;  ///< balls of the geometry itself, where its body moves
+  std::vector<Ball> inner;  ///< balls of the geometry itself, if its body moves
 };
 
 }  // namespace leeway::collision

@@ -1,4 +1,4 @@
-// Scenes: what may not touch what.
+// Scenes: bodies that must not touch.
 
 #include "leeway/collision/scene.h"
 
@@ -99,7 +99,7 @@ int Scene::find(const std::string& name) const {
 
 namespace {
 
-/// Around a geometry in the world, rounding included; everywhere, where that may change.
+/// The box around a geometry in the world, rounding included; unbounded if the geometry may change.
 ObstacleBoxes::Box boxOf(const Shape& shape, const Pose& X_WG) {
   ObstacleBoxes::Box box = LaneSweep::boxAround(shape, X_WG);
   if (shape.type() != ShapeType::kDeformable) return box;
@@ -108,14 +108,14 @@ ObstacleBoxes::Box boxOf(const Shape& shape, const Pose& X_WG) {
   return box;
 }
 
-/// Of a geometry in the world, see SceneAccess::scaleOfStill() [m].
+/// The scale of a geometry in the world, see SceneAccess::scaleOfStill() [m].
 double scaleOf(const Shape& shape, const Pose& X_WG, const Ball& outer) {
   return greatest(
       (X_WG.rotation.transpose() * X_WG.translation).lpNorm<1>() + outer.center.lpNorm<1>(),
       LaneSweep::scaleOf(shape, X_WG));
 }
 
-/// What is known of geometries that stand still, in the order of their places.
+/// Bounds of fixed geometries, in the order of their places.
 class StillGeometries {
  public:
   explicit StillGeometries(std::size_t first_place) : first_place_(first_place) {}
@@ -154,7 +154,7 @@ void Scene::findStill() {
 }
 
 void Scene::findAddedStill() {
-  std::size_t count = 0;  // of geometries that were added and are in places
+  std::size_t count = 0;  // number of geometries that were added and are in places
   const std::size_t built = things_->bodies.size();
   const std::size_t first = std::max(at(pairs_.firstStill()), built) - built;
   for (std::size_t b = first; b < added_->bodies.size(); ++b)
@@ -225,7 +225,7 @@ void SceneBuilder::setMargin(int body_a, int body_b, double margin) {
 
 namespace {
 
-/// Refuses pairs of two half-spaces in the table.
+/// Rejects pairs of two half-spaces in the table.
 void requireNoHalfSpaces(std::span<const Body> bodies, const ScenePairs& pairs) {
   for (std::size_t row = 0; row < pairs.rows().size(); ++row) {
     const Body& a = bodies[at(pairs.rows()[row].body)];
@@ -239,7 +239,7 @@ void requireNoHalfSpaces(std::span<const Body> bodies, const ScenePairs& pairs) 
   }
 }
 
-/// All pairs of geometries of two bodies, of which A moves.
+/// Adds all pairs of geometries of two bodies, of which A moves.
 void addPairs(std::span<const Body> bodies, int a, int b, double margin,
               std::vector<ScenePair>& pairs) {
   const std::vector<Geometry>&of_a = bodies[at(a)].geometries, &of_b = bodies[at(b)].geometries;
@@ -252,13 +252,13 @@ void addPairs(std::span<const Body> bodies, int a, int b, double margin,
   }
 }
 
-/// What is said of a pair of bodies.
+/// The settings of a pair of bodies.
 struct Exception {
   bool allowed = false, has_margin = false;
   double margin = 0;
 };
 
-/// The pairs of bodies of which something is said.
+/// The pairs of bodies that have settings.
 class Exceptions {
  public:
   template <class Margins>
@@ -277,7 +277,7 @@ class Exceptions {
     const auto found = of_pair_.find(key(a, b));
     return found == of_pair_.end() ? nullptr : &found->second;
   }
-  /// Calls visit(a, b, exception) for all, a < b, in no order.
+  /// Calls visit(a, b, exception) for all, with a < b, in no particular order.
   template <class Visit>
   void forEach(const Visit& visit) const {
     for (const auto& [key, exception] : of_pair_)
@@ -297,7 +297,8 @@ class Exceptions {
   std::unordered_map<std::uint64_t, Exception> of_pair_;
 };
 
-/// Pairs of geometries of which at least one moves and one is of a body from `added` on, at most.
+/// An upper bound on the number of pairs of geometries with at least one moving geometry and at
+/// least one of a body from `added` on.
 std::size_t mostPairs(std::span<const Body> bodies, int added, std::span<const int> moving) {
   std::size_t all = 0, all_moving = 0, base = 0, base_moving = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -342,24 +343,25 @@ Scene SceneBuilder::build() && {
   std::vector<int> moving;
   for (int i = 0; i < count; ++i)
     if (bodies[at(i)].moving) moving.push_back(i);
-  // Bodies from there on have places.
+  // Bodies from here on have places.
   const int last_moving = moving.empty() ? -1 : moving.back();
   const bool keeps_places = base.places() > 0 && last_moving < base.firstStill();
   const int end = lists_all_     ? count
                   : keeps_places ? base.firstStill()
                                  : std::max(added, last_moving + 1);
   addTable(bodies, end, scene.pairs_);
-  // Those of a table that stays are not listed.
+  // Pairs of a table that is kept are not listed.
   const ScenePairs::Iterator base_end =
       keeps_places && !lists_all_ ? ScenePairs::Iterator(base, base.listedCount()) : base.end();
   std::vector<ScenePair> base_pairs(base.begin(), base_end);
   const auto before = [](const ScenePair& x, const ScenePair& y) {
     return std::minmax(x.body_a, x.body_b) < std::minmax(y.body_a, y.body_b);
   };
-  // Pairs of a list that a builder made are in this order; those of a table or a change are not.
+  // Pairs of a list that a builder made are already in this order; those of a table or a change are
+  // not.
   if (!std::is_sorted(base_pairs.begin(), base_pairs.end(), before))
     std::stable_sort(base_pairs.begin(), base_pairs.end(), before);
-  // The margin of two bodies; none: they may touch.
+  // The margin of two bodies; nullopt: they may touch.
   const auto marginOf = [&](int i, int j) -> std::optional<double> {
     const Exception* exception = exceptions.find(i, j);
     if (exception == nullptr) return default_margin_;
@@ -373,7 +375,7 @@ Scene SceneBuilder::build() && {
       addPairs(bodies, a, b, *margin, listed);
   };
   listed.reserve(mostPairs(bodies.first(at(end)), added, moving) + base_pairs.size());
-  // They stand in the order of the first of their bodies, then of the second.
+  // They are in the order of the first of their bodies, then of the second.
   auto known = base_pairs.begin();
   for (int i = 0; i < end; ++i) {
     for (; known != base_pairs.end() && std::min(known->body_a, known->body_b) == i; ++known)
@@ -410,8 +412,8 @@ Scene SceneBuilder::build() && {
   return scene;
 }
 
-/// A row for each moving geometry, and a place for each of bodies from first_still on, which all
-/// stand still.
+/// Adds a row for each moving geometry, and a place for each geometry of bodies from first_still
+/// on, which are all fixed.
 void SceneBuilder::addTable(std::span<const Body> bodies, int first_still,
                             ScenePairs& pairs) const {
   std::vector<ScenePairs::Row> rows;
@@ -434,7 +436,7 @@ void SceneBuilder::addTable(std::span<const Body> bodies, int first_still,
       pairs.geometries_.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(g)});
 }
 
-/// Leaves out the pairs that `base` leaves out, whose places are the first.
+/// Removes the pairs that `base` leaves out, whose places are the first ones.
 void SceneBuilder::addTableOf(const ScenePairs& base, ScenePairs& pairs) {
   if (base.in_table_ == pairs.rows_.size() * base.places_) return;
   for (std::size_t row = 0; row < pairs.rows_.size(); ++row) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the library itself reads of a Scene and a Workspace besides their public interface.
+// The library's access to a Scene and a Workspace beyond their public interface.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@
 namespace leeway::collision {
 
 struct SceneAccess {
-  /// Geometries of all bodies are numbered through: the number of one of them.
+  /// The number of a geometry, in a consecutive numbering of the geometries of all bodies.
   static int geometryIndex(const Scene& scene, int body, int geometry) {
     const auto b = static_cast<std::size_t>(body), built = scene.things_->bodies.size();
     return (b < built ? scene.things_->first_geometry[b]
@@ -28,7 +28,7 @@ struct SceneAccess {
   static std::size_t geometryCount(const Scene& scene) {
     return scene.things_->bounds.size() + (scene.added_ ? scene.added_->bounds.size() : 0);
   }
-  /// Where a moving body stands until a workspace moves it.
+  /// Sets the pose of a moving body until a workspace moves it.
   static void place(Scene& scene, int body, const Pose& X_WB) {
     scene.own().bodies[static_cast<std::size_t>(body)].X_WB = X_WB;
   }
@@ -37,13 +37,14 @@ struct SceneAccess {
   static void raiseMargins(Scene& scene, double margin, int first_body) {
     scene.pairs_.raise(margin, first_body);
   }
-  /// Removes all pairs but those of which keep(pair) is true; asks each once, in their order. A
-  /// geometry that keeps no pair with a place loses its row: a SceneChange adds no pairs for it.
+  /// Removes all pairs for which keep(pair) is false; keep() is called once for each pair, in their
+  /// order. A geometry that keeps no pair with a place loses its row: a SceneChange adds no pairs
+  /// for it.
   static void keepPairs(Scene& scene, const std::function<bool(const ScenePair&)>& keep) {
     scene.pairs_.keep(keep);
     if (scene.pairs_.rows().empty()) scene.still_ = {};
   }
-  /// The boxes around what stands still, one for each place; null: there are no places.
+  /// The boxes around fixed geometries, one for each place; null if there are no places.
   static const ObstacleBoxes* boxes(const Scene& scene) { return scene.still_.boxes.get(); }
   /// The geometry in a place.
   static const Geometry& geometryIn(const Scene& scene, int place) {
@@ -54,10 +55,11 @@ struct SceneAccess {
   static const std::shared_ptr<const ObstacleBoxes>& sharedBoxes(const Scene& scene) {
     return scene.still_.boxes;
   }
-  /// The places of things that LaneSweep::needsObstacle() names, ascending. There are places.
+  /// The places of the shapes for which LaneSweep::needsObstacle() is true, ascending. There must
+  /// be places.
   static std::span<const std::int32_t> added(const Scene& scene) { return *scene.still_.added; }
-  /// At least these two, for everything in a place [m]: the coordinates of its pose's inverse and
-  /// of its ball's centre, added up, and LaneSweep::scaleOf().
+  /// An upper bound, for every geometry in a place, on two numbers [m]: the sum of the coordinates
+  /// of its pose's inverse and of its ball's centre, and LaneSweep::scaleOf().
   static double scaleOfStill(const Scene& scene) { return scene.still_.scale; }
 
   static Scratch& scratch(Workspace& workspace);
@@ -65,18 +67,18 @@ struct SceneAccess {
   static Workspace::Impl& impl(Workspace& workspace) { return *workspace.impl_; }
 };
 
-/// A lower bound on the separation of one pair [m], as the workspace places its bodies, from balls
-/// and stand-ins alone. Never throws or allocates. O(1).
+/// A lower bound on the separation of one pair [m], at the workspace's poses, from balls and coarse
+/// shapes alone. Never throws or allocates. O(1).
 double coarseLowerBound(const Scene& scene, const Workspace& workspace, int pair);
 
-/// Around the geometry of a row, as the workspace places it, grown by `reach` [m]: what stands
-/// still and does not meet it is farther away than that. NaN, which meets everything, where it is
-/// too large for a box or not finite.
+/// The box around the geometry of a row, at the workspace's pose, grown by `reach` [m]: fixed
+/// geometries that do not intersect it are farther away than `reach`. NaN, which intersects
+/// everything, if it is too large for a box or not finite.
 ObstacleBoxes::Box boxOfRow(const Scene& scene, const Workspace& workspace, std::size_t row,
                             double reach);
 
-/// Calls visit(pair) for the pairs of a row that may be nearer than `reach` [m], in an order that
-/// depends on the scene alone. O(near + log of all) on average.
+/// Calls visit(pair) for the pairs of a row that may be closer than `reach` [m], in an order that
+/// depends only on the scene. O(near + log of all) on average.
 template <class Visit>
 void forEachNearInRow(const Scene& scene, const Workspace& workspace, std::size_t row, double reach,
                       const Visit& visit) {

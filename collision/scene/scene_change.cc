@@ -1,4 +1,4 @@
-// Scenes of which a few bodies change.
+// Scenes that differ from another scene in a few bodies.
 
 #include <algorithm>
 #include <iterator>
@@ -110,7 +110,7 @@ std::optional<double> SceneChange::marginOf(int moving, std::size_t added) const
   return found == margins_.end() ? default_margin_ : found->second;
 }
 
-/// Of bodies from `first` on, with all that moves.
+/// Adds pairs of the bodies from `first` on with all moving bodies.
 void SceneChange::addPairs(std::size_t first) {
   ScenePairs& pairs = scene_.pairs_;
   const Bodies bodies = scene_.bodies();

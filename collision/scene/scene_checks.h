@@ -1,6 +1,6 @@
 #pragma once
 
-// What SceneBuilder and SceneChange ask of their input.
+// The input checks of SceneBuilder and SceneChange.
 
 #include <cmath>
 #include <cstddef>
@@ -36,8 +36,8 @@ inline bool isHalfSpace(const Geometry& g) { return g.shape.type() == ShapeType:
                               "another shape for one of them is expected");
 }
 
-/// Refuses a table of more pairs than an int numbers; half of its range is left for those of what
-/// moves.
+/// Rejects a table with more pairs than an int can number; half of its range is reserved for pairs
+/// of moving bodies.
 inline void requireNumbers(std::size_t rows, std::size_t places) {
   constexpr std::size_t most = std::numeric_limits<int>::max() / 2;
   if (rows == 0 || places <= most / rows) return;

@@ -1,4 +1,4 @@
-// The pairs of a scene: a list, and a table of moving geometries with what stands still.
+// The pairs of a scene: a list, and a table of moving geometries with fixed ones.
 
 #include "leeway/collision/scene_pairs.h"
 
@@ -14,7 +14,8 @@ namespace {
 
 double grown(double margin, double growth) { return std::max(margin, 0.0) + growth; }
 
-/// A pair with NaN is never free: 0 says that there is one, and is cautious.
+/// A pair with a margin of NaN is never free. A value of 0 shows that there is one, and is
+/// cautious.
 double knownOr0(double margin) { return std::isnan(margin) ? 0.0 : margin; }
 
 }  // namespace
@@ -69,7 +70,7 @@ double ScenePairs::leastMargin(int first_body, bool with) const {
   for (const ScenePair& pair : listed_)
     if ((std::max(pair.body_a, pair.body_b) >= first_body) == with)
       least = std::min(least, knownOr0(pair.margin));
-  // All of the table are with a body from first_still_ on.
+  // All pairs of the table have a body from first_still_ on.
   if (with == (first_still_ >= first_body))
     for (const Row& row : rows_) least = std::min(least, row.least);
   return least;
@@ -83,7 +84,7 @@ double ScenePairs::mostMargin() const {
 }
 
 void ScenePairs::count() {
-  // First those that have their row's margin.
+  // First counts the pairs that have their row's margin.
   for (Row& row : rows_) {
     row.count = row.is_sparse ? 0 : places_ - cleared_places_;
     row.least = kInfinity;
@@ -122,10 +123,10 @@ void ScenePairs::clearPlace(std::size_t place) {
 }
 
 void ScenePairs::raise(double margin, int first_body) {
-  const auto raised = [&](double& m) { m = std::max(m, margin); };  // NaN stays
+  const auto raised = [&](double& m) { m = std::max(m, margin); };  // NaN is kept
   for (ScenePair& pair : listed_)
     if (std::max(pair.body_a, pair.body_b) >= first_body) raised(pair.margin);
-  // All of the table are with a body from first_still_ on; callers ask for all of these or more.
+  // All pairs of the table have a body from first_still_ on; callers select all of these or more.
   for (Row& row : rows_) raised(row.margin);
   exceptions_.forEach([&](Exceptions::Entry& entry) { raised(entry.margin); });
   count();

@@ -18,12 +18,12 @@
 namespace leeway::collision {
 namespace {
 
-/// Pairs that clearance() sorts at once [count].
+/// Number of pairs that clearance() sorts at once [count].
 constexpr std::size_t kMostNearest = 1U << 11U;
-/// The coarse bounds of so many pairs cost less than a search for a reach [count].
+/// Up to this many pairs, their coarse bounds cost less than a search for a reach [count].
 constexpr std::size_t kFewPairs = 64;
 
-/// Bodies that are not in places; all, where there are none.
+/// The number of bodies that are not in places; all bodies if there are no places.
 std::size_t bodiesOutsidePlaces(const Scene& scene) {
   return scene.pairs().places() > 0 ? at(scene.pairs().firstStill()) : scene.bodies().size();
 }
@@ -31,10 +31,10 @@ std::size_t bodiesOutsidePlaces(const Scene& scene) {
 }  // namespace
 
 struct Workspace::Impl {
-  std::vector<Pose> poses;  // one a body that is not in a place
+  std::vector<Pose> poses;  // one for each body that is not in a place
   PairTable<PairCache> caches;
   Scratch scratch;
-  int blocking = -1;                            // the pair that was not free last; -1: none
+  int blocking = -1;                            // the pair that was last not free; -1: none
   std::vector<std::pair<double, int>> nearest;  // clearance(): coarse lower bounds [m], and pairs
 };
 
@@ -59,7 +59,7 @@ void Workspace::prepare(const Scene& scene) {
   for (std::size_t b = 0; b < end; ++b)
     for (const Geometry& g : bodies[b].geometries) take(g);
   if (end == bodies.size()) return;
-  // What deforms may be anywhere: also where nothing else is but half-spaces.
+  // A deforming geometry may be anywhere, even if all other geometries are half-spaces.
   ObstacleBoxes::Box nowhere;
   std::fill_n(nowhere.low, 3, kFar);
   std::fill_n(nowhere.high, 3, kFar);
@@ -90,8 +90,8 @@ const Pose& poseOf(const Scene& scene, const Workspace& workspace, int body) {
   return b.moving ? workspace.pose(body) : b.X_WB;
 }
 
-/// A point from the frame of body `from` to that of body `to`. The frame of a body that stands
-/// still is the world's.
+/// Transforms a point from the frame of body `from` to that of body `to`. The frame of a fixed body
+/// is the world's.
 Eigen::Vector3d transferred(const Scene& scene, const Workspace& workspace,
                             const Eigen::Vector3d& p, int from, int to) {
   Eigen::Vector3d p_W = p;
@@ -101,7 +101,7 @@ Eigen::Vector3d transferred(const Scene& scene, const Workspace& workspace,
   return X_WB.rotation.transpose() * (p_W - X_WB.translation);
 }
 
-/// Rounding of two transfers, and the error of the poses themselves [m].
+/// Rounding of two transformations, plus the error of the poses themselves [m].
 double transferSlack(const Scene& scene, const Workspace& workspace, int a, int b,
                      const Eigen::Vector3d& p) {
   const double error =
@@ -115,7 +115,8 @@ const GeometryBounds& boundsOf(const Scene& scene, int body, int geometry) {
   return SceneAccess::bounds(scene, SceneAccess::geometryIndex(scene, body, geometry));
 }
 
-/// Lower bound on the separation: the outer ball of each body from the stand-in of the other.
+/// Lower bound on the separation: the outer ball of each body against the coarse shape of the
+/// other.
 double coarseLower(const Scene& scene, const Workspace& workspace, const ScenePair& pair) {
   const GeometryBounds& a = boundsOf(scene, pair.body_a, pair.geometry_a);
   const GeometryBounds& b = boundsOf(scene, pair.body_b, pair.geometry_b);
@@ -127,14 +128,14 @@ double coarseLower(const Scene& scene, const Workspace& workspace, const ScenePa
         transferred(scene, workspace, b.outer.center, pair.body_b, pair.body_a);
     lower = std::max(lower, a.coarse.lower(center_A) - b.outer.radius);
   }
-  // A NaN pose must not pass for far away.
+  // A NaN pose must not count as far away.
   return std::isnan(lower)
              ? -kInfinity
              : lower - transferSlack(scene, workspace, pair.body_a, pair.body_b, center_B);
 }
 
-/// Upper bound on the separation from A's inner balls in B's stand-in. Stops at the first that
-/// proves contact.
+/// Upper bound on the separation from A's inner balls in B's coarse shape. Stops at the first ball
+/// that proves contact.
 double coarseUpper(const Scene& scene, const Workspace& workspace, const ScenePair& pair) {
   const GeometryBounds& a = boundsOf(scene, pair.body_a, pair.geometry_a);
   const GeometryBounds& b = boundsOf(scene, pair.body_b, pair.geometry_b);
@@ -155,14 +156,14 @@ Verdict verdictOf(const Interval& distance, double margin) {
   return Verdict::kUndecided;
 }
 
-/// kNotFree before kUndecided before kFree.
+/// kNotFree takes precedence over kUndecided, and kUndecided over kFree.
 Verdict worse(Verdict x, Verdict y) {
   if (x == Verdict::kNotFree || y == Verdict::kNotFree) return Verdict::kNotFree;
   if (x == Verdict::kUndecided || y == Verdict::kUndecided) return Verdict::kUndecided;
   return Verdict::kFree;
 }
 
-/// Calls visit(pair) for all pairs that are listed, and for the others that may be nearer than
+/// Calls visit(pair) for all listed pairs, and for pairs of the table that may be closer than
 /// `reach` [m].
 template <class Visit>
 void forEachNear(const Scene& scene, const Workspace& workspace, double reach, const Visit& visit) {
@@ -172,8 +173,8 @@ void forEachNear(const Scene& scene, const Workspace& workspace, double reach, c
     forEachNearInRow(scene, workspace, row, reach, visit);
 }
 
-/// One pair against its margin. `result` has at least the interval, and all else where the exact
-/// query was needed.
+/// Decides one pair against its margin. `result` has at least the interval, and all other members
+/// if the exact query was needed.
 Verdict decidePair(const Scene& scene, Workspace& workspace, int p, DistanceResult& result) {
   const ScenePair pair = scene.pairs()[at(p)];
   ++workspace.statistics.pairs;
@@ -209,11 +210,12 @@ ObstacleBoxes::Box boxOfRow(const Scene& scene, const Workspace& workspace, std:
   for (int k = 0; k < 3; ++k) {
     box.low[k] = floatBelow(center[k] - radius);
     box.high[k] = floatAbove(center[k] + radius);
-    // Boxes end there, and those of half-spaces stand for everything: so must this one.
+    // Boxes are limited to kFar, and those of half-spaces represent the whole space, so this box
+    // must, too.
     is_bounded = is_bounded && -box.low[k] < kFar && box.high[k] < kFar;
   }
   if (is_bounded) return box;
-  // Where one coordinate is unknown, so are distances along the others.
+  // If one coordinate is unknown, distances along the others are unknown, too.
   std::fill_n(box.low, 3, std::numeric_limits<float>::quiet_NaN());
   std::fill_n(box.high, 3, std::numeric_limits<float>::quiet_NaN());
   return box;
@@ -234,7 +236,7 @@ DistanceResult distanceOf(const Scene& scene, Workspace& workspace, int p,
       transferSlack(scene, workspace, pair.body_a, pair.body_b, Eigen::Vector3d::Zero()) +
       kTransferRounding * (a.X_BG.translation.lpNorm<1>() + b.X_BG.translation.lpNorm<1>());
   DistanceRequest raised = request;
-  raised.threshold += slack;  // what is above it stays above when widened; NaN stays NaN
+  raised.threshold += slack;  // a bound above it stays above when widened; NaN stays NaN
   DistanceResult result = distance(a.shape, poseOf(scene, workspace, pair.body_a) * a.X_BG, b.shape,
                                    poseOf(scene, workspace, pair.body_b) * b.X_BG, raised,
                                    SceneAccess::scratch(workspace), cache);
@@ -281,7 +283,7 @@ SceneResult decide(const Scene& scene, Workspace& workspace) {
     }
     return verdict != Verdict::kNotFree;
   };
-  // What blocked last is likely to block again.
+  // The pair that was last not free is likely to be not free again.
   const bool is_known = impl.blocking >= 0 && at(impl.blocking) < scene.pairs().numbers() &&
                         scene.pairs().has(at(impl.blocking));
   const int first = is_known ? impl.blocking : -1;
@@ -291,9 +293,9 @@ SceneResult decide(const Scene& scene, Workspace& workspace) {
   forEachNear(scene, workspace, reach, [&](int p) {
     if (going && p != first) going = look(p);
   });
-  // What is not near is farther than that.
+  // Pairs that are not near are farther apart than `reach`.
   result.clearance.lower = std::min(result.clearance.lower, reach);
-  if (!going) result.clearance.lower = -kInfinity;  // the other pairs were not looked at
+  if (!going) result.clearance.lower = -kInfinity;  // the other pairs were not tested
   return result;
 }
 
@@ -303,12 +305,12 @@ using Candidate = std::pair<double, int>;  // a coarse lower bound [m] and its p
 
 Candidate candidateOf(const Scene& scene, const Workspace& workspace, int p) {
   const double lower = coarseLower(scene, workspace, scene.pairs()[at(p)]);
-  return {std::isnan(lower) ? -kInfinity : lower, p};  // NaN would break the order
+  return {std::isnan(lower) ? -kInfinity : lower, p};  // NaN would violate the order
 }
 
-/// Of pairs that may be nearer than `reach` those that come after `last`, as many as have room:
-/// a heap, the nearest first. Returns how many; all that are left where they are fewer than there
-/// is room for.
+/// Collects, among the pairs that may be closer than `reach`, those that follow `last`, up to the
+/// size of `room`: a heap with the nearest first. Returns their number; if it is smaller than the
+/// room, these are all the remaining ones.
 std::size_t collectNearest(const Scene& scene, const Workspace& workspace, double reach,
                            const Candidate& last, std::span<Candidate> room) {
   std::size_t count = 0;
@@ -328,7 +330,7 @@ std::size_t collectNearest(const Scene& scene, const Workspace& workspace, doubl
   return count;
 }
 
-/// How far the closest pair may be: the distance of one that seems near [m].
+/// An upper bound on the distance of the closest pair: the distance of a pair that seems near [m].
 double reachOfClosest(const Scene& scene, Workspace& workspace, double tolerance) {
   for (double reach = kDecideReach; reach < static_cast<double>(kFar); reach *= 4) {
     Candidate nearest{kInfinity, -1};
@@ -342,12 +344,13 @@ double reachOfClosest(const Scene& scene, Workspace& workspace, double tolerance
   return kInfinity;
 }
 
-/// Takes what a pair says, as far as it may be the closest or not keep its margin.
+/// Updates the result with a pair, if it may be the closest or not keep its margin.
 void look(const Scene& scene, Workspace& workspace, const Candidate& candidate, double tolerance,
           SceneResult& result) {
   const auto& [lower, p] = candidate;
   const double margin = scene.pairs()[at(p)].margin;
-  // Above this the pair is neither the closest nor at its margin. (One of NaN is never kept.)
+  // Above this distance the pair is neither the closest nor at its margin. (A margin of NaN is
+  // never kept.)
   const double enough = std::isnan(margin) ? kInfinity : std::max(result.clearance.upper, margin);
   if (lower > enough) {
     result.clearance.lower = std::min(result.clearance.lower, lower);
@@ -383,7 +386,7 @@ SceneResult clearanceWithin(const Scene& scene, Workspace& workspace, double tol
   SceneResult result;
   result.verdict = Verdict::kFree;
   result.clearance = {kInfinity, kInfinity};
-  // Of many pairs few are looked at, nearest first.
+  // Among many pairs only a few are tested, nearest first.
   Candidate last{-kInfinity, -1};
   std::size_t count = collectNearest(scene, workspace, reach, last, room);
   bool has_more = count == room.size();
@@ -393,7 +396,7 @@ SceneResult clearanceWithin(const Scene& scene, Workspace& workspace, double tol
     last = room[--count];
     const auto& [lower, p] = last;
     if (lower > std::max(result.clearance.upper, largest_margin)) {
-      // So are all that are left.
+      // All remaining pairs are also farther.
       result.clearance.lower = std::min(result.clearance.lower, lower);
       break;
     }
@@ -409,12 +412,12 @@ SceneResult clearanceWithin(const Scene& scene, Workspace& workspace, double tol
 
 SceneResult clearance(const Scene& scene, Workspace& workspace, double tolerance) {
   ++workspace.statistics.queries;
-  // With a margin of NaN a pair is never free, however far.
+  // With a margin of NaN a pair is never free, at any distance.
   const double most = scene.pairs().mostMargin();
   const double largest_margin = std::isnan(most) ? kInfinity : most;
   if (scene.pairs().rows().empty() || scene.pairs().size() <= kFewPairs)
     return clearanceWithin(scene, workspace, tolerance, kInfinity, largest_margin);
-  // At least 0, so that doubling what is above it grows also where margins are depths.
+  // At least 0, so that doubling also increases it if the margins are depths.
   double reach = std::max({reachOfClosest(scene, workspace, tolerance), largest_margin, 0.0});
   for (;;) {
     const SceneResult result = clearanceWithin(scene, workspace, tolerance, reach, largest_margin);
