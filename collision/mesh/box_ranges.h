@@ -12,7 +12,7 @@ struct BoxRange {
   Eigen::Vector3d low, high;
 };
 
-/// The number of points has to be a multiple of this.
+/// The number of points must be a multiple of this.
 inline constexpr std::size_t kRangeBlock = 8;
 
 /// For each frame, the ranges of all points along its columns; `points` are columns of x, y and z.

@@ -34,7 +34,7 @@ HWY_ATTR void ranges(const std::array<std::span<const double>, 3>& points,
         low = hn::Min(low, v);
         high = hn::Max(high, v);
       }
-      // (+ 0: the minimum of 0 and -0 may be either.)
+      // (+ 0, because the minimum of 0 and -0 may be either.)
       out[f].low[k] = hn::GetLane(hn::MinOfLanes(d, low)) + 0.0;
       out[f].high[k] = hn::GetLane(hn::MaxOfLanes(d, high)) + 0.0;
     }

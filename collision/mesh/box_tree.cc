@@ -21,10 +21,10 @@ using Eigen::Vector3d;
 
 namespace {
 
-// From this depth on nodes are split by count, so that kMaxDepth holds for any mesh of 2^31
+// From this depth on, nodes are split by count, so that kMaxDepth holds for any mesh of 2^31
 // triangles: each of the eight children has at most a quarter of the triangles.
 constexpr int kFreeDepth = BoxTree::kMaxDepth - 17;
-// Above convex pieces, so that the triangles below them get as many levels.
+// The same limit above convex pieces, so that the triangles below them get as many levels.
 constexpr int kFreePieceDepth = kFreeDepth - 17;
 
 }  // namespace
@@ -43,8 +43,8 @@ struct BoxTree::Input {
   std::pmr::vector<Vector3d> centroid{
       largeArrays()};  // of the triangle, or of its unit's triangles
   std::vector<std::int32_t> order;
-  // Per triangle: its unit, which is not split and stands together in `order`. Above the convex
-  // pieces each of them is one unit.
+  // For each triangle its unit, which is not split and is contiguous in `order`. Above the convex
+  // pieces, each piece is one unit.
   std::vector<std::int32_t> unit;
   std::int32_t pieces = 0;
 
@@ -73,7 +73,7 @@ struct BoxTree::Input {
 
 // Builds a part of a tree: nodes in preorder, numbered from 0.
 struct BoxTree::Builder {
-  // With room for the nodes of so many triangles; most nodes have three or four.
+  // Reserves room for the nodes of this many triangles; most nodes have three or four.
   Builder(Input& given, std::size_t triangles) : input(given) { nodes.reserve(2 + triangles / 3); }
 
   Input& input;
@@ -101,7 +101,7 @@ struct BoxTree::Builder {
       double mean = 0;
       for (auto t = first; t != last; ++t) mean += along.dot(input.centroid[at(*t)]);
       mean /= static_cast<double>(cluster.end - cluster.begin);
-      // Stable, so that the order depends on the mesh alone.
+      // Stable, so that the order depends only on the mesh.
       middle = std::stable_partition(
           first, last, [&](std::int32_t t) { return along.dot(input.centroid[at(t)]) < mean; });
     }
@@ -124,12 +124,12 @@ struct BoxTree::Builder {
     fit(right);
   }
 
-  // The `child` of the cluster's box: a leaf, or a node that is built.
+  // The `child` of the cluster's box: a leaf, or a node, which is built here.
   std::int32_t childFor(const Cluster& cluster, int depth, bool in_piece) {
     if (cluster.end - cluster.begin == 1) return ~input.slot_of[at(input.order[at(cluster.begin)])];
     if (in_piece || !input.isOneUnit(cluster)) return build(cluster, depth, in_piece);
     const std::int32_t number = input.unitAt(cluster.begin);
-    // Below it each triangle is a unit.
+    // Below it, each triangle is a unit.
     for (std::int32_t place = cluster.begin; place < cluster.end; ++place) {
       const std::int32_t t = input.order[at(place)];
       input.unit[at(t)] = input.pieces + t;
@@ -155,7 +155,7 @@ struct BoxTree::Builder {
         result.push_back(builder.childFor(clusters[i], depth + 1, in_piece));
       return result;
     };
-    // Large parts are built in threads of their own and put in their places.
+    // Large parts are built in separate threads and then put in their places.
     const auto count = at(whole.end - whole.begin);
     std::size_t middle = clusters.size();
     if (count >= std::max(kWorthAThread, input.triangles.size() / 8)) {
@@ -175,7 +175,7 @@ struct BoxTree::Builder {
     return id;
   }
 
-  // Halves the largest part, again and again.
+  // Repeatedly halves the largest part.
   std::vector<Cluster> parts(const Cluster& whole, bool by_count) {
     std::vector<Cluster> clusters{whole};
     while (clusters.size() < BoxNode::kWidth) {
@@ -197,7 +197,7 @@ struct BoxTree::Builder {
     return clusters;
   }
 
-  // A child of a part that is to be put behind these nodes.
+  // The number of a part's child after the part is appended to these nodes.
   std::int32_t shifted(std::int32_t child) const {
     return child >= 0 ? child + static_cast<std::int32_t>(nodes.size()) : child;
   }
@@ -220,7 +220,7 @@ BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> t
                  std::span<const std::int32_t> piece_of, int pieces)
     : piece_node_(static_cast<std::size_t>(pieces), -1),
       first_piece_(static_cast<std::int32_t>(triangles.size())) {
-  if (!(extent > 0)) return;  // of one point
+  if (!(extent > 0)) return;  // all points are equal
   Input input{vertices, triangles, slot_of, extent, std::pmr::vector<Vector3d>(largeArrays()),
               {},       {},        pieces};
   input.centroid.reserve(triangles.size());
@@ -256,8 +256,8 @@ BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> t
   for (const auto& [piece, node] : builder.piece_nodes) piece_node_[at(piece)] = node;
 }
 
-// The box in single precision: along the rounded axes, around the rounded centre, and as large as
-// every corner needs.
+// The box in single precision: along the rounded axes, around the rounded centre, and large enough
+// for every corner.
 void BoxTree::setLane(BoxNode& node, int lane, const Cluster& cluster, const Input& input) {
   Vector3d center, half = Vector3d::Zero();
   Matrix3d axes;
@@ -283,11 +283,11 @@ void BoxTree::setLane(BoxNode& node, int lane, const Cluster& cluster, const Inp
   node.radius[lane] = static_cast<float>(std::sqrt(squared));
 }
 
-// Follows the nodes of a file, in preorder.
+// Checks the nodes of a file, in preorder.
 struct BoxTree::Check {
   BoxTree& tree;
   std::vector<std::uint8_t> met;  // triangles
-  std::size_t next = 0;           // the node that comes next
+  std::size_t next = 0;           // the next node
 
   bool node(int depth, bool in_piece) {
     if (depth > kMaxDepth || next >= tree.nodes_.size()) return false;
@@ -314,7 +314,7 @@ struct BoxTree::Check {
   }
 
   static bool isFinite(const BoxNode& node) {
-    // A sum of products with 0 is 0, or NaN where one of them is not finite.
+    // A sum of products with 0 is 0, or NaN if a factor is not finite.
     float sum = 0;
     for (int lane = 0; lane < BoxNode::kWidth; ++lane) {
       for (int k = 0; k < 3; ++k) {

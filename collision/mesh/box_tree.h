@@ -21,7 +21,7 @@ struct OrientedBox {
   float half[3];
 };
 
-/// Up to kWidth boxes, as columns for vector registers, and what each holds.
+/// Up to kWidth boxes, as columns for vector registers, and their contents.
 struct BoxNode {
   static constexpr int kWidth = 8;
 
@@ -29,7 +29,7 @@ struct BoxNode {
   alignas(32) float axis[3][3][kWidth];  ///< axis[k][coordinate][lane]
   alignas(32) float half[3][kWidth];
   alignas(32) float radius[kWidth];  ///< half the diagonal
-  /// >= 0: a node; < 0: the triangle in slot ~child, or from BoxTree::firstPiece() on a convex
+  /// >= 0: a node; < 0: the triangle in slot ~child or, from BoxTree::firstPiece() on, a convex
   /// piece
   std::int32_t child[kWidth];
   std::int32_t count;
@@ -37,37 +37,38 @@ struct BoxNode {
   OrientedBox box(int lane) const;
 };
 
-/// A hierarchy of oriented boxes over the triangles of a mesh, eight to a node (S. Gottschalk, M.
-/// C. Lin, D. Manocha, "OBBTree", 1996; I. Wald, C. Benthin, S. Boulos, "Getting rid of packets",
-/// 2008, for wide nodes). Every triangle has a box of its own, and so has every convex piece: above
-/// them is a hierarchy of pieces and loose triangles, below each piece one of its triangles. Single
-/// precision, rounded outwards: a filter.
+/// A hierarchy of oriented boxes over the triangles of a mesh, with eight boxes in each node (S.
+/// Gottschalk, M. C. Lin, D. Manocha, "OBBTree", 1996; I. Wald, C. Benthin, S. Boulos, "Getting rid
+/// of packets", 2008, for wide nodes). Every triangle and every convex piece has a box. Above them
+/// is a hierarchy of pieces and loose triangles; below each piece is a hierarchy of its triangles.
+/// The tree is in single precision, rounded outwards, and serves as a filter.
 class BoxTree {
  public:
   using Triangle = std::array<std::int32_t, 3>;
 
-  /// No path from the root is longer.
+  /// Limit on the length of a path from the root.
   static constexpr int kMaxDepth = 48;
 
-  /// For each triangle `slot_of` is its number in `child`, and `piece_of` its convex piece, 0 to
-  /// `pieces` - 1 (each of two triangles or more), or -1. O(n log n).
+  /// `slot_of` has the number of each triangle in `child`, and `piece_of` its convex piece, 0 to
+  /// `pieces` - 1 (each of at least two triangles), or -1. O(n log n).
   BoxTree(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
           std::span<const std::int32_t> slot_of, double extent,
           std::span<const std::int32_t> piece_of, int pieces);
 
-  /// The tree of nodes that a file kept, as nodes() gave them. Null where they are none over
-  /// `triangles` triangles and `pieces` pieces: each must be there once, nodes stand in preorder,
-  /// depth is limited and boxes are finite. That the boxes hold what is below them is not looked
-  /// at. O(n).
+  /// Makes the tree from the nodes in a file, as nodes() returned them. Null if they are not a tree
+  /// over `triangles` triangles and `pieces` pieces: each must occur once, nodes must be in
+  /// preorder, depth is limited and boxes must be finite. It does not check that the boxes contain
+  /// their contents. O(n).
   static std::unique_ptr<const BoxTree> fromNodes(std::pmr::vector<BoxNode> nodes,
                                                   std::size_t triangles, int pieces);
 
   std::span<const BoxNode> nodes() const { return nodes_; }
-  /// False when coordinates are out of the range of single precision: there are no nodes then.
+  /// False if coordinates are out of the range of single precision; there are no nodes in that
+  /// case.
   bool usable() const { return !nodes_.empty(); }
-  /// Node 0 has one box, that of the whole mesh.
+  /// Node 0 has one box, the box of the whole mesh.
   const BoxNode& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }
-  /// ~child of piece 0; those of the others follow.
+  /// ~child of piece 0; the numbers of the other pieces follow.
   std::int32_t firstPiece() const { return first_piece_; }
   /// The node of a piece's triangles.
   std::int32_t pieceNode(int piece) const { return piece_node_[static_cast<std::size_t>(piece)]; }

@@ -21,26 +21,28 @@
 namespace leeway::collision {
 namespace {
 
-// Meshes of fewer triangles are not searched for pieces: their hierarchy is one or two nodes deep.
+// Meshes with fewer triangles are not searched for pieces, because their hierarchy is only one or
+// two nodes deep.
 constexpr std::size_t kLeastDecomposed = 24;
 // Components with at most this many triangles are tested for convexity, in quadratic time.
 constexpr std::size_t kMostTested = 64;
-// A patch stops growing after so many rejected batches. More finds better pieces.
+// A patch stops growing after this many rejected batches. A larger limit finds better pieces.
 constexpr int kMostFailures = 32;
-// Work of a whole decomposition [units of about 0.2 us].
+// Limit on the work of a whole decomposition [units of about 0.2 us].
 constexpr double kMostWork = 5e6;
-// A large mesh's is given up once this share of the work is done and so little of the mesh that
-// all of it would take kHopeless times the work allowed. (The most promising seeds come first.)
+// The decomposition of a large mesh is given up once this share of the work is done, if the whole
+// mesh would take more than kHopeless times the allowed work at this rate. (The most promising
+// seeds come first.)
 constexpr double kFirstLook = 1.0 / 32, kHopeless = 2;
-// A decomposition is given up once it has so many more pieces and loose triangles than pay for the
-// triangles done so far. (The most promising seeds come first.)
+// A decomposition is given up once its pieces and loose triangles exceed by this many the number
+// that is worthwhile for the triangles done so far. (The most promising seeds come first.)
 constexpr double kHeadStart = 64;
-// Smaller patches are left to triangles.
+// Smaller patches are kept as triangles.
 constexpr std::size_t kLeastPatch = 4;
 
-// For each triangle of a closed component the triangles across its edges, edge k from corner k to
-// corner k + 1; -1 where the component is open, other than two of its triangles meet at the edge,
-// or the triangle names a vertex twice.
+// For each triangle of a closed component, the triangles across its edges, where edge k is from
+// corner k to corner k + 1. -1 if the component is open, if the number of its triangles at the edge
+// is not two, or if the triangle uses a vertex twice.
 std::vector<std::array<std::int32_t, 3>> neighboursOf(const TriangleMesh& mesh) {
   std::vector<EdgeUse> edges = sortedEdges(mesh.triangles(), mesh.vertices().size());
   std::erase_if(edges,
@@ -62,15 +64,15 @@ ConvexView viewOf(const std::vector<Vector>& points) {
   return viewOfPoints(points.data(), static_cast<int>(points.size()), 0);
 }
 
-// Triangles outside of a patch that must stay outside of its hull, each with a plane that separates
-// it from the points that the hull is to span.
+// Triangles outside a patch that must stay outside its hull, each with a plane that separates it
+// from the points that the hull is to span.
 class Obstacles {
  public:
   Obstacles(const Surface& surface, HullProof& proof) : surface_(surface), proof_(proof) {}
 
   void clear() { obstacles_.clear(); }
 
-  // Adds a triangle with a plane above the accepted hull. False when it is known.
+  // Adds a triangle with a plane above the accepted hull. False if it is already an obstacle.
   bool add(std::int32_t t) {
     for (const Obstacle& o : obstacles_) {
       if (o.triangle == t) return false;
@@ -80,11 +82,11 @@ class Obstacles {
     return true;
   }
 
-  // Begins anew with the points of the accepted hull.
+  // Starts again with the points of the accepted hull.
   void startSpanning() { spanned_ = proof_.hull().corners(); }
 
-  // Whether the hull of the spanned points and triangle t would meet an obstacle. If not, t is
-  // spanned, too.
+  // Whether the hull of the spanned points and triangle t would intersect an obstacle. If not, t is
+  // also spanned.
   bool meets(std::int32_t t) {
     const std::size_t before = spanned_.size();
     for (const std::int32_t v : surface_.corners(t)) spanned_.push_back(surface_.vertex(v));
@@ -100,14 +102,14 @@ class Obstacles {
   }
 
  private:
-  // All that is spanned has normal . x <= limit.
+  // All spanned points have normal . x <= limit.
   struct Obstacle {
     std::int32_t triangle;
     Vector normal;
     double limit;
   };
 
-  // Finds a plane between an obstacle and a hull. False when there is none.
+  // Finds a plane between an obstacle and a hull. False if there is none.
   bool separate(Obstacle& o, const ConvexView& hull) {
     const double allowed = proof_.allowedDepth();
     const DistanceResult r = proof_.depthIn(o.triangle, hull, allowed);
@@ -126,19 +128,21 @@ class Obstacles {
   std::vector<Vector> spanned_;
 };
 
-// Whether a triangle names a vertex twice: it is then no part of the surface around a solid, see
-// components.h.
+// Whether a triangle uses a vertex twice. Such a triangle is not part of the surface around a
+// solid, see components.h.
 bool isCollapsed(const TriangleMesh::Triangle& t) {
   return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
 }
 
-// A closed component as a piece, where it is convex up to rounding; else without a hull.
+// Returns a closed component as a piece if it is convex up to rounding; otherwise a piece without a
+// hull.
 //
-// In the direction n of a triangle's normal let no vertex be farther than h above the triangle, and
-// the middle c of all be r or more below it. If c is inside and r > 0 for all triangles, a ball of
-// the least r about c is in the solid, and so in the hull. The hull shrunk about c by the share
-// h / r, for the largest h, meets no triangle and is in the solid; no point of the hull is farther
-// from it than that share of the farthest vertex' distance from c. O(triangles^2).
+// In the direction n of a triangle's normal, let no vertex be farther than h above the triangle,
+// and let the middle c of all vertices be at least r below it. If c is inside and r > 0 for all
+// triangles, a ball around c with the least r is in the solid, and so in the hull. The hull shrunk
+// around c by the share h / r, for the largest h, intersects no triangle and is in the solid. No
+// point of the hull is farther from it than that share of the farthest vertex' distance from c.
+// O(triangles^2).
 ConvexPiece convexComponent(const TriangleMesh& mesh, std::span<const std::int32_t> triangles) {
   std::vector<std::int32_t> numbers;
   for (const std::int32_t t : triangles) {
@@ -192,7 +196,7 @@ class ComponentTriangles {
   }
 
  private:
-  std::vector<std::size_t> end_;  // of the component before
+  std::vector<std::size_t> end_;  // of the previous component
   std::vector<std::int32_t> triangles_;
 };
 
@@ -216,8 +220,8 @@ ConvexPieces piecesOf(const TriangleMesh& mesh, std::vector<ConvexPiece> pieces)
   return result;
 }
 
-// The components that are convex, as pieces: they pay however few they are. Without one the result
-// has no pieces and the reason `why`.
+// The convex components, as pieces; these are always worthwhile, however few they are. Without any,
+// the result has no pieces and the reason `why`.
 ConvexPieces convexComponents(const TriangleMesh& mesh, PieceSummary::Use why) {
   std::vector<ConvexPiece> pieces;
   const ComponentTriangles components(mesh);
@@ -263,7 +267,7 @@ class Decomposition {
       for (const std::int32_t t : triangles) taken_[at(t)] = 1;
       const auto size = static_cast<double>(triangles.size());
       done += size;
-      // Whole components pay however few triangles they have.
+      // Whole components are always worthwhile, however few triangles they have.
       units += piece.hull == nullptr ? size : is_whole ? std::min(1.0, size / kPieceTriangles) : 1;
       if (kPieceTriangles * units > std::min(done + kPieceTriangles * kHeadStart, count))
         return convexComponents(surface_.mesh(), PieceSummary::Use::kConcave);
@@ -273,7 +277,7 @@ class Decomposition {
   }
 
  private:
-  // The seed's component, if it is small and convex; each is tested once.
+  // The seed's component, if it is small and convex; each component is tested once.
   ConvexPiece wholeComponent(std::int32_t seed) {
     const int component = surface_.mesh().component(seed);
     const std::span<const std::int32_t> triangles = components_.of(component);
@@ -282,7 +286,8 @@ class Decomposition {
     return convexComponent(surface_.mesh(), triangles);
   }
 
-  // Of the share of the mesh that is done. A mesh that may spend kPieceWork is let spend it.
+  // Whether the decomposition is hopeless; `share` is the share of the mesh that is done. A mesh
+  // may always spend kPieceWork.
   bool isHopeless(double share) const {
     const double count = surface_.triangleCount();
     if (kPieceWork * count <= kMostWork) return false;
@@ -290,7 +295,7 @@ class Decomposition {
     return spent > kFirstLook * kMostWork && spent > kHopeless * kMostWork * share;
   }
 
-  // How far the highest corner of `other` stands above the plane of `t`.
+  // The height of the highest corner of `other` above the plane of `t`.
   double above(std::int32_t t, std::int32_t other) const {
     double most = -kInfinity;
     for (const std::int32_t v : surface_.corners(other)) {
@@ -302,7 +307,8 @@ class Decomposition {
     return above(t, other) > largest_excess_ || above(other, t) > largest_excess_;
   }
 
-  // Triangles of closed components, those farthest from reflex edges (in steps across edges) first.
+  // Triangles of closed components, ordered by their distance from reflex edges (in steps across
+  // edges), farthest first.
   std::vector<std::int32_t> seeds() const {
     const std::int32_t count = surface_.triangleCount();
     std::vector<std::int32_t> depth(at(count), -1), queue;
@@ -325,7 +331,7 @@ class Decomposition {
     for (std::int32_t t = 0; t < count; ++t) {
       if (surface_.isInClosedComponent(t)) order.push_back(t);
     }
-    // (Convex components have no reflex edge: they come first.)
+    // (Convex components have no reflex edge, so they come first.)
     std::stable_sort(order.begin(), order.end(), [&](std::int32_t l, std::int32_t r) {
       const auto key = [&](std::int32_t t) { return depth[at(t)] < 0 ? count : depth[at(t)]; };
       return key(l) > key(r);
@@ -333,7 +339,7 @@ class Decomposition {
     return order;
   }
 
-  // The largest patch found around a seed; its hull, where it is worth one.
+  // Finds the largest patch around a seed, and its hull if it is large enough.
   void grow(std::int32_t seed, ConvexPiece& piece) {
     patch_.clear();
     rejected_.clear();
@@ -356,7 +362,8 @@ class Decomposition {
       if (size == 1) rejected_.add(patch_.triangles().back());
       while (patch_.size() > before) patch_.removeLast();
       if (++failures >= kMostFailures) break;
-      // A new obstacle keeps out what would meet it; without one a smaller batch is tried.
+      // A new obstacle excludes the triangles that would intersect it; without one, a smaller batch
+      // is tried.
       const bool learnt = proof_.culprit() >= 0 && obstacles_.add(proof_.culprit());
       if (filtered && !learnt) step = std::max<std::size_t>(size / 2, 1);
       filtered = true;
@@ -369,7 +376,7 @@ class Decomposition {
   }
 
   // Adds up to `limit` triangles to the patch, breadth first across edges that are not reflex. With
-  // `filtered`, triangles that certainly do not fit are left out.
+  // `filtered`, triangles that certainly do not fit are omitted.
   void gather(std::size_t limit, bool filtered) {
     queue_.clear();
     queued_.clear();
@@ -398,8 +405,8 @@ class Decomposition {
     }
   }
 
-  // Whether a triangle does not fit those in the patch: a corner of it is above the plane of one of
-  // them, or a corner of one above its own.
+  // Whether a triangle does not fit those in the patch: one of its corners is above the plane of
+  // one of them, or one of their corners is above its plane.
   bool conflicts(std::int32_t t) {
     const double allowed = proof_.allowedDepth();
     work_left_ -= 0.01 * static_cast<double>(patch_.planes().size() + patch_.points().size());
@@ -419,7 +426,7 @@ class Decomposition {
   const ComponentTriangles components_;
   std::vector<std::uint8_t> tested_;  // components, by wholeComponent()
   Marks rejected_, queued_;
-  std::vector<std::uint8_t> taken_;  // in a patch that is done
+  std::vector<std::uint8_t> taken_;  // in a finished patch
   std::vector<std::int32_t> queue_;
 };
 

@@ -83,8 +83,8 @@ class Search {
     return true;
   }
 
-  // The slot of the triangle nearest to p: a heuristic, on which only the bound's quality depends.
-  // Records the largest distance met.
+  // The slot of the triangle nearest to p. This is a heuristic, which affects only the quality of
+  // the bound. Records the largest distance.
   int nearest(const Vector3d& p, int slot) {
     double best = distance(p, slot);
     std::array<int, 2 * MeshTree::kMaxDepth> stack;
@@ -121,8 +121,9 @@ class Search {
     }
   }
 
-  // Where the hull lies (nearly) on the mesh, cuts follow the triangle's edges: what is over the
-  // triangle is done, the rest of the piece is kept. False when that is not near the triangle.
+  // Where the hull lies (nearly) on the mesh, cuts follow the triangle's edges: the part over the
+  // triangle is finished, and the rest of the piece is kept. False if the piece is not near the
+  // triangle.
   bool cutOut(const Piece& piece, int slot) {
     const Vector3d* v = tree_.corners(slot);
     const Vector3d normal = (v[1] - v[0]).cross(v[2] - v[0]);
@@ -152,7 +153,8 @@ class Search {
       length = l;
       longest = k;
     }
-    // Halving is fast for a piece about as long as the excess, and hopeless for a far longer one.
+    // Halving is fast for a piece about as long as the excess, and far too slow for a much longer
+    // one.
     if (std::sqrt(length) > 64 * met_ && cutOut(piece, slot)) return;
     const Vector3d &a = piece.corner[longest], &b = piece.corner[(longest + 1) % 3],
                    &c = piece.corner[(longest + 2) % 3];
@@ -162,7 +164,7 @@ class Search {
   }
 
   // Splits a polygon by the plane through `point`: `polygon` keeps the side that `direction` points
-  // to, `rest` gets the other. New corners are on edges to within rounding, which distance()
+  // to, `rest` gets the other side. New corners are on edges up to rounding, which distance()
   // covers.
   static void cut(Polygon& polygon, const Vector3d& point, const Vector3d& direction,
                   Polygon& rest) {
@@ -194,8 +196,8 @@ class Search {
   const MeshTree& tree_;
   std::vector<Piece> stack_;
   double size_ = 0;
-  double accepted_ = 0;  // the largest bound of a piece that is done
-  double met_ = 0;       // the largest distance of a point of the hull from the mesh so far
+  double accepted_ = 0;  // the largest bound of a finished piece
+  double met_ = 0;       // the largest distance so far of a point of the hull from the mesh
 };
 
 }  // namespace

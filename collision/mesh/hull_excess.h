@@ -7,11 +7,11 @@
 
 namespace leeway::collision {
 
-/// An upper bound on the largest distance of a point of the convex hull's surface from the mesh
-/// [m]: proven, and as a rule within 5 % or 1e-7 m of it. The distance from one triangle is a
-/// convex function, so that over a part of a facet it is largest at a corner; facets are cut until
-/// the largest such bound is near a distance that was met. Work is limited: at the limit (about 0.1
-/// s) the bound is looser.
+/// A proven upper bound on the largest distance of a point of the convex hull's surface from the
+/// mesh [m], usually within 5 % or 1e-7 m of it. The distance from one triangle is a convex
+/// function, so over a part of a facet it is largest at a corner. Facets are cut until the largest
+/// such bound is close to a distance that is attained. Work is limited: at the limit (about 0.1 s)
+/// the bound is looser.
 double hullExcess(std::span<const Eigen::Vector3d> vertices, const MeshTree& tree);
 
 }  // namespace leeway::collision

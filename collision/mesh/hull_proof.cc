@@ -14,10 +14,10 @@
 namespace leeway::collision {
 namespace {
 
-// A hull is flat where the largest ball in it is smaller than this share of its reach.
+// A hull is flat if the largest ball in it is smaller than this share of its reach.
 constexpr double kThin = 0.02;
 
-// Triangles that name a vertex twice are no part of the surface around a solid, see components.h.
+// Triangles that use a vertex twice are not part of the surface around a solid, see components.h.
 bool isProper(const TriangleMesh::Triangle& t) {
   return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
 }
@@ -65,7 +65,7 @@ bool HullProof::prove(const SurfacePatch& patch, int component, const Vector* ap
   const double radius = inradius(view);
   thin_ = !(radius > kThin * trial_.reach());
   if (!(radius > 0)) return false;
-  // A triangle this deep in the hull needs the largest excess.
+  // A triangle this deep in the hull requires the largest excess.
   allowed_ = largest_excess_ * radius / trial_.reach();
   deepest_ = 0;
   best_facet_ = 0;
@@ -74,9 +74,9 @@ bool HullProof::prove(const SurfacePatch& patch, int component, const Vector* ap
   }
   if (!areOthersShallow(patch, component, view)) return false;
   if (sideOf(surface_.mesh(), component, trial_.center()) != Side::kInside) return false;
-  // A triangle no deeper than h along n, n . x >= max(n . hull) - h, does not meet the interior of
-  // the hull shrunk about its centre by the share h / radius; no point of the hull is farther than
-  // that share of its reach from the shrunk one.
+  // A triangle no deeper than h along n, n . x >= max(n . hull) - h, does not intersect the
+  // interior of the hull shrunk around its centre by the share h / radius. No point of the hull is
+  // farther than that share of its reach from the shrunk hull.
   const double excess = deepest_ / radius * trial_.reach() * (1 + 16 * kUnitRoundoff);
   if (!(excess <= largest_excess_)) return false;
   excess_ = excess;
@@ -100,7 +100,7 @@ void HullProof::collectPoints(const SurfacePatch& patch, const Vector* apex) {
   work_left_ -= 1 + 2 * static_cast<double>(trial_points_.size());
 }
 
-// No point of the trial hull's surface is nearer to its centre than this [m].
+// A lower bound on the distance of the trial hull's surface from its centre [m].
 double HullProof::inradius(const ConvexView& view) {
   ConvexView point;
   point.core = Core::kPoint;
@@ -122,9 +122,9 @@ DistanceResult HullProof::depthIn(std::int32_t t, const ConvexView& hull, double
   return convexDistance(viewOfPoints(triangle, 3, 0), Pose{}, hull, request, scratch_, nullptr);
 }
 
-// Whether triangle t is no deeper in the trial hull than allowed: in some direction no point of the
-// hull is farther than that above it. Facets near the triangle and its own normal are tried before
-// the query.
+// Whether triangle t is no deeper in the trial hull than allowed: in some direction, no point of
+// the hull is farther than that above it. Facets near the triangle and its own normal are tried
+// before the query.
 bool HullProof::isShallow(std::int32_t t, const ConvexView& view) {
   double depth = kInfinity;
   if (depthBelowFacets(t, depth)) return true;
@@ -135,14 +135,14 @@ bool HullProof::isShallow(std::int32_t t, const ConvexView& view) {
   return true;
 }
 
-// The triangle's depth below the facets at its corners, and below the one that was best for the
-// triangle before. True when it is a facet itself: its depth then is 0 exactly.
+// The triangle's depth below the facets at its corners, and below the best facet for the previous
+// triangle. True if the triangle is a facet itself; its depth is then exactly 0.
 bool HullProof::depthBelowFacets(std::int32_t t, double& depth) {
   const auto& c = surface_.corners(t);
   const double rounding = 16 * kUnitRoundoff * trial_.size();
   const auto offer = [&](std::int32_t facet) {
     const PatchHull::Plane& plane = trial_.plane(facet);
-    // Corners of triangles outside of the patch may be far away.
+    // Corners of triangles outside the patch may be far away.
     double deep = -kInfinity, far_squared = 0;
     for (const std::int32_t v : c) {
       const Vector down = plane.point - surface_.vertex(v);
@@ -201,8 +201,8 @@ double HullProof::depthAlongNormal(std::int32_t t) {
   return std::min(high - own_low + error, own_high - low + error);
 }
 
-// isShallow() for all triangles of the component outside of the patch: a descent to those whose
-// nodes meet the trial hull.
+// isShallow() for all triangles of the component outside the patch: a descent to those whose nodes
+// intersect the trial hull.
 bool HullProof::areOthersShallow(const SurfacePatch& patch, int component, const ConvexView& view) {
   const MeshTree& tree = surface_.tree();
   std::array<int, 2 * MeshTree::kMaxDepth> stack;

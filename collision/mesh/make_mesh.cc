@@ -41,8 +41,8 @@ void requireUsable(std::span<const Vector3d> vertices, std::span<const Triangle>
   }
 }
 
-// For each vertex the first one with equal coordinates, 0 and -0 being equal: a hash table with
-// open addressing, at most half full. The result does not depend on the table's order.
+// For each vertex, the first one with equal coordinates, where 0 and -0 are equal. Uses a hash
+// table with open addressing, at most half full. The result does not depend on the table's order.
 std::vector<std::int32_t> firstEqual(std::span<const Vector3d> given) {
   std::vector<std::int32_t> first(given.size());
   std::pmr::vector<std::int32_t> table(std::bit_ceil(2 * given.size() + 1), -1, largeArrays());
@@ -82,8 +82,8 @@ void weld(std::span<const Vector3d> given, std::span<const Triangle> given_trian
   }
 }
 
-// Adds the triangles that close cracks, and finds the components then. What one round closes ends
-// at vertices that may lie on other edges: further rounds look there.
+// Adds the triangles that close cracks, and finds the components afterwards. Triangles of one round
+// may end at vertices that lie on other edges, which further rounds handle.
 MeshComponents closeCracks(std::span<const Vector3d> vertices, std::vector<Triangle>& triangles,
                            double weld) {
   constexpr int kRounds = 8;
@@ -100,7 +100,7 @@ MeshComponents closeCracks(std::span<const Vector3d> vertices, std::vector<Trian
     if (triangles.size() == before) break;
     components = findComponents(vertices, triangles, weld);
   }
-  // Those that close nothing go again.
+  // Removes those that close nothing.
   std::size_t kept = given;
   for (std::size_t i = given; i < triangles.size(); ++i) {
     const bool closes = components.closed[at(components.component[i])] != 0 &&
@@ -131,8 +131,8 @@ BuiltMesh MeshFile::build(std::span<const Vector3d> vertices, std::span<const Tr
     throw InvalidShape("mesh: weld is " + std::to_string(options.weld) +
                        "; 0 or a distance in metres is needed");
   std::shared_ptr<TriangleMesh> mesh(new TriangleMesh);
-  // Coordinates too small for the exact predicates become 0: 1e-70 m is far below the rounding of
-  // any query.
+  // Coordinates too small for the exact predicates become 0, because 1e-70 m is far below the
+  // rounding of any query.
   std::pmr::vector<Vector3d> clean(vertices.begin(), vertices.end(), largeArrays());
   for (Vector3d& v : clean) {
     for (int k = 0; k < 3; ++k) {
@@ -194,7 +194,7 @@ std::size_t TriangleMesh::bytes() const {
          component_closed_.size() + winding_weight_.size() * sizeof(std::uint64_t) + tree_->bytes();
 }
 
-// Here because shapes/ does not know meshes.
+// Defined here because shapes/ does not depend on meshes.
 Shape Shape::mesh(std::shared_ptr<const TriangleMesh> mesh) {
   if (!mesh || mesh->vertices().empty()) {
     throw InvalidShape("mesh: it has no triangles; at least one is needed");

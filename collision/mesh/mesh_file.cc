@@ -56,7 +56,7 @@ bool areSizes(const std::vector<Vector3d>& vertices) {
 
 bool isSize(double size) { return size >= 0 && std::isfinite(size); }
 
-// A lane of a BoxNode. (Nodes are a third empty, and the largest part of a file.)
+// A lane of a BoxNode. (Nodes are a third empty, and they are the largest part of a file.)
 struct BoxLane {
   float center[3], axis[3][3], half[3], radius;
   std::int32_t child;
@@ -84,11 +84,11 @@ void packBoxes(std::span<const BoxNode> nodes, ByteWriter& to) {
   to.array(lanes);
 }
 
-// Null where counts and lanes do not fit, or are no tree of the mesh.
+// Null if counts and lanes do not match, or are not a tree of the mesh.
 std::unique_ptr<const BoxTree> boxesOf(std::span<const std::uint8_t> counts,
                                        std::span<const BoxLane> lanes, std::size_t triangles,
                                        int pieces) {
-  // In a tree that branches there are no more.
+  // A branching tree has at most this many.
   if (counts.size() > triangles + static_cast<std::size_t>(pieces) + 1) return nullptr;
   std::pmr::vector<BoxNode> nodes(largeArrays());
   nodes.reserve(counts.size());
@@ -117,7 +117,7 @@ struct PackedPiece {
   double excess;
 };
 
-// Null for hulls that are none.
+// False if the hulls are invalid.
 bool unpackPieces(ByteReader& from, int count, std::vector<PackedPiece>& pieces) {
   for (int i = 0; i < count; ++i) {
     std::shared_ptr<const ConvexHull> hull = unpackHull(from);

@@ -17,16 +17,16 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Visits the nodes of a plan in preorder: visit(node, begin, end, parent) with its slots, and its
-// parent where it is a right child, else -1. False, having stopped, where this is no binary tree
-// over the slots of limited depth.
+// Visits the nodes of a plan in preorder: visit(node, begin, end, parent) with its slots, and with
+// its parent if it is a right child, otherwise -1. Stops and returns false if the plan is not a
+// binary tree over the slots of limited depth.
 template <class Visit>
 bool walk(const MeshTreePlanView& plan, const Visit& visit) {
   struct Right {
     std::int32_t parent, begin, end;
     int depth;
   };
-  std::array<Right, MeshTree::kMaxDepth> waiting;  // one for each level above the node at most
+  std::array<Right, MeshTree::kMaxDepth> waiting;  // at most one for each level above the node
   std::size_t size = 0;
   Right here{-1, 0, static_cast<std::int32_t>(plan.order.size()), 0};
   for (std::size_t id = 0; id < plan.nodes.size(); ++id) {

@@ -14,10 +14,10 @@
 
 namespace leeway::collision {
 
-/// A patch of a closed component's triangles and a convex hull that holds all of them. The solid
+/// A patch of a closed component's triangles and a convex hull that contains all of them. The solid
 /// has a convex part K such that K lies in the hull and no point of the hull is farther than
-/// `excess` from K. So if a convex body is at distance d from the hull (negative: minus its depth),
-/// it is at least d from the patch and at most d + excess from the solid.
+/// `excess` from K. If a convex body is at distance d from the hull (negative: minus its depth), it
+/// is therefore at least d from the patch and at most d + excess from the solid.
 struct ConvexPiece {
   std::vector<std::int32_t> triangles;  ///< ascending
   std::shared_ptr<const ConvexHull> hull;
@@ -26,21 +26,22 @@ struct ConvexPiece {
 
 /// A node of MeshTree: bounds of a range of triangles.
 struct MeshNode {
-  Eigen::Vector3d center;     ///< of a sphere that holds the triangles [m]
+  Eigen::Vector3d center;     ///< of a sphere that contains the triangles [m]
   double radius;              ///< of that sphere, rounded outwards [m]
   Eigen::Vector3d low, high;  ///< their axis-aligned box; exact
-  double excess;  ///< no point of the triangles is farther outside of the core's hull [m]
-  double extent;  ///< no point of the core is farther from the origin [m]
+  double excess;  ///< upper bound on the distance of the triangles' points outside the core's hull
+                  ///< [m]
+  double extent;  ///< upper bound on the distance of the core's points from the origin [m]
   std::int32_t core_begin, core_count;
   std::int32_t right;  ///< right child, the left one is the next node; -1: a leaf
   std::int32_t triangle_begin, triangle_end;  ///< slots
-  std::int32_t component;                     ///< of all its triangles; -1: of several
+  std::int32_t component;                     ///< of all its triangles; -1: they belong to several
 
   bool isLeaf() const { return right < 0; }
 };
 
-/// What finding a MeshTree takes time for; all else follows from it and the mesh. What a mesh file
-/// (mesh_file.h) keeps of the tree.
+/// The part of a MeshTree that takes time to compute; everything else follows from it and the mesh.
+/// A mesh file (mesh_file.h) stores this part of the tree.
 struct MeshTreePlan {
   struct Node {
     double radius = 0;        ///< as MeshNode's
@@ -53,7 +54,7 @@ struct MeshTreePlan {
   std::vector<std::int32_t> core;   ///< vertices of the nodes' cores, node by node
 };
 
-/// A plan that stands elsewhere, in a file for one.
+/// A plan in other memory, for example in a file.
 struct MeshTreePlanView {
   std::span<const std::int32_t> order;
   std::span<const MeshTreePlan::Node> nodes;
@@ -64,34 +65,35 @@ struct MeshTreePlanView {
       : order(plan.order), nodes(plan.nodes), core(plan.core) {}
 };
 
-/// O(n log n). Arguments as TriangleMesh holds them.
+/// Plans a tree. O(n log n). Arguments as in TriangleMesh.
 MeshTreePlan planTree(std::span<const Eigen::Vector3d> vertices,
                       std::span<const std::array<std::int32_t, 3>> triangles);
 
-/// Whether a plan from a file is one of a mesh of so many vertices and triangles: a tree of limited
-/// depth over all slots, numbers that exist, finite sizes. O(n).
+/// Whether a plan from a file is valid for a mesh with these numbers of vertices and triangles: a
+/// tree of limited depth over all slots, existing numbers, finite sizes. O(n).
 bool isPlan(const MeshTreePlanView& plan, std::size_t vertices, std::size_t triangles);
 
 /// A binary hierarchy over the triangles of a mesh. A node is bounded by the hull of a few of the
-/// mesh's own vertices, its core, grown by a proven excess: one convex query bounds the distance of
-/// a whole nearly convex part, and queries that allow the excess need not descend further. Compare
-/// convex covers and surface decompositions (S. A. Ehmann, M. C. Lin, "Accurate and fast proximity
-/// queries between polyhedra using convex surface decomposition", 2001); here parts need not be
-/// convex, and the excess measures by how much they are not. Nodes are in an array in preorder:
-/// each left child follows its parent.
+/// mesh's own vertices, its core, grown by a proven excess. One convex query then bounds the
+/// distance of a whole nearly convex part, and queries that allow the excess need not descend
+/// further. Compare convex covers and surface decompositions (S. A. Ehmann, M. C. Lin, "Accurate
+/// and fast proximity queries between polyhedra using convex surface decomposition", 2001); here
+/// parts need not be convex, and the excess measures their deviation. Nodes are in an array in
+/// preorder: each left child follows its parent.
 class MeshTree {
  public:
   using Triangle = std::array<std::int32_t, 3>;
 
-  /// No path from the root to a leaf is longer; traversals size their stacks by it.
+  /// Limit on the length of a path from the root to a leaf; traversals size their stacks by it.
   static constexpr int kMaxDepth = 80;
   /// Queries test a leaf's triangles one by one.
   static constexpr std::int32_t kLeafTriangles = 2;
-  /// Most points of a core: a support function over so many costs about as much as the rest of a
-  /// GJK step.
+  /// Limit on the points of a core. A support function over this many points costs about as much as
+  /// the rest of a GJK step.
   static constexpr int kCoreVertices = 32;
 
-  /// Arguments as TriangleMesh holds them; a plan that isPlan(); the hull of all vertices. O(n).
+  /// Arguments as in TriangleMesh; a plan for which isPlan() is true; the hull of all vertices.
+  /// O(n).
   MeshTree(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
            std::span<const std::int32_t> triangle_component, const MeshTreePlanView& plan,
            std::shared_ptr<const ConvexHull> hull);
@@ -122,7 +124,7 @@ class MeshTree {
     view.extent = extent_;
     return view;
   }
-  /// The hull of all vertices: enough for many queries where the mesh is nearly convex.
+  /// The hull of all vertices, which is sufficient for many queries if the mesh is nearly convex.
   ConvexView hullView() const {
     ConvexView view;
     view.core = Core::kPoints;
@@ -137,16 +139,16 @@ class MeshTree {
   /// The triangles and convex pieces under oriented boxes, for pairs of meshes. Only after
   /// makeBoxes().
   const BoxTree& boxes() const { return *boxes_; }
-  /// Makes boxes() and takes over the pieces. Call once, before the first query. O(n log n).
+  /// Makes boxes() and stores the pieces. Call once, before the first query. O(n log n).
   void makeBoxes(std::span<const Eigen::Vector3d> vertices, std::span<const Triangle> triangles,
                  std::span<const ConvexPiece> pieces);
-  /// For a mesh from a file: a piece each, then the boxes (null: they are none of this mesh), in
-  /// place of makeBoxes(). False where these are not usable.
+  /// For a mesh from a file, instead of makeBoxes(): add each piece, then take the boxes (null if
+  /// they do not belong to this mesh). False if these are not usable.
   void addPiece(std::shared_ptr<const ConvexHull> hull, double excess);
   bool takeBoxes(std::unique_ptr<const BoxTree> boxes);
-  /// The hull of hullView().
+  /// The hull that hullView() shows.
   const ConvexHull& hull() const { return *hull_; }
-  /// Convex pieces (convex_pieces.h); none where they do not pay.
+  /// Convex pieces (convex_pieces.h); none if they are not worthwhile.
   int pieceCount() const { return static_cast<int>(pieces_.size()); }
   const ConvexView& pieceView(int piece) const {
     return pieces_[static_cast<std::size_t>(piece)].view;
@@ -163,7 +165,7 @@ class MeshTree {
   std::int32_t triangleOf(int slot) const { return triangle_of_[static_cast<std::size_t>(slot)]; }
   std::int32_t slotOf(int triangle) const { return slot_of_[static_cast<std::size_t>(triangle)]; }
   int triangleCount() const { return static_cast<int>(triangle_of_.size()); }
-  /// No vertex of the mesh is farther from the origin [m].
+  /// Upper bound on the distance of the mesh's vertices from the origin [m].
   double extent() const { return extent_; }
   std::size_t bytes() const;
 

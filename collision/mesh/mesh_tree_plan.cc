@@ -22,7 +22,7 @@ namespace {
 using Triangle = std::array<std::int32_t, 3>;
 
 constexpr int kBins = 16;
-// From this depth on nodes are halved, so that kMaxDepth holds for any mesh of 2^31 triangles.
+// From this depth on, nodes are halved, so that kMaxDepth holds for any mesh of 2^31 triangles.
 constexpr int kFreePlanDepth = MeshTree::kMaxDepth - 34;
 
 double halfArea(const Vector3d& low, const Vector3d& high) {
@@ -67,7 +67,7 @@ TriangleBoxes boxesOf(std::span<const Vector3d> vertices, std::span<const Triang
   return boxes;
 }
 
-// Unset until it has a triangle: most nodes have fewer triangles than bins.
+// Not initialized until it has a triangle, because most nodes have fewer triangles than bins.
 struct Bin {
   Vector3d low, high;
   std::int32_t count = 0;
@@ -80,7 +80,7 @@ struct Bin {
 };
 
 // The surface area heuristic with bins: the cut between two bins with the least sum of area times
-// count on both sides, over three axes. Returns the axis, or -1 when all centres coincide.
+// count on both sides, over three axes. Returns the axis, or -1 if all centres coincide.
 int chooseCut(const TriangleBoxes& boxes, std::span<const std::int32_t> order, double& cut) {
   Vector3d from = boxes[at(order[0])].center(), to = from;
   for (const std::int32_t t : order) {
@@ -126,7 +126,7 @@ int chooseCut(const TriangleBoxes& boxes, std::span<const std::int32_t> order, d
 // Plans a part of a tree.
 class Planner {
  public:
-  // `order`: triangles, permuted as the tree grows. All arguments must outlive this.
+  // `order`: triangles, permuted as the tree grows. All arguments must outlive this object.
   Planner(std::span<const Vector3d> vertices, std::span<const Triangle> triangles,
           const TriangleBoxes& boxes, std::span<std::int32_t> order)
       : vertices_(vertices),
@@ -135,14 +135,15 @@ class Planner {
         order_(order),
         stamp_(vertices.size(), -1) {}
 
-  // Makes room for the nodes of so many triangles: as many nodes as a rule, with 8 points each.
+  // Reserves room for the nodes of this many triangles: usually as many nodes as triangles, with 8
+  // points each.
   void reserve(std::size_t count) {
     nodes_.reserve(count + count / 4);
     core_.reserve(8 * count);
   }
 
-  // Node by node in preorder, so that each left child follows its parent. Large parts are planned
-  // in threads of their own and put in their places.
+  // Builds node by node in preorder, so that each left child follows its parent. Large parts are
+  // planned in separate threads and then put in their places.
   void build(std::int32_t begin, std::int32_t end, int depth) {
     const std::size_t id = nodes_.size();
     nodes_.push_back(bound(begin, end));
@@ -166,7 +167,7 @@ class Planner {
   std::vector<std::int32_t> takeCore() { return std::move(core_); }
 
  private:
-  // Parts the slots in two and returns where the second part begins.
+  // Splits the slots in two and returns the start of the second part.
   std::int32_t part(std::int32_t begin, std::int32_t end, int depth) {
     const auto first = order_.begin() + begin, last = order_.begin() + end;
     auto middle = first + (end - begin) / 2;
@@ -176,7 +177,7 @@ class Planner {
       axis = chooseCut(boxes_, {&*first, static_cast<std::size_t>(end - begin)}, cut);
     }
     if (axis >= 0) {
-      // Stable, so that the order depends on the mesh alone.
+      // Stable, so that the order depends only on the mesh.
       const auto parted = std::stable_partition(
           first, last, [&](std::int32_t t) { return boxes_[at(t)].center()[axis] < cut; });
       if (parted != first && parted != last) middle = parted;
@@ -230,8 +231,9 @@ class Planner {
   // coordinate.
   double addCore(double size) {
     if (collected_.size() <= static_cast<std::size_t>(MeshTree::kCoreVertices)) {
-      // All points instead of their hull's corners. Most nodes are so small: finding the corners
-      // would dominate the build, and support functions are as fast over all points (measured).
+      // Uses all points instead of their hull's corners. Most nodes are this small: finding the
+      // corners would dominate the build, and support functions are equally fast over all points
+      // (measured).
       core_.insert(core_.end(), collected_.begin(), collected_.end());
       return 0;
     }
@@ -242,8 +244,8 @@ class Planner {
     double excess = largestDistanceFromHull(points_, hull);
     if (kept.size() > static_cast<std::size_t>(MeshTree::kCoreVertices)) {
       // A flat part, to which the builder's limit does not apply. Every n-th point of the outline
-      // is kept; those between two of them are no farther from the hull than from the edge between
-      // the two.
+      // is kept. The points between two kept ones are no farther from the hull than from the edge
+      // between those two.
       const std::vector<std::int32_t>& outline = hull.outline();
       const std::size_t step =
           (outline.size() + MeshTree::kCoreVertices - 1) / MeshTree::kCoreVertices;
@@ -267,8 +269,8 @@ class Planner {
   const TriangleBoxes& boxes_;
   std::span<std::int32_t> order_;
   std::vector<std::int32_t> stamp_;      // per vertex: the node that has collected it
-  std::vector<std::int32_t> collected_;  // vertices of the node in hand
-  std::vector<Vector3d> points_;         // the same
+  std::vector<std::int32_t> collected_;  // vertices of the current node
+  std::vector<Vector3d> points_;         // their coordinates
   std::vector<MeshTreePlan::Node> nodes_;
   std::vector<std::int32_t> core_;
 };

@@ -16,8 +16,9 @@ using Eigen::Vector3d;
 
 namespace {
 
-// A right-handed frame with its first axis along `first` and its second near `second`. A vector
-// whose square has lost digits names no axis: divided by its length, it would not be of length 1.
+// A right-handed frame with its first axis along `first` and its second close to `second`. A vector
+// whose square has lost digits defines no axis, because after division by its length it would not
+// be of length 1.
 Matrix3d frame(const Vector3d& first, const Vector3d& second) {
   Matrix3d axes = Matrix3d::Identity();
   if (!(first.norm() > kLeastToSquare)) return axes;
@@ -56,10 +57,11 @@ class Spread {
     *this = scaled;
   }
 
-  // The direction of the largest spread and, second, of the largest across it. Parts of a surface
-  // are flat as a rule, so that the direction of the least spread is the best conditioned one: the
-  // adjugate's largest, found by repeated squaring. Across it the largest has a closed form, and
-  // across that the second has: errors of the first direction within their plane cancel.
+  // The direction of the largest spread and, second, of the largest spread across it. Parts of a
+  // surface are usually flat, so the direction of the least spread is the best conditioned one. It
+  // is the adjugate's largest, found by repeated squaring. The direction of the largest spread
+  // across it has a closed form, and so has the second one across that. Errors of the first
+  // direction within their plane cancel.
   Matrix3d principal() const {
     const double size = xx_ + yy_ + zz_;
     if (!(size > 0)) return Matrix3d::Identity();
@@ -85,8 +87,8 @@ class Spread {
     const Vector3d u = n.unitOrthogonal(), v = cross(n, u);
     const Vector3d along_u = times(u);
     const double a = u.dot(along_u), b = v.dot(along_u), c = v.dot(times(v));
-    // The 2x2 matrix (a, b; b, c) with h = (a - c) / 2, r = sqrt(h^2 + b^2): both (h + r, b) and
-    // (b, r - h) are along the eigenvector of its larger eigenvalue.
+    // For the 2x2 matrix (a, b; b, c) with h = (a - c) / 2, r = sqrt(h^2 + b^2), both (h + r, b)
+    // and (b, r - h) are along the eigenvector of its larger eigenvalue.
     const double h = 0.5 * (a - c), r = std::sqrt(h * h + b * b);
     if (!(r > 0)) return u;
     return h >= 0 ? Vector3d((h + r) * u + b * v) : Vector3d(b * u + (r - h) * v);
@@ -97,8 +99,8 @@ class Spread {
     return {xx_ * v.x() + xy_ * v.y() + xz_ * v.z(), xy_ * v.x() + yy_ * v.y() + yz_ * v.z(),
             xz_ * v.x() + yz_ * v.y() + zz_ * v.z()};
   }
-  // Every column of a matrix of nearly rank one is along its range; that of the largest diagonal
-  // entry is the best conditioned.
+  // Every column of a matrix of nearly rank one is along its range; the column of the largest
+  // diagonal entry is the best conditioned.
   Vector3d longestColumn() const {
     if (yy_ > xx_ && yy_ >= zz_) return {xy_, yy_, yz_};
     if (zz_ > xx_ && zz_ > yy_) return {xz_, yz_, zz_};
@@ -168,8 +170,9 @@ FittedBox ObbFit::smallestAlong(const Matrix3d* frames, std::size_t count) const
   return smallest;
 }
 
-// Along an edge that the third corner projects onto. The rectangles along such edges have the least
-// area of all around the triangle, the same for each; the one of least girth is taken.
+// A frame along an edge onto which the third corner projects. The rectangles along such edges have
+// the least area of all around the triangle, the same for each; the one with the least girth is
+// selected.
 Matrix3d ObbFit::frameOfTriangle() const {
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();

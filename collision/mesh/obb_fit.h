@@ -21,19 +21,19 @@ struct FittedBox {
 /// Fits oriented boxes to sets of triangles.
 class ObbFit {
  public:
-  /// Begins a set of `triangles` >= 1 triangles.
+  /// Starts a set of `triangles` >= 1 triangles.
   void start(std::size_t triangles);
-  /// The corners of the triangles, three for each.
+  /// Adds a corner of a triangle, three for each.
   void add(const Eigen::Vector3d& corner) {
     column_[0][corners_] = corner.x();
     column_[1][corners_] = corner.y();
     column_[2][corners_] = corner.z();
     ++corners_;
   }
-  /// The smallest (by area) of a few boxes, once all corners are added: along the axes of
-  /// coordinates; of a single triangle along its best edge; else along the principal axes of the
-  /// corners and of the surface (S. Gottschalk, M. C. Lin, D. Manocha, "OBBTree", 1996), and along
-  /// the mean normal. Not rounded outwards. O(triangles).
+  /// Returns the smallest (by area) of a few boxes, once all corners are added: along the
+  /// coordinate axes; for a single triangle along its best edge; otherwise along the principal axes
+  /// of the corners and of the surface (S. Gottschalk, M. C. Lin, D. Manocha, "OBBTree", 1996), and
+  /// along the mean normal. Not rounded outwards. O(triangles).
   FittedBox fit();
 
  private:

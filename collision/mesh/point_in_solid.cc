@@ -14,8 +14,8 @@ bool boxesMeet(const MeshNode& node, const Vector3d& low, const Vector3d& high) 
   return (node.low.array() <= high.array()).all() && (low.array() <= node.high.array()).all();
 }
 
-// The winding number about p from the crossings of a segment to q, outside of the component; false
-// when one of them is irregular.
+// The winding number around p from the crossings of a segment to q, outside the component; false if
+// one of them is irregular.
 bool windingNumber(const TriangleMesh& mesh, int component, const Vector3d& p, const Vector3d& q,
                    Winding& winding) {
   const MeshTree& tree = mesh.tree();

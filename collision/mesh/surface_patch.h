@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: patches of a mesh's surface, as the search for convex pieces grows them.
+// Private to collision/: patches of a mesh's surface, for the search for convex pieces.
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,7 @@ class Surface {
       const Vector &a = vertex(t[0]), &b = vertex(t[1]), &c = vertex(t[2]);
       const Vector normal = cross(b - a, c - a);
       const double length = normal.norm();
-      // A sliver's normal is arbitrary; the planes through it are valid all the same.
+      // A sliver's normal is arbitrary, but the planes through it are still valid.
       normal_.push_back(length > 0 ? Vector(normal / length) : Vector::UnitX());
       offset_.push_back(normal_.back().dot(a));
     }
@@ -81,7 +81,7 @@ class SlotCount {
   std::vector<std::int32_t> sum_;
 };
 
-/// Vectors with a number each (planes, or points), stored as columns.
+/// Numbered vectors (planes, or points), stored as columns.
 class Columns {
  public:
   void clear() {
@@ -95,7 +95,7 @@ class Columns {
     for (auto& column : column_) column.pop_back();
   }
   std::size_t size() const { return column_[3].size(); }
-  /// Whether v . w - offset > limit for one of them.
+  /// Whether v . w - offset > limit for any of them.
   bool above(const Vector& w, double limit) const {
     const double wx = w.x(), wy = w.y(), wz = w.z();
     const double *x = column_[0].data(), *y = column_[1].data(), *z = column_[2].data(),
@@ -116,7 +116,7 @@ class Columns {
   std::array<std::vector<double>, 4> column_;
 };
 
-/// A set of triangles of one component that grows and is cut back at its end.
+/// A set of triangles of one component that grows and shrinks at its end.
 class SurfacePatch {
  public:
   explicit SurfacePatch(const Surface& surface)

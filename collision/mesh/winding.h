@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: the side of a closed surface that a point is on, by the winding number.
+// Private to collision/: the side of a closed surface on which a point lies, by the winding number.
 
 #include <Eigen/Core>
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace leeway::collision {
 
-/// Where a point is, seen from a closed surface.
+/// The position of a point relative to a closed surface.
 enum class Side : unsigned char { kOutside, kInside, kUnknown };
 
 enum class Crossing : signed char { kIn = -1, kNone = 0, kOut = 1, kIrregular = 2 };
@@ -21,7 +21,7 @@ enum class Crossing : signed char { kIn = -1, kNone = 0, kOut = 1, kIrregular = 
 /// A winding number, or a sum of those of several cycles with their weights, modulo kCyclePrime.
 class Winding {
  public:
-  /// `weight` below kCyclePrime. Irregular crossings count as none.
+  /// `weight` is below kCyclePrime. Irregular crossings are ignored.
   void add(Crossing crossing, std::uint64_t weight) {
     if (crossing == Crossing::kOut) sum_ += weight;
     if (crossing == Crossing::kIn) sum_ += kCyclePrime - weight;
@@ -34,20 +34,20 @@ class Winding {
 };
 
 /// A segment that decides inside or outside leaves the component's box by this share of its size,
-/// and is tilted by multiples of it: enough to miss the edges and vertices of axis-aligned parts at
-/// once.
+/// and is tilted by multiples of it. This is enough to miss the edges and vertices of axis-aligned
+/// parts at once.
 inline constexpr double kSegmentTilt = 1.0 / 1024;
 
-/// How the segment from p to a point q that is not on the triangle crosses it: outwards, inwards or
-/// not at all. Irregular where it meets an edge or a vertex, lies in the plane, or begins on the
-/// triangle. Exact.
+/// How the segment from p to a point q that is not on the triangle crosses the triangle: outwards,
+/// inwards or not at all. Irregular if it meets an edge or a vertex, lies in the plane, or starts
+/// on the triangle. Exact.
 inline Crossing crossing(const Eigen::Vector3d& p, const Eigen::Vector3d& q,
                          const Eigen::Vector3d* v) {
   const int side_p = orientation(v[0], v[1], v[2], p), side_q = orientation(v[0], v[1], v[2], q);
   if (side_p == side_q && side_p != 0) return Crossing::kNone;
   if (side_p == 0 && side_q == 0) {
-    // The segment lies in the triangle's plane; or the triangle has no area and bounds nothing: its
-    // neighbours count.
+    // The segment lies in the triangle's plane; or the triangle has no area and bounds nothing, so
+    // its neighbours count.
     return collinear(v[0], v[1], v[2]) ? Crossing::kNone : Crossing::kIrregular;
   }
   int positive = 0, negative = 0;
@@ -64,7 +64,7 @@ inline Crossing crossing(const Eigen::Vector3d& p, const Eigen::Vector3d& q,
 }
 
 /// The side of a component within the box [low, high]. `winding_number(q, winding)` counts the
-/// crossings of the segment from the point to q, outside of the box; false when one is irregular.
+/// crossings of the segment from the point to q, outside the box; false if one is irregular.
 template <class WindingNumber>
 Side sideByWinding(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
                    const Eigen::Vector3d& point, const WindingNumber& winding_number) {
@@ -77,7 +77,7 @@ Side sideByWinding(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
   }
   const Eigen::Vector3d size = high - low;
   const double tilt = kSegmentTilt * size.maxCoeff();
-  // Segments nearly along an axis have thin boxes and meet few nodes. The shortest way out comes
+  // Segments nearly along an axis have thin boxes and meet few nodes. The shortest way out is tried
   // first.
   for (int attempt = 0; attempt < 4; ++attempt) {
     std::array<bool, 6> tried{};

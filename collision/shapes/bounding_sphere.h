@@ -18,7 +18,7 @@ inline double outwardNorm(double x, double y, double z) { return std::hypot(x, y
 struct BoundingSphere {
   Eigen::Vector3d center;
   double radius;  // [m]
-  double extent;  // no point is farther from the origin [m]
+  double extent;  // upper bound on the distance of the points from the origin [m]
 };
 
 inline BoundingSphere sphereAround(std::span<const Eigen::Vector3d> points) {
@@ -28,7 +28,8 @@ inline BoundingSphere sphereAround(std::span<const Eigen::Vector3d> points) {
     highest = highest.cwiseMax(p);
   }
   BoundingSphere sphere{0.5 * lowest + 0.5 * highest, 0, 0};
-  // std::hypot takes as long as all else: asked only where the square may be the largest.
+  // std::hypot takes as long as everything else, so it is called only where the square may be the
+  // largest.
   const auto enlarge = [](double& largest, const Eigen::Vector3d& v) {
     if (v.squaredNorm() * (1 + 0x1p-48) >= largest * largest)
       largest = std::max(largest, std::hypot(v.x(), v.y(), v.z()));
@@ -37,7 +38,7 @@ inline BoundingSphere sphereAround(std::span<const Eigen::Vector3d> points) {
     enlarge(sphere.radius, p - sphere.center);
     enlarge(sphere.extent, p);
   }
-  // The differences' rounding is proportional to the coordinates, not to the radius.
+  // The rounding of the differences is proportional to the coordinates, not to the radius.
   sphere.radius = sphere.radius * kOutwards + sphere.extent * 0x1p-51;
   sphere.extent = sphere.extent * kOutwards;
   return sphere;

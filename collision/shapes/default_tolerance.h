@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: the tolerance of requests that name none.
+// Private to collision/: the tolerance of requests that do not set one.
 
 #include <algorithm>
 #include <cmath>
@@ -10,13 +10,13 @@
 
 namespace leeway::collision {
 
-/// The request with that tolerance [m]. (Member by member: a vector copy of what the caller has
-/// just written in pieces would stall.)
+/// The request with that tolerance [m]. (It is copied member by member, because a vector copy of
+/// data that the caller has just written in pieces would stall.)
 inline DistanceRequest withTolerance(const DistanceRequest& request, double tolerance) {
   return {tolerance, request.threshold, request.depth, request.iteration_limit, request.node_limit};
 }
 
-/// A body's part in defaultTolerance() [m]; half-spaces have no size.
+/// A body's contribution to defaultTolerance() [m]; half-spaces have no size.
 inline double toleranceOf(double bounding_radius, double extent) {
   if (!std::isfinite(bounding_radius)) return 0;
   return std::max(std::min(kDefaultShare * bounding_radius, kDefaultTolerance),

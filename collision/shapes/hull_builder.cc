@@ -28,7 +28,7 @@ inline double HullBuilder::heightOver(const Facet& f, std::int32_t point) const 
   return f.normal.dot(at(point) - at(f.corner[0]));
 }
 
-// Exact: where the rounding of `height`, which is heightOver(), could matter, a predicate decides.
+// Exact: if the rounding of `height`, which is heightOver(), could matter, a predicate decides.
 inline bool HullBuilder::sees(std::int32_t point, const Facet& f, double height) const {
   if (height > f.doubt) return true;
   if (height < -f.doubt) return false;
@@ -56,7 +56,8 @@ bool HullBuilder::start() {
   std::int32_t c = farthestFromLine(a, b);
   if (c < 0) {
     dimension_ = 1;
-    // Extreme, too: a and b are the ends along a coordinate that is not constant on the line.
+    // These are also extreme: a and b are the ends along a coordinate that is not constant on the
+    // line.
     vertices_ = {std::min(a, b), std::max(a, b)};
     return false;
   }
@@ -72,8 +73,8 @@ bool HullBuilder::start() {
   return true;
 }
 
-// The lowest and highest point along the coordinate that spreads most; equal indices when all
-// points are the same. Sets size_, too.
+// The lowest and highest point along the coordinate with the largest extent; equal indices if all
+// points are the same. Also sets size_.
 void HullBuilder::farthestAlongAnAxis(std::int32_t& a, std::int32_t& b) {
   Vector3d low = at(0), high = at(0);
   for (const Vector3d& p : points_) {
@@ -89,8 +90,8 @@ void HullBuilder::farthestAlongAnAxis(std::int32_t& a, std::int32_t& b) {
   }
 }
 
-// The point farthest from the line ab; where rounding finds none, the first that is off it exactly;
-// -1: none is.
+// The point farthest from the line ab; if rounding finds none, the first point that is exactly off
+// it; -1 if there is none.
 std::int32_t HullBuilder::farthestFromLine(std::int32_t a, std::int32_t b) const {
   const Vector3d direction = (at(b) - at(a)).normalized();
   std::int32_t farthest = -1;
@@ -109,8 +110,8 @@ std::int32_t HullBuilder::farthestFromLine(std::int32_t a, std::int32_t b) const
   return -1;
 }
 
-// The point farthest from the plane abc; where rounding finds none, the first that is off it
-// exactly. `side` is the exact side that it lies on, 0 when all points lie in the plane.
+// The point farthest from the plane abc; if rounding finds none, the first point that is exactly
+// off it. `side` is the exact side on which it lies, 0 if all points lie in the plane.
 std::int32_t HullBuilder::farthestFromPlane(std::int32_t a, std::int32_t b, std::int32_t c,
                                             int& side) const {
   const Vector3d normal = (at(b) - at(a)).cross(at(c) - at(a));
@@ -148,7 +149,8 @@ void HullBuilder::makeTetrahedron(std::int32_t a, std::int32_t b, std::int32_t c
 }
 
 // Extreme points of an exactly flat set, by Andrew's monotone chain on two coordinates. The
-// projection preserves them: abc, and so the plane, does not become straight in it.
+// projection preserves extreme points, because abc, and so the plane, does not become straight in
+// it.
 void HullBuilder::buildFlat(std::int32_t a, std::int32_t b, std::int32_t c) {
   int i = 0, j = 1;
   const int dominant = dominantAxis((at(b) - at(a)).cross(at(c) - at(a)));
@@ -171,11 +173,12 @@ void HullBuilder::buildFlat(std::int32_t a, std::int32_t b, std::int32_t c) {
              turn(at(chain[chain.size() - 2]), at(chain.back()), at(p), i, j) <= 0) {
         chain.pop_back();
       }
-      // Duplicates come in a row. The loop above replaces all but those of a chain's first point.
+      // Duplicates are consecutive. The loop above replaces all of them except those of a chain's
+      // first point.
       if (!chain.empty() && at(chain.back()) == at(p)) continue;
       chain.push_back(p);
     }
-    // The last point of a chain is the first of the other, perhaps under a duplicate's index.
+    // The last point of a chain is the first of the other one, perhaps with a duplicate's index.
     outline_.insert(outline_.end(), chain.begin(), chain.end() - 1);
     std::reverse(order.begin(), order.end());
   }
@@ -200,9 +203,9 @@ std::int32_t HullBuilder::addFacet(std::int32_t a, std::int32_t b, std::int32_t 
   f.normal = ab.cross(ac);
   const double length = f.normal.norm();
   if (length > 0) f.normal /= length;
-  // The computed product errs by less than 6 units of |ab| |ac|; the division and a height computed
-  // with it add less than 12 units of the distance between two points. Where the squared length
-  // leaves the range of normal doubles, the normal is unknown.
+  // The computed product errs by less than 6 units of |ab| |ac|. The division and a height computed
+  // with it add less than 12 units of the distance between two points. If the squared length leaves
+  // the range of normal doubles, the normal is unknown.
   f.doubt = length > kLeastToSquare
                 ? 16 * kUnitRoundoff * size_ * (ab.norm() * ac.norm() / length + 1)
                 : std::numeric_limits<double>::infinity();
@@ -218,7 +221,8 @@ void HullBuilder::putOutside(Facet& f, std::int32_t point, double height) {
   f.first = point;
 }
 
-// Puts a point on the list of the first facet that it is outside of; none: it is inside.
+// Puts a point on the list of the first facet that it is outside of; if there is none, the point is
+// inside.
 void HullBuilder::assign(std::int32_t point) {
   for (Facet& f : work_) {
     const double height = heightOver(f, point);
@@ -230,7 +234,7 @@ void HullBuilder::assign(std::int32_t point) {
 
 void HullBuilder::build(int vertex_limit) {
   if (!limited_) {
-    // New facets follow or replace old ones: sweep until a sweep finds nothing.
+    // New facets are appended or replace old ones, so this sweeps until a sweep finds nothing.
     for (bool found = true; found;) {
       found = false;
       for (std::size_t i = 0; i < work_.size(); ++i) {
@@ -261,9 +265,10 @@ void HullBuilder::insert(std::int32_t start, std::int32_t point) {
   reassign(orphans);
 }
 
-// Collects the facets that the point sees, from one of them on, and their border. The visible
-// facets are connected and their border, the horizon, is one cycle without a repeated corner: they
-// are those that the point would see moved slightly inwards, where it lies in no facet's plane.
+// Collects the facets that the point sees, starting from one of them, and their border. The visible
+// facets are connected and their border, the horizon, is one cycle without a repeated corner. They
+// are the facets that the point would see if it were moved slightly inwards, where it lies in no
+// facet's plane.
 void HullBuilder::findHorizon(std::int32_t start, std::int32_t point) {
   visible_.assign(1, start);
   horizon_.clear();
@@ -288,8 +293,8 @@ void HullBuilder::findHorizon(std::int32_t start, std::int32_t point) {
   }
 }
 
-// Frees the visible facets. Returns the list of the other points that were outside of them; -1:
-// none.
+// Frees the visible facets. Returns the list of the other points that were outside them; -1 if
+// there are none.
 std::int32_t HullBuilder::removeVisible(std::int32_t point) {
   std::int32_t orphans = -1;
   for (const std::int32_t id : visible_) {
@@ -326,9 +331,9 @@ void HullBuilder::addCone(std::int32_t point) {
   }
 }
 
-// Puts orphans on the lists of new facets. An orphan that is still outside sees a new facet: where
-// it sees both facets at a horizon edge, it sees the new one between their planes; where it sees no
-// facet that stayed, only new ones are left.
+// Puts orphans on the lists of new facets. An orphan that is still outside sees a new facet: if it
+// sees both facets at a horizon edge, it sees the new one between their planes; if it sees no
+// remaining old facet, only new ones are left.
 void HullBuilder::reassign(std::int32_t orphans) {
   for (std::int32_t p = orphans; p >= 0;) {
     const std::int32_t following = next_[index(p)];
@@ -340,7 +345,7 @@ void HullBuilder::reassign(std::int32_t orphans) {
       if ((best >= 0 && height <= best_height) || !sees(p, f, height)) continue;
       best = id;
       best_height = height;
-      // Only a limited hull pays for the largest height, which is nearer to the true distance.
+      // Only a limited hull needs the largest height, which is closer to the true distance.
       if (!limited_) break;
     }
     if (best >= 0) putOutside(facet(best), p, best_height);
@@ -351,7 +356,7 @@ void HullBuilder::reassign(std::int32_t orphans) {
 void HullBuilder::finish() {
   constexpr std::int32_t kInside = -1, kVertex = -2;
   std::vector<std::int32_t> number(work_.size(), -1);
-  // Per point: the facet that it is outside of, or one of the above. Reuses the memory.
+  // For each point: the facet that it is outside of, or one of the above. Reuses the memory.
   std::vector<std::int32_t>& place = horizon_facet_;
   place.assign(points_.size(), kInside);
   for (std::size_t i = 0; i < work_.size(); ++i) {

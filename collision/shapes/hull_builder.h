@@ -9,32 +9,33 @@
 namespace leeway::collision {
 
 /// The convex hull of a point set by Quickhull (C. B. Barber, D. P. Dobkin, H. Huhdanpaa, "The
-/// Quickhull algorithm for convex hulls", 1996) with exact predicates for visibility. The hull
-/// therefore is exactly convex and holds every point without any tolerance, and no facets have to
+/// Quickhull algorithm for convex hulls", 1996) with exact predicates for visibility. The hull is
+/// therefore exactly convex and contains every point without any tolerance, and no facets have to
 /// be merged.
 class HullBuilder {
  public:
-  /// Inserts the point that is farthest from its facet. With `vertex_limit` insertion stops at that
-  /// many vertices (at least 4), and outside() names the points that the hull does not hold. Points
-  /// must be finite, their non-zero coordinates at least kSmallestExact (tolerances.h). O(n log n)
-  /// as a rule; O(n) memory. Deterministic.
+  /// Inserts the points that are farthest from their facets. With `vertex_limit`, insertion stops
+  /// at that many vertices (at least 4), and outside() lists the points that the hull does not
+  /// contain. Points must be finite, and their non-zero coordinates at least kSmallestExact
+  /// (tolerances.h). Usually O(n log n); O(n) memory. Deterministic.
   explicit HullBuilder(std::span<const Eigen::Vector3d> points, int vertex_limit = 0);
 
-  /// Exact affine dimension of the set: 0 a point, 1 a segment, 2 flat, 3 solid; -1 for no points.
+  /// Exact affine dimension of the set: 0 a point, 1 a segment, 2 flat, 3 solid; -1 if there are no
+  /// points.
   int dimension() const { return dimension_; }
-  /// Indices of the hull's vertices, ascending. For dimensions 0 to 2 the extreme points, whatever
-  /// the limit. For dimension 3 the corners of facets(): unless the limit stopped insertion, all
-  /// extreme points, and perhaps points within a flat face or straight edge.
+  /// Indices of the hull's vertices, ascending. For dimensions 0 to 2 these are the extreme points,
+  /// whatever the limit. For dimension 3 they are the corners of facets(): unless the limit stopped
+  /// insertion, all extreme points, and perhaps points within a flat face or straight edge.
   const std::vector<std::int32_t>& vertices() const { return vertices_; }
   /// Dimension 2: vertices() once around the outline. Empty otherwise.
   const std::vector<std::int32_t>& outline() const { return outline_; }
-  /// Counter-clockwise from outside, indices of points; empty unless dimension() is 3.
+  /// Counter-clockwise from outside, as indices of points; empty unless dimension() is 3.
   const std::vector<std::array<std::int32_t, 3>>& facets() const { return facets_; }
   /// For each facet, the facet across the edge from corner k to corner k + 1.
   const std::vector<std::array<std::int32_t, 3>>& adjacent() const { return adjacent_; }
-  /// Points outside of a hull that the limit stopped; ascending.
+  /// Points outside a hull that was stopped by the limit; ascending.
   const std::vector<std::int32_t>& outside() const { return outside_; }
-  /// For each of outside(), a facet that it is outside of.
+  /// For each point of outside(), a facet that it is outside of.
   const std::vector<std::int32_t>& outsideOf() const { return outside_of_; }
 
  private:
@@ -44,17 +45,17 @@ class HullBuilder {
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit, rounded: selects points
     double doubt = 0;  // error bound of a height computed with `normal` [m]; infinity: unknown
     std::int32_t first = -1;     // head of the list of points outside of this facet
-    std::int32_t farthest = -1;  // the one of them that is farthest from the plane
-    double height = 0;           // of that one [m]
+    std::int32_t farthest = -1;  // the farthest of them from the plane
+    double height = 0;           // of that point [m]
     std::int32_t mark = 0;       // the last insertion that tested the facet's visibility
     bool visible = false;
     bool alive = true;
   };
   struct HorizonEdge {
-    std::int32_t from, to, facet, side;  // facet: the one beyond, which stays; side: its edge
+    std::int32_t from, to, facet, side;  // facet: the one beyond, which remains; side: its edge
   };
 
-  bool start();  // builds the first tetrahedron; false when the set is not solid
+  bool start();  // builds the first tetrahedron; false if the set is not solid
   void farthestAlongAnAxis(std::int32_t& a, std::int32_t& b);
   std::int32_t farthestFromLine(std::int32_t a, std::int32_t b) const;
   std::int32_t farthestFromPlane(std::int32_t a, std::int32_t b, std::int32_t c, int& side) const;
@@ -79,7 +80,7 @@ class HullBuilder {
 
   std::span<const Eigen::Vector3d> points_;
   bool limited_ = false;
-  double size_ = 0;  // no two points are farther apart [m]
+  double size_ = 0;  // upper bound on the distance of two points [m]
   int dimension_ = -1;
   std::vector<std::int32_t> vertices_;
   std::vector<std::int32_t> outline_;
@@ -92,7 +93,7 @@ class HullBuilder {
   std::vector<std::int32_t> visible_;  // facets that the point being inserted sees
   std::vector<HorizonEdge> horizon_;
   std::vector<std::int32_t> added_;  // facets from the horizon to that point
-  std::vector<std::int32_t> free_;   // facets to use again
+  std::vector<std::int32_t> free_;   // facets to reuse
   // Per point: the new facet whose horizon edge starts there.
   std::vector<std::int32_t> horizon_facet_;
 };

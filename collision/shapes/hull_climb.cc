@@ -7,12 +7,12 @@ namespace leeway::collision {
 
 namespace {
 
-// Most vertices within rounding of the climb's end that are followed. Larger plateaus (a large flat
-// face, met squarely) are left to a scan.
+// Limit on the vertices within rounding of the climb's end that are followed. Larger plateaus (a
+// large flat face perpendicular to the direction) are left to a scan.
 constexpr int kPlateau = 32;
 
-// True when no vertex next to the plateau around `best` is better. Else `best` and its value become
-// one that is, or `overflow` is set because the plateau has more than kPlateau vertices.
+// True if no vertex next to the plateau around `best` is better. Otherwise `best` and its value
+// become a better vertex, or `overflow` is set because the plateau has more than kPlateau vertices.
 bool plateauHasNoWayUp(const ConvexHull& hull, const Vector* points, const Vector& direction,
                        double doubt, int& best, double& best_value, bool& overflow) {
   int members[kPlateau];
@@ -50,7 +50,7 @@ int climbFarthest(const ConvexHull& hull, const Vector* points, int count, const
   int best = start;
   double best_value = valueOf(start);
   for (;;) {
-    // Terminates: the value grows in every round, so that no vertex comes twice.
+    // Terminates, because the value grows in every round and so no vertex occurs twice.
     int next = best;
     double runner_up = -std::numeric_limits<double>::infinity();
     const double here = best_value;

@@ -7,7 +7,8 @@
 
 namespace leeway::collision {
 
-/// Index of the point with the largest dot product; the lowest index of several. O(count).
+/// Index of the point with the largest dot product; the lowest index if there are several.
+/// O(count).
 inline int scanFarthest(const Vector* points, int count, const Vector& direction) {
   int best = 0;
   double best_value = direction.dot(points[0]);
@@ -22,10 +23,10 @@ inline int scanFarthest(const Vector* points, int count, const Vector& direction
 }
 
 /// A farthest vertex, by steepest ascent along the edges of a hull from `start`; rounding does not
-/// distinguish values within `doubt` of each other. As good as a scan: on a convex polytope the
-/// vertices above any level are connected by edges. So if neither the climb's end nor any vertex
-/// connected to it through vertices within `doubt` has a better neighbour, no vertex is better.
-/// (The hull is exactly convex, see HullBuilder.)
+/// distinguish values within `doubt` of each other. The result is as good as that of a scan: on a
+/// convex polytope, the vertices above any level are connected by edges. If neither the climb's end
+/// nor any vertex connected to it through vertices within `doubt` has a better neighbour, no vertex
+/// is better. (The hull is exactly convex, see HullBuilder.)
 int climbFarthest(const ConvexHull& hull, const Vector* points, int count, const Vector& direction,
                   int start, double doubt);
 

@@ -24,7 +24,7 @@ double squaredDistance(const Vector3d& point, std::span<const Vector3d> points,
       .squaredNorm();
 }
 
-// An upper bound on a point's distance, from the square as computed.
+// An upper bound on a point's distance from its computed square.
 double roundedOut(double squared, const Vector3d& point) {
   const double size = point.cwiseAbs().maxCoeff();
   return std::sqrt(squared) * (1 + kRelativeRounding) + size * kRelativeRounding;
@@ -47,7 +47,8 @@ double distanceFromHull(const Eigen::Vector3d& point, std::span<const Eigen::Vec
 double largestDistanceFromHull(std::span<const Eigen::Vector3d> points, const HullBuilder& hull) {
   struct Outside {
     std::int32_t point;
-    double squared;  // of its distance from the nearest facet examined, at first its own
+    double squared;  // of its distance from the nearest facet tested so far; at first from its own
+                     // facet
   };
   std::vector<Outside> outside;
   outside.reserve(hull.outside().size());
@@ -58,7 +59,7 @@ double largestDistanceFromHull(std::span<const Eigen::Vector3d> points, const Hu
   }
   double largest = 0;
   const auto include = [&](Outside& o) {
-    // Rounding out is monotonic: one facet that is near enough excludes the point.
+    // Rounding up is monotonic, so one facet that is close enough excludes the point.
     const Vector3d& point = points[at(o.point)];
     if (roundedOut(o.squared, point) <= largest) return;
     for (const auto& f : hull.facets()) {
@@ -69,7 +70,7 @@ double largestDistanceFromHull(std::span<const Eigen::Vector3d> points, const Hu
     }
     largest = roundedOut(o.squared, point);
   };
-  // The farthest one first: it excludes most others.
+  // Starts with the farthest one, because it excludes most others.
   const auto far =
       std::max_element(outside.begin(), outside.end(),
                        [](const Outside& l, const Outside& r) { return l.squared < r.squared; });

@@ -29,7 +29,7 @@ std::vector<HullCell> cellsFrom(ByteReader& from) {
   return cells;
 }
 
-// Whether the lists are none, or those of `count` vertices.
+// Whether the lists are empty, or valid for `count` vertices.
 bool areLists(const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& list,
               std::size_t count) {
   if (begin.empty()) return list.empty();
@@ -41,7 +41,7 @@ bool areLists(const std::vector<std::int32_t>& begin, const std::vector<std::int
 
 }  // namespace
 
-// What files read and write of a ConvexHull.
+// Access to a ConvexHull for writing and reading files.
 struct HullFile {
   static void pack(const ConvexHull& hull, ByteWriter& to) {
     to.array(hull.vertices_);

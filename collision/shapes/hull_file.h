@@ -7,12 +7,12 @@
 
 namespace leeway::collision {
 
-/// A hull with all that was made of it, for a file. O(vertices).
+/// Writes a hull with all data computed from it. O(vertices).
 void packHull(const ConvexHull& hull, ByteWriter& to);
 
-/// A hull that packHull() wrote. Null where the bytes are none that queries could use: every index
-/// is checked and every coordinate is finite. That it is a hull, and of the right points, is not
-/// looked at. O(vertices).
+/// Reads a hull that packHull() wrote. Null if the bytes are not usable for queries: every index
+/// must be valid and every coordinate finite. It does not check that the data is a hull of the
+/// right points. O(vertices).
 std::shared_ptr<const ConvexHull> unpackHull(ByteReader& from);
 
 }  // namespace leeway::collision

@@ -18,7 +18,7 @@ namespace {
 using Eigen::Vector3d;
 using Triangle = std::array<std::int32_t, 3>;
 
-// Edges between facets that are not coplanar: those of the true polytope. Exact.
+// Edges between facets that are not coplanar: the edges of the true polytope. Exact.
 std::vector<std::array<std::int32_t, 2>> properEdges(std::span<const Vector3d> points,
                                                      const HullBuilder& hull) {
   std::vector<std::array<std::int32_t, 2>> edges;
@@ -26,7 +26,7 @@ std::vector<std::array<std::int32_t, 2>> properEdges(std::span<const Vector3d> p
     const Triangle& f = hull.facets()[i];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int32_t from = f[k], to = f[(k + 1) % 3];
-      if (from > to) continue;  // once an edge
+      if (from > to) continue;  // each edge only once
       const Triangle& other = hull.facets()[at(hull.adjacent()[i][k])];
       std::int32_t apex = other[0];
       for (const std::int32_t v : other) {
@@ -42,8 +42,8 @@ std::vector<std::array<std::int32_t, 2>> properEdges(std::span<const Vector3d> p
 }
 
 // The corners of the true polytope, where three or more proper edges meet. A vertex with fewer lies
-// within a flat face (none) or a straight edge (two): another order of insertion would not have
-// kept it.
+// within a flat face (no such edges) or a straight edge (two); another order of insertion would not
+// have kept it.
 std::vector<std::int32_t> corners(std::size_t count,
                                   const std::vector<std::array<std::int32_t, 2>>& edges) {
   std::vector<int> degree(count, 0);
@@ -85,7 +85,7 @@ std::shared_ptr<const ConvexHull> hullOfPart(std::span<const Vector3d> given) {
   std::vector<Vector3d> vertices;
   vertices.reserve(kept.size());
   for (const std::int32_t i : kept) vertices.push_back(points[at(i)]);
-  // Built again from the vertices alone: facets then index them, and no vertex is left within a
+  // Built again from the vertices alone, so that facets index them and no vertex is left within a
   // face.
   if (hull.dimension() == 3) hull = HullBuilder(vertices);
 

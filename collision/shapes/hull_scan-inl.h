@@ -1,5 +1,5 @@
-// The farthest vertex of a hull: a scan of columns of coordinates, or of the vertices that a table
-// of directions names. Included once for each target (see Highway's foreach_target.h).
+// The farthest vertex of a hull: a scan of columns of coordinates, or of the vertices listed in a
+// table of directions. Included once for each target (see Highway's foreach_target.h).
 
 #if defined(LEEWAY_COLLISION_SCAN_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef LEEWAY_COLLISION_SCAN_INL_H
@@ -27,8 +27,8 @@ namespace leeway::collision::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Places a register of a hull's vertices, from number `from` on: sign (R v + t), with a sign of 1
-/// or -1.
+/// Places one register of a hull's vertices, from number `from` on: sign (R v + t), with a sign of
+/// 1 or -1.
 HWY_INLINE void placeColumns(const HullSupport& support, int from, const Eigen::Matrix3d& R,
                              const Triple& t, double sign, double* to_x, double* to_y,
                              double* to_z) {
@@ -48,8 +48,8 @@ HWY_INLINE void placeColumns(const HullSupport& support, int from, const Eigen::
   hn::Store(row(2, t.z), d, to_z);
 }
 
-// Loops over registers are written as packs of indices: compilers do not unroll loops of this
-// length, which leaves the values in memory and a branch for each.
+// Loops over registers are written as packs of indices, because compilers do not unroll loops of
+// this length, which leaves the values in memory and needs a branch for each.
 
 /// The maximum, lane by lane, of the registers from kBegin to kEnd.
 template <std::size_t kBegin, std::size_t kEnd>
@@ -76,11 +76,11 @@ HWY_INLINE int firstLargest(const hn::Vec<Widest>* values, double& value,
   };
   const std::uint64_t bits = (bitsOfRegister(kRegister) | ...);
   value = hn::GetLane(most);
-  // (None when there is a NaN.)
+  // (None if there is a NaN.)
   return bits != 0 ? std::countr_zero(bits) : 0;
 }
 
-/// Index of the first of the largest among registers full of x dx + y dy + z dz.
+/// Index of the first of the largest values x dx + y dy + z dz in a set of registers.
 template <std::size_t... kRegister>
 HWY_INLINE int firstFarthest(const double* x, const double* y, const double* z, double dx,
                              double dy, double dz, std::index_sequence<kRegister...> registers) {
@@ -95,12 +95,12 @@ HWY_INLINE int firstFarthest(const double* x, const double* y, const double* z, 
   return firstLargest(values, value, registers);
 }
 
-/// The registers that hold 8 kEights doubles.
+/// The indices of the registers that hold 8 kEights doubles.
 template <std::size_t kEights>
 using Registers = std::make_index_sequence<kEights * 8 / hn::MaxLanes(Widest())>;
 
-/// Index of the first of the largest of `length` values x dx + y dy + z dz, a multiple of eight up
-/// to kMost; columns are 64-byte aligned.
+/// Index of the first of the largest of `length` values x dx + y dy + z dz; `length` is a multiple
+/// of eight up to kMost. Columns are 64-byte aligned.
 template <int kMost>
 HWY_INLINE int scanColumns(const double* x, const double* y, const double* z, int length, double dx,
                            double dy, double dz) {
@@ -134,9 +134,9 @@ HWY_INLINE int scanColumns(const double* x, const double* y, const double* z, in
 
 HWY_INLINE Triple tripleOf(const HullCorner& corner) { return {corner.x, corner.y, corner.z}; }
 
-/// x dx + y dy + z dz of a register of a cell's vertices, from number `from` on. (Each vertex is
-/// loaded whole and transposed in registers: on some processors a gather takes as long for every
-/// coordinate.)
+/// x dx + y dy + z dz of one register of a cell's vertices, from number `from` on. (Each vertex is
+/// loaded whole and transposed in registers, because on some processors a gather takes as long for
+/// every coordinate.)
 HWY_INLINE Same valuesOfCell(const HullCell& cell, int from, const HullCorner* corners, double dx,
                              double dy, double dz) {
   const std::uint16_t* const names = cell.vertex + from;
@@ -189,11 +189,11 @@ HWY_INLINE int firstOfCell(const HullCell& cell, const HullCorner* corners, doub
   return firstLargest(values, value, registers);
 }
 
-/// The cell that holds a direction; null where there is no table, or where quotients would leave
-/// the range of double.
+/// The cell that holds a direction; null if there is no table, or if quotients would leave the
+/// range of double.
 HWY_INLINE const HullCell* cellOf(const HullSupport& support, double dx, double dy, double dz) {
-  // Selected in lanes, without branches: which coordinate is largest is unpredictable. (And without
-  // memory, which the two hulls' directions would share.)
+  // Selected in lanes, without branches, because which coordinate is largest is unpredictable.
+  // (Also without memory, which the two hulls' directions would share.)
   const double ax = std::abs(dx), ay = std::abs(dy), az = std::abs(dz);
   const Lanes<2> x_x = allLanes<2>(ax), y_y = allLanes<2>(ay), z_z = allLanes<2>(az);
   const Mask<2> y_most = y_y > x_x;
@@ -221,8 +221,8 @@ HWY_INLINE const HullCell* cellOf(const HullSupport& support, double dx, double 
   return support.cells() + (face * support.sides() + u) * support.sides() + v;
 }
 
-/// Index of the farthest vertex of a hull with a table, given the direction's cell; -1 where only a
-/// climb finds it: `hint` then is a good start.
+/// Index of the farthest vertex of a hull with a table, given the direction's cell; -1 if only a
+/// climb finds it, for which `hint` is then a good start.
 HWY_INLINE int scanCell(const HullSupport& support, const HullCell* cell, double dx, double dy,
                         double dz, int& hint) {
   if (HWY_UNLIKELY(cell == nullptr)) return -1;
@@ -246,7 +246,7 @@ HWY_INLINE int scanTable(const HullSupport& support, double dx, double dy, doubl
   return scanCell(support, cellOf(support, dx, dy, dz), dx, dy, dz, hint);
 }
 
-/// Index of the farthest vertex of any hull, or -1 and a hint, as scanCell().
+/// Index of the farthest vertex of any hull, or -1 and a hint, as in scanCell().
 HWY_INLINE int scanSupport(const HullSupport& support, double dx, double dy, double dz, int& hint) {
   if (support.length() == 0) return scanTable(support, dx, dy, dz, hint);
   return scanColumns<kScanUpTo>(support.x(), support.y(), support.z(), support.length(), dx, dy,

@@ -14,18 +14,18 @@ namespace leeway::collision {
 
 namespace {
 
-// Most vertices that a cell lists. Where a large flat face is met squarely there are more, and a
-// climb is faster.
+// Limit on the vertices that a cell lists. Directions perpendicular to a large flat face have more,
+// and there a climb is faster.
 constexpr std::size_t kMostOfCell = 64;
 constexpr int kFewestSides = 8, kMostSides = 32;
-// A hull is a needle where no vertex is farther from its axis than this share of its half length.
+// A hull is a needle if no vertex is farther from its axis than this share of its half length.
 constexpr double kNeedle = 0.25;
 
 }  // namespace
 
 bool HullSupport::hasTable(const ConvexHull& hull) {
   const auto count = static_cast<std::int32_t>(hull.vertices().size());
-  // (Large flat hulls have neither columns nor neighbour lists: they get a scalar scan.)
+  // (Large flat hulls have neither columns nor neighbour lists, so they get a scalar scan.)
   return count > kScanUpTo && hull.hasNeighbours() && count < HullCell::kMany;
 }
 
@@ -90,9 +90,9 @@ void HullSupport::fillColumns(std::int32_t count) {
   x_ = columns_[0].value;
 }
 
-// A direction in a cell is a positive combination of the cell's corners. So a vertex that is
-// farthest along it is, at some corner, no worse than the vertex that is farthest along the cell's
-// middle. And from the middle to that direction the farthest vertex changes along edges only: all
+// A direction in a cell is a positive combination of the cell's corners. A vertex that is farthest
+// along it is therefore, at some corner, no worse than the vertex that is farthest along the cell's
+// middle. From the middle to that direction, the farthest vertex changes only along edges, so all
 // candidates are connected by edges.
 void HullSupport::fillCells(const ConvexHull& hull) {
   const std::span<const Vector> vertices = hull.vertices();
@@ -154,8 +154,8 @@ void HullSupport::fillEllipsoid(const ConvexHull& hull) {
   }
 }
 
-// The axis runs from the vertex farthest from the first to the one farthest from that, moved to the
-// vertices' mean.
+// The axis runs from the vertex farthest from the first one to the vertex farthest from that, moved
+// to the vertices' mean.
 void HullSupport::fillAxis(const ConvexHull& hull) {
   const std::span<const Vector> vertices = hull.vertices();
   const auto farthestFrom = [&](const Vector& p) {

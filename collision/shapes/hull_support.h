@@ -9,19 +9,19 @@ namespace leeway::collision {
 
 class ConvexHull;
 
-/// Hulls of up to this many vertices are scanned in vector registers; for larger ones a table of
-/// directions names the few candidates. At 64 a scan takes 0.8 of the table's time with registers
-/// of eight doubles, 0.9 with four (hulls of 64 and of 66) [count].
+/// Hulls of up to this many vertices are scanned in vector registers; for larger ones, a table of
+/// directions lists the few candidates. At 64 vertices, a scan takes 0.8 of the table's time with
+/// registers of eight doubles and 0.9 with four (hulls of 64 and of 66) [count].
 inline constexpr int kScanUpTo = 64;
 
-/// A cell of the table of directions: for every direction in it the farthest vertex is one of
-/// these. Where there are more than eight, the first entry is kMany.
+/// A cell of the table of directions: for every direction in it, the farthest vertex is one of
+/// these. If there are more than eight, the first entry is kMany.
 struct alignas(16) HullCell {
   static constexpr std::uint16_t kMany = 0xffff;
   std::uint16_t vertex[8];
 };
 
-/// The cells of a table of directions, and the vertices that its kMany cells name.
+/// The cells of a table of directions, and the vertices of its kMany cells.
 struct HullTable {
   std::vector<HullCell> cells, more;
 };
@@ -34,19 +34,19 @@ struct alignas(32) HullCorner {
 /// Precomputed data of a hull's support function.
 class HullSupport {
  public:
-  /// From the vertices and, where there are many, the neighbour lists of `hull`, which must not
-  /// move. O(vertices): some hundred nanoseconds for each of the table's cells, of which there are
-  /// about three a vertex.
+  /// Uses the vertices and, if there are many, the neighbour lists of `hull`, which must not move.
+  /// O(vertices): a few hundred nanoseconds for each of the table's cells, with about three cells
+  /// for each vertex.
   explicit HullSupport(const ConvexHull& hull);
-  /// The same with a table from a file, one that isTable(). O(vertices).
+  /// The same with a table from a file, for which isTable() is true. O(vertices).
   HullSupport(const ConvexHull& hull, HullTable table);
-  /// Whether a table from a file has the size that this hull's has, and names its vertices only.
+  /// Whether a table from a file has the size of this hull's table and lists only its vertices.
   static bool isTable(const HullTable& table, const ConvexHull& hull);
   HullSupport(const HullSupport&) = delete;  // it points into itself
   HullSupport& operator=(const HullSupport&) = delete;
 
   /// Columns of the vertices' coordinates, padded to a multiple of eight with copies of vertex 0;
-  /// 64-byte aligned. Empty (length 0) where the table is faster.
+  /// 64-byte aligned. Empty (length 0) if the table is faster.
   const double* x() const { return x_; }
   const double* y() const { return x() + length_; }
   const double* z() const { return x() + 2 * length_; }
@@ -57,29 +57,29 @@ class HullSupport {
   const HullCorner* corners() const { return corners_.data(); }
 
   /// The table of directions: each of the six faces of the cube max |d_i| = 1 has sides() x sides()
-  /// cells (hull_scan-inl.h finds a direction's). Empty where there is none.
+  /// cells (hull_scan-inl.h finds the cell of a direction). Empty if there is no table.
   std::int32_t sides() const { return sides_; }
   const HullCell* cells() const { return cells_.data(); }
 
-  /// Where there is a table, an ellipsoid that approximates the hull: its centre [m], and the
-  /// matrix S [m^2] with which it reaches sqrt(n . S n) from there along a unit vector n.
+  /// If there is a table: an ellipsoid that approximates the hull, given by its centre [m] and the
+  /// matrix S [m^2] with which it reaches sqrt(n . S n) from the centre along a unit vector n.
   const Vector& middle() const { return middle_; }
   const Eigen::Matrix3d& spread() const { return spread_; }
 
   /// The segment that approximates a needle: halfLength() [m] to either side of middle() along the
-  /// unit vector axis(). The half length is 0 where the hull is no needle or has a table; without a
-  /// table middle() is near the vertices' mean.
+  /// unit vector axis(). The half length is 0 if the hull is not a needle or has a table; without a
+  /// table, middle() is near the vertices' mean.
   const Vector& axis() const { return axis_; }
   double halfLength() const { return half_length_; }
 
-  /// The vertices of a kMany cell, padded to a multiple of eight; `count` is 0 where there are too
+  /// The vertices of a kMany cell, padded to a multiple of eight; `count` is 0 if there are too
   /// many to scan.
   const HullCell* many(const HullCell& cell, int& count) const {
     count = cell.vertex[1];
     return more_.data() + (cell.vertex[2] + (static_cast<std::size_t>(cell.vertex[3]) << 16U));
   }
 
-  /// A vertex that is nearly the farthest along a cell's directions: a start for a climb.
+  /// A vertex that is nearly the farthest along a cell's directions, as the start of a climb.
   static int start(const HullCell& cell) {
     return cell.vertex[0] == HullCell::kMany ? cell.vertex[4] : cell.vertex[0];
   }

@@ -5,7 +5,7 @@
 namespace leeway::collision {
 namespace {
 
-// A fraction along a segment; 0 for 0/0, so that segments without length give their start.
+// A fraction along a segment; 0 for 0/0, so that segments without length return their start.
 double fraction(double numerator, double denominator) {
   return denominator > 0 ? std::clamp(numerator / denominator, 0.0, 1.0) : 0.0;
 }

@@ -23,7 +23,7 @@ void requireExtent(double largest, const char* what) {
 
 void requireSizes(std::span<const Vector3d> points, const char* shape, const char* point) {
   for (std::size_t i = 0; i < points.size(); ++i) {
-    // Written so that a NaN fails.
+    // A NaN fails this comparison.
     if ((points[i].array().abs() <= kLargestSize).all()) continue;
     int k = 0;
     while (std::abs(points[i][k]) <= kLargestSize) ++k;
@@ -41,7 +41,7 @@ void requireSizes(std::span<const Vector3d> points, const char* shape, const cha
     high = high.cwiseMax(p);
   }
   const double longest = (high - low).maxCoeff();
-  // Up to 2 kLargestSize, which its ends decide.
+  // The diagonal may be up to 2 kLargestSize; its ends are checked above.
   if (longest < kSmallestSize)
     requireExtent(longest, (std::string(shape) + ": the longest side of its box").c_str());
 }

@@ -15,11 +15,12 @@ namespace {
 
 using Candidate = TouchingTriangles::Candidate;
 
-// Shares of a candidate's way at which points are tried: solids may be thin.
+// Fractions of a candidate's way at which points are tried; there are several because solids may be
+// thin.
 constexpr double kFlushShares[] = {0x1p-1, 0x1p-4, 0x1p-8, 0x1p-12};
 constexpr double kEnteringShares[] = {0x1p-2, 0x1p-8};
 
-// A point of a convex shape, inside it where it has an inside, to within `off` [m].
+// A point of a convex shape, inside it if it has an inside, to within `off` [m].
 Vector middleOf(const Shape& convex, double& off) {
   off = 0;
   if (convex.type() != ShapeType::kConvexHull) return Vector::Zero();
@@ -59,7 +60,7 @@ class Search {
   }
 
  private:
-  // The bodies that a point has to be inside of; it is on the other one.
+  // The bodies that a point must be inside of; if it is one, the point is on the other body.
   enum class In : unsigned char { kA, kB, kBoth };
 
   void lookAlong(std::span<const Candidate> candidates, double share, In in) {
@@ -69,8 +70,9 @@ class Search {
     }
   }
 
-  // Bodies that hold balls about the same point have to be moved by the sum of the radii. The point
-  // of a body that the looked at point is on is a ball, too.
+  // If each of two bodies contains a ball around the same point, one must be moved by the sum of
+  // the radii to separate them. For a body that has the point on its surface, the point is a ball
+  // of radius 0.
   void lookAt(const Vector& point, double room, In in) {
     const double error = in == In::kBoth ? error_ : error_ + off_;
     const double wanted = std::max(0.25 * room, 4 * error);
@@ -89,8 +91,8 @@ class Search {
   const Shape &a_, &b_;
   const Pose& X_BA_;
   Scratch& scratch_;
-  double error_;    // of a point that is brought into the other frame [m]
-  double off_ = 0;  // how far a point can be off the body that it is on [m]
+  double error_;    // of a point that is transformed to the other frame [m]
+  double off_ = 0;  // upper bound on a point's distance from the body that it is on [m]
   CommonPoint found_;
 };
 

@@ -10,11 +10,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Whether a point, known to within `error` in the mesh's frame, is inside a closed component.
+// Whether a point, given to within `error` in the mesh's frame, is inside a closed component.
 Containment holds(const Shape& shape, const Vector3d& p, double error, double gap,
                   Scratch& scratch) {
   if (!isInBox(shape, p, error)) return Containment::kNo;
-  // No surface may be between the true point and the rounded one.
+  // There must be no surface between the true point and the rounded one.
   if (!(gap > error) && !(distanceFromSurface(shape, p, 2 * error, scratch) > error))
     return Containment::kUndecided;
   switch (sideOfMesh(shape, p, scratch)) {
@@ -37,8 +37,8 @@ Containment oneWay(const Shape& outer, const Pose& X_WO, const Shape& inner, con
   const double size = outer.extent() + inner.boundingCenter().norm() + inner.boundingRadius() +
                       relative.X_BA.translation.norm();
   const double error = (relative.slack + kRelativeRounding) * size;
-  // One point of each component is enough: where surfaces are apart, a connected body is inside or
-  // outside as a whole.
+  // One point of each component is enough, because where surfaces are apart, a connected body is
+  // inside or outside as a whole.
   if (inner.isConvex()) {
     const Vector3d p =
         inner.type() == ShapeType::kConvexHull ? inner.hull()->vertices()[0] : Vector3d::Zero();

@@ -48,7 +48,7 @@ DescentResult surfaceAbout(const Shape& mesh, const Vector& point, const Distanc
     towards = r.witness.point_a - r.witness.point_b;
     return r;
   }
-  // The point is the placed body: a deforming mesh is bounded in its own frame.
+  // The point is the placed body, because a deforming mesh is bounded in its own frame.
   DeformSide moving;
   moving.rigid = side;
   moving.low = moving.high = Vector::Zero();
@@ -62,7 +62,7 @@ DescentResult surfaceAbout(const Shape& mesh, const Vector& point, const Distanc
 double distanceFromSurface(const Shape& mesh, const Vector& point, double threshold,
                            Scratch& scratch) {
   DistanceRequest request;
-  // An interval of this width that holds the threshold is above half of it.
+  // An interval of this width that contains the threshold is above half of it.
   request.tolerance = 0.5 * threshold;
   request.threshold = threshold;
   request.depth = false;
@@ -74,14 +74,14 @@ bool isInBox(const Shape& mesh, const Vector& point, double error) {
   const bool deforms = mesh.type() == ShapeType::kDeformable;
   const Vector& low = deforms ? mesh.deformable()->low() : mesh.mesh()->tree().node(0).low;
   const Vector& high = deforms ? mesh.deformable()->high() : mesh.mesh()->tree().node(0).high;
-  // (True for NaN.)
+  // (Also true for NaN.)
   return !((low - point).array() > error).any() && !((point - high).array() > error).any();
 }
 
 double ballInside(const Shape& mesh, const Vector& point, double wanted, Scratch& scratch) {
   if (!isSolidMesh(mesh) || !isInBox(mesh, point, 0)) return 0;
-  // The distance first: most points that are not inside are on the surface, where the other test
-  // takes longest.
+  // The distance is tested first, because most points that are not inside are on the surface, where
+  // the other test takes longest.
   const double radius = distanceFromSurface(mesh, point, wanted, scratch);
   return radius > 0 && sideOfMesh(mesh, point, scratch) == Side::kInside ? radius : 0;
 }

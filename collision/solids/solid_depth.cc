@@ -13,13 +13,13 @@
 namespace leeway::collision {
 namespace {
 
-// Points along each axis of a grid over what the bodies' boxes share, where a body deforms. Without
-// a grid deforming solids would have looser depths than rigid ones; a fifth point gains next to
-// nothing.
+// Points along each axis of a grid over the intersection of the bodies' boxes, if a body deforms.
+// Without a grid, deforming solids would have looser depths than rigid ones. A fifth point gains
+// almost nothing.
 constexpr int kGrid = 4;
 
-// A point in a solid: a lower bound on the distance of the surface, and the direction to it. 0:
-// outside, on the surface or undecided.
+// A point in a solid: a lower bound on the distance of the surface, and the direction to it. The
+// distance is 0 if the point is outside, on the surface or undecided.
 struct Inside {
   double distance = 0;
   Vector outwards = Vector::Zero();  // unit, in W
@@ -48,7 +48,7 @@ Inside insideOf(const Shape& shape, const Pose& X_WS, const Vector& p_W, int nod
     const DistanceResult r = convexDistance(viewOf(shape), Pose{Eigen::Matrix3d::Identity(), -p},
                                             point, request, scratch, nullptr, error);
     distance = {-r.distance.upper, -r.distance.lower};
-    // From the shape to the point: along it the point leaves the shape.
+    // From the shape to the point; the point leaves the shape along this direction.
     normal = r.normal;
   } else {
     if (sideOfMesh(shape, p, scratch) != Side::kInside) return {};
@@ -61,7 +61,7 @@ Inside insideOf(const Shape& shape, const Pose& X_WS, const Vector& p_W, int nod
   return {distance.lower, rotated(X_WS.rotation, normal / norm)};
 }
 
-// A box around a body in W, rounded: it only places the grid.
+// A box around a body in W, rounded; it is used only to place the grid.
 struct Box {
   Vector low, high;
 };
@@ -80,8 +80,8 @@ Box boxAround(const Shape& shape, const Pose& X_WS) {
   return {center - reach, center + reach};
 }
 
-// Two rigid meshes do without a grid: a point takes them longer. And so does a deforming mesh
-// without a hierarchy, where each point costs a pass over all triangles.
+// Two rigid meshes use no grid, because each point takes longer. A deforming mesh without a
+// hierarchy uses none either, because each point needs a pass over all triangles.
 bool hasGrid(const Shape& a, const Shape& b) {
   const auto isDeforming = [](const Shape& s) { return s.type() == ShapeType::kDeformable; };
   const auto hasTree = [&](const Shape& s) {
@@ -109,7 +109,7 @@ SolidDepth solidDepth(const Shape& a, const Pose& X_WA, const Shape& b, const Po
     best = depth;
     result.way_out = in_a.outwards - in_b.outwards;
     at = p;
-    // Away from both surfaces, averaged so that zigzags cancel.
+    // Moves away from both surfaces, averaged so that zigzags cancel.
     way = 0.5 * way - in_a.outwards - in_b.outwards;
     return true;
   };

@@ -28,18 +28,18 @@ using Stretch = SweepScratch::Stretch;
 
 bool operator==(const Time& l, const Time& r) { return l.level == r.level && l.number == r.number; }
 
-/// Two boxes, by MeshBody's numbers, over an interval of the motion.
+/// Two boxes, in the numbering of MeshBody, over an interval of the motion.
 struct SweptPair {
   std::int32_t a, b;
   Time time;
-  float gap;     ///< proven where positive; else the deeper the overlap, the lower
-  bool open;     ///< convex pieces did not suffice: visit their triangles
-  int halvings;  ///< of the interval since `gap`
+  float gap;     ///< proven if positive; otherwise lower for a deeper overlap
+  bool open;     ///< convex pieces did not suffice, so their triangles are visited
+  int halvings;  ///< halvings of the interval since `gap` was computed
 };
 
-/// Spectral norm of A, a multiple of the difference of two rotations, or their mean less the
-/// rotation halfway between them. Either stretches two directions equally and their axis not at
-/// all, so the norm is the Frobenius norm / sqrt(2), but for the matrices' departure from
+/// Spectral norm of A, which is a multiple of the difference of two rotations, or their mean minus
+/// the rotation halfway between them. Either stretches two directions equally and does not stretch
+/// the axis, so the norm is the Frobenius norm / sqrt(2), up to the matrices' departure from
 /// rotations.
 double spectralNorm(const Eigen::Matrix3d& A, double departure) {
   return A.norm() * (std::numbers::sqrt2 / 2 + kStretchRounding) + 16 * departure;
@@ -65,7 +65,7 @@ class MeshSweep {
     Time whole{0, 0};
     for (double h = request_.h; h < 1; h *= 2) ++whole.level;
     whole.number = static_cast<std::int32_t>(std::lround(std::ldexp(request_.t0, whole.level)));
-    // Not representable: another interval would prove nothing.
+    // The interval is not representable, and a different interval would prove nothing.
     if (whole.length() != request_.h || whole.begin() != request_.t0) return {};
     result_.status = MeshSweepStatus::kFree;
     stack_[size_++] = {a_.root(), b_.root(), whole, -1, !by_pieces_, 0};
@@ -83,7 +83,7 @@ class MeshSweep {
   }
 
  private:
-  // Null where a pose is missing or invalid.
+  // Null if a pose is missing or invalid.
   const Stretch* stretchOver(const Time& time) {
     const auto place =
         static_cast<std::size_t>((time.number + 5 * time.level) & (SweepScratch::kStretches - 1));
@@ -95,7 +95,7 @@ class MeshSweep {
     return &s;
   }
 
-  // What A does over the interval. False where a pose is missing or invalid.
+  // Computes A's motion over the interval. False if a pose is missing or invalid.
   bool measure(const Time& time, Stretch& s) {
     const double t0 = time.begin(), t1 = t0 + time.length();
     if (!motion_.at(t0, s.X_BA0) || !motion_.at(t1, s.X_BA1)) return false;
@@ -118,7 +118,8 @@ class MeshSweep {
              kRadiusRounding;
     s.X_MB = s.X_BM.inverse();
     setBoxSweep(s);
-    // Written so that a NaN fails, as of rotations half a turn apart, which have no mean.
+    // A NaN fails this comparison, for example that of rotations half a turn apart, which have no
+    // mean.
     return s.turn < 4 && s.growth < kFarthest;
   }
 
@@ -178,7 +179,7 @@ class MeshSweep {
       (split_a ? part.a : part.b) = child * BoxNode::kWidth + i;
       part.gap = gap[i];
       part.halvings = 0;
-      // The nearest on top; of equal ones the first.
+      // Keeps the nearest on top; of equal ones, the first.
       std::size_t at = size_++;
       for (; at > first && stack_[at - 1].gap <= part.gap; --at) stack_[at] = stack_[at - 1];
       stack_[at] = part;
@@ -188,7 +189,7 @@ class MeshSweep {
   double barOf(const Stretch& s) const { return request_.threshold + s.growth + s.slack; }
 
   // Gaps between the boxes of a node of one body (A if `of_a`) and the pair's box of the other,
-  // over the interval. `way`: displacement of the centre of A's box over half of it.
+  // over the interval. `way`: displacement of the centre of A's box over half of the interval.
   void gaps(const SweptPair& pair, const Stretch& s, const Vector& way, bool of_a,
             const BoxNode& node, float* gap) {
     if (of_a) {
@@ -207,7 +208,7 @@ class MeshSweep {
     sweptBoxGaps(node, box, sweep, has_plane_ ? boxDirection(plane_) : BoxDirection{}, gap);
   }
 
-  // Whether the pair's own two boxes are apart; one of them is a node's.
+  // Whether the pair's own two boxes are apart; one of them belongs to a node.
   bool isApart(const SweptPair& pair, const Stretch& s) {
     const bool of_a = a_.isMesh();
     const std::int32_t part = of_a ? pair.a : pair.b;
@@ -217,7 +218,7 @@ class MeshSweep {
     return static_cast<double>(gap[part % BoxNode::kWidth]) > barOf(s);
   }
 
-  // Pushes both halves of the pair's interval, the earlier on top. False where it is too short.
+  // Pushes both halves of the pair's interval, the earlier one on top. False if it is too short.
   bool halve(const SweptPair& pair) {
     if (pair.time.level >= kSweepHalvings) return false;
     SweptPair half = pair;
@@ -229,8 +230,8 @@ class MeshSweep {
     return true;
   }
 
-  // A pair of leaves that is not proven apart: contact in the middle of the interval, or its
-  // halves, or undecided.
+  // Handles a pair of leaves that is not proven apart: contact in the middle of the interval, or
+  // its halves, or undecided.
   void contactOrHalve(const SweptPair& pair, const Part& a, const Part& b, double motion) {
     const double t = pair.time.begin() + pair.time.length() / 2;
     Pose X_BA;
@@ -248,7 +249,7 @@ class MeshSweep {
     }
   }
 
-  // Whether two leaves are proven to be within the threshold at that pose.
+  // Whether two leaves are proven to be within the threshold at this pose.
   bool meets(const Pose& X_BA, double slack, const Part& a, const Part& b) {
     ++result_.nodes;
     const double excess = a_.excess(a) + b_.excess(b);
@@ -288,12 +289,13 @@ class MeshSweep {
     stack_[size_++] = open;
   }
 
-  // A's corners over an interval: halfway, and their way to either side.
+  // A's corners over an interval: halfway, and their displacement to either side.
   struct SweptCorners {
     Vector half[3], away[3];
   };
 
-  // What a plane of that unit normal, from A to B, proves of two triangles over the interval.
+  // The gap that a plane with this unit normal, from A to B, proves for two triangles over the
+  // interval.
   static double gapAlong(const Vector& normal, const SweptCorners& p, const Vector* q) {
     double reach = -std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i)
@@ -301,8 +303,9 @@ class MeshSweep {
     return std::min({normal.dot(q[0]), normal.dot(q[1]), normal.dot(q[2])}) - reach;
   }
 
-  // By a plane: that which parted two others last, which parts most neighbours; that of either
-  // triangle; or that between their nearest points in the middle of the interval.
+  // Whether a plane separates the triangles. It tries the plane that last separated two others,
+  // which separates most neighbours; the planes of both triangles; and the plane between their
+  // nearest points in the middle of the interval.
   bool trianglesApart(const Stretch& s, int slot_a, int slot_b) {
     ++result_.nodes;
     const Vector* corners = a_.tree().corners(slot_a);
@@ -312,7 +315,7 @@ class MeshSweep {
       p.half[i] = placed(s.half, corners[i]);
       p.away[i] = placed(s.away, corners[i]);
     }
-    // As that of support points, see gjk.cc.
+    // The same as for support points, see gjk.cc.
     const double rounding =
         kSupportRounding * kUnitRoundoff *
         (a_.extent() + b_.extent() + s.half.translation.norm() + s.away.translation.norm());
@@ -328,7 +331,7 @@ class MeshSweep {
       const Vector n = cross(t[1] - t[0], t[2] - t[0]);
       const double squared = n.squaredNorm();
       if (!(squared > kLeastSquare)) continue;
-      // Pointing from A to B: by the corners that are not in the plane.
+      // Points from A to B, determined by the corners that are not in the plane.
       const bool is_a = t == p.half;
       const double side = is_a ? n.dot(q[0] - t[0]) : n.dot(t[0] - p.half[0]);
       if (parts((side < 0 ? -1 : 1) / std::sqrt(squared) * n)) return true;
@@ -342,7 +345,8 @@ class MeshSweep {
   const MeshSweepRequest& request_;
   Scratch& scratch_;
   MeshSweepResult result_;
-  // Visits convex pieces before triangles: both bodies have pieces. (One body's do not pay.)
+  // Visits convex pieces before triangles, if both bodies have pieces. (The pieces of only one body
+  // are not worthwhile.)
   bool by_pieces_ = false;
   std::array<Stretch, SweepScratch::kStretches>& stretches_;
   bool has_plane_ = false;
@@ -369,7 +373,7 @@ bool sweepsMesh(const Shape& a, const Shape& b) {
 
 MeshSweepResult sweepMesh(const Shape& a, Placements& motion, const Shape& b,
                           const MeshSweepRequest& request, Scratch& scratch) {
-  // Written so that a NaN fails.
+  // A NaN fails these comparisons.
   if (!(request.bend >= 0 && request.threshold >= 0 && request.t0 >= 0 && request.t0 < 1 &&
         request.h >= std::ldexp(1.0, -kSweepHalvings) && request.h <= 1))
     return {};

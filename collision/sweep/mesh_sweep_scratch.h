@@ -9,7 +9,7 @@
 
 namespace leeway::collision {
 
-/// What sweepMesh() keeps in a Scratch.
+/// The data of sweepMesh() in a Scratch.
 struct SweepScratch {
   /// The interval [number, number + 1] / 2^level of the motion.
   struct Time {
@@ -25,12 +25,12 @@ struct SweepScratch {
     Time time{-1, 0};
     Pose X_BA0, X_BA1;  ///< at both ends, as given
     Pose half;          ///< their mean; not a rotation
-    Pose X_BM;          ///< a rigid placement near `half`, with its origin
+    Pose X_BM;          ///< a rigid placement close to `half`, with its origin
     Pose X_MB;
     Pose away;          ///< (X_BA1 - X_BA0) / 2: displacement from the middle; not a rotation
     double turn = 0;    ///< |away v| + |half v - X_BM v| <= turn |v|, by their rotations alone
     double growth = 0;  ///< distance of points from their chords [m]
-    double slack = 0;   ///< rounding of the poses, as far as it moves points [m]
+    double slack = 0;   ///< rounding of the poses: how far it moves points [m]
     BoxSweep of_node;   ///< of boxes of A, in M
   };
 

@@ -10,9 +10,8 @@
 
 namespace leeway::collision {
 
-/// The next step from a sample at t with that gap, certified free: by the bound on the closing
-/// speed, or, where that is short of the predicted contact, by a sweep. Counts sweeps into
-/// `queries`.
+/// The next step from a sample at t with this gap, certified free: by the bound on the closing
+/// speed or, if that is short of the predicted contact, by a sweep. Counts sweeps in `queries`.
 template <typename Problem>
 double certifiedStep(Problem& problem, const ContactRequest& request, const ContactSample& now,
                      double gap, int& queries) {
@@ -28,8 +27,8 @@ double certifiedStep(Problem& problem, const ContactRequest& request, const Cont
 }
 
 /// Conservative advancement with a bound on the closing speed (B. Mirtich 1996) and with sweeps.
-/// Problem has sample() and hasDepth() as for SeparatingPlaneTracker, and isFreeOver(t, step): is
-/// [t, t + step] certified free.
+/// Problem has sample() and hasDepth() as for SeparatingPlaneTracker, and isFreeOver(t, step):
+/// whether [t, t + step] is certified free.
 template <typename Problem>
 ContactResult advanceConservatively(Problem& problem, const ContactRequest& request) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -38,7 +37,7 @@ ContactResult advanceConservatively(Problem& problem, const ContactRequest& requ
   if (!isInRange(request)) return result;
   double t = 0;  // certified free before t; open at t itself
   double tolerance = request.tolerance;
-  ContactSample before;  // the last one that is not in contact
+  ContactSample before;  // the last sample that is not in contact
   const auto answer = [&](ContactStatus status, double upper, const ContactSample& s) {
     result.status = status;
     result.time = {t, upper};
@@ -58,7 +57,8 @@ ContactResult advanceConservatively(Problem& problem, const ContactRequest& requ
     const double gap = now.distance.distance.lower - request.margin;
     const double coming = timeToClose(gap, now);
     if (!(coming > request.time_tolerance / 2) || !(gap > 0)) {
-      // About to touch, as far as the query can tell: a little later contact may be proven.
+      // The bodies are about to touch, as far as the query can tell, so a contact may be provable
+      // slightly later.
       const double later = std::min(t + request.time_tolerance, end);
       if (later > t) {
         const ContactSample then = problem.sample(later, request.tolerance, false);
@@ -80,7 +80,7 @@ ContactResult advanceConservatively(Problem& problem, const ContactRequest& requ
     const double next = t + step * (1 - 4 * kUnitRoundoff);
     if (!(next > t)) return answer(ContactStatus::kUndecided, kInfinity, now);
     t = std::min(next, end);
-    // An interval of a small share of the gap that the prediction leaves will do.
+    // An interval of a small share of the predicted gap is sufficient.
     tolerance = std::max(request.tolerance, kContactDistanceShare * gap *
                                                 std::max(0.0, 1 - step / std::max(coming, step)));
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// What every search for a time of contact shares: samples of the motion, and requests.
+// Shared by all searches for a time of contact: samples of the motion, and requests.
 
 #include <algorithm>
 #include <cmath>
@@ -11,15 +11,15 @@
 
 namespace leeway::collision {
 
-/// What a distance query tells of one time of the motion.
+/// The result of a distance query at one time of the motion.
 struct ContactSample {
   double t = 0;
   DistanceResult distance;  ///< widened by the rounding of the poses
   double closing = 0;       ///< closing speed of the witness points; for predictions only
-  /// Separation along distance.normal, as separationAlong() would give it; NaN where planes of that
-  /// direction bound nothing later.
+  /// Separation along distance.normal, as separationAlong() would compute it; NaN if planes of that
+  /// direction give no bound at later times.
   double plane = std::numeric_limits<double>::quiet_NaN();
-  /// From t on no two points of the bodies close faster.
+  /// From t on, no two points of the bodies close faster than this.
   double speed = std::numeric_limits<double>::infinity();
 };
 
@@ -27,7 +27,7 @@ inline bool isInContact(const ContactSample& sample, const ContactRequest& reque
   return sample.distance.distance.upper <= request.margin;
 }
 
-/// Time that the gap takes to close at the sample's speed: a prediction, not a bound.
+/// Time for closing the gap at the sample's speed: a prediction, not a bound.
 inline double timeToClose(double gap, const ContactSample& sample) {
   return sample.closing > 0 ? gap / sample.closing : std::numeric_limits<double>::infinity();
 }
@@ -37,7 +37,7 @@ inline bool isInRange(const ContactRequest& request) {
          request.end <= 1 && std::isfinite(request.margin);
 }
 
-/// The query of a sample. Without `depth` it has one only where the margin allows some.
+/// The query of a sample. Without `depth`, a depth is requested only if the margin allows one.
 inline DistanceRequest sampleRequest(const ContactRequest& request, double tolerance, bool depth) {
   DistanceRequest r;
   r.tolerance = tolerance;
@@ -54,16 +54,15 @@ inline DistanceRequest sweepRequest(const ContactRequest& request) {
   return r;
 }
 
-/// Whether the normal is that of the bodies' nearest points: where their distance is known to
-/// within a share, the angle between the two has a cosine of at least 1 less that share.
+/// Whether the normal is that of the bodies' nearest points: if their distance is known to within a
+/// share, the cosine of the angle between the two is at least 1 minus that share.
 inline bool hasNormal(const DistanceResult& result) {
   return result.distance.lower > 0 &&
          result.distance.lower >= (1 - kContactNormalShare) * result.distance.upper;
 }
 
-/// Gives a result the normal that ContactResult promises. At the time of a contact the bodies
-/// overlap, and a query that is not asked for a depth knows no normal; `before` is the last sample
-/// that may have one.
+/// Sets the normal that ContactResult guarantees. At the time of a contact the bodies overlap, and
+/// a query without a depth returns no normal; `before` is the last sample that may have one.
 template <typename Problem>
 void settleNormal(Problem& problem, const ContactRequest& request, const ContactSample& before,
                   ContactResult& result) {
@@ -77,7 +76,7 @@ void settleNormal(Problem& problem, const ContactRequest& request, const Contact
     normal = before.distance.normal;
     return;
   }
-  // Farther back the gap is wider, and the same accuracy says more of its direction.
+  // Farther back the gap is wider, so the same accuracy determines the direction better.
   for (const double back : {0.0, 4.0, 64.0}) {
     const double t = result.time.lower - back * request.time_tolerance;
     if (!(t >= 0) || result.queries >= request.query_limit) break;

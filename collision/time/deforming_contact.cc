@@ -1,8 +1,8 @@
-// The first contact of a deforming mesh and a body that moves.
+// The first contact of a deforming mesh and a moving body.
 //
 // Vertices move on straight lines, so at any t a set of them is inside the blend of its boxes at 0
-// and 1. Time is cut into slabs, with a box of the body for each. The first slab in which a node's
-// box may meet the body's is the earliest time at which the node matters.
+// and 1. Time is divided into slabs, with a box of the body for each. The first slab in which a
+// node's box may intersect the body's box is the earliest time at which the node matters.
 
 #include <algorithm>
 #include <array>
@@ -26,7 +26,7 @@ namespace {
 
 constexpr int kSlabs = 16;
 
-/// A box that moves: at t all it holds is inside the blend of its two states.
+/// A moving box: at t, its contents are inside the blend of its two states.
 struct MovingBox {
   Vector low0 = Vector::Constant(kInfinity), high0 = Vector::Constant(-kInfinity);
   Vector low1 = low0, high1 = high0;
@@ -37,7 +37,7 @@ struct MovingBox {
   }
 };
 
-/// Boxes around the body (of a half-space its plane's highest offset), slab by slab of [0, end].
+/// Boxes around the body (for a half-space, its plane's highest offset) for each slab of [0, end].
 class Slabs {
  public:
   /// `size`: largest distance of a vertex from the origin [m].
@@ -71,7 +71,7 @@ class Slabs {
         low[at(k)][i] = X.translation[i] + along.dot(farthest(view, -along, hint)) - out;
       }
     }
-    // Points leave their chords over a slab by no more than this.
+    // An upper bound on how far points leave their chords over a slab.
     slack += pointAcceleration(b, bound) * step * step / 8 * kGrowthOutwards;
     for (int k = 0; k < kSlabs; ++k) {
       low_[at(k)] = (low[at(k)].cwiseMin(low[at(k + 1)])).array() - slack - margin;
@@ -81,8 +81,8 @@ class Slabs {
 
   double timeOf(int slab) const { return end_ * slab / kSlabs; }
 
-  /// The first slab in which the contents of the box may be within the margin of the body; kSlabs:
-  /// none.
+  /// The first slab in which the contents of the box may be within the margin of the body; kSlabs
+  /// if there is none.
   int first(const MovingBox& box) const {
     if (!bounded_) return 0;
     for (int k = 0; k < kSlabs; ++k)
@@ -97,7 +97,7 @@ class Slabs {
     const Vector low = blend(box.low0, box.low1, t0).cwiseMin(blend(box.low0, box.low1, t1));
     const Vector high = blend(box.high0, box.high1, t0).cwiseMax(blend(box.high0, box.high1, t1));
     if (plane_) {
-      // The box's lowest corner, seen from the plane.
+      // The box's lowest corner relative to the plane.
       const Vector lowest = (up_.array() > 0).select(low, high);
       return up_.dot(lowest) > high_[at(k)].x();
     }
@@ -108,12 +108,12 @@ class Slabs {
 
   double end_;
   bool plane_ = false;    // the body is a half-space
-  bool bounded_ = false;  // boxes are known: not of a half-space that turns
+  bool bounded_ = false;  // boxes are available: not for a half-space that turns
   Vector up_ = Vector::UnitZ();
   std::array<Vector, kSlabs> low_, high_;  // grown by the margin and all rounding
 };
 
-/// Follows the triangles of the mesh that may meet the body, earliest first.
+/// Follows the triangles of the mesh that may touch the body, earliest first.
 class DeformFollower {
  public:
   DeformFollower(const DeformableSnapshotImpl& from, const DeformableSnapshotImpl& to,
@@ -156,7 +156,7 @@ class DeformFollower {
     return std::max({from.low.norm(), from.high.norm(), to.low.norm(), to.high.norm()});
   }
 
-  /// Later times do not matter.
+  /// Later times are irrelevant.
   double limit() const { return first_.time.lower; }
 
   /// Depth first, the child with the earliest slab first.
@@ -176,7 +176,7 @@ class DeformFollower {
           follow(from_.tree->triangleOf(slot));
         continue;
       }
-      // Copies: both snapshots may fill the same memory.
+      // Copied, because both snapshots may fill the same memory.
       WideBox room0, room1;
       const WideBox boxes0 = source0.boxes(item.child, room0);
       const WideBox boxes1 = same_tree ? source1.boxes(item.child, room1) : WideBox{};
@@ -193,7 +193,7 @@ class DeformFollower {
         if (!same_tree) laterBox(item.child, lane, box);
         const int slab = slabs_.first(box);
         if (slab == kSlabs || slabs_.timeOf(slab) >= limit()) continue;
-        // The earliest on top of the stack.
+        // Keeps the earliest on top of the stack.
         std::size_t place = count++;
         for (; place > begin && stack[place - 1].slab < slab; --place)
           stack[place] = stack[place - 1];
@@ -202,7 +202,8 @@ class DeformFollower {
     }
   }
 
-  /// The box in the later snapshot from its vertices: its hierarchy is another one.
+  /// Computes the box in the later snapshot from its vertices, because its hierarchy is a different
+  /// one.
   void laterBox(std::int32_t node, int lane, MovingBox& box) const {
     MovingBox later;
     for (const std::int32_t v : from_.tree->vertices(node, lane)) {
@@ -231,7 +232,7 @@ class DeformFollower {
     result.distance.triangle_a = triangle;
     const int queries = first_.queries + result.queries;
     if (result.status == ContactStatus::kContact) {
-      // Followed only to first_.time.upper; the contact found before may still be the earlier one.
+      // Followed only to first_.time.upper; the previous contact may still be the earlier one.
       result.time.lower = std::min(first_.time.lower, result.time.lower);
       first_ = result;
     } else if (result.status != ContactStatus::kFree && !(open_.time.lower <= result.time.lower)) {
@@ -268,8 +269,8 @@ ContactResult timeOfContact(const std::shared_ptr<const DeformableSnapshot>& fro
       !(request.end >= 0 && request.end <= 1) || !(request.margin >= 0) ||
       !std::isfinite(request.margin))
     return result;
-  // Closed components may contain the body, or it them, without a triangle near. Without contact
-  // that does not change later: decided at t = 0.
+  // Closed components may contain the body, or the reverse, without a triangle nearby. Without
+  // contact, that does not change later, so it is decided at t = 0.
   const Pose X_WB = motion_b.pose(0);
   const double size = std::max(from->low().norm(), from->high().norm());
   const double rounding = motion_b.rounding(std::min(b.extent(), X_WB.translation.norm() + size));

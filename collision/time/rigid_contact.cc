@@ -19,7 +19,7 @@
 namespace leeway::collision {
 namespace {
 
-/// Two rigid bodies; A is no half-space unless B is one, too.
+/// Two rigid bodies. If A is a half-space, B is one, too.
 struct RigidPair {
   const Shape& a;
   const RigidMotion& motion_a;
@@ -30,7 +30,7 @@ struct RigidPair {
   PairCache* cache;
   ConvexView view_a, view_b;
   bool flat;    ///< B is a half-space: its plane is the only one
-  bool planes;  ///< separating planes hold over time: convex bodies, and no half-space turns
+  bool planes;  ///< separating planes hold over time: bodies are convex, and no half-space turns
   Pose X_WA_start, X_WB_start;  ///< at t = 0
   bool valid;                   ///< both are poses
   double departure;             ///< of the rotations from orthogonality, as RelativePose::slack
@@ -58,8 +58,8 @@ struct RigidPair {
     departure = X.slack;
   }
 
-  /// Rounding of both poses, where the bodies are near each other; of a half-space, where A can
-  /// meet it [m].
+  /// Rounding of both poses where the bodies are near each other; for a half-space, where A can
+  /// touch it [m].
   double rounding(const Pose& X_WA, const Pose& X_WB) const {
     const double between = (X_WA.translation - X_WB.translation).norm() + a.extent();
     return motion_a.rounding(a.extent()) + motion_b.rounding(std::min(b.extent(), between));
@@ -116,7 +116,7 @@ struct RigidPair {
     return s;
   }
 
-  /// The plane across the line of the bounding spheres' centres, where the spheres are apart.
+  /// The plane across the line of the bounding spheres' centres, if the spheres are apart.
   ContactSample startPlane() {
     ContactSample s;
     if (!valid) return s;
@@ -134,8 +134,8 @@ struct RigidPair {
     return s;
   }
 
-  /// Sweeps A over [t, t + step], seen from B: points leave chords by step^2 / 8 of the
-  /// acceleration that is seen from there.
+  /// Sweeps A over [t, t + step] in B's frame: points leave chords by step^2 / 8 times the
+  /// acceleration in that frame.
   bool isFreeOver(double t, double step) {
     const Pose X_WB0 = motion_b.pose(t), X_WB1 = motion_b.pose(t + step);
     const Pose X_WA0 = motion_a.pose(t), X_WA1 = motion_a.pose(t + step);
@@ -161,7 +161,7 @@ struct RigidPair {
 ContactResult timeOfContact(const Shape& a, const RigidMotion& motion_a, const Shape& b,
                             const RigidMotion& motion_b, const ContactRequest& request,
                             Scratch& scratch, PairCache* cache) {
-  // A is the body that is swept: a half-space, which is unbounded, must be B.
+  // A is the swept body, so a half-space, which is unbounded, must be B.
   if (a.type() == ShapeType::kHalfSpace && b.type() != ShapeType::kHalfSpace) {
     ContactResult result = timeOfContact(b, motion_b, a, motion_a, request, scratch, cache);
     std::swap(result.distance.point_a, result.distance.point_b);

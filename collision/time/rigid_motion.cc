@@ -1,4 +1,4 @@
-// Straight and screw motions of a frame, and motions of frames that are fixed to a moving one.
+// Straight and screw motions of a frame, and motions of frames that are fixed to a moving frame.
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -46,7 +46,7 @@ FrameMotionBound StraightMotion::bound(double, double) const {
 }
 
 double StraightMotion::rounding(double reach) const {
-  // Some thirty operations a coordinate; the axis' departure from unit length included.
+  // About thirty operations for each coordinate, including the axis' departure from unit length.
   return kMotionRounding * (3 * reach + start_.norm() + travel_.norm());
 }
 
@@ -55,7 +55,7 @@ ScrewMotion::ScrewMotion(const Pose& X_WA0, const Pose& X_WA1)
   const Eigen::Vector3d travel = X_WA1.translation - X_WA0.translation;
   double s, c;
   sineCosine(turn_.angle() / 2, s, c);
-  // Without rotation every line along the travel is an axis.
+  // If there is no rotation, every line along the travel is an axis.
   const bool turns = std::abs(s) > kLeastScrewTurn;
   if (!turns) turn_ = AxisTurn(X_WA0.rotation, X_WA0.rotation);
   cotangent_ = turns ? c / s : 0;
@@ -64,8 +64,8 @@ ScrewMotion::ScrewMotion(const Pose& X_WA0, const Pose& X_WA1)
   turned_ = turn_.axis().cross(across_);
 }
 
-// The axis runs through o(0) + (across + cotangent turned) / 2, far away for small angles. Rotation
-// about it is written so that no term is larger than the travel.
+// The axis runs through o(0) + (across + cotangent turned) / 2, which is far away for small angles.
+// Rotation about it is written so that no term is larger than the travel.
 Pose ScrewMotion::pose(double t) const {
   double s, c, sh, ch;
   sineCosine(turn_.angle() * t, s, c);

@@ -10,7 +10,7 @@
 namespace leeway::collision {
 namespace {
 
-/// One pair of the scene, its margin added to that of the request.
+/// One pair of the scene, with its margin added to that of the request.
 ContactResult contactOfPair(const Scene& scene, int p, std::span<const RigidMotion* const> motions,
                             ContactRequest request, Workspace& workspace) {
   const ScenePair& pair = scene.pairs()[static_cast<std::size_t>(p)];
@@ -39,7 +39,7 @@ ContactResult timeOfContact(const Scene& scene, std::span<const RigidMotion* con
   if (motions.size() != scene.bodies().size()) return first;
   first.status = ContactStatus::kFree;
   first.time = {kInfinity, kInfinity};
-  double undecided = kInfinity;  // the earliest time from which on some pair is open
+  double undecided = kInfinity;  // the earliest time from which on a pair is undecided
   int undecided_pair = -1, queries = 0;
   for (auto pair = scene.pairs().begin(); pair != scene.pairs().end(); ++pair) {
     const int p = static_cast<int>(pair.number());
@@ -57,7 +57,7 @@ ContactResult timeOfContact(const Scene& scene, std::span<const RigidMotion* con
       undecided_pair = result.pair;
     }
     if (result.status == ContactStatus::kContact) {
-      // Followed only to first.time.upper; the contact found before may still be the earlier one.
+      // Followed only to first.time.upper; the previous contact may still be the earlier one.
       const double lower = std::min(first.time.lower, result.time.lower);
       first = result;
       first.time.lower = lower;

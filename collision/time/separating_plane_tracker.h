@@ -120,7 +120,7 @@ class SeparatingPlaneTracker {
     return true;
   }
 
-  /// Samples t > now_.t and files the sample: contact, apart, or in doubt. False: give up.
+  /// Samples t > now_.t and classifies the sample: contact, apart, or in doubt. False: give up.
   bool take(double t, double tolerance) {
     ContactSample s = sample(t, tolerance);
     if (!isInContact(s, request_) && !(gapOf(s) > 0) && tolerance > request_.tolerance)
@@ -133,7 +133,7 @@ class SeparatingPlaneTracker {
       return true;
     }
     if (gapOf(s) > 0) {
-      if (count_ == kMostAhead) count_ = 0;  // forgets the farthest ones; they can be sampled again
+      if (count_ == kMostAhead) count_ = 0;  // drops the farthest ones; they can be sampled again
       ahead_[count_++] = s;
       return true;
     }
@@ -143,19 +143,20 @@ class SeparatingPlaneTracker {
     return true;
   }
 
-  /// At t the bodies touch as far as the query can tell: a little later contact may be proven.
+  /// At t the bodies touch as far as the query can tell, so a contact may be provable slightly
+  /// later.
   void proveContactAfter(double t) {
     proveContactAt(std::min(t + request_.time_tolerance / 2, request_.end), t);
   }
 
-  /// Where the motion is certified up to a time that stays in doubt: at the last time at which a
-  /// contact is near enough.
+  /// Called if the motion is certified up to a time that stays in doubt: tries the last time at
+  /// which a contact is close enough.
   bool isProvenLast() {
     proveContactAt(std::min(now_.t + 0.999 * request_.time_tolerance, request_.end), doubt_);
     return contact_ - now_.t <= request_.time_tolerance;
   }
 
-  /// Contact at a time after t.
+  /// Tries to prove a contact at a time after t.
   void proveContactAt(double later, double t) {
     if (!(later > t) || later >= contact_) return;
     const ContactSample s = sample(later, request_.tolerance);
@@ -167,7 +168,7 @@ class SeparatingPlaneTracker {
   bool sampleAhead() {
     const double gap = gapOf(now_), small = request_.time_tolerance / 4;
     const double coming = timeToClose(gap, now_);
-    // Near enough to step past the contact, which proves it; where that has failed, half as far.
+    // Close enough to step past the contact, which proves it; if that has failed, half as far.
     if (coming <= 2 * small) {
       const double past = std::min(now_.t + 3.999 * small, request_.end);
       const double t = past < doubt_ ? past : now_.t + (doubt_ - now_.t) / 2;
@@ -176,16 +177,16 @@ class SeparatingPlaneTracker {
     const double step = stepTowardsContact(gap, coming);
     const double t = now_.t + step;
     if (!(t > now_.t)) return false;
-    // The gap that the prediction leaves at t: an interval of a small share of it will do.
+    // The predicted gap at t; an interval of a small share of it is sufficient.
     const double expected = gap * std::max(0.0, 1 - step / coming);
     const bool last = t >= request_.end;
     return take(last ? request_.end : t,
                 std::max(request_.tolerance, last ? 0 : kContactDistanceShare * expected));
   }
 
-  /// Newton's step to just before the predicted contact. Where it would pass a time at which the
-  /// bodies are known not to be apart, a secant to that time; half the way there where the last
-  /// secant did not halve it.
+  /// Newton's step to just before the predicted contact. If it would pass a time at which the
+  /// bodies are known not to be apart, it is a secant step to that time, or half the way if the
+  /// last secant step did not halve it.
   double stepTowardsContact(double gap, double coming) {
     const double small = request_.time_tolerance / 4;
     double step = std::max(coming - small, coming / 2);
@@ -203,9 +204,9 @@ class SeparatingPlaneTracker {
     return step;
   }
 
-  /// Where Newton's method expects the bodies to touch before the next sample, and every other time
-  /// in the middle. Bodies without a volume pass through each other, and are apart on both sides:
-  /// the middle alone would come near to the contact only by halves.
+  /// Samples where Newton's method expects the bodies to touch before the next sample, and every
+  /// other time in the middle. Bodies without a volume pass through each other, and are apart on
+  /// both sides; sampling only in the middle would approach the contact by halves.
   bool sampleBetween() {
     const double most = ahead_[count_ - 1].t - now_.t;
     const double coming = timeToClose(std::max(gapOf(now_), now_.plane), now_);
@@ -236,7 +237,8 @@ class SeparatingPlaneTracker {
   ContactSample now_;                            // the motion is certified up to here
   ContactSample touch_;                          // of the contact at contact_
   double contact_ = kInfinity;                   // the earliest time of a proven contact
-  double doubt_ = kInfinity;                     // the earliest time of neither contact nor gap
+  double doubt_ = kInfinity;                     // the earliest time that is neither contact nor
+                                                 // gap
   bool halves_ = true;                           // the last sampleBetween() took the middle
   double span_ = kInfinity;                      // time to min(contact_, doubt_) at the last secant
   std::array<ContactSample, kMostAhead> ahead_;  // apart, the next one last

@@ -13,7 +13,7 @@
 namespace leeway::collision {
 namespace {
 
-/// From this reach on a box holds everything [m].
+/// A box with this reach contains everything [m].
 constexpr auto kBeyondAll = static_cast<double>(kFar);
 
 /// time + wait, rounded down.
@@ -21,19 +21,20 @@ double later(double time, double wait) {
   return wait == kInfinity ? kInfinity : std::nextafter(time + wait, -kInfinity);
 }
 
-/// All magnitudes are; false for NaN.
+/// Whether all magnitudes are valid; false for NaN.
 bool isMotion(const PointMotion& m) {
   return m.speed >= 0 && m.acceleration >= 0 && m.speed_cap >= 0;
 }
 
-/// What a motion never exceeds: what does not accelerate stays as fast as it is.
+/// The greatest speed of a motion. Without acceleration, it is the present speed.
 double fastest(const PointMotion& m) {
   return m.acceleration == 0 ? std::min(m.speed, m.speed_cap) : m.speed_cap;
 }
 
-/// Whether bounds that hold from `old_time` on include all that `now` allows from `time` on.
+/// Whether bounds that hold from `old_time` on include all motions that `now` allows from `time`
+/// on.
 bool covers(const PointMotion& old, double old_time, const PointMotion& now, double time) {
-  // The conditions keep 0 * infinity out: what stands still has stood since ever.
+  // The conditions avoid 0 * infinity, because a fixed body has never moved.
   const double passed = time - old_time;
   const double gained = passed > 0 && old.acceleration > 0 ? old.acceleration * passed : 0;
   const double reached = std::min(old.speed_cap, old.speed + gained);
@@ -44,7 +45,7 @@ bool covers(const PointMotion& old, double old_time, const PointMotion& now, dou
 }  // namespace
 
 PointMotion closing(const PointMotion& a, const PointMotion& b) {
-  // In a sum a negative number would be lost.
+  // In a sum, a negative number would be hidden.
   if (!isMotion(a) || !isMotion(b)) return {kNaN, kNaN, kNaN};
   return {std::min(a.speed, a.speed_cap) + std::min(b.speed, b.speed_cap),
           a.acceleration + b.acceleration, fastest(a) + fastest(b)};
@@ -52,7 +53,7 @@ PointMotion closing(const PointMotion& a, const PointMotion& b) {
 
 double timeToImpact(double gap, const PointMotion& closing) {
   const double cap = closing.speed_cap, a = closing.acceleration;
-  // Written so that a NaN anywhere gives 0.
+  // A NaN in any of these gives 0.
   if (!(gap > 0) || !(cap >= 0) || !(a >= 0) || !(closing.speed >= 0)) return 0;
   if (gap == kInfinity) return cap < kInfinity || a < kInfinity ? kInfinity : 0;
   const double v = std::min(closing.speed, cap);
@@ -70,7 +71,7 @@ double timeToImpact(double gap, const PointMotion& closing) {
   const double covered = v * t_cap + a * t_cap * t_cap / 2;
   const double rest = std::max(0.0, gap - covered * (1 + 16 * kUnitRoundoff));
   const double capped = t_cap + rest / cap;
-  // Cancellation in `rest`: a few roundings of the gap, covered at the cap.
+  // Rounding from cancellation in `rest`: a few roundings of the gap, covered at the cap.
   return std::max(0.0, down(capped) - 16 * kUnitRoundoff * gap / cap);
 }
 
@@ -107,7 +108,7 @@ ImpactSchedule::ImpactSchedule(const Scene& scene) : scene_(&scene) {
     items_of_body_[at(next[at(body)]++)] = static_cast<std::int32_t>(item);
   });
   for (std::size_t item = 0; item < items; ++item)
-    place(item, static_cast<std::int32_t>(item));  // all due at once: any order is a heap
+    place(item, static_cast<std::int32_t>(item));  // all are due at once, so any order is a heap
   for (std::size_t row = 0; row < rows; ++row) {
     std::int32_t first = -1;
     for (std::size_t place = 0; pairs.rows()[row].count > 0 && first < 0; ++place)
@@ -131,7 +132,8 @@ std::size_t ImpactSchedule::itemOf(int pair) const {
 PointMotion ImpactSchedule::motionAt(int body, double time) const {
   const TimedMotion& last = motions_[at(body)];
   PointMotion motion = last.motion;
-  // The conditions keep 0 * infinity out: unbounded acceleration counts once time has passed.
+  // The conditions avoid 0 * infinity: unbounded acceleration counts only after some time has
+  // passed.
   const double passed = time - last.time;
   if (passed > 0 && motion.acceleration > 0) motion.speed += motion.acceleration * passed;
   motion.speed = std::min(motion.speed, motion.speed_cap);
@@ -154,7 +156,7 @@ void ImpactSchedule::setMotion(int body, const PointMotion& motion, double time)
   const bool covered = covers(last.motion, last.time, motion, time);
   last = {motion, std::max(last.time, time)};
   if (covered) return;
-  // Written so that a time of NaN hastens, too.
+  // A time of NaN also makes an item due.
   const auto hasten = [&](std::int32_t item) {
     if (!(due_[at(item)] <= time) && !isEmptyRow(item)) setDue(item, time);
   };
@@ -175,7 +177,7 @@ double ImpactSchedule::look(int p, double time, double horizon, Workspace& works
   const double coarse = coarseLowerBound(*scene_, workspace, p) - pair.margin;
   const double due = later(time, timeToImpact(coarse, motion));
   ++statistics.looks;
-  // Coarse bounds put the pair off for long enough: no exact query yet.
+  // Coarse bounds postpone the pair by long enough, so no exact query is needed yet.
   if (due >= time + kImpactHorizons * horizon && due > time) return due;
   DistanceRequest request;
   request.tolerance = std::max(kImpactTolerance, kImpactShare * std::max(0.0, coarse));
@@ -195,12 +197,13 @@ double ImpactSchedule::lookAtRow(std::size_t row, double time, double horizon, W
   const double radius =
       SceneAccess::bounds(*scene_, SceneAccess::geometryIndex(*scene_, of.body, of.geometry))
           .outer.radius;
-  // As far as motions reach before the row is due again, and on to the first pair.
+  // The reach of the motions until the row is due again, and then up to the first pair.
   const double wait = kImpactHorizons * horizon;
   double reach =
       std::min(motion.speed_cap * wait, (motion.speed + motion.acceleration * wait) * wait);
   if (!(reach < kBeyondAll)) reach = 0;
-  reach = std::max({reach, std::min(radius, kBeyondAll), kImpactTolerance});  // above 0: it doubles
+  reach = std::max({reach, std::min(radius, kBeyondAll), kImpactTolerance});  // above 0, because it
+                                                                              // doubles
   const std::size_t first = imminent_count_;
   const int imminent_before = report.imminent;
   double due = kInfinity;
@@ -222,7 +225,7 @@ double ImpactSchedule::lookAtRow(std::size_t row, double time, double horizon, W
   }
   const double due_of_others = later(time, timeToImpact(reach, motion));
   if (due_of_others < end) {
-    // Nothing bounds how fast something moves.
+    // The speed of some body is not bounded.
     imminent_count_ = first;
     report.imminent = imminent_before;
     for (std::size_t place = 0; place < pairs.places(); ++place)
@@ -250,7 +253,7 @@ ImpactReport ImpactSchedule::advance(double time, double horizon, Workspace& wor
     report.safe_until = -kInfinity;
     return report;
   }
-  // All due items are taken out before any goes back: one that stays due is looked at once.
+  // All due items are removed before any is put back, so that one that stays due is checked once.
   std::size_t count = 0;
   while (!heap_.empty() && due_[at(heap_.front())] < end) {
     looking_[count++] = heap_.front();
@@ -291,7 +294,7 @@ void ImpactSchedule::place(std::size_t slot, std::int32_t item) {
 }
 
 void ImpactSchedule::setDue(std::int32_t item, double due) {
-  // NaN proves nothing: due now.
+  // NaN proves nothing, so the item is due now.
   due_[at(item)] = std::isnan(due) ? -kInfinity : due;
   siftUp(at(slot_[at(item)]));
   siftDown(at(slot_[at(item)]));

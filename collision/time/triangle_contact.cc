@@ -1,4 +1,4 @@
-// The first contact of a triangle whose corners move, with another one and with a rigid body.
+// The first contact of a triangle with moving corners, with another such triangle or a rigid body.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -41,8 +41,8 @@ double speedOf(const MovingTriangle& m) {
   return most * (1 + 16 * kUnitRoundoff);
 }
 
-/// Velocity of the triangle's point that is at `point` while the corners are at p; where these are
-/// on one line, of the longest edge's point.
+/// Velocity of the triangle's point that is at `point` while the corners are at p; if the corners
+/// are on one line, that of the longest edge's point.
 Eigen::Vector3d velocityAt(const MovingTriangle& m, const Corners& p,
                            const Eigen::Vector3d& point) {
   const auto velocity = [&](std::size_t i) { return Eigen::Vector3d(m.to[i] - m.from[i]); };
@@ -81,7 +81,7 @@ bool isFinite(const MovingTriangle& m) {
   return true;
 }
 
-/// Two triangles whose corners move.
+/// Two triangles with moving corners.
 struct MovingTriangles {
   const MovingTriangle& a;
   const MovingTriangle& b;
@@ -108,7 +108,7 @@ struct MovingTriangles {
     return s;
   }
 
-  /// None: the query of two triangles is as cheap.
+  /// No start plane, because the query of two triangles is as cheap.
   static ContactSample startPlane() { return {}; }
 
   double separationAlong(const Eigen::Vector3d& n, double t) const {
@@ -118,7 +118,7 @@ struct MovingTriangles {
   static double accelerationAlong(const Eigen::Vector3d&, double) { return 0; }
 };
 
-/// A triangle whose corners move, and a convex rigid body.
+/// A triangle with moving corners, and a convex rigid body.
 struct TriangleAndBody {
   const MovingTriangle& a;
   const Shape& b;
@@ -127,7 +127,7 @@ struct TriangleAndBody {
   Scratch& scratch;
   ConvexView view;
   bool flat;      ///< B is a half-space: its plane is the only one
-  bool planes;    ///< separating planes hold over time: B is no half-space that turns
+  bool planes;    ///< separating planes hold over time, unless B is a half-space that turns
   double extent;  ///< of the triangle's coordinates [m]
   double departure = 0;
   PairCache cache;
@@ -146,7 +146,8 @@ struct TriangleAndBody {
         extent(extentOf(a_)),
         departure(relativePose(Pose{}, motion_.pose(0)).slack) {}
 
-  /// Rounding of the corners and of the pose; of a half-space, where the triangle can meet it [m].
+  /// Rounding of the corners and of the pose; for a half-space, where the triangle can touch it
+  /// [m].
   double rounding(const Pose& X_WB) const {
     const double between = X_WB.translation.norm() + extent;
     const double reach = std::min(b.extent(), between);
@@ -179,7 +180,7 @@ struct TriangleAndBody {
     return s;
   }
 
-  /// None: nothing costs less than the query.
+  /// No start plane, because nothing is cheaper than the query.
   static ContactSample startPlane() { return {}; }
 
   double separationAlong(const Eigen::Vector3d& n, double t) {
@@ -197,8 +198,8 @@ struct TriangleAndBody {
     return collision::accelerationAlong(b, motion, n, t, request.end) * (1 + 16 * kUnitRoundoff);
   }
 
-  /// The hull of the triangle at both ends against B, seen from B's frame, where a half-space that
-  /// turns stands still.
+  /// The hull of the triangle at both ends against B, in B's frame, where a turning half-space is
+  /// fixed.
   bool isFreeOver(double t, double step) {
     const Pose X_WB0 = motion.pose(t), X_WB1 = motion.pose(t + step);
     const Corners a0 = cornersAt(a, t), a1 = cornersAt(a, t + step);

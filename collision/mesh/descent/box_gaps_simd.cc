@@ -29,7 +29,7 @@ namespace leeway::collision {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// What moves; for kNothing `sweep` is not read.
+/// The moving side; for kNothing, `sweep` is not read.
 enum class Moves { kNothing, kQuery, kNode };
 
 template <Moves kMoves>

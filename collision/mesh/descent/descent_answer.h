@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: from a request to a descent, and from its result to an answer, for rigid
+// Private to collision/: turns a request into a descent, and its result into an answer, for rigid
 // and deforming meshes. A side is a DescentSide or a DeformSide.
 
 #include <algorithm>
@@ -14,15 +14,16 @@
 
 namespace leeway::collision {
 
-/// What rounding is relative to: the bodies' extents and the distance of their frames, added up
-/// [m]. The infinite extent of a half-space is left out.
+/// The magnitude that rounding is relative to: the sum of the bodies' extents and the distance of
+/// their frames [m]. The infinite extent of a half-space is omitted.
 template <class Side>
 double scaleOf(const Pose& X_BA, const Side& a, const Side& b) {
   const auto finite = [](double extent) { return std::isfinite(extent) ? extent : 0; };
   return finite(a.extent) + finite(b.extent) + X_BA.translation.norm();
 }
 
-/// How far rounding of the poses may move points of the bodies against each other [m].
+/// Upper bound on how far rounding of the poses moves points of the bodies relative to each other
+/// [m].
 template <class Side>
 double slackOf(const RelativePose& relative, const Side& a, const Side& b) {
   return relative.slack * (scaleOf(relative.X_BA, a, b) + kLeastSum);
@@ -37,14 +38,14 @@ DescentPlacement placementOf(const RelativePose& relative, const Side& a, const 
   return placement;
 }
 
-/// How near to each other points of two bodies count as touching [m]: a few times the rounding of
-/// their distance.
+/// The distance within which points of two bodies count as touching [m]: a few times the rounding
+/// of their distance.
 template <class Side>
 double touchingWithin(const DescentPlacement& placement, const Side& a, const Side& b) {
   return 4 * (kSupportRounding * kUnitRoundoff * scaleOf(placement.X_BA0, a, b) + placement.slack);
 }
 
-/// Remembers the nearest triangles for the next query.
+/// Stores the nearest triangles for the next query.
 inline void remember(const DescentResult& found, PairCache& cache) {
   if (found.witness.triangle_a >= 0 || found.witness.triangle_b >= 0) {
     cache.triangle_a = found.witness.triangle_a;
@@ -63,7 +64,7 @@ inline DistanceResult surfaceDistance(const DescentResult& found, const Pose& X_
   return result;
 }
 
-/// sweptDistance() by `descend`, which is called as descend() is.
+/// sweptDistance() by `descend`, which has the arguments of descend().
 template <class SideOf, class Descend>
 DistanceResult sweptByDescent(const Shape& a, const Pose& X_BA0, const Pose& X_BA1, double growth,
                               const Shape& b, const DistanceRequest& request, Scratch& scratch,
@@ -84,7 +85,7 @@ DistanceResult sweptByDescent(const Shape& a, const Pose& X_BA0, const Pose& X_B
 
   DistanceResult result = found.witness;
   result.iterations = found.iterations;
-  // Below 0 pieces bound nothing but themselves; the bound on hulls or boxes still holds.
+  // Below 0, pieces bound only themselves; the bound on hulls or boxes still holds.
   result.distance.lower =
       found.lower > 0 ? std::max(found.lower, found.hull_lower) : found.hull_lower;
   result.distance.upper = found.upper;

@@ -12,9 +12,10 @@ namespace leeway::collision {
 struct DescentSide {
   const MeshTree* tree = nullptr;
   ConvexView view;            ///< of a convex shape
-  Eigen::Vector3d center;     ///< of a sphere that holds the body, in its own frame [m]
+  Eigen::Vector3d center;     ///< of a sphere that contains the body, in its own frame [m]
   double radius = 0;          ///< of that sphere; may be infinite [m]
-  Eigen::Vector3d low, high;  ///< a box that holds the body, in its own frame; may be infinite [m]
+  Eigen::Vector3d low, high;  ///< a box that contains the body, in its own frame; may be infinite
+                              ///< [m]
   double hull_excess = 0;     ///< of a mesh, as TriangleMesh::hullExcess() [m]
   bool has_solid_pieces = false;  ///< of a mesh: each convex piece is a whole component
   double extent =
@@ -24,7 +25,7 @@ struct DescentSide {
 /// The side of a rigid mesh or a convex shape. O(1).
 DescentSide descentSide(const Shape& shape);
 
-/// Where A is in B's frame; of a sweep at its begin and at its end.
+/// The pose of A in B's frame; for a sweep, at its start and at its end.
 struct DescentPlacement {
   Pose X_BA0, X_BA1;
   bool swept = false;

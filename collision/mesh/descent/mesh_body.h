@@ -28,7 +28,7 @@ inline bool operator==(const Part& l, const Part& r) {
 }
 
 /// One of two bodies: a mesh with its boxes and pieces, or a convex shape. Boxes are numbered by
-/// node and lane, node * kWidth + lane; -1 is that of a convex body.
+/// node and lane, node * kWidth + lane; -1 is the box of a convex body.
 class MeshBody {
   using Kind = Part::Kind;
 
@@ -71,7 +71,7 @@ class MeshBody {
     return {Kind::kPiece, piece};
   }
   const BoxNode& node(std::int32_t box) const { return tree_->boxes().node(box / BoxNode::kWidth); }
-  /// No point of a box is farther from its centre [m].
+  /// Upper bound on the distance of the points of a box from its centre [m].
   float radius(std::int32_t box) const {
     return isMesh() ? node(box).radius[box % BoxNode::kWidth] : radius_;
   }
@@ -123,7 +123,7 @@ class MeshBody {
   double extent_ = 0;
 };
 
-/// The box in another frame, rounded: boxGaps() allows for it.
+/// The box in another frame, rounded; boxGaps() accounts for that rounding.
 inline OrientedBox placedBox(const OrientedBox& box, const Pose& X) {
   OrientedBox result;
   const Vector center =
@@ -144,7 +144,7 @@ inline OrientedBox placedBox(const OrientedBox& box, const Pose& X) {
   return result;
 }
 
-/// Whether a body has a box: no half-space, and no point.
+/// Whether a body has a box: it is neither a half-space nor a point.
 inline bool isBounded(const DescentSide& side) {
   return side.tree != nullptr || (side.extent > 0 && std::isfinite(side.extent));
 }

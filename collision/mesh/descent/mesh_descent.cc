@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-// A pair of nodes; -1 stands for a convex shape as a whole.
+// A pair of nodes; -1 is a convex shape as a whole.
 struct NodePair {
   std::int32_t a, b;
   double lower;  // proven for all pairs of triangles below
@@ -70,13 +70,13 @@ class Descent {
     const bool threshold = request_.threshold == request_.threshold;
     if (hulls_upper_ < result_.upper && (limited || threshold)) {
       offer(hulls_, hulls_upper_, -1, -1);
-      // An interval this wide has to hold the distance of the hulls' witness points, too; where a
-      // threshold is asked for, the verdict does not need it.
+      // An interval this wide must also contain the distance of the hulls' witness points. If there
+      // is a threshold, the verdict does not need it.
       if (!threshold) settle(hulls_.distance.lower);
     }
   }
 
-  // Works off the stack. True when a limit ended it.
+  // Processes the stack. True if a limit ended it.
   bool goDown() {
     while (size_ > 0 && !done()) {
       const NodePair pair = stack_[--size_];
@@ -95,8 +95,9 @@ class Descent {
     return false;
   }
 
-  // Below 0 only the hulls answer, which no front describes; and the triangles of a deforming mesh
-  // come one by one, each near other parts.
+  // Fronts are not kept for thresholds below 0, where only the hulls give an answer, which no front
+  // describes; nor for the triangles of a deforming mesh, which come one by one, each near other
+  // parts.
   bool keepsFronts() const {
     const auto isTriangle = [](const DescentSide& side) {
       return side.tree == nullptr && side.view.core == Core::kPoints && side.view.count <= 3;
@@ -124,7 +125,7 @@ class Descent {
         limited = goDown();
       }
       if (!limited && !done()) continue;
-      // The pair that could not be parted comes first next time. The pairs after it are unknown.
+      // The pair that could not be separated comes first next time. The pairs after it are unknown.
       std::swap(entry, front.entries[0]);
       while (size_ > 0) settle(stack_[--size_].lower);
       if (i + 1 < front.count) settle(-kInfinity);
@@ -135,7 +136,7 @@ class Descent {
 
   void record(const NodePair& pair) { recorder_.record(pair.a, pair.b); }
 
-  // Complete, because nothing was left on the stack: what was recorded covers all pairs.
+  // The front is complete, because the stack is empty: the recorded pairs cover all pairs.
   void keepFront() { recorder_.keep(scratch_.impl().fronts, a_.tree, b_.tree); }
 
   static double finite(double x) { return std::isfinite(x) ? x : 0; }
@@ -145,14 +146,15 @@ class Descent {
     double bar = kInfinity;
     if (request_.threshold == request_.threshold) bar = floor();
     double tolerance = request_.tolerance;
-    // Precision would be wasted: the depth of two meshes is not that of their deepest triangles.
+    // A finer tolerance would be wasted, because the depth of two meshes is not that of their
+    // deepest triangles.
     if (result_.upper <= 0 && !half_space_)
       tolerance = std::max(tolerance, kDeeperShare * -result_.upper);
     const double nearer = result_.upper > 0 && !placement_.swept
                               ? touching_.bar(result_.upper, tolerance)
                               : result_.upper - tolerance;
     bar = std::min(bar, std::min(nearer, hulls_upper_));
-    // A sweep only needs pairs that can lower its lower end.
+    // A sweep only needs pairs that can reduce its lower end.
     return placement_.swept ? std::min(bar, result_.lower) : bar;
   }
 
@@ -163,11 +165,11 @@ class Descent {
   bool done() const {
     if (result_.upper <= request_.threshold) return true;
     if (!placement_.swept) return result_.upper <= 0 && !request_.depth;
-    // A sweep is asked for its lower end: one pair that does not exceed floor() decides.
+    // A sweep only needs its lower end, so one pair that does not exceed floor() decides.
     return result_.upper <= 0 || result_.lower <= floor();
   }
 
-  // A sweep's lower end is of use only above this: below 0 pieces bound nothing but themselves.
+  // A sweep's lower end is only useful above this, because below 0 pieces bound only themselves.
   double floor() const { return request_.threshold > 0 ? request_.threshold : 0; }
 
   int limit() const {
@@ -191,7 +193,7 @@ class Descent {
     return r;
   }
 
-  // Takes the upper end that a pair of exact pieces proves.
+  // Updates the upper end with the one that a pair of exact pieces proves.
   void offer(const DistanceResult& r, double upper, int triangle_a, int triangle_b) {
     if (!(upper < result_.upper)) return;
     if (upper <= 0 && result_.upper > 0) overlap_limit_ = visited_ + kDeeperNodes;
@@ -201,7 +203,7 @@ class Descent {
     result_.witness.triangle_b = triangle_b;
   }
 
-  // Bounds the pair of roots, and the hulls of both bodies: as a rule that decides, then true.
+  // Bounds the pair of roots, and the hulls of both bodies. True if that decides, which is usual.
   bool root() {
     const std::int32_t root_a = a_.tree != nullptr ? 0 : -1, root_b = b_.tree != nullptr ? 0 : -1;
     NodePair pair{root_a, root_b, -kInfinity, 0};
@@ -217,11 +219,11 @@ class Descent {
                                     std::max(request_.tolerance, kNodeTolerance * size), false);
     pair.lower = std::max(pair.lower, r.distance.lower);
     result_.hull_lower = pair.lower;
-    // Where hulls are apart, their nearest points are on their surfaces, and the meshes are within
-    // the excess of those.
+    // If hulls are apart, their nearest points are on their surfaces, and the meshes are within the
+    // excess of those points.
     if (pair.lower >= 0) {
-      // Only an upper bound for the search, unless it is an answer: the hulls' witness points may
-      // stand out from the meshes by all of the excess.
+      // This is only an upper bound for the search, unless it is an answer, because the hulls'
+      // witness points may protrude from the meshes by the whole excess.
       const double upper = r.distance.upper + excess;
       if (upper <= request_.threshold || pair.lower > upper - request_.tolerance) {
         offer(r, upper, -1, -1);
@@ -248,14 +250,16 @@ class Descent {
     const double lower = result_.lower;
     triangles(a_.tree != nullptr ? a_.tree->slotOf(cache_.triangle_a) : -1,
               b_.tree != nullptr ? b_.tree->slotOf(cache_.triangle_b) : -1);
-    // The pair is visited again in its turn, and may get a better lower end than now.
+    // The pair is visited again later, and may get a better lower end than now.
     if (!placement_.swept) result_.lower = lower;
   }
 
-  // Bounds a pair of nodes. False when it is pruned; its lower end is settled then.
+  // Bounds a pair of nodes. False if it is pruned; its lower end is settled in that case.
   bool evaluate(NodePair& pair) {
     const double sphere = sphereLower(pair);
-    if (sphere > 0) pair.lower = std::max(pair.lower, sphere);  // below 0 it bounds no depth
+    if (sphere > 0)
+      pair.lower = std::max(pair.lower, sphere);  // below 0 it does not bound the
+                                                  // depth
     pair.order = sphere;
     const double bar_now = bar();
     if (isPruned(pair.lower)) {
@@ -305,7 +309,7 @@ class Descent {
       leaves(pair);
       return;
     }
-    // Descend into the larger one.
+    // Descends into the larger one.
     const bool split_a =
         leaf_b || (!leaf_a && a_.tree->node(pair.a).radius >= b_.tree->node(pair.b).radius);
     NodePair near = pair, far = pair;
@@ -365,14 +369,14 @@ class Descent {
   PairCache& cache_;
   TouchingTriangles& touching_;
   DescentResult result_;
-  DistanceResult hulls_;            // of the hulls, where that is no answer by itself
+  DistanceResult hulls_;            // of the hulls, if that is not an answer by itself
   double hulls_upper_ = kInfinity;  // the upper end of the bodies' distance that follows from it
   double rounding_ = 0;             // of sphereLower() [m]
   bool half_space_ = false;
   int visited_ = 0;
   FrontRecorder recorder_;
   int overlap_limit_ = std::numeric_limits<int>::max();
-  // Each pair popped pushes at most two, one level lower on one side.
+  // Each popped pair pushes at most two, one level lower on one side.
   std::array<NodePair, 2 * MeshTree::kMaxDepth + 4> stack_;
   std::size_t size_ = 0;
 };

@@ -11,26 +11,26 @@ namespace leeway::collision {
 /// The distance between the surfaces of two bodies: the minimum over all pairs of triangles (or
 /// convex shapes). Solids' insides are not considered.
 struct DescentResult {
-  /// No pair is nearer (or, below 0, deeper); -infinity: nothing is known.
+  /// No pair is closer (or, below 0, deeper); -infinity if no bound is known.
   double lower = 0;
-  double upper = 0;  ///< some pair is as near
-  /// A lower bound on the distance of the bodies' hulls, and so of all that is inside.
+  double upper = 0;  ///< some pair is as close as this
+  /// A lower bound on the distance of the bodies' hulls, and so of everything inside them.
   double hull_lower = 0;
-  DistanceResult witness;  ///< of the pair that carries `upper`, in B
+  DistanceResult witness;  ///< of the pair that determines `upper`, in B
   int iterations = 0;
-  int visited = 0;         ///< node pairs, which request.node_limit limits; set by descend() only
-  bool misplaced = false;  ///< a deforming triangle that was looked at is not finite
+  int visited = 0;         ///< node pairs, limited by request.node_limit; set by descend() only
+  bool misplaced = false;  ///< a deforming triangle that was tested is not finite
 };
 
 /// Branch and bound over pairs of nodes, nearer ones first, with a stack of fixed size. Ends as
-/// soon as the request is met. Once surfaces are known to overlap and a depth is asked, it searches
-/// for deeper pairs with limited effort (kDeeperNodes). `cache` is read and updated; it must not be
-/// null. Allocates nothing.
+/// soon as the request is met. Once surfaces are known to overlap and a depth is requested, it
+/// searches for deeper pairs with limited effort (kDeeperNodes). `cache` is read and updated; it
+/// must not be null. Allocates nothing.
 DescentResult descend(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement,
                       const DistanceRequest& request, Scratch& scratch, PairCache* cache);
 
-/// Queries a pair of exact pieces by ask(threshold): first whether they are farther than the bar,
-/// which may be infinite; if not, for their distance, unless the first answer suffices.
+/// Queries a pair of exact pieces by ask(threshold): first whether they are farther apart than the
+/// bar, which may be infinite; if not, for their distance, unless the first answer suffices.
 template <class Ask>
 DistanceResult askOfPieces(double bar, const DistanceRequest& request, bool depth, const Ask& ask) {
   const bool bounded = bar < std::numeric_limits<double>::infinity();

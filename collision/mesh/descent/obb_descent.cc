@@ -20,10 +20,10 @@ namespace {
 
 using Kind = Part::Kind;
 
-// Two boxes, as MeshBody numbers them.
+// Two boxes, in the numbering of MeshBody.
 struct BoxPair {
   std::int32_t a, b;
-  double lower;  // proven for all that is in the boxes; below 0 it only orders visits
+  double lower;  // proven for all contents of the boxes; below 0 it only orders visits
   bool open;     // convex pieces were not enough: visit their triangles
 };
 
@@ -42,8 +42,8 @@ class PairDescent {
         touching_(scratch.impl().touching),
         cache_(cache) {
     X_AB_ = X_BA_.inverse();
-    // As for support points (derived in gjk.cc): corners are placed, and multiplied with a unit
-    // vector, by the same operations.
+    // The same as for support points (derived in gjk.cc), because corners are placed, and
+    // multiplied with a unit vector, by the same operations.
     rounding_ =
         kSupportRounding * kUnitRoundoff * (a_.extent() + b_.extent() + X_BA_.translation.norm()) +
         slack_;
@@ -92,7 +92,7 @@ class PairDescent {
       bar_ = std::min(floor_, touching_.bar(result_.upper, request_.tolerance));
       return;
     }
-    // Only pairs that are deeper by kDeeperShare.
+    // Accepts only pairs that are deeper by kDeeperShare.
     bar_ = result_.upper - std::max(request_.tolerance, -kDeeperShare * result_.upper);
   }
   bool done() const {
@@ -102,7 +102,7 @@ class PairDescent {
   int limit() const { return std::min(request_.node_limit, deeper_limit_); }
   void settle(double lower) { result_.lower = std::min(result_.lower, lower); }
 
-  // Queries a convex body and the hull of a mesh: as a rule that decides, then true.
+  // Queries a convex body and the hull of a mesh. True if that decides, which is usual.
   bool hullsDecide() {
     if (a_.isMesh() && b_.isMesh()) return false;
     DistanceRequest request;
@@ -117,8 +117,8 @@ class PairDescent {
     result_.iterations += r.iterations;
     result_.hull_lower = std::max(result_.hull_lower, r.distance.lower);
     hulls_known_ = true;
-    // Where hulls are apart, their nearest points are on their surfaces, and the meshes are within
-    // the excess of those.
+    // If hulls are apart, their nearest points are on their surfaces, and the meshes are within the
+    // excess of those points.
     if (r.distance.lower >= 0) offer(r, r.distance.upper + hull_excess_, {}, {});
     return result_.hull_lower > bar() || done();
   }
@@ -136,7 +136,7 @@ class PairDescent {
       warm_b_ = b;
       has_warm_ = true;
     }
-    // The pair is visited again in its turn.
+    // The pair is visited again later.
     if (!done()) result_.lower = lower;
   }
 
@@ -146,7 +146,7 @@ class PairDescent {
       leaves(pair, part_a, part_b);
       return;
     }
-    // Descend into the larger one.
+    // Descends into the larger one.
     const bool split_a = part_b.kind != Kind::kNode ||
                          (part_a.kind == Kind::kNode && a_.radius(pair.a) >= b_.radius(pair.b));
     const std::int32_t child = split_a ? part_a.number : part_b.number;
@@ -160,7 +160,7 @@ class PairDescent {
     const double bar_now = bar();
     const std::size_t first = size_;
     for (int i = 0; i < split.count; ++i) {
-      // What is proven for the parent holds for its parts.
+      // A bound that is proven for the parent also holds for its parts.
       const double found = static_cast<double>(gap[i]) - slack_;
       if (found > bar_now) {
         settle(std::max(found, pair.lower));
@@ -169,7 +169,7 @@ class PairDescent {
       BoxPair part = pair;
       (split_a ? part.a : part.b) = child * BoxNode::kWidth + i;
       part.lower = found > 0 ? std::max(found, pair.lower) : found;
-      // Sorted, with the nearest on top; of equals the first.
+      // Sorted with the nearest on top; of equal ones, the first.
       std::size_t at = size_++;
       for (; at > first && stack_[at - 1].lower <= part.lower; --at) stack_[at] = stack_[at - 1];
       stack_[at] = part;
@@ -192,10 +192,10 @@ class PairDescent {
     const Interval d = known ? warm_ : hullPair(a, b, &local);
     const double lower = std::max(d.lower, pair.lower);
     const bool pieces = a.kind == Kind::kPiece || b.kind == Kind::kPiece;
-    // Where patches touch, their triangles say more: whether the solids go on behind them.
+    // Where patches touch, their triangles show whether the solids continue behind them.
     const bool touch = lower <= touching_.near() && opens_touching_;
     const bool close = d.upper - d.lower <= request_.tolerance && !touch;
-    // (For exact shapes, too, rounding may leave the request open, but triangles would not help.)
+    // (For exact shapes, rounding may also leave the request open, but triangles would not help.)
     if (!pieces || lower > bar() || close || d.upper <= 0) {
       settle(lower);
       return;
@@ -203,7 +203,8 @@ class PairDescent {
     stack_[size_++] = {pair.a, pair.b, lower, true};
   }
 
-  // Queries two convex parts: they are at least `lower` apart, and the bodies at most `upper`.
+  // Queries two convex parts: returns a lower bound on their distance and an upper bound on that of
+  // the bodies.
   Interval hullPair(const Part& a, const Part& b, PairCache* cache) {
     ++visited_;
     const double excess = a_.excess(a) + b_.excess(b);
@@ -218,12 +219,12 @@ class PairDescent {
     if (bar_now < kInfinity) request.threshold = bar_now;
     DistanceResult r = convexDistance(view_a, X_BA_, view_b, request, scratch_, cache, slack_);
     result_.iterations += r.iterations;
-    // (Closed forms' normals may err by more than rounding_ allows for.)
+    // (Normals of closed forms may err by more than rounding_ covers.)
     if (r.distance.lower > 0) keepPlane(r.normal.normalized());
     if (r.distance.lower > bar_now) return {r.distance.lower, r.distance.upper + excess};
     if (r.status != DistanceStatus::kConverged && !(r.distance.upper + excess <= 0 && !deepens_)) {
-      // Nearer than the best known pair: query for the distance. Where the hulls overlap, query
-      // whether by more than their excess.
+      // The pair is closer than the best known pair, so its distance is queried. If the hulls
+      // overlap, the query is whether the overlap exceeds their excess.
       const double lower = r.distance.lower;
       request.threshold = request_.threshold - excess;
       if (r.distance.upper <= 0 && !deepens_) {
@@ -267,7 +268,7 @@ class PairDescent {
       offer(r, upper, a, b);
       return;
     }
-    // They cross, touch, or one is a sliver.
+    // They cross or touch, or one is a sliver.
     DistanceRequest request;
     request.threshold = request_.threshold;
     request.tolerance = request_.tolerance;
@@ -298,8 +299,8 @@ class PairDescent {
     direction_b_ = boxDirection(plane_b_);
   }
 
-  // What the plane that parted two triangles proves of another two: for most that are left it is
-  // enough.
+  // The gap that the plane which separated two previous triangles proves for these two. It is
+  // sufficient for most of the remaining pairs.
   double gapAlongPlane(const Vector* a, const Vector* b) const {
     if (!has_plane_) return -kInfinity;
     const Vector &m = plane_a_, &n = plane_b_;
@@ -332,7 +333,7 @@ class PairDescent {
     best_b_ = b;
   }
 
-  // Bodies with separate surfaces may still contain each other: not where the plane between the
+  // Bodies with separate surfaces may still contain each other, unless the plane between the
   // witnesses separates their hulls.
   void hulls() {
     if (hulls_known_ || result_.hull_lower > 0 || !(result_.lower > 0) ||
@@ -348,7 +349,7 @@ class PairDescent {
         std::max(result_.hull_lower, n.dot(q - p) - rounding_ - hull_a.excess - hull_b.excess);
   }
 
-  // Caches pieces as triangles are, with higher numbers.
+  // Stores pieces in the cache like triangles, with higher numbers.
   void remember() {
     if (best_a_.kind != Kind::kPiece && best_b_.kind != Kind::kPiece) return;
     cache_ = best_;
@@ -366,23 +367,24 @@ class PairDescent {
   TouchingTriangles& touching_;
   PairCache& cache_;
   DescentResult result_;
-  double rounding_ = 0;  // of a pair of triangles, the poses' slack included [m]
+  double rounding_ = 0;  // of a pair of triangles, including the poses' slack [m]
   double floor_ = kInfinity, bar_ = kInfinity;
-  bool parts_ = false;  // both bodies consist of convex parts; against triangles those do not pay
-  bool opens_touching_ = false;  // two meshes; not where all pieces are solids
+  bool parts_ = false;  // both bodies consist of convex parts; against triangles, parts are not
+                        // worthwhile
+  bool opens_touching_ = false;  // two meshes, unless all pieces are solids
   bool deepens_ = false, hulls_known_ = false;
   bool has_plane_ = false;
-  Vector plane_a_, plane_b_;  // unit, from A to B, in either's frame; for B its offset [m], too
+  Vector plane_a_, plane_b_;  // unit, from A to B, in either frame; for B also its offset [m]
   double plane_offset_ = 0;
   BoxDirection direction_a_{}, direction_b_{};
   int visited_ = 0;
   int deeper_limit_ = std::numeric_limits<int>::max();
-  Part best_a_{Kind::kNode, 0}, best_b_{Kind::kNode, 0};  // these carry the upper end
-  PairCache best_;                                        // theirs, where they are hulls
+  Part best_a_{Kind::kNode, 0}, best_b_{Kind::kNode, 0};  // these determine the upper end
+  PairCache best_;                                        // cache of these, if they are hulls
   bool has_warm_ = false;
   Part warm_a_{Kind::kNode, 0}, warm_b_{Kind::kNode, 0};
   Interval warm_;
-  // Each pair popped pushes at most kWidth, one level lower on one side; or itself, opened.
+  // Each popped pair pushes at most kWidth, one level lower on one side; or itself, opened.
   std::array<BoxPair, 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + 1> stack_;
   std::size_t size_ = 0;
 };

@@ -4,12 +4,12 @@
 
 namespace leeway::collision {
 
-/// descend() for bodies at rest, over oriented boxes: closed forms for triangles, and hulls where
-/// both bodies consist of convex parts. A pair of hulls is enough where their excess does not
-/// matter to the request; else their triangles are visited. Overlap of surfaces ends the descent,
-/// except where both bodies consist of convex parts and a depth is asked: then deeper pairs are
-/// searched for with limited effort (kDeeperNodes). hull_lower of the result holds for the bodies'
-/// hulls, too.
+/// descend() for bodies at rest, over oriented boxes, with closed forms for triangles, and hulls if
+/// both bodies consist of convex parts. A pair of hulls suffices if their excess does not matter to
+/// the request; otherwise their triangles are visited. Overlap of surfaces ends the descent, unless
+/// both bodies consist of convex parts and a depth is requested. In that case it searches for
+/// deeper pairs with limited effort (kDeeperNodes). hull_lower of the result also holds for the
+/// bodies' hulls.
 DescentResult descendPair(const DescentSide& a, const DescentSide& b,
                           const DescentPlacement& placement, const DistanceRequest& request,
                           Scratch& scratch, PairCache* cache);

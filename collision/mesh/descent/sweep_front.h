@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to collision/: the fronts at which descents of sweeps have ended, for SweepFronts.
+// Private to collision/: the fronts at which descents of sweeps ended, for SweepFronts.
 
 #include <algorithm>
 #include <array>
@@ -16,11 +16,11 @@ namespace leeway::collision {
 /// separated each.
 struct SweepFront {
   struct Entry {
-    std::int32_t a, b;  ///< nodes; -1: any convex shape as a whole
+    std::int32_t a, b;  ///< nodes; -1: a convex shape as a whole
     Eigen::Vector3d direction_B;
     int vertex_a, vertex_b;
   };
-  /// Larger fronts are not kept: testing them would cost more than a descent.
+  /// Limit on the size of stored fronts: testing a larger one would cost more than a descent.
   static constexpr std::size_t kMost = 96;
 
   const MeshTree* a = nullptr;  ///< null: a convex shape
@@ -29,14 +29,14 @@ struct SweepFront {
   std::array<Entry, kMost> entries;
 };
 
-/// The last fronts of a few pairs of meshes, and room for the next.
+/// The last fronts of a few pairs of meshes, and room for the next one.
 struct SweepFrontScratch {
   static constexpr std::size_t kFronts = 4;
 
   bool active = false;
-  std::size_t next = 0;  ///< index in `kept` that is replaced next
+  std::size_t next = 0;  ///< index in `kept` of the front that is replaced next
   std::array<SweepFront, kFronts> kept;
-  SweepFront found;  ///< in the making
+  SweepFront found;  ///< the front that is being recorded
 
   SweepFront* of(const MeshTree* a, const MeshTree* b) {
     for (SweepFront& front : kept)
@@ -48,8 +48,8 @@ struct SweepFrontScratch {
   }
 };
 
-/// Records a front while a descent goes on: the pairs of nodes that it did not have to expand, each
-/// with the direction in `cache`, which separated it.
+/// Records a front during a descent: the pairs of nodes that it did not have to expand, each with
+/// the direction in `cache` that separated it.
 class FrontRecorder {
  public:
   FrontRecorder(SweepFront& front, const PairCache& cache) : front_(front), cache_(cache) {}
@@ -63,7 +63,7 @@ class FrontRecorder {
     }
     front_.entries[count_++] = {a, b, cache_.direction_B, cache_.vertex_a, cache_.vertex_b};
   }
-  /// Keeps what was recorded as the front of two bodies, if it is not too large.
+  /// Stores the recorded pairs as the front of two bodies, if it is not too large.
   void keep(SweepFrontScratch& fronts, const MeshTree* a, const MeshTree* b) const {
     if (!records_) return;
     SweepFront* front = fronts.of(a, b);

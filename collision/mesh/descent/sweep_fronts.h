@@ -6,10 +6,10 @@
 
 namespace leeway::collision {
 
-/// While this lives, sweptDistance() of meshes with its scratch starts from the pairs of nodes at
-/// which the last sweep of the same meshes ended, each with the direction that separated it: sweeps
-/// over consecutive parts of a motion end at the same pairs. Answers hold either way. Meshes that
-/// are queried must outlive this. One at a time for each scratch; O(1).
+/// While this object lives, sweptDistance() of meshes with its scratch starts from the pairs of
+/// nodes at which the last sweep of the same meshes ended, each with the direction that separated
+/// it. Sweeps over consecutive parts of a motion end at the same pairs. Answers hold in either
+/// case. Queried meshes must outlive this object. Only one at a time for each scratch; O(1).
 class SweepFronts {
  public:
   explicit SweepFronts(Scratch& scratch);

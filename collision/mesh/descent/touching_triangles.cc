@@ -10,10 +10,11 @@
 namespace leeway::collision {
 namespace {
 
-/// The room of a candidate at a point that two triangles share, as a share of one at a segment.
+/// The room of a candidate at a point that two triangles share, relative to that of one at a
+/// segment.
 constexpr double kPointShare = 0x1p-20;
 
-/// Corners of what two triangles share: a point, a segment or a polygon. Some come twice.
+/// Corners of the intersection of two triangles: a point, a segment or a polygon. Some occur twice.
 struct Shared {
   static constexpr std::size_t kMost = 15;
   std::array<Vector, kMost> corner;
@@ -45,7 +46,7 @@ Shared sharedBy(const Vector* p, const Vector* q, double near) {
   }
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      // Where two edges that are not parallel cross.
+      // The crossing of two edges that are not parallel.
       const Vector e = p[(i + 1) % 3] - p[i], f = q[(j + 1) % 3] - q[j], r = q[j] - p[i];
       const double ee = e.squaredNorm(), ff = f.squaredNorm(), ef = e.dot(f);
       const double area = ee * ff - ef * ef;
@@ -69,9 +70,9 @@ double fromEdges(const Vector* t, const Vector& point) {
   return least;
 }
 
-/// From `point`, which the triangle touches, into it: towards a point inside it, between the middle
-/// and the corner that is farthest behind the plane through `origin` with the unit normal n, and
-/// behind that plane, too. The room is the depth there.
+/// The way from `point`, which the triangle touches, into the triangle: towards a point inside it,
+/// between the middle and the corner that is farthest behind the plane through `origin` with the
+/// unit normal n. The point is also behind that plane, and the room is its depth there.
 TouchingTriangles::Candidate behind(const Vector* t, const Vector& point, const Vector& n,
                                     const Vector& origin) {
   const double depth[3] = {n.dot(origin - t[0]), n.dot(origin - t[1]), n.dot(origin - t[2])};
@@ -97,13 +98,13 @@ void TouchingTriangles::add(const Vector* p, const Vector* q) {
   const Shared shared = sharedBy(p, q, near_);
   if (shared.count == 0) return;
   const Vector point = shared.middle();
-  // Below this a length is rounding.
+  // A length below this is rounding.
   const double least = 4 * near_;
   if (facing > kSameNormal) {
     const double room = std::min(fromEdges(p, point), fromEdges(q, point));
     if (room > least) flush_.offer({point, -0.5 * room * (m + n), room});
   }
-  // Where the triangles share a segment they say more than where they share a point.
+  // Triangles that share a segment are better candidates than those that share a point.
   const double reach = shared.reach(point);
   const auto offer = [&](List& list, Candidate candidate) {
     if (!(candidate.room > least)) return;
@@ -115,7 +116,7 @@ void TouchingTriangles::add(const Vector* p, const Vector* q) {
 }
 
 void TouchingTriangles::List::offer(const Candidate& candidate) {
-  // Descents may look at a pair twice.
+  // Descents may visit a pair twice.
   for (std::size_t i = 0; i < count; ++i) {
     if (kept[i].room == candidate.room && kept[i].point == candidate.point) return;
   }

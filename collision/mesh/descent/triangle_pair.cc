@@ -19,8 +19,8 @@ struct Search {
   double squared = std::numeric_limits<double>::infinity();
   bool has_normal = false;  // best.normal is set, from a triangle's plane
 
-  // Takes two points if they are nearer. True when the planes through them, across their connecting
-  // line, have both triangles on their far sides: no points are nearer then.
+  // Accepts two points if they are closer. True if the planes through them, across their connecting
+  // line, have both triangles on their far sides: no points are closer in that case.
   bool offer(const Vector& a, const Vector& b) {
     const Vector d = b - a;
     const double now = d.squaredNorm();
@@ -40,8 +40,7 @@ struct Search {
     const double squared_n = n.squaredNorm();
     if (!(squared_n > kLeastSquare)) return false;
     const double h[3] = {n.dot(points[0] - t[0]), n.dot(points[1] - t[0]), n.dot(points[2] - t[0])};
-    // Only the corner nearest to the plane can be nearest, and none where corners are on both
-    // sides.
+    // Only the corner nearest to the plane can be nearest, and none if corners are on both sides.
     int k = 0;
     if (h[0] > 0 && h[1] > 0 && h[2] > 0) {
       k = h[1] < h[0] ? 1 : 0;
@@ -62,8 +61,8 @@ struct Search {
       sum += weight[i];
     }
     if (!(sum > 0)) return false;
-    // A sliver's normal is mostly rounding, and the foot may miss the triangle: a point of the
-    // triangle is taken instead, with the plane that was used.
+    // A sliver's normal is mostly rounding, and the foot may miss the triangle. A point of the
+    // triangle is used instead, with the same plane.
     const Vector inside = t[0] + (weight[2] / sum) * e0 + (weight[0] / sum) * e1;
     const double before = squared;
     const bool nearest = t_is_p ? offer(inside, points[k]) : offer(points[k], inside);

@@ -17,7 +17,7 @@ using Triangle = std::array<std::int32_t, 3>;
 // A surface that departs from a plane by less than this share of its size is flat: a sheet, not a
 // solid.
 constexpr double kFlatShare = 1e-6;
-// A triangle of less height, as a share of an edge's length, is a line.
+// A triangle with less height than this share of an edge's length is a line.
 constexpr double kLine = 1e-12;
 
 bool collapsed(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
@@ -46,9 +46,10 @@ class Components {
  private:
   struct Link {
     std::int32_t triangle;
-    bool same_direction;  // of both triangles along the edge: one of them must be flipped
+    bool same_direction;  // both triangles run along the edge in this direction, so one of them
+                          // must be flipped
   };
-  // Across the edges that a triangle shares with exactly one other.
+  // The triangles across the edges that a triangle shares with exactly one other.
   struct Links {
     std::array<Link, 3> link;
     std::size_t count = 0;
@@ -61,7 +62,7 @@ class Components {
   }
   bool counts(std::int32_t t) const { return twin_[at(t)] < 0; }
 
-  // Calls visit(uses) for each edge with the triangles that count.
+  // Calls visit(uses) for each edge with its triangles, without repeated and collapsed ones.
   template <class Visit>
   void forEachEdge(const Visit& visit) const {
     std::vector<EdgeUse> left;
@@ -118,7 +119,7 @@ class Components {
     }
   }
 
-  // Flood fill: finds which triangles are to be flipped so that those of a patch agree.
+  // Flood fill: finds the triangles that must be flipped so that those of a patch agree.
   void orient() {
     turned_.assign(triangles_.size(), -1);
     is_surface_.assign(at(patches_), 0);
@@ -164,13 +165,13 @@ class Components {
       border.resize(kept);
       if (border.size() == 1) is_surface_[at(border[0].patch)] = 1;
       if (border.size() < 2) return;
-      if (border[0].times < 0)  // edges that say the same look the same
+      if (border[0].times < 0)  // equal equations have equal signs
         for (BorderTerm& term : border) term.times = -term.times;
       equations.push_back(border);
     });
     for (std::int32_t p = 0; p < patches_; ++p)
       if (is_surface_[at(p)] != 0) equations.push_back({{p, 1}});
-    // Short ones first: they settle the most.
+    // Short equations first, because they settle the most.
     const auto key = [](const BorderEquation& e) { return e.size(); };
     const auto less = [&](const BorderEquation& a, const BorderEquation& b) {
       if (key(a) != key(b)) return key(a) < key(b);
@@ -190,7 +191,7 @@ class Components {
     return patch_[at(t)] >= 0 && cycle_.weight[at(patch_[at(t)])] != 0;
   }
 
-  // A cluster of the cycle is a component; of the surfaces, what edges connect.
+  // A cluster of the cycle is a component; surfaces form components by edge connection.
   void number() {
     std::vector<std::int32_t> first_of_cluster(at(patches_), -1);
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
@@ -220,7 +221,7 @@ class Components {
     }
   }
 
-  // Turns the triangles of solids outwards, and gives each the weight that it has then.
+  // Turns the triangles of solids outwards, and sets their weights accordingly.
   void turn() {
     const std::size_t count = result_.closed.size();
     std::vector<std::uint8_t> is_unit(count, 1);  // of components: all weights are 1 or -1
@@ -236,7 +237,7 @@ class Components {
       size[c] += 1;
     }
     // Six times the volume between a patch and the middle of its component. Only the sign is used,
-    // and what is inside does not depend on it.
+    // and it does not affect what is inside.
     std::vector<double> volume(at(patches_), 0), total(count, 0);
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       const auto t = static_cast<std::int32_t>(i);
@@ -260,8 +261,8 @@ class Components {
     }
   }
 
-  // A triangle that repeats another one is of its component; one with a repeated corner joins a
-  // component that has one of its corners, if any.
+  // A triangle that repeats another one joins its component. A triangle with a repeated corner
+  // joins a component that has one of its corners, if any.
   void joinOthers() {
     std::vector<std::int32_t>& component = result_.component;
     std::vector<std::int32_t> of_vertex(vertices_.size(), -1);
@@ -278,7 +279,7 @@ class Components {
         if (of_vertex[at(v)] >= 0) component[i] = of_vertex[at(v)];
       }
     }
-    // Renumber the components that are left.
+    // Renumbers the remaining components.
     std::vector<std::int32_t> renumbered(result_.closed.size(), -1);
     std::vector<std::uint8_t> kept;
     for (std::int32_t& c : component) {
@@ -309,8 +310,9 @@ class Components {
 
   void findOpenEdges() {
     std::vector<std::uint8_t> is_open(vertices_.size(), 0);
-    // Edges where a surface with an area ends, and those where it does not go on as one sheet:
-    // parts that close, but enclose nothing that is known (Klein bottles, and what took too long).
+    // Edges where a surface with an area ends, and edges where it does not continue as one sheet.
+    // The latter belong to parts that close, but have no known inside (Klein bottles, and cases
+    // that took too long).
     std::size_t ends = 0, joints = 0;
     bool any = false, has_area = false;
     forEachEdge([&](std::span<const EdgeUse> uses) {
@@ -346,9 +348,10 @@ class Components {
     return areaNormal(t).norm() > longest * std::max(2 * thickness_, kLine * longest);
   }
 
-  // Whether all that is in no solid is in one plane. A sheet, with holes or without, has open edges
-  // by design, and the silence hides no solid: one that has lost facets still has others, in three
-  // planes at least, and of one that has lost all but a plane the file holds nothing.
+  // Whether all triangles that are in no solid lie in one plane. A sheet, with or without holes,
+  // has open edges by design, and ignoring them hides no solid. A solid that has lost facets still
+  // has others, in at least three planes; if it has lost all but one plane, the file has no data
+  // about it.
   bool isFlat() const {
     const auto forEachOpen = [&](const auto& visit) {
       for (std::size_t i = 0; i < triangles_.size(); ++i)
@@ -377,15 +380,16 @@ class Components {
   std::vector<Triangle>& triangles_;
   double thickness_;
   std::vector<EdgeUse> edges_;
-  std::vector<std::int32_t> twin_;  // of each triangle the one that it repeats, or -1
+  std::vector<std::int32_t> twin_;  // for each triangle, the one that it repeats, or -1
   UnionFind sets_;                  // of triangles: first patches, then components
   std::vector<Links> links_;
   std::vector<std::int32_t> patch_;  // of each triangle; -1: repeated or collapsed
   std::int32_t patches_ = 0;
   std::vector<signed char> turned_;
-  std::vector<std::uint8_t> is_surface_;  // patches that cannot be oriented, or have a border alone
+  std::vector<std::uint8_t> is_surface_;  // patches that cannot be oriented, or that have a border
+                                          // alone
   PatchCycle cycle_;
-  std::vector<std::uint64_t> weight_of_patch_;  // as its triangles are turned in the end
+  std::vector<std::uint64_t> weight_of_patch_;  // for the final orientation of its triangles
   MeshComponents result_;
 };
 

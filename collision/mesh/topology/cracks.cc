@@ -14,10 +14,10 @@ namespace {
 using Eigen::Vector3d;
 using Triangle = std::array<std::int32_t, 3>;
 
-// Vertices that are looked at: for each seam in the mean, and in all. About 2 ns each.
+// Limits on the vertices that are tested: on average for each seam, and in total. About 2 ns each.
 constexpr std::int64_t kSeamWork = 4096, kCrackWork = 200'000'000;
 
-// Vertices along the axis in which they reach farthest.
+// Vertices, sorted along the axis of their largest extent.
 class Vertices {
  public:
   Vertices(std::span<const Vector3d> vertices, std::size_t seams)
@@ -35,7 +35,7 @@ class Vertices {
                      [&](std::int32_t a, std::int32_t b) { return key(a) < key(b); });
   }
 
-  // Calls visit(v) for those in the box of two points, grown by `distance`.
+  // Calls visit(v) for the vertices in the box of two points, grown by `distance`.
   template <class Visit>
   void forEachIn(const Vector3d& a, const Vector3d& b, double distance, const Visit& visit) {
     const Vector3d low = a.cwiseMin(b).array() - distance, high = a.cwiseMax(b).array() + distance;
@@ -68,7 +68,7 @@ std::vector<Triangle> crackFillers(std::span<const Vector3d> vertices,
   const auto add = [&](std::int32_t a, std::int32_t b, std::int32_t c) {
     if (a != b && b != c && c != a) fillers.push_back({a, b, c});
   };
-  // 1. A vertex of a seam stands for those near it that no other one stands for yet.
+  // 1. A vertex of a seam represents the vertices near it that have no representative yet.
   std::vector<std::int32_t> stand_in(vertices.size());
   std::iota(stand_in.begin(), stand_in.end(), 0);
   if (distance > 0) {
@@ -88,8 +88,9 @@ std::vector<Triangle> crackFillers(std::span<const Vector3d> vertices,
       settle(b);
     }
   }
-  // 2. An edge is drawn to that of its stand-ins by two triangles, and that one is cut at the
-  //    stand-ins that lie on it by a fan.
+  // 2. Two triangles move an edge to the edge of its representatives, and a fan cuts that edge at
+  //   the
+  //    representatives that lie on it.
   std::vector<std::pair<double, std::int32_t>> on_edge;
   for (const auto& [a, b] : seams) {
     const std::int32_t A = stand_in[at(a)], B = stand_in[at(b)];

@@ -9,12 +9,12 @@
 
 namespace leeway::collision {
 
-/// Returns triangles that close the cracks along `seams` (MeshComponents): beside vertices
-/// that lie on an edge within `distance` [m], and between vertices that are as near as that to each
-/// other. With distance 0 these are vertices exactly on edges, and the triangles have no area: the
-/// mesh has no point more. No point of the triangles is farther than twice the distance from the
-/// mesh. The corners are vertices of the mesh; no vertex moves. O(k log k) for k edges, where few
-/// of them are near each other; of very many that are, some are left.
+/// Returns triangles that close the cracks along `seams` (MeshComponents): at vertices that lie on
+/// an edge within `distance` [m], and between vertices within that distance of each other. With
+/// distance 0 these are vertices exactly on edges, and the triangles have no area: the mesh gains
+/// no point. No point of the triangles is farther than twice the distance from the mesh. The
+/// corners are vertices of the mesh; no vertex moves. O(k log k) for k edges if few of them are
+/// near each other; if very many are, some cracks stay open.
 std::vector<std::array<std::int32_t, 3>> crackFillers(
     std::span<const Eigen::Vector3d> vertices,
     std::span<const std::pair<std::int32_t, std::int32_t>> seams, double distance);

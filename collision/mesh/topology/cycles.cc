@@ -10,7 +10,8 @@
 namespace leeway::collision {
 namespace {
 
-// Steps of the elimination, of about 50 ns each: enough for meshes of thousands of patches.
+// Limit on the steps of the elimination, of about 50 ns each: enough for meshes of thousands of
+// patches.
 constexpr std::int64_t kCycleWork = 20'000'000;
 
 using Number = std::uint64_t;  // modulo kCyclePrime
@@ -38,7 +39,7 @@ Number toNumber(std::int32_t times) {
   return times < 0 ? negative(size) : size;
 }
 
-// A number that looks drawn, the same for a patch at all times (S. Vigna's splitmix64).
+// A pseudo-random number, always the same for a patch (S. Vigna's splitmix64).
 Number drawn(std::size_t patch) {
   std::uint64_t z = (patch + 1) * 0x9e3779b97f4a7c15U;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
@@ -46,8 +47,8 @@ Number drawn(std::size_t patch) {
   return 1 + (z ^ (z >> 31)) % (kCyclePrime - 1);
 }
 
-// The unknowns are the patches' weights. One that is solved for is a sum over others, each free or
-// solved for later.
+// The unknowns are the patches' weights. A solved unknown is a sum over others, each of which is
+// free or solved later.
 class Elimination {
  public:
   Elimination(std::size_t patches, std::span<const BorderEquation> equations)
@@ -56,7 +57,7 @@ class Elimination {
       for (const BorderTerm& term : e) ++uses_[at(term.patch)];
   }
 
-  // False when it would take too long.
+  // False if it would take too long.
   bool run() {
     for (const BorderEquation& e : equations_) {
       Row row;
@@ -86,7 +87,7 @@ class Elimination {
     Number factor;
   };
 
-  // Leaves free unknowns alone.
+  // Substitutes solved unknowns; only free unknowns remain.
   bool substitute(Row& row) {
     for (auto i = row.begin(); i != row.end();) {
       if (is_solved_[at(i->first)] == 0) {
@@ -106,7 +107,7 @@ class Elimination {
     return true;
   }
 
-  // For the unknown that the fewest equations use: the others stay short.
+  // Solves for the unknown that the fewest equations use, so that the other equations stay short.
   void solve(const Row& row) {
     const auto rarest = std::min_element(row.begin(), row.end(), [&](const auto& a, const auto& b) {
       return uses_[at(a.first)] < uses_[at(b.first)];

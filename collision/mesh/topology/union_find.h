@@ -9,7 +9,7 @@
 
 namespace leeway::collision {
 
-/// Disjoint sets of the numbers from 0 on. The name of a set is its lowest member. Path halving
+/// Disjoint sets of the numbers from 0 on. A set is identified by its lowest member. Path halving
 /// (R. E. Tarjan, J. van Leeuwen 1984).
 class UnionFind {
  public:
