@@ -463,8 +463,8 @@ inline constexpr double kSolidShare = 1e-3;
 /// Limits of the search for a translation that separates two overlapping meshes: the number of
 /// queries and the node pairs for each [counts]; how often the length is multiplied (by 1.1 at
 /// first, by 4 later) and how often it is halved back [counts]; the first and last angle by which
-/// the direction turns [rad]; and the share of the length that each turn must save for each radian.
-/// More tightens the lower end of a depth and costs time.
+/// the direction turns [rad]; and the share of the length that a turn must save, per radian. More
+/// tightens the lower end of a depth and costs time.
 inline constexpr int kSeparationQueries = 64;
 inline constexpr int kSeparationNodes = 2000;
 inline constexpr int kSeparationSteps = 20;

@@ -451,7 +451,7 @@ bool hullSteps(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_W
   const PoseCheck check = checkRotations(X_WA.rotation, X_WB.rotation);
   const Triple t = tripleOf(X_WA.translation) - tripleOf(X_WB.translation);
   const double size = a.extent() + b.extent() + std::sqrt(squared(t)) + kLeastSum;
-  // Written so that NaN fails.
+  // A NaN fails this comparison.
   if (!(check.rotations && size <= kFarthest) || request.iteration_limit <= 0) return false;
   const double rounding =
       (kSupportRounding + kPoseRounding) * kUnitRoundoff * size + check.departure * size;

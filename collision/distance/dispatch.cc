@@ -160,7 +160,7 @@ DistanceResult sweptDistance(const Shape& a, const Pose& X_BA0, const Pose& X_BA
     return meshSweptDistance(a, X_BA0, X_BA1, growth, b, request, scratch, cache);
   }
   const RelativePose pose0 = relativePose(X_BA0, {}), pose1 = relativePose(X_BA1, {});
-  // Written so that a NaN fails.
+  // A NaN fails this comparison.
   if (!pose0.valid || !pose1.valid || !(growth >= 0)) return {};
   const ConvexView view_a = viewOf(a), view_b = viewOf(b);
   const double slack = std::max(pose0.slack, pose1.slack) * finiteExtent(view_a);

@@ -91,7 +91,7 @@ bool boundsDecide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
   const double rounding = 2 * (check.departure + kRelativeRounding) *
                           (a.extent() + b.extent() + std::sqrt(squared(t)) + kLeastSum);
   const double radius_a = a.boundingRadius(), radius_b = b.boundingRadius();
-  // Written so that a NaN, which results from infinite sizes, decides nothing.
+  // A NaN, which results from infinite sizes, decides nothing.
   const auto decides = [&](double lower, const Triple& normal) {
     if (!(lower - rounding > least && check.rotations)) return false;
     result.distance.lower = lower - rounding;

@@ -51,7 +51,7 @@ bool roundDistance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose&
                                          relative.X_BA.translation.norm() + kLeastSum);
   NearestSearch search = nearestSearch(body, mesh, slack, request);
   const double root = boxLower(body, mesh, search);
-  // Written so that a NaN (no threshold) decides nothing.
+  // A threshold of NaN (no threshold) decides nothing.
   if (root > std::max(request.threshold, 0.0)) {
     result.distance = {root, kInfinity};
     result.status = statusOf(result.distance, request);

@@ -346,7 +346,7 @@ bool usable(std::span<const PlacedShape> shapes) {
 SeparationResult separation(std::span<const PlacedShape> body,
                             std::span<const PlacedShape> obstacles,
                             const SeparationRequest& request, Scratch& scratch) {
-  // Written so that a NaN fails.
+  // A NaN fails these comparisons.
   if (!(request.clearance >= 0 && request.clearance < kInfinity && request.tolerance > 0 &&
         request.longest >= 0) ||
       !usable(body) || !usable(obstacles)) {

@@ -286,8 +286,8 @@ class Decomposition {
     return convexComponent(surface_.mesh(), triangles);
   }
 
-  // Whether the decomposition is hopeless; `share` is the share of the mesh that is done. A mesh
-  // may always spend kPieceWork.
+  // Whether the decomposition would take too much work, given the share of the mesh that is done. A
+  // mesh may always spend kPieceWork.
   bool isHopeless(double share) const {
     const double count = surface_.triangleCount();
     if (kPieceWork * count <= kMostWork) return false;

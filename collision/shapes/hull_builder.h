@@ -24,8 +24,8 @@ class HullBuilder {
   /// points.
   int dimension() const { return dimension_; }
   /// Indices of the hull's vertices, ascending. For dimensions 0 to 2 these are the extreme points,
-  /// whatever the limit. For dimension 3 they are the corners of facets(): unless the limit stopped
-  /// insertion, all extreme points, and perhaps points within a flat face or straight edge.
+  /// with or without a limit. For dimension 3 they are the corners of facets(): unless the limit
+  /// stopped insertion, all extreme points, and perhaps points within a flat face or straight edge.
   const std::vector<std::int32_t>& vertices() const { return vertices_; }
   /// Dimension 2: vertices() once around the outline. Empty otherwise.
   const std::vector<std::int32_t>& outline() const { return outline_; }

@@ -17,7 +17,7 @@ namespace leeway::collision {
 namespace {
 
 void requireSize(double value, const char* shape, const char* name) {
-  // Also false for NaN.
+  // This is also false for NaN.
   if (value >= 0 && value <= kLargestSize) return;
   std::ostringstream message;
   message.precision(17);

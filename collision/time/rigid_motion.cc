@@ -55,7 +55,7 @@ ScrewMotion::ScrewMotion(const Pose& X_WA0, const Pose& X_WA1)
   const Eigen::Vector3d travel = X_WA1.translation - X_WA0.translation;
   double s, c;
   sineCosine(turn_.angle() / 2, s, c);
-  // If there is no rotation, every line along the travel is an axis.
+  // Without rotation, every line along the travel is an axis.
   const bool turns = std::abs(s) > kLeastScrewTurn;
   if (!turns) turn_ = AxisTurn(X_WA0.rotation, X_WA0.rotation);
   cotangent_ = turns ? c / s : 0;

@@ -8,12 +8,12 @@ namespace leeway::robots {
 
 namespace {
 
-constexpr std::size_t kLongest = 500;  // a message that a person still reads
-constexpr std::size_t kHead = 300;     // of it, where its middle is left out
+constexpr std::size_t kLongest = 500;  // longest message that a person still reads
+constexpr std::size_t kHead = 300;     // its first part, if the middle is omitted
 
 bool continuesCharacter(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
 
-/// One line, whatever the file's names hold.
+/// Converts the text to one line, because names in files may contain any character.
 std::string readable(std::string text) {
   std::replace_if(
       text.begin(), text.end(),

@@ -35,7 +35,7 @@ void workInterruptibly(const Stop& stop, const std::function<void(const Stop& as
       done = true;
       changed.notify_one();
     });
-  } catch (const std::system_error&) {  // no thread is to be had
+  } catch (const std::system_error&) {  // no thread is available
     return work({});
   }
   const auto isDone = [&] {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to robots/: work that others cannot ask on behalf of their caller, as a Stop is asked
-// from the caller's thread alone.
+// Private to robots/: interruptible work in another thread. A Stop may only be called from the
+// caller's thread, so the work cannot call it directly.
 
 #include <functional>
 
@@ -9,11 +9,11 @@
 
 namespace leeway::robots {
 
-/// Calls work(asked) in a thread of its own. Meanwhile this thread asks `stop`, every 20 ms; once
-/// that is true, so is `asked`, in any thread, and nobody asks again. Returns when work() has
-/// ended. Throws what work() or `stop` throws, and Stopped where work() did not notice in time.
-/// Without `stop`, or where no thread is to be had, work({}) is called here. The thread takes some
-/// 50 us.
+/// Calls work(asked) in a separate thread. Meanwhile this thread calls `stop` every 20 ms. Once it
+/// returns true, `asked` returns true in any thread, and `stop` is not called again. Returns when
+/// work() has ended. Throws what work() or `stop` throws, and Stopped if work() did not notice in
+/// time. Without `stop`, or if no thread is available, work({}) is called in this thread. The
+/// thread takes about 50 us.
 void workInterruptibly(const Stop& stop, const std::function<void(const Stop& asked)>& work);
 
 }  // namespace leeway::robots

@@ -6,7 +6,7 @@
 
 namespace leeway::robots {
 
-/// A bijection that leaves no two seeds alike: the step of splitmix64 (Steele, Lea, Flood, "Fast
+/// A bijection that separates similar seeds: the step of splitmix64 (Steele, Lea, Flood, "Fast
 /// splittable pseudorandom number generators", 2014).
 constexpr std::uint64_t mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15U;
@@ -15,15 +15,15 @@ constexpr std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31U);
 }
 
-/// A low-discrepancy sequence in some dimensions: the additive recurrence with the powers of the
+/// A low-discrepancy sequence in several dimensions: the additive recurrence with the powers of the
 /// root of x^(d + 1) = x + 1 (M. Roberts, "The unreasonable effectiveness of quasirandom
-/// sequences", 2018), shifted by the seed. In integers: exact, and the same on every machine, for
-/// any index.
+/// sequences", 2018), shifted by the seed. It uses integers, so it is exact and the same on every
+/// machine, for any index.
 class LowDiscrepancy {
  public:
   LowDiscrepancy(std::size_t dimensions, std::uint64_t seed);
 
-  /// The number of that index in one dimension, in [0, 1), a multiple of 2^-53. O(1).
+  /// The number with this index in one dimension, in [0, 1), a multiple of 2^-53. O(1).
   double at(std::uint64_t index, std::size_t dimension) const {
     return static_cast<double>((shifts_[dimension] + index * steps_[dimension]) >> 11U) * 0x1p-53;
   }

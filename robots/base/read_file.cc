@@ -15,11 +15,11 @@
 namespace leeway::robots {
 namespace {
 
-constexpr int kPatience = 10000;  // with a pipe that is silent [ms]
+constexpr int kPatience = 10000;  // limit on the wait for a silent pipe [ms]
 
 class File {
  public:
-  // A pipe without a writer must not block the opening.
+  // Opening a pipe without a writer must not block.
   explicit File(const std::string& path)
       : handle_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
   ~File() {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the layers above collision/: files as a whole.
+// Private to the layers above collision/: reads whole files.
 
 #include <cstddef>
 #include <string>
@@ -8,16 +8,17 @@
 
 namespace leeway::robots {
 
-/// Texts are refused beyond this size, and no more than this is read [B].
+/// Limit on the size of a text, and on the bytes that are read [B].
 inline constexpr std::size_t kLongestText = std::size_t{256} << 20;
 
-/// The text of a file or pipe, without a byte order mark. `kind` says what is expected in its place
-/// ("a URDF file"). Throws InputError for what cannot be read, folders, devices, a pipe to which
-/// nobody writes within 10 s, more than `limit` bytes, and bytes that no text has (0). O(size).
+/// Returns the text of a file or pipe, without a byte order mark. `kind` names the expected content
+/// in messages ("a URDF file"). Throws InputError for files that cannot be read, folders, devices,
+/// a pipe without data for 10 s, more than `limit` bytes, and bytes that do not occur in texts (0).
+/// O(size).
 std::string readTextFile(const std::string& path, std::string_view kind,
                          std::size_t limit = kLongestText);
 
-/// The bytes of a file or pipe, whatever they are; otherwise as readTextFile().
+/// Returns the bytes of a file or pipe with any content; otherwise as readTextFile().
 std::string readBinaryFile(const std::string& path, std::string_view kind, std::size_t limit);
 
 }  // namespace leeway::robots

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the project: reading that goes on after an error, so that all that is wrong is told.
+// Private to the project: reading that continues after an error, so that all errors are reported.
 
 #include <cstddef>
 
@@ -8,8 +8,8 @@
 
 namespace leeway::robots {
 
-/// The errors that are kept from here on: of a part of a reading, which throws the first of them at
-/// its end. `errors` may be null.
+/// The errors that are stored from now on, for one part of a reading; the part throws the first of
+/// them at its end. `errors` may be null.
 class ErrorsSince {
  public:
   explicit ErrorsSince(const InputErrors* errors)
@@ -24,11 +24,10 @@ class ErrorsSince {
   std::size_t before_;
 };
 
-/// Throws `error`, or keeps it in `errors` where reading is to go on: unless that is null or full.
+/// Throws `error` if `errors` is null or full; otherwise stores it there, and reading continues.
 void throwOrKeep(const InputError& error, InputErrors* errors);
 
-/// Calls read(), whose InputError goes the way of throwOrKeep(). False where read() did not come to
-/// its end.
+/// Calls read(), and passes its InputError to throwOrKeep(). False if read() did not finish.
 template <class Read>
 bool readOn(InputErrors* errors, const Read& read) {
   try {

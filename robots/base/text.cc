@@ -36,7 +36,7 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
 double outOfRange(std::string_view number) {
   const bool negative = number.front() == '-';
   const std::size_t mantissa_end = std::min(number.find_first_of("eE"), number.size());
-  long power = 0;  // of ten, above which the first digit that is not 0 stands
+  long power = 0;  // power of ten above the first digit that is not 0
   bool after_point = false, significant = false;
   for (const char c : number.substr(0, mantissa_end)) {
     if (c == '.') after_point = true;

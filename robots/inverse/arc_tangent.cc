@@ -18,7 +18,7 @@ double arcTangent(double y, double x) {
   double angle =
       t * (0.9998660 + t2 * (-0.3302995 + t2 * (0.1801410 + t2 * (-0.0851330 + t2 * 0.0208351))));
   if (!(ax > ay)) angle = std::numbers::pi / 2 - angle;
-  // Turned back by the estimate, the direction is at asin(d) = d + d^3 / 6: the next term is 1e-26.
+  // The direction turned back by the estimate is at asin(d) = d + d^3 / 6; the next term is 1e-26.
   double sine, cosine;
   collision::sineCosine(angle, sine, cosine);
   const double d = (v * cosine - u * sine) / std::sqrt(u * u + v * v);

@@ -51,7 +51,8 @@ Chain makeChain(const Model& model, const PoseRegion& region, std::span<const Po
     path.push_back(link);
   std::reverse(path.begin(), path.end());
 
-  // `before` takes the frame of the chain's last joint (R at first) to the current link's.
+  // `before` transforms the frame of the chain's last joint (R at first) to that of the current
+  // link.
   Pose before = region.X_WR.inverse();
   double travel = 0;
   for (const int link : path) {

@@ -13,11 +13,11 @@ namespace leeway::robots {
 
 namespace {
 
-/// Which of seven joints is given, in order of preference: an arm that others can swing around
-/// misses the fewest poses with any angle of joint 5, then 3.
+/// Candidates for the given one of seven joints, in order of preference. An arm that other joints
+/// can swing around misses the fewest poses with any angle of joint 5, then of joint 3.
 constexpr int kGivenOrder[] = {4, 2, 6, 0, 5, 1, 3};
 
-/// A unit vector across a unit vector.
+/// A unit vector perpendicular to a unit vector.
 Eigen::Vector3d acrossOf(const Eigen::Vector3d& unit) {
   int least;
   unit.cwiseAbs().minCoeff(&least);
@@ -25,7 +25,7 @@ Eigen::Vector3d acrossOf(const Eigen::Vector3d& unit) {
   return across / std::sqrt(across.squaredNorm());
 }
 
-/// The part of v across the unit vector k.
+/// The part of v perpendicular to the unit vector k.
 Eigen::Vector3d across(const Eigen::Vector3d& k, const Eigen::Vector3d& v) {
   return v - k.dot(v) * k;
 }
@@ -33,11 +33,11 @@ Eigen::Vector3d across(const Eigen::Vector3d& k, const Eigen::Vector3d& v) {
 }  // namespace
 
 /// Six joints in the order in which they are solved: E1 E2 ... E6 = G, where Ei turns about axis i
-/// and G moves F from its place at angle 0 to where it shall be.
+/// and G moves F from its place at angle 0 to its target.
 struct ClosedForm::Arm {
   std::array<Axis, 6> axes;
   Pose G;
-  std::array<double, 6> otherwise;  ///< angles, where any will do
+  std::array<double, 6> otherwise;  ///< angles to use where any angle solves
   std::array<std::size_t, 6> joints;
 
   const Eigen::Vector3d& h(int i) const { return axes[at(i)].direction; }
@@ -60,7 +60,7 @@ bool areParallel(const AxisType& a, const AxisType& b) {
   return a.direction.cross(b.direction).squaredNorm() < kSameAxis * kSameAxis;
 }
 
-/// Where two axes meet: between their nearest points.
+/// The meeting point of two axes: the middle between their nearest points.
 template <typename AxisType>
 Eigen::Vector3d meetingPoint(const AxisType& a, const AxisType& b) {
   const Eigen::Vector3d w = b.point - a.point;
@@ -75,7 +75,7 @@ template <typename AxisType>
 bool doMeet(const AxisType& a, const AxisType& b) {
   const Eigen::Vector3d normal = a.direction.cross(b.direction);
   const double sine = std::sqrt(normal.squaredNorm());
-  // Nearly parallel ones have their meeting point anywhere.
+  // Nearly parallel axes have a badly determined meeting point.
   return sine > kMeetingSine && std::fabs(normal.dot(b.point - a.point)) < kSameAxis * sine;
 }
 
@@ -112,7 +112,7 @@ ClosedForm::ClosedForm(const Chain& chain) {
   }
 }
 
-/// Neighbours in the chain only: how they lie to each other does not depend on any angle.
+/// Examines only neighbours in the chain, whose relative placement does not depend on any angle.
 ClosedForm::Kind ClosedForm::kindOf(const std::vector<Axis>& axes,
                                     const std::array<int, 6>& joints) {
   const auto axis = [&](int i) -> const Axis& { return axes[at(joints[at(i)])]; };
@@ -132,7 +132,7 @@ ClosedForm::Kind ClosedForm::kindOf(const std::vector<Axis>& axes,
   return parallel(1) ? Kind::kWristParallel : Kind::kNone;
 }
 
-/// Joints 1 to 3 bring the wrist's centre to its target, 4 to 6 turn the hand about it.
+/// Joints 1 to 3 bring the wrist's centre to its target; joints 4 to 6 turn the hand about it.
 class ClosedForm::WristSolver {
  public:
   WristSolver(const Arm& arm, Answer& answer)
@@ -166,7 +166,8 @@ class ClosedForm::WristSolver {
     }
   }
 
-  /// E2 E3 wrist = E1^-1 target: as far from O, where their axes meet.
+  /// E2 E3 wrist = E1^-1 target: both are at the same distance from O, where the axes of E2 and E3
+  /// meet.
   void nextTwoMeet() {
     const Eigen::Vector3d O = meetingPoint(arm_.axes[1], arm_.axes[2]);
     const Angles firsts =
@@ -219,7 +220,7 @@ class ClosedForm::WristSolver {
     answer_.singular = answer_.singular || part.singular;
   }
 
-  /// Adds the answers for joints 1 and 3 as they are in t_, turned by R1 and R3.
+  /// Adds the answers for joints 1 and 3 with the values in t_, turned by R1 and R3.
   void turnHand(const Eigen::Matrix3d& R1, const Eigen::Matrix3d& R3, const Angles& second) {
     note(second);
     t_[1] = second.value[0];
@@ -298,7 +299,7 @@ void ClosedForm::solveParallel(const Arm& arm, Answer& answer) {
     answer.singular = answer.singular || part.singular;
   };
 
-  // Joints 2 to 4 move nothing along h, and leave h.
+  // Joints 2 to 4 move no point along h, and leave h unchanged.
   const Angles firsts =
       anglesToPlane(h, -arm.h(0), target - arm.p(0), h.dot(wrist - arm.p(0)), arm.otherwise[0]);
   note(firsts);
@@ -319,7 +320,7 @@ void ClosedForm::solveParallel(const Arm& arm, Answer& answer) {
       t[5] = last.value[0];
       const Eigen::Matrix3d R56 = R5 * turnAbout(arm.h(5), t[5]);
       const double sum = angleBetween(h, side, R16 * (R56.transpose() * side), 0).value[0];
-      // E2 E3 takes axis 4 to s.
+      // E2 E3 moves axis 4 to s.
       const Eigen::Vector3d s = y - turnAbout(h, sum) * (wrist - arm.p(3)) - arm.p(1);
       const Angles elbows =
           anglesToDistance(arm.h(2), across(h, arm.p(3) - arm.p(2)), across(h, arm.p(1) - arm.p(2)),

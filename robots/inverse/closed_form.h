@@ -8,33 +8,34 @@
 
 namespace leeway::robots {
 
-/// All angles of six revolute joints for a pose, in closed form, where the geometry allows it: read
-/// from base to hand or from hand to base, the last three axes meet (a wrist) and of the first
-/// three two neighbours meet or the second and third are parallel; or the second to fourth are
-/// parallel and the last two meet. Of seven joints one is given its angle. Subproblems:
-/// subproblems.h; the decomposition is that of Elias and Wen, which is cited there.
+/// All angles of six revolute joints for a pose, in closed form, if the geometry allows it. There
+/// are two cases, for the joints in order from base to hand or from hand to base. First: the last
+/// three axes meet (a wrist), and of the first three either two neighbours meet or the second and
+/// third are parallel. Second: the second to fourth axes are parallel and the last two meet. With
+/// seven joints, one joint has a given angle. Subproblems: subproblems.h; the decomposition is that
+/// of Elias and Wen, which is cited there.
 ///
-/// Axes count as meeting and parallel to within kSameAxis, so that angles are as exact as that, and
-/// are to be polished.
+/// Axes count as meeting and parallel to within kSameAxis. The angles have only that accuracy and
+/// must be polished.
 class ClosedForm {
  public:
   explicit ClosedForm(const Chain& chain);
 
-  /// Whether there is one for the chain.
+  /// Whether there is a closed form for the chain.
   bool exists() const { return kind_ != Kind::kNone; }
   /// The joint whose angle is given; -1 with six joints.
   int given() const { return given_; }
 
   struct Answer {
     int count = 0;
-    /// Angles of each joint, the offset of KinematicStep included.
+    /// Angles of each joint, including the offset of KinematicStep.
     std::array<std::array<double, 7>, 8> angles;
-    /// Solutions may be missing: near a singular pose two are about to become one or none, or are
-    /// points of a curve, of which those nearest to `angles` were taken.
+    /// Solutions may be missing: near a singular pose, two solutions are about to become one or
+    /// none, or are points of a curve, of which those nearest to `angles` were taken.
     bool singular = false;
   };
-  /// Up to eight solutions for F at X_RF. `angles`: one a joint, for what is given or free.
-  /// Limits are not regarded. O(1), some microseconds.
+  /// Computes up to eight solutions for F at X_RF. `angles`: one for each joint, for joints that
+  /// are given or free. Ignores limits. O(1), a few microseconds.
   void solve(const Pose& X_RF, const std::array<double, 7>& angles, Answer& answer) const;
 
  private:

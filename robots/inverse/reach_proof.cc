@@ -1,21 +1,23 @@
-// Why a box of configurations cannot have F in its region. Let c be the middle of the box, P a
-// point fixed to F, and joint j turn by at most h_j from c. Move the joints from c one after the
-// other, the last first. While joints 1..j are still at c, axis j is where it is at c, so
+// The proof that no configuration in a box has F in its region. Let c be the middle of the box, P a
+// point fixed to F, and let joint j turn by at most h_j from c. Move the joints from c one after
+// the other, the last first. While joints 1..j are still at c, axis j is where it is at c, so
 //
 //   |P moves with joints j..n|    <= m_j = m_(j+1) + 2 sin(h_j / 2) (d_j(P) + m_(j+1))
 //   |the frame turns|             <= sum of h_j
 //   change of |P - S| by joint j  <= 2 sin(h_j / 2) min(d_j(P) + m_(j+1), d_j(S))
 //
-// with d_j(.) the distance from axis j at c, and S fixed to the base: turning P about axis j
-// changes |P - S| as turning S does. A slide by h moves P by h. The box is excluded when one of
-// these is less than what P, the frame, or |P - S| lack at c. P on the last axis, near the one
-// before it, and S on the first axis, near the second, make many terms vanish: for an arm with a
-// spherical wrist |P - S| depends on the elbow alone. Any P and S are right.
+// Here d_j(.) is the distance from axis j at c, and S is fixed to the base: turning P about axis j
+// changes |P - S| as turning S does. A slide by h moves P by h. The box is excluded if one of these
+// is less than the change that P, the frame, or |P - S| need at c to reach the region. If P is on
+// the last axis, near the previous one, and S on the first axis, near the second, many terms
+// vanish: for an arm with a spherical wrist, |P - S| depends only on the elbow. Any P and S are
+// correct.
 //
-// So is a point M of a link on the way. Seen from F it moves with the joints after its link by at
-// most n, found as m from that end. If F is in its region, M is where the region has F's middle
-// rotation and M's place at c, but for the region's widths and n; and |M - S| changes with the
-// joints before its link alone. On an axis, where the one before meets it, M moves with neither.
+// The same holds for a point M of a link on the way. In the frame F it moves with the joints after
+// its link by at most n, which is computed like m from that end. If F is in its region, M is where
+// the region's middle rotation and M's place at c have it, up to the region's widths and n; and |M
+// - S| changes only with the joints before its link. If M is on an axis, where the previous axis
+// meets it, it moves with neither joint.
 
 #include "robots/inverse/reach_proof.h"
 
@@ -40,7 +42,7 @@ bool turns(const ChainJoint& joint) {
   return joint.type == JointType::kRevolute || joint.type == JointType::kContinuous;
 }
 
-/// The point of the line (p, unit u) nearest to the line (q, unit v); p for parallel ones.
+/// The point of the line (p, unit u) nearest to the line (q, unit v); p if they are parallel.
 Eigen::Vector3d nearestPoint(const Eigen::Vector3d& p, const Eigen::Vector3d& u,
                              const Eigen::Vector3d& q, const Eigen::Vector3d& v) {
   const Eigen::Vector3d w = q - p;
@@ -55,14 +57,14 @@ double distanceFromAxis(const Eigen::Vector3d& point, const Eigen::Vector3d& ori
   return std::sqrt(Eigen::Vector3d(point - origin).cross(axis).squaredNorm());
 }
 
-/// A point fixed to F, and where the region has it: the box of positions moved by `offset`, and a
-/// ball of `radius` for the widths of the angles.
+/// A point fixed to F, and its place for F in the region: the box of positions moved by `offset`,
+/// and a ball of `radius` for the widths of the angles.
 struct Target {
   Eigen::Vector3d p_F = Eigen::Vector3d::Zero(), offset = Eigen::Vector3d::Zero();
   double radius = 0;
 };
 
-/// A point on the axis of joint `joint`, in its child's frame, where the axis before meets it.
+/// A point on the axis of joint `joint`, in its child's frame, where the previous axis meets it.
 struct MidPoint {
   std::size_t joint;
   Eigen::Vector3d p_C;
@@ -123,7 +125,7 @@ class Prover {
       box.high[c] = other.low[c] = middle;
       for (Box* half : {&box, &other}) examine(*half);
       proof.boxes += 2;
-      // The half that is harder to exclude is on top: what cannot be proven is given up early.
+      // The half that is harder to exclude is on top, so that a failing proof is given up early.
       if (box.share < other.share) std::swap(box, other);
       if (!box.excluded) boxes.push_back(std::move(box));
       if (!other.excluded) boxes.push_back(std::move(other));
@@ -134,13 +136,14 @@ class Prover {
 
  private:
   struct Box {
-    std::vector<double> low, high;  // one a column
+    std::vector<double> low, high;  // one for each column
     bool excluded = false;
-    double share = 0;  // of the best bound: what lacks over what the joints can move
-    int split = -1;    // the column that moves it most; -1: none that matters
+    double share = 0;  // of the best bound: the missing change divided by the change that the
+                       // joints can make
+    int split = -1;    // the column that changes it most; -1: no column matters
   };
 
-  /// Unlimited angles take one turn; other unlimited variables cannot be enclosed.
+  /// Unlimited angles take one turn; other unlimited variables have no bounds.
   void bound(const ChainJoint& joint) {
     for (int k = 0; k < 7; ++k) {
       const int column = joint.column[at(k)];
@@ -160,7 +163,8 @@ class Prover {
         low = -kPi * (1 + 1e-15);
         high = kPi * (1 + 1e-15);
       }
-      // A turn of a master is no whole turn of a mimic joint with another multiplier.
+      // A whole turn of a master joint is not a whole turn of a mimic joint with another
+      // multiplier.
       if (!angle || joint.multiplier != 1) bounded_ = false;
     }
   }
@@ -202,8 +206,8 @@ class Prover {
     }
   }
 
-  /// A bound: what is lacking at the middle of the box, how much the joints can change it, and how
-  /// much each joint does.
+  /// A bound: the missing change at the middle of the box, how much the joints can change it, and
+  /// the part of each joint.
   struct Bound {
     double lacking = 0, change = 0;
     std::vector<double> by_joint;
@@ -253,7 +257,7 @@ class Prover {
     const double tolerance = region_.angle_tolerance;
     consider(box, rotationVector(difference).norm() - half_turn_, turn, tolerance, angle_);
     if (box.excluded) return;
-    // z of R in F turns with roll and pitch only; x of F in R with pitch and yaw only.
+    // z of R in F turns only with roll and pitch; x of F in R turns only with pitch and yaw.
     const double z = angleBetween(X_RF.rotation.row(2).transpose(), R_RF_.row(2).transpose());
     consider(box, z - half_angle_(0) - half_angle_(1), turn, tolerance, angle_);
     if (box.excluded) return;
@@ -298,7 +302,8 @@ class Prover {
              changed_);
   }
 
-  /// Of a point from joint i's axis, about which it may turn; from the origin of a floating one.
+  /// The distance of a point from joint i's axis, about which it may turn; for a floating joint,
+  /// from its origin.
   double awayFrom(std::size_t i, const Eigen::Vector3d& point) const {
     const Eigen::Vector3d& origin = X_RC_[i].translation;
     return chain_.joints[i].type == JointType::kFloating
@@ -307,7 +312,7 @@ class Prover {
   }
 
   using Range = std::pair<double, double>;
-  /// The least and greatest distance from S of the box of positions moved by `offset`.
+  /// The least and greatest distance of S from the box of positions moved by `offset`.
   Range distances(const Eigen::Vector3d& offset) const {
     double near = 0, far = 0;
     for (int k = 0; k < 3; ++k) {
@@ -320,7 +325,7 @@ class Prover {
     return {std::sqrt(near), std::sqrt(far)};
   }
 
-  /// The last joint turns about the last axis, which stays.
+  /// Considers the last axis, which does not move when the last joint turns about it.
   void considerLastAxis(Box& box, const Pose& X_RF, double turn) {
     const std::size_t count = chain_.joints.size();
     const double last = angle_[count - 1];
@@ -357,7 +362,7 @@ class Prover {
     consider(box, outside.norm() - target.radius, moves, tolerance, moved_);
     if (box.excluded || !has_base_point_) return;
 
-    // Along the first axis the first joint moves nothing.
+    // The first joint moves no point along the first axis.
     const Eigen::Vector3d axis = X_RC_[0].rotation * chain_.joints[0].axis;
     double low = 0, high = 0;
     for (int k = 0; k < 3; ++k) {
@@ -421,7 +426,7 @@ class Prover {
     return 2 * sine * (1 + kBoundRounding);
   }
 
-  /// From below: the chord.
+  /// A lower bound: the chord.
   static double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
     return std::sqrt((a - b).squaredNorm());
   }
@@ -431,7 +436,7 @@ class Prover {
   std::vector<double> q_;
   std::span<const double> lower_, upper_;
   std::size_t columns_ = 0;
-  std::vector<int> variable_;  // of the model, one a column; -1: the chain does not have it
+  std::vector<int> variable_;  // variable of the model, one for each column; -1: not in the chain
   std::vector<double> low_, high_;
   bool bounded_ = true;
   Eigen::Matrix3d R_RF_;  // of the middle angles
@@ -442,7 +447,7 @@ class Prover {
   bool has_base_point_ = false;
   Eigen::Vector3d p_RS_ = Eigen::Vector3d::Zero();
   std::vector<Pose> X_RC_;
-  std::vector<double> angle_, slide_, moved_, changed_;  // one a joint
+  std::vector<double> angle_, slide_, moved_, changed_;  // one for each joint
   std::vector<int> widest_;
 };
 

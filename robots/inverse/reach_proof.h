@@ -8,15 +8,15 @@
 namespace leeway::robots {
 
 struct ReachProof {
-  /// No configuration within the ranges has the frame in its region, tolerances included.
+  /// Proven: no configuration within the ranges has the frame in its region, tolerances included.
   bool proven = false;
-  std::int64_t boxes = 0;  ///< of configurations that were examined
+  std::int64_t boxes = 0;  ///< number of examined boxes of configurations
 };
 
 /// Tries to prove that the chain's frame cannot be in the region while its solved variables stay
-/// within lower..upper (one a column) and all others at `configuration`. Branch and bound over
-/// boxes of configurations; gives up after `limit` boxes, or at a small one that it cannot exclude.
-/// Rounding included: reach_proof.cc. O(boxes * joints).
+/// within lower..upper (one for each column) and all others at `configuration`. Branch and bound
+/// over boxes of configurations; gives up after `limit` boxes, or at a small box that it cannot
+/// exclude. Rounding is included, see reach_proof.cc. O(boxes * joints).
 ReachProof proveUnreachable(const Chain& chain, const PoseRegion& region,
                             std::span<const double> configuration, std::span<const double> lower,
                             std::span<const double> upper, std::int64_t limit);

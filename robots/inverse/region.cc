@@ -25,7 +25,7 @@ constexpr int kRotationSweeps = 12;
 bool isFull(const std::pair<double, double>& range) { return range.second - range.first >= kTwoPi; }
 bool isExact(const std::pair<double, double>& range) { return range.first == range.second; }
 
-/// About coordinate axis k.
+/// Rotation about coordinate axis k.
 Eigen::Matrix3d turnAbout(int k, double angle) {
   double s, c;
   collision::sineCosine(angle, s, c);
@@ -43,9 +43,10 @@ struct NearestRotation {
   Eigen::Vector3d turn;  ///< from the rotation of the angles to R
 };
 
-/// Angles in the ranges whose rotation is near R, from `start`: sweeps that put each at its best
-/// while the others stay. The trace of R^T Rz Ry Rx is A cos + B sin + C in each angle; it decides
-/// nothing itself, as it tells angles below 1e-8 from none no more.
+/// Finds angles in the ranges whose rotation is near R, from `start`: each sweep sets one angle
+/// after the other to its best value while the others stay. The trace of R^T Rz Ry Rx is A cos + B
+/// sin + C in each angle. The trace is not used for a decision, because it cannot distinguish
+/// angles below 1e-8 from 0.
 NearestRotation descend(const PreparedRegion& region, const Eigen::Matrix3d& R,
                         const Eigen::Vector3d& start) {
   NearestRotation best;
@@ -79,7 +80,7 @@ NearestRotation descend(const PreparedRegion& region, const Eigen::Matrix3d& R,
   return best;
 }
 
-/// Two triples of angles give each rotation; the nearer one after descent.
+/// Each rotation has two triples of angles; returns the one that is closer after descent.
 NearestRotation nearestRotation(const PreparedRegion& region, const Eigen::Matrix3d& R) {
   const double pi = std::numbers::pi;
   const Eigen::Vector3d angles = rollPitchYaw(R);
@@ -116,7 +117,7 @@ double nearestAngle(double angle, const std::pair<double, double>& range, bool& 
     inside = false;
     return range.first;
   }
-  // The first equal angle at or above the lower end.
+  // The first equal angle that is not below the lower end.
   const double turned = angle - kTwoPi * std::floor((angle - range.first) / kTwoPi);
   inside = turned <= range.second;
   if (inside) return std::max(turned, range.first);
@@ -126,7 +127,7 @@ double nearestAngle(double angle, const std::pair<double, double>& range, bool& 
 Eigen::Vector3d rollPitchYaw(const Eigen::Matrix3d& R) {
   const double across = std::sqrt(R(0, 0) * R(0, 0) + R(1, 0) * R(1, 0));
   const double pitch = arcTangent(-R(2, 0), across);
-  if (!(across > 1e-12))  // the entries that would tell roll from yaw are rounding
+  if (!(across > 1e-12))  // the entries that distinguish roll from yaw are rounding
     return {0, pitch, arcTangent(-R(0, 1), R(1, 1))};
   return {arcTangent(R(2, 1), R(2, 2)), pitch, arcTangent(R(1, 0), R(0, 0))};
 }
@@ -165,7 +166,7 @@ RegionError regionError(const PreparedRegion& region, const Pose& X_RF) {
   for (int k = 0; k < 3; ++k) {
     const auto& [low, high] = region.position[at(k)];
     const double p = X_RF.translation(k);
-    error.position(k) = p < low ? p - low : p > high ? p - high : p - p;  // NaN stays
+    error.position(k) = p < low ? p - low : p > high ? p - high : p - p;  // NaN stays NaN
     error.free_position[at(k)] = p > low && p < high;
   }
   if (region.any_turn) {

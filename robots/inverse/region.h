@@ -1,6 +1,6 @@
 #pragma once
 
-// How far a frame is outside of a PoseRegion, with what a solver needs to bring it in.
+// How far a frame is outside a PoseRegion, with the data that a solver needs to move it inside.
 
 #include <Eigen/Core>
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace leeway::robots {
 
-/// A region with what its searches reuse.
+/// A region with data that its searches reuse.
 struct PreparedRegion {
   explicit PreparedRegion(const PoseRegion& region);
 
@@ -20,11 +20,11 @@ struct PreparedRegion {
   Eigen::Matrix3d target;   // of exact_turn
 };
 
-/// In the region's frame R: the frame's place minus the nearest allowed one.
+/// In the region's frame R: the frame's position minus the nearest allowed one.
 struct RegionError {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< rotation vector
-  /// Coordinates inside their range, where a move costs nothing.
+  /// Coordinates inside their range, in which a small move costs nothing.
   std::array<bool, 3> free_position = {false, false, false};
   /// Orthonormal axes about which a small turn costs nothing.
   int free_turns = 0;
@@ -32,8 +32,8 @@ struct RegionError {
 };
 
 /// Returns the fault of a region, with the accepted values: a link that the model does not have, a
-/// frame that is not rigid, a range whose ends are exchanged or not finite, a tolerance below
-/// kLeastPoseTolerance. Nothing for a region that makes sense.
+/// frame that is not rigid, a range whose ends are swapped or not finite, a tolerance below
+/// kLeastPoseTolerance. nullopt for a valid region.
 std::optional<std::string> regionFault(const Model& model, const PoseRegion& region);
 
 RegionError regionError(const PreparedRegion& region, const Pose& X_RF);
@@ -41,8 +41,8 @@ RegionError regionError(const PreparedRegion& region, const Pose& X_RF);
 /// The rotation vector of R, its length in [0, pi].
 Eigen::Vector3d rotationVector(const Eigen::Matrix3d& R);
 
-/// The angle equal to `angle` up to whole turns that lies in the range, or else its nearer end.
-/// Sets `inside`.
+/// The angle equal to `angle` up to whole turns that lies in the range, or otherwise its nearer
+/// end. Sets `inside`.
 double nearestAngle(double angle, const std::pair<double, double>& range, bool& inside);
 
 }  // namespace leeway::robots

@@ -11,16 +11,17 @@ namespace leeway::robots {
 
 namespace {
 
-/// Steps of one search. Most that succeed need fewer than 20.
+/// Limit on the steps of one search. Most that succeed need fewer than 20.
 constexpr int kSteps = 60;
 
-/// A search ends after so many steps that each leave more than this share of the error.
+/// A search ends after this many steps that each leave more than this share of the error.
 constexpr int kSlowSteps = 6;
 constexpr double kSlowShare = 0.8;
 
-/// Damping as a share of the squared error: at first, and the least. Rejected steps raise it.
+/// Damping as a share of the squared error: the first value, and the least. Rejected steps increase
+/// it.
 constexpr double kFirstDamping = 0.1, kLeastDamping = 1e-4;
-/// Added damping: far below the squared singular values of anything but a singular pose.
+/// Added damping: far below the squared singular values except at a singular pose.
 constexpr double kAddedDamping = 1e-15;
 
 /// Solves the symmetric positive definite system in place (Cholesky); a: n by n, its lower half.
@@ -99,7 +100,7 @@ double Search::evaluate(const double* q, bool jacobian) {
   return squared;
 }
 
-/// step_ of the solved variables; those at a limit that it would leave are held.
+/// Computes step_ of the solved variables; variables at a limit that they would leave are held.
 void Search::step(double damping, double squared_error, const double* q) {
   const double lambda = damping * squared_error + kAddedDamping;
   for (std::size_t c = 0; c < columns_; ++c) {

@@ -1,6 +1,7 @@
 #pragma once
 
-// Damped least squares for one set of regions. A search has buffers: one thread at a time.
+// Damped least squares for one set of regions. A search has buffers, so only one thread may use it
+// at a time.
 
 #include <cstdint>
 #include <span>
@@ -16,11 +17,12 @@ class Search {
   Search(std::vector<Chain> chains, std::vector<PreparedRegion> regions, std::vector<int> variables,
          std::vector<double> lower, std::vector<double> upper);
 
-  /// Moves the solved variables of q (one number a variable of the model, solved ones within their
-  /// limits) until the frames are in their regions as nearly as rounding allows, or until the steps
-  /// gain too little. Returns the sum of squared errors, positions in units of the chain's reach.
+  /// Moves the solved variables of q (one number for each variable of the model, with solved ones
+  /// within their limits) until the frames are in their regions as closely as rounding allows, or
+  /// until the steps gain too little. Returns the sum of squared errors, with positions in units of
+  /// the chain's reach.
   double descend(std::span<double> q);
-  /// That sum at q.
+  /// Returns that sum at q.
   double squaredError(std::span<const double> q) { return evaluate(q.data(), false); }
 
   const std::vector<Chain>& chains() const { return chains_; }
@@ -35,7 +37,7 @@ class Search {
   std::vector<PreparedRegion> regions_;
   std::vector<int> variables_;
   std::vector<double> lower_, upper_;
-  std::vector<double> weights_;  // of positions, one a region
+  std::vector<double> weights_;  // of positions, one for each region
   std::size_t rows_, columns_;
   std::vector<Pose> X_RC_;
   std::vector<Twist> twists_;

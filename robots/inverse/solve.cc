@@ -23,16 +23,16 @@ namespace {
 
 using collision::kTwoPi;
 
-/// The proof that there is no solution is tried for one box after the first search, for some after
-/// as many, and with all its boxes after the last one.
+/// The proof that there is no solution is tried for one box after the first search, for
+/// kEarlyProofBoxes boxes after this many starts, and with all its boxes after the last one.
 constexpr int kStartsBeforeProof = 20;
 constexpr int kEarlyProofBoxes = 2000;
 
-/// Closed forms of seven joints: angles of the given joint that are tried before the start counts
-/// as one for the numeric search.
+/// Closed forms of seven joints: angles of the given joint that are tried before the start is used
+/// for the numeric search.
 constexpr std::uint64_t kSweep = 8;
 
-/// sample(): searches for one draw.
+/// sample(): number of searches for one draw.
 constexpr int kStartsOfSample = 3;
 
 void check(const Model& model, std::span<const PoseRegion> regions,
@@ -51,7 +51,7 @@ void check(const Model& model, std::span<const PoseRegion> regions,
     if (const std::optional<std::string> fault = regionFault(model, region)) demand(false, *fault);
 }
 
-/// One call's data: what InverseKinematics shares between starts.
+/// One call's data that InverseKinematics shares between starts.
 class Task {
  public:
   Task(const Model& model, const std::vector<int>& variables, const std::vector<char>& periodic,
@@ -77,8 +77,8 @@ class Task {
   bool isRedundant() const { return closed_form_.given() >= 0; }
   bool isNear(const std::vector<double>& q) { return search_.squaredError(q) < kNearPosesSquared; }
 
-  /// Adds the solutions with the given joint of q, at most `most`: nearest to the configuration
-  /// first, or from number `first` on, counted around. False where some may be missing.
+  /// Adds at most `most` solutions with the given joint of q: those nearest to the configuration
+  /// first, or cyclically from number `first` on. False if some may be missing.
   bool solveClosed(const std::vector<double>& q, int most, std::vector<IkSolution>& solutions,
                    std::uint64_t first = 0) {
     const std::vector<ChainJoint>& joints = search_.chains()[0].joints;
@@ -121,7 +121,7 @@ class Task {
     return !answer.singular && k == count;
   }
 
-  /// The configuration's own start, within the limits, or number `index` of the sequence.
+  /// The configuration itself as a start, within the limits, or number `index` of the sequence.
   std::vector<double> start(std::uint64_t index) const {
     std::vector<double> q = configuration_;
     for (std::size_t c = 0; c < variables_.size(); ++c) {
@@ -132,7 +132,7 @@ class Task {
     return q;
   }
 
-  /// Searches from q and checks what it finds by forwardKinematics(). True: `solution` is one.
+  /// Searches from q and checks the result by forwardKinematics(). True if `solution` is one.
   bool solveFrom(std::vector<double> q, IkSolution& solution) {
     search_.descend(q);
     return finish(q, solution);
@@ -173,7 +173,7 @@ class Task {
     return sum;
   }
 
-  /// Whether one of the frames is proven not to come into its region. Adds to `boxes`.
+  /// Whether one of the frames is proven not to reach its region. Adds to `boxes`.
   bool provenUnreachable(std::int64_t limit, std::int64_t& boxes) const {
     for (std::size_t r = 0; r < regions_.size(); ++r) {
       const ReachProof proof =
@@ -194,7 +194,7 @@ class Task {
     forwardKinematics(model_, configuration_, X_WL_);
     std::vector<Chain> chains;
     std::vector<PreparedRegion> prepared;
-    double away = 0;  // of any frame from its region, and reach
+    double away = 0;  // distance of any frame from its region, plus reach
     for (const PoseRegion& region : regions_) {
       chains.push_back(makeChain(model_, region, X_WL_, column));
       prepared.emplace_back(region);
@@ -205,7 +205,8 @@ class Task {
       const Variable& variable = model_.variables[at(v)];
       lower_.push_back(variable.lower);
       upper_.push_back(variable.upper);
-      // Unlimited ones start within half a turn, within the distance to go, or as a quaternion.
+      // Unlimited variables start within half a turn, within the remaining distance, or as a
+      // quaternion.
       const double now = configuration_[at(v)];
       const Joint& joint = model_.joints[at(variable.joint)];
       const int k = v - joint.first_variable;
@@ -220,7 +221,8 @@ class Task {
                       : std::isfinite(variable.upper) ? variable.upper
                                                       : now + width);
     }
-    // A joint that makes a whole turn has no limits while searched: normalize() brings it back.
+    // A joint that can make a whole turn has no limits during the search; normalize() brings it
+    // back.
     std::vector<double> lower = lower_, upper = upper_;
     for (std::size_t c = 0; c < variables_.size(); ++c)
       if (periodic_[c] && upper[c] - lower[c] >= kTwoPi - kWholeTurnGap) {
@@ -230,7 +232,7 @@ class Task {
     return {std::move(chains), std::move(prepared), variables_, std::move(lower), std::move(upper)};
   }
 
-  /// Angles take off whole turns towards the configuration; quaternions become unit.
+  /// Reduces angles by whole turns towards the configuration, and normalizes quaternions.
   void normalize(std::vector<double>& q) const {
     for (std::size_t c = 0; c < variables_.size(); ++c) {
       if (!periodic_[c]) continue;

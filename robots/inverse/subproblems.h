@@ -1,9 +1,10 @@
 #pragma once
 
-// Subproblems to which the inverse kinematics of many arms reduce: Paden (Kinematics and control
-// of robot manipulators, 1986) and Kahan; numbered as by Elias and Wen, "IK-Geo: Unified robot
-// inverse kinematics using subproblem decomposition", Mechanism and Machine Theory 209, 2025.
-// All axes k are unit vectors. What has no solution by a rounding has its nearest one.
+// Subproblems to which the inverse kinematics of many arms reduce: Paden (Kinematics and control of
+// robot manipulators, 1986) and Kahan; numbered as by Elias and Wen, "IK-Geo: Unified robot inverse
+// kinematics using subproblem decomposition", Mechanism and Machine Theory 209, 2025. All axes k
+// are unit vectors. A subproblem that has no solution because of rounding returns the nearest
+// angles.
 
 #include <Eigen/Core>
 #include <array>
@@ -14,20 +15,20 @@ namespace leeway::robots {
 struct Angles {
   int count = 0;
   std::array<double, 2> value = {0, 0};
-  /// Two of them are about to become one or none, or any angle will do.
+  /// Two solutions are about to become one or none, or any angle solves.
   bool singular = false;
 };
 
-/// Turns about the unit vector `axis` by `angle`. O(1).
+/// Rotation about the unit vector `axis` by `angle`. O(1).
 Eigen::Matrix3d turnAbout(const Eigen::Vector3d& axis, double angle);
 
-/// Subproblem 1: the angle for which the turn of p about k is nearest to q; `otherwise`, and
-/// singular, where p or q is along k. O(1).
+/// Subproblem 1: the angle for which p, turned about k, is nearest to q. `otherwise`, and singular,
+/// if p or q is along k. O(1).
 Angles angleBetween(const Eigen::Vector3d& k, const Eigen::Vector3d& p, const Eigen::Vector3d& q,
                     double otherwise);
 
-/// Subproblem 4: h dot (p turned about k) = d. `otherwise`, and singular, where p's turn does not
-/// matter to it. O(1).
+/// Subproblem 4: h dot (p turned about k) = d. `otherwise`, and singular, if turning p has no
+/// effect on it. O(1).
 Angles anglesToPlane(const Eigen::Vector3d& h, const Eigen::Vector3d& k, const Eigen::Vector3d& p,
                      double d, double otherwise);
 
@@ -42,8 +43,8 @@ struct MeetingPoints {
   bool singular = false;
 };
 
-/// Subproblem 2: where the circle of p1 about k1 meets that of p2 about k2; |p1| = |p2|, and the
-/// axes, through the origin, are not parallel. O(1).
+/// Subproblem 2: the intersections of the circle of p1 about k1 with that of p2 about k2; |p1| =
+/// |p2|, and the axes, through the origin, are not parallel. O(1).
 MeetingPoints meetingPoints(const Eigen::Vector3d& k1, const Eigen::Vector3d& p1,
                             const Eigen::Vector3d& k2, const Eigen::Vector3d& p2);
 

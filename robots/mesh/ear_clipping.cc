@@ -14,11 +14,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// In the plane: the third coordinate is 0. The predicates want it so.
+/// A clipper in the plane: the third coordinate is 0, as the predicates require.
 class Clipper {
  public:
-  /// `points`: the corners as they are seen. `ring`: places of the corners, no two neighbours of
-  /// which are equal, in the turn that counts as positive.
+  /// `points`: the projected corners. `ring`: places of the corners, in positive orientation; no
+  /// two neighbours are equal.
   Clipper(std::span<const Vector3d> corners, std::vector<Vector3d> points,
           const std::vector<std::int32_t>& ring)
       : corners_(corners),
@@ -52,12 +52,12 @@ class Clipper {
   struct Node {
     std::int32_t corner, previous, next;
     bool gone = false;
-    std::int32_t pushed = 0;  // how often: what waits in the queue from before is not looked at
+    std::int32_t pushed = 0;  // number of insertions; older queue entries are skipped
   };
   enum class Ear {
     kNo,
     kStraight,  // without area
-    kTouched,   // something lies on the line that cuts it off
+    kTouched,   // an edge or corner lies on the line that cuts it off
     kYes
   };
 
@@ -77,9 +77,9 @@ class Clipper {
 
   void push(std::int32_t node) { queue_.emplace_back(node, ++nodes_[at(node)].pushed); }
 
-  /// Clips ears for as long as one is found: among the corners that wait those that nothing
-  /// touches; where there are none, among all corners also touched ones, then triangles without
-  /// area. False where none is left.
+  /// Clips ears for as long as one is found: first, among the waiting corners, those that nothing
+  /// touches. If there are none, it tries touched ones among all corners, then triangles without
+  /// area. False if none is left.
   bool clipEars() {
     for (const Ear least : {Ear::kYes, Ear::kTouched, Ear::kStraight}) {
       if (least != Ear::kYes) pushAll();
@@ -104,7 +104,7 @@ class Clipper {
       if (!nodes_[at(i)].gone) push(i);
   }
 
-  /// `winding`: how often the polygon winds about the ear, where it has an area.
+  /// `winding`: how often the polygon winds around the ear, if it has an area.
   Ear look(std::int32_t node, int& winding) const {
     const std::int32_t a = nodes_[at(node)].previous, c = nodes_[at(node)].next;
     const int turned = turn(a, node, c);
@@ -112,13 +112,13 @@ class Clipper {
     if (turned == 0) return turnsBack(a, node, c) ? Ear::kYes : Ear::kStraight;
     const Ear ear = look(a, node, c);
     if (ear == Ear::kNo) return ear;
-    // Where edges lie on each other, an empty triangle may be outside.
+    // Where edges overlap, an empty triangle may be outside.
     winding = windingIn(a, node, c);
     return winding < 1 ? Ear::kNo : ear;
   }
 
-  /// How often what is left of the polygon winds about the inside of a triangle that turns as it
-  /// does, and that no edge meets. 1 where the triangle is so thin that no point in it is found.
+  /// How often the remaining polygon winds around the inside of a triangle that has the polygon's
+  /// orientation and intersects no edge. 1 if the triangle is so thin that no point in it is found.
   int windingIn(std::int32_t a, std::int32_t b, std::int32_t c) const {
     const Vector3d &p = point(a), &q = point(b), &r = point(c);
     for (const Vector3d& share : {Vector3d(0.375, 0.25, 0.375), Vector3d(0.25, 0.25, 0.5),
@@ -144,7 +144,7 @@ class Clipper {
     return winding;
   }
 
-  /// Whether b, of three points on a line, is not between the others.
+  /// Whether b, one of three points on a line, is not between the others.
   bool turnsBack(std::int32_t a, std::int32_t b, std::int32_t c) const {
     return (point(a) - point(b)).dot(point(c) - point(b)) > 0;
   }
@@ -162,8 +162,8 @@ class Clipper {
     --left_;
   }
 
-  /// Neighbours of an ear wait behind all others, so that ears of round polygons are not all at one
-  /// corner.
+  /// Clips an ear. Its neighbours wait behind all others, so that ears of round polygons are not
+  /// all at one corner.
   void clip(std::int32_t node) {
     const std::int32_t a = nodes_[at(node)].previous, c = nodes_[at(node)].next;
     emit(node);
@@ -178,7 +178,7 @@ class Clipper {
     push(a);
   }
 
-  /// Looks into the triangle of a corner and its neighbours.
+  /// Tests the triangle of a corner and its neighbours.
   Ear look(std::int32_t a, std::int32_t b, std::int32_t c) const {
     const Vector3d &p = point(a), &q = point(b), &r = point(c);
     Ear ear = Ear::kYes;
@@ -190,8 +190,8 @@ class Clipper {
     return ear;
   }
 
-  /// Calls visit(from, to) for all edges whose box meets that of a corner's triangle, except the
-  /// two of that corner, until it returns false.
+  /// Calls visit(from, to) for all edges whose box intersects that of a corner's triangle, except
+  /// the two of that corner, until it returns false.
   template <class Visit>
   void eachEdgeNear(std::int32_t a, std::int32_t b, std::int32_t c, const Visit& visit) const {
     const Vector3d low = point(a).cwiseMin(point(b)).cwiseMin(point(c)),
@@ -205,8 +205,8 @@ class Clipper {
     }
   }
 
-  /// Whether a segment meets the inside of a triangle that turns to the left: unless a side of the
-  /// triangle or the segment itself parts them.
+  /// Whether a segment intersects the inside of a triangle with positive orientation: true unless a
+  /// side of the triangle or the segment itself separates them.
   static bool meets(const Vector3d& p, const Vector3d& q, const Vector3d& r, const Vector3d& s,
                     const Vector3d& t) {
     const auto isBeyond = [&](const Vector3d& a, const Vector3d& b) {
@@ -221,7 +221,7 @@ class Clipper {
   // ----------------------------------------------------------------------------------------------
   // polygons that cross themselves
 
-  /// Clips one corner, though its triangle is not an ear.
+  /// Clips one corner although its triangle is not an ear.
   void clipTheLeastWrong() {
     std::int32_t best = first(), node = best;
     double least = kInfinity;
@@ -231,12 +231,12 @@ class Clipper {
       least = wrong;
       best = node;
     }
-    if (--searches_left_ == 0) least = kInfinity;  // no more is known
+    if (--searches_left_ == 0) least = kInfinity;  // the search limit is reached
     cut_.crossing = std::max(cut_.crossing, least);
     clip(best);
   }
 
-  /// How far other edges go into a corner's triangle, or how far one that counts -1 reaches.
+  /// How far other edges enter a corner's triangle, or how far a triangle that counts -1 reaches.
   double wrongness(std::int32_t b) const {
     const std::int32_t a = nodes_[at(b)].previous, c = nodes_[at(b)].next;
     const Vector3d &p = point(a), &q = point(b), &r = point(c);
@@ -261,7 +261,7 @@ class Clipper {
     return longest > 0 ? std::abs(cross(q - p, r - p)) / longest : 0;
   }
 
-  /// By how much a segment would have to be moved to leave a triangle that it meets.
+  /// The distance by which a segment would have to move to leave a triangle that it intersects.
   static double overlap(const Vector3d& p, const Vector3d& q, const Vector3d& r, const Vector3d& s,
                         const Vector3d& t) {
     const auto beyond = [&](const Vector3d& a, const Vector3d& b) {
@@ -281,8 +281,8 @@ class Clipper {
   std::vector<Node> nodes_;
   std::size_t left_;
   std::deque<std::pair<std::int32_t, std::int32_t>> queue_;
-  double rounding_ = 0;  // crossings by less are none that matter
-  // Each looks at all corners, and at all edges for them: some seconds in all.
+  double rounding_ = 0;  // smaller crossings are ignored
+  // Each search tests all corners, and all edges for each of them; a few seconds in total.
   int searches_left_;
   CutPolygon cut_;
 };
@@ -330,7 +330,7 @@ CutPolygon cutPolygon(std::span<const Vector3d> corners) {
     points.emplace_back(flushed(corner[i]), flushed(corner[j]), 0);
   cut = Clipper(corners, points, ring).run();
   if (cut.crossing == 0) return cut;
-  // The turn of a polygon of hardly any area may be the other one.
+  // The orientation of a polygon with almost no area may be reversed.
   for (Vector3d& point : points) std::swap(point.x(), point.y());
   CutPolygon other = Clipper(corners, std::move(points), ring).run();
   return other.crossing < cut.crossing ? other : cut;

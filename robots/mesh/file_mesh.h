@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to robots/: what a mesh file holds, before its polygons are cut.
+// Private to robots/: the contents of a mesh file, before its polygons are triangulated.
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -14,16 +14,16 @@
 
 namespace leeway::robots {
 
-/// A line of a text file, or a byte of a binary one.
+/// A place in a file: a line of a text file, or a byte of a binary file.
 class FilePlace {
  public:
-  constexpr FilePlace() = default;  ///< the file as a whole
+  constexpr FilePlace() = default;  ///< the whole file
   /// Lines count from 1.
   static constexpr FilePlace line(std::int64_t number) { return FilePlace(number); }
   static constexpr FilePlace byte(std::size_t offset) {
     return FilePlace(-1 - static_cast<std::int64_t>(offset));
   }
-  /// ":12", ", byte 84", or nothing.
+  /// ":12", ", byte 84", or an empty string.
   std::string text() const;
 
   std::int64_t code() const { return code_; }  ///< for files
@@ -34,7 +34,7 @@ class FilePlace {
   std::int64_t code_ = 0;
 };
 
-/// Vertices exactly as the file has them, and polygons of them, in the file's order.
+/// Vertices exactly as in the file, and polygons over them, in the file's order.
 class FileMesh {
  public:
   struct Face {
@@ -45,7 +45,7 @@ class FileMesh {
   std::pmr::vector<Eigen::Vector3d> vertices{collision::largeArrays()};
   std::pmr::vector<std::int32_t> corners{collision::largeArrays()};  ///< vertices, from 0
   std::pmr::vector<Face> faces{collision::largeArrays()};
-  std::vector<std::int32_t> others;  ///< vertices of lines, points and curves, where they are read
+  std::vector<std::int32_t> others;  ///< vertices of lines, points and curves, if they are read
 
   void addFace(std::span<const std::int32_t> of, FilePlace place) {
     faces.push_back(
@@ -58,13 +58,13 @@ class FileMesh {
   }
 };
 
-/// Something to tell of a file that can be used.
+/// A message about a file that is usable.
 struct MeshNote {
   FilePlace place;
   std::string text;
 };
 
-/// Counts the parts of a file that have no area and are left out.
+/// Counts the parts of a file that have no area and are omitted.
 struct NotSolid {
   std::int64_t lines = 0, points = 0, curves = 0;
   FilePlace first;
@@ -75,7 +75,7 @@ struct NotSolid {
   }
 };
 
-/// A file as a whole: meshes, and where each of them stands, once or several times.
+/// A whole file: meshes, and one or several placements of each.
 struct MeshContents {
   using Placement = Eigen::Matrix<double, 3, 4>;  ///< from a mesh's coordinates to the file's
   struct Instance {

@@ -31,17 +31,17 @@ namespace {
 
 using collision::TriangleMesh;
 
-// Smaller files are read about as fast as a file from the cache [B].
+// Smaller files take about as long to read as a file from the cache [B].
 constexpr std::size_t kLeastKept = 4096;
 
-/// A file's triangles in metres, and what is to be told of them.
+/// A file's triangles in metres, and the messages about them.
 struct Soup {
   std::pmr::vector<Eigen::Vector3d> vertices{collision::largeArrays()};
   std::pmr::vector<TriangleMesh::Triangle> triangles{collision::largeArrays()};
   std::vector<MeshNote> notes;
 };
 
-/// The format of a file: by its ending, as Assimp does; if the ending is unknown, by its beginning.
+/// The format of a file: by its ending, as in Assimp; if the ending is unknown, by its first bytes.
 enum class Format { kStl, kObj, kPly, kDae, kOther };
 
 Format formatOf(const MeshSource& source) {
@@ -86,7 +86,7 @@ void noteWhatIsNotSolid(const NotSolid& left_out, std::vector<MeshNote>& notes) 
   if (!text.empty()) notes.push_back({left_out.first, "left out, as they have no area: " + text});
 }
 
-/// Vertices without a face are the trace of a file that was cut between two lines.
+/// Vertices without a face indicate a file that was truncated between two lines.
 void noteUnusedVertices(const FileMesh& mesh, std::vector<MeshNote>& notes) {
   std::vector<std::uint8_t> is_used(mesh.vertices.size(), 0);
   for (const std::int32_t corner : mesh.corners) is_used[static_cast<std::size_t>(corner)] = 1;
@@ -130,14 +130,14 @@ struct FaceNote {
   }
 };
 
-/// Cuts polygons in the coordinates that the file has, and places the triangles. `turn` is applied
+/// Triangulates polygons in the file's coordinates, and places the triangles. `turn` is applied
 /// last.
 Soup makeSoup(MeshContents contents, const Eigen::Vector3d& scale, const Eigen::Matrix3d& turn,
               const MeshSource& source) {
   Soup soup;
   soup.notes = std::move(contents.notes);
   noteWhatIsNotSolid(contents.not_solid, soup.notes);
-  // (A DAE file that was cut is no XML. Which vertices edges of a PLY file use is not read.)
+  // (A truncated DAE file is not valid XML. The vertices of a PLY file's edges are not read.)
   const NotSolid& others = contents.not_solid;
   const Format format = formatOf(source);
   if (format == Format::kObj ||
@@ -186,7 +186,7 @@ Soup makeSoup(MeshContents contents, const Eigen::Vector3d& scale, const Eigen::
   return soup;
 }
 
-/// (glTF is in single precision by its definition.)
+/// (glTF is in single precision by definition.)
 void noteRounding(Soup& soup) {
   double largest = 0;
   for (const Eigen::Vector3d& v : soup.vertices)
@@ -209,10 +209,10 @@ Soup readSoup(const MeshSource& source, const Eigen::Vector3d& scale, bool& read
 // ------------------------------------------------------------------------------------------------
 // the cache
 
-/// The key of a mesh that depends on no file but this one.
+/// The key of a mesh that depends only on this file.
 std::string keyOf(const MeshSource& source, const Eigen::Vector3d& scale) {
   ContentKey key("mesh");
-  // Readers are chosen by what follows a dot, be it the first or the last.
+  // Readers are chosen by the text after a dot, which may be the first or the last one.
   const std::string name = std::filesystem::path(source.path()).filename().string();
   key.add(std::string_view(name).substr(std::min(name.find('.'), name.size())));
   for (const double factor : scale) key.add(factor);
@@ -220,7 +220,7 @@ std::string keyOf(const MeshSource& source, const Eigen::Vector3d& scale) {
   return key.finish();
 }
 
-/// The content of a file in the cache: the mesh's bytes, the notes, and their number of bytes.
+/// The content of a file in the cache: the mesh's bytes, the notes, and the notes' number of bytes.
 std::vector<std::byte> withNotes(std::vector<std::byte> mesh, const std::vector<MeshNote>& notes) {
   collision::ByteWriter to;
   for (const MeshNote& note : notes) {
@@ -349,7 +349,7 @@ ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
           collision::makeMeshAndBytes(soup.vertices, soup.triangles, {}, checkpoint);
       cache.write(key, withNotes(std::move(made.bytes), soup.notes));
       return result(std::move(made.mesh));
-    } catch (const std::bad_alloc&) {  // keeping takes more memory than the mesh itself
+    } catch (const std::bad_alloc&) {  // storing takes more memory than the mesh itself
       return alone();
     }
   } catch (const collision::InvalidShape& invalid) {

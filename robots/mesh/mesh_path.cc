@@ -27,7 +27,7 @@ std::string trimmed(std::string text) {
   return text;
 }
 
-/// RFC 3986: %20 is a space.
+/// Decodes RFC 3986 escapes: %20 is a space.
 std::string percentDecoded(const std::string& text) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -44,7 +44,7 @@ std::string percentDecoded(const std::string& text) {
   return decoded;
 }
 
-/// The texts that a file's name may be meant as: as written, then without %20 and its like.
+/// The possible spellings of a file's name: as written, then with decoded escapes such as %20.
 std::vector<std::string> spellings(const std::string& text) {
   std::vector<std::string> all = {text};
   if (std::string decoded = percentDecoded(trimmed(text)); decoded != text)
@@ -52,7 +52,7 @@ std::vector<std::string> spellings(const std::string& text) {
   return all;
 }
 
-/// Whether the folder has a package.xml that says that the package's name is `name`.
+/// Whether the folder has a package.xml with the package name `name`.
 bool isPackage(const path& folder, const std::string& name) {
   std::error_code error;
   const path file = folder / "package.xml";
@@ -64,18 +64,18 @@ bool isPackage(const path& folder, const std::string& name) {
   return element != nullptr && element->GetText() != nullptr && trimmed(element->GetText()) == name;
 }
 
-/// Looks for a file in folders of one package, in the order in which they are added.
+/// Searches a file in folders of one package, in the order in which they are added.
 class PackageSearch {
  public:
   PackageSearch(std::string name, const std::string& rest)
       : name_(std::move(name)), rests_(spellings(rest)) {}
 
-  /// A folder of the package, if there is one.
+  /// Tests a folder of the package, if it exists.
   void look(const path& folder) {
     std::error_code error;
     if (std::filesystem::is_directory(folder, error)) lookAt(folder);
   }
-  /// A folder of the package.
+  /// Tests a folder of the package.
   void lookAt(const path& folder) {
     std::error_code error;
     if (found_) return;
@@ -89,17 +89,17 @@ class PackageSearch {
       return;
     }
   }
-  /// A folder that may be the package, or hold it.
+  /// Tests a folder that may be the package, or contain it.
   void lookIn(const path& folder) {
     if (found_) return;
     look(folder / name_);
     if (folder.filename() == name_ || isPackage(folder, name_)) look(folder);
   }
-  /// A folder that may hold the package under another name.
+  /// Tests a folder that may contain the package under another name.
   void lookAmongChildren(const path& folder) {
     if (found_) return;
     std::error_code error;
-    std::vector<path> packages;  // in the order of their names: that of the disk is any
+    std::vector<path> packages;  // sorted by name, because the order on disk is arbitrary
     for (std::filesystem::directory_iterator child(folder, error), end; !error && child != end;
          child.increment(error))
       if (isPackage(child->path(), name_)) packages.push_back(child->path());
@@ -108,7 +108,7 @@ class PackageSearch {
   }
 
   const std::optional<std::string>& found() const { return found_; }
-  /// Folders of the package, which lack the file.
+  /// Folders of the package in which the file is missing.
   const std::vector<path>& folders() const { return folders_; }
 
  private:
@@ -118,7 +118,7 @@ class PackageSearch {
   std::optional<std::string> found_;
 };
 
-/// The entries of an environment variable that lists folders.
+/// The entries of an environment variable with a list of folders.
 std::vector<path> listedFolders(const char* variable) {
   std::vector<path> folders;
   const char* list = std::getenv(variable);
@@ -151,7 +151,7 @@ PackageSearch searchPackage(const std::string& name, const std::string& rest,
   return search;
 }
 
-/// The part of `uri` behind any of these beginnings.
+/// The part of `uri` after one of these prefixes.
 std::optional<std::string> behind(const std::string& uri,
                                   std::initializer_list<std::string_view> beginnings) {
   for (const std::string_view beginning : beginnings)
@@ -169,7 +169,7 @@ std::string resolveMesh(const std::string& uri, const std::string& urdf_path, in
   std::error_code error;
   const path urdf_folder = std::filesystem::absolute(path(urdf_path), error).parent_path();
   if (const auto in_package = behind(uri, {"package://", "model://"})) {
-    // Empty parts of a path mean nothing: NAME//PATH is NAME/PATH.
+    // Empty parts of a path are ignored: NAME//PATH is NAME/PATH.
     const std::size_t begin = std::min(in_package->find_first_not_of('/'), in_package->size());
     const std::size_t slash = std::min(in_package->find('/', begin), in_package->size());
     const std::size_t rest =

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to robots/: a mesh file in memory, and how readers complain about it.
+// Private to robots/: a mesh file in memory, and how readers report errors in it.
 
 #include <cstddef>
 #include <span>
@@ -13,11 +13,11 @@
 
 namespace leeway::robots {
 
-/// A mesh file, read in one go, and the line of another file that names it.
+/// A mesh file, read as a whole, and the line of another file that names it.
 class MeshSource {
  public:
   /// Throws InputError for a path that is not a file or cannot be read, and for a file that clearly
-  /// is something else: a Git LFS pointer, a web page. `stop` must outlive this.
+  /// has other content: a Git LFS pointer, a web page. `stop` must outlive this object.
   MeshSource(std::string path, std::string referrer, int referrer_line, const Stop& stop);
 
   const std::string& path() const { return path_; }
@@ -33,7 +33,7 @@ class MeshSource {
   /// The note as a warning, in the same form.
   std::string warning(const MeshNote& note) const;
 
-  /// Throws Stopped where that was asked for. Readers call it every kLinesBetweenStops lines.
+  /// Throws Stopped if a stop was requested. Readers call it every kLinesBetweenStops lines.
   void pause() const;
   static constexpr std::size_t kLinesBetweenStops = std::size_t{1} << 16;
 
@@ -46,7 +46,7 @@ class MeshSource {
   collision::LargeBuffer contents_;
 };
 
-/// "'WORD'", cut where it is long or binary.
+/// "'WORD'", truncated if it is long or binary.
 std::string shown(std::string_view word);
 
 }  // namespace leeway::robots

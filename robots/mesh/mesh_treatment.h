@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the layers above collision/: what a loaded mesh is taken for.
+// Private to the layers above collision/: how a loaded mesh is interpreted.
 
 #include <cstddef>
 #include <initializer_list>
@@ -15,23 +15,23 @@
 
 namespace leeway::robots {
 
-/// The entry of LoadOptions::meshes under the first of `names` that has one (what owns the mesh,
-/// then the path of its file as it is written), marked as found; null without one.
+/// The entry of LoadOptions::meshes under the first of `names` that has one (the owner of the mesh,
+/// then the path of its file as written), marked as found; null if there is none.
 const MeshTreatment* treatmentOf(const LoadOptions& options,
                                  std::initializer_list<std::string_view> names);
 
-/// Returns a mesh as treatmentOf() has it, built again; without an entry, and for other shapes,
-/// `shape`. Throws collision::InvalidShape.
+/// Returns a mesh rebuilt as treatmentOf() specifies; `shape` if there is no entry, and for other
+/// shapes. Throws collision::InvalidShape.
 collision::Shape treatedMesh(const collision::Shape& shape,
                              std::initializer_list<std::string_view> names,
                              const LoadOptions& options);
 
-/// The meshes that were likely meant as solids and are not closed, by their owners.
+/// The meshes that were probably meant as solids but are not closed, by their owners.
 class OpenMeshes {
  public:
-  /// Counts the open edges of those of the geometries that are meshes, deforming ones included.
+  /// Counts the open edges of all meshes among the geometries, including deforming ones.
   void add(std::string_view owner, std::span<const collision::Geometry> geometries);
-  /// One sentence about all of them, which says which key decides; empty without any.
+  /// One sentence about all of them, which names the key that decides; empty if there are none.
   std::string text() const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the layers above collision/: numbers in binary files whose type the file itself names.
+// Private to the layers above collision/: numbers in binary files whose types the file specifies.
 
 #include <bit>
 #include <cstddef>
@@ -15,7 +15,7 @@ struct NumberType {
   std::size_t size = 4;  ///< 1, 2, 4 or 8 bytes; a float has 4 or 8
 };
 
-/// Returns the type of a name in PLY files, "uchar" or "float32"; nothing for other words.
+/// Returns the type for a name in PLY files, "uchar" or "float32"; nullopt for other words.
 std::optional<NumberType> plyType(std::string_view word);
 
 /// Reads type.size bytes. Whole numbers beyond 2^53 are rounded.

@@ -1,4 +1,4 @@
-// Formats without a reader of our own. Assimp's importers round to single precision.
+// Reads formats without a reader in this library. Assimp's importers round to single precision.
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/MemoryIOWrapper.h>
@@ -20,8 +20,8 @@
 namespace leeway::robots {
 namespace {
 
-/// Gives importers a file from memory, and other files from the disk, except materials, which have
-/// no shapes. Sets `reads_others` when other files are read.
+/// Provides importers with a file from memory, and with other files from disk, except materials,
+/// which have no shapes. Sets `reads_others` if other files are read.
 class Files final : public Assimp::IOSystem {
  public:
   Files(const MeshSource& source, bool& reads_others)
@@ -51,8 +51,8 @@ class Files final : public Assimp::IOSystem {
   Assimp::DefaultIOSystem disk_;
 };
 
-/// Ends an import, whose importer reports now and then how far it is. It takes what is thrown for
-/// trouble with the file: `ended` keeps it.
+/// Ends an import when a stop is requested, because its importer reports progress now and then. The
+/// importer treats an exception as an error in the file, so `ended` stores it.
 class Questions final : public Assimp::ProgressHandler {
  public:
   Questions(const MeshSource& source, std::exception_ptr& ended) : source_(source), ended_(ended) {}

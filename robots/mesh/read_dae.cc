@@ -1,5 +1,5 @@
-// Collada 1.4 and 1.5, as far as geometry goes. Sections are those of "COLLADA - Digital Asset
-// Schema Release 1.4.1", 2008.
+// Reads the geometry of Collada 1.4 and 1.5. Sections are those of "COLLADA - Digital Asset Schema
+// Release 1.4.1", 2008.
 
 #include <tinyxml2.h>
 
@@ -26,11 +26,12 @@ namespace {
 using tinyxml2::XMLElement;
 using Matrix = Eigen::Matrix4d;
 
-// Nodes of a scene, instances counted: more come from instances of instances without end.
+// Limit on the nodes of a scene, including instances: more result from instances of instances
+// without end.
 constexpr int kMostNodes = 1'000'000;
 constexpr std::size_t kDeepest = 1000;
-constexpr int kMostControllers = 100;  // one on top of the other
-constexpr double kFlat = 1e-9;         // volume that a matrix leaves of a cube along its columns
+constexpr int kMostControllers = 100;  // stacked on each other
+constexpr double kFlat = 1e-9;         // volume to which a matrix reduces a cube along its columns
 
 bool isNamed(const XMLElement& element, const char* name) {
   return std::strcmp(element.Name(), name) == 0;
@@ -40,10 +41,10 @@ FilePlace placeOf(const XMLElement& element) { return FilePlace::line(element.Ge
 
 std::string tagOf(const XMLElement& element) { return '<' + std::string(element.Name()) + '>'; }
 
-/// The names that may stand in an element.
+/// The names that may occur in an element.
 struct KnownNames {
   std::vector<std::string> names;
-  std::size_t matter;  // how many of them, from the first, place or scale geometry
+  std::size_t matter;  // number of names, from the first, that place or scale geometry
 };
 const KnownNames kInNode = {
     {"lookat", "matrix", "rotate", "scale", "skew", "translate", "node", "instance_geometry",
@@ -63,7 +64,7 @@ void eachChild(const XMLElement& parent, const Visit& visit) {
     visit(*child);
 }
 
-/// Calls visit(word, place) for each word in an element's text, comments left out.
+/// Calls visit(word, place) for each word in an element's text, without comments.
 template <class Visit>
 void eachWord(const XMLElement& element, const Visit& visit) {
   for (const tinyxml2::XMLNode* node = element.FirstChild(); node != nullptr;
@@ -75,7 +76,7 @@ void eachWord(const XMLElement& element, const Visit& visit) {
   }
 }
 
-/// Parses the whole document. Text in UTF-16 is refused.
+/// Parses the whole document. Rejects text in UTF-16.
 void parse(const MeshSource& source, tinyxml2::XMLDocument& document) {
   const std::string_view text = source.text();
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
@@ -120,7 +121,7 @@ class DaeReader {
     source_.failAt(placeOf(at), message);
   }
 
-  /// Refuses children whose misspelt names matter, and counts others that are not known.
+  /// Rejects children with misspelt names that matter, and counts other unknown ones.
   void checkChildren(const XMLElement& parent, const KnownNames& known) {
     eachChild(parent, [&](const XMLElement& child) {
       if (std::find(known.names.begin(), known.names.end(), child.Name()) != known.names.end())
@@ -139,7 +140,7 @@ class DaeReader {
   // ----------------------------------------------------------------------------------------------
   // references
 
-  /// Elements by kind and id; of two with one id the first.
+  /// Indexes elements by kind and id; the first of two with the same id counts.
   void index(const XMLElement& element) {
     if (const char* id = element.Attribute("id"))
       by_id_.try_emplace(std::string(element.Name()) + '#' + id, &element);
@@ -157,7 +158,7 @@ class DaeReader {
     return text + 1;
   }
 
-  /// The element of that kind that `element` refers to: one below `near`, or any.
+  /// The element of this kind that `element` refers to: one below `near`, or any.
   const XMLElement& referred(const XMLElement& element, const char* attribute, const char* kind,
                              const XMLElement* near = nullptr) const {
     const std::string id = reference(element, attribute);
@@ -192,7 +193,7 @@ class DaeReader {
     return wholeNumber(element, words.next(), placeOf(element));
   }
 
-  /// A finite number. Some exporters write a decimal comma, as their machine has it.
+  /// A finite number. Some exporters write a decimal comma, in the locale of their machine.
   double number(std::string_view word, FilePlace place) const {
     const std::optional<double> value = parseNumber(word);
     if (value && std::abs(*value) <= kGreatestCoordinate) return *value;
@@ -219,7 +220,7 @@ class DaeReader {
     return values;
   }
 
-  /// In metres, of <asset>.
+  /// The unit in <asset>, in metres.
   double unitOf(const XMLElement& root) {
     const XMLElement* asset = root.FirstChildElement("asset");
     if (asset == nullptr) return 1;
@@ -266,7 +267,7 @@ class DaeReader {
     return referred(*instance, "url", "visual_scene");
   }
 
-  /// Instances of a node, then its nodes, then nodes that it refers to.
+  /// Visits instances of a node, then its child nodes, then the nodes that it refers to.
   void visitChildren(const XMLElement& node, const Matrix& X) {
     if (++nodes_ > kMostNodes)
       fail(node, "more than 1000000 nodes, instances counted; fewer would be accepted");
@@ -300,7 +301,7 @@ class DaeReader {
     path_.pop_back();
   }
 
-  /// By its id; some exporters write its name.
+  /// The instanced node, by its id; some exporters write its name.
   const XMLElement& instanced(const XMLElement& instance) const {
     const std::string id = reference(instance, "url");
     if (by_id_.count("node#" + id) == 0)
@@ -317,7 +318,7 @@ class DaeReader {
     return found;
   }
 
-  /// The geometry below skins and morphs, as it is without them.
+  /// The geometry below skins and morphs, in its undeformed state.
   const XMLElement& controlled(const XMLElement& instance) {
     const XMLElement* controller = &referred(instance, "url", "controller");
     for (int i = 0; i < kMostControllers; ++i) {
@@ -358,7 +359,7 @@ class DaeReader {
   void transform(const XMLElement& element, Matrix& X) {
     if (isNamed(element, "matrix")) {
       const std::vector<double> m = numbers(element, 16);
-      // (The last row of what exporters multiply in single precision.)
+      // (The last row may be inexact, because exporters multiply in single precision.)
       if ((Eigen::RowVector4d(m[12], m[13], m[14], m[15]) - Eigen::RowVector4d::Unit(3))
               .cwiseAbs()
               .maxCoeff() > 1e-5)
@@ -392,7 +393,7 @@ class DaeReader {
     }
   }
 
-  /// Whether a map takes all points to one plane, within the rounding of exporters.
+  /// Whether a map sends all points to one plane, within the rounding of exporters.
   static bool isFlat(const Eigen::Matrix3d& map) {
     Eigen::Matrix3d unit = map;
     for (int i = 0; i < 3; ++i) {
@@ -417,7 +418,7 @@ class DaeReader {
     return v / length;
   }
 
-  /// Degrees; exact for right angles.
+  /// Argument in degrees; exact for right angles.
   static void sineCosine(double degrees, double& sine, double& cosine) {
     const double right_angles = std::round(degrees / 90);
     double s, c;
@@ -441,7 +442,7 @@ class DaeReader {
     return cosine * Eigen::Matrix3d::Identity() + sine * cross + (1 - cosine) * u * u.transpose();
   }
 
-  /// RenderMan's RiSkew: an angle, an axis to be turned by it, and the axis towards which.
+  /// RenderMan's RiSkew: an angle, an axis to turn by the angle, and the axis to turn it towards.
   Eigen::Matrix3d skew(const XMLElement& element, const std::vector<double>& v) const {
     const Eigen::Vector3d turned(v[1], v[2], v[3]);
     const Eigen::Vector3d along = direction(element, {v[4], v[5], v[6]});
@@ -494,7 +495,7 @@ class DaeReader {
     });
   }
 
-  /// The source of the vertices' positions.
+  /// Reads the source of the vertices' positions.
   void readVertices(const XMLElement& body, const XMLElement& vertices, FileMesh& mesh) {
     const XMLElement* input = vertices.FirstChildElement("input");
     while (input != nullptr && input->Attribute("semantic", "POSITION") == nullptr)
@@ -538,7 +539,7 @@ class DaeReader {
     }
   }
 
-  /// The vertices' numbers in <p>, which holds them among numbers of normals and others.
+  /// The position of the vertices' numbers in <p>, which also has numbers of normals and others.
   struct Inputs {
     std::size_t stride = 1, offset = 0;
   };
@@ -564,7 +565,7 @@ class DaeReader {
     return inputs;
   }
 
-  /// Appends the corners in <p>, and returns how many.
+  /// Appends the corners in <p>, and returns their number.
   std::size_t readCorners(const XMLElement& p, const Inputs& inputs, FileMesh& mesh) {
     std::size_t place = 0, total = 0;
     const std::size_t before = mesh.corners.size();
@@ -622,7 +623,7 @@ class DaeReader {
     }
   }
 
-  /// All faces in one <p>.
+  /// Reads all faces in one <p>.
   void readList(const XMLElement& faces, const XMLElement& p, const Inputs& inputs,
                 FileMesh& mesh) {
     const std::size_t begin = mesh.corners.size();
@@ -656,7 +657,7 @@ class DaeReader {
     if (count != said) failCount(faces, count, " polygons", said);
   }
 
-  /// A polygon of corners that are there already.
+  /// Adds a polygon over corners that were already added.
   void addFace(std::size_t begin, std::size_t end, FilePlace place, FileMesh& mesh) {
     NotSolid& left_out = contents_.not_solid;
     if (end - begin == 1) left_out.count(left_out.points, place);
@@ -666,13 +667,13 @@ class DaeReader {
         {static_cast<std::int32_t>(begin), static_cast<std::int32_t>(end - begin), place});
   }
 
-  /// The corners from `begin` on become triangles of a strip or fan.
+  /// Replaces the corners from `begin` on by triangles of a strip or fan.
   void addTriangles(std::size_t begin, bool is_strip, FilePlace place, FileMesh& mesh) {
     const std::vector<std::int32_t> given(mesh.corners.begin() + static_cast<std::ptrdiff_t>(begin),
                                           mesh.corners.end());
     mesh.corners.resize(begin);
     for (std::size_t i = 2; i < given.size(); ++i) {
-      // Every second triangle of a strip is turned back.
+      // Every second triangle of a strip is reversed.
       const std::size_t a = !is_strip ? 0 : i % 2 == 0 ? i - 2 : i - 1;
       const std::size_t b = !is_strip || i % 2 == 0 ? i - 1 : i - 2;
       requireCountable(source_, mesh.corners.size() + 3, place);
@@ -687,7 +688,7 @@ class DaeReader {
   std::vector<const XMLElement*> path_;
   int nodes_ = 0;
   std::unordered_set<const XMLElement*> checked_;  // nodes
-  const XMLElement* flattened_ = nullptr;          // the last that takes all to a plane
+  const XMLElement* flattened_ = nullptr;          // the last one that sends all points to a plane
   std::int64_t unknown_ = 0;
   std::pair<FilePlace, std::string> first_unknown_;
   bool has_controllers_ = false;

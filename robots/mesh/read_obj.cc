@@ -38,8 +38,9 @@ class ObjReader {
   }
 
  private:
-  /// A line without its comment; where it is a vertex or a face and ends with a backslash, with the
-  /// lines that continue it. (Comments, names and paths may end with one by chance.)
+  /// Reads a line without its comment. If it is a vertex or a face and ends with a backslash, the
+  /// lines that continue it are included. (Comments, names and paths may end with a backslash by
+  /// chance.)
   bool nextStatement() {
     if (at_ >= text_.size()) return false;
     if (++statements_ % MeshSource::kLinesBetweenStops == 0) source_.pause();
@@ -88,7 +89,7 @@ class ObjReader {
     if (!word.empty() && !isKnown(word) && unknown_++ == 0) first_unknown_ = {place(), shown(word)};
   }
 
-  /// The statements of the format that say nothing of polygons.
+  /// Statements of the format that do not describe polygons.
   static bool isKnown(std::string_view word) {
     static constexpr std::string_view kKnown[] = {
         "l",      "p",     "curv",   "curv2",    "vt",       "vn",         "vp",
@@ -120,7 +121,7 @@ class ObjReader {
                                   " numbers; v X Y Z, with W or colours behind it, would be "
                                   "accepted");
     if (more != 1 || weight == 1) return;
-    v /= weight;  // as Assimp does
+    v /= weight;  // the same as in Assimp
     if (!(v.cwiseAbs().maxCoeff() <= kGreatestCoordinate))
       source_.failAt(
           place(), "a vertex whose weight is " + std::to_string(weight) + "; 1 would be accepted");
@@ -139,7 +140,7 @@ class ObjReader {
     mesh_.faces.push_back({first, count, place()});
   }
 
-  /// The vertices that a statement without faces uses. (curv begins with its range.)
+  /// Reads the vertices that a statement without faces uses. (curv begins with its range.)
   void readOthers(Words& words) {
     const auto so_far = static_cast<std::int32_t>(mesh_.vertices.size());
     for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
@@ -149,7 +150,8 @@ class ObjReader {
     }
   }
 
-  /// Negative numbers count back from the last vertex so far; others may name one that follows.
+  /// Negative numbers count back from the last vertex so far; positive numbers may refer to a later
+  /// vertex.
   std::int32_t corner(std::string_view word) const {
     std::int32_t number = 0;
     const char* const end = word.data() + word.size();

@@ -23,7 +23,7 @@ struct Element {
   FilePlace place;
   std::vector<Property> properties;
 
-  /// The first property of one of the names, -1 without one.
+  /// The first property with one of the names; -1 if there is none.
   int find(std::initializer_list<std::string_view> names) const {
     for (std::size_t i = 0; i < properties.size(); ++i)
       for (const std::string_view wanted : names)
@@ -32,10 +32,11 @@ struct Element {
   }
 };
 
-/// The numbers of the elements, in their order. In text each element has a line of its own.
+/// The numbers of the elements, in their order. In text files, each element has its own line.
 class Body {
  public:
-  /// `text` begins after the header; `line` is that of its first byte. Without an order it is text.
+  /// `text` begins after the header; `line` is that of its first byte. Without an order, it is a
+  /// text file.
   Body(const MeshSource& source, std::string_view text, std::int64_t line,
        std::optional<std::endian> order)
       : source_(source),
@@ -73,7 +74,7 @@ class Body {
     if (!word_.empty()) fail("the end of the line, after the last property,");
   }
 
-  /// After the last element.
+  /// Call this after the last element.
   void finish() const {
     Words rest(rest_, line_ + 1);
     const std::string_view next = rest.next();
@@ -85,7 +86,7 @@ class Body {
             "be accepted");
   }
 
-  /// The last number is not what is expected.
+  /// Reports that the last number is not as expected.
   [[noreturn]] void fail(const std::string& accepted) const {
     source_.failAt(place(), (order_          ? "the number here cannot be used"
                              : word_.empty() ? "the line ends too early"
@@ -94,7 +95,7 @@ class Body {
   }
   /// The place of the last number.
   FilePlace place() const { return order_ ? byteOf(last_) : FilePlace::line(line_); }
-  /// No more elements can follow: each has a byte.
+  /// Upper bound on the number of elements that follow, because each has at least a byte.
   std::size_t left() const { return rest_.size(); }
 
  private:
@@ -172,7 +173,8 @@ class PlyReader {
   Words nextLine() {
     if (at_ >= text_.size())
       source_.failAt(place(), "the file ends within its header; end_header would be accepted");
-    // A lone carriage return ends a line, too: what follows may be binary, and begin with any byte.
+    // A lone carriage return also ends a line, because the following data may be binary and begin
+    // with any byte.
     const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
     const std::string_view line = text_.substr(at_, end - at_);
     at_ = end + 1;
@@ -263,7 +265,7 @@ class PlyReader {
     return static_cast<std::size_t>(count);
   }
 
-  /// The properties from `begin` to before `end`.
+  /// Skips the properties from `begin` to before `end`.
   void skip(const Element& element, std::size_t begin, std::size_t end, Body& body) const {
     for (std::size_t k = begin; k < end; ++k) {
       const Property& property = element.properties[k];
@@ -322,7 +324,7 @@ class PlyReader {
     });
   }
 
-  /// -1 ends a strip.
+  /// Returns a corner; -1 ends a strip.
   std::int32_t readCorner(const Element& element, const Property& indices, Body& body) const {
     const double index = body.number(indices.type);
     const double least = element.name == "face" ? 0 : -1;
@@ -339,7 +341,7 @@ class PlyReader {
     mesh_.addFace(corners, place);
   }
 
-  /// Every second triangle of a strip is turned back.
+  /// Adds strips of triangles; every second triangle of a strip is reversed.
   void addStrips(const std::vector<std::int32_t>& corners, FilePlace place) {
     std::size_t begin = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -14,8 +14,8 @@ bool isWord(std::string_view word, std::string_view lower_case) {
       [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
 }
 
-/// Text begins with `solid`, as the header of a binary file may. That has a byte of value 0 soon
-/// after, in its header's padding, its count or a normal.
+/// Whether the file is text. Text begins with `solid`, but so may the header of a binary file. A
+/// binary file has a byte of value 0 soon after, in its header's padding, its count or a normal.
 bool isText(const MeshSource& source) {
   constexpr std::size_t kLooked = 1024;
   Words words(source.text().substr(0, kLooked));
@@ -50,15 +50,15 @@ class TextStl {
   void expect(std::string_view lower_case) {
     if (!isWord(next(), lower_case)) fail(std::string(lower_case));
   }
-  /// The last word is `endKIND`, or `end` and the next one KIND.
+  /// Expects that the last word is `endKIND`, or `end` followed by KIND.
   void expectEnd(const std::string& kind, const std::string& accepted) {
     if (isWord(word_, "end" + kind)) return;
     if (!isWord(word_, "end")) fail(accepted);
     expect(kind);
   }
 
-  /// From behind `facet` to `endfacet`. What stands for the normal is not read: it may be anything,
-  /// nan above all.
+  /// Reads from after `facet` to `endfacet`. The text for the normal is ignored, because it may be
+  /// anything, most often nan.
   void readFacet() {
     if (++facets_ % MeshSource::kLinesBetweenStops == 0) source_.pause();
     const FilePlace place = words_.place();
@@ -99,8 +99,8 @@ bool isPrintable(std::byte byte) {
   return isBlank(c) || (c >= ' ' && c <= '~');
 }
 
-/// Whether the 50 bytes that follow the last declared triangle are one, as far as can be seen: then
-/// the count is wrong. (What else follows is other programs' data.)
+/// Whether the 50 bytes after the last declared triangle are a triangle, as far as can be
+/// determined; if so, the count is wrong. (Other data there belongs to other programs.)
 bool isTriangleOf(const FileMesh& mesh, const std::byte* bytes) {
   double largest = 0;
   for (const Eigen::Vector3d& v : mesh.vertices)
@@ -171,7 +171,7 @@ MeshContents readStl(const MeshSource& source) {
   MeshContents contents;
   const bool is_text = isText(source);
   const std::size_t size = source.bytes().size();
-  // The header of a binary file may begin with "solid", too.
+  // The header of a binary file may also begin with "solid".
   const bool fits =
       size >= kHeader &&
       size ==

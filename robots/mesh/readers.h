@@ -1,18 +1,19 @@
 #pragma once
 
-// Private to robots/: readers of mesh files. Each returns all that a file holds, with coordinates
-// exactly as they are written (decimal numbers correctly rounded, single precision widened), or
-// throws InputError with the file's line or byte: nothing is half-read. Linear in the file's size.
+// Private to robots/: readers of mesh files. Each returns the complete contents of a file, with
+// coordinates exactly as they are written (decimal numbers correctly rounded, single precision
+// widened). On an error it throws InputError with the file's line or byte, and returns no partial
+// contents. Linear in the file's size.
 
 #include "robots/mesh/file_mesh.h"
 #include "robots/mesh/mesh_source.h"
 
 namespace leeway::robots {
 
-/// Stereolithography, as text or binary. Facets of more than three corners are polygons.
+/// Stereolithography, as text or binary. Facets with more than three corners are polygons.
 MeshContents readStl(const MeshSource& source);
 
-/// Wavefront OBJ: `v` and `f`. Lines, points and curves are counted, other statements are left out.
+/// Wavefront OBJ: `v` and `f`. Lines, points and curves are counted; other statements are ignored.
 MeshContents readObj(const MeshSource& source);
 
 /// Polygon file format, as text or binary: vertices, faces and strips of triangles.
@@ -25,11 +26,11 @@ MeshContents readDae(const MeshSource& source);
 /// The rotation by which Assimp turns a Collada file's up axis to y. Identity for other files.
 Eigen::Matrix3d upAxisToY(const MeshSource& source);
 
-/// Any other format, by Assimp, in single precision. `reads_others`: whether other files than this
+/// Any other format, by Assimp, in single precision. `reads_others`: whether files other than this
 /// one were read.
 MeshContents readByAssimp(const MeshSource& source, bool& reads_others);
 
-/// The mean of the vertices that Assimp keeps apart by their normals, with the up axis turned to y
+/// The mean of the vertices that Assimp separates by their normals, with the up axis turned to y
 /// [m].
 Eigen::Vector3d meanOfAssimpsVertices(const MeshSource& source);
 

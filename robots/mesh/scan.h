@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to the layers above collision/: words, lines and numbers of texts and of binary data.
+// Private to the layers above collision/: words, lines and numbers of text and binary data.
 
 #include <algorithm>
 #include <bit>
@@ -17,18 +17,18 @@
 
 namespace leeway::robots {
 
-/// Magnitudes beyond this are refused where they are read: no shape is as large in any unit, and
-/// the exact predicates have room up to 1e90.
+/// Larger magnitudes are rejected by readers: no shape is that large in any unit, and the exact
+/// predicates have room up to 1e90.
 inline constexpr double kGreatestCoordinate = 1e60;
 
 constexpr bool isBlank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f' || c == '\v';
 }
 
-/// The words of a text, one after the other, and the lines that they stand in.
+/// The words of a text, one after the other, with their lines.
 class Words {
  public:
-  /// Lines end with a line feed; in a text without any, with a carriage return.
+  /// Lines end with a line feed or, in a text without any, with a carriage return.
   explicit Words(std::string_view text, std::int64_t line = 1)
       : at_(text.data()),
         end_(text.data() + text.size()),
@@ -42,7 +42,7 @@ class Words {
     while (at_ != end_ && !isBlank(*at_)) ++at_;
     return {begin, static_cast<std::size_t>(at_ - begin)};
   }
-  /// The rest of the line that has the last word.
+  /// The rest of the line after the last word.
   std::string_view restOfLine() {
     const char* const begin = at_;
     at_ = std::find(at_, end_, line_end_);
@@ -61,7 +61,7 @@ class Words {
   std::int64_t line_;
 };
 
-/// A whole word as a coordinate. Fails unless it is a finite number.
+/// Parses a whole word as a coordinate. Fails unless it is a finite number.
 inline double coordinate(const MeshSource& source, std::string_view word, FilePlace place) {
   const std::optional<double> value = parseNumber(word);
   if (value && std::abs(*value) <= kGreatestCoordinate) return *value;
@@ -77,7 +77,7 @@ inline double coordinate(const MeshSource& source, std::string_view word, FilePl
                                            : " is not finite; a finite number would be accepted"));
 }
 
-/// A number that stands in binary data, little-endian or big-endian.
+/// A number in binary data, little-endian or big-endian.
 template <class T>
 T loadNumber(const std::byte* from, std::endian order = std::endian::little) {
   std::byte bytes[sizeof(T)];
@@ -88,7 +88,7 @@ T loadNumber(const std::byte* from, std::endian order = std::endian::little) {
   return value;
 }
 
-/// Fails unless `count`, of vertices or corners, fits into the 32 bits that number them.
+/// Fails unless `count`, of vertices or corners, fits into their 32-bit numbers.
 inline void requireCountable(const MeshSource& source, std::size_t count, FilePlace place) {
   if (count > std::size_t{0x7FFFFFFF})
     source.failAt(place, "holds more than 2147483647 vertices or corners, the most that is read");

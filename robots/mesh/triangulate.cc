@@ -50,7 +50,7 @@ class Cutter {
     const std::int32_t* const c = &mesh_.corners[at(face.first)];
     for (const auto& [i, j, k] : cut_.triangles)
       result_.triangles.push_back({c[at(i)], c[at(j)], c[at(k)]});
-    // Comparisons are written so that NaN counts.
+    // The comparisons are written so that NaN is counted.
     if (!(cut_.crossing <= tolerance_))
       count(cut_.crossing * Vector3d::UnitX(), face, result_.crossing);
     if (departure_ <= tolerance_) return;
@@ -67,7 +67,8 @@ class Cutter {
     if (departure.squaredNorm() > counted.largest.squaredNorm()) counted.largest = departure;
   }
 
-  /// The polygon's plane, how thick it is, and how thick planar ones may be.
+  /// Computes the polygon's plane, its thickness, and the limit on the thickness of planar
+  /// polygons.
   void measure() {
     const Vector3d normal = polygonNormal(points_);
     const double length = normal.norm();
@@ -85,7 +86,8 @@ class Cutter {
     tolerance_ = kPlanarShare * std::clamp(largest, size, kPlanarOffset * size) + rounding_;
   }
 
-  /// Four corners, each of which turns as the polygon does, by more than rounding.
+  /// Whether the polygon has four corners, each with the polygon's orientation by more than
+  /// rounding.
   bool isConvexQuadrangle() const {
     for (std::size_t i = 0; i < 4; ++i) {
       const Vector3d before = points_[i] - points_[(i + 3) % 4],
@@ -101,9 +103,9 @@ class Cutter {
     return static_cast<std::int32_t>(mesh_.vertices.size() - 1);
   }
 
-  /// The tetrahedron of four corners, whose faces are the triangles of both diagonals. It is made a
-  /// little larger so that it shares no corner with the polygon, and its edges are not those of a
-  /// surface that is closed without it.
+  /// Covers the polygon by the tetrahedron of its four corners, whose faces are the triangles of
+  /// both diagonals. The tetrahedron is made a little larger, so that it shares no corner with the
+  /// polygon and its edges do not belong to a surface that is closed without it.
   void coverByTetrahedron() {
     const Vector3d middle = 0.25 * (points_[0] + points_[1] + points_[2] + points_[3]);
     const double beyond = 1e-3 * departure_ + 4 * rounding_;
@@ -117,8 +119,8 @@ class Cutter {
       result_.triangles.push_back({v[t[0]], v[t[1]], v[t[2]]});
   }
 
-  /// The polygon's triangles on both sides of it, as far from it as it is thick, and walls along
-  /// its edges, except bridges, which it walks twice.
+  /// Covers the polygon by its triangles on both sides, at the distance of its thickness, and by
+  /// walls along its edges, except bridges, which it traverses twice.
   void coverBySlab() {
     const Vector3d offset = ((1 + 1e-9) * departure_ + rounding_) * normal_;
     const auto count = static_cast<std::int32_t>(points_.size());
@@ -146,7 +148,7 @@ class Cutter {
     }
   }
 
-  /// For each corner the first one at the same place.
+  /// For each corner, the first one at the same place.
   std::vector<std::int32_t> placesOf() const {
     std::vector<std::int32_t> order(points_.size()), place(points_.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::int32_t>(i);

@@ -11,7 +11,7 @@
 
 namespace leeway::robots {
 
-/// Faces of which something must be told.
+/// Faces that need a message.
 struct FaceCount {
   std::int64_t count = 0;
   FilePlace first;
@@ -26,16 +26,17 @@ struct CutMesh {
   FaceCount crossing;  ///< crossing themselves
 };
 
-/// How a polygon that is not planar is read: it means any surface between its corners.
+/// How a polygon that is not planar is interpreted, because it may mean any surface between its
+/// corners.
 enum class Bent {
-  kCut,     ///< the triangles that it is cut into
-  kCovered  ///< these, and a closed body that holds all such surfaces: of four corners those of all
-            ///< triangles, of more all within its departure from a plane
+  kCut,     ///< the triangles of its triangulation
+  kCovered  ///< these, and a closed body that contains all such surfaces: for four corners, the
+            ///< surfaces of all triangles; for more, all surfaces within its departure from a plane
 };
 
-/// Cuts all polygons of `mesh` (cutPolygon()), in their order; bodies that cover polygons add
-/// vertices. A polygon that crosses itself is covered with all that it winds about, and perhaps
-/// more. Counted as bent or crossing is what exceeds kPlanarShare.
+/// Triangulates all polygons of `mesh` (cutPolygon()), in their order; bodies that cover polygons
+/// add vertices. A polygon that crosses itself is covered with everything that it winds around, and
+/// perhaps more. Polygons count as bent or crossing if they exceed kPlanarShare.
 CutMesh triangulate(FileMesh& mesh, Bent bent);
 
 }  // namespace leeway::robots

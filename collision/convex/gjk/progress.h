@@ -79,7 +79,7 @@ class Progress {
     if (upper < swept_upper_) swept_upper_ = upper;
   }
 
-  // Written so that a NaN threshold or tolerance decides nothing.
+  // A threshold or tolerance of NaN decides nothing.
 
   bool aboveThreshold() const { return lower_ > query_.request.threshold; }
   bool converged() const {

@@ -95,7 +95,7 @@ inline void offerTriangle(const Vector* const w[4], int i, int j, int k, Candida
     }
     return offerEdge(w, j, i, best);  // lambda_k is below 0 by rounding only
   }
-  // Written so that a degenerate triangle, whose areas are 0 or rounding, tries all its edges.
+  // A degenerate triangle, whose areas are 0 or rounding, tries all its edges.
   if (!(area_j > 0)) offerEdge(w, k, i, best);
   if (!(area_i > 0)) offerEdge(w, k, j, best);
   if (!(area_k > 0)) offerEdge(w, j, i, best);

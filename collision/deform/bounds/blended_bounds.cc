@@ -92,7 +92,7 @@ Interval reachAlongDiagonal(const Probe& probe, int i, double slack) {
     own.lower += n > 0 ? n * low : n * high;
     own.upper += n > 0 ? n * high : n * low;
   }
-  // Written so that a NaN (0 times infinity) has no effect.
+  // A NaN (0 times infinity) has no effect here.
   if (own.lower > reach.lower) reach.lower = own.lower;
   if (own.upper < reach.upper) reach.upper = own.upper;
   return reach;

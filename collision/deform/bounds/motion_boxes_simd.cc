@@ -68,7 +68,7 @@ void move(const WideBox& before, float least, float most, WideBox& way, WideBox&
     auto longest = hn::Zero(kLanes);
     for (int k = 0; k < 3; ++k) {
       auto low = hn::Load(kLanes, way.low[k] + i), high = hn::Load(kLanes, way.high[k] + i);
-      // Written so that a NaN is replaced.
+      // These comparisons replace a NaN.
       low = hn::IfThenElse(hn::Gt(low, lowest), low, lowest);
       high = hn::IfThenElse(hn::Lt(high, highest), high, highest);
       hn::Store(low, kLanes, way.low[k] + i);
@@ -92,7 +92,7 @@ void put(const BoxSum& sum, WideBox& box) {
     for (std::size_t i = 0; i < kWidth; i += hn::Lanes(kDoubles)) {
       auto low = hn::DemoteTo(kSingles, hn::LoadU(kDoubles, sum.low + k * kWidth + i)),
            high = hn::DemoteTo(kSingles, hn::LoadU(kDoubles, sum.high + k * kWidth + i));
-      // Written so that a NaN stays NaN.
+      // A NaN stays NaN here.
       low = hn::IfThenElse(hn::Gt(low, most), most, low);
       high = hn::IfThenElse(hn::Lt(high, hn::Neg(most)), hn::Neg(most), high);
       low = hn::Sub(low, hn::Add(hn::Mul(hn::Abs(low), unit), least));

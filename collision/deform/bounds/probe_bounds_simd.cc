@@ -25,7 +25,7 @@ namespace {
 
 // A bit for each lane at or below the bar; lowers `closed` to the least bound of the other lanes.
 HWY_INLINE unsigned openOf(Floats lower, Floats bar, Floats& closed) {
-  // Written so that a NaN stays open.
+  // A lane with NaN stays open.
   const auto above = hn::Gt(lower, bar);
   closed = hn::Min(closed, hn::IfThenElse(above, lower, closed));
   return ~bitsOf(above) & kStepBits;

@@ -37,7 +37,8 @@ Eigen::Matrix3d matrix(const Vector4d& q) {
   return R;
 }
 
-// Written out, because the order of the sums must not depend on how Eigen is compiled.
+// The product is written out, because the order of the sums must not depend on how Eigen is
+// compiled.
 Pose product(const Pose& a, const Pose& b) {
   Pose c;
   for (int k = 0; k < 3; ++k) {

@@ -367,7 +367,7 @@ class NearestDescent {
     }
     const Many rounding = hn::Add(hn::Mul(size, hn::Set(kMany, kNearestTriangleRounding)),
                                   hn::Set(kMany, search_.slack));
-    // Written so that a way without direction and a NaN prove nothing.
+    // A way without direction and a NaN prove nothing here.
     const Many beyond = hn::Sub(hn::Div(least, length), rounding);
     const auto known =
         hn::And(hn::Gt(beyond, zero),

@@ -46,7 +46,7 @@ void sortByCurve(TreeDraft& draft) {
     std::uint64_t code = 0;
     for (int k = 0; k < 3; ++k) {
       const float f = (draft.box(triangle).middle(k) - from[k]) * scale;
-      // Written so that a NaN becomes 0.
+      // A NaN becomes 0.
       const std::uint64_t cell = f > 0 && f < 0x1p21F ? static_cast<std::uint64_t>(f) : 0;
       code |= spread(cell) << k;
     }

@@ -132,7 +132,7 @@ void Deformable::Impl::findBadVertex(const DeformableSnapshotImpl& s) {
   bad_vertex = -1;
   for (int i = 0; i < state.mesh->vertexCount(); ++i) {
     const Vector3d& v = s.vertices[static_cast<std::size_t>(i)];
-    // Written so that a NaN fails.
+    // A NaN fails these comparisons.
     if (v.cwiseAbs().maxCoeff() <= kLargestSize && v.sum() == v.sum()) continue;
     bad_vertex = i;
     return;

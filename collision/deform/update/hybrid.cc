@@ -119,7 +119,7 @@ double moveBranches(const UpdateState& state, DeformableSnapshotImpl& next,
 // The number of branches to read when the others grow by this much in an update [m].
 std::size_t branchesDue(const UpdateState& state, double growth) {
   const std::size_t all = state.tree->branches().size();
-  // Written so that a NaN reads all.
+  // With a NaN, all branches are read.
   const double share = growth / (kRoundGrowth * state.branch_length);
   if (!(share < kWorthwhileShare)) return all;
   const double due = std::max(share, leastShare(state)) * static_cast<double>(all);

@@ -25,7 +25,7 @@ inline void setBox(DeformableSnapshotImpl& snapshot, const WideBox& root) {
   }
 }
 
-/// Written so that a NaN fails.
+/// Whether the snapshot's box is within the limit; false for NaN.
 inline bool isWithin(const DeformableSnapshotImpl& snapshot, double limit) {
   return (snapshot.low.array() >= -limit).all() && (snapshot.high.array() <= limit).all();
 }

@@ -9,8 +9,8 @@
 //      and bounds in line with its vertices, and the state it keeps, if any, in UpdateState;
 //   3. strategy.cc: a case in follow();
 //   4. automatic.cc, if kAuto is to choose it;
-//   5. tests/collision/deform/deformable_conformance_test.cc: a line in kChoices. The suite then
-//      demands the same answers as brute force.
+// 5. tests/collision/deform/deformable_conformance_test.cc: a line in kChoices. The suite then
+//    checks for the same answers as brute force.
 // Queries see only the snapshot. A strategy that leaves bounds to them sets Demand (snapshot.h).
 
 #include <cstddef>

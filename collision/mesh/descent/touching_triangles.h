@@ -30,8 +30,8 @@ class TouchingTriangles {
   double near() const { return near_; }
 
   /// Pairs whose distance is above this [m] need no further test, if the least known distance is
-  /// `upper` > 0. All touching pairs need one, whatever the tolerance, because they show whether
-  /// the bodies overlap.
+  /// `upper` > 0. All touching pairs need one for any tolerance, because they show whether the
+  /// bodies overlap.
   double bar(double upper, double tolerance) const {
     return upper <= near_ ? near_ : upper - tolerance;
   }

@@ -45,17 +45,17 @@ struct MeshComponents {
   }
 };
 
-/// Finds the solids of a set of triangles, whatever the orientation of their facets, even if facets
-/// are repeated or shared.
+/// Finds the solids of a set of triangles. Facets may have any orientation, and may be repeated or
+/// shared.
 ///
 /// 1. Of triangles with the same three corners, one counts.
 /// 2. Triangles are joined across edges that exactly two of them share. They form patches, whose
-///   triangles have the same orientation. A patch that cannot be oriented (a Moebius strip) is a
-///   surface.
+///    triangles have the same orientation. A patch that cannot be oriented (a Moebius strip) is a
+///    surface.
 /// 3. A combination of patches is closed if their borders cancel along every edge. All such
-///   combinations together are a cycle (cycles.h). Patches of the cycle that border on each other
-///   form one component, which is closed: its inside is where the winding number is not 0. All
-///   other patches are surfaces.
+///    combinations together are a cycle (cycles.h). Patches of the cycle that border on each other
+///    form one component, which is closed: its inside is where the winding number is not 0. All
+///    other patches are surfaces.
 ///
 /// A box is therefore also a solid if it shares an edge or a facet with another one, or has a fin
 /// or a wall. Triangles of a solid are turned outwards; if several solids share patches, each patch

@@ -89,8 +89,7 @@ std::vector<Triangle> crackFillers(std::span<const Vector3d> vertices,
     }
   }
   // 2. Two triangles move an edge to the edge of its representatives, and a fan cuts that edge at
-  //   the
-  //    representatives that lie on it.
+  //    the representatives that lie on it.
   std::vector<std::pair<double, std::int32_t>> on_edge;
   for (const auto& [a, b] : seams) {
     const std::int32_t A = stand_in[at(a)], B = stand_in[at(b)];

@@ -118,7 +118,7 @@ enum class UpdateStatus : unsigned char {
 };
 const char* toString(UpdateStatus status);  ///< a few words for messages
 
-/// What the last update did.
+/// Statistics of the last update.
 struct UpdateStatistics {
   DeformStrategy strategy = DeformStrategy::kRebuild;  ///< what the update did; never kAuto
   /// Why kAuto chose it, or that the first snapshot is refitted, in a few words; otherwise "asked
@@ -206,7 +206,7 @@ class Deformable {
   /// update(vertices) without a copy: the vertices of the next snapshot [m], undefined at first.
   /// Fill all of them, then commit(). Valid until the next commit() or update().
   std::span<Eigen::Vector3d> nextVertices();
-  /// What the caller guarantees about the vertices in nextVertices().
+  /// The caller's guarantees about the vertices in nextVertices().
   enum class Vertices : unsigned char {
     kUnchecked,  ///< nothing: all are checked, by the update itself if it reads all of them
                  ///< (kRefit; kHybrid without `moved`), otherwise in a separate pass

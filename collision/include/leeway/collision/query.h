@@ -18,7 +18,7 @@ struct DistanceRequest {
   /// Stop when lower > threshold ("farther than") or upper <= threshold ("not farther") [m]. NaN:
   /// no threshold.
   double threshold = std::numeric_limits<double>::quiet_NaN();
-  /// False: stop as soon as overlap is proven (upper <= 0), whatever the lower end is by then.
+  /// False: stop as soon as overlap is proven (upper <= 0), with the lower end known by then.
   bool depth = true;
   /// Limit on the steps of GJK and of the penetration search for one pair; doubled for depths of
   /// round shapes. At a limit the interval is wider, but still holds.

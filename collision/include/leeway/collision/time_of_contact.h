@@ -83,8 +83,8 @@ class StraightMotion final : public RigidMotion {
   AxisTurn turn_;
 };
 
-/// A screw: rotation about a line fixed in the world and travel along it, both at constant speed; a
-/// straight line where there is no rotation. At t = 1 the pose is X_WA1 up to rounding.
+/// A screw: rotation about a line fixed in the world and travel along it, both at constant speed.
+/// Without rotation it is a straight line. At t = 1 the pose is X_WA1 up to rounding.
 class ScrewMotion final : public RigidMotion {
  public:
   ScrewMotion(const Pose& X_WA0, const Pose& X_WA1);
