@@ -4,8 +4,8 @@
 
 namespace leeway::collision::testing {
 
-/// How often this thread has called operator new so far: a query that allocates nothing leaves it
-/// as it was.
+/// The number of calls of operator new by this thread so far. A query that allocates nothing leaves
+/// it unchanged.
 std::size_t allocationCount();
 
 }  // namespace leeway::collision::testing

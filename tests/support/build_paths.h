@@ -5,10 +5,11 @@
 
 namespace leeway {
 
-/// The source tree's root. A function in its own file: only that file depends on the checkout's
-/// path, so a compiler cache serves all others.
+/// The source tree's root. The function is in its own file, because only that file depends on the
+/// checkout's path, so that a compiler cache serves all others.
 std::string sourceFolder();
-/// Robots and problems of others, beside the project; LEEWAY_DATA overrides. May be absent.
+/// Third-party robots and problems, next to the project; LEEWAY_DATA overrides the folder. May be
+/// absent.
 std::string dataFolder();
 
 /// This build's leeway command; empty if it is not built.

@@ -124,7 +124,7 @@ class CommandTest : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    // Two builds may be tested at once.
+    // Two builds may be tested at the same time.
     std::string name = std::string("leeway_") + info->test_suite_name() + "_" + info->name() + "_" +
                        std::to_string(::getpid());
     std::replace(name.begin(), name.end(), '/', '_');
@@ -156,15 +156,15 @@ class CommandTest : public ::testing::Test {
   Answer shell(const std::string& line) const {
     const std::string out = path("stdout.txt").string();
     const std::string err = path("stderr.txt").string();
-    // Nothing is kept from one test for another, unless the line itself says where.
+    // Tests do not share a cache, unless the line itself sets one.
     const std::string command = "export LEEWAY_CACHE_DIR=; cd '" + folder_.string() + "' && { " +
                                 line + "; } >'" + out + "' 2>'" + err + "' </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, readText(out), readText(err)};
   }
 
-  /// Expects bad input: status 2, one line on stderr with all of `words`, and on stdout nothing, or
-  /// with --json a document that holds that line.
+  /// Expects bad input: status 2, one line on stderr with all of `words`, and nothing on stdout or,
+  /// with --json, a document that contains that line.
   void expectRefused(const std::string& arguments, const std::vector<std::string>& words) const {
     const Answer answer = run(arguments);
     EXPECT_EQ(answer.status, 2) << arguments << "\n" << answer.out << answer.err;

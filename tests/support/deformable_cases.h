@@ -17,8 +17,8 @@
 
 namespace leeway::collision::testing {
 
-/// Brute force is slow under sanitizers: of six frames they run the even ones, which cover every
-/// kind.
+/// Brute force is slow under sanitizers, so out of six frames they run the even ones, which cover
+/// every kind.
 inline constexpr int kFrameStep = kSanitized ? 2 : 1;
 
 struct Sheet {

@@ -18,7 +18,7 @@
 /// hull of its corners, against every shape of the robot, at many instants.
 namespace leeway::planner::test {
 
-/// Minimum distance between the robot at `point` and what deforms, at `time` [m], if below
+/// Minimum distance between the robot at `point` and deforming obstacles, at `time` [m], if below
 /// `enough`. Skips pairs in Contacts::allowed.
 inline double bruteClearance(const Problem& problem, std::span<const double> point, double time,
                              double enough) {
@@ -65,7 +65,7 @@ inline double bruteClearance(const Problem& problem, std::span<const double> poi
   return least;
 }
 
-/// Clearance of an executed trajectory from what deforms, sampled every `step` [s].
+/// Clearance of an executed trajectory from deforming obstacles, sampled every `step` [s].
 inline double denseClearance(const Problem& problem, std::span<const TimedPoint> trajectory,
                              double step, double enough) {
   const ConfigurationSpace space(problem.robot.model, problem.robot.variables);

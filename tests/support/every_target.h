@@ -26,7 +26,7 @@ int onEveryTarget(const Run& run) {
   return count;
 }
 
-/// Expects run(), which returns a vector of numbers, to give equal bytes with each of them.
+/// Expects run(), which returns a vector of numbers, to give the same bytes with each of them.
 template <class Run>
 void expectTheSameBytesOnEveryTarget(const Run& run) {
   const auto best = run();

@@ -20,7 +20,7 @@ inline void writeText(const std::filesystem::path& file, const std::string& text
   std::ofstream(file, std::ios::binary) << text;
 }
 
-/// A folder of its own for a test, removed with its contents.
+/// A separate folder for a test, removed with its contents.
 class Folder {
  public:
   Folder() {

@@ -33,7 +33,7 @@ inline Corners cornersOf(const FileMesh& mesh, std::size_t face) {
   return {corners.begin(), corners.end()};
 }
 
-/// A file that is refused, where ("", ":12" or ", byte 84"), and words of the message.
+/// A file that must be rejected, where ("", ":12" or ", byte 84"), and words of the message.
 struct Damaged {
   std::string content, place;
   std::initializer_list<std::string> words;
@@ -58,7 +58,7 @@ inline void expectRefused(Reader reader, const Damaged& damaged) {
   ADD_FAILURE() << "accepted: " << damaged.content.substr(0, 300);
 }
 
-/// Numbers as a binary file has them.
+/// Numbers in the form of a binary file.
 class Bytes {
  public:
   explicit Bytes(bool big_endian = false) : big_endian_(big_endian) {}
@@ -81,7 +81,7 @@ class Bytes {
   std::string text_;
 };
 
-/// A binary STL file of triangles with nine coordinates each, which says that it has `count`.
+/// A binary STL file of triangles with nine coordinates each, with `count` in its header.
 inline std::string binaryStl(const std::vector<std::vector<float>>& triangles, std::uint32_t count,
                              const std::string& header = "binary") {
   Bytes bytes;

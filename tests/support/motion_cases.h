@@ -30,7 +30,7 @@ inline double sine(double x) {
 }
 inline double cosine(double x) { return sine(x + 1.5707963267948966); }
 
-/// columns x rows vertices over `u` and `v`, periodic if `around`; two triangles a cell.
+/// columns x rows vertices over `u` and `v`, periodic if `around`; two triangles for each cell.
 inline std::vector<Triangle> gridTriangles(int columns, int rows, bool around) {
   std::vector<Triangle> result;
   const int last_column = around ? columns : columns - 1;

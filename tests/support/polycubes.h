@@ -1,7 +1,7 @@
 #pragma once
 
-// Solids of unit cells on a grid: what is inside is known exactly, and faces of two of them are
-// flush as often as not.
+// Solids of unit cells on a grid: their inside is known exactly, and faces of two solids are flush
+// about half of the time.
 
 #include <array>
 #include <map>
@@ -55,7 +55,7 @@ inline Cells randomBrick(Random& random) {
   return cells;
 }
 
-/// Two to eight cells, each beside another one. Some touch themselves along edges.
+/// Two to eight cells, each next to another one. Some touch themselves along edges.
 inline Cells randomPolycube(Random& random) {
   const auto count = static_cast<std::size_t>(2 + random.below(7));
   Cells cells{{0, 0, 0}};

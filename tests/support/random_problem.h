@@ -58,7 +58,7 @@ inline void appendBox(const Eigen::Vector3d& center, const Eigen::Vector3d& half
   for (const auto& f : kFaces) triangles.push_back({first + f[0], first + f[1], first + f[2]});
 }
 
-/// A closed bumpy ring, 0.3 m radius, some 0.24 m thick: a mesh whose depths are expensive.
+/// A closed bumpy ring, 0.3 m radius, about 0.24 m thick: a mesh whose depths are expensive.
 inline collision::Shape bumpyRing() {
   constexpr int kAround = 40, kAcross = 20;
   constexpr double kPi = 3.14159265358979323846;

@@ -3,8 +3,8 @@
 namespace leeway {
 
 /// True under AddressSanitizer or ThreadSanitizer. Sanitizers check memory accesses, which all
-/// cases of a kind share, at ten times the cost or more: tests of thousands of random answers run
-/// fewer cases of every kind there. The release build runs all.
+/// cases of a kind share, at ten times the cost or more. Tests of thousands of random answers
+/// therefore run fewer cases of every kind. The release build runs all.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kSanitized = true;
 #elif defined(__has_feature)
@@ -17,7 +17,8 @@ inline constexpr bool kSanitized = false;
 inline constexpr bool kSanitized = false;
 #endif
 
-/// Number of random cases to run of `count`: all, or a tenth under sanitizers, but at least one.
+/// Number of random cases to run out of `count`: all, or a tenth under sanitizers, but at least
+/// one.
 constexpr int casesToAsk(int count) {
   return !kSanitized || count <= 1 ? count : count / 10 + (count % 10 != 0 ? 1 : 0);
 }

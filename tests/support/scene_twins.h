@@ -39,7 +39,7 @@ class Draw {
     if (below(2) == 0) return Shape::sphere(uniform(0.01, 0.2));
     return Shape::box({uniform(0.01, 0.2), uniform(0.01, 0.2), uniform(0.01, 0.2)});
   }
-  /// Whose depth has no closed form.
+  /// A shape whose depth has no closed form.
   Shape roundShape() {
     if (below(2) == 0) return Shape::cylinder(uniform(0.05, 0.2), uniform(0.05, 0.2));
     return Shape::ellipsoid({uniform(0.05, 0.2), uniform(0.05, 0.2), uniform(0.05, 0.2)});
@@ -49,8 +49,8 @@ class Draw {
   std::mt19937_64 engine_;
 };
 
-/// Three bodies that move, then 30 to 60 that stand still, with exceptions; where the margin is a
-/// depth, of round shapes and without exceptions.
+/// Three moving bodies, followed by 30 to 60 fixed ones, with exceptions. If the margin is a depth:
+/// with round shapes and without exceptions.
 inline SceneBuilder randomBuilder(Draw& draw, bool one_each, double margin = 0.01) {
   SceneBuilder builder;
   const int count = kMoving + 30 + draw.below(30);
@@ -73,7 +73,7 @@ inline SceneBuilder randomBuilder(Draw& draw, bool one_each, double margin = 0.0
   return builder;
 }
 
-/// The same scene with all pairs listed, which are asked one by one, and with a table.
+/// The same scene twice: with all pairs listed, which are tested one by one, and with a table.
 struct Twins {
   explicit Twins(SceneBuilder builder) : table(builder.build()) {
     builder.listAll();
@@ -131,7 +131,7 @@ inline void expectSame(const Twins& twins, const std::string& what) {
 }
 
 /// clearance() and decide() of both, in the same poses; those of `table` allocate nothing. Returns
-/// the first's clearance().
+/// the clearance() of the first.
 inline SceneResult expectSameAnswers(const Twins& twins, Workspace& listed, Workspace& table) {
   const SceneResult x = clearance(twins.listed, listed, 1e-4);
   const std::size_t before = allocationCount();

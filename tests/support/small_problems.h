@@ -60,7 +60,7 @@ inline Problem wallProblem() {
 }
 
 /// From left to right past a block at the origin: the passage above it is 0.4 wide, the one below
-/// 1.4. The start is nearer to the narrow one, so the shortest path takes it.
+/// 1.4. The start is closer to the narrow one, so the shortest path takes it.
 inline Problem corridorProblem() {
   Problem problem = problemOf(disc(), {-1.2, 0.7, 0}, {1.2, 0.7, 0});
   problem.world.objects.push_back(box("block", {0.2, 0.8, 0.5}, 0, 0.2, 0));    // y -0.6 to 1.0

@@ -40,7 +40,7 @@ TEST(ByteStream, FailsForGoodWhereBytesAreMissing) {
     EXPECT_TRUE(from.failed()) << size;
     EXPECT_FALSE(from.atEnd());
   }
-  // A length beyond all that can be.
+  // A length beyond any possible one.
   std::fill_n(bytes.begin() + 1, 8, std::byte{0xff});
   ByteReader from(bytes);
   from.value<std::uint8_t>();

@@ -19,7 +19,7 @@ class Arrays {
   explicit Arrays(std::uint32_t seed) : random_(seed) {}
 
   void add() {
-    // Small ones, several to a page, and some too large for one.
+    // Small ones, several for each page, and some too large for one page.
     const std::size_t most = std::size_t{1} << (6 + random_() % 16);
     Array array;
     array.bytes = 1 + random_() % most;

@@ -40,7 +40,7 @@ TEST(PairTable, OfManyPairsTheLastThatCameKeepsThePlace) {
     table.resize(static_cast<std::size_t>(count));
     ASSERT_TRUE(table.isShared());
     table.of(5).looks = 50;
-    EXPECT_EQ(table.find(other), nullptr);  // asking changes nothing
+    EXPECT_EQ(table.find(other), nullptr);  // find() changes nothing
     ASSERT_EQ(table.find(5)->looks, 50);
     EXPECT_EQ(table.of(other).looks, 3);
     table.of(other).looks = 60;
@@ -54,7 +54,7 @@ TEST(PairTable, OfManyPairsTheLastThatCameKeepsThePlace) {
   EXPECT_LT(evicted, 60);
 }
 
-// Rows of things that share a place, whatever the length of a row.
+// The pairs of one thing, one in each row, rarely share places, for any length of a row.
 TEST(PairTable, PairsOfOneThingKeepTheirPlaces) {
   for (const std::int32_t places : {1000, 4096, 8192, 100'000}) {
     PairTable<Hint> table;

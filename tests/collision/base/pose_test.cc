@@ -25,7 +25,7 @@ TEST(Pose, IsTheIsometryItIsMadeFrom) {
   }
 }
 
-// -march must not change the layout: alignment is that of a double.
+// -march must not change the layout: the alignment is that of a double.
 TEST(Pose, HasThePlainLayoutOfTwelveDoubles) {
   EXPECT_EQ(sizeof(Pose), 12 * sizeof(double));
   EXPECT_EQ(alignof(Pose), alignof(double));

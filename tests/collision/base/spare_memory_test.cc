@@ -17,13 +17,13 @@ TEST(SpareMemory, WhatWasGivenBackIsTakenAgainWhereItFits) {
   void* const again = takeMemory(90'000);
   EXPECT_EQ(again, first);
   giveBackMemory(again);
-  void* const small = takeMemory(1'000);  // not one that is far too large
+  void* const small = takeMemory(1'000);  // a block that is far too large is not used
   EXPECT_NE(small, first);
   giveBackMemory(small);
   giveBackMemory(nullptr);
 }
 
-/// As a certifier that lives as long as its thread, or a static one in main's.
+/// Like a certifier that lives as long as its thread, or a static one in main's thread.
 struct Holder {
   ~Holder() {
     void* const last = takeMemory(5'000);
@@ -34,11 +34,12 @@ struct Holder {
   std::vector<void*> held;
 };
 
-/// Blocks that the thread had kept were freed once more.
+/// Regression: blocks that the thread had kept were freed twice.
 TEST(SpareMemory, IsGivenBackAfterTheThreadHasNoneOfItsOwn) {
   for (int run = 0; run < 4; ++run) {
     std::thread thread([] {
-      thread_local Holder holder;  // begun before the thread's spare memory, and so ended after it
+      thread_local Holder holder;  // constructed before the thread's spare memory, and so destroyed
+                                   // after it
       std::vector<void*> kept;
       holder.held.reserve(40);
       for (int i = 0; i < 40; ++i) holder.held.push_back(takeMemory(5'000));

@@ -55,7 +55,7 @@ long double valueAt(const CurvedFaces& faces, const Pose& X_BA, const Vector3d& 
   return value;
 }
 
-// How far a core reaches along d, from its definition.
+// The reach of a core along d, from its definition.
 long double mostOf(const ConvexView& view, const Wide& d) {
   const Wide size = view.size.cast<long double>();
   const long double beside = std::hypot(d.x(), d.y());
@@ -98,7 +98,7 @@ NearlyBall partOf(const Shape& shape) {
 }
 
 // The bound of a cell against the support function in many of its directions, in extended
-// precision. Cells lie in valleys, and depths are about those there.
+// precision. Cells lie in valleys, and depths are close to those there.
 TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
   Random random(171);
   int proven = 0, refused = 0, gained = 0, hulls = 0, balls_proven = 0;
@@ -175,8 +175,8 @@ TEST(CellBound, WhatIsProvenHoldsInEveryDirection) {
   EXPECT_GT(balls_proven, casesToAsk(50));
 }
 
-// A cell across the pole of a cap, with corners on either side: an error of M x moves |M x| and the
-// part along the middle in opposite directions, although the angle's sine is nearly 0.
+// A cell across the pole of a cap, with corners on both sides. An error of M x moves |M x| and the
+// part along the middle in opposite directions, although the sine of the angle is nearly 0.
 TEST(CellBound, CellsAcrossThePoleOfACapHoldWhatCornersAreOffBy) {
   struct Case {
     double off, wide, shift;

@@ -17,7 +17,7 @@ using oracle::Random;
 const std::set<Core> kWithPointDistance = {Core::kPoint,    Core::kSegment, Core::kBox,
                                            Core::kCylinder, Core::kCone,    Core::kHalfSpace};
 
-/// A core counts as having a closed form only where it was given one.
+/// Only the listed cores have a closed form.
 TEST(PointDistance, IsOnlyForCoresThatHaveOne) {
   for (int i = 0; i < 256; ++i) {
     const auto core = static_cast<Core>(i);
@@ -29,8 +29,8 @@ TEST(PointDistance, IsOnlyForCoresThatHaveOne) {
   }
 }
 
-/// The point's distance from the plane that supports the core along `normal`, and the nearest point
-/// in that plane: both hold at the nearest point alone.
+/// The distance of the point from the plane that supports the core along `normal`, and the nearest
+/// point in that plane. Both hold only at the nearest point.
 TEST(PointDistance, IsThatOfTheSupportingPlane) {
   Random random(20261124);
   int inside = 0, cases = 0;

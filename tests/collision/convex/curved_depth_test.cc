@@ -32,7 +32,7 @@ constexpr ShapeType kRound[] = {ShapeType::kCylinder, ShapeType::kCone, ShapeTyp
 constexpr ShapeType kAny[] = {ShapeType::kCapsule, ShapeType::kBox, ShapeType::kCylinder,
                               ShapeType::kCone, ShapeType::kEllipsoid};
 
-// How far a body reaches along n, from its definition.
+// The reach of a body along n, from its definition.
 double most(const Shape& s, const Pose& X_WS, const Vector3d& n) {
   const Vector3d d = X_WS.rotation.transpose() * n;
   if (s.type() == ShapeType::kConvexHull) {
@@ -103,41 +103,44 @@ void expectDeepAndNarrow(std::span<const Known> all,
   }
 }
 
-// Once left open by long runs, up to 2e-4 m wide.
+// Regression: long runs left these up to 2e-4 m wide.
 TEST(CurvedDepth, PairsThatWereLeftOpenAreAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("pairs-that-were-left-open"));
 }
 
-// Hulls beside round bodies, once left open: cells did not know the hulls' vertices.
+// Regression: hulls close to round bodies stayed open, because cells ignored the hulls' vertices.
 TEST(CurvedDepth, HullsInRoundBodiesAreAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("hulls-in-round-bodies"));
 }
 
-// Valleys all around an axis, where the bend changes within a cell: once more cells than a query
-// has.
+// Valleys all around an axis, where the bend changes within a cell. Regression: they needed more
+// cells than a query has.
 TEST(CurvedDepth, ValleyAroundAnAxisIsAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("valley-around-an-axis"));
 }
 
-// Parallel lines of two cones give a member in many ways: once more cells than a query has.
+// Parallel lines of two cones give a member in many ways. Regression: they needed more cells than a
+// query has.
 TEST(CurvedDepth, TwinsAreAsNarrowAsAsked) { expectDeepAndNarrow(knownDepths("twins")); }
 
-// Once left open: nodes were chosen for an earlier, larger depth; descents backed off, or ended,
-// before the nearest plane was found; directions were out of place by less than a unit in double.
+// Regression: these stayed open, because nodes were chosen for an earlier, larger depth; descents
+// backed off, or ended, before the nearest plane was found; directions were out of place by less
+// than a unit in double.
 TEST(CurvedDepth, EdgesAreProvenWhereTheirNearestPlaneWasFoundLate) {
   expectDeepAndNarrow(knownDepths("edges-are-proven-where-their-nearest-plane-was-found-late"));
 }
 
-// Sides parallel within 1e-13: the penalty that selects a member once cost 4e-14.
+// Sides parallel within 1e-13. Regression: the penalty that selects a member cost 4e-14.
 TEST(CurvedDepth, EdgesThatAreAllButParallelAreAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("edges-that-are-all-but-parallel"));
 }
 
-// A needle with a width of a millionth of its length needs cells narrower still; one of width 0 is
-// a segment.
+// A needle whose width is a millionth of its length needs even narrower cells; one of width 0 is a
+// segment.
 TEST(CurvedDepth, NeedlesAreAsNarrowAsAsked) { expectDeepAndNarrow(knownDepths("needles")); }
 
-// Witnesses of two needles, known to 1e-10 along them, were once reported 1.7e-14 too far apart.
+// Regression: witnesses of two needles, known to 1e-10 along them, were reported 1.7e-14 too far
+// apart.
 TEST(CurvedDepth, PointsOfNeedlesAreAsFarApartAsTold) {
   const Known one =
       known(Shape::ellipsoid({0.56981488366792843, 5.9850671180047097e-07, 5.6920720047663588e-07}),
@@ -155,8 +158,8 @@ TEST(CurvedDepth, PointsOfNeedlesAreAsFarApartAsTold) {
   EXPECT_NEAR((r.point_b - r.point_a).norm(), r.distance.upper, r.distance.width() + 3e-15);
 }
 
-// A thin cylinder nearly touching an edge of a flat triangle: too little stiffness once blended in
-// the triangle's far corner.
+// A thin cylinder that nearly touches an edge of a flat triangle. Regression: too little stiffness
+// blended in the triangle's far corner.
 TEST(CurvedDepth, NeedleBesideATriangleIsAsNarrowAsAsked) {
   const Known one =
       known(hull({{0.077463448117133044, -0.94199100734402441, -1.8575296913736039e-09},
@@ -176,13 +179,13 @@ TEST(CurvedDepth, NeedleBesideATriangleIsAsNarrowAsAsked) {
   EXPECT_GT(r.distance.lower, 8e-10);
 }
 
-// A hull of seven nearly collinear vertices: no number of directions once found the two vertices of
-// the nearest edge.
+// A hull of seven nearly collinear vertices. Regression: no number of directions found the two
+// vertices of the nearest edge.
 TEST(CurvedDepth, HullsLikeNeedlesAreAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("hulls-like-needles"));
 }
 
-// The rounding of a ball's radius beside a depth was once left out.
+// Regression: the rounding of a ball's radius next to a depth was omitted.
 TEST(CurvedDepth, BallsInEllipsoidsAreAsNarrowAsAsked) {
   const std::vector<Known> all = knownDepths("balls-in-ellipsoids");
   Scratch scratch;
@@ -214,16 +217,16 @@ TEST(CurvedDepth, BallInABoxIsAsNarrowAsAsked) {
   for (const Known& one : all) testing::expectNarrow(one, scratch);
 }
 
-// Two flat cones that touch with their apexes: a valley of a millionth's depth, all around.
+// Two flat cones that touch at their apexes: a valley of a millionth's depth, all around.
 TEST(CurvedDepth, ApexesAreAsNarrowAsAsked) { expectDeepAndNarrow(knownDepths("apexes")); }
 
-// A cylinder of radius 0 was once given the rounding of a rim, more than the tolerance.
+// Regression: a cylinder of radius 0 got the rounding of a rim, more than the tolerance.
 TEST(CurvedDepth, CylindersWithoutRadiusAreAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("cylinders-without-radius"));
 }
 
-// The corner of a hull at and beside the middle of a cone: a face of the cone and an edge of the
-// hull are chosen together, all around the axis. Once up to 7e-7 m wide.
+// The corner of a hull at and next to the middle of a cone: a face of the cone and an edge of the
+// hull are chosen together, all around the axis. Regression: up to 7e-7 m wide.
 TEST(CurvedDepth, CornersInTheMiddleOfAConeAreAsNarrowAsAsked) {
   constexpr double kCos = 0.76484218728448842, kSin = 0.64421768723769102;  // of 0.7
   const Shape corner = hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
@@ -239,14 +242,15 @@ TEST(CurvedDepth, CornersInTheMiddleOfAConeAreAsNarrowAsAsked) {
   }
 }
 
-// The middles of round bodies. Caps as near as rims, whose arms must not shift other pieces; cells
-// that became flat instead of small; nearly parallel pieces. Once up to 5e-6 of their sizes wide.
+// The middles of round bodies: caps as near as rims, whose arms must not shift other pieces; cells
+// that became flat instead of small; nearly parallel pieces. Regression: up to 5e-6 of their sizes
+// wide.
 TEST(CurvedDepth, PlacesInTheMiddleOfRoundBodiesAreAsNarrowAsAsked) {
   expectDeepAndNarrow(knownDepths("places-in-the-middle-of-round-bodies"));
 }
 
-// The middle of a ball at a cone's apex, to within rounding. The normal was once a direction across
-// the axis, along which the cone reaches beyond its apex.
+// The middle of a ball at a cone's apex, up to rounding. Regression: the normal was a direction
+// across the axis, along which the cone reaches beyond its apex.
 TEST(CurvedDepth, NormalOfABallAtAnApexProvesTheLowerEnd) {
   const std::vector<Known> all = knownDepths("normal-of-a-ball-at-an-apex-proves-the-lower-end");
   expectDeepAndNarrow(all);
@@ -261,13 +265,13 @@ TEST(CurvedDepth, NormalOfABallAtAnApexProvesTheLowerEnd) {
   }
 }
 
-// A step along a tiny way without a direction once gave a plane through the origin: the lower end
-// was above the upper one.
+// Regression: a step along a tiny way without a direction gave a plane through the origin, and the
+// lower end was above the upper one.
 TEST(CurvedDepth, DirectionThatIsLostIsNoPlane) {
   expectDeepAndNarrow(knownDepths("direction-that-is-lost-is-no-plane"));
 }
 
-// offerCurvedDepth() alone against many planes, most of them near the nearest one.
+// offerCurvedDepth() alone against many planes, most of them close to the nearest one.
 TEST(CurvedDepth, NoPlaneSeparatesByLess) {
   Random random(91);
   Scratch scratch;
@@ -317,7 +321,7 @@ TEST(CurvedDepth, NoPlaneSeparatesByLess) {
   EXPECT_GT(100 * answered, 85 * asked);
 }
 
-// Pairs without a round body, and triangles, are refused.
+// Pairs without a round body, and triangles, are rejected.
 TEST(CurvedDepth, SpeaksOfRoundBodiesOnly) {
   const Shape cone = Shape::cone(0.2, 0.3), box = Shape::box({0.1, 0.2, 0.3});
   const Shape capsule = Shape::capsule(0.1, 0.2);
@@ -332,8 +336,8 @@ TEST(CurvedDepth, SpeaksOfRoundBodiesOnly) {
   EXPECT_FALSE(haveCurvedDepth(viewOf(cone), viewOf(Shape::halfSpace())));
 }
 
-// A default query ends within a millisecond, counted as Work, and holds the truth where that leaves
-// it wide: pairs that were once left open, and bodies about one axis.
+// A default query ends within a millisecond, counted as Work, and contains the exact depth even if
+// it stays wide: pairs that earlier versions left open, and bodies about one axis.
 TEST(CurvedDepth, DefaultQueryEndsWithinAMillisecond) {
   constexpr std::int64_t kMillisecond = 1'000'000;
   Scratch scratch;
@@ -345,7 +349,7 @@ TEST(CurvedDepth, DefaultQueryEndsWithinAMillisecond) {
     EXPECT_LE(work.done, kMillisecond) << pair.replay();
     if (d.status == DistanceStatus::kConverged) return;
     ++wide;
-    // (The other tests hold the thorough answer against truth.)
+    // (The other tests compare the thorough answer with the truth.)
     DistanceRequest thorough;
     thorough.iteration_limit = testing::kThoroughLimit;
     const Interval truth =
@@ -365,7 +369,7 @@ TEST(CurvedDepth, DefaultQueryEndsWithinAMillisecond) {
   for (int i = 0; i < casesToAsk(300); ++i) ask(aroundOneAxis(random));
 }
 
-// Any limit of steps leaves a true interval, and kLimit where it is the reason for the width.
+// Any limit of steps leaves a valid interval, and kLimit if it is the reason for the width.
 TEST(CurvedDepth, LimitOfIterationsIsKept) {
   const Pair pair{
       Shape::cylinder(0.18164841456287673, 0.23501608476186989),
@@ -389,7 +393,7 @@ TEST(CurvedDepth, LimitOfIterationsIsKept) {
       const DistanceResult r = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, request, scratch);
       EXPECT_LE(r.distance.lower, truth.upper) << limit;
       EXPECT_GE(r.distance.upper, truth.lower) << limit;
-      EXPECT_LE(r.iterations, 2 * limit + 8) << tolerance;  // and the last descent
+      EXPECT_LE(r.iterations, 2 * limit + 8) << tolerance;  // plus the last descent
       const bool narrow = r.distance.width() <= tolerance;
       EXPECT_EQ(r.status, narrow ? DistanceStatus::kConverged : DistanceStatus::kLimit);
       narrow ? ++converged : ++stopped;
@@ -416,13 +420,13 @@ TEST(CurvedDepth, SwappedIsTheSame) {
   }
 }
 
-// Enough for needles with a width of a thousandth of their length: the default limit leaves some a
+// Enough for needles whose width is a thousandth of their length: the default limit leaves some a
 // millionth of their sizes wide.
 constexpr int kNeedleLimit = 4 * testing::kThoroughLimit;
 
 // Needles about the axis or the middle of another body: their support turns within a strip of
-// directions as narrow as they are thin, which cells must follow all around. Ellipsoids that are
-// balls, exactly or nearly: equally far out in all directions.
+// directions as narrow as they are thin, which cells must follow all around. Also ellipsoids that
+// are balls, exactly or nearly: equally far out in all directions.
 Pair revolvedPair(Random& random) {
   const auto body = [&]() -> Shape {
     const double r = random.chance(0.3) ? 1e-3 : random.uniform(0.05, 1);
@@ -468,7 +472,7 @@ TEST(CurvedDepth, BodiesOfRevolutionAboutOneAxis) {
     if (!(r.distance.upper < 0)) continue;
     ++round;
     EXPECT_NEAR(apartAlong(pair, r.normal), r.distance.lower, 1e-9 * size) << pair.replay();
-    // No plane is nearer than the upper end.
+    // No plane is closer than the upper end.
     const Vector3d axis = pair.X_WA.rotation.col(2), beside = pair.X_WA.rotation.col(0);
     for (int k = 0; k < 400; ++k) {
       const double slope = k < 200 ? random.uniform(-3, 3) : random.logUniform(1e-6, 1);
@@ -479,8 +483,8 @@ TEST(CurvedDepth, BodiesOfRevolutionAboutOneAxis) {
   EXPECT_GT(2 * round, casesToAsk(100));
 }
 
-// The first six were once left about a millionth of their sizes wide at the default tolerance. The
-// nearest plane of the sixth is where the cone's rim begins to be chosen alone, all around; the
+// Regression: the first six stayed about a millionth of their sizes wide at the default tolerance.
+// The nearest plane of the sixth is where the cone's rim starts to be chosen alone, all around. The
 // sides of the last one are as near as its ends.
 TEST(CurvedDepth, NeedlesBallsAndSquareCylindersAboutOneAxis) {
   const Pose X = pose({-0.31507064602784673, -0.60686138720999172, 0.72969154080690823,
@@ -549,7 +553,8 @@ TEST(CurvedDepth, EllipsoidsThatAreBalls) {
   }
 }
 
-// A NaN tolerance once left the depth to be proven infinite, and the upper end with it.
+// Regression: with a NaN tolerance the depth to be proven stayed infinite, and so did the upper
+// end.
 TEST(CurvedDepth, ToleranceThatNothingMeetsLeavesTheTruth) {
   const Pair pair{
       Shape::ellipsoid({0.06142399395368027, 0.060938735178177071, 0.32684320026309294}),

@@ -46,7 +46,7 @@ TEST(CurvedFacets, WhatIsCoveredIsFarEnoughOutInEveryDirection) {
     }
     const Vector3d normal = cross(w[1].w - w[0].w, w[2].w - w[0].w).normalized();
     const double flat = std::abs(normal.dot(w[0].w));
-    // From the triangle's own depth to more than can be true.
+    // From the triangle's own depth to more than possible.
     const double depth = flat + random.uniform(-0.1, 1.1) * (nearest - flat);
     if (!(depth > 0)) continue;
     if (!curved.covers(w[0], w[1], w[2], depth)) {
@@ -70,7 +70,7 @@ TEST(CurvedFacets, WhatIsCoveredIsFarEnoughOutInEveryDirection) {
 }
 
 // Bodies about each other's middle: the surface of their difference is about equally far out all
-// around the origin. Once ended at the limit with relative widths of 1e-6 to 1e-4.
+// around the origin. Regression: ended at the limit with relative widths of 1e-6 to 1e-4.
 TEST(RoundDepth, ConvergesWhereTheDifferenceIsNearlyABall) {
   Random random(72);
   Scratch scratch;
@@ -145,7 +145,7 @@ TEST(RoundDepth, IsTheSameAtAnyScale) {
   EXPECT_EQ(overlapping, 150);
 }
 
-/// Once left with widths of 2.4e-5 and 8.2e-5.
+/// Regression: left with widths of 2.4e-5 and 8.2e-5.
 TEST(RoundDepth, AnEllipsoidInASphereAndInItself) {
   const Shape ellipsoid =
       Shape::ellipsoid({0.37465775030863552, 0.7106268018102665, 0.37810982192072623});

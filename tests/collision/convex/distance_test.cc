@@ -140,7 +140,7 @@ TEST(Distance, KnownAnswersBothWaysRound) {
       EXPECT_GE(r.distance.upper, k.distance - 1e-15) << k.name << (swapped ? ", swapped" : "");
       EXPECT_LE(r.distance.width(), 1e-9) << k.name;
       EXPECT_NEAR(r.normal.norm(), 1, 1e-14) << k.name;
-      // Along the normal the witnesses are one signed separation apart.
+      // Along the normal, the witnesses are one signed separation apart.
       EXPECT_NEAR((r.point_b - r.point_a).dot(r.normal), k.distance, 2e-9) << k.name;
     }
   }
@@ -195,7 +195,7 @@ TEST(Distance, PosesThatAreNoneAreRefused) {
   scaled.rotation *= 1.001;
   EXPECT_EQ(distance(box, scaled, box, at(0, 0, 0), {}, scratch).status, DistanceStatus::kInvalid);
   Pose mended = at(4, 0, 0);
-  mended.rotation *= 1 + 1e-9;  // a departure that is counted, not refused
+  mended.rotation *= 1 + 1e-9;  // a departure that is counted, not rejected
   const DistanceResult r = distance(box, mended, box, at(0, 0, 0), {}, scratch);
   EXPECT_LE(r.distance.lower, 2 - 1e-9);
   EXPECT_GE(r.distance.upper, 2);
@@ -205,7 +205,8 @@ TEST(Distance, PosesThatAreNoneAreRefused) {
 TEST(Distance, NumbersWhoseSquaresVanish) {
   Scratch scratch;
   Pose X_WA, X_WB;
-  // The common perpendicular of these two was once longer than 1, and the lower end 0.02758.
+  // Regression: the common perpendicular of these two was longer than 1, and the lower end was
+  // 0.02758.
   X_WA.rotation << 0.81665118714799267, 0.17042211198766891, 0.55139563135323866,
       -0.055319088620273758, 0.97412279154383496, -0.21914512412798201, -0.5744742265445828,
       0.14846242198114909, 0.80494613005808946;
@@ -219,7 +220,7 @@ TEST(Distance, NumbersWhoseSquaresVanish) {
           .distance;
   EXPECT_LE(thin.lower, 0.026260024567584146);
   EXPECT_GE(thin.upper, 0.026260024567584143);
-  // Matrices depart from rotations by 1e-7, once not counted.
+  // Matrices depart from rotations by 1e-7. Regression: this was not counted.
   X_WA.rotation << 0.096889880715726684, 0.73779114274847191, -0.66803935564964745,
       0.86307292937712388, -0.39656557261089231, -0.3127952448426688, -0.49569897073857472,
       -0.54625998965849487, -0.67519075386665262;
@@ -278,7 +279,7 @@ TEST(Distance, PlacesAnywhereGiveNoNan) {
   EXPECT_GT(refused, cases / 10);
 }
 
-// Points may be as near as they like: what their squares lose is in the width.
+// Points may be arbitrarily close: the width includes what their squares lose.
 TEST(Distance, OfPointsThatAreAsNearAsNumbersAllow) {
   Scratch scratch;
   Random random(12);
@@ -304,7 +305,7 @@ TEST(Distance, OfPointsThatAreAsNearAsNumbersAllow) {
   }
 }
 
-// Beyond kFarthest a pair is no pair, whatever its world poses are; within it, all are answered.
+// A pair beyond kFarthest is invalid, for any world poses; within it, all pairs are answered.
 TEST(Distance, FramesTooFarApartAreRefused) {
   Scratch scratch;
   const std::vector<Vector3d> corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -326,8 +327,8 @@ TEST(Distance, FramesTooFarApartAreRefused) {
   }
 }
 
-/// Truth for random pairs without an oracle: two queries of the same pair must agree, and so must
-/// any request.
+/// Random pairs without an oracle: two queries of the same pair must agree, and so must any
+/// request.
 struct RandomPairs {
   explicit RandomPairs(std::uint64_t seed) : random(seed) {}
   static constexpr ShapeType kTypes[8] = {
@@ -378,7 +379,7 @@ TEST(Distance, ThresholdsAreDecidedOnTheRightSide) {
         ++not_above;
         EXPECT_LE(exact.distance.lower, request.threshold) << pairs.replay();
       } else {
-        // Only where even the exact query left the threshold inside of its interval.
+        // Only if the exact query also left the threshold inside its interval.
         ++open;
         EXPECT_TRUE(exact.distance.lower <= request.threshold + 1e-12 * pairs.size * 1e4 &&
                     exact.distance.upper >= request.threshold - 1e-12 * pairs.size * 1e4)
@@ -432,7 +433,7 @@ TEST(Distance, TheSameTwiceIsTheSameBitForBit) {
     pairs.next();
     again.next();
     const DistanceResult r = distance(pairs.a, pairs.X_WA, pairs.b, pairs.X_WB, {}, scratch);
-    // The use of a scratch by another query in between changes nothing.
+    // Using the scratch for another query in between changes nothing.
     distance(again.b, again.X_WB, again.b, again.X_WB, {}, other);
     const DistanceResult s = distance(again.a, again.X_WA, again.b, again.X_WB, {}, other);
     EXPECT_EQ(r.distance.lower, s.distance.lower);
@@ -451,8 +452,7 @@ TEST(Distance, FarFromTheOriginOnlyTheRoundingOfTheInputIsLost) {
       const Vector3d offset = far * random.direction();
       Pose X_WA{random.rotation(), offset}, X_WB{random.rotation(), offset};
       X_WB.translation += 4 * random.direction();
-      // Subtracting these translations is exact, so that the pair near the origin has the same
-      // answer.
+      // Subtracting these translations is exact, so the pair near the origin has the same answer.
       Pose X_BA = X_WA;
       X_BA.translation = X_WA.translation - X_WB.translation;
       const Pose origin{X_WB.rotation, Vector3d::Zero()};
@@ -490,8 +490,8 @@ Shape shapeOfScale(ShapeType type, double scale, Random& random) {
   }
 }
 
-// Default intervals are as narrow as 1e-9 of the larger body, even of micrometres, of which 1e-9 m
-// is a thousandth. (At 1 km they are 1e-9 m wide.)
+// Default intervals are as narrow as 1e-9 of the larger body, even for bodies of micrometres, for
+// which 1e-9 m is a thousandth. (At 1 km they are 1e-9 m wide.)
 TEST(Distance, DefaultToleranceIsOfTheSizes) {
   using enum ShapeType;
   constexpr ShapeType kTypes[] = {kSphere, kCapsule,   kBox,        kCylinder,
@@ -522,7 +522,7 @@ TEST(Distance, DefaultToleranceIsOfTheSizes) {
           EXPECT_LE(r.distance.width(), asked);
           overlapping += r.distance.upper < 0;
           apart += r.distance.lower > 0;
-          // As if the tolerance had been given.
+          // The same as with an explicit tolerance.
           DistanceRequest named;
           named.tolerance = asked;
           const DistanceResult again = distance(a, X_WA, b, X_WB, named, scratch);
@@ -533,7 +533,7 @@ TEST(Distance, DefaultToleranceIsOfTheSizes) {
   EXPECT_GT(apart, casesToAsk(500));
 }
 
-// Where offsets overflow there is no tolerance: any interval would meet an infinite one.
+// If offsets overflow, the tolerance is 0, because any interval would meet an infinite one.
 TEST(Distance, DefaultToleranceIsFinite) {
   Scratch scratch;
   const Shape ball = Shape::sphere(1), box = Shape::box({1, 1, 1});

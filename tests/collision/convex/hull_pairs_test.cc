@@ -28,7 +28,7 @@ using testing::moveApart;
 using testing::outside;
 using testing::Pair;
 
-// 1 to 80 vertices, a few times 300: scanned, placed or looked up in a table; some thin or flat,
+// 1 to 80 vertices, and sometimes 300: scanned, placed or looked up in a table; some thin or flat,
 // some with duplicated points.
 Shape anyHull(Random& random) {
   const int count = random.chance(0.05)  ? 300
@@ -46,7 +46,7 @@ Shape anyHull(Random& random) {
   return Shape::convexHull(points);
 }
 
-// Mostly 1e-12 to 10 m apart; some parallel.
+// Usually 1e-12 to 10 m apart; some parallel.
 Pair hullPair(Random& random, Scratch& scratch) {
   Pair pair{anyHull(random), anyHull(random), {}, {}};
   const Vector3d middle =
@@ -59,7 +59,7 @@ Pair hullPair(Random& random, Scratch& scratch) {
   return pair;
 }
 
-// A pair of hulls in another unit of length: exact where the scale is a power of two.
+// A pair of hulls in another unit of length; exact if the scale is a power of two.
 Pair scaled(const Pair& pair, double scale) {
   const auto hull = [&](const Shape& shape) {
     std::vector<Vector3d> points(shape.hull()->vertices().begin(), shape.hull()->vertices().end());
@@ -72,7 +72,7 @@ Pair scaled(const Pair& pair, double scale) {
           {pair.X_WB.rotation, scale * pair.X_WB.translation}};
 }
 
-// Along n, from A's farthest vertex to B's.
+// The plane along n, from A's farthest vertex to B's.
 double planeAlong(const Pair& p, const Vector3d& n) {
   double a = -1e300, b = 1e300;
   for (const Vector3d& v : p.a.hull()->vertices())
@@ -115,7 +115,7 @@ TEST(HullPairs, AgreeWithTheGeneralWay) {
       EXPECT_LT((p.X_WB.rotation * cache.direction_B - r.normal).norm(), 1e-12) << p.replay();
       continue;
     }
-    // Continuing from there ends where an independent search does.
+    // Continuing from there gives the result of an independent search.
     handed_over += start.count > 0;
     const DistanceResult on =
         generalDistance(p.a, p.X_WA, p.b, p.X_WB, testing::nanometre(), scratch, nullptr, &start);
@@ -152,8 +152,8 @@ TEST(HullPairs, SizesAtTheEndsOfTheScale) {
   EXPECT_GT(converged, asked * 95 / 100);
 }
 
-// A cached direction has length 1 whatever the sizes. Used as it is, it narrowed the fan of small
-// bodies, which took half as many steps again.
+// A cached direction has length 1 for any sizes. Regression: it was used unscaled, which narrowed
+// the fan of small bodies, so that they took half as many steps again.
 TEST(HullPairs, StepsFromADirectionDoNotDependOnTheScale) {
   Random random(136);
   Scratch scratch;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Pairs, with exact numbers, whose intervals long runs found too wide.
+// Pairs, with exact numbers, whose intervals were too wide in long runs.
 
 #include <gtest/gtest.h>
 
@@ -48,12 +48,12 @@ inline Pose pose(const double (&R)[9], const Eigen::Vector3d& t) {
 
 inline Shape hull(const std::vector<Eigen::Vector3d>& points) { return Shape::convexHull(points); }
 
-/// Steps that leave no pair of these families wider than asked: the default ends within a
-/// millisecond, which some need more than.
+/// Number of steps that leaves no pair of these families wider than requested. The default ends
+/// within a millisecond, and some pairs need more.
 inline constexpr int kThoroughLimit = 36 * DistanceRequest{}.iteration_limit;
 
-/// Expects an interval as narrow as asked that holds the truth, in either order, within
-/// `iteration_limit` steps. Returns the first order's answer.
+/// Expects an interval as narrow as requested that contains the truth, in either order, within
+/// `iteration_limit` steps. Returns the answer for the first order.
 inline DistanceResult expectNarrow(const Known& known, Scratch& scratch,
                                    int iteration_limit = DistanceRequest{}.iteration_limit) {
   const Pair& pair = known.pair;

@@ -14,7 +14,7 @@
 #include "tests/support/case_file.h"
 #include "tools/truth/oracle/oracle.h"
 
-// 6,000 pairs, ordinary and hard, with reference distances from quadruple precision: see the data's
+// 6,000 pairs, ordinary and hard, with reference distances from quadruple precision; see the data's
 // README.
 
 namespace leeway::collision {
@@ -66,8 +66,9 @@ TEST(NarrowCases, EveryIntervalHoldsTheReference) {
       };
       const auto check = [&](const DistanceResult& r, const char* how) {
         if (holds(r.distance, reference)) return;
-        // A few references, with nearly duplicated vertices, are wrong in the twelfth digit. Those
-        // that the slow oracle refutes are counted, and the interval must hold the oracle's answer.
+        // A few references, with nearly duplicated vertices, are wrong in the twelfth digit.
+        // References that the slow oracle refutes are counted, and the interval must contain the
+        // oracle's answer.
         const oracle::Truth truth = oracle::signedSeparation(a, c.X_WA, b, c.X_WB);
         if (truth.has_value && std::abs(reference.distance - truth.upper) < 1e-11 &&
             r.distance.lower <= truth.upper && r.distance.upper >= truth.lower) {

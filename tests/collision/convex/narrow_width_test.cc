@@ -1,5 +1,5 @@
-// Every interval is as narrow as the default tolerance and holds the truth; shapes whose depth has
-// no unique direction.
+// Every interval is as narrow as the default tolerance and contains the truth, for shapes whose
+// depth has no unique direction.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ using oracle::Flavour;
 using oracle::Random;
 using oracle::Truth;
 
-// The half-space stands last: the others have a size.
+// The half-space is last, because only the others have a size.
 constexpr ShapeType kTypes[] = {ShapeType::kSphere,     ShapeType::kCapsule,  ShapeType::kBox,
                                 ShapeType::kCylinder,   ShapeType::kCone,     ShapeType::kEllipsoid,
                                 ShapeType::kConvexHull, ShapeType::kHalfSpace};
@@ -118,7 +118,7 @@ TEST(NarrowWidth, AsNarrowForTwinsForNearContactAndAboutOneAxis) {
   EXPECT_EQ(held, 3 * casesToAsk(50));
 }
 
-// R (1 + E), E symmetric and of that size: still accepted as a rotation.
+// R (1 + E) with a symmetric E of this size, still accepted as a rotation.
 Eigen::Matrix3d departing(Random& random, double size) {
   Eigen::Matrix3d E;
   for (int i = 0; i < 3; ++i) {
@@ -128,8 +128,8 @@ Eigen::Matrix3d departing(Random& random, double size) {
   return R + R * E;
 }
 
-/// Departures from rotations were once counted for one of the two frames only: intervals missed the
-/// truth by up to 9400 units of rounding, and a pair in contact was free.
+/// Regression: departures from rotations were counted for only one of the two frames. Intervals
+/// missed the truth by up to 9400 units of rounding, and a pair in contact was free.
 TEST(NarrowWidth, TheTruthIsWithinWhereMatricesDepartFromRotations) {
   Random random(67);
   Scratch scratch;
@@ -227,8 +227,8 @@ TEST(NarrowWidth, BodiesOfAHundredKilometresAgainstOneOfAMetreConverge) {
   }
 }
 
-/// The facet that proves the depth need not be the one that the plane's normal passes through:
-/// witnesses were once up to 0.4 m off.
+/// The facet that proves the depth need not be the one that the plane's normal passes through.
+/// Regression: witnesses were up to 0.4 m off.
 TEST(NarrowWidth, WitnessesOfOverlappingPrismsAreAsDeepAsTheUpperEnd) {
   Random random(64);
   Scratch scratch;
@@ -284,7 +284,7 @@ TEST(ParallelAxes, DepthIsThatOfAPointInAPolygon) {
     EXPECT_EQ(r.status, DistanceStatus::kConverged) << replay(a, X_WA, b, X_WB);
     if (!(r.distance.upper < 0)) continue;
     ++overlapping;
-    // Moved apart by the depth they touch; by less they overlap.
+    // Moved apart by the depth they touch; moved by less they overlap.
     Pose moved = X_WB;
     moved.translation += -r.distance.lower * r.normal;
     EXPECT_GT(distance(a, X_WA, b, moved, {}, scratch).distance.upper, -1e-9)
@@ -303,8 +303,8 @@ TEST(ParallelAxes, DepthIsThatOfAPointInAPolygon) {
   EXPECT_GT(overlapping, 200);
 }
 
-/// 3e-12 m from a cone's slant the direction was once that of the difference of two points, and
-/// wrong by 1e-6.
+/// Regression: 3e-12 m from a cone's slant, the direction was that of the difference of two points,
+/// and wrong by 1e-6.
 TEST(PointAndCone, TheSlopeGivesTheDirectionNearContact) {
   Pose X_WA, X_WB;
   X_WA.rotation << -0.893552178092335, 0.36954274810551047, 0.25495619692227811, 0.4382481959101171,

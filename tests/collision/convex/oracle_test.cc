@@ -34,7 +34,7 @@ struct Counts {
   int cases = 0, unsafe = 0, overlapping = 0, near = 0, unconverged = 0;
 };
 
-/// Asks in every way a caller can. Intervals that miss the truth count as unsafe and are printed
+/// Queries in every way a caller can. Intervals that miss the truth count as unsafe and are printed
 /// for a replay.
 class Examiner {
  public:
@@ -156,8 +156,8 @@ class Examiner {
   int reported_ = 0;
 };
 
-/// A pose for B beside A: from deep inside to well apart; a third of them nearly touching, found
-/// with the engine's own normal.
+/// A pose for B next to A, from deep inside to well apart; a third of them nearly touch, found with
+/// the engine's own normal.
 Pose beside(Random& random, const Placed& a, const Shape& b) {
   const double reach = oracle::sizeOf(a.shape) + oracle::sizeOf(b);
   Pose X;
@@ -174,7 +174,7 @@ Pose beside(Random& random, const Placed& a, const Shape& b) {
   return X;
 }
 
-/// Other cases on demand: LEEWAY_TEST_SEED=N shifts every seed, for long runs.
+/// LEEWAY_TEST_SEED=N shifts every seed, for other cases in long runs.
 std::uint64_t seed(std::uint64_t base, ShapeType a, ShapeType b) {
   return base + 16 * static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b) +
          100'000 * fromEnvironment("LEEWAY_TEST_SEED", 0);
@@ -184,7 +184,7 @@ std::string title(ShapeType a, ShapeType b) {
   return std::string(toString(a)) + " with " + toString(b);
 }
 
-/// Few cases where the oracle takes long.
+/// Fewer cases for pairs on which the oracle takes long.
 int casesFor(ShapeType a, ShapeType b) {
   const auto costly = [](ShapeType t) {
     return t == ShapeType::kMesh ? 4 : t == ShapeType::kConvexHull ? 2 : 1;
@@ -276,7 +276,7 @@ TEST(Oracle, HoldsForAlignedPlacements) {
     }
     return Shape::convexHull(oracle::boxMesh({0.5, 0.5, 0.5})->vertices());
   };
-  const int step = kSanitized ? 4 : 1;  // some a pair, in turns
+  const int step = kSanitized ? 4 : 1;  // some of each pair, in turns
   int kind = 0, overlapping = 0;
   for (const ShapeType type_a : kTypes) {
     for (const ShapeType type_b : kTypes) {
@@ -296,7 +296,7 @@ TEST(Oracle, HoldsForAlignedPlacements) {
   EXPECT_GT(overlapping, 100 / step);
 }
 
-/// The oracle gives the known answers: all other tests rely on it.
+/// The oracle gives the known answers; all other tests depend on it.
 TEST(Oracle, AgreesWithClosedForms) {
   const Pose origin;
   const auto at = [](double x, double y, double z) {
@@ -316,7 +316,7 @@ TEST(Oracle, AgreesWithClosedForms) {
   expect(oracle::signedSeparation(box, origin, box, at(2, 2, 2)), std::sqrt(3.0));
   expect(oracle::signedSeparation(box, origin, Shape::halfSpace(), at(0, 0, -1)), 0.5);
   expect(oracle::signedSeparation(cone, origin, ball, at(0, 0, 2)), 0.5);
-  // Beside the cone's slope, whose distance from the axis point (0, 0, 1) - the apex - is |x| 2 /
+  // Next to the cone's slope, whose distance from the axis point (0, 0, 1) - the apex - is |x| 2 /
   // sqrt 5.
   expect(oracle::signedSeparation(cone, origin, Shape::sphere(0), at(1, 0, 1)), 2 / std::sqrt(5.0));
   expect(
@@ -333,13 +333,14 @@ TEST(Oracle, AgreesWithClosedForms) {
             -0.5);  // inside
 }
 
-/// A search that ends early has proven what it was asked for; what is wrong is searched to its end.
+/// A search that ends early has proven the answer that was passed to it; for a wrong answer, the
+/// search runs to its end.
 TEST(Oracle, EndsEarlyOnlyWhereThatProvesTheAnswer) {
   Random random(17);
   int early = 0, overlapping = 0;
   for (int i = 0; i < (kSanitized ? 30 : 600); ++i) {
     const auto type = [&] { return kTypes[static_cast<std::size_t>(random.below(8))]; };
-    // Slivers among them, whose facets prove less than their planes say.
+    // These include slivers, whose facets prove less than their planes suggest.
     const Flavour flavour = i % 3 == 0   ? Flavour::kThin
                             : i % 3 == 1 ? Flavour::kZero
                                          : Flavour::kPlain;
@@ -370,8 +371,8 @@ TEST(Oracle, EndsEarlyOnlyWhereThatProvesTheAnswer) {
   EXPECT_GT(overlapping, kSanitized ? 2 : 20);
 }
 
-/// Two needles whose tips touch: all facets near the origin are slivers. The surface once left the
-/// origin outside, and a depth of 1.17e-13 was claimed where a plane leaves 1.05e-14.
+/// Two needles whose tips touch: all facets near the origin are slivers. Regression: the surface
+/// left the origin outside, and a depth of 1.17e-13 was claimed although a plane leaves 1.05e-14.
 TEST(Oracle, NeedlesWhoseTipsTouch) {
   const Shape needle =
       Shape::ellipsoid({0.45889676626796294, 3.5908188255363874e-07, 7.5520416494432564e-07});
@@ -387,11 +388,11 @@ TEST(Oracle, NeedlesWhoseTipsTouch) {
   X_WB.translation = {0.083611267470457162, 1.4996603469121483, 0.59244800683683851};
   const Truth truth = oracle::signedSeparation(needle, X_WA, spike, X_WB);
   EXPECT_LE(truth.lower, truth.upper);
-  EXPECT_GE(truth.upper, -1.0480379079e-14);  // that plane, evaluated by itself
+  EXPECT_GE(truth.upper, -1.0480379079e-14);  // that plane, evaluated separately
 }
 
-/// A core of 1e-9 deep in a cylinder: rounding once tore the polytope's surface where its facets
-/// are slivers, and no depth was proven.
+/// A core of 1e-9 deep in a cylinder. Regression: rounding tore the polytope's surface where its
+/// facets are slivers, and no depth was proven.
 TEST(Oracle, KnowsHowDeepASpeckLies) {
   const std::array<Vector3d, 3> points = {
       Vector3d(0, 0, 0),
@@ -409,7 +410,7 @@ TEST(Oracle, KnowsHowDeepASpeckLies) {
                                                   Shape::cylinder(0.431, 0.480), X_WC);
   EXPECT_NEAR(cylinder.lower, -0.3326730072917743, 1e-12);
   EXPECT_NEAR(cylinder.upper, -0.3326730072917743, 1e-12);
-  // Specks of 1e-12 to 1e-6 all over a cylinder and a cone: the depth of their first point, within
+  // Specks of 1e-12 to 1e-6 all over a cylinder and a cone: the depth of their first point, up to
   // their size.
   Random random(51);
   for (int i = 0; i < 60; ++i) {

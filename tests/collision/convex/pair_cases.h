@@ -20,7 +20,7 @@ inline DistanceRequest nanometre() {
 struct Pair {
   Shape a, b;
   Pose X_WA, X_WB;
-  /// Of both bodies [m].
+  /// Sum of both bodies' extents [m].
   double size() const { return a.extent() + b.extent(); }
   std::string replay() const {
     return oracle::replay(a) + " at " + oracle::replay(X_WA) + " with " + oracle::replay(b) +

@@ -47,7 +47,7 @@ Eigen::Matrix3d turned(const Vector3d& axis, double angle) {
   return Eigen::Matrix3d::Identity() + std::sin(angle) * K + (1 - std::cos(angle)) * K * K;
 }
 
-// Mostly 1e-9 to 10 m apart; a third of them with (nearly) parallel axes.
+// Usually 1e-9 to 10 m apart; a third of them with (nearly) parallel axes.
 Pair simplePair(Random& random, ShapeType type_a, ShapeType type_b, Scratch& scratch) {
   Pair pair{simpleShape(random, type_a), simpleShape(random, type_b), {}, {}};
   const Vector3d middle =
@@ -152,8 +152,8 @@ TEST(SimplePairs, ThresholdsAreDecidedAsTheGeneralWayDoes) {
   EXPECT_GT(early, casesToAsk(500));
 }
 
-// Thresholds near the distance and at impossible distances, with all kinds of boxes: no verdict may
-// contradict generalDistance(), and where that decides, the closed forms must, too.
+// Thresholds close to the distance and at impossible distances, with all kinds of boxes: no verdict
+// may contradict generalDistance(), and if that decides, the closed forms must decide, too.
 TEST(SimplePairs, ThresholdsOfBoxesNextToTheDistance) {
   Random random(75);
   Scratch scratch;
@@ -273,8 +273,8 @@ double reachOf(const Shape& shape, const Pose& X_WS, const Vector3d& n) {
   }
 }
 
-// Thin segments and cylinders next to a point: the normal was once not perpendicular to the axis,
-// and the plane, by which motions are certified, up to 1e-4 below the lower end.
+// Thin segments and cylinders next to a point. Regression: the normal was not perpendicular to the
+// axis, and the plane, which certifies motions, was up to 1e-4 below the lower end.
 TEST(SimplePairs, LowerEndsAreThoseOfThePlaneAcrossTheNormal) {
   Random random(74);
   Scratch scratch;
@@ -305,8 +305,8 @@ TEST(SimplePairs, LowerEndsAreThoseOfThePlaneAcrossTheNormal) {
   EXPECT_GT(closed, casesToAsk(10000));
 }
 
-// Edges that are parallel but for an entry whose square is the smallest double: their normal was
-// once 1.2 long, and the lower end above the distance, which is 1.
+// Edges that are parallel except for an entry whose square is the smallest double. Regression:
+// their normal was 1.2 long, and the lower end was above the distance, which is 1.
 TEST(SimplePairs, EdgesThatAreParallelButForTheSmallestNumbers) {
   Scratch scratch;
   const Shape box = Shape::box({1, 1, 1});
@@ -325,8 +325,8 @@ TEST(SimplePairs, EdgesThatAreParallelButForTheSmallestNumbers) {
   }
 }
 
-// Matrices near rotations are accepted, and their departure widens the interval. A cylinder's axis
-// that was not of unit length once put a witness a radius off.
+// Matrices close to rotations are accepted, and their departure widens the interval. Regression: a
+// cylinder's axis that was not of unit length put a witness a radius off.
 TEST(SimplePairs, DeparturesFromRotationsAreInTheWidth) {
   Random random(99);
   Scratch scratch;

@@ -64,7 +64,7 @@ TEST(SweptDistance, ClaimsNoMoreThanAnyPlacementOnTheWayHas) {
   EXPECT_GT(contact, casesToAsk(100));
 }
 
-/// The hull of two placements of points is a hull of twice as many.
+/// The hull of two placements of points is a hull of twice the number of points.
 TEST(SweptDistance, IsTheDistanceOfTheHullOfBothPlacements) {
   Scratch scratch;
   Random random(5);

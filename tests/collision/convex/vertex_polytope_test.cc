@@ -23,7 +23,7 @@ namespace {
 using Eigen::Vector3d;
 using oracle::Random;
 
-// Round, flat-sided or thin; a third are boxes, with many facets in a plane.
+// Round, flat-sided or thin; a third are boxes, which have many facets in one plane.
 Shape anyBody(Random& random) {
   const Vector3d half(random.uniform(0.1, 1), random.uniform(0.1, 1),
                       random.chance(0.2) ? random.logUniform(1e-6, 0.1) : random.uniform(0.1, 1));
@@ -39,7 +39,7 @@ Shape anyBody(Random& random) {
   return Shape::convexHull(points);
 }
 
-// An overlapping pair as convexDistance() hands it to the polytope.
+// An overlapping pair, as convexDistance() passes it to the polytope.
 struct Overlap {
   Overlap(const testing::Pair& pair, const DistanceRequest& request)
       : a(viewOf(pair.a)),
@@ -51,7 +51,7 @@ struct Overlap {
     query.lower_offset = kSupportRounding * query.roundoff;
     query.upper_offset = -kSupportRounding * query.roundoff;
   }
-  // False when GJK finds no four points that hold the origin.
+  // False if GJK finds no four points that contain the origin.
   bool begin(Progress& progress) {
     const Vector3d towards = -relative.X_BA.translation.normalized();
     return runVertexGjk(difference, towards, nullptr, progress, simplex) == GjkEnd::kInside &&
@@ -65,7 +65,7 @@ struct Overlap {
   Simplex simplex;
 };
 
-// Some parallel, some barely in contact.
+// Some are parallel, some barely in contact.
 testing::Pair anyPair(Random& random, Scratch& scratch) {
   testing::Pair pair{anyBody(random), anyBody(random), {}, {}};
   pair.X_WA = {random.rotation(), random.direction()};

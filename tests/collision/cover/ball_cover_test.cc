@@ -53,7 +53,7 @@ TEST(BallCover, HoldsTheShapeAndIsHeldByIt) {
         if (!inside(cover.outer, p, 0.8)) ++lost;
       }
     }
-    // Surface points: nearest to points outside.
+    // Surface points: those nearest to points outside.
     for (int i = 0; i < 30; ++i) {
       const Eigen::Vector3d p = shape.boundingCenter() + random.direction() * size * 1.5;
       Pose X_GP;
@@ -78,7 +78,7 @@ TEST(BallCover, HoldsTheShapeAndIsHeldByIt) {
   EXPECT_GT(left, casesToAsk(100));
 }
 
-/// A small body in a large hollow of a closed mesh is inside its balls.
+/// A small body in a large cavity of a closed mesh is inside its balls.
 TEST(BallCover, HoldsWhatIsInsideAClosedMesh) {
   Random random(22);
   const Shape box = Shape::mesh(oracle::boxMesh({1, 0.7, 0.4}));

@@ -123,7 +123,7 @@ void expectSameCover(const BallCover& a, const BallCover& b) {
   }
 }
 
-// Queries of all kinds that read all of a mesh. Returns their answers' bytes.
+// Queries of all kinds, which read the whole mesh. Returns their answers' bytes.
 std::vector<double> answers(const std::shared_ptr<const TriangleMesh>& mesh, int poses) {
   const Shape shape = Shape::mesh(mesh);
   const std::vector<Shape> others = {Shape::sphere(0.1), Shape::box({0.2, 0.1, 0.05}),
@@ -170,7 +170,7 @@ TEST(MeshBytes, AreTheSameForTheSameMesh) {
             makeMeshAndBytes(soup.vertices, soup.triangles).bytes);
 }
 
-// Large meshes are built by several threads where there are cores for them.
+// Large meshes are built by several threads if there are enough cores.
 TEST(MeshBytes, AreTheSameForAnyNumberOfThreads) {
   cpu_set_t all, one;
   ASSERT_EQ(sched_getaffinity(0, sizeof(all), &all), 0);
@@ -204,7 +204,8 @@ TEST(MeshBytes, AreRefusedWhenTruncatedOrExtended) {
   EXPECT_EQ(meshFromBytes(bytes), nullptr);
 }
 
-// What a checksum would have told must not lead a query out of its arrays: run it with sanitizers.
+// Damage that a checksum would detect must not lead a query out of its arrays; run this test with
+// sanitizers.
 TEST(MeshBytes, OfAnyKindNeverLeadQueriesAstray) {
   Random random(17);
   int refused = 0, taken = 0;
@@ -227,7 +228,7 @@ TEST(MeshBytes, OfAnyKindNeverLeadQueriesAstray) {
   EXPECT_GT(taken, 100);
 }
 
-// Every number of the file in turn, made extreme.
+// Replaces every number of the file in turn by an extreme one.
 TEST(MeshBytes, WithExtremeNumbersNeverLeadQueriesAstray) {
   Random random(23);
   const std::vector<std::byte> bytes = made(*meshes()[3].mesh).bytes;

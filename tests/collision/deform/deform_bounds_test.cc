@@ -76,7 +76,7 @@ void checkDisplacement(const VertexMotion& motion, const NodeBounds& bounds, con
       for (const std::int32_t v : tree.vertices(node, lane)) {
         const auto i = static_cast<std::size_t>(v);
         for (int k = 0; k < 3; ++k) {
-          // The old box, moved and grown by the displacement, holds the vertex.
+          // The old box, moved and grown by the displacement, contains the vertex.
           ASSERT_LE(before[i][k] + double(box.low[k][lane]), after[i][k])
               << what << " node " << node << " lane " << lane << " vertex " << v;
           ASSERT_GE(before[i][k] + double(box.high[k][lane]), after[i][k])
@@ -286,8 +286,8 @@ double separation(const ProbedBox& body, const Vector3d& vertex) {
   return (deepest > 0 ? outside.cwiseMax(0.0).norm() : deepest) - body.radius;
 }
 
-// What 18-DOPs and balls prove holds for every vertex below, for any weights, and exceeds what
-// boxes prove where it should.
+// Bounds of 18-DOPs and balls hold for every vertex below, for any weights, and exceed the bounds
+// of boxes where they should.
 TEST(DeformBounds, VolumesProveWhatHoldsForTheVerticesOfEveryNode) {
   for (const DeformVolume volume : {DeformVolume::kDop, DeformVolume::kBall}) {
     int kinds = 0;

@@ -128,7 +128,7 @@ std::vector<float> results() {
                 kernels.allBranches(tree, mesh.vertices.data(), room.data(), in_order.data()));
       Vector3d low, high;
       all.push_back(kernels.bound(mesh.vertices.data(), mesh.count(), 1e15, low, high) ? 1 : 0);
-      // A refused update leaves the rest undefined.
+      // A rejected update leaves the rest undefined.
       if (spoilt != 0) continue;
       for (int k = 0; k < 3; ++k) {
         all.push_back(static_cast<float>(low[k]));
@@ -205,7 +205,8 @@ TEST(DeformKernels, AreTheSameBytes) {
   EXPECT_GE(onEveryTarget([&](const char* target) {
               const std::vector<float> other = results();
               ASSERT_EQ(best.size(), other.size());
-              // Of the emulated target alone: its demotion of infinity ends at the largest float.
+              // Applies only to the emulated target, whose demotion of infinity gives the largest
+              // float.
               const bool is_emulated = std::string_view(target) == "EMU128";
               const auto finite = [is_emulated](float x) {
                 constexpr float kMost = std::numeric_limits<float>::max();
@@ -276,7 +277,7 @@ TEST(DeformKernels, BoxesAreTheVertices) {
       mixed += leaves > 0 && nodes > 0;
       full += vertices == 3 * DeformTree::kLeafTriangles * kWidth;
     }
-    // A non-finite vertex is found at any place.
+    // A non-finite vertex is detected at any place.
     for (int i = 0; i < 20; ++i) {
       const int last = static_cast<int>(mesh.count()) - 1;
       const int which = i == 0 ? 0 : i == 1 ? last : random.below(last);
@@ -291,8 +292,8 @@ TEST(DeformKernels, BoxesAreTheVertices) {
   EXPECT_GT(full, 0);
 }
 
-/// No triangle below a child is nearer than the child's bound, none of a leaf nearer than its own;
-/// children above the bar are closed, all others open.
+/// No triangle below a child is closer than the child's bound, and none of a leaf is closer than
+/// the leaf's bound; children above the bar are closed, all others open.
 TEST(DeformKernels, BoundsHold) {
   const DeformKernels& kernels = deformKernels();
   Random random(83);

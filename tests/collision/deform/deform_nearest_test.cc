@@ -122,7 +122,7 @@ TEST(DeformNearest, IsBruteForces) {
       ++apart;
       ASSERT_LE(found.upper - lower, 1.001e-9) << toString(cases.snapshot->strategy());
       ASSERT_NEAR(found.way.norm(), found.upper, 1e-12);
-      // Found again from any start; not searched for out of reach.
+      // Found again from any start; not found if it is out of reach.
       NearestSearch again = c.search;
       again.first = found.slot;
       ASSERT_NEAR(cases.find(again).upper, found.upper, 1e-9);
@@ -150,9 +150,9 @@ TEST(DeformNearest, IsBruteForces) {
   EXPECT_GT(crossing, 0);
 }
 
-// Triangles that share the nearest vertex or edge are equally near but for rounding. The chosen one
-// must depend neither on nodes that the thread already filled, and so closes earlier, nor on the
-// start: threads with different pasts agree.
+// Triangles that share the nearest vertex or edge are equally near up to rounding. The chosen one
+// must depend neither on nodes that the thread has already filled, and so closes earlier, nor on
+// the start: threads with different histories must agree.
 TEST(DeformNearest, UpperEndsDoNotDependOnThePast) {
   int searches = 0;
   for (Cases& cases : allCases(false)) {
@@ -169,7 +169,7 @@ TEST(DeformNearest, UpperEndsDoNotDependOnThePast) {
   EXPECT_GT(searches, 100);
 }
 
-// With an early exit, other results must not depend on the past either: filled nodes are handled
+// With an early exit, other results must not depend on the history either: filled nodes are handled
 // like unfilled ones.
 TEST(DeformNearest, NodesThatAreFilledDoNotShow) {
   const auto numbersOf = [](const NearestFound& f) {
@@ -204,7 +204,7 @@ TEST(DeformNearest, NodesThatAreFilledDoNotShow) {
   EXPECT_GT(filled, 100);
 }
 
-// The depth search starts from the triangle found. Regression: a near-enough triangle ends the
+// The depth search starts from the triangle found. Regression: a near-enough triangle ended the
 // search, and which one came first depended on filled nodes in 1 or 2 of 5,000 overlaps.
 TEST(DeformNearest, DepthsDoNotDependOnThePast) {
   Random random(24);
@@ -239,8 +239,8 @@ TEST(DeformNearest, DepthsDoNotDependOnThePast) {
   }
 }
 
-// Balls that a first search leaves open are searched again under the same limit: every node of a
-// lazy hierarchy that is visited is filled.
+// Balls that a first search leaves open are searched again under the same limit: every visited node
+// of a lazy hierarchy is filled.
 TEST(DeformNearest, LimitsHoldForBothSearches) {
   Random random(26);
   const Sheet sheet = testing::cloth(40);  // open: an inside would be queried as well

@@ -111,7 +111,7 @@ class Pieces {
   std::vector<std::optional<Shape>> pieces_;
 };
 
-/// Every piece against every piece, pruned by bounding balls.
+/// Compares every piece with every piece, pruned by bounding balls.
 Interval bruteSurfaces(Pieces& a, const Pose& X_WA, Pieces& b, const Pose& X_WB, Scratch& scratch) {
   const Pose X_AB = X_WA.inverse() * X_WB;
   std::vector<Vector3d> centers;

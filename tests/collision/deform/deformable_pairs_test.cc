@@ -126,7 +126,7 @@ TEST(DeformablePairs, OverlapsAreEnclosed) {
       ASSERT_GE(r.distance.upper, outer);
       if (r.distance.upper < 0) {
         ++deep;
-        // The lower end's promise: moved by that much along the normal, they are apart.
+        // The guarantee of the lower end: moved by that length along the normal, they are apart.
         if (!(r.distance.lower > -kInfinity)) continue;
         Pose moved;
         moved.translation = (-r.distance.lower + 1e-6) * r.normal;
@@ -160,8 +160,8 @@ TEST(DeformablePairs, AHalfSpaceKnowsTheDepthOfTheLowestVertex) {
   }
 }
 
-// Regression: the infinite extent of a half-space counted as rounding, and all 7,200 triangles, of
-// rigid meshes, too, were looked at.
+// Regression: the infinite extent of a half-space counted as rounding, and all 7,200 triangles were
+// tested, also those of rigid meshes.
 TEST(DeformablePairs, AHalfSpaceIsComparedWithFewTriangles) {
   const Sheet sheet = testing::cloth(60);
   const auto vertices = testing::waved(sheet.vertices, 0.3, 2);
@@ -213,7 +213,7 @@ TEST(DeformablePairs, SweepsClaimNoMoreThanAnyPlacementOnTheWayHas) {
         ASSERT_LE(r.distance.lower, at.distance.upper - growth + 1e-9)
             << toString(strategy) << i << toString(body.type());
       }
-      // Without a threshold the claim is as tight as the placements allow.
+      // If there is no threshold, the claim is as tight as the placements allow.
       if (request.threshold != request.threshold && r.distance.lower > 0)
         tight += r.distance.lower > least - growth - 0.05;
     }
@@ -222,8 +222,8 @@ TEST(DeformablePairs, SweepsClaimNoMoreThanAnyPlacementOnTheWayHas) {
   EXPECT_GT(tight, 30);
 }
 
-// Each triangle descends the rigid mesh's own hierarchy. All share one limit: the work counted
-// stays near that of as many pairs.
+// Each triangle descends the rigid mesh's own hierarchy. All share one limit: the counted work
+// stays close to that number of pairs.
 TEST(DeformablePairs, NodesOfRigidMeshesCountTowardsTheLimit) {
   Random random(27);
   const Sheet sheet = testing::cloth(16);
@@ -296,8 +296,8 @@ TEST(DeformablePairs, SelfDistanceAsByBruteForce) {
   EXPECT_GT(crossing, 10 / testing::kFrameStep);
 }
 
-// In the notch of an L its hull is 0.47 away. Regression: with a loose tolerance, met before any
-// triangle of the L was visited, the hull's witness points, 0.019 apart, were returned.
+// In the notch of an L, its hull is 0.47 away. Regression: with a loose tolerance, which was met
+// before any triangle of the L was visited, the hull's witness points, 0.019 apart, were returned.
 TEST(DeformablePairs, WitnessesAreOfTheMeshAndNotOfItsHull) {
   const Shape ell = Shape::mesh(oracle::ellMesh(1));
   const Vector3d vertices[] = {{0.68, 0.68, 0}, {0.69, 0.68, 0.01}, {0.68, 0.69, -0.01}};

@@ -150,8 +150,8 @@ TEST(DeformableQuery, RigidShapesAgainstEveryStrategyAsByBruteForce) {
   EXPECT_GT(inside, 10 / testing::kFrameStep);
 }
 
-// Boxes are in single precision, whose squares lose digits below 1e-19; vertices may come that near
-// to each other. Regression: lower ends exceeded the truth by a factor of 1.2 at 2.9e-23.
+// Boxes are in single precision, whose squares lose digits below 1e-19, and vertices may come that
+// close to each other. Regression: lower ends exceeded the truth by a factor of 1.2 at 2.9e-23.
 TEST(DeformableQuery, DistancesWhoseSquaresLeaveTheRangeOfSingles) {
   const Sheet sheet = testing::cloth(4);
   Random random(13);
@@ -216,9 +216,9 @@ TEST(DeformableQuery, CapsulesAsLongAsThereAre) {
   }
 }
 
-// The caller vouched for a non-finite corner. Wherever its triangles are visited, nothing may be
-// reported free: triangle boxes omit NaN, and the box of all vertices is the previous frame's.
-// Regression: both were trusted.
+// The caller guaranteed a corner that is not finite. Wherever its triangles are visited, nothing
+// may be reported free: triangle boxes omit NaN, and the box of all vertices is the previous
+// frame's. Regression: both were trusted.
 TEST(DeformableQuery, ACornerThatIsNotFiniteIsNearerThanAll) {
   constexpr int kRuns = kSanitized ? 9 : 30;
   Sheet sheet = testing::cloth(40);
@@ -265,8 +265,8 @@ TEST(DeformableQuery, ACornerThatIsNotFiniteIsNearerThanAll) {
   EXPECT_GT(3 * looks, kRuns);
 }
 
-// Whichever corner is NaN, on every instruction set. Regression: minima dropped it, or all before
-// it.
+// Any corner may be NaN, on every instruction set. Regression: minima dropped it, or everything
+// before it.
 TEST(DeformableQuery, BoundsOfATriangleWithoutACornerSayNothing) {
   const std::vector<std::array<std::int32_t, 3>> triangles = {{0, 1, 2}};
   const std::vector<Vector3d> rest = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};

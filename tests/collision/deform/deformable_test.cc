@@ -123,7 +123,7 @@ TEST(Deformable, RefusesOptionsThatMakeNoSense) {
   EXPECT_NO_THROW(Deformable(mesh, nullptr, least));
 }
 
-/// The first snapshot is refitted with every option: its vertices may not be the motion's.
+/// The first snapshot is refitted with every option, because its vertices may not be the motion's.
 TEST(Deformable, TheFirstSnapshotIsRefitted) {
   const Sheet sheet = testing::cloth(4);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
@@ -196,7 +196,7 @@ TEST(Deformable, UpdatesAndQueriesAllocateNothingInSteadyState) {
     Deformable deformable(mesh, nullptr, options);
     Scratch scratch;
     PairCache cache;
-    std::shared_ptr<const DeformableSnapshot> held;  // as a planner's thread would
+    std::shared_ptr<const DeformableSnapshot> held;  // like a planner's thread
     const Shape ball = Shape::sphere(0.1), box = Shape::box({0.1, 0.2, 0.3});
     for (int frame = 0; frame < 8; ++frame) {
       const auto vertices = testing::waved(sheet.vertices, 0.2, frame);
@@ -369,7 +369,7 @@ TEST(Deformable, AMotionIsFollowedByItsOwnBounds) {
   EXPECT_GT(deformable.snapshot()->high().z(), 1);
 }
 
-// Motion bounds are memory too: 64 bytes and more a node for each axis of a morph target.
+// Motion bounds are memory, too: at least 64 bytes for each node and each axis of a morph target.
 TEST(Deformable, BytesCountBoundsFromTheMotion) {
   const Sheet sheet = testing::cloth(10);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
@@ -388,8 +388,8 @@ TEST(Deformable, BytesCountBoundsFromTheMotion) {
   EXPECT_GT(four, two + 1000);
 }
 
-// Boxes from modes (waves included) and bones are looser than boxes of vertices but need no vertex:
-// they pay while queries are few. Boxes from morph targets are tight.
+// Boxes from modes (waves included) and bones are looser than boxes of vertices but need no vertex,
+// so they are worthwhile while queries are few. Boxes from morph targets are tight.
 TEST(Deformable, LooserBoxesOfAMotionAreTakenWhereQueriesAreFew) {
   int kinds = 0;
   for (const motion_cases::MotionCase& c : motion_cases::allMotions(10, 9)) {
@@ -415,7 +415,8 @@ TEST(Deformable, LooserBoxesOfAMotionAreTakenWhereQueriesAreFew) {
   EXPECT_GE(kinds, 4);
 }
 
-// A rebuild must earn its cost and that of later updates: without many queries it does not.
+// A rebuild must save more than its cost and that of later updates; without many queries it does
+// not.
 TEST(Deformable, ADecayedHierarchyIsBuiltAnewForMany) {
   const Sheet sheet = testing::cloth(24);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
@@ -514,7 +515,7 @@ TEST(Deformable, ADecayedHierarchyWithoutBranchesIsBuiltAnew) {
 }
 
 // When `auto` decides to rebuild, most branches were not read in that frame. A non-finite vertex
-// there, against the caller's word, must not reach the builder; the hierarchy is kept.
+// there, which violates the caller's guarantee, must not reach the builder; the hierarchy is kept.
 TEST(Deformable, ARebuildOfWhatWasNotReadLooksAtItFirst) {
   const int frame = frameBuiltAnew(40, 20, 1 << 30);
   ASSERT_GT(frame, 1);
@@ -567,7 +568,7 @@ TEST(Deformable, BranchesThatAreReadInTurnsHoldTheirVertices) {
   std::vector<Vector3d> before(sheet.vertices);
   int few = 0;
   for (int frame = 0; frame < 200; ++frame) {
-    // Fast, slow, at rest, and by as much as the mesh's size.
+    // Fast, slow, at rest, and by a distance of the mesh's size.
     const double phase = frame < 60 ? 0.02 * frame : frame < 120 ? 1.2 + 1e-3 * frame : 1.32;
     const auto vertices = testing::waved(sheet.vertices, 0.3,
                                          frame == 150   ? 7

@@ -389,7 +389,7 @@ TEST(VertexMotion, KeysAsCloseAsCanBeHaveNoBounds) {
   }
 }
 
-// Also for amplitude 0 with an overflowing argument.
+// This includes amplitude 0 with an overflowing argument.
 TEST(VertexMotion, RoundingIsANumber) {
   ReducedMotion reduced;
   reduced.rest = motion_cases::cloth(4).vertices;
@@ -431,7 +431,7 @@ TEST(VertexMotion, BytesArePinned) {
   EXPECT_EQ(hash, 12270162725919744254u);
 }
 
-/// The message of the refusal.
+/// The message of the exception.
 template <class Make>
 std::string refusal(Make make) {
   try {

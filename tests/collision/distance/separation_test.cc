@@ -211,7 +211,8 @@ TEST(Separation, BetweenWalls) {
   left.translation.x() = -0.19;
   right.translation.x() = 0.19;
   c.obstacles = {{&wall, left}, {&wall, right}};
-  // The gap is too narrow: exits beside the walls, past their ends in z, or over a wall in x.
+  // The gap is too narrow. The exits are next to the walls, past their ends in z, or over a wall in
+  // x.
   SeparationRequest request;
   SeparationResult r = separation(c.body, c.obstacles, request, scratch);
   expectSound(c, request, r, scratch, "two walls");

@@ -21,7 +21,7 @@ struct Chain {
   std::vector<double> lengths;
 };
 
-/// A turn that maps axes to axes, but for rounding.
+/// A rotation that maps axes to axes up to rounding.
 Eigen::Matrix3f axesToAxes(Random& random) {
   Eigen::Matrix3f rotation = Eigen::Matrix3f::Zero();
   const int first = random.below(3), second = (first + 1 + random.below(2)) % 3;
@@ -141,7 +141,7 @@ TEST(LaneFrames, FindAxesWhereTheyMapToAxes) {
   const auto axesOf = [](const Eigen::Matrix3f& rotation) {
     FrameStep step;
     std::copy(rotation.data(), rotation.data() + 9, step.rotation);
-    std::fill_n(step.axis, 3, std::int8_t{2});  // of what it was before
+    std::fill_n(step.axis, 3, std::int8_t{2});  // old values
     findAxes(step);
     return std::vector<int>(step.axis, step.axis + 3);
   };

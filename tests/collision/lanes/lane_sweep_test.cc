@@ -85,13 +85,13 @@ struct Passing {
 
   Passing(const PointCover& points, const Shape& box, const Pose& X_WB)
       : Passing(LaneSweep(), pieceOf(points), box, X_WB) {}
-  /// From a sweep that may have had pieces and obstacles before.
+  /// From a sweep that may already have pieces and obstacles.
   Passing(LaneSweep begun, const LaneSweep::Piece& piece, const Shape& box, const Pose& X_WB)
       : sweep(std::move(begun)) {
     const int added = sweep.addPiece(piece);
     finish(added, box, X_WB);
   }
-  /// Of a copy of a sweep that has the piece.
+  /// Copies a sweep that has the piece.
   Passing(const LaneSweep& begun, int piece, const Shape& box, const Pose& X_WB) : sweep(begun) {
     finish(piece, box, X_WB);
   }
@@ -175,7 +175,7 @@ TEST(LaneSweep, ClustersLeaveOutNothingThatCounts) {
   EXPECT_GT(some, runs / 5);
 }
 
-// A NaN frame is apart from nothing, whatever an instruction set makes of min(NaN, x), and
+// A NaN frame is apart from nothing, whatever an instruction set returns for min(NaN, x), and
 // regardless of cached runs.
 TEST(LaneSweep, LanesThatAreNoNumbersStayOpen) {
   Random random(6);

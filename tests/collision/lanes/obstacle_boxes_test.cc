@@ -41,7 +41,7 @@ std::vector<std::int32_t> near(const ObstacleBoxes& boxes, const Box& box) {
   return found;
 }
 
-// The tree against a list, for counts about the widths of its nodes; some boxes are large,
+// The tree against a list, for counts around the widths of its nodes; some boxes are large,
 // unbounded or all in one place.
 TEST(ObstacleBoxes, FindsWhatAListFinds) {
   Random random(7);
@@ -55,7 +55,7 @@ TEST(ObstacleBoxes, FindsWhatAListFinds) {
       }
       const ObstacleBoxes boxes(all);
       ASSERT_EQ(boxes.slots() % ObstacleBoxes::kWidth, 0U);
-      // And where some came later.
+      // Also if some boxes were added later.
       const std::size_t first = all.size() / 3;
       const ObstacleBoxes both(
           std::span<const Box>(all).subspan(first),
@@ -105,7 +105,7 @@ TEST(ObstacleBoxes, NanMeetsEverything) {
   EXPECT_EQ(near(ObstacleBoxes(all), nan).size(), all.size());
 }
 
-// Few boxes are one list, and a level has a sixteenth of the one below.
+// A few boxes are one list, and a level has a sixteenth of the one below.
 TEST(ObstacleBoxes, LevelsAreAsFewAsCanBe) {
   Random random(9);
   const auto levels = [&](int count) {

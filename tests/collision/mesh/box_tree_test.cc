@@ -90,7 +90,8 @@ TEST(BoxGaps, AlongADirectionAreBelowTheDistanceToo) {
       setLane(node, lane, randomBox(random, reach, 1));
     const Shape of_query = hullOf(query);
     const DistanceResult first = distance(of_query, {}, hullOf(node.box(0)), {}, {}, scratch);
-    // A random one, too: any direction must do. As long as rotations may be, see box_gaps_simd.cc.
+    // Also a random one, because any direction must be valid; as long as rotations may be, see
+    // box_gaps_simd.cc.
     const bool parts = i % 2 == 0 && first.distance.lower > 1e-3;
     const Vector3d direction = (1 + 1e-6) * (parts ? first.normal : random.direction());
     float gap[BoxNode::kWidth], plain[BoxNode::kWidth];
@@ -106,7 +107,7 @@ TEST(BoxGaps, AlongADirectionAreBelowTheDistanceToo) {
       EXPECT_GE(gap[lane], plain[lane]);
       larger += gap[lane] > plain[lane] ? 1 : 0;
     }
-    // Along the line of the nearest points nothing is lost but rounding.
+    // Along the line of the nearest points only rounding is lost.
     if (!parts) continue;
     ++exact;
     EXPECT_NEAR(static_cast<double>(gap[0]), first.distance.lower, 1e-4 * (1 + reach));

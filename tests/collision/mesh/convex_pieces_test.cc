@@ -1,4 +1,4 @@
-// Convex pieces of closed meshes: what they claim of the solid, and queries with them against the
+// Convex pieces of closed meshes: their claims about the solid, and queries with them against the
 // same meshes without.
 
 #include "collision/mesh/convex_pieces.h"
@@ -157,7 +157,8 @@ std::vector<Case> concaveSolids(std::uint64_t seed) {
                                           {0.2, 0.2}, {0.2, 0.9}, {0, 0.9}},
                                      u = {{0, 0},     {0.9, 0},   {0.9, 0.8}, {0.7, 0.8},
                                           {0.7, 0.2}, {0.2, 0.2}, {0.2, 0.7}, {0, 0.7}};
-  // Decomposing is two hundred times slower under sanitizers: smaller solids of every kind.
+  // Decomposing is two hundred times slower under sanitizers, so they use smaller solids of every
+  // kind.
   const auto count = [](int plain, int sanitized) { return kSanitized ? sanitized : plain; };
   const TriangleSoup bar = dumbbell(count(24, 14), count(14, 8)), wheel = gear(9, count(6, 4));
   std::vector<Case> cases;
@@ -177,7 +178,7 @@ std::vector<Case> concaveSolids(std::uint64_t seed) {
   cases.push_back({"torus", torusSoup(count(16, 10), count(24, 20), 0.6, 0.2, 0, random), true});
   cases.push_back({"bumpy torus", torusSoup(count(14, 10), 10, 0.6, 0.2, 0.2, random), false});
   cases.push_back({"bumpy ball", ballSoup(count(12, 8), count(16, 10), 0.5, 0.3, random), false});
-  // Two touching solids with a hollow between them.
+  // Two touching solids with a cavity between them.
   TriangleSoup two = dumbbell(count(20, 14), count(10, 8));
   append(two, prism(l, 0.3, 4), random.pose(0.2));
   cases.push_back({"two solids", two, true});
@@ -200,7 +201,7 @@ bool isInside(const TriangleMesh& mesh, const Vector3d& p) {
   return false;
 }
 
-// Patches lie in their hulls, hulls in the solid up to the excess.
+// Patches lie in their hulls, and hulls in the solid up to the excess.
 void expectHeld(const std::string& name, const TriangleMesh& mesh, Random& random,
                 int points_a_piece) {
   const ConvexPieces pieces = convexPieces(mesh);
@@ -296,8 +297,8 @@ TriangleSoup smallConvex(int kind, const Pose& X) {
   return placed;
 }
 
-// Components that are convex are pieces, however few triangles they have. Regression: a box mesh
-// was not, and its depth in a cylinder stayed 4 % wide.
+// Convex components are pieces, however few triangles they have. Regression: a box mesh was not,
+// and its depth in a cylinder stayed 4 % wide.
 TEST(ConvexPieces, ConvexComponentsAreWhole) {
   Random random(90);
   for (const int count : {1, 2, 5, 40}) {
@@ -317,7 +318,7 @@ TEST(ConvexPieces, ConvexComponentsAreWhole) {
       expectHeld("convex", *mesh, random, casesToAsk(20));
     }
   }
-  // The same beside a component that is not convex.
+  // The same with another component that is not convex.
   TriangleSoup mixed = torusSoup(20, 10, 1, 0.3, 0.2, random);
   EXPECT_EQ(TriangleMesh::make(mixed.vertices, mixed.triangles)->pieces().use,
             PieceSummary::Use::kConcave);
@@ -389,7 +390,7 @@ TEST(ConvexPieces, ACylinderInABoxOfTwelveTriangles) {
               cylinder = Shape::cylinder(0.1, 0.2);
   Pose X;
   X.translation = {0.3, 0.1, 0.05};
-  // Out along x: the cylinder's radius and what the box's face is away.
+  // The exit along x: the cylinder's radius plus the distance of the box's face.
   const DistanceResult r = distance(box, {}, cylinder, X);
   EXPECT_EQ(r.status, DistanceStatus::kConverged);
   EXPECT_NEAR(r.distance.lower, -0.3, 1e-12);
@@ -446,7 +447,7 @@ void expectManyOfBoth(const Tally& tally) {
   EXPECT_LE(tally.shallower, 1 + tally.overlap / 10);
 }
 
-// Both answers hold the truth: they agree, and both decide pairs that are apart.
+// Both answers contain the truth: they agree, and both decide pairs that are apart.
 void compare(const Twins& a, const Pose& X_WA, const Twins& b, const Pose& X_WB, Scratch& scratch,
              Random& random, PairCache* cache, Tally& tally) {
   std::ostringstream text;
@@ -492,7 +493,7 @@ void compare(const Twins& a, const Pose& X_WA, const Twins& b, const Pose& X_WB,
     request.depth = random.below(2) != 0;
     const DistanceResult t = distance(a.pieces, X_WA, b.pieces, X_WB, request, scratch, cache);
     unsafe(t, "threshold");
-    // Near contact, a negative threshold asks for a depth.
+    // Near contact, a negative threshold requires a depth.
     const bool told = request.depth || threshold >= 0 || soup.distance.lower > 1e-8;
     if (apart && told && std::abs(threshold - soup.distance.upper) > 1.5e-9) {
       EXPECT_EQ(t.status, threshold < soup.distance.upper ? DistanceStatus::kAboveThreshold
@@ -553,8 +554,8 @@ TEST(ConvexPieces, AnswerAsTheTrianglesDo) {
   Tally tally;
   std::vector<Twins> solids;
   for (const Case& c : concaveSolids(84)) solids.push_back(twins(c.name, c.soup));
-  // Every solid with every other in each kind of placement; where expensive, with two of them,
-  // kinds by turns.
+  // Every solid with every other in each kind of placement. If that is expensive, with two of them,
+  // and with one kind at a time in turn.
   const std::size_t n = solids.size(), partners = kSanitized ? 2 : n;
   int kind = 0;
   for (std::size_t i = 0; i < n; ++i) {

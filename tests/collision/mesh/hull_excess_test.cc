@@ -49,7 +49,7 @@ TEST(TriangleMesh, HullExcessIsAnUpperBound) {
   }
 }
 
-// Regression: found to within 1e-7 m, over a tenth of a mesh of half a micrometre.
+// Regression: found only to within 1e-7 m, over a tenth of a mesh of half a micrometre.
 TEST(TriangleMesh, HullExcessFollowsTheSize) {
   Random random(5);
   for (const TriangleSoup& soup : {ballSoup(6, 8, 0.4, 0, random), ballSoup(6, 8, 0.4, 0.1, random),

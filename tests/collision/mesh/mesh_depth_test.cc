@@ -1,5 +1,5 @@
-// Depth of concave bodies: neither end exceeds what a search over all directions finds, and both
-// are near it.
+// Depth of concave bodies: neither end contradicts a search over all directions, and both are close
+// to it.
 
 #include <gtest/gtest.h>
 
@@ -87,7 +87,7 @@ Deformable deformableOf(const TriangleMesh& mesh, DeformStrategy strategy) {
 
 // The twin uses rigid meshes of the same triangles.
 TEST(MeshDepth, OfDeformingSolidsIsEnclosedByTheSameSearch) {
-  // Without a hierarchy fewer points are examined.
+  // Strategies without a hierarchy examine fewer points.
   constexpr DeformStrategy kStrategies[] = {DeformStrategy::kOctree, DeformStrategy::kRefit,
                                             DeformStrategy::kHybrid, DeformStrategy::kLazy};
   Random random(72);
@@ -122,7 +122,7 @@ TEST(MeshDepth, OfDeformingSolidsIsEnclosedByTheSameSearch) {
       Pose moved = X_WB;
       moved.translation += (1e-9 - r.distance.lower) * r.normal;
       EXPECT_GT(distance(rigid_a, X_WA, rigid_b, moved, {}, scratch).distance.lower, 0) << names;
-      // A limit costs width, never truth.
+      // A limit costs width, but the interval stays valid.
       for (const int nodes : {1, 20, 400}) {
         request.node_limit = nodes;
         const DistanceResult limited = distance(a, X_WA, b, X_WB, request, scratch);
@@ -212,7 +212,7 @@ TEST(MeshDepth, OfSmallBodiesIsThatOfLargeOnes) {
   EXPECT_GT(overlaps, casesToAsk(20) / 2);
 }
 
-// Of convex solids the deepest balls touch where the shapes separate: they yield the exact depth.
+// The deepest balls of convex solids touch where the shapes separate, so they give the exact depth.
 TEST(MeshDepth, ByConcentricBallsIsExactForBoxes) {
   Scratch scratch;
   const Shape a = Shape::mesh(named("box", boxSoup({0.5, 0.4, 0.3})).mesh),

@@ -109,7 +109,7 @@ void compare(const Bodies& a, const Pose& X_WA, const Bodies& b, const Pose& X_W
   const bool contained = surfaces.lower > 1e-9 && (bruteHolds(a.shape, X_WA, b.shape, X_WB) ||
                                                    bruteHolds(b.shape, X_WB, a.shape, X_WA));
   const bool apart = surfaces.lower > 1e-9 && !contained;
-  // Upper bound on the truth.
+  // Upper bound on the exact value.
   const double highest = apart ? surfaces.upper : contained ? -surfaces.lower : surfaces.upper;
   tally.apart += apart ? 1 : 0;
   tally.contained += contained ? 1 : 0;
@@ -231,7 +231,7 @@ TEST(MeshDistance, BetweenMeshes) {
   Tally tally;
   Random random(22);
   const auto meshes = sampleMeshes(22);
-  const int step = kSanitized ? 3 : 1;  // one kind of placement for each pair, by turns
+  const int step = kSanitized ? 3 : 1;  // one kind of placement for each pair, in turn
   int kind = 0;
   for (const NamedMesh& m : meshes) {
     for (const NamedMesh& n : meshes) {

@@ -21,8 +21,8 @@ FittedBox fitted(const std::vector<Vector3d>& corners) {
   return fit.fit();
 }
 
-/// Against plain projections: the box holds all corners, touches them, and is no larger than the
-/// one along the coordinate axes.
+/// Against plain projections: the box contains all corners, touches them, and is not larger than
+/// the one along the coordinate axes.
 TEST(ObbFit, HoldsAndTouchesTheCorners) {
   Random random(61);
   for (int i = 0; i < 500; ++i) {

@@ -20,8 +20,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A convex solid with its facets as polygons. Its coordinates are whole numbers: whether a point is
-// in it is decided by its planes without rounding that matters.
+// A convex solid with its facets as polygons. Its coordinates are whole numbers, so its planes
+// decide whether a point is inside, without rounding that matters.
 struct Solid {
   std::vector<Vector3d> corners;
   std::vector<std::vector<int>> facets;  // counter-clockwise from outside
@@ -61,9 +61,9 @@ Solid randomSolid(Random& random) {
   return random.below(3) == 0 ? prism(low, high) : box(low, high);
 }
 
-// A facet of a solid, sometimes with a corner within one of its edges: a T-junction, since the
-// facet across the edge does not have it. Halves and quarters of whole numbers lie exactly on the
-// edge.
+// A facet of a solid, sometimes with a corner within one of its edges. This is a T-junction,
+// because the facet across the edge does not have it. Halves and quarters of whole numbers lie
+// exactly on the edge.
 std::vector<Vector3d> polygonOf(const Solid& solid, const std::vector<int>& facet, Random& random) {
   std::vector<Vector3d> polygon;
   const std::size_t n = facet.size();
@@ -101,7 +101,7 @@ struct Union {
 };
 
 // Up to six solids on a lattice: they touch, overlap and share corners, edges and facets. Some are
-// turned inside out, some facets are turned, and some are there twice, cut in two ways.
+// turned inside out, some facets are turned, and some occur twice, cut in two ways.
 Union randomUnion(Random& random) {
   Union result;
   for (int k = 1 + random.below(6); k > 0; --k) {
@@ -128,7 +128,7 @@ bool isInside(const TriangleMesh& mesh, const Vector3d& p) {
   return false;
 }
 
-// Points of many unions, and how many answers were wrong.
+// Points of many unions, and the number of wrong answers.
 struct Count {
   int asked = 0, inside = 0, wrong = 0;
 
@@ -162,7 +162,7 @@ TEST(SolidParts, UnionsOfTouchingTurnedAndDoubledSolidsHaveTheirInside) {
   EXPECT_GT(shared, unions / 10);  // facets that several solids share
 }
 
-// Files carry noise: each corner of each triangle is rounded for itself, and turned solids meet in
+// Files have noise: each corner of each triangle is rounded separately, and turned solids meet in
 // T-junctions that are not exact.
 TEST(SolidParts, WeldClosesWhatNoiseHasOpened) {
   constexpr double kNoise = 1e-7, kWeld = 1e-6;
@@ -183,7 +183,7 @@ TEST(SolidParts, WeldClosesWhatNoiseHasOpened) {
     ASSERT_EQ(mesh->openEdgeCount(), 0U) << "union " << i;
     for (int k = 0; k < 100; ++k) {
       const Vector3d p = randomPoint(random);
-      // A point so near to a facet may be on either side of it.
+      // A point this close to a facet may be on either side of it.
       const bool is_near = std::any_of(u.solids.begin(), u.solids.end(), [&](const Solid& s) {
         return s.holds(p + 1e-5 * random.direction()) != s.holds(p - 1e-5 * random.direction());
       });

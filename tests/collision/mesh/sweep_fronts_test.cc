@@ -29,15 +29,16 @@ struct Passing {
   Pose X0, X1;
   std::string what;
   PairCache cache{}, cache_without{};
-  bool ended = false;  // a part was not proven free: one body may be inside the other from there on
+  bool ended = false;  // a part was not proven free, so one body may be inside the other from there
+                       // on
 };
 
 struct Counts {
   int free = 0, not_free = 0, unsafe = 0, gained = 0, lost = 0;
 };
 
-/// Sweeps one part with kept fronts and with a scratch without; a free verdict is checked against
-/// distances on the way.
+/// Sweeps one part with stored fronts and with a scratch without them; a free verdict is checked
+/// against distances on the way.
 void checkPart(Passing& p, int part, Scratch& scratch, Scratch& without, Counts& counts) {
   const ScrewMotion motion(p.X0, p.X1);
   const FrameMotionBound bound = motion.bound(0, 1);
@@ -98,7 +99,7 @@ std::vector<Passing> passings(std::uint64_t seed, bool reduced = kSanitized) {
   return result;
 }
 
-/// Fronts prove equal results with less work, for one pair and for several by turns.
+/// Fronts prove the same results with less work, for one pair and for several pairs in turn.
 TEST(SweepFronts, ProveTheSameForLess) {
   Counts counts;
   Scratch scratch, without;
@@ -126,7 +127,7 @@ TEST(SweepFronts, ProveTheSameForLess) {
   EXPECT_LT(work.done, work_without.done);
 }
 
-/// Fronts end with their SweepFronts: another mesh may reuse a freed one's address.
+/// Fronts are removed with their SweepFronts, because another mesh may reuse a freed one's address.
 TEST(SweepFronts, AreForgotten) {
   Random random(5);
   const Shape a = Shape::mesh(named("ball", ballSoup(12, 18, 1, 0.2, random)).mesh),
@@ -178,14 +179,14 @@ TEST(SweepFronts, LeaveNegativeThresholdsToTheHulls) {
       }
     }
   }
-  // In overlap a search ends at one of many planes, chosen by its cache. (143 of 157 were proven
-  // with fronts.)
+  // In overlap, a search ends at one of many planes, which depends on its cache. (143 of 157 were
+  // proven with fronts.)
   std::printf("proven %d of %d\n", proven, twin_proven);
   EXPECT_GT(twin_proven, kSanitized ? 3 : 50);
   EXPECT_GE(proven, twin_proven * (kSanitized ? 14 : 19) / 20);
 }
 
-/// A query that exhausts its work returns less, but nothing untrue.
+/// A query that uses up its work returns less, but nothing wrong.
 TEST(Work, EndsQueriesWithoutChangingTheTruth) {
   int wider = 0, asked = 0;
   std::int64_t total = 0, ended = 0;

@@ -64,13 +64,13 @@ TEST(TriangleMesh, WhatIsNotClosedIsASurface) {
   EXPECT_EQ(surface->closedComponentCount(), 0);
   EXPECT_EQ(surface->openEdgeCount(), 0U) << "it was asked for";
 
-  // Nobody means a sheet as a solid, wherever it lies.
+  // A sheet is not meant as a solid, wherever it lies.
   TriangleSoup sheet;
   append(sheet, {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}},
          Random(3).pose(2));
   EXPECT_EQ(TriangleMesh::make(sheet.vertices, sheet.triangles)->openEdgeCount(), 0U);
 
-  // With a hole, too. Raised by a little it encloses something, perhaps.
+  // The same with a hole. Slightly raised, it may enclose a volume.
   TriangleSoup panel;
   for (const double half : {1.0, 0.5})
     for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}})
@@ -84,8 +84,8 @@ TEST(TriangleMesh, WhatIsNotClosedIsASurface) {
   panel.vertices[4].z() = 1e-3;
   EXPECT_EQ(TriangleMesh::make(panel.vertices, panel.triangles)->openEdgeCount(), 8U);
 
-  // A Moebius strip has a border. A Klein bottle, glued from a grid with one twist, has none, but
-  // no orientation either.
+  // A Moebius strip has a border. A Klein bottle, glued from a grid with one twist, has neither a
+  // border nor an orientation.
   TriangleSoup klein;
   constexpr int n = 8;
   for (int i = 0; i < n * n; ++i) klein.vertices.emplace_back(i % n, i / n, 0.1 * (i * i % 7));
@@ -128,7 +128,7 @@ TEST(TriangleMesh, DegenerateTrianglesStayAndDoNotOpenASolid) {
   soup.triangles.push_back({0, 0, 1});  // a segment along an edge
   soup.triangles.push_back({3, 3, 3});  // a corner
   soup.vertices.emplace_back(5, 5, 5);
-  soup.triangles.push_back({8, 8, 8});  // a point of its own
+  soup.triangles.push_back({8, 8, 8});  // a separate point
   const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles);
   EXPECT_EQ(mesh->triangles().size(), 15U);
   EXPECT_EQ(mesh->componentCount(), 2);

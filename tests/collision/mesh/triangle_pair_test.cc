@@ -63,7 +63,7 @@ TEST(TrianglePair, HoldsTheDistance) {
   EXPECT_GT(exact, 0.99 * apart);
 }
 
-// Regression: rounding turned a sliver's normal, so a corner's foot fell beside the sliver. Upper
+// Regression: rounding turned a sliver's normal, so a corner's foot fell outside the sliver. Upper
 // ends were below the distance for one such pair in five, and below their lower ends for one in a
 // hundred.
 TEST(TrianglePair, SliversEndWhereTheyAre) {

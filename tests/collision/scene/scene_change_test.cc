@@ -24,10 +24,10 @@ using testing::kMoving;
 using testing::randomBuilder;
 using testing::Twins;
 
-/// A scene that changes again and again, and what builds the like at once.
+/// A scene that changes repeatedly, and a builder that makes the same scene at once.
 class Changing {
  public:
-  /// `lists`: what it begins with has no table.
+  /// `lists`: the initial scene has no table.
   Changing(Draw& draw, bool one_each, bool lists)
       : draw_(draw), one_each_(one_each), builder_(randomBuilder(draw, one_each)) {
     builder_.setDefaultMargin(0.01);
@@ -89,7 +89,7 @@ class Changing {
   SceneBuilder builder_;
 };
 
-// With and without a table before.
+// With and without a table in the initial scene.
 TEST(SceneChange, IsWhatBuildingAnewWouldBe) {
   Draw draw(11);
   int with_table = 0, free = 0, not_free = 0;
@@ -124,7 +124,7 @@ TEST(SceneChange, IsWhatBuildingAnewWouldBe) {
   EXPECT_GT(not_free, 300);
 }
 
-// Margins and shapes of a scene that has changed change as those of any other.
+// Margins and shapes of a changed scene can be changed like those of any other.
 TEST(SceneChange, ChangesFurther) {
   Draw draw(12);
   for (int world = 0; world < 40; ++world) {
@@ -156,7 +156,7 @@ TEST(SceneChange, ChangesFurther) {
       changed.setPose(0, X);
       testing::expectSameAnswers(twins, listed, changed);
     }
-    // As what others begin with, too.
+    // Also as the base of another builder.
     SceneBuilder again(twins.table);
     again.add({"last", {{Shape::sphere(0.1), {}, ""}}, false, {}});
     SceneBuilder twin(twins.listed);
@@ -165,7 +165,7 @@ TEST(SceneChange, ChangesFurther) {
   }
 }
 
-// What deforms is near everything, also where a change adds it.
+// A deforming body is near everything, also if a change adds it.
 TEST(SceneChange, AddsWhatDeforms) {
   const testing::Sheet sheet = testing::cloth(20);
   Deformable deformable(DeformableMesh::make(sheet.vertices, sheet.triangles), nullptr,
@@ -193,7 +193,7 @@ TEST(SceneChange, AddsWhatDeforms) {
   EXPECT_NE(waved.clearance.lower, still.clearance.lower);
 }
 
-// Again and again: the body of the name that is there is found.
+// Repeated changes: find() returns the present body with the name.
 TEST(SceneChange, MovesABody) {
   SceneBuilder builder;
   builder.add({"hand", {{Shape::sphere(0.05), {}, ""}}, true, {}});

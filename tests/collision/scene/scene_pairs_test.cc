@@ -74,8 +74,8 @@ TEST(ScenePairs, ATableAnswersAsAListWould) {
   EXPECT_GT(not_free, 40);
 }
 
-// Between a negative margin and 0 the reach of a query went back to the margin again and again: it
-// never ended.
+// Regression: between a negative margin and 0, the reach of a query was repeatedly set back to the
+// margin, and the query never ended.
 TEST(ScenePairs, DepthsInATableAnswerAsAListWould) {
   Draw draw(7);
   int between = 0;
@@ -93,7 +93,7 @@ TEST(ScenePairs, DepthsInATableAnswerAsAListWould) {
       return y.clearance.upper;
     };
     for (int state = 0; state < 10; ++state) {
-      // From afar into depth, and there towards the margin.
+      // From far away into depth, and from there towards the margin.
       Pose X = draw.pose(1.5);
       Eigen::Vector3d out = draw.pose(1).translation.normalized() * 6, in = X.translation;
       X.translation = out;
@@ -107,7 +107,7 @@ TEST(ScenePairs, DepthsInATableAnswerAsAListWould) {
   EXPECT_GT(between, casesToAsk(1000));
 }
 
-// Whether few or most are kept, and again; margins change before and after.
+// Keeps few or most pairs, repeatedly; margins change before and after.
 TEST(ScenePairs, PairsThatAreKeptAreWhatAListWouldKeep) {
   Draw draw(8);
   int sparse = 0, dense = 0, none = 0;
@@ -144,7 +144,7 @@ TEST(ScenePairs, PairsThatAreKeptAreWhatAListWouldKeep) {
   EXPECT_GT(none, 20);
 }
 
-// Margins of left-out pairs, and one that every pair overrides, are no pair's margin.
+// Margins of left-out pairs, and a default that every pair overrides, do not belong to a pair.
 TEST(ScenePairs, OnlyMarginsOfPairsThatAreThereCount) {
   SceneBuilder builder;
   builder.add({"mover", {{Shape::sphere(0.1), {}, ""}}, true, {}});
@@ -163,7 +163,7 @@ TEST(ScenePairs, OnlyMarginsOfPairsThatAreThereCount) {
   EXPECT_EQ((*pairs.begin()).body_b, 2);
 }
 
-// A growth of NaN stays NaN whatever comes before and after it: such a pair is never free.
+// A growth of NaN stays NaN with any growth before and after it: such a pair is never free.
 TEST(ScenePairs, GrowthsOfNaNAreNeverForgotten) {
   for (const int victim : {1, 2, 3}) {
     for (const bool lists : {false, true}) {
@@ -181,7 +181,7 @@ TEST(ScenePairs, GrowthsOfNaNAreNeverForgotten) {
       scene.growMargins(3, 0, 0.2);
       scene.raiseMargins(0.5);
       EXPECT_TRUE(std::isnan(scene.pairs().mostMargin()));
-      EXPECT_EQ(scene.pairs().leastMargin(), 0);  // there is a pair, and no more is known
+      EXPECT_EQ(scene.pairs().leastMargin(), 0);  // there is a pair, and its margin is unknown
       Workspace workspace(scene);
       EXPECT_NE(decide(scene, workspace).verdict, Verdict::kFree);
       EXPECT_NE(clearance(scene, workspace, 1e-3).verdict, Verdict::kFree);
@@ -206,8 +206,8 @@ TEST(ScenePairs, MoreThanAnIntNumbersAreRefused) {
   }
 }
 
-// Boxes end at 1e30 m, and one of a half-space stands for everything: beyond it a sphere deep
-// inside met no box, and was free.
+// Regression: boxes end at 1e30 m, and the box of a half-space represents the whole space. Beyond
+// it, a sphere deep inside intersected no box, and was free.
 TEST(ScenePairs, BeyondAllBoxesNothingIsFree) {
   SceneBuilder builder;
   Pose X_WB;
@@ -222,7 +222,8 @@ TEST(ScenePairs, BeyondAllBoxesNothingIsFree) {
   }
 }
 
-// If one coordinate is NaN, nothing is known, however far apart things are along the others.
+// If one coordinate is NaN, the distance is unknown, however far apart the bodies are along the
+// others.
 TEST(ScenePairs, APoseThatIsNoNumberIsNearEverything) {
   for (int axis = 0; axis < 3; ++axis) {
     SceneBuilder builder;
@@ -265,7 +266,7 @@ TEST(ScenePairs, DeformingMeshesInPlacesArePrepared) {
   EXPECT_EQ(scene.pairs()[static_cast<std::size_t>(result.pair)].body_b, 71);
 }
 
-// A copy shares bodies, and neither sees what the other changes.
+// A copy shares bodies, and neither scene is affected by changes to the other.
 TEST(ScenePairs, CopiesOfAScene) {
   Draw draw(3);
   Twins twins(randomBuilder(draw, true));

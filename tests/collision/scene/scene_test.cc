@@ -131,7 +131,7 @@ TEST(Scene, AgreesWithEveryPairByItself) {
   EXPECT_GT(not_free, runs * 5 / 2);
 }
 
-// Bounds for a point against the coarse shape hold the distance of a ball of radius 0.
+// Bounds for a point against the coarse shape enclose the distance of a ball of radius 0.
 TEST(Scene, CoarseShapesBoundPoints) {
   Draw draw(2);
   Scratch scratch;
@@ -191,7 +191,7 @@ TEST(Scene, PairsAreThoseThatCanMeet) {
   EXPECT_THROW(builder.build(), std::invalid_argument);
 }
 
-/// Pairs stand in the order of their bodies, whatever of them a scene begins with.
+/// Pairs are in the order of their bodies, whichever of them the base scene has.
 TEST(Scene, BegunWithAnotherSceneIsThatOfAllItsBodies) {
   Draw draw(12);
   const auto below = [&](int n) { return static_cast<int>(draw.uniform(0, n)); };
@@ -337,7 +337,7 @@ TEST(Scene, PosesThatAreNoneAreRefused) {
   }
 }
 
-// A body of the world stays where the scene has it.
+// The pose of a fixed body is always that of the scene.
 TEST(Scene, OnlyWhatMovesIsPlaced) {
   SceneBuilder builder;
   builder.add({"ball", {{Shape::sphere(0.1), {}, ""}}, true, {}});

@@ -104,7 +104,7 @@ TEST(ConvexHull, FlatSetsHaveNoFacets) {
       1U);
 }
 
-// Regression: of flat hulls only the first 64 vertices were used; this disc was cut off at 154
+// Regression: only the first 64 vertices of flat hulls were used; this disc was cut off at 154
 // degrees.
 TEST(ConvexHull, FlatHullsOfManyVerticesReachAsFarAsTheirVertices) {
   constexpr int kCount = 150;

@@ -44,7 +44,7 @@ TEST(Shape, RefusesSizesThatAreNoSizes) {
   }
 }
 
-// Makes every kind that has sizes with this largest one, the others thin or 0.
+// Makes every kind of shape that has sizes, with this largest one and the others thin or 0.
 std::vector<std::function<void()>> shapesOf(double size) {
   const double thin = std::min(size, 1e-200);
   const std::vector<Eigen::Vector3d> corners = {{0, 0, 0}, {size, 0, 0}, {0, size, 0}};

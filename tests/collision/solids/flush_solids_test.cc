@@ -1,5 +1,5 @@
-// Solids with flush faces: no triangle of one crosses a triangle of the other, and they overlap all
-// the same.
+// Solids with flush faces: no triangle of one crosses a triangle of the other, but they overlap
+// nevertheless.
 
 #include <gtest/gtest.h>
 
@@ -68,10 +68,10 @@ double shortestAlongAxes(const Cells& a, const Cells& b, const Cell& by) {
 
 struct Tally {
   int overlaps = 0, touches = 0, apart = 0;
-  int by_point = 0;  // overlaps that a common point has proven
+  int by_point = 0;  // overlaps proven by a common point
 };
 
-/// Pairs on a grid, in their own frame or both turned and moved alike.
+/// Pairs on a grid, in their own frame or both rotated and moved by the same pose.
 Tally decideGridPairs(std::uint64_t seed, int pairs, bool bricks, bool deforms_a, bool deforms_b) {
   Random random(seed);
   Scratch scratch;
@@ -96,7 +96,7 @@ Tally decideGridPairs(std::uint64_t seed, int pairs, bool bricks, bool deforms_a
         EXPECT_GT(r.distance.lower, 0);
         break;
       case CellContact::kTouch:
-        // Neither can be proven of a distance of 0; an overlap would be a lie.
+        // At a distance of 0 neither can be proven, and an overlap would be wrong.
         ++tally.touches;
         EXPECT_LE(r.distance.lower, 0);
         EXPECT_GE(r.distance.upper, 0);
@@ -106,7 +106,7 @@ Tally decideGridPairs(std::uint64_t seed, int pairs, bool bricks, bool deforms_a
         EXPECT_LT(r.distance.upper, -1e-6);
         EXPECT_LE(r.distance.lower, r.distance.upper);
         tally.by_point += r.point_a == r.point_b ? 1 : 0;
-        // Depths: no longer than a translation that separates, and one that does.
+        // Depths: at most the length of a translation that separates, and one that does separate.
         const DistanceResult deep =
             distance(body_a.shape(), X_WA, body_b.shape(), X_WB, {}, scratch);
         const double shortest = shortestAlongAxes(a.cells, b.cells, by);
@@ -128,7 +128,8 @@ Tally decideGridPairs(std::uint64_t seed, int pairs, bool bricks, bool deforms_a
   return tally;
 }
 
-// Regression: none of the polycubes' overlaps was proven, and a sixth of the bricks' was not.
+// Regression: none of the polycubes' overlaps was proven, and a sixth of the bricks' overlaps was
+// not.
 TEST(FlushSolids, OnAGridOverlapWhereTheyShareACell) {
   const int pairs = casesToAsk(1000);
   const Tally bricks = decideGridPairs(91, pairs, true, false, false);
@@ -300,8 +301,8 @@ double fromSurface(const TriangleMesh& mesh, const Vector3d& p) {
   return least;
 }
 
-// A common point is inside both solids, or on one and inside the other,
-// and no deeper than its distances from both surfaces.
+// A common point is inside both solids, or on one and inside the other, and not deeper than its
+// distances from both surfaces.
 TEST(FlushSolids, AreProvenByPointsInsideBoth) {
   Random random(96);
   Scratch scratch;
@@ -342,7 +343,7 @@ TEST(FlushSolids, MeetWhenTheirCellsDo) {
                     b = bricks ? randomBrickSolid(random) : randomPolycubeSolid(random);
     const auto axis = static_cast<std::size_t>(random.below(3));
     const Cell by{random.below(4) - 1, random.below(4) - 1, random.below(4) - 1};
-    // How far A may go until it shares a face with B, and until it touches B anywhere.
+    // How far A may move until it shares a face with B, and until it touches B anywhere.
     double first = 1e9, beside = 1e9;
     for (const Cell& c : a.cells) {
       for (const Cell& d : b.cells) {
@@ -357,7 +358,7 @@ TEST(FlushSolids, MeetWhenTheirCellsDo) {
         if (touches) beside = std::min(beside, way);
       }
     }
-    if (beside < first) continue;  // slides along B first: in contact, which nothing can prove
+    if (beside < first) continue;  // slides along B first: in contact, which cannot be proven
     Vector3d from(by[0], by[1], by[2]), to = from;
     from[static_cast<Eigen::Index>(axis)] = -12.3;
     to[static_cast<Eigen::Index>(axis)] = 13.1;

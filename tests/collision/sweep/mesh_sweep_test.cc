@@ -59,7 +59,7 @@ struct Counts {
   int unsafe = 0, wrong = 0, free = 0, contact = 0, undecided = 0;
 };
 
-/// Against placements one by one: a free verdict never comes to the threshold, a contact is one at
+/// Against single placements: with a free verdict none is within the threshold, a contact is one at
 /// its time, and motions that stay far from the threshold are free.
 void check(const Shape& a, const Shape& b, const RigidMotion& motion, double threshold,
            const std::string& what, Counts& counts) {
@@ -169,7 +169,8 @@ TEST(MeshSweep, PartsOfAMotion) {
   EXPECT_GT(mixed, casesToAsk(30));
 }
 
-/// Separated parts are not subdivided: nodes do not grow with way over size.
+/// Separated parts are not subdivided: the number of nodes does not grow with the ratio of way to
+/// size.
 TEST(MeshSweep, SmallBodiesOnALongWay) {
   Scratch scratch;
   const auto cube = [](double half) {

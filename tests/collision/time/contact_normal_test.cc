@@ -1,5 +1,5 @@
-// The normal of a contact, beside the one of bodies just apart by plain supports and pairs of
-// triangles.
+// The normal of a contact, compared with the normal of bodies just apart, from plain supports and
+// pairs of triangles.
 
 #include <gtest/gtest.h>
 
@@ -58,15 +58,15 @@ double support(const Shape& s, const Vector3d& n) {
   return kInfinity;
 }
 
-/// How far apart a plane of this normal proves B to be from A.
+/// The distance of B from A that a plane with this normal proves.
 double apartAlong(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                   const Vector3d& n) {
   return n.dot(X_WB.translation - X_WA.translation) - support(a, X_WA.rotation.transpose() * n) -
          support(b, X_WB.rotation.transpose() * -n);
 }
 
-/// The normal of convex bodies that are just apart. Plain supports have to find them as far apart
-/// along it as they are: no other direction can then be much better.
+/// The normal of convex bodies that are just apart. Plain supports must give their distance along
+/// it, so no other direction can be much better.
 Vector3d normalApart(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
                      Scratch& scratch) {
   const DistanceResult r = distance(a, X_WA, b, X_WB, {}, scratch);
@@ -90,7 +90,7 @@ struct Angles {
   }
 };
 
-/// Cast from outside towards the other body, turning on the way.
+/// Cast from outside towards the other body, with a rotation on the way.
 StraightMotion cast(oracle::Random& random, const Shape& a, const Shape& b) {
   const double size = oracle::sizeOf(a) + oracle::sizeOf(b);
   Pose from{random.rotation(), 1.5 * size * random.direction()};
@@ -110,7 +110,9 @@ TEST(ContactNormal, OfConvexShapesIsThatJustBefore) {
                              ShapeType::kHalfSpace, ShapeType::kConvexHull};
   for (const ShapeType type_a : types) {
     for (const ShapeType type_b : types) {
-      if (type_a == ShapeType::kHalfSpace) continue;  // as B; exchanged it is tested below
+      if (type_a == ShapeType::kHalfSpace)
+        continue;  // used as B; the exchanged order is tested
+                   // below
       Angles angles;
       int contacts = 0;
       const int casts = kSanitized ? 10 : 200;
@@ -127,7 +129,7 @@ TEST(ContactNormal, OfConvexShapesIsThatJustBefore) {
         const double t = std::max(0.0, result.time.lower - 1e-6);
         const Vector3d truth = normalApart(a, motion.pose(t), b, still.pose(0), scratch);
         angles.add(result.distance.normal, truth);
-        // The other way round it is the opposite.
+        // In the other order it is the opposite.
         const ContactResult other = timeOfContact(b, still, a, motion, {}, scratch);
         EXPECT_LT(degrees(-other.distance.normal.dot(truth)), 13);
       }
@@ -254,7 +256,7 @@ TEST(ContactNormal, OfADeformingMeshIsThatJustBefore) {
   EXPECT_LT(angles.most(), 1);
 }
 
-// Nothing says from where bodies came that are in contact at the start.
+// For bodies in contact at the start, the direction of approach is unknown.
 TEST(ContactNormal, OfBodiesInContactAtTheStart) {
   Scratch scratch;
   Pose inside, away;
@@ -272,7 +274,7 @@ TEST(ContactNormal, OfBodiesInContactAtTheStart) {
   const ContactResult solid = timeOfContact(small, motion, mesh, Still({}), {}, scratch);
   EXPECT_EQ(solid.status, ContactStatus::kContact);
   EXPECT_EQ(solid.distance.normal.norm(), 0);
-  // Within a margin the bodies are apart, and have one.
+  // Within a margin the bodies are apart, so they have a normal.
   ContactRequest request;
   request.margin = 0.5;
   inside.translation = {0, 0, 1};

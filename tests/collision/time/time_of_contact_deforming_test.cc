@@ -85,7 +85,7 @@ TEST(TimeOfContactDeforming, AsEveryTriangleByItself) {
                                        DeformStrategy::kHybrid,  DeformStrategy::kLazy,
                                        DeformStrategy::kOctree,  DeformStrategy::kRestructure};
   int contacts = 0, frees = 0, plane_contacts = 0;
-  // Every strategy against every shape, once where slow.
+  // Every strategy with every shape, once if slow.
   const int cases = kSanitized ? 36 : 120;
   for (int i = 0; i < cases; ++i) {
     DeformOptions options;

@@ -116,7 +116,7 @@ TEST(RigidMotion, AScrewKeepsItsAxis) {
   EXPECT_NEAR(screw.bound(0, 1).acceleration, M_PI * M_PI / 4, 1e-12);
 }
 
-/// LEEWAY_TEST_CONTACTS and LEEWAY_TEST_SEED ask for more, and others.
+/// LEEWAY_TEST_CONTACTS sets the number of cases, and LEEWAY_TEST_SEED selects other ones.
 TEST(TimeOfContact, RandomMotionsOfAllShapes) {
   Random random(7 + fromEnvironment("LEEWAY_TEST_SEED", 0));
   Scratch scratch;
@@ -203,7 +203,7 @@ TEST(TimeOfContact, StartsThinPlatesAndFastTurns) {
   const ContactResult hit = timeOfContact(Shape::sphere(1e-3), through, sheet, still, {}, scratch);
   EXPECT_EQ(hit.status, ContactStatus::kContact);
   EXPECT_NEAR(hit.time.lower, 0.4999, 2e-6);
-  // A rod turning by almost half a turn hits what neither end pose approaches.
+  // A rod that turns by almost half a turn hits a body that neither end pose approaches.
   const Shape rod = Shape::capsule(0.01, 1);
   const StraightMotion turning(shifted(0, 0, 0),
                                turnedAbout(Eigen::Vector3d::UnitY(), 3, {0, 0, 0}));
@@ -214,8 +214,8 @@ TEST(TimeOfContact, StartsThinPlatesAndFastTurns) {
 }
 
 TEST(TimeOfContact, FewLooksSufficeAndNoneIsTakenTwice) {
-  // Regression: contact expected exactly one tolerance behind a certified time was searched for
-  // repeatedly, because t + tolerance - t is not the tolerance.
+  // Regression: if a contact was expected exactly one tolerance after a certified time, it was
+  // searched repeatedly, because t + tolerance - t is not the tolerance.
   Random random(5);
   Scratch scratch;
   const Shape box = Shape::box({0.2, 0.3, 0.1});
@@ -298,7 +298,7 @@ TEST(TimeOfContact, SenselessRequestsAndPosesAreInvalid) {
   EXPECT_EQ(nothing.time.lower, 0);
 }
 
-/// Down to the origin at t = 0.5 and up again, without any promised bound.
+/// Moves down to the origin at t = 0.5 and up again, without a guaranteed bound.
 class Unpromised final : public RigidMotion {
  public:
   Pose pose(double t) const override { return shifted(0, 0, 4 * (t - 0.5) * (t - 0.5)); }
@@ -310,7 +310,7 @@ class Unpromised final : public RigidMotion {
   double rounding(double reach) const override { return 1e-14 * (1 + reach); }
 };
 
-// Regression: an unbounded acceleration counted as none, and the motion as free.
+// Regression: an unbounded acceleration counted as 0, and the motion as free.
 TEST(TimeOfContact, NothingIsCertifiedWithoutABound) {
   Scratch scratch;
   ContactRequest request;
@@ -372,7 +372,7 @@ TEST(TimeOfContact, TrianglesOfDeformingMeshes) {
   EXPECT_GT(frees, cases / 10);
 }
 
-/// A corner and a face, or two edges, that meet at a known time, as triangles without an area.
+/// A corner and a face, or two edges, that meet at a known time, as triangles without area.
 struct Crossing {
   MovingTriangle a, b;
   double t;
@@ -396,15 +396,16 @@ Crossing crossing(Random& random, bool corner, double t) {
   return {moving({a, b, b}), moving({edge + v * d, edge - u * d, edge - u * d}), t};
 }
 
-// They are in contact for an instant, which rounding does not prove. Regression: a fifth spent all
-// 10,000 queries beside it; predictions took the fastest corner for the nearest point.
+// They are in contact for an instant, which cannot be proven under rounding. Regression: a fifth
+// used all 10,000 queries next to it, because predictions used the fastest corner instead of the
+// nearest point.
 TEST(TimeOfContact, CornersAndEdgesThatCrossTakeFewLooks) {
   Random random(23);
   Scratch scratch;
   int queries = 0, proven = 0;
   const int cases = kSanitized ? 200 : 2000;
   for (int i = 0; i < cases; ++i) {
-    // Some at the very end.
+    // Some are at the very end.
     const Crossing c = crossing(random, i % 2 == 0, i % 5 == 0 ? 1 : random.uniform(0.1, 0.9));
     const ContactResult result = timeOfContact(c.a, c.b, {}, scratch);
     EXPECT_EQ(result.status, ContactStatus::kUndecided) << i;
@@ -413,7 +414,7 @@ TEST(TimeOfContact, CornersAndEdgesThatCrossTakeFewLooks) {
     EXPECT_LE(result.queries, 60) << i;
     EXPECT_NEAR(result.distance.normal.norm(), 1, 1e-9) << i;
     queries += result.queries;
-    // Within a margin above rounding it lasts long enough.
+    // Within a margin above rounding, the contact lasts long enough.
     ContactRequest request;
     request.margin = 1e-12;
     const ContactResult near = timeOfContact(c.a, c.b, request, scratch);

@@ -84,7 +84,7 @@ struct Crowd {
   Scene scene;
   std::vector<Swing> swings;  // of those that move
 
-  /// `lists`: all pairs are listed, and looked at one by one.
+  /// `lists`: all pairs are listed, and checked one by one.
   Crowd(int moving, int still, std::uint64_t seed, bool lists = false) {
     oracle::Random random(seed);
     SceneBuilder builder;
@@ -115,7 +115,7 @@ struct Crowd {
   }
 };
 
-/// What a schedule says of a crowd while it swings, held against looking at all pairs.
+/// The reports of a schedule about a swinging crowd, compared with checks of all pairs.
 struct Watch {
   int pairs = 0, met = 0, unsafe = 0, missed = 0, imminent = 0;
   std::uint64_t looks = 0, exact = 0;
@@ -186,8 +186,8 @@ TEST(ImpactSchedule, NothingTouchesBeforeItSaysInRows) {
   EXPECT_LT(run.looks * 10, 300u * static_cast<unsigned>(run.pairs));
 }
 
-/// A ball at the origin that moves, and boxes in a row along x, each 10 m from the next. `lists`:
-/// all pairs are listed.
+/// A moving ball at the origin, and boxes in a row along x, each 10 m from the next. `lists`: all
+/// pairs are listed.
 Scene rowOfBoxes(int boxes, bool lists = false, double radius = 0.5) {
   SceneBuilder builder;
   if (lists) builder.listAll();
@@ -213,12 +213,12 @@ TEST(ImpactSchedule, RowsAreDueWithTheirNearest) {
   EXPECT_EQ(schedule.safeUntil(), -kInfinity);
   schedule.setMotion(0, {1, 0, 1}, 0);
   const ImpactReport far = schedule.advance(0, 0.01, workspace);
-  EXPECT_GT(far.safe_until, 3);  // the gap is 9 m; looked for in reaches that double
+  EXPECT_GT(far.safe_until, 3);  // the gap is 9 m; the search doubles its reach
   EXPECT_LE(far.safe_until, 9);
   EXPECT_EQ(far.next_pair, 0);
   EXPECT_EQ(far.imminent, 0);
   EXPECT_LT(schedule.statistics.looks, 10u);
-  // Between boxes 2 and 3, nearer to the former.
+  // Between boxes 2 and 3, closer to the former.
   workspace.setPose(0, {Eigen::Matrix3d::Identity(), {21.1, 0, 0}});
   const ImpactReport near = schedule.advance(9, 0.2, workspace);
   EXPECT_NEAR(near.safe_until, 9.1, 1e-3);
@@ -228,8 +228,8 @@ TEST(ImpactSchedule, RowsAreDueWithTheirNearest) {
   EXPECT_EQ(near.violated, 0);
 }
 
-// A body that had stood still passed for one whose speed was known to be infinite: a speed without
-// acceleration hastened nothing.
+// Regression: a fixed body counted as one with a known infinite speed, so a speed without
+// acceleration did not make it due.
 TEST(ImpactSchedule, WhatStandsStillMayMoveAllTheSame) {
   for (const bool lists : {false, true}) {
     const Scene scene = rowOfBoxes(500, lists);
@@ -248,7 +248,7 @@ TEST(ImpactSchedule, WhatStandsStillMayMoveAllTheSame) {
   }
 }
 
-// The first reach of a point that stands was 0, and doubled for ever.
+// Regression: the first reach of a fixed point was 0, and doubled for ever.
 TEST(ImpactSchedule, PointsInRowsHaveAReach) {
   for (const PointMotion& motion :
        {PointMotion{0, 0, 0}, PointMotion{1, 0, 1}, PointMotion{kInfinity, kInfinity, kInfinity}}) {
@@ -277,7 +277,7 @@ TEST(ImpactSchedule, RowsWithoutPairsAreNeverDue) {
   ASSERT_EQ(scene.pairs().size(), 3u);
   Workspace workspace(scene);
   ImpactSchedule schedule(scene);
-  schedule.setMotion(1, {1, 0, 1}, 0);  // nothing is known of body 0
+  schedule.setMotion(1, {1, 0, 1}, 0);  // the motion of body 0 is unknown
   const ImpactReport report = schedule.advance(0, 0.01, workspace);
   EXPECT_GT(report.safe_until, 9);
   EXPECT_LE(report.safe_until, 19);
@@ -289,7 +289,8 @@ TEST(ImpactSchedule, RowsWithoutPairsAreNeverDue) {
 TEST(ImpactSchedule, WhatIsNoMotionIsDueAtOnce) {
   EXPECT_EQ(timeToImpact(1, closing({2, 0, 2}, {-2, 0, 2})), 0);
   EXPECT_EQ(timeToImpact(1, closing({2, 0, 2}, {0, std::nan(""), 2})), 0);
-  // What stands still leaves the other's cap, and one without acceleration its speed.
+  // With a fixed body, the cap is that of the other body; a body without acceleration contributes
+  // its speed.
   EXPECT_NEAR(timeToImpact(1, closing({0, kInfinity, 2}, {0, 0})), 0.5, 1e-12);
   EXPECT_NEAR(timeToImpact(3, closing({0, kInfinity, 2}, {1, 0})), 1, 1e-12);
   for (const bool lists : {false, true}) {

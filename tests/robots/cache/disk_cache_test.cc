@@ -54,7 +54,7 @@ TEST(ContentKey, TellsContentsApart) {
   EXPECT_NE(other.finish(), keyOf("a"));
 }
 
-// What is built with other rounding differs, and bounds rest on it.
+// Data that is built with another rounding mode differs, and bounds depend on it.
 TEST(ContentKey, IsEmptyUnderOtherRounding) {
   ASSERT_EQ(std::fesetround(FE_UPWARD), 0);
   const std::string key = keyOf("a");
@@ -63,7 +63,7 @@ TEST(ContentKey, IsEmptyUnderOtherRounding) {
   EXPECT_NE(keyOf("a"), "");
 }
 
-// Checksums tell damage, not malice.
+// Checksums detect damage, not malice.
 TEST(DiskCache, BelievesNoFileThatOthersMayWrite) {
   const Folder folder;
   const DiskCache cache(folder.path("new"));
@@ -123,7 +123,7 @@ TEST(DiskCache, NoticesAnyDamage) {
   EXPECT_FALSE(cache.read(key));
   writeText(file, whole);
   EXPECT_TRUE(cache.read(key));
-  // Of another key, under this one's name.
+  // A file with another key, under this key's name.
   cache.write(keyOf("other"), bytesOf("other"));
   fs::rename(folder.path(keyOf("other") + ".leeway"), file);
   EXPECT_FALSE(cache.read(key));
@@ -209,7 +209,7 @@ TEST(DiskCache, IsSharedByManyWriters) {
   EXPECT_EQ(filesIn(folder.path()), 1);
 }
 
-/// Sets a variable of the environment for its life.
+/// Sets an environment variable during the lifetime of the object.
 class Setting {
  public:
   Setting(const char* name, const char* value) : name_(name) {

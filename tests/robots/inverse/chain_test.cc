@@ -16,7 +16,8 @@ namespace {
 
 using testing::Random;
 
-// The chain's pose is forwardKinematics()'s, its twists are central differences of it.
+// The chain's pose equals that of forwardKinematics(), and its twists are central differences of
+// it.
 TEST(Chain, PosesAndTwistsOfRandomTrees) {
   Random random(4);
   int compared = 0;
@@ -121,7 +122,8 @@ TEST(RotationVector, OfTurnsUpToHalf) {
   }
 }
 
-// The error is never less than brute force over the angles allowed, and no more where it is small.
+// The error is never below that of brute force over the allowed angles, and not above it where it
+// is small.
 TEST(RegionError, NearestRotationOfRanges) {
   Random random(12);
   int outside = 0;

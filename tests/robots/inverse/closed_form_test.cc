@@ -31,7 +31,7 @@ struct Axis {
   Vector3d direction, point;
 };
 
-/// Revolute joints about these axes at angle 0, in frames of any rotation and anywhere on their
+/// Revolute joints about these axes at angle 0, in frames with any rotation and anywhere on their
 /// axes.
 std::shared_ptr<const Model> armOf(Random& random, const std::vector<Axis>& axes, double limit) {
   std::vector<Pose> frames = {Pose()};
@@ -48,7 +48,7 @@ std::shared_ptr<const Model> armOf(Random& random, const std::vector<Axis>& axes
 
 enum class Arm { kFirstTwoMeet, kNextTwoMeet, kParallel, kThreeParallel, kNone };
 
-/// Axes of an arm of that kind. Plain ones have right angles, so that angles of 0 are singular.
+/// Axes of an arm of this kind. Plain arms have right angles, so that angles of 0 are singular.
 std::vector<Axis> axesOf(Random& random, Arm arm, bool plain) {
   const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
   const auto turned = [&](const Vector3d& v) {
@@ -117,8 +117,8 @@ double leastSingular(const Model& model, const std::vector<double>& q) {
   return Eigen::JacobiSVD<Eigen::MatrixXd>(J).singularValues().minCoeff();
 }
 
-/// Whether a curve of solutions leads from q to one that is listed: along it some joint takes that
-/// one's angle.
+/// Whether a curve of solutions leads from q to a listed one: along it, some joint takes the angle
+/// of the listed one.
 bool leadsToListed(const std::shared_ptr<const Model>& model,
                    const std::vector<PoseRegion>& regions, const std::vector<IkSolution>& list,
                    const std::vector<double>& q) {
@@ -144,7 +144,7 @@ struct Counts {
   int poses = 0, found = 0, numeric = 0, singular = 0, complete = 0;
 };
 
-/// Slow twin: the numeric solver from many starts finds no branch that is not listed.
+/// Slow twin: the numeric solver, from many starts, finds no branch that is not listed.
 void compare(const std::shared_ptr<const Model>& model, const std::vector<double>& q,
              const std::vector<double>& from, Counts& counts) {
   const InverseKinematics ik(model, allVariables(*model));
@@ -225,7 +225,7 @@ struct NamedArm {
   int given;
 };
 
-/// arm6 and arm7, and what lies in ../shared/data.
+/// arm6 and arm7, and the arms in ../shared/data.
 void compareArm(const NamedArm& arm) {
   SCOPED_TRACE(arm.urdf);
   const auto model = loadModel(arm.urdf, "");

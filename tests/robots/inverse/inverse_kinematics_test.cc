@@ -32,7 +32,8 @@ std::shared_ptr<const Model> shipped(const std::string& name) {
   return loadModel(sourceFolder() + "/robots/" + name + "/" + name + ".urdf", "");
 }
 
-/// The solution is within the limits, keeps what is not solved for, and is where it says.
+/// The solution is within the limits, keeps the variables that are not solved, and reaches its
+/// reported pose.
 void expectSolves(const InverseKinematics& ik, const std::vector<PoseRegion>& regions,
                   std::vector<double> q, const IkSolution& solution) {
   ASSERT_EQ(solution.values.size(), ik.variables().size());
@@ -43,14 +44,14 @@ void expectSolves(const InverseKinematics& ik, const std::vector<PoseRegion>& re
     q[at(ik.variables()[c])] = solution.values[c];
   }
   for (const PoseRegion& region : regions) {
-    // Not by poseError(): the distance to the box, and the angle to the rotation of the nearest
-    // angles.
+    // Computed without poseError(): the distance to the box, and the angle to the rotation of the
+    // nearest angles.
     const Pose X_RF = region.X_WR.inverse() * (placed(ik.model(), q, region.link) * region.X_LF);
     for (int k = 0; k < 3; ++k) {
       EXPECT_GE(X_RF.translation(k), region.position[at(k)].first - 1e-9);
       EXPECT_LE(X_RF.translation(k), region.position[at(k)].second + 1e-9);
     }
-    // Both triples of angles that give a rotation, each clamped to the ranges.
+    // Both triples of angles of a rotation, each clamped to the ranges.
     const double pi = std::numbers::pi;
     const Eigen::Vector3d angles = rollPitchYaw(X_RF.rotation);
     const Eigen::Vector3d others(angles(0) + pi, pi - angles(1), angles(2) + pi);
@@ -161,7 +162,7 @@ TEST(InverseKinematics, RegionsWithWidths) {
   }
 }
 
-// A pose whose rotation is any turn about z is met by a robot that cannot tilt.
+// A robot that cannot tilt reaches a pose whose rotation is any turn about z.
 TEST(InverseKinematics, FreeAnglesCostNothing) {
   const auto body = freeBody("box", {}, JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
   const InverseKinematics ik(body, allVariables(*body));
@@ -191,7 +192,7 @@ TEST(InverseKinematics, AnglesStayNearTheConfiguration) {
 
 TEST(InverseKinematics, TwoArmsAtOnce) {
   const auto model = shipped("dual_arm");
-  std::vector<int> tips;  // links that nothing hangs on and variables move
+  std::vector<int> tips;  // moving links without child links
   for (int l = 0; l < static_cast<int>(model->links.size()); ++l)
     if (std::none_of(model->joints.begin(), model->joints.end(),
                      [&](const Joint& j) { return j.parent_link == l; }))
@@ -211,8 +212,8 @@ TEST(InverseKinematics, TwoArmsAtOnce) {
   }
 }
 
-// Slow twin: many starts of the numeric search find as many as the closed form, and ten times as
-// many of another sequence no more.
+// Slow twin: many starts of the numeric search find the same number of solutions as the closed
+// form, and ten times the starts of another sequence find no more.
 TEST(InverseKinematics, AllBranchesOfSixJoints) {
   const auto model = shipped("arm6");
   const InverseKinematics ik(model, allVariables(*model));

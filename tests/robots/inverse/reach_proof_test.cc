@@ -17,7 +17,7 @@ namespace {
 
 using testing::Random;
 
-/// A configuration within the limits whose variables are often at one of them.
+/// A configuration within the limits, with variables that are often at a limit.
 std::vector<double> nearLimits(Random& random, const Model& model) {
   std::vector<double> q = testing::randomConfiguration(random, model);
   for (std::size_t v = 0; v < q.size(); ++v)
@@ -26,8 +26,8 @@ std::vector<double> nearLimits(Random& random, const Model& model) {
   return q;
 }
 
-/// Asks for the pose that `link` has at a random configuration, in regions of random widths around
-/// it. True: the proof that it cannot be there succeeds, wrongly.
+/// Tries the proof for the pose of `link` at a random configuration, in regions of random widths
+/// around it. True if the proof that it cannot be there succeeds, wrongly.
 bool wronglyProven(Random& random, const Model& model, int link, int limit) {
   const auto q = nearLimits(random, model);
   auto configuration = testing::randomConfiguration(random, model);
@@ -95,13 +95,15 @@ ReachProof prove(const Model& model, const PoseRegion& region, std::int64_t limi
   return proveUnreachable(makeChain(model, region, X_WL, column), region, q, lower, upper, limit);
 }
 
-// 1 cm beyond the greatest distance of the wrist from the shoulder, in all directions and turns.
+// 1 cm beyond the greatest distance of the wrist from the shoulder, in all directions and
+// rotations.
 TEST(ReachProof, JustBeyondTheReach) {
   const auto model = loadModel(sourceFolder() + "/robots/arm7/arm7.urdf", "");
   const int link = model->findLink("hand");
   Random random(5);
   std::vector<Pose> X_WL(model->links.size());
-  // The wrist: where the last two axes meet. It and the shoulder are farthest apart when stretched.
+  // The wrist is where the last two axes meet. It is farthest from the shoulder when the arm is
+  // stretched.
   forwardKinematics(*model, model->defaultConfiguration(), X_WL);
   const Eigen::Vector3d shoulder = X_WL[at(model->joints[at(2)].child_link)].translation;
   const Eigen::Vector3d hand = X_WL[at(link)].translation;
@@ -133,7 +135,8 @@ TEST(ReachProof, WhatJointsCannotDo) {
   EXPECT_FALSE(prove(*body, region, 10'000).proven);
 }
 
-// Outside by more than the tolerance and rounding is out of reach; by less is not.
+// A pose outside by more than the tolerance and rounding is out of reach; outside by less it is
+// not.
 TEST(ReachProof, Tolerances) {
   const auto body = freeBody("box", {}, JointType::kPlanar, {-1, -1, 0}, {1, 1, 0});
   PoseRegion region = PoseRegion::exact(0, {}, {}, {});

@@ -1,4 +1,4 @@
-// Polygons beside the even-odd rule at random points.
+// Triangulated polygons against the even-odd rule at random points.
 
 #include "robots/mesh/ear_clipping.h"
 
@@ -29,7 +29,7 @@ using Polygon = std::vector<Vector2d>;
 // ------------------------------------------------------------------------------------------------
 // truth
 
-/// Sign of the turn a, b, c; 0 where quadruple precision does not decide.
+/// Sign of the turn a, b, c; 0 if quadruple precision cannot decide.
 int sideOf(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   using oracle::Quad;
   using oracle::wide;
@@ -41,7 +41,7 @@ int sideOf(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   return left - right > error ? 1 : right - left > error ? -1 : 0;
 }
 
-/// 1 inside, 0 outside, -1 where it is on an edge, or nearly.
+/// 1 inside, 0 outside, -1 on an edge or close to it.
 int evenOdd(const Polygon& polygon, const Vector2d& p) {
   int inside = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -54,7 +54,7 @@ int evenOdd(const Polygon& polygon, const Vector2d& p) {
   return inside;
 }
 
-/// How many triangles hold the point; -1 on an edge.
+/// The number of triangles that contain the point; -1 on an edge.
 int covers(const Polygon& polygon, const CutPolygon& cut, const Vector2d& p) {
   int count = 0;
   for (const auto& [i, j, k] : cut.triangles) {
@@ -77,9 +77,9 @@ double areaOf(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
 // ------------------------------------------------------------------------------------------------
 // polygons, counter-clockwise
 
-/// Cells of a lattice that hang together by their sides: the outlines, the outer one first, others
-/// clockwise. With all corners of cells, or those that turn. With `pinched`, cells may meet at a
-/// corner alone, which outlines then visit twice.
+/// Lattice cells connected by their sides: the outlines, the outer one first, the others clockwise.
+/// With all corners of cells, or only those that turn. With `pinched`, cells may meet only at a
+/// corner, which outlines then visit twice.
 std::vector<Polygon> outlinesOfCells(Random& random, bool all_corners, bool pinched) {
   const int size = 2 + random.below(6);
   std::vector<std::vector<bool>> cell(static_cast<std::size_t>(size + 2),
@@ -96,7 +96,7 @@ std::vector<Polygon> outlinesOfCells(Random& random, bool all_corners, bool pinc
       for (const int dy : {-1, 1})
         if (!pinched && at(x + dx, y + dy) && !at(x + dx, y) && !at(x, y + dy)) at(x, y) = false;
   }
-  // Each edge with a cell to its left and none to its right, by where it begins.
+  // Each edge with a cell on its left and none on its right, by its start.
   std::multimap<std::pair<int, int>, std::pair<int, int>> next;
   for (int x = 1; x <= size; ++x)
     for (int y = 1; y <= size; ++y) {
@@ -107,7 +107,7 @@ std::vector<Polygon> outlinesOfCells(Random& random, bool all_corners, bool pinc
       if (!at(x - 1, y)) next.insert({{x, y + 1}, {x, y}});
     }
   std::vector<Polygon> outlines;
-  while (!next.empty()) {  // the least corner is that of the outer one
+  while (!next.empty()) {  // the least corner belongs to the outer outline
     Polygon outline;
     for (auto edge = next.begin(); edge != next.end();) {
       outline.emplace_back(edge->first.first, edge->first.second);
@@ -134,7 +134,7 @@ bool isOn(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
   return sideOf(a, b, p) == 0 && (a - p).dot(b - p) <= 0;
 }
 
-/// Whether the open segment from a to b meets no edge of the polygon, but where it begins and ends.
+/// Whether the open segment from a to b meets no edge of the polygon except at its ends.
 bool isBridge(const Polygon& polygon, const Vector2d& a, const Vector2d& b) {
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vector2d &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
@@ -146,7 +146,7 @@ bool isBridge(const Polygon& polygon, const Vector2d& a, const Vector2d& b) {
   return evenOdd(polygon, 0.5 * (a + b)) == 1;
 }
 
-/// One polygon of all outlines: windows are joined to it by edges that it walks twice. False where
+/// One polygon of all outlines: windows are joined to it by edges that it traverses twice. False if
 /// no bridge was found by chance.
 bool joinWindows(std::vector<Polygon> outlines, Random& random, Polygon& joined) {
   joined = outlines[0];
@@ -171,7 +171,7 @@ bool joinWindows(std::vector<Polygon> outlines, Random& random, Polygon& joined)
                  !(sideOf(p, q, a) * sideOf(p, q, b) < 0 && sideOf(a, b, p) * sideOf(a, b, q) < 0);
         }
       }
-      // The bridge must begin between the edges of this visit of the corner.
+      // The bridge must start between the edges of this visit of the corner.
       const Vector2d &before = joined[(i + joined.size() - 1) % joined.size()],
                      &after = joined[(i + 1) % joined.size()];
       const bool left = sideOf(before, a, b) > 0, right = sideOf(a, after, b) > 0;
@@ -199,14 +199,14 @@ Polygon stairs(Random& random) {
   }
   if (random.below(2) == 0) {
     polygon.emplace_back(0, y);
-  } else {  // a band: back beside the way up
+  } else {  // a band: back next to the way up
     for (std::size_t i = polygon.size(); i-- > 0;)
       polygon.emplace_back(polygon[i] + Vector2d(-0.5, 0.5));
   }
   return polygon;
 }
 
-/// Corners of a small lattice in an order without crossings, by taking crossings out.
+/// Corners of a small lattice in an order without crossings, made by removing crossings.
 Polygon tangled(Random& random, bool on_lattice) {
   Polygon polygon;
   const int count = 4 + random.below(16), side = 3 + random.below(5);
@@ -233,7 +233,7 @@ Polygon tangled(Random& random, bool on_lattice) {
     if (!crossing) break;
     if (round == 999) return {};
   }
-  // Neither do corners touch other edges.
+  // Corners do not touch other edges either.
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j)
       if (j != i && j != (i + 1) % n && isOn(at(i), at(i + 1), at(j))) return {};
@@ -266,7 +266,7 @@ Polygon star(Random& random) {
   return polygon;
 }
 
-/// A wall with windows in rows, each joined to the one before it and the first to the corner:
+/// A wall with windows in rows, each joined to the previous one and the first to the corner:
 /// bridges run along edges of other windows.
 Polygon rows(Random& random) {
   const int columns = 1 + random.below(4);
@@ -319,7 +319,7 @@ Polygon randomPolygon(Random& random, std::string& kind) {
           continue;
     }
     if (polygon.size() < 3) continue;
-    // Corners on straight edges, and corners twice.
+    // Adds corners on straight edges, and double corners.
     for (int i = random.below(4); i > 0; --i) {
       const std::size_t k =
           static_cast<std::size_t>(random.below(static_cast<int>(polygon.size())));
@@ -343,7 +343,7 @@ std::string shownPolygon(const std::vector<Vector3d>& corners) {
   return text;
 }
 
-/// Compares a polygon's triangles with it at random places. False where they differ.
+/// Compares a polygon's triangles with it at random places. False if they differ.
 bool isCutRightly(const std::vector<Vector3d>& corners, Random& random) {
   const CutPolygon cut = cutPolygon(corners);
   const Vector3d normal = polygonNormal(corners);
@@ -396,7 +396,7 @@ bool isCutRightly(const std::vector<Vector3d>& corners, Random& random) {
   return right;
 }
 
-/// LEEWAY_TEST_POLYGONS and LEEWAY_TEST_SEED ask for more, and others.
+/// LEEWAY_TEST_POLYGONS sets the number of cases, and LEEWAY_TEST_SEED selects other ones.
 TEST(EarClipping, RandomPolygonsAreWhatEvenOddSays) {
   const std::uint64_t seed = fromEnvironment("LEEWAY_TEST_SEED", 1);
   const auto count = static_cast<int>(

@@ -1,4 +1,4 @@
-// From the file to the interval: numbers and distances beside an independent reader in quadruple
+// From the file to the interval: numbers and distances against an independent reader in quadruple
 // precision.
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ using oracle::Quad;
 using oracle::wide;
 using QuadVector = oracle::Vector;
 
-/// A decimal number of up to some thirty digits, within a few units of 2^-113.
+/// A decimal number of up to about thirty digits, within a few units of 2^-113.
 Quad quadOf(const std::string& text) {
   Quad value = 0;
   int power = 0;
@@ -129,7 +129,7 @@ Quad distanceTo(const QuadVector& p, const QuadVector& a, const QuadVector& b,
   return least;
 }
 
-/// A tetrahedron in one of the formats, and its corners as that file says where they are.
+/// A tetrahedron in one of the formats, and its corners at their places in the file.
 struct WrittenMesh {
   std::string name, content;
   std::vector<QuadVector> corners;

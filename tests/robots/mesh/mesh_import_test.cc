@@ -162,7 +162,7 @@ TEST(MeshImport, Messages) {
   expectInputError([&] { loadMesh(good, {1, 0, 1}, "r.urdf", 7); }, "r.urdf", 7, {"scale", "zero"});
 }
 
-/// A bumpy ball of some hundred triangles.
+/// A bumpy ball of a few hundred triangles.
 std::string ballStl(double radius) {
   constexpr int kRings = 12, kSectors = 20;
   std::vector<Eigen::Vector3f> corners;
@@ -236,17 +236,17 @@ TEST(MeshImport, KeepsMeshesOnDisk) {
   const auto warm = loadMesh(file, kOne, "r.urdf", 1, options);
   expectSame(none, cold);
   expectSame(none, warm);
-  // Of the same content under another name.
+  // A file with the same content under another name.
   std::filesystem::rename(file, folder.path("moved.stl"));
   expectSame(none, loadMesh(folder.path("moved.stl"), kOne, "r.urdf", 1, options));
   EXPECT_EQ(filesIn(cache).size(), 1U);
-  // A name that is nothing but its ending chooses another importer.
+  // A name that consists only of an ending selects another importer.
   const std::string hidden = folder.write(".stl", ballStl(0.5));
   expectSame(none, loadMesh(hidden, kOne, "r.urdf", 1, options));
   EXPECT_EQ(filesIn(cache).size(), 1U);
   const std::string other = folder.write(".obj", ballStl(0.5));
   EXPECT_THROW(loadMesh(other, kOne, "r.urdf", 1, options), InputError);
-  // Other scales and contents.
+  // Other scales and contents give other meshes.
   EXPECT_EQ(extent(loadMesh(folder.path("moved.stl"), {2, 1, 1}, "r.urdf", 1, options)).second.x(),
             2 * extent(none).second.x());
   EXPECT_EQ(filesIn(cache).size(), 2U);
@@ -292,7 +292,7 @@ TEST(MeshImport, KeepsOnlyWhatDependsOnOneFile) {
       faces += (i % 2 == 0 ? "usemtl red\nf " : "usemtl blue\nf ") + std::to_string(i + 1) + ' ' +
                std::to_string(i + 2) + ' ' + std::to_string(i + 21) + '\n';
   }
-  // Materials are not asked for: the same with and without them.
+  // Materials are not used: the result is the same with and without them.
   const std::string plain = folder.write("plain.obj", vertices + faces),
                     painted = folder.write("painted.obj", "mtllib paint.mtl\n" + vertices + faces);
   folder.write("paint.mtl", "newmtl blue\nKd 0 0 1\nnewmtl red\nKd 1 0 0\n");
@@ -318,7 +318,7 @@ TEST(MeshImport, KeepsOnlyWhatDependsOnOneFile) {
   EXPECT_EQ(filesIn(cache).size(), 2U);
 }
 
-/// A box of 1, 2 and 3 with one corner moved by `bend`, which its faces are quadrangles of.
+/// A box of 1, 2 and 3 with quadrangles as faces and one corner moved by `bend`.
 std::string boxObj(double bend = 0) {
   std::string obj;
   for (int i = 0; i < 8; ++i)
@@ -334,7 +334,7 @@ TEST(MeshImport, PolygonsOfASolidKeepItClosed) {
   EXPECT_EQ(plain.mesh()->triangles().size(), 12U);
   EXPECT_EQ(plain.mesh()->closedComponentCount(), 1);
   EXPECT_TRUE(warnings.empty());
-  // Three faces meet at the corner that is moved; one of them stays in its plane.
+  // Three faces meet at the moved corner; one of them stays in its plane.
   const std::string file = folder.write("bent.obj", boxObj(0.1));
   const auto bent = loadMesh(file, {2, 2, 2}, "r.urdf", 1, {}, &warnings);
   EXPECT_EQ(bent.mesh()->triangles().size(), 12U + 4);
@@ -355,7 +355,7 @@ TEST(MeshImport, CoordinatesAreThoseOfTheFile) {
   EXPECT_EQ(extent(shape).first.x(), 4000000.04);
 }
 
-/// A file that was cut between two lines has vertices that no face uses any more.
+/// A file that was truncated between two lines has vertices that no face uses.
 TEST(MeshImport, VerticesThatNoFaceUsesAreCounted) {
   const Folder folder;
   const auto told = [&](const std::string& name, const std::string& text) {
@@ -390,7 +390,7 @@ TEST(MeshImport, VerticesThatNoFaceUsesAreCounted) {
   EXPECT_NE(told("more.ply", ply(5))[0].find("has 2 vertices"), std::string::npos);
 }
 
-/// A mesh from the cache has its warnings again.
+/// A mesh from the cache has its warnings, too.
 TEST(MeshImport, WarningsAreKeptWithTheMesh) {
   const Folder folder;
   LoadOptions options;
@@ -441,7 +441,7 @@ TEST(MeshImport, EndingsThatNobodyKnows) {
             1U);
 }
 
-/// Formats without a reader of our own are cut by us, too, and lose digits.
+/// Files in formats without a reader in this library are also triangulated here, and lose digits.
 TEST(MeshImport, OtherFormatsComeThroughAssimp) {
   const Folder folder;
   std::vector<std::string> warnings;

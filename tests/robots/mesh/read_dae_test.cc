@@ -35,7 +35,7 @@ std::string dae(const std::string& faces, const std::string& nodes,
 }
 std::string node(const std::string& content) { return "<node>" + content + "</node>"; }
 
-/// Where a point of the mesh's first instance stands.
+/// The place of a point of the mesh's first instance.
 Vector3d placed(const std::string& transforms, const Vector3d& point,
                 const std::string& asset = "") {
   const MeshContents contents =
@@ -113,12 +113,12 @@ TEST(ReadDae, Transformations) {
   EXPECT_LT((turned - Vector3d(2, 0.5, 0.25)).norm(), 1e-15);
   EXPECT_EQ(placed("<matrix>0 -1 0 10 1 0 0 20 0 0 1 30 0 0 0 1</matrix>", p),
             Vector3d(9.75, 20.5, 32));
-  // In their order: each in the frame of those before it.
+  // In their order: each in the frame of the previous ones.
   EXPECT_EQ(placed("<translate>1 0 0</translate><rotate>0 0 1 90</rotate><scale>2 2 2</scale>", p),
             Vector3d(0.5, 1, 4));
   // RenderMan's: y turns towards x.
   EXPECT_LT((placed("<skew>45 0 1 0 1 0 0</skew>", p) - Vector3d(0.75, 0.25, 2)).norm(), 1e-15);
-  // Eye, what is looked at, up: z points back to the eye.
+  // Eye, target, up: z points back to the eye.
   EXPECT_LT((placed("<lookat>1 2 3 1 2 8 0 1 0</lookat>", p) - Vector3d(0.5, 2.25, 1)).norm(),
             1e-15);
   EXPECT_LT((placed("<lookat>0 0 0 0 0 -5 0 1 1</lookat>", p) - p).norm(), 1e-15);
@@ -131,7 +131,7 @@ TEST(ReadDae, UnitsCountTheUpAxisDoesNot) {
   EXPECT_EQ(placed("", p, "<unit name=\"x\"/>"), p);
   EXPECT_EQ(placed("<translate>1,5 0 0</translate>", p, "<unit meter=\"0,5\"/>"),
             Vector3d(1, 0.125, 1));
-  // A unit without a length is a metre, whatever its name is.
+  // A unit without a length is a metre, whatever its name.
   for (const auto& [unit, note] :
        {std::pair("<unit name=\"millimeter\"/>", "<unit> is named 'millimeter' and has no"),
         {"<unit meter=\"1\" unit=\"x\"/>", "the attribute 'unit' of <unit> is not known"},
@@ -237,7 +237,7 @@ TEST(ReadDae, DamagedFiles) {
   refused({nodes(node("<matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1</matrix>" + kInstance)),
            ":8",
            {"last row"}});
-  // Misspelt names, where they matter.
+  // Misspelt names that matter.
   refused({asset("<unit metre=\"0.001\"/>"), ":1", {"'metre' of <unit>", "meter and name would"}});
   refused({asset("<unit name=\"mm\" Meter=\"0.001\"/>"), ":1", {"'Meter' of <unit>"}});
   refused({asset("<unit><meter>0.001</meter></unit>"), ":1", {"<meter> in <unit>", "attribute"}});
@@ -263,7 +263,7 @@ TEST(ReadDae, DamagedFiles) {
                            "<matrix>1 2 3 0 2 4 6 0 0 0 1 0 0 0 0 1</matrix>"}) {
     refused({nodes(node(flat + kInstance)), ":8", {"flattens the geometry of its node"}});
     refused({nodes(node(flat + node(kInstance))), ":8", {"flattens the geometry of its node"}});
-    // Where there is none nothing is lost.
+    // A flattening without a geometry loses nothing.
     EXPECT_EQ(readAs(readDae, dae(kTriangle, node(flat) + node(kInstance))).instances.size(), 1U);
   }
   refused({nodes(node("<rotate>0 0 0 30</rotate>" + kInstance)), ":8", {"no length"}});

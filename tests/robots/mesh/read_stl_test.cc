@@ -93,14 +93,14 @@ TEST(ReadStl, BytesAfterTheTrianglesAreTold) {
 
 TEST(ReadStl, DamagedFiles) {
   const auto refused = [](const mesh_texts::Damaged& damaged) { expectRefused(readStl, damaged); };
-  // Whole facets follow, whatever they say: the count is wrong.
+  // Whole facets follow, whatever their content: the count is wrong.
   const std::vector<float> one = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   for (const std::size_t size : {50U, 100U})
     refused({binaryStl({one, one}, 2) + std::string(size, 'x'),
              ", byte 80",
              {"the count is 2, but more triangles follow"}});
   const std::string begin = "solid s\n" + kFacet;
-  // Cut anywhere but behind the last word.
+  // Truncated anywhere except after the last word.
   const std::string whole = begin + kFacet + "endsolid s";
   const std::size_t last = whole.size() - std::string("endsolid s").size();
   for (std::size_t size = 1; size < last + 7; ++size) {

@@ -54,13 +54,13 @@ TEST(Triangulate, PlanarFacesAreCutAlone) {
   EXPECT_EQ(cut.triangles, (decltype(cut.triangles){{0, 1, 2}, {0, 2, 3}}));
   EXPECT_EQ(cut.bent.count, 0);
   EXPECT_EQ(square.vertices.size(), 4U);
-  // A plane that is rounded to six digits, far from the origin, too.
+  // A plane that is rounded to six digits, also far from the origin.
   for (const double offset : {0.0, 5.0}) {
     FileMesh rounded =
         polygon({{offset, 0, 0}, {offset + 1, 0, 0}, {offset + 1, 1, 9e-7}, {offset, 1, 0}});
     EXPECT_EQ(triangulate(rounded, Bent::kCovered).bent.count, 0);
   }
-  // But digits are not lost to an offset that they could have had room for.
+  // But digits are not lost to an offset for which there would have been room.
   FileMesh far = polygon({{1e6, 0, 0}, {1e6 + 1, 0, 0}, {1e6 + 1, 1, 1e-4}, {1e6, 1, 0}});
   EXPECT_EQ(triangulate(far, Bent::kCovered).bent.count, 1);
 }
@@ -80,7 +80,8 @@ TEST(Triangulate, FacesWithoutAreaStay) {
   EXPECT_EQ(triangulate(point, Bent::kCovered).triangles.size(), 1U);
 }
 
-/// A quadrangle that is not planar means the triangles of either diagonal, and what is between.
+/// A quadrangle that is not planar means the triangles of either diagonal, and everything in
+/// between.
 TEST(Triangulate, BentQuadranglesAreCoveredByTheirTetrahedron) {
   Random random(3);
   for (int i = 0; i < 100; ++i) {
@@ -101,7 +102,7 @@ TEST(Triangulate, BentQuadranglesAreCoveredByTheirTetrahedron) {
     EXPECT_EQ(cut.bent.first.text(), ":5");
     EXPECT_GT(cut.bent.largest.norm(), 0.3 * size * height);
     EXPECT_LT(cut.bent.largest.norm(), size * height);
-    // The face as it is cut, and a solid of its own.
+    // The triangulated face, and a separate solid.
     EXPECT_EQ(cut.triangles.size(), 6U);
     EXPECT_EQ(mesh->componentCount(), 2);
     EXPECT_EQ(mesh->closedComponentCount(), 1);
@@ -142,7 +143,7 @@ TEST(Triangulate, BentPolygonsAreCoveredBySlabs) {
       for (std::size_t k = 1; k + 1 < corners.size(); ++k)
         EXPECT_LE(farthest(corner(0), corner(k), corner(k + 1), shape), 1e-15);
     }
-    // And nothing much farther away.
+    // The slab does not reach much farther.
     const double departure = cut.bent.largest.norm();
     for (const Vector3d& v : mesh->vertices()) EXPECT_LE(std::abs(v.z()), height + 2 * departure);
   }

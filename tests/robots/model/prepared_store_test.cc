@@ -25,7 +25,7 @@ TEST(PreparedStore, KeepsTheFewThatWereUsedLast) {
   const int most = static_cast<int>(PreparedStore::kMost);
   EXPECT_EQ(store.find(is(0)), nullptr);
   for (int n = 0; n < most; ++n) store.keep(std::make_shared<Number>(n), is(n));
-  EXPECT_NE(store.find(is(0)), nullptr);  // used again: 1 is the oldest now
+  EXPECT_NE(store.find(is(0)), nullptr);  // used again, so 1 is the oldest now
   store.keep(std::make_shared<Number>(most), is(most));
   EXPECT_EQ(store.find(is(1)), nullptr);
   for (int n = 0; n <= most; ++n) {
@@ -49,7 +49,7 @@ TEST(PreparedStore, CopiesBeginEmpty) {
   EXPECT_EQ(copy.find(is(1)), nullptr);
   PreparedStore other;
   other.keep(std::make_shared<Number>(2), is(2));
-  store = other;  // what it held was of something else
+  store = other;  // its content belonged to something else
   EXPECT_EQ(store.find(is(1)), nullptr);
   EXPECT_EQ(store.find(is(2)), nullptr);
 }

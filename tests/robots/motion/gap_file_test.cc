@@ -35,7 +35,7 @@ TEST(GapFile, GivesTheGapsAgain) {
   EXPECT_TRUE(gapsFromBytes(bytesOf({}), *body())->empty());
 }
 
-// By loadModel(): a robot from the cache is the robot without.
+// By loadModel(): a robot from the cache equals the robot without a cache.
 TEST(GapFile, IsKeptForARobotOfMeshes) {
   LEEWAY_NEEDS_DATA("robots/panda/panda.urdf");
   const Folder folder;
@@ -48,7 +48,7 @@ TEST(GapFile, IsKeptForARobotOfMeshes) {
   options.cache = folder.path();
   for (int run = 0; run < 2; ++run) {
     EXPECT_EQ(bytesOf(load(panda + ".srdf")->link_gaps), bytesOf(none->link_gaps));
-    // Without the SRDF's pairs more is proven.
+    // If the SRDF's pairs are missing, more is proven.
     EXPECT_EQ(bytesOf(load("")->link_gaps), bytesOf(none_without->link_gaps));
   }
   EXPECT_NE(bytesOf(none->link_gaps), bytesOf(none_without->link_gaps));
@@ -73,7 +73,7 @@ TEST(GapFile, RefusesWhatQueriesCouldNotUse) {
   for (std::size_t size = 0; size < bytes.size(); size += 1 + size / 50)
     EXPECT_FALSE(gapsFromBytes(std::span(bytes).first(size), *body())) << size;
   std::vector<std::byte> many = bytes;
-  std::memset(many.data(), 0xff, 8);  // so many gaps
+  std::memset(many.data(), 0xff, 8);  // a huge number of gaps
   EXPECT_FALSE(gapsFromBytes(many, *body()));
 }
 

@@ -80,7 +80,7 @@ TEST(LinkGaps, AreKeptOnRandomTrees) {
   EXPECT_GT(near, 30);
 }
 
-// Upper arms over bases, wrists beside forearms: the tables' purpose.
+// Upper arms over bases, and wrists next to forearms: the tables' purpose.
 TEST(LinkGaps, AreKeptByArms) {
   for (const std::string arm : {"panda", "ur5"}) {
     LEEWAY_NEEDS_DATA("robots/" + arm);

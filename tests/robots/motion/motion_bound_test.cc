@@ -14,7 +14,7 @@ namespace {
 
 using testing::Random;
 
-/// A point fixed to `link`, seen from `base`, at t along an edge.
+/// A point fixed to `link`, in the frame of `base`, at t along an edge.
 class Track {
  public:
   Track(const Model& model, std::vector<double> q, std::vector<double> dq, int link, int base)

@@ -24,8 +24,8 @@ std::string joint(const std::string& parent, const std::string& child, const cha
          "\"/><limit lower=\"-2\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint>\n";
 }
 
-/// `hub` is inside `base` wherever its two joints stand; `rest` touches `base` with all joints at
-/// zero only; `far` reaches `rest`, but not from zero; `plate` is fixed to `base`.
+/// `hub` is inside `base` at all positions of its two joints; `rest` touches `base` only with all
+/// joints at zero; `far` reaches `rest`, but not from zero; `plate` is fixed to `base`.
 std::shared_ptr<const Model> robot(const std::string& srdf = "") {
   const Folder folder;
   return loadModel(

@@ -1,4 +1,4 @@
-// What URDFs say that planning does not need, or that plain URDF 1.0 does not have.
+// Parts of URDFs that planning does not need, or that plain URDF 1.0 does not have.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 class LeftOutOfUrdf : public testing::Test {
  protected:
-  /// Link "a" is in line 2, `rest` begins in line 3.
+  /// Link "a" is in line 2, and `rest` begins in line 3.
   std::shared_ptr<const Model> load(const std::string& rest, const LoadOptions& options = {}) {
     file_ = folder_.write("r.urdf",
                           "<robot name=\"r\" xmlns:drake=\"http://drake.mit.edu\">\n"
@@ -110,7 +110,7 @@ TEST_F(LeftOutOfUrdf, NamesThatAreNotNeeded) {
                InputError);
 }
 
-// Errors that do not end the reading, for who gathers errors.
+// Errors that do not end the reading, for callers that gather errors.
 TEST_F(LeftOutOfUrdf, IsAnErrorWhereErrorsAreGathered) {
   InputErrors errors;
   LoadOptions options;
@@ -150,7 +150,7 @@ TEST_F(LeftOutOfUrdf, TabsAndNewlinesAreWhiteSpace) {
                    {"2 numbers; three would be accepted"});
 }
 
-// urdfdom writes its reasons to stderr: they belong into the message.
+// urdfdom writes its reasons to stderr; they belong in the message.
 TEST_F(LeftOutOfUrdf, WhatUrdfdomSaysIsInTheMessage) {
   testing::internal::CaptureStderr();
   file_ = folder_.write("v.urdf", "<robot name=\"r\" version=\"2.0\"><link name=\"a\"/></robot>");
@@ -230,7 +230,7 @@ TEST_F(LeftOutOfUrdf, SoftLimitsAreNamed) {
     expectWarnings(*limited(wide), {});
   expectWarnings(*limited("soft_lower_limit=\"low\""),
                  {":5: soft_lower_limit of <safety_controller> holds \"low\""});
-  // One warning for all.
+  // One warning for all of them.
   expectWarnings(
       *load(linkWithShape("b") +
             "\n<joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/>\n"
@@ -261,7 +261,7 @@ TEST_F(LeftOutOfUrdf, AMimicsOwnLimitsNarrowItsMaster) {
   EXPECT_EQ(range("lower=\"0.5\" upper=\"2\"", "offset=\"0.5\""), Range(0, 0.8));
   // The same up to rounding.
   EXPECT_EQ(range("lower=\"-0.22\" upper=\"0.88\"", "multiplier=\"1.1\""), Range(-0.2, 0.8));
-  // Not given, or of a joint that does not move.
+  // Not given, or for a joint that does not move.
   EXPECT_EQ(range("", ""), Range(-0.2, 0.8));
   EXPECT_EQ(range("lower=\"0\" upper=\"0.4\"", "multiplier=\"0\""), Range(-0.2, 0.8));
   const auto narrowed = model(turns, "lower=\"0\" upper=\"0.4\"", "");

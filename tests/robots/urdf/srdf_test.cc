@@ -112,8 +112,8 @@ TEST_F(Srdf, StatesPairsAndVirtualJoint) {
   EXPECT_TRUE(model->warnings.empty()) << model->warnings[0];
 }
 
-/// As MoveIt's matrix is filled: defaults first, then pairs that are enabled, then those that are
-/// disabled.
+/// The order in which MoveIt's matrix is filled: defaults first, then enabled pairs, then disabled
+/// ones.
 TEST_F(Srdf, DefaultsOfLinksGiveWayToPairs) {
   const auto model = load(R"(<enable_collisions link1="m1" link2="l2"/>
 <enable_collisions link1="l2" link2="tool"/>
@@ -187,7 +187,7 @@ TEST_F(Srdf, OtherRobotIsAWarning) {
   EXPECT_NE(model->warnings[0].find("\"other\""), std::string::npos);
 }
 
-/// An SRDF with one entry that is left out, and what its only warning says.
+/// An SRDF with one entry that is left out, and the text of its only warning.
 struct BadEntry {
   const char* name;
   std::string srdf;
@@ -343,14 +343,15 @@ TEST_F(Srdf, OthersAreKept) {
   EXPECT_NE(model->whyLeftOut("group", "worse").find("r.srdf:3: the group \"bad\""),
             std::string::npos);
   EXPECT_EQ(model->whyLeftOut("group", "arm"), "");
-  // A state that is left out is in the way of another group's of its name only where it would do.
+  // A state that is left out hides another group's state of the same name only for a group to which
+  // it applies.
   const std::vector<int> arm = {0, 1}, second = {2};
   EXPECT_NE(model->whyStateLeftOut("away", arm).find("r.srdf:7: "), std::string::npos);
   EXPECT_EQ(model->whyStateLeftOut("away", second), "");
   EXPECT_EQ(model->whyStateLeftOut("home", arm), "");
 }
 
-// Which of two is meant cannot be known.
+// It cannot be determined which of two is meant.
 TEST_F(Srdf, TwoOfOneNameAreBothLeftOut) {
   const auto model = load(R"(<group name="g"><joint name="j1"/></group>
 <group name="g"><joint name="j2"/></group>

@@ -301,7 +301,7 @@ TEST(Urdf, MissingFileAndFolder) {
                    {"is a folder", "URDF"});
 }
 
-/// Puts a program named `xacro` first where programs are looked for.
+/// Puts a program named `xacro` first in the search path.
 class WithXacro {
  public:
   explicit WithXacro(const Folder& folder, const std::string& script) : path_(::getenv("PATH")) {
@@ -334,7 +334,7 @@ TEST(Urdf, XacroIsExpandedByItsOwnCommand) {
                      {"xacro cannot expand it: line | line", "undefined: x;"});
   }
   {
-    // It was waited for, whatever the caller wanted.
+    // Regression: the program was waited for, even if the caller wanted to stop.
     const WithXacro xacro(folder, "exec sleep 50\n");
     LoadOptions options;
     int asked = 0;
@@ -431,7 +431,7 @@ TEST(Urdf, VelocityLimitsOfMimicJointsBoundTheirMaster) {
   EXPECT_EQ(velocity("3", limit("5") + half, limit("100") + chained), 2.5);
   EXPECT_EQ(velocity("3", limit("5") + half, limit("10") + chained), 1.25);  // -8 times the master
   EXPECT_EQ(velocity("1", limit("5") + half, limit("100") + chained), 1);
-  // No limit on the master, on the follower, or on what does not move.
+  // Without a limit on the master, on the follower, or on a fixed joint.
   EXPECT_EQ(velocity("0", limit("5") + half, limit("100") + chained), 2.5);
   EXPECT_EQ(velocity("3", limit("0") + half, limit("0") + chained), 3);
   EXPECT_EQ(velocity("3", limit("5") + "<mimic joint=\"m\" multiplier=\"0\"/>",
@@ -478,7 +478,7 @@ TEST(Urdf, TheFirstMeshThatFailsIsTold) {
   std::string text;
   for (int i = 0; i < 6; ++i) {
     const std::string name = "m" + std::to_string(i);
-    // Broken files are not the largest, which are read first.
+    // The broken files are not the largest, which are read first.
     folder.write(name + ".obj",
                  i % 2 == 0 ? std::string(1000, '#') + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
                             : "v 0 0 0 but no face");
@@ -498,7 +498,7 @@ TEST(Urdf, TheFirstMeshThatFailsIsTold) {
   }
 }
 
-// Meshes are built in parallel; a single core gives equal bytes.
+// Meshes are built in parallel; a single core gives the same bytes.
 TEST(Urdf, OneCoreLoadsTheSame) {
   LEEWAY_NEEDS_DATA("robots/panda");
   const std::string folder = dataFolder() + "/robots/";

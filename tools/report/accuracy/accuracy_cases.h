@@ -12,9 +12,9 @@ namespace leeway::tools::report {
 
 enum class FamilyKind : unsigned char {
   kOrdinary,  ///< apart, by 1 to 100 % of the sizes
-  kOverlap,   ///< overlapping, depth asked
+  kOverlap,   ///< overlapping, with a depth requested
   kHard,      ///< known to trouble engines
-  kCoherent,  ///< slow motion, each query warm-started from the one before
+  kCoherent,  ///< slow motion, each query warm-started from the previous one
 };
 const char* toString(FamilyKind kind);
 
@@ -33,15 +33,15 @@ struct AccuracyFamily {
   std::vector<AccuracyCase> cases;
 };
 
-/// Families, and the shapes that their cases point to.
+/// Families, and the shapes of their cases.
 struct AccuracySet {
   std::vector<std::unique_ptr<ReportShape>> shapes;
   std::vector<AccuracyFamily> families;
 };
 
-/// `per_family` cases for every family: all pairs of convex types apart, overlaps with depth, hard
-/// and coherent ones. Equal seeds give equal cases. `progress`, if set, receives each family's name
-/// before it is made. A few milliseconds a case, nearly all of it for the truth.
+/// Makes `per_family` cases for every family: all pairs of convex types apart, overlaps with depth,
+/// hard and coherent ones. Equal seeds give equal cases. `progress`, if set, receives each family's
+/// name before it is made. A few milliseconds for each case, nearly all of it for the truth.
 AccuracySet makeAccuracySet(int per_family, std::uint64_t seed,
                             const std::function<void(const std::string&)>& progress = {});
 

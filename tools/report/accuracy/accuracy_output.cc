@@ -37,7 +37,7 @@ std::vector<std::string> enginesOf(const std::vector<AccuracyRow>& rows) {
   return names;
 }
 
-/// A family's row of an engine at default tolerance; null: it lacks the pair of types.
+/// A family's row for an engine at default tolerance; null if the engine lacks the pair of types.
 const AccuracyRow* defaultRow(const std::vector<AccuracyRow>& rows, const std::string& family,
                               const std::string& engine) {
   for (const AccuracyRow& r : rows)
@@ -165,7 +165,7 @@ Figure accuracyFigure(const std::vector<AccuracyRow>& rows, const std::vector<Fa
       const auto belongs = [&](const AccuracyRow& r) {
         return r.family == family->family && r.engine == engine && r.tells_distance;
       };
-      // Engines without tolerances have one point, the others a point a decade.
+      // Engines without tolerances have one point; the others have a point for each decade.
       const bool decades = std::any_of(rows.begin(), rows.end(), [&](const AccuracyRow& r) {
         return belongs(r) && !std::isnan(r.tolerance);
       });
@@ -174,7 +174,7 @@ Figure accuracyFigure(const std::vector<AccuracyRow>& rows, const std::vector<Fa
           series.points.push_back({r.error_max, r.ns, r.ns_low, r.ns_high});
       if (!series.points.empty()) panel.series.push_back(std::move(series));
     }
-    // A lone engine has no comparison to show; the table has its figures.
+    // A single engine has no comparison to show; its figures are in the table.
     if (panel.series.size() > 1 || alone) figure.panels.push_back(std::move(panel));
   }
   return figure;

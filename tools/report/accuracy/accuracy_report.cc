@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// One engine's queries of a family; empty: it lacks the pair of types.
+/// One engine's queries of a family; empty if it lacks the pair of types.
 struct Prepared {
   const PairEngine* engine = nullptr;
   std::vector<std::unique_ptr<PairQuery>> queries;
@@ -34,7 +34,7 @@ Prepared prepare(const PairEngine& engine, const AccuracyFamily& family,
     try {
       query = engine.prepare(c.spec, isWarm(family));
     } catch (const std::exception&) {
-      // A shape that the engine refuses counts as a missing type.
+      // A shape that the engine rejects counts as a missing type.
     }
     if (!query) return {&engine, {}, {}};
     result.queries.push_back(std::move(query));
@@ -42,7 +42,7 @@ Prepared prepare(const PairEngine& engine, const AccuracyFamily& family,
   return result;
 }
 
-/// Warm-starts case i from its predecessor in the track.
+/// Warm-starts case i from the previous case of the track.
 void beginWarm(const Prepared& p, const AccuracyFamily& family, std::size_t i) {
   if (!isWarm(family)) return;
   const bool follows = i > 0 && family.cases[i].track == family.cases[i - 1].track;
@@ -133,7 +133,7 @@ AccuracyRow judge(const Prepared& p, const AccuracyFamily& family, double tolera
   return row;
 }
 
-/// The answered cases of a row: only those are timed.
+/// The answered cases of a row; only those are timed.
 std::vector<std::size_t> timedCases(const Outcome& outcome) {
   std::vector<std::size_t> cases;
   for (std::size_t i = 0; i < outcome.answers.size(); ++i)
@@ -143,8 +143,8 @@ std::vector<std::size_t> timedCases(const Outcome& outcome) {
 
 volatile double sink;  // keeps answers from being optimised away
 
-/// Mean time of a query [ns], each case asked once, in order. Warm families: the first of each
-/// track is off the clock.
+/// Mean time of a query [ns], with each case queried once, in order. For warm families, the first
+/// case of each track is not timed.
 double timePass(const Prepared& p, const AccuracyFamily& family, double tolerance,
                 const std::vector<std::size_t>& cases) {
   double sum = 0;
@@ -178,14 +178,14 @@ double timePass(const Prepared& p, const AccuracyFamily& family, double toleranc
                     : nanoseconds / static_cast<double>(asked);
 }
 
-/// A row in the making, with its queries.
+/// A row that is being measured, with its queries.
 struct Measurement {
   const Prepared* prepared;
   AccuracyRow row;
   std::vector<std::size_t> timed;
 };
 
-/// Shorter passes are repeated up to this length: hides the clock's resolution.
+/// Shorter passes are repeated up to this length, which hides the clock's resolution.
 constexpr double kShortestPass = 10e3;  // [ns]
 constexpr double kMostRepeats = 50;
 
@@ -203,7 +203,7 @@ void timeFamily(const AccuracyFamily& family, int passes, std::vector<Measuremen
   const std::vector<Fate> fate = runGuarded(1, 3600, [&](std::size_t) {
     std::vector<int> repeats;
     for (const Measurement& m : measurements) {
-      // Warms caches and branch predictors, and gives a pass's length.
+      // Warms caches and branch predictors, and measures a pass's length.
       const double pass = m.timed.empty()
                               ? 0
                               : timePass(*m.prepared, family, m.row.tolerance, m.timed) *

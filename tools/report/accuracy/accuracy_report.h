@@ -24,15 +24,15 @@ struct AccuracyOptions {
   int passes = 15;              ///< timed passes over a family's cases
   double query_seconds = 0.25;  ///< processor time [s] after which a query counts as endless
   std::function<void(const std::string&)> progress;  ///< called with each family's name
-  /// Called with the rows of each family when they are there.
+  /// Called with the rows of each family when they are complete.
   std::function<void(const std::vector<AccuracyRow>&)> on_rows;
 };
 
 /// The default (NaN), then 1e-1 to 1e-15 by decades.
 std::vector<double> accuracyTolerances();
 
-/// One engine at one tolerance over one family. Times and errors cover the cases that were answered
-/// with a number.
+/// One engine at one tolerance over one family. Times and errors cover the cases with a number as
+/// the answer.
 struct AccuracyRow {
   std::string family;
   FamilyKind kind = FamilyKind::kOrdinary;
@@ -45,33 +45,34 @@ struct AccuracyRow {
   int wrong = 0;          ///< answered, but off by more than kWrong
   int wrong_verdict = 0;  ///< says apart where it overlaps, or the reverse
   int unsafe = 0;         ///< interval excludes the truth
-  /// Time of a query [ns], mean over the cases: median and quartiles over the passes. NaN: nothing
-  /// was answered.
+  /// Time of a query [ns], mean over the cases: median and quartiles over the passes. NaN if no
+  /// case was answered.
   double ns = std::numeric_limits<double>::quiet_NaN(), ns_low = ns, ns_high = ns;
-  /// Error relative to the sizes, of an interval's farther end. NaN: nothing was answered.
+  /// Error of an interval's farther end, relative to the sizes. NaN if no case was answered.
   double error_median = ns, error_95 = ns, error_max = ns;
 
   int failures() const { return threw + died + endless + not_a_number; }
 };
 
-/// Asks every engine for every case at every tolerance. Round one runs in child processes, which
-/// survive aborts and endless loops and count them. Round two times what was answered; engines and
-/// tolerances are interleaved within each pass. No row where an engine lacks the pair of types. Pin
-/// the process first. Throws std::system_error when no child process can be made.
+/// Queries every engine for every case at every tolerance. Round one runs in child processes, which
+/// count aborts and endless loops without ending the report. Round two times the answered cases;
+/// engines and tolerances are interleaved within each pass. There is no row if an engine lacks the
+/// pair of types. Pin the process first. Throws std::system_error if no child process can be made.
 std::vector<AccuracyRow> measureAccuracy(const AccuracySet& set,
                                          const std::vector<const PairEngine*>& engines,
                                          const AccuracyOptions& options);
 
-/// CSV with a header, one line a row.
+/// CSV with a header and one line for each row.
 std::string accuracyCsv(const std::vector<AccuracyRow>& rows);
 
-/// Failures of each engine by family, at default tolerance and at the tightest asked.
+/// Failures of each engine by family, at default tolerance and at the tightest tolerance of the
+/// run.
 std::string hardCasesCsv(const std::vector<AccuracyRow>& rows);
 
-/// Text table: times at default tolerance by family with ratios to FCL's, then what went wrong.
+/// Text table: times at default tolerance by family with ratios to FCL's, followed by the failures.
 std::string accuracyTable(const std::vector<AccuracyRow>& rows);
 
-/// Time over error, a panel for each family of the given kinds.
+/// Time over error, one panel for each family of the given kinds.
 Figure accuracyFigure(const std::vector<AccuracyRow>& rows, const std::vector<FamilyKind>& kinds,
                       const std::string& title, const std::string& note);
 

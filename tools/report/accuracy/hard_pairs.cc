@@ -61,7 +61,7 @@ Placed parallel(Random& r, bool edges) {
 Placed parallelFaces(Random& r) { return parallel(r, false); }
 Placed parallelEdges(Random& r) { return parallel(r, true); }
 
-/// Types that every rival has: all face the same cases.
+/// Types that every rival supports, so that all face the same cases.
 ReportShape anySolid(Random& r) {
   constexpr std::array<MakeShape, 5> kAny = {box, cylinder, cone, hull<8>, hull<32>};
   return kAny[static_cast<std::size_t>(r.below(5))](r);
@@ -91,7 +91,7 @@ Placed slivers(Random& r) {
   return placeApart(r, std::move(a), r.chance(0.5) ? sliver(r) : box(r));
 }
 
-/// Flat regular polygons, at times parallel, against one another and solids.
+/// Flat regular polygons, sometimes parallel, against each other and against solids.
 ReportShape polygon(Random& r) {
   const int corners = 3 + r.below(10);
   const double radius = length(r);
@@ -150,7 +150,7 @@ Placed farFromOrigin(Random& r) {
   return p;
 }
 
-/// Two triangles nearly in one plane, beside or above one another.
+/// Two triangles nearly in one plane, next to or above one another.
 Placed nearlyCoplanar(Random& r) {
   const auto triangle = [&]() {
     std::vector<Vector3d> points;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Random convex shapes and placed pairs of them, as the families of `report accuracy` need them.
+// Random convex shapes and placed pairs of them, for the families of `report accuracy`.
 
 #include "leeway/collision/pose.h"
 #include "tools/report/base/engine.h"
@@ -8,7 +8,7 @@
 
 namespace leeway::tools::report {
 
-/// Sum of the finite bounding radii [m]; 1 where that is 0.
+/// Sum of the finite bounding radii [m]; 1 if that is 0.
 double sizeOfPair(const collision::Shape& a, const collision::Shape& b);
 
 namespace random_pairs {
@@ -28,7 +28,7 @@ ReportShape cylinder(Random& r);
 ReportShape cone(Random& r);
 ReportShape ellipsoid(Random& r);
 ReportShape halfSpace(Random& r);
-/// All points on an ellipsoid, hence all vertices.
+/// All points lie on an ellipsoid, so all are vertices.
 ReportShape roundHull(Random& r, int vertices);
 template <int kVertices>
 ReportShape hull(Random& r) {
@@ -43,12 +43,13 @@ struct Placed {
 
 /// Random orientations, centres 1.1 to 2 bounding radii apart.
 Placed placeAnyhow(Random& r, ReportShape a, ReportShape b);
-/// Moves B along the separating direction until about `gap` remains. Approximate: the oracle
-/// supplies the truth.
+/// Moves B along the separating direction until about `gap` remains. This is approximate; the
+/// oracle supplies the truth.
 void setGap(Placed& p, double gap);
 /// Apart by 1 to 100 % of the sizes.
 Placed placeApart(Random& r, ReportShape a, ReportShape b);
-/// Moves B into contact, then deeper by a share of the smaller body, less where that is thinner.
+/// Moves B into contact, then deeper by a share of the smaller body, or less if that body is thin
+/// there.
 Placed placeOverlapping(Random& r, ReportShape a, ReportShape b, double least, double most);
 
 }  // namespace random_pairs

@@ -10,13 +10,14 @@
 
 namespace leeway::tools::report {
 
-/// An engine's signed distance [m]. An engine that returns a bare number sets both ends to it; NaN:
-/// it reported failure.
+/// An engine's signed distance [m]. An engine that returns a single number sets both ends to it;
+/// NaN if it reported failure.
 struct PairAnswer {
   double lower = 0, upper = 0;
 };
 
-/// A convex shape. A hull keeps the points it was made from, duplicates included: rivals get those.
+/// A convex shape. A hull keeps the points it was made from, including duplicates, which rivals
+/// receive.
 struct ReportShape {
   collision::Shape shape;
   std::vector<Eigen::Vector3d> points;
@@ -36,11 +37,11 @@ struct PairSpec {
 class PairQuery {
  public:
   virtual ~PairQuery() = default;
-  /// `tolerance`: absolute [m]; NaN: the engine's default. May throw, abort or loop: the report
+  /// `tolerance`: absolute [m]; NaN: the engine's default. May throw, abort or loop; the report
   /// counts that.
   virtual PairAnswer ask(double tolerance) = 0;
-  /// Warm-starts from `previous`, this engine's query of the same pair one placement earlier; null:
-  /// cold.
+  /// Warm-starts from `previous`, this engine's query of the same pair in the previous placement;
+  /// null: no warm start.
   virtual void follow(const PairQuery* previous) { static_cast<void>(previous); }
 };
 
@@ -50,11 +51,11 @@ class PairEngine {
   virtual const char* name() const = 0;
   /// False: ask() ignores its argument, so one row suffices.
   virtual bool hasTolerance() const = 0;
-  /// True: answers are intervals that claim to hold the truth.
+  /// True: answers are intervals that claim to contain the truth.
   virtual bool claimsBounds() const { return false; }
   /// False: answers only place the distance on one side of a threshold.
   virtual bool tellsDistance() const { return true; }
-  /// Null: the engine lacks this pair of types. `warm`: follow() will be called.
+  /// Null if the engine lacks this pair of types. `warm`: follow() will be called.
   virtual std::unique_ptr<PairQuery> prepare(const PairSpec& spec, bool warm) const = 0;
 };
 

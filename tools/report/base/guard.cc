@@ -20,7 +20,7 @@ namespace {
   throw std::system_error(errno, std::generic_category(), what);
 }
 
-/// Processor time: load on the machine must not look like an endless loop.
+/// Limits processor time, because load on the machine must not count as an endless loop.
 void setTimer(double seconds) {
   itimerval timer{};
   timer.it_value.tv_sec = static_cast<time_t>(std::floor(seconds));
@@ -33,11 +33,11 @@ struct Progress {
   std::size_t current;
 };
 
-/// A child's work: items from `first` on, until the end or until one kills it.
+/// A child's work: items from `first` on, until the end or until one kills the child.
 [[noreturn]] void liveAsChild(std::size_t first, std::size_t count, double seconds,
                               const std::function<void(std::size_t)>& work, Progress& progress,
                               std::span<Fate> fates) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody reads the answers of an interrupted report
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // the answers of an interrupted report are not read
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
@@ -82,7 +82,7 @@ std::vector<Fate> runGuarded(std::size_t count, double seconds,
       if (errno != EINTR) fail("waitpid");
     const std::size_t reached = progress[0].current;
     if (reached >= count) break;
-    // Calling exit() counts as dying.
+    // A call of exit() counts as dying.
     fates[reached] =
         WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF ? Fate::kTimedOut : Fate::kDied;
     next = reached + 1;

@@ -44,11 +44,11 @@ class SharedArray {
   std::size_t count_;
 };
 
-/// Calls work(0) ... work(count - 1) in child processes, so that no item can end this one: after an
-/// item that kills its child, a new child goes on with the next. Items return results through
-/// shared memory. `seconds`: processor time allowed for one item, at least 1e-5. Children's stderr
-/// is discarded. Returns each item's fate. Throws std::system_error when no child can be made. Not
-/// thread-safe.
+/// Calls work(0) ... work(count - 1) in child processes, so that no item can end this process:
+/// after an item that kills its child, a new child continues with the next item. Items return
+/// results through shared memory. `seconds`: limit on the processor time of one item, at least
+/// 1e-5. Children's stderr is discarded. Returns each item's fate. Throws std::system_error if no
+/// child can be made. Not thread-safe.
 std::vector<Fate> runGuarded(std::size_t count, double seconds,
                              const std::function<void(std::size_t)>& work);
 

@@ -9,10 +9,10 @@
 
 namespace leeway::tools::report {
 
-/// A serial chain of single joints, as solvers of others take it.
+/// A serial chain of single joints, in the form that other solvers use.
 struct IkChain {
   struct Joint {
-    collision::Pose X_PJ;  ///< in the frame of the joint before it, turned or moved
+    collision::Pose X_PJ;  ///< in the frame of the previous joint, after that joint's motion
     Eigen::Vector3d axis;
     bool slides = false;
     double lower, upper;  ///< finite
@@ -25,8 +25,8 @@ struct IkChain {
 class IkSolver {
  public:
   virtual ~IkSolver() = default;
-  /// Values that place the tip at X_WF, within the limits, from `start` and then from starts of its
-  /// own. False: none was found. May throw, abort or loop.
+  /// Finds values that place the tip at X_WF, within the limits, from `start` and then from the
+  /// engine's own starts. False if none was found. May throw, abort or loop.
   virtual bool solve(const collision::Pose& X_WF, std::span<const double> start,
                      std::span<double> values) = 0;
 };
@@ -38,10 +38,10 @@ class IkEngine {
   virtual std::unique_ptr<IkSolver> prepare(const IkChain& chain) const = 0;
 };
 
-/// Starts that an engine may search from.
+/// Limit on an engine's starts.
 inline constexpr int kIkStarts = 200;
 
-/// Where rivals start anew: uniform numbers, the same in every run and on every machine.
+/// Random starts for rivals: uniform numbers, the same in every run and on every machine.
 class IkRandom {
  public:
   double uniform(double low, double high) {

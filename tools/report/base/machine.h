@@ -4,7 +4,7 @@
 
 namespace leeway::tools::report {
 
-/// The processor's name from /proc/cpuinfo; "unknown processor" where that has none.
+/// The processor's name from /proc/cpuinfo; "unknown processor" if the file has none.
 std::string machineName();
 
 /// Pins this process and its future children to the current processor; returns its number, -1 on

@@ -32,19 +32,19 @@ class MeshFollower {
   virtual void setVertices(std::span<const Eigen::Vector3d> vertices, double time) = 0;
   /// Updates the hierarchy; on the clock.
   virtual void update() = 0;
-  /// True: the cost of an update depends on the time since the last one. Such an engine also
+  /// True if the cost of an update depends on the time since the last one. Such an engine also
   /// follows the frames at which it is not measured.
   virtual bool followsEveryFrame() const { return false; }
-  /// Adds a body for later queries; false: the engine has no distance from such a shape. Bodies are
-  /// numbered from 0 in order of the successful calls.
+  /// Adds a body for later queries; false if the engine has no distance from such a shape. Bodies
+  /// are numbered from 0 in order of the successful calls.
   virtual bool addBody(const collision::Shape& shape) = 0;
   /// Minimum distance of body i at X_WB from the mesh [m], <= 0 in contact; on the clock.
   virtual double distance(int body, const collision::Pose& X_WB) = 0;
-  /// Whether the distance exceeds `threshold`. The default measures the distance.
+  /// Whether the distance exceeds `threshold`. By default computed from the distance.
   virtual bool isFarther(int body, const collision::Pose& X_WB, double threshold) {
     return distance(body, X_WB) > threshold;
   }
-  /// Nodes that the last update touched; negative: unknown.
+  /// Nodes that the last update touched; negative if unknown.
   virtual double nodesTouched() const { return -1; }
   virtual double verticesTouched() const { return -1; }
 };
@@ -53,7 +53,7 @@ class MeshEngine {
  public:
   virtual ~MeshEngine() = default;
   virtual const char* name() const = 0;
-  /// Null: the engine does not support such a mesh or motion.
+  /// Null if the engine does not support such a mesh or motion.
   virtual std::unique_ptr<MeshFollower> follow(const DeformingSpec& spec) const = 0;
   /// Allowed error of a distance, relative to lengths: single precision or the engine's own
   /// tolerance.

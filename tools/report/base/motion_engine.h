@@ -14,7 +14,7 @@ namespace leeway::tools::report {
 struct ContactAnswer {
   bool contact = false;
   bool undecided = false;  ///< a limit or rounding left it open
-  /// Time of contact; engines that return bare numbers set both ends to it.
+  /// Time of contact; engines that return a single number set both ends to it.
   double lower = std::numeric_limits<double>::quiet_NaN(), upper = lower;
 };
 
@@ -26,7 +26,7 @@ struct MovingBody {
   bool straight = true;
 };
 
-/// Asks for the first contact of any listed pair of bodies, or of two triangles with moving
+/// A query for the first contact of any listed pair of bodies, or of two triangles with moving
 /// corners.
 struct ContactSpec {
   std::vector<MovingBody> bodies;
@@ -39,7 +39,7 @@ struct ContactSpec {
 class ContactQuery {
  public:
   virtual ~ContactQuery() = default;
-  /// May throw, abort or loop: the report counts that.
+  /// May throw, abort or loop; the report counts that.
   virtual ContactAnswer ask() = 0;
 };
 
@@ -47,18 +47,19 @@ class ContactEngine {
  public:
   virtual ~ContactEngine() = default;
   virtual const char* name() const = 0;
-  /// True: the interval of the time claims to hold the truth.
+  /// True: the interval of the time claims to contain the truth.
   virtual bool claimsBounds() const { return false; }
-  /// Null: the engine lacks such shapes or motions.
+  /// Null if the engine lacks such shapes or motions.
   virtual std::unique_ptr<ContactQuery> prepare(const ContactSpec& spec) const = 0;
 };
 
 /// Number of straight pieces for engines limited to straight motions.
 inline constexpr int kMotionPieces = 32;
 
-/// First contact by an engine limited to single pairs and straight motions: every pair in turn,
-/// each motion in kMotionPieces pieces unless it is straight. `follow(pair, X_WA0, X_WA1, X_WB0,
-/// X_WB1)` returns the fraction of the piece at which contact begins, negative for none.
+/// First contact by an engine limited to single pairs and straight motions: one pair after the
+/// other, each motion in kMotionPieces pieces unless it is straight. `follow(pair, X_WA0, X_WA1,
+/// X_WB0, X_WB1)` returns the fraction of the piece at which contact begins, negative if there is
+/// none.
 template <typename Follow>
 ContactAnswer firstOfPieces(const ContactSpec& spec, const Follow& follow) {
   ContactAnswer first;

@@ -110,7 +110,7 @@ class Ruler {
     lower_ = std::isnan(axis.lower) ? data_lower : axis.lower;
     upper_ = std::isnan(axis.upper) ? data_upper : axis.upper;
     if (!(lower_ < upper_)) {
-      // No or a single value: adds room around it.
+      // Without values or with a single value: adds room around it.
       const double middle = lower_ == upper_ ? lower_ : 1;
       lower_ = logarithmic ? middle / 2 : middle - 1;
       upper_ = logarithmic ? middle * 2 : middle + 1;
@@ -207,7 +207,7 @@ std::string markerElement(std::size_t style, double x, double y, bool hollow) {
   }
 }
 
-/// When the colours run out, dashes distinguish the next ones.
+/// When the colours run out, dashes distinguish the following series.
 std::string strokeAttributes(std::size_t style, bool dashed) {
   static constexpr std::array<const char*, 3> kBreaks = {"", "8 3", "2 3"};
   const std::string breaks = dashed ? "5 4" : kBreaks[style / kColours.size() % kBreaks.size()];
@@ -250,7 +250,7 @@ class PanelDrawing {
     svg += textElement(0, 0, "middle", kLabel, "soft", panel_.y.label,
                        fmt::format(" transform=\"translate({:.1f} {:.1f}) rotate(-90)\"",
                                    left_ - 48, top_ + height_ / 2));
-    // Backwards: the first series, the report's subject, is drawn on top.
+    // Backwards, so that the first series, the report's subject, is drawn on top.
     for (std::size_t i = panel_.series.size(); i-- > 0;) {
       const PlotSeries& series = panel_.series[i];
       const auto same = std::find_if(legend.begin(), legend.end(),
@@ -272,7 +272,7 @@ class PanelDrawing {
       svg += lineElement(toX(v), top_, toX(v), bottom, "minor");
     for (const double v : up.unlabelled)
       svg += lineElement(left_, toY(v), left_ + width_, toY(v), "minor");
-    // Labels that would overlap their predecessor are left out; their grid lines stay.
+    // Labels that would overlap the previous one are omitted; their grid lines stay.
     double free_from = -HUGE_VAL;
     for (const double v : across.labelled) {
       svg += lineElement(toX(v), top_, toX(v), bottom, "grid");
@@ -324,7 +324,7 @@ class PanelDrawing {
   Ruler x_, y_;
 };
 
-/// Draws the legend in as many rows as it needs; returns its height.
+/// Draws the legend with the required number of rows; returns its height.
 double drawLegend(const std::vector<const PlotSeries*>& legend, double width, double top,
                   std::string& svg) {
   double x = kMargin, y = top + kLegendRow - 6;

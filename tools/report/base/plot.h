@@ -6,7 +6,7 @@
 
 namespace leeway::tools::report {
 
-/// One measured point. `low` and `high` are the ends of an error bar in y; NaN: none.
+/// One measured point. `low` and `high` are the ends of an error bar in y; NaN if there is none.
 struct PlotPoint {
   double x = 0, y = 0;
   double low = std::numeric_limits<double>::quiet_NaN();
@@ -25,8 +25,8 @@ struct PlotSeries {
 
 enum class AxisScale { kLogarithmic, kLinear };
 
-/// An axis. `lower` or `upper` NaN: from the data. Points outside (on a logarithmic axis also those
-/// <= 0) are drawn hollow on the border, so that none is lost.
+/// An axis. With `lower` or `upper` NaN, the end is taken from the data. Points outside (on a
+/// logarithmic axis also those <= 0) are drawn hollow on the border, so that none is lost.
 struct PlotAxis {
   std::string label;  ///< with the unit
   AxisScale scale = AxisScale::kLogarithmic;
@@ -58,9 +58,9 @@ PlotTicks logarithmicTicks(double lower, double upper);
 /// Multiples of 1, 2 or 5 times a power of ten, about five of them.
 PlotTicks linearTicks(double lower, double upper);
 
-/// A complete SVG 1.1 document in UTF-8; equal figures give equal bytes. Legible on light and dark
-/// pages: it draws its own background, a dark one if the reader prefers that. Points that are NaN
-/// are left out and break the line. O(points).
+/// A complete SVG 1.1 document in UTF-8; equal figures give equal bytes. It is legible on light and
+/// dark pages, because it draws its own background, a dark one if the reader prefers that. Points
+/// that are NaN are omitted and break the line. O(points).
 std::string toSvg(const Figure& figure);
 
 }  // namespace leeway::tools::report

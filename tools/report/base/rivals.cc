@@ -12,14 +12,14 @@ namespace {
 struct Known {
   const char* library;
   const char* file;
-  const char* packages;  ///< Debian's
-  /// Its library's own symbols go first: Debian's KDL and OMPL were built with Eigens whose
-  /// JacobiSVD differs, and share its name.
+  const char* packages;  ///< Debian's packages
+  /// Its library's own symbols take precedence, because Debian's KDL and OMPL were built with
+  /// versions of Eigen whose JacobiSVD differs but has the same name.
   bool own_symbols_first = false;
 };
 
 #if defined(__SANITIZE_ADDRESS__)
-constexpr bool kCanPreferOwnSymbols = false;  // the sanitizer refuses such modules
+constexpr bool kCanPreferOwnSymbols = false;  // the sanitizer rejects such modules
 #else
 constexpr bool kCanPreferOwnSymbols = true;
 #endif

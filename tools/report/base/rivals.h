@@ -21,20 +21,20 @@ struct Rivals {
   std::vector<std::unique_ptr<StateEngine>> states;     ///< for `report planning`
 };
 
-/// Each rival is a module loaded at run time, so that nothing else links its library. A module
+/// Each rival is a module loaded at run time, so that no other target links its library. A module
 /// exports one function of this name and type.
 using MakeRivals = Rivals* (*)();
 inline constexpr const char* kMakeRivals = "leewayMakeRivals5";
 
-/// A module, and why it is missing if it is.
+/// A module, and the reason if it is missing.
 struct RivalModule {
   std::string library;             ///< "FCL", "Bullet", ...
-  std::string problem;             ///< why it could not be loaded; empty: loaded
-  std::unique_ptr<Rivals> rivals;  ///< null when there is a problem
+  std::string problem;             ///< why it could not be loaded; empty if it was loaded
+  std::unique_ptr<Rivals> rivals;  ///< null if there is a problem
 };
 
 /// Loads all known modules from ../lib/leeway relative to the running program's folder. Sets
-/// `problem` where a module or its library is missing. Modules stay loaded until the process ends.
+/// `problem` if a module or its library is missing. Modules stay loaded until the process ends.
 std::vector<RivalModule> loadRivals();
 
 }  // namespace leeway::tools::report

@@ -9,15 +9,14 @@
 
 namespace leeway::tools::report {
 
-/// One engine's form of a scene, for a planner that looks at states.
+/// One engine's form of a scene, for a planner that checks states.
 class StateChecker {
  public:
   virtual ~StateChecker() = default;
-  /// Whether no pair of the scene touches. X_WB: one pose a body; those that stand still keep
-  /// theirs.
+  /// Whether no pair of the scene touches. X_WB: one pose for each body; fixed bodies keep theirs.
   virtual bool isFree(std::span<const collision::Pose> X_WB) = 0;
-  /// The least distance of the scene's pairs, 0 or below where some touch [m]; NaN: the engine does
-  /// not measure one of them.
+  /// The least distance of the scene's pairs, 0 or below if some touch [m]; NaN if the engine
+  /// cannot measure one of them.
   virtual double distance(std::span<const collision::Pose>) {
     return std::numeric_limits<double>::quiet_NaN();
   }
@@ -27,7 +26,7 @@ class StateEngine {
  public:
   virtual ~StateEngine() = default;
   virtual const char* name() const = 0;
-  /// Null: the engine lacks one of the shapes. `scene` must outlive the checker.
+  /// Null if the engine lacks one of the shapes. `scene` must outlive the checker.
   virtual std::unique_ptr<StateChecker> prepare(const collision::Scene& scene) const = 0;
 };
 

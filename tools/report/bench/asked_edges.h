@@ -1,6 +1,6 @@
 #pragma once
 
-// Edges that planning and simplifying ask for, replayed by measurements and checks. Not part of the
+// Edges that planning and simplifying request, replayed by measurements and checks. Not part of the
 // product.
 
 #include <memory>
@@ -10,14 +10,14 @@
 
 namespace leeway::bench {
 
-/// Ends of edges, two rows each, in order of request.
+/// Ends of edges, two rows for each edge, in order of request.
 struct AskedEdges {
   std::vector<std::vector<double>> planning, simplifying;
 };
 
-/// The edges that a seeded RRTConnect of at most `iterations` iterations and simplify() on its path
-/// ask of the certifier, from the problem's start to the middle of its first goal. Empty if either
-/// end is invalid.
+/// The edges that a seeded RRTConnect of at most `iterations` iterations, and simplify() on its
+/// path, request from the certifier, from the problem's start to the middle of its first goal.
+/// Empty if either end is invalid.
 AskedEdges askedEdges(const planner::Problem& problem,
                       const std::shared_ptr<const planner::CompiledScene>& scene,
                       unsigned long long iterations);

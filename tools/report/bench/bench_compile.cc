@@ -1,11 +1,11 @@
-// bench_compile: what it takes from a loaded problem to the first edge.
+// bench_compile: the time from a loaded problem to the first edge.
 //   bench_compile --robot R.urdf --srdf R.srdf SCENE.yaml...     MoveIt scenes with requests
 //   bench_compile PROBLEM.yaml...                                problems of this project
-// Compiles each problem and makes its first EdgeCertifier, with a model of which nothing is
-// prepared (cold: a copy of it; what meshes keep is warm) and with one that is (prepared: the same
-// model as before). CPU time of this thread: medians of --rounds a problem, then over the problems
-// [us]. --boxes N: with so many boxes more, out of a small arm's reach, and the memory that the
-// last problem, its scene and its certifier take.
+// Compiles each problem and makes its first EdgeCertifier, once with an unprepared model (cold: a
+// copy of it; data that meshes store is warm) and once with a prepared one (prepared: the same
+// model as before). CPU time of this thread: medians of --rounds for each problem, then over the
+// problems [us]. --boxes N: adds N boxes, out of a small arm's reach, and reports the memory of the
+// last problem, its scene and its certifier.
 
 #include <fmt/format.h>
 
@@ -35,7 +35,7 @@ double median(std::vector<double> x) {
   return x[x.size() / 2];
 }
 
-/// Of some problems or rounds.
+/// Times of several problems or rounds.
 struct Times {
   std::vector<double> compile, certifier, second;
 
@@ -62,7 +62,7 @@ struct Times {
   }
 };
 
-/// On a grid of 0.5 m, from 3 m off.
+/// Adds boxes on a grid of 0.5 m, from 3 m away on.
 void addBoxes(Problem& problem, int count) {
   const int side = std::max(1, static_cast<int>(std::ceil(std::sqrt(count / 20.0))));
   for (int k = 0; k < count; ++k) {
@@ -76,7 +76,7 @@ void addBoxes(Problem& problem, int count) {
   }
 }
 
-/// Resident memory of this process [MB]; 0 where the system does not say.
+/// Resident memory of this process [MB]; 0 if the system does not provide it.
 double megabytes() {
   double size = 0, resident = 0;
   std::ifstream("/proc/self/statm") >> size >> resident;
@@ -112,7 +112,7 @@ int main(int argc, char** argv) {
         const double with_boxes = megabytes();
         const auto scene = std::make_shared<const CompiledScene>(problem);
         const double compiled = megabytes();
-        const EdgeCertifier certifier(scene);  // covers the meshes
+        const EdgeCertifier certifier(scene);  // includes covers of the meshes
         const double made = megabytes();
         const EdgeCertifier another(scene);
         if (boxes > 0 && &file == &files.back())

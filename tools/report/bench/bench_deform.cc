@@ -1,6 +1,7 @@
 // Cost of a frame of a deforming mesh by strategy: the update of the hierarchy alone (vertices are
 // ready), 12 tolerance tests and 12 minimum distances of an arm's links; then 100 frames of a mesh
-// whose vertices fly apart. "hybrid moved" knows a bound on the vertices' motion between frames.
+// whose vertices fly apart. For "hybrid moved", a bound on the vertices' motion between frames is
+// given.
 //   bench_deform [cells a side ...]      default: 32 100 316 (2k, 20k and 200k triangles)
 
 #include <Eigen/Geometry>
@@ -66,13 +67,13 @@ void wave(std::vector<Vector3d>& vertices, double phase) {
   }
 }
 
-// Bound on a vertex's way while wave()'s phase grows by `phase` [m].
+// Bound on how far a vertex moves while wave()'s phase grows by `phase` [m].
 double waveReach(double phase) { return std::hypot(0.2 * 1.7 * phase, 0.05 * phase) * (1 + 1e-9); }
 
 constexpr double kStep = 0.02;  // [m]
 constexpr double kReach = kStep * 1.7320508076 + 1e-9;
 
-// Each vertex at its own constant velocity, up to 2 cm a frame and axis.
+// Moves each vertex at its own constant velocity, up to 2 cm for each frame and axis.
 void explode(std::vector<Vector3d>& vertices, int frame) {
   std::uint64_t state = 88172645463325252ULL;
   const auto uniform = [&] {
@@ -88,7 +89,7 @@ void explode(std::vector<Vector3d>& vertices, int frame) {
 }
 
 struct Costs {
-  std::vector<double> update, tolerance, distance;  // a frame [us]
+  std::vector<double> update, tolerance, distance;  // for each frame [us]
   double sum() const {
     double sum = 0;
     for (std::size_t i = 0; i < update.size(); ++i) sum += update[i] + distance[i];
@@ -96,7 +97,7 @@ struct Costs {
   }
 };
 
-// Times frames; the links' answers are collected by query.
+// Times frames; the links' answers are collected for each query.
 struct Run {
   Deformable deformable;
   Scratch scratch;
@@ -163,7 +164,7 @@ void bench(int n) {
           Row{DeformStrategy::kHybrid, true}, Row{DeformStrategy::kLazy},
           Row{DeformStrategy::kRestructure}, Row{DeformStrategy::kOctree},
           Row{DeformStrategy::kAuto}}) {
-      // Takes minutes and shows nothing new.
+      // Skipped, because it takes minutes and shows nothing new.
       if (strategy == DeformStrategy::kOctree && n > 100) continue;
       DeformOptions options;
       options.strategy = strategy;

@@ -6,13 +6,13 @@
 // --bodies: a free body of 2k triangles among twelve of 2k triangles, closed ones and sheets.
 // Edges: a seeded RRTConnect plans each problem and simplify() shortens its path; the edges that
 // both request are replayed. Results cover either source and the mix as requested.
-// Stepping checks states at most 1/32 (rad or m, in the space's distance) apart and nothing between
-// them. Sixteen states share the certifier's lanes, with its balls and bounds; distance() with warm
-// caches settles the rest.
-// Times: CPU time of this thread. Both checkers see all edges once, in the order requested. Then
-// each kind of edge is timed as a whole, checkers by turns, five times: medians [us an edge]. Only
-// ratios compare between machines. Per-edge figures (median, 99 %, 99.9 %, maximum, share above 100
-// us) are of the median of three runs of each edge.
+// Stepping checks states at most 1/32 (rad or m, in the space's distance) apart, and nothing
+// between them. Sixteen states share the certifier's lanes, with its balls and bounds; distance()
+// with warm caches settles the other states.
+// Times: CPU time of this thread. Both checkers process all edges once, in the order requested.
+// Then each kind of edge is timed as a whole, the checkers alternately, five times: medians [us for
+// each edge]. Only ratios are comparable between machines. Per-edge figures (median, 99 %, 99.9 %,
+// maximum, share above 100 us) are computed from the median of three runs of each edge.
 
 #include <fmt/format.h>
 #include <ompl/util/Console.h>
@@ -46,7 +46,7 @@ constexpr double kSlowMicroseconds = 100;
 
 double cpuMicroseconds() { return 1e-3 * leeway::bench::cpuNanoseconds(); }
 
-/// The smallest number that at least this share of them do not exceed.
+/// The smallest number that is not exceeded by at least this share of them.
 double quantile(std::vector<double> x, double share) {
   std::sort(x.begin(), x.end());
   const auto count = static_cast<double>(x.size());
@@ -76,7 +76,7 @@ void measure(const std::shared_ptr<const CompiledScene>& scene,
   for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
     const auto before = certifier.statistics.distance_queries;
     const Verdict verdict = certifier.certify(ends[i], ends[i + 1]).verdict;
-    stepper.isFree(ends[i], ends[i + 1]);  // what it caches comes from this edge
+    stepper.isFree(ends[i], ends[i + 1]);  // fills the caches for this edge
     const auto asked = static_cast<long long>(certifier.statistics.distance_queries - before);
     const std::size_t k = verdict == Verdict::kFree      ? (asked == 0 ? 0 : 1)
                           : verdict == Verdict::kNotFree ? 2

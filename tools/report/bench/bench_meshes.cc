@@ -1,18 +1,18 @@
 // Times pairs of triangle meshes against FCL's hierarchies of OBBs and RSSs in the same run: links
 // of 1k triangles against 20k and of 2k against 2k, far, near and touching. Queries: minimum
-// distance, tolerance (d > t?) and collision, ours cold and warm. Meshes are generated; mesh files
-// given as arguments are taken two by two as further pairs. Pairs of solids with convex pieces come
-// last, timed both with the pieces and as plain triangles.
+// distance, tolerance (d > t?) and collision, ours with and without warm start. Meshes are
+// generated; mesh files given as arguments form additional pairs, two by two. Pairs of solids with
+// convex pieces are last, timed both with the pieces and as plain triangles.
 //
 // Each pair and class has a few placements. A placement is a track of slightly different poses, so
-// that warm starts have a predecessor. Blocks of ours and FCL's over the track alternate; a
-// placement counts its median block, the table the median placement and median ratio. FCL has no
-// tolerance query: its distance stands there. `differ` counts answers of FCL's outside our interval
-// (its own errors are near 1e-7), or verdicts on collision that differ.
+// that warm starts have a predecessor. Blocks of ours and FCL's over the track alternate. The
+// result of a placement is its median block; the table shows the median placement and median ratio.
+// FCL has no tolerance query, so its distance query is used instead. `differ` counts FCL's answers
+// outside our interval (its own errors are near 1e-7), and verdicts on collision that differ.
 //
 //   bench_meshes [--placements N] [--seed S] [--pieces] [MESH MESH]...
 //
-// --pieces leaves out the generated pairs that have none.
+// --pieces omits the generated pairs that have no pieces.
 
 #include <fcl/fcl.h>
 
@@ -135,7 +135,7 @@ Pose place(const Mesh& a, const Mesh& b, Class kind, Random& random, Scratch& sc
     const Vector3d direction = random.rotation().col(0);
     X.translation = a.shape.boundingCenter() - X.rotation * b.shape.boundingCenter() +
                     1.2 * (a.shape.boundingRadius() + b.shape.boundingRadius()) * direction;
-    // Approaches along the witnesses a few times, which also reaches into hollows.
+    // Approaches along the witnesses a few times, which also reaches into concavities.
     const double gap = kind == Class::kFar    ? size * random.uniform(1, 4)
                        : kind == Class::kNear ? size * random.uniform(0.005, 0.05)
                                               : -size * random.uniform(0.001, 0.01);
@@ -259,7 +259,7 @@ class Bench {
     const double fcl = theirs(track, i, query);
     for (PairCache* cache : {static_cast<PairCache*>(nullptr), &cache_}) {
       const DistanceResult d = ours(track, i, query, cache);
-      // FCL's collision ignores the inside; no placement here is wholly inside.
+      // FCL's collision query ignores the inside, but no placement here is completely inside.
       const double eps = 1e-6;
       bool agreed = true;
       if (query == Query::kCollision) {
@@ -288,7 +288,7 @@ struct Options {
   int placements = 12;
   std::uint64_t seed = 1;
   bool only_pieces = false;
-  std::vector<std::string> files;  // taken two by two
+  std::vector<std::string> files;  // used two by two
 
   bool valid() const { return placements >= 1 && files.size() % 2 == 0; }
 };
@@ -339,7 +339,7 @@ void printPieces(const Mesh& mesh) {
 // By class and query.
 using Ratios = std::vector<double>[3][3];
 
-// The ratios of all placements, of pairs of triangles and of pairs with convex pieces.
+// The ratios of all placements: those of pairs of triangles, and those of pairs with convex pieces.
 struct Summary {
   Ratios over_triangles, over_pieces, against_triangles;
 };
@@ -348,7 +348,7 @@ void addTo(std::vector<double>& all, const std::vector<double>& more) {
   all.insert(all.end(), more.begin(), more.end());
 }
 
-// One row of the table, and its ratios into the summary.
+// Prints one row of the table, and adds its ratios to the summary.
 void measure(Bench& bench, const Mesh& a, const Mesh& b, Class kind, Query query,
              const Options& options, Summary& summary) {
   Random random(options.seed);

@@ -1,11 +1,11 @@
-// A monitor over an arm of many bodies and fifty moving obstacles: how many exact distance queries
-// a schedule of impacts needs compared with checking every pair at every step, and whether it
-// misses anything (judged by that check, also between the steps).
+// A monitor of an arm with many bodies and fifty moving obstacles. It compares the number of exact
+// distance queries of an impact schedule with a check of every pair at every step, and verifies
+// that the schedule misses nothing (that check is the reference, also between the steps).
 //
 //   bench_monitor [ROBOT.urdf ROBOT.srdf] [--obstacles N] [--still N] [--seconds S] [--step S]
 //                 [--seed N]
 //
-// --still: so many boxes stand still as well, equally dense, most of them out of reach.
+// --still N: adds N fixed boxes, equally dense, most of them out of reach.
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -33,7 +33,7 @@ double cpuSeconds() { return 1e-9 * bench::cpuNanoseconds(); }
 
 constexpr double kMargin = 0.01;  // [m]
 
-/// A box or ball that drifts about a place and turns.
+/// A box or ball that drifts around a place and turns.
 struct Obstacle {
   Eigen::Vector3d center, amplitude, axis;
   double frequency, spin, radius;

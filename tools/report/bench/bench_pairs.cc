@@ -2,18 +2,18 @@
 //
 //   bench_pairs [--rounds N] [--seed N] [--family WORD]
 //
-// Pairs come from a seed: sizes of 0.1 to 1 m, any rotation, gaps log-uniform from 1e-7 to 10 m
-// unless a family says otherwise. Blocks of eight pairs are timed, ours and FCL's by turns; a block
-// counts its median over the rounds, a family its median over the blocks. Warm families give ours
-// the cache of the frame before. Columns:
+// Pairs are made from a seed: sizes of 0.1 to 1 m, any rotation, gaps log-uniform from 1e-7 to 10 m
+// unless a family specifies otherwise. Blocks of eight pairs are timed, ours and FCL's alternately.
+// The result of a block is its median over the rounds, that of a family its median over the blocks.
+// For warm families, our query has the cache of the previous frame. Columns:
 //
 //   off      answers of FCL farther from our interval than its tolerance explains
 //   verdict  pairs that only one of the two calls apart; of `d > t`: contradicts our distance query
 //   failed   FCL's exceptions
 //   open     our answers wider than asked
 //
-// The tests with the quadruple-precision oracle say who is right. The yardstick of `d > t` is our
-// own distance query. Depths of a mesh have none: FCL lacks them.
+// The tests with the quadruple-precision oracle decide which answer is correct. `d > t` is compared
+// with our own distance query. Depths of a mesh have no comparison, because FCL lacks them.
 
 #include <algorithm>
 #include <chrono>
@@ -95,7 +95,7 @@ void compare(const DistanceResult& ours, double theirs, bool depth, Disagreement
   }
 }
 
-/// Times one block [ns]: ours, and FCL's or for kVerify our own distance query.
+/// Times one block [ns]: ours, and FCL's query or, for kVerify, our own distance query.
 std::pair<double, double> timeBlock(const PairFamily& family, const Pair* pairs,
                                     const fcl::DistanceRequestd& fcl_request, Scratch& scratch,
                                     PairCache& cache, DistanceResult* results,

@@ -1,6 +1,6 @@
 #pragma once
 
-// Edge checks by discrete steps, measured against certified ones. Not part of the product.
+// Edge checks by discrete steps, for comparison with certified ones. Not part of the product.
 
 #include <algorithm>
 #include <cmath>

@@ -175,7 +175,7 @@ std::vector<Pair> sideBySide(Random& random, int count, const Make& make,
   return pairs;
 }
 
-/// Overlapping pairs of uncontrolled depth: the depth of meshes cannot be set.
+/// Overlapping pairs of random depth, because the depth of meshes cannot be set.
 std::vector<Pair> overlapping(Random& random, int count, const Make& a, const Make& b) {
   Scratch scratch;
   const Body body_a = a(random);
@@ -192,7 +192,7 @@ std::vector<Pair> overlapping(Random& random, int count, const Make& a, const Ma
   return pairs;
 }
 
-/// Tracks of frames: B passes A at 2 to 30 cm, moving 1 to 6 mm and 0.01 rad a frame.
+/// Tracks of frames: B passes A at 2 to 30 cm, moving 1 to 6 mm and 0.01 rad in each frame.
 std::vector<Pair> coherent(Random& random, int tracks, int frames, const Make& make) {
   Scratch scratch;
   std::vector<Pair> pairs;
@@ -201,7 +201,7 @@ std::vector<Pair> coherent(Random& random, int tracks, int frames, const Make& m
     Pair pair{make(random), make(random), {}, {}, {}, {}, 0, 0, 0};
     if (!place(random, random.uniform(0.05, 0.5), scratch, pair)) continue;
     const DistanceResult r = distance(pair.a.ours, pair.X_WA, pair.b.ours, pair.X_WB, {}, scratch);
-    // Mostly tangential.
+    // The motion is mostly tangential.
     Vector3d v = random.direction();
     v = (v - 0.9 * v.dot(r.normal) * r.normal).normalized() * random.uniform(0.001, 0.006);
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.01, random.direction()).toRotationMatrix();
@@ -212,7 +212,7 @@ std::vector<Pair> coherent(Random& random, int tracks, int frames, const Make& m
       pair.gap = std::numeric_limits<double>::quiet_NaN();
       pairs.push_back(pair);
       pair.X_WB.translation += v;
-      // Stays orthogonal to within rounding for some hundred frames.
+      // It stays orthogonal up to rounding for a few hundred frames.
       pair.X_WB.rotation = turn * pair.X_WB.rotation;
     }
   }

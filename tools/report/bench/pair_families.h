@@ -1,6 +1,7 @@
 #pragma once
 
-// The pairs that bench_pairs times: families of convex shapes, and one mesh, in our form and FCL's.
+// The pairs that bench_pairs times: families of convex shapes, and one mesh, in our form and in
+// FCL's.
 
 #include <fcl/narrowphase/distance.h>
 
@@ -19,7 +20,7 @@ using collision::Shape;
 /// One body, in our form and in FCL's.
 struct Body {
   Shape ours;
-  std::shared_ptr<fcl::CollisionGeometryd> theirs;  ///< null: FCL is not asked
+  std::shared_ptr<fcl::CollisionGeometryd> theirs;  ///< null: FCL is not timed
 };
 struct Pair {
   Body a, b;
@@ -31,20 +32,20 @@ struct Pair {
 };
 enum class Query {
   kCold,
-  kWarm,    ///< with the cache of the frame before
+  kWarm,    ///< with the cache of the previous frame
   kDepth,   ///< signed distance in overlap
   kVerify,  ///< d > threshold?
 };
 
 struct PairFamily {
   const char* name;
-  double target;  // target ratio; kVerify: to our own distance query
+  double target;  // target ratio; for kVerify, relative to our own distance query
   Query query;
   std::vector<Pair> pairs;
 };
 
-/// Families whose names contain `only` (all if empty). A seed by family, so that a single family is
-/// reproduced alone.
+/// Families whose names contain `only` (all if empty). Each family has its own seed, so that a
+/// single family can be reproduced alone.
 std::vector<PairFamily> pairFamilies(std::uint64_t seed, const std::string& only);
 
 }  // namespace leeway::bench

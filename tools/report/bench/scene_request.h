@@ -5,7 +5,7 @@
 
 namespace leeway::bench {
 
-/// The MoveIt request beside a scene: of .../sceneNNNN.yaml .../requestNNNN.yaml. Throws
+/// The MoveIt request for a scene: for .../sceneNNNN.yaml, .../requestNNNN.yaml. Throws
 /// std::runtime_error for other names.
 inline std::string requestOf(std::string scene) {
   const std::size_t at = scene.rfind("scene");

@@ -46,7 +46,8 @@ std::string clearanceTable(const std::vector<ClearanceRow>& rows) {
                                  "objective", "planner", "limit s", "runs", "solved", "left out",
                                  "colliding", "least mm", "integral", "length");
   for (const auto& [key, group] : grouped(rows)) {
-    const auto count = [&of = group](auto&& what) {  // (clang 14 captures no bindings)
+    const auto count = [&of = group](auto&& what) {  // (clang 14 cannot capture structured
+                                                     // bindings)
       return std::count_if(of.begin(), of.end(),
                            [&](const ClearanceRow* row) { return what(*row); });
     };

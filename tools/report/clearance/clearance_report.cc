@@ -67,7 +67,7 @@ Dense denseOf(const planner::CompiledScene& world, const Rows& path, double hing
   return dense;
 }
 
-/// The hinge of a state's clearance, as OMPL integrates it: by states in steps, and trapezoids.
+/// The hinge of a state's clearance, as OMPL integrates it: over states in steps, with trapezoids.
 class HingeIntegral : public ob::StateCostIntegralObjective {
  public:
   HingeIntegral(const ob::SpaceInformationPtr& information, double hinge)
@@ -102,7 +102,7 @@ class Measurement {
     planner::Problem problem = named_.problem;
     problem.seed = seed;
     problem.limits.time = time;
-    // As it stands: the file may wish for something else.
+    // Removes the wishes in the file, because the report sets its own objective.
     problem.margins.wishes.clear();
     if (integral)
       problem.objective =
@@ -116,7 +116,7 @@ class Measurement {
     take(result.path.positions, row);
     if (!row.solved()) return row;
     last_ = result.path.positions.back();
-    // Samples meet the least and the integral to about their spacing.
+    // The samples give the least clearance and the integral to about their spacing.
     constexpr double kSampling = 2e-3;
     const double slack = kSampling * row.length;
     row.unsound = row.least < result.certificate.world.clearance.lower - 1e-6 || row.colliding ||

@@ -15,39 +15,40 @@ namespace leeway::tools::report {
 struct ClearanceRow;
 
 struct ClearanceReportOptions {
-  std::uint64_t seed = 1;  ///< the first of
+  std::uint64_t seed = 1;  ///< the first seed
   int seeds = 1;
   std::vector<double> times = {0.01, 0.1, 1, 10, 30};  ///< limits of a run [s]
   double hinge = 0.1;                                  ///< of the integral [m]
   double resolution = 0.01;  ///< the rivals' step: a share of the space's extent
   int samples = 1000;        ///< of a path, for its dense clearance and integral
   std::function<void(const std::string&)> progress;
-  /// Called with the rows of each run when they are there.
+  /// Called with the rows of each run when they are complete.
   std::function<void(const std::vector<ClearanceRow>&)> on_rows;
 };
 
 /// One planner on one problem with one objective, seed and limit. Clearances are from the world.
 struct ClearanceRow {
   std::string problem, set, planner;
-  std::string objective;  ///< "least": the least clearance; "integral": that of a hinge
+  std::string objective;  ///< "least": the least clearance; "integral": the integral of a hinge
   std::uint64_t seed = 0;
   double time = 0;          ///< limit [s]
-  std::string status = {};  ///< as PlanningRow's
-  double took = 0;          ///< wall clock of all [s]
-  /// Dense, by the distance engine at samples: least clearance [m] and integral of the hinge.
+  std::string status = {};  ///< as in PlanningRow
+  double took = 0;          ///< total wall clock [s]
+  /// Computed by the distance engine at dense samples: least clearance [m] and integral of the
+  /// hinge.
   double least = std::numeric_limits<double>::quiet_NaN();
   double integral = std::numeric_limits<double>::quiet_NaN();
   double length = 0;
-  bool colliding = false;  ///< as PlanningRow's
-  bool unsound = false;    ///< ours: what was told does not hold the dense value
+  bool colliding = false;  ///< as in PlanningRow
+  bool unsound = false;    ///< ours: the reported interval does not contain the dense value
 
   bool solved() const { return status == "solved"; }
 };
 
-/// Our planner, for the greatest least clearance, and for the least integral; OMPL's BIT*, PRM*
-/// and RRT* with its own objectives (MaximizeMinClearanceObjective, StateCostIntegralObjective), in
-/// steps, over each of the engines' distances. Every limit is a run of its own. Rivals go to goals
-/// as measurePlanning()'s do.
+/// Runs our planner, for the greatest least clearance and for the least integral, and OMPL's BIT*,
+/// PRM* and RRT* with its own objectives (MaximizeMinClearanceObjective,
+/// StateCostIntegralObjective), in steps, with each engine's distances. Every limit is a separate
+/// run. Rivals use the goals that measurePlanning()'s rivals use.
 std::vector<ClearanceRow> measureClearance(const std::vector<PlanningProblem>& problems,
                                            const std::vector<const StateEngine*>& rivals,
                                            const ClearanceReportOptions& options);
@@ -55,7 +56,7 @@ std::vector<ClearanceRow> measureClearance(const std::vector<PlanningProblem>& p
 std::string clearanceCsv(const std::vector<ClearanceRow>& rows);
 /// By objective, planner and limit: solved, colliding, medians of dense clearance and integral.
 std::string clearanceTable(const std::vector<ClearanceRow>& rows);
-/// Medians against the limit, a panel an objective.
+/// Medians against the limit, one panel for each objective.
 Figure clearanceFigure(const std::vector<ClearanceRow>& rows, const std::string& note);
 
 }  // namespace leeway::tools::report

@@ -31,7 +31,8 @@ constexpr const char* kYardstick = "FCL AABB refit";
 
 bool isOurs(const DeformRow& row) { return row.engine.rfind("leeway", 0) == 0; }
 
-/// Running medians of five measured frames: an interrupted frame must not hide its neighbours.
+/// Running medians of five measured frames, so that an interrupted frame does not hide its
+/// neighbours.
 void smooth(std::vector<PlotPoint>& points) {
   const std::vector<PlotPoint> raw = points;
   for (std::size_t i = 0; i < raw.size(); ++i) {
@@ -222,8 +223,8 @@ Figure deformDecayFigure(const std::vector<DeformRow>& rows, const std::string& 
       motions.push_back(r.motion);
     if (!std::isnan(r.median.spheres)) largest = std::max(largest, r.triangles);
   }
-  // Sizes vary slightly by motion: takes each motion's largest within a quarter of the overall
-  // largest.
+  // Sizes vary slightly by motion, so this selects each motion's largest within a quarter of the
+  // overall largest.
   for (const std::string& motion : motions) {
     int triangles = 0;
     for (const DeformRow& r : rows)

@@ -20,7 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Eigen::Vector3d;
 constexpr double kThreshold = 0.05;  // [m]
-/// Measured for every engine however slow (or all frames, if fewer).
+/// Measured for every engine, even a slow one (or all frames, if there are fewer).
 constexpr int kLeastFrames = 3;
 /// The engine whose distances are the reference.
 constexpr const char* kReference = "leeway rebuild";
@@ -37,8 +37,8 @@ struct Limits {
   double vertices = 0;  ///< vertices read [ns]
 };
 
-/// Takes turns with the engines, to meet the caches as their updates do: vertices just copied, all
-/// else last touched a frame ago.
+/// Alternates with the engines, so that it finds the caches in the state in which their updates do:
+/// vertices just copied, all other data last touched one frame ago.
 class MemoryStream {
  public:
   MemoryStream(std::size_t vertices, std::size_t triangles)
@@ -65,7 +65,7 @@ class MemoryStream {
     std::copy(vertices.begin(), vertices.end(), positions_.begin());
   }
 
-  // memcpy reads at the machine's full rate; the copy stays in cache.
+  // memcpy reads at the machine's full rate, and the copy stays in cache.
   void read(const void* data, std::size_t bytes) {
     const char* from = static_cast<const char*>(data);
     for (std::size_t i = 0; i < bytes; i += near_.size()) {
@@ -162,7 +162,7 @@ class Runner {
   int farther = 0;
 
  private:
-  /// Index of the first; the others follow.
+  /// Adds all shapes; returns the index of the first, which the others follow.
   std::optional<int> addAll(const std::vector<collision::Shape>& shapes) {
     for (const collision::Shape& shape : shapes)
       if (!follower_->addBody(shape)) return std::nullopt;
@@ -234,7 +234,7 @@ class MeshMeasurement {
         runners_[e].passOver(vertices, time);
         return;
       }
-      // The first frame is discarded: it warms caches and makes lazy allocations.
+      // The first frame is discarded, because it warms caches and makes lazy allocations.
       if (f == 0) runners_[e].frame(vertices, time, shared_[e]);
       const auto second = f == 0 ? Clock::now() : begin;
       frames_[e * static_cast<std::size_t>(options_.frames) + f] =
@@ -269,7 +269,7 @@ double medianOf(const std::vector<DeformFrame>& frames, double DeformFrame::*mem
   return quantile(values, share);
 }
 
-/// Query time late relative to early.
+/// Late query time divided by early query time.
 double slowdown(const std::vector<DeformFrame>& frames) {
   const std::size_t tenth = std::max<std::size_t>(1, frames.size() / 10);
   const std::vector<DeformFrame> early(frames.begin(), frames.begin() + static_cast<long>(tenth));
@@ -336,7 +336,7 @@ void measureMesh(const std::vector<const MeshEngine*>& engines, const DeformScen
                                                                                     : limit;
     if (rows.back().engine == kReference) fresh = rows.back().decay;
   }
-  // Normalised by the rebuilt hierarchy: late frames may be inherently harder.
+  // Normalised by the rebuilt hierarchy, because late frames may be inherently harder.
   for (std::size_t i = first; i < rows.size() && fresh; ++i) rows[i].decay /= *fresh;
 }
 

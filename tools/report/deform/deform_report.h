@@ -16,13 +16,13 @@ struct DeformReportOptions {
   std::vector<std::string> motions;  ///< of deformMotions()
   std::vector<int> triangles = {2000, 20000, 200000};
   int frames = 100;
-  /// Engines slower than this on a mesh [s] are measured at every second, third, ... frame only.
+  /// Engines slower than this on a mesh [s] are measured only at every second, third, ... frame.
   double engine_seconds = 0.25;
   std::uint64_t seed = 1;
-  /// Above this many triangles only updates are measured.
+  /// Above this many triangles, only updates are measured.
   int queries_up_to = 200000;
   std::function<void(const std::string&)> progress;
-  /// Called with the rows of each mesh when they are there.
+  /// Called with the rows of each mesh when they are complete.
   std::function<void(const std::vector<DeformRow>&)> on_rows;
 };
 
@@ -42,43 +42,43 @@ struct DeformRow {
   std::string motion;
   int triangles = 0;
   std::string engine;
-  bool done = true;  ///< false: it threw or ended its process, and all else is unset
+  bool done = true;  ///< false: it threw or ended its process; all other members are unset
   int frames = 0;    ///< measured frames
   DeformFrame median;
   double update_low = std::numeric_limits<double>::quiet_NaN();  ///< quartiles [ns]
   double update_high = update_low;
-  /// Distances compared with those of our rebuilt hierarchy, and how many exceeded the engine's
-  /// tolerance.
+  /// Number of distances compared with those of our rebuilt hierarchy, and how many exceeded the
+  /// engine's tolerance.
   int compared = 0, wrong = 0;
   double error = 0;  ///< largest [m]
-  /// Hierarchy quality at the end: median query time (capsules, else spheres) over the last tenth
-  /// of the frames relative to the first tenth, divided by the same ratio of our rebuilt hierarchy.
-  /// 1: as good as new. NaN: no queries.
+  /// Hierarchy quality at the end: median query time (capsules, or spheres if there are none) over
+  /// the last tenth of the frames relative to the first tenth, divided by the same ratio of our
+  /// rebuilt hierarchy. 1: as good as new. NaN: no queries.
   double decay = update_low;
   double nodes = update_low, vertices = update_low;  ///< touched by an update; NaN: unknown
   /// Lower limit of an update's time [ns]: this machine streams, in the same frames, the memory
   /// that the update must touch. Full updates: vertices and triangle corners read, boxes of a
-  /// binary hierarchy with 4 triangles a leaf written. hybrid, lazy and octree: vertices alone.
-  /// NaN: bounds come from the motion.
+  /// binary hierarchy with 4 triangles in each leaf written. hybrid, lazy and octree: only
+  /// vertices. NaN if bounds are computed from the motion.
   double bandwidth_limit = update_low;
   std::vector<DeformFrame> by_frame;
 };
 
-/// Runs every engine on every motion and size: one child process a mesh, engines interleaved frame
-/// by frame. Pin the process first.
+/// Runs every engine on every motion and size: one child process for each mesh, with engines
+/// interleaved frame by frame. Pin the process first.
 std::vector<DeformRow> measureDeform(const std::vector<const MeshEngine*>& engines,
                                      const DeformReportOptions& options);
 
 std::string deformCsv(const std::vector<DeformRow>& rows);
-/// CSV, one line a measured frame.
+/// CSV with one line for each measured frame.
 std::string deformFramesCsv(const std::vector<DeformRow>& rows);
 /// Text table by motion and size: times, and ratios to FCL's AABB refit.
 std::string deformTable(const std::vector<DeformRow>& rows);
 /// Verdicts in words, one line for each motion and size: whether hybrid updates are four to five
 /// times cheaper than full refits (Larsson and Akenine-Moller 2001), their ratio when bounds on the
-/// vertices' motion are known, and `auto` beside the best single strategy.
+/// vertices' motion are known, and a comparison of `auto` with the best single strategy.
 std::string deformWords(const std::vector<DeformRow>& rows);
-/// Update time over the number of triangles, a panel a motion.
+/// Update time over the number of triangles, one panel for each motion.
 Figure deformUpdateFigure(const std::vector<DeformRow>& rows, const std::string& note);
 /// Update and query times over the frames at the largest size with queries, running medians of five
 /// frames.

@@ -94,7 +94,7 @@ DeformScene lattice(int triangles, Random& random) {
   return withMotion("lattice", std::move(cloth), VertexMotion::lattice(std::move(motion)));
 }
 
-/// The ends turn against one another, up to 270 degrees.
+/// A cloth whose ends turn in opposite directions, up to 270 degrees.
 DeformScene twist(int triangles, Random& random) {
   Grid cloth = makeCloth(triangles);
   DeformScene scene;

@@ -16,7 +16,7 @@ namespace leeway::tools::report {
 struct DeformScene {
   std::string motion;  ///< "wave", "twist", ...
   DeformingSpec spec;
-  /// Writes the vertices [m] at a time in [0, 1]; as many as spec.rest.
+  /// Writes the vertices [m] at a time in [0, 1]; one for each of spec.rest.
   std::function<void(double time, std::span<Eigen::Vector3d> vertices)> vertices;
 };
 
@@ -27,8 +27,8 @@ struct DeformScene {
 /// apart, vertices from the caller.
 const std::vector<std::string>& deformMotions();
 
-/// A scene of about that many triangles; the seed varies phases and directions. `motion` is one of
-/// deformMotions(). O(triangles).
+/// Makes a scene of approximately this number of triangles; the seed varies phases and directions.
+/// `motion` is one of deformMotions(). O(triangles).
 DeformScene makeDeformScene(const std::string& motion, int triangles, std::uint64_t seed);
 
 /// The query bodies: the twelve links of an arm above the mesh, as capsules and as spheres around
@@ -38,7 +38,7 @@ struct DeformBodies {
   collision::Shape mesh = collision::Shape::sphere(0);
   /// X_WL of link i of twelve at a time in [0, 1]: a slow sway, near and far from the mesh.
   collision::Pose linkPose(int i, double time) const;
-  /// Pose of the triangle link. place 0: far from the mesh (mostly a metre and more), 1: near (a
+  /// Pose of the triangle link. place 0: far from the mesh (usually a metre and more), 1: near (a
   /// few decimetres), 2: penetrating.
   collision::Pose meshPose(int place, double time) const;
 };

@@ -20,7 +20,7 @@ using collision::DeformVolume;
 using collision::DistanceRequest;
 using collision::Shape;
 
-/// What an engine knows of the motion beyond each frame's vertices.
+/// Information about the motion that an engine uses in addition to each frame's vertices.
 enum class Knows { kNothing, kMotion };
 
 class OwnFollower : public MeshFollower {
@@ -100,7 +100,7 @@ class OwnFollower : public MeshFollower {
 
   collision::DistanceResult ask(Body& body, const collision::Pose& X_WB, DistanceRequest request,
                                 collision::PairCache& cache) {
-    request.depth = false;  // rivals have none
+    request.depth = false;  // rivals have no depth
     return collision::distance(shape_, {}, body.shape, X_WB, request, scratch_, &cache);
   }
 

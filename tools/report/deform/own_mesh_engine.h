@@ -7,8 +7,8 @@
 
 namespace leeway::tools::report {
 
-/// Our deforming meshes behind the rivals' interface, one engine a strategy: "leeway refit", ...
-/// "leeway hybrid moved" knows the motion, hence bounds how far vertices move between frames.
+/// Our deforming meshes behind the rivals' interface, one engine for each strategy: "leeway refit",
+/// ... "leeway hybrid moved" uses the motion to bound how far vertices move between frames.
 std::vector<std::unique_ptr<MeshEngine>> makeOwnMeshEngines();
 
 }  // namespace leeway::tools::report

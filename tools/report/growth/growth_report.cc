@@ -27,10 +27,10 @@ using planner::CompiledScene;
 using planner::EdgeCertifier;
 using planner::secondsSince;
 
-constexpr double kStep = 1.0 / 32;  // of a rival along an edge [rad]
+constexpr double kStep = 1.0 / 32;  // a rival's step along an edge [rad]
 constexpr unsigned long long kAskedIterations = 2000;
 
-/// What is in use on the heap [bytes].
+/// Memory in use on the heap [bytes].
 double heapBytes() {
 #if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
   const struct mallinfo2 info = mallinfo2();
@@ -57,7 +57,7 @@ std::vector<Edge> askedEdges(const planner::Problem& problem, int most) {
   return some;
 }
 
-/// The mean CPU time of `ask` over the edges, the median of the rounds [us].
+/// The mean CPU time of `ask` over the edges; median of the rounds [us].
 double microsecondsAnEdge(const std::vector<Edge>& edges, int rounds,
                           const std::function<void(const Edge&)>& ask) {
   if (edges.empty()) return 0;
@@ -70,7 +70,7 @@ double microsecondsAnEdge(const std::vector<Edge>& edges, int rounds,
   return 1e-3 * median(sums) / static_cast<double>(edges.size());
 }
 
-/// Up to the first state that is not free.
+/// Walks up to the first state that is not free.
 void walk(const planner::ConfigurationSpace& space, RivalStates& states, const Edge& edge,
           std::vector<double>& at) {
   const int steps =
@@ -81,7 +81,7 @@ void walk(const planner::ConfigurationSpace& space, RivalStates& states, const E
   }
 }
 
-/// The last object moves: from its new place to what answers in that world [s].
+/// Moves the last object: time until the new world can be queried [s].
 double secondsToChange(const CompiledScene& scene, const planner::Problem& problem, int rounds) {
   planner::Object moved = problem.world.objects.back();
   moved.X_WO.translation.z() += 0.01;
@@ -98,7 +98,7 @@ double secondsToChange(const CompiledScene& scene, const planner::Problem& probl
 GrowthRow ours(const std::string& family, std::int64_t count, std::vector<Edge>& edges,
                const GrowthReportOptions& options) {
   GrowthRow row{family, count, "Leeway"};
-  // Meshes keep what queries need of them: a world of its own, so that each is made here.
+  // Meshes store data for their queries, so a new world is made here to measure all of it.
   const double before = heapBytes();
   const auto begin = Clock::now();
   planner::Problem problem = growthProblem(family, count);

@@ -21,12 +21,12 @@ constexpr double kReach = 1.4;  // of the arm [m]
 constexpr int kUsualJoints = 7;
 constexpr std::int64_t kNearBoxes = 8;
 
-/// Joints turn about the arm's length and across it, one after the other. The first turns the arm
-/// around its foot; what the others may do together does not grow with their number.
+/// Joints alternately turn about the arm's length and across it. The first joint turns the arm
+/// around its foot. The combined motion of the others does not grow with their number.
 std::shared_ptr<const robots::Model> makeArm(int joints) {
   robots::RobotDescription robot;
   robot.name = "arm";
-  robot.has_srdf = true;  // the pairs below are all that need no check
+  robot.has_srdf = true;  // the pairs below are the only ones that need no check
   const double length = kReach / joints;
   const double radius = std::min(0.05, 0.3 * length);
   for (int i = 0; i <= joints; ++i) {
@@ -49,7 +49,7 @@ std::shared_ptr<const robots::Model> makeArm(int joints) {
       X_LG.translation = Vector3d(0, 0, length / 2);
       link.geometries.push_back({Shape::capsule(radius, length / 2 - radius), X_LG, link.name});
     }
-    // Neighbours touch at their joint, and the next but one where the arm bends.
+    // Neighbours touch at their joint, and links two apart touch where the arm bends.
     for (int k = std::max(0, i - 2); k < i; ++k)
       robot.disabled_pairs.push_back({k, i, "neighbours"});
     robot.joints.push_back(joint);
@@ -58,7 +58,7 @@ std::shared_ptr<const robots::Model> makeArm(int joints) {
   return std::make_shared<const robots::Model>(std::move(robot));
 }
 
-/// The arm leans by `lean` in all, to the side of `turn`.
+/// The arm leans by `lean` in total, to the side of `turn`.
 std::vector<double> leaning(const robots::Model& model, double turn, double lean) {
   std::vector<double> q(model.variables.size(), 0.0);
   const std::size_t bends = q.size() / 2;
@@ -75,7 +75,7 @@ void addBox(planner::Problem& problem, const Vector3d& half_extents, const Vecto
   problem.world.objects.push_back(std::move(box));
 }
 
-/// A post in the way, three more, and four boxes above.
+/// Adds a post in the way, three more posts, and four boxes above.
 void addNear(planner::Problem& problem) {
   for (const double side : {0.0, 2.1, 3.1, 4.2})
     addBox(problem, {0.06, 0.06, 0.45}, {0.6 * std::cos(side), 0.6 * std::sin(side), 0.45});
@@ -84,7 +84,7 @@ void addNear(planner::Problem& problem) {
            {0.6 * std::cos(kTurn * k / 4 + 0.8), 0.6 * std::sin(kTurn * k / 4 + 0.8), 1.7});
 }
 
-/// On a grid of half a metre, from 3 m off.
+/// Adds boxes on a grid of half a metre, from 3 m away on.
 void addFar(planner::Problem& problem, std::int64_t count) {
   const auto side = std::max<std::int64_t>(
       1, static_cast<std::int64_t>(std::ceil(std::cbrt(static_cast<double>(count)))));

@@ -23,10 +23,10 @@ namespace {
 using robots::Pose;
 using robots::PoseRegion;
 
-/// Solutions searched for all branches, and the starts of that search.
+/// Limit on the solutions of a search for all branches, and the starts of that search.
 constexpr int kMostBranches = 64, kBranchStarts = 100;
 
-/// Boxes of the proofs tried for poses that can be reached.
+/// Limit on the boxes of proofs that are tried for reachable poses.
 constexpr int kProofBoxes = 100;
 
 class Cases {
@@ -65,8 +65,8 @@ class Cases {
             std::isfinite(variable.upper) ? variable.upper : pi};
   }
 
-  /// Beyond the farthest place of 2000 random configurations, from the first joint, by 2 % to half,
-  /// with a random rotation.
+  /// A pose beyond the farthest place of 2000 random configurations, as seen from the first joint,
+  /// by 2 % to half, with a random rotation.
   Pose beyond() {
     if (!(reach_ > 0)) {
       int first = link_;
@@ -94,7 +94,7 @@ class Cases {
   double reach_ = 0;
 };
 
-/// The chain for solvers of others; empty where a joint is none of theirs.
+/// The chain for other solvers; empty if they do not support one of its joints.
 std::optional<IkChain> serialChain(const IkRobot& robot, Cases& cases) {
   const robots::Model& model = *robot.model;
   std::vector<int> path;
@@ -116,7 +116,7 @@ std::optional<IkChain> serialChain(const IkRobot& robot, Cases& cases) {
   return chain;
 }
 
-/// What an engine answered to one pose.
+/// An engine's answer for one pose.
 struct Answer {
   bool found = false;
   std::vector<double> values;

@@ -18,38 +18,39 @@ struct IkRobot {
   int link = -1;
 };
 
-/// One engine on the poses of random configurations of one robot, from another random one.
+/// One engine on the poses of random configurations of one robot, starting from another random one.
 struct IkRow {
   std::string robot, engine;
   int poses = 0;
   int solved = 0;  ///< within the limits, to 1e-9 m and rad by our forward kinematics
-  int coarse = 0;  ///< to 1e-5 only: KDL takes angles below 1e-6 for none
-  int wrong = 0;   ///< answers that are neither
+  int coarse = 0;  ///< only to 1e-5: KDL treats angles below 1e-6 as 0
+  int wrong = 0;   ///< answers that are neither solved nor coarse
   double median_us = 0, most_us = 0;  ///< processor time to the first solution; 95 %
   double worst_error = 0;             ///< of answers that are not wrong [m or rad]
   double all_us = 0, branches = 0;    ///< ours: median time to all solutions, their mean number
 };
 
-/// Poses that cannot be reached, and proofs for poses that can.
+/// Unreachable poses, and proofs for reachable ones.
 struct IkProofRow {
   std::string robot;
-  int beyond = 0, proven = 0, found = 0;  ///< the rest is open
+  int beyond = 0, proven = 0, found = 0;  ///< the rest is undecided
   double median_ms = 0, most_ms = 0;      ///< 95 %
-  int reachable = 0, wrong = 0;           ///< wrong: proven to be out of reach
+  int reachable = 0, wrong = 0;           ///< wrong: reachable, but proven to be out of reach
 };
 
 struct IkReportOptions {
-  int poses = 1000;  ///< of random configurations, each engine and robot
-  int beyond = 200;  ///< poses beyond reach; and as many tenfold reachable ones asked for a proof
+  int poses = 1000;  ///< poses of random configurations for each engine and robot
+  int beyond = 200;  ///< poses beyond reach; the proof is also tried on ten times as many reachable
+                     ///< ones
   std::uint64_t seed = 1;
   std::function<void(const std::string&)> progress;
-  /// Called with the rows of each robot when they are there.
+  /// Called with the rows of each robot when they are complete.
   std::function<void(const std::vector<IkRow>&)> on_rows;
   std::function<void(const std::vector<IkProofRow>&)> on_proof_rows;
 };
 
-/// Engines behind ours. A robot with joints that are not single ones, or with mimic joints on the
-/// way, is ours alone.
+/// Measures the rivals and our engine. Robots with joints other than single ones, or with mimic
+/// joints on the way, are measured with ours alone.
 std::vector<IkRow> measureIk(const std::vector<IkRobot>& robots,
                              const std::vector<const IkEngine*>& rivals,
                              const IkReportOptions& options);

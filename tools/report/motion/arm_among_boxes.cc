@@ -14,7 +14,7 @@ constexpr double kLength = 0.2;  // [m]
 
 Vector3d axis(std::size_t joint) { return joint % 2 == 0 ? Vector3d::UnitZ() : Vector3d::UnitY(); }
 
-/// Middle of a link's box, computed here: independent of robots::.
+/// Middle of a link's box, computed here so that it is independent of robots::.
 Pose pose(const std::vector<double>& q, const std::vector<double>& dq, std::size_t link, double t) {
   Pose X;
   for (std::size_t i = 0; i <= link; ++i)
@@ -96,7 +96,7 @@ void ArmAmongBoxes::add(FamilyMaker& make) {
     for (std::size_t k = 0; k < kLinks; ++k) c.spec.pairs.push_back({k, kLinks + i});
   }
   const TimeTruth truth = slowFirstContact(slow, c.spec.pairs, 0);
-  // Contact at the start has a family of its own.
+  // Contact at the start has a separate family.
   if (truth.contact && truth.upper == 0) return;
   make.keep(std::move(c), truth);
 }

@@ -15,7 +15,7 @@ struct ContactCase {
   double lower = 1, upper = 1;
 };
 
-/// Cases of one kind, and the shapes that they point to.
+/// Cases of one kind, and their shapes.
 struct ContactFamily {
   std::string name;
   std::vector<std::unique_ptr<ReportShape>> shapes;

@@ -38,7 +38,7 @@ struct Edge {
   std::size_t kind = 0;
 };
 
-/// Up to `most` edges of both lists, evenly spaced.
+/// At most `most` edges of both lists, evenly spaced.
 std::vector<Edge> someOf(const bench::AskedEdges& asked, int most) {
   std::vector<Edge> all;
   for (const auto* ends : {&asked.planning, &asked.simplifying})
@@ -51,7 +51,7 @@ std::vector<Edge> someOf(const bench::AskedEdges& asked, int most) {
   return some;
 }
 
-/// verify() on a single edge, as a problem of its own.
+/// verify() on a single edge, as a separate problem.
 class SingleEdge {
  public:
   explicit SingleEdge(const Problem& problem) : problem_(problem) {
@@ -110,7 +110,7 @@ void measureProblem(const NamedProblem& named, const EdgeReportOptions& options,
       someOf(bench::askedEdges(named.problem, scene, options.iterations), options.edges);
   EdgeCertifier certifier(scene);
   SingleEdge single(named.problem);
-  // Edges that verify() leaves open have no known truth.
+  // Edges that verify() leaves undecided have no known truth.
   std::vector<Edge> known;
   for (Edge& edge : edges) {
     const VerifyStatus status = single.verify(edge.a, edge.b);
@@ -140,7 +140,7 @@ void measureProblem(const NamedProblem& named, const EdgeReportOptions& options,
         return status == VerifyStatus::kCertified ? 1 : status == VerifyStatus::kRefuted ? 0 : -1;
       },
       stepping(1.0 / 32), stepping(0.005 * extent), stepping(0.01 * extent)};
-  // An edge of zero length costs verify()'s setup and one state.
+  // An edge of zero length measures verify()'s setup and one state.
   double setup = 0;
   if (!known.empty()) {
     const double begin = cpuMicroseconds();

@@ -16,27 +16,28 @@ struct EdgeRow;
 /// Second part of `report motion`: whole edges of a planner. Methods: certified with second-order
 /// bounds, proven with first-order ones (verify()), and checked in steps.
 struct EdgeReportOptions {
-  int edges = 200;  ///< a problem, evenly spaced among those that planning and simplifying ask for
+  int edges = 200;  ///< for each problem, evenly spaced among the edges that planning and
+                    ///< simplifying request
   unsigned long long iterations = 2000;  ///< of the planner
   std::function<void(const std::string&)> progress;
-  /// Called with the rows of each problem when they are there.
+  /// Called with the rows of each problem when they are complete.
   std::function<void(const std::vector<EdgeRow>&)> on_rows;
 };
 
-/// Free edges whose clearance beyond the margin falls below this are a kind of their own [m].
+/// Free edges whose clearance beyond the margin is below this form a separate kind [m].
 inline constexpr double kNear = 0.01;
 
 /// One method on one kind of edges of one problem.
 struct EdgeRow {
   std::string problem;
-  std::string kind;    ///< "free", "near" or "colliding", by what verify() proves
+  std::string kind;    ///< "free", "near" or "colliding", as proven by verify()
   std::string method;  ///< "certified", "first order", "1/32", "0.5 %", "1 %"
   int edges = 0;
-  int missed = 0;     ///< judged free, collides
-  int cautious = 0;   ///< judged not free, is free
+  int missed = 0;     ///< judged free, but collides
+  int cautious = 0;   ///< judged not free, but is free
   int undecided = 0;  ///< neither verdict
-  /// Mean CPU time an edge [us], median of five rounds. verify(): one round, less the time for an
-  /// edge of zero length.
+  /// Mean CPU time for each edge [us], median of five rounds. verify(): one round, minus the time
+  /// for an edge of zero length.
   double us = std::numeric_limits<double>::quiet_NaN();
 };
 
@@ -50,11 +51,11 @@ struct NamedProblem {
 std::vector<EdgeRow> measureEdges(const std::vector<NamedProblem>& problems,
                                   const EdgeReportOptions& options);
 
-/// CSV with a header, one line a row.
+/// CSV with a header and one line for each row.
 std::string edgesCsv(const std::vector<EdgeRow>& rows);
 /// Text table, sums over all problems.
 std::string edgesTable(const std::vector<EdgeRow>& rows);
-/// Time an edge [us] by problem, a panel a kind.
+/// Time for each edge [us] by problem, one panel for each kind.
 Figure edgesFigure(const std::vector<EdgeRow>& rows, const std::string& note);
 
 }  // namespace leeway::tools::report

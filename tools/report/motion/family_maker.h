@@ -1,6 +1,6 @@
 #pragma once
 
-// How families of `report motion` are made: bodies in the engine's and the truth's form, simple
+// Helpers for the families of `report motion`: bodies in the engine's and the truth's form, simple
 // motions, and cases with their truth.
 
 #include <Eigen/Geometry>
@@ -73,7 +73,7 @@ class FamilyMaker {
   }
   Body box(double least, double most) { return box(sizes(random, least, most)); }
 
-  /// What the construction already guarantees.
+  /// Properties that the construction guarantees.
   enum class Known { kNothing, kApartAtStart, kFree };
 
   /// Adds the pair if its truth is clear and, where required, it starts apart. A random change of
@@ -86,7 +86,7 @@ class FamilyMaker {
     family.cases.push_back(std::move(c));
   }
 
-  /// Reuses one of up to 64 bodies: for shapes that are expensive to make.
+  /// Reuses one of up to 64 bodies, for shapes that are expensive to make.
   Body pooled(const std::function<Body(FamilyMaker&)>& make) {
     if (pool_.size() < 64) {
       pool_.push_back(make(*this));

@@ -36,8 +36,8 @@ void passing(FamilyMaker& make, const Body& a, const Body& b, double most_turn) 
   make.keep(a, move_a, b, move(aside), FamilyMaker::Known::kApartAtStart);
 }
 
-/// A box passes over another and penetrates it by `depth`, turning about the vertical. depth < 0:
-/// free by construction.
+/// A box passes over another one and penetrates it by `depth`, turning about the vertical. With
+/// depth < 0 it is free by construction.
 void grazing(FamilyMaker& make, double depth) {
   Random& r = make.random;
   const Vector3d low = sizes(r, 0.1, 0.4), high = sizes(r, 0.1, 0.4);
@@ -73,7 +73,7 @@ void nearParallel(FamilyMaker& make) {
   make.keep(a, slide, b, {});
 }
 
-/// Rods that turn by up to half a turn beside a body.
+/// Rods that turn by up to half a turn next to a body.
 void fastTurn(FamilyMaker& make) {
   Random& r = make.random;
   Move turn;
@@ -158,8 +158,8 @@ void triangles(FamilyMaker& make) {
   keepTriangles(make, a, b, 0);
 }
 
-/// Coplanar throughout: only edges and corners sliding along it meet. Point contacts cannot be
-/// proven under rounding, so contact is 1e-9 m.
+/// Coplanar at all times: only edges and corners that slide along the plane meet. Point contacts
+/// cannot be proven under rounding, so contact is 1e-9 m.
 void coplanar(FamilyMaker& make) {
   Random& r = make.random;
   const double height = r.below(9) / 4.0 - 1;
@@ -177,8 +177,8 @@ void coplanar(FamilyMaker& make) {
   keepTriangles(make, a, b, 1e-9);
 }
 
-/// Equal L-shaped solids side by side, of which one moves along a side of the other: all faces
-/// along its way are flush, and no triangle crosses another when they meet.
+/// Equal L-shaped solids side by side, one of which moves along a side of the other. All faces
+/// along its way are flush, and no triangle crosses another one when they meet.
 void flush(FamilyMaker& make) {
   Random& r = make.random;
   const double size = r.uniform(0.2, 1);

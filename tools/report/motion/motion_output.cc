@@ -14,7 +14,7 @@ std::string digits(double value) {
   return std::isnan(value) ? std::string("-") : fmt::format("{:.3g}", value);
 }
 
-/// One series an engine; x is the family's place in the rows' order, from 1.
+/// One series for each engine; x is the family's place in the rows' order, from 1.
 template <typename Point>
 PlotPanel byFamily(const std::vector<MotionRow>& rows, const std::string& title, const PlotAxis& y,
                    const Point& point) {

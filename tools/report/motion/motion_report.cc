@@ -16,9 +16,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Cases are made, asked and released in chunks: bounds memory for large counts.
+/// Cases are made, queried and released in chunks, which limits memory for large counts.
 constexpr int kChunk = 2000;
-/// Shorter passes are repeated up to this length: hides the clock's resolution.
+/// Shorter passes are repeated up to this length, which hides the clock's resolution.
 constexpr double kShortestPass = 5e3;  // [ns]
 
 /// One engine's answer to one case, in shared memory.
@@ -51,7 +51,7 @@ double timeOnce(ContactQuery& query, int repeats) {
   return std::chrono::duration<double, std::nano>(end - begin).count() / repeats;
 }
 
-/// A row in the making, summed over chunks.
+/// A row that is being measured, summed over chunks.
 struct Tally {
   MotionRow row;
   std::vector<double> errors, nanoseconds;
@@ -83,7 +83,7 @@ void judge(const ContactCase& c, Fate fate, const Asked& asked, Tally& tally) {
       std::max({0.0, std::abs(answer.lower - c.upper), std::abs(answer.upper - c.lower)}));
 }
 
-/// Asks all cases guarded, then times the answered ones in one guarded item.
+/// Queries all cases in guarded items, then times the answered ones in one guarded item.
 void measureChunk(const ContactFamily& family, const std::vector<const ContactEngine*>& engines,
                   const MotionReportOptions& options, std::vector<Tally>& tallies) {
   const std::size_t cases = family.cases.size();
@@ -104,7 +104,7 @@ void measureChunk(const ContactFamily& family, const std::vector<const ContactEn
         for (std::size_t e = 0; e < engines.size(); ++e) {
           if (queries[e].empty() || fates[e][i] != Fate::kDone) continue;
           if (pass < 0) {
-            // Warms caches and branch predictors, and gives a query's length.
+            // Warms caches and branch predictors, and measures a query's length.
             repeats[e] = static_cast<int>(std::ceil(
                 kShortestPass / std::max(kShortestPass / 50, timeOnce(*queries[e][i], 1))));
             passes[e].clear();

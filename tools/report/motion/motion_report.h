@@ -14,17 +14,17 @@ struct MotionRow;
 
 struct MotionReportOptions {
   std::vector<std::string> families;  ///< of contactFamilies()
-  int cases = 100;                    ///< a family
+  int cases = 100;                    ///< for each family
   std::uint64_t seed = 1;
   int passes = 5;               ///< timed passes over a family's cases
   double query_seconds = 0.25;  ///< processor time [s] after which a query counts as endless
   std::function<void(const std::string&)> progress;
-  /// Called with the rows of each family when they are there.
+  /// Called with the rows of each family when they are complete.
   std::function<void(const std::vector<MotionRow>&)> on_rows;
 };
 
-/// A start counts as wrong when truth or answer is contact at 0 and the other is later than this
-/// [of the motion].
+/// A start counts as wrong if either the truth or the answer is contact at 0 and the other is later
+/// than this [of the motion].
 inline constexpr double kStartTime = 1e-3;
 
 /// One engine over one family.
@@ -33,32 +33,33 @@ struct MotionRow {
   bool claims_bounds = false;
   int cases = 0, hits = 0;               ///< hits: truth is contact
   int threw = 0, died = 0, endless = 0;  ///< failures, by kind
-  int undecided = 0;                     ///< a limit was reached, or rounding decides
-  int misses = 0;                        ///< judged free, was not
-  int false_hits = 0;                    ///< judged contact, is free
+  int undecided = 0;                     ///< a limit was reached, or rounding left it open
+  int misses = 0;                        ///< judged free, but is not
+  int false_hits = 0;                    ///< judged contact, but is free
   int wrong_starts = 0;                  ///< see kStartTime
   int unsafe = 0;                        ///< interval excludes the time of contact
-  /// Error of the time of contact, where truth and answer both have contact.
+  /// Error of the time of contact, if truth and answer both have contact.
   double error_median = std::numeric_limits<double>::quiet_NaN(), error_max = error_median;
-  /// Time of a query [ns]: the median over passes of each case; of those, median, 95 % and maximum.
+  /// Time of a query [ns]: the median over passes for each case; over these, median, 95 % and
+  /// maximum.
   double ns_median = error_median, ns_95 = error_median, ns_max = error_median;
 
   int failures() const { return threw + died + endless; }
   int wrong() const { return misses + false_hits + wrong_starts + unsafe; }
 };
 
-/// Asks every engine for every case. Round one runs in child processes, which survive aborts and
-/// endless loops and count them. Round two times what was answered, engines interleaved case by
-/// case. No row where an engine lacks a family's shapes or motions. Pin the process first. Throws
-/// std::system_error when no child process can be made.
+/// Queries every engine for every case. Round one runs in child processes, which count aborts and
+/// endless loops without ending the report. Round two times the answered cases, with engines
+/// interleaved case by case. There is no row if an engine lacks a family's shapes or motions. Pin
+/// the process first. Throws std::system_error if no child process can be made.
 std::vector<MotionRow> measureMotion(const std::vector<const ContactEngine*>& engines,
                                      const MotionReportOptions& options);
 
-/// CSV with a header, one line a row.
+/// CSV with a header and one line for each row.
 std::string motionCsv(const std::vector<MotionRow>& rows);
 /// Text table by family.
 std::string motionTable(const std::vector<MotionRow>& rows);
-/// Median and 95 % of the times by family in one panel; shares of misses and false hits in the
+/// Median and 95 % of the times by family in one panel, and shares of misses and false hits in the
 /// other.
 Figure motionFigure(const std::vector<MotionRow>& rows, const std::string& note);
 

@@ -15,9 +15,9 @@ using Eigen::Vector3d;
 
 /// Shortest interval of time that is still halved.
 constexpr double kSmallest = 1e-11;
-/// A time of contact is clear if known to within this.
+/// A time of contact is clear if it is known to within this.
 constexpr double kClear = 1e-8;
-/// Evaluations of one pair before it is declared unclear.
+/// Limit on the evaluations of one pair before it is declared unclear.
 constexpr int kMostLooks = 2'000'000;
 
 /// Gap of two point sets along a unit direction, of either sign.
@@ -34,7 +34,7 @@ double gapAlong(const Vector3d& n, std::span<const Vector3d> a, std::span<const 
   return std::max(low_b - high_a, low_a - high_b);
 }
 
-/// Directions to project on; the best one of the last call comes first (temporal coherence).
+/// Directions to project on; the best one of the last call is tried first (temporal coherence).
 class Axes {
  public:
   /// The largest gap; stops at the first above `enough`. `offer(f)` calls f(direction), of any
@@ -62,8 +62,8 @@ class Axes {
 };
 
 /// The first t in [0, end] with gap(t) <= 0, for a function that changes by at most `speed` per
-/// unit of t: bisects what the middle does not clear, the earlier half first. `gap(t, enough)` may
-/// return any lower bound above `enough`.
+/// unit of t. Bisects intervals that the gap in their middle does not clear, the earlier half
+/// first. `gap(t, enough)` may return any lower bound above `enough`.
 template <typename Gap>
 TimeTruth firstTouch(const Gap& gap, double speed, double end) {
   TimeTruth truth{false, end, end, true};
@@ -85,7 +85,7 @@ TimeTruth firstTouch(const Gap& gap, double speed, double end) {
       truth.upper = std::min(truth.upper, middle);
     }
     if (half <= kSmallest) {
-      // All before it is clear. Is there contact right behind it?
+      // Everything before it is clear. Is there contact directly after it?
       truth.lower = s.begin;
       double before = s.end;
       while (truth.contact && truth.upper - before > kSmallest) {

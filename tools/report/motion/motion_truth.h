@@ -12,7 +12,7 @@
 namespace leeway::tools::report {
 
 /// The truth of `report motion`: separating axes of polytopes, searched wherever a bound on speed
-/// does not exclude contact. Slow, obvious, shares no code with the engine.
+/// does not exclude contact. It is slow and simple, and shares no code with the engine.
 
 /// A convex polytope: vertices in its own frame, and the directions a separating-axis test needs.
 struct SlowPolytope {
@@ -37,12 +37,12 @@ Eigen::Matrix3d slowTurn(const Eigen::Vector3d& axis, double angle);
 
 struct TimeTruth {
   bool contact = false;
-  double lower = 0, upper = 0;  ///< holds the first time of contact
+  double lower = 0, upper = 0;  ///< contains the first time of contact
   bool clear = true;            ///< false: too close to touching to be decided
 };
 
 /// The first t in [0, 1] at which a pair's separation is at most `margin`. Separation is measured
-/// along the planes of faces and edges only: exact for margin 0.
+/// only along the planes of faces and edges: exact for margin 0.
 TimeTruth slowFirstContact(std::span<const SlowBody> bodies,
                            std::span<const std::array<std::size_t, 2>> pairs, double margin);
 TimeTruth slowFirstContact(const collision::MovingTriangle& a, const collision::MovingTriangle& b,

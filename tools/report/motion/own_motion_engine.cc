@@ -19,7 +19,7 @@ Scratch& scratch() {
 }
 
 ContactAnswer answerOf(const ContactResult& result) {
-  // A refused input is not free.
+  // A rejected input is not free.
   if (result.status == ContactStatus::kInvalid) return {false, true, 0, kInfinity};
   return {result.status == ContactStatus::kContact, result.status == ContactStatus::kUndecided,
           result.time.lower, result.time.upper};
@@ -32,7 +32,7 @@ class OwnQuery : public ContactQuery {
   ContactAnswer ask() override {
     if (!spec_.triangles.empty())
       return answerOf(timeOfContact(spec_.triangles[0], spec_.triangles[1], request_, scratch()));
-    // Later pairs are followed up to the first contact found; of nearly simultaneous contacts
+    // Later pairs are followed up to the first contact found; with nearly simultaneous contacts,
     // either may be first.
     ContactRequest request = request_;
     ContactAnswer first, open;

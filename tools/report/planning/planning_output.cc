@@ -28,7 +28,7 @@ std::string rowOf(const std::string& set, const std::string& planner, const Grou
   };
   const auto plan = timesOf(rows, [](const PlanningRow& r) { return r.plan_s; });
   const auto whole = timesOf(rows, [](const PlanningRow& r) { return r.whole(); });
-  // Of a run and our run of the same problem and seed, which stands at the same place.
+  // Ratios of a run to our run of the same problem and seed, which has the same index.
   std::vector<double> ratios;
   for (std::size_t i = 0; i < std::min(rows.size(), reference.size()); ++i)
     if (rows[i]->solved() && reference[i]->solved() && reference[i]->length > 0)

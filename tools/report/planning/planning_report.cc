@@ -77,7 +77,8 @@ PlanningRow ours(const PlanningProblem& named, std::uint64_t seed, double time, 
   return row;
 }
 
-/// Behind our plan, whose last point is a goal where the problem has none that is a single one.
+/// Runs after our plan, whose last point is the goal if no goal of the problem is a single
+/// configuration.
 PlanningRow theirs(const PlanningProblem& named, const StateEngine& engine,
                    const PlanningReportOptions& options, std::uint64_t seed, const Rows& path) {
   PlanningRow row{named.name, named.set,

@@ -18,12 +18,12 @@ struct PlanningProblem {
 struct PlanningRow;
 
 struct PlanningReportOptions {
-  std::uint64_t seed = 1;  ///< the first of
+  std::uint64_t seed = 1;  ///< the first seed
   int seeds = 1;
   double time = 10;          ///< limit of one run [s]
   double resolution = 0.01;  ///< the rival's step: a share of the space's extent
   std::function<void(const std::string&)> progress;
-  /// Called with the rows of each run when they are there.
+  /// Called with the rows of each run when they are complete.
   std::function<void(const std::vector<PlanningRow>&)> on_rows;
 };
 
@@ -33,28 +33,29 @@ struct PlanningRow {
   std::uint64_t seed = 0;
   /// As toString(PlanStatus); "left out": the rival lacks a shape or the goal.
   std::string status = {};
-  /// Wall clock [s]. The rival's compile_s makes its shapes; its simplifier is all that follows.
+  /// Wall clock [s]. The rival's compile_s makes its shapes; its only later stage is its
+  /// simplifier.
   double compile_s = 0, plan_s = 0, simplify_s = 0, improve_s = 0, push_s = 0, certify_s = 0;
   std::uint64_t iterations = 0;
   double length = 0;
-  /// Some edge of the path is in contact, as our certifier proves; margins count as 0 for the
-  /// rival, which knows none.
+  /// Some edge of the path is in contact, as our certifier proves. Margins count as 0 for the
+  /// rival, which has none.
   bool colliding = false;
 
   bool solved() const { return status == "solved"; }
   double whole() const { return compile_s + plan_s + simplify_s + improve_s + push_s + certify_s; }
 };
 
-/// Our planner as the problems ask for it, and OMPL's RRTConnect in steps, with its simplifier,
-/// over each of the engines. The rival goes to the goals that are single configurations; where
-/// there is none, to the end of our path.
+/// Runs our planner as the problems specify it, and OMPL's RRTConnect in steps, with its
+/// simplifier, over each of the engines. The rival plans to the goals that are single
+/// configurations; if there are none, to the end of our path.
 std::vector<PlanningRow> measurePlanning(const std::vector<PlanningProblem>& problems,
                                          const std::vector<const StateEngine*>& rivals,
                                          const PlanningReportOptions& options);
 
 std::string planningCsv(const std::vector<PlanningRow>& rows);
-/// By set and planner: solved, median and 95 % of times and lengths, shares of the stages; then the
-/// slowest runs of ours.
+/// By set and planner: solved, median and 95 % of times and lengths, shares of the stages; followed
+/// by our slowest runs.
 std::string planningTable(const std::vector<PlanningRow>& rows);
 
 }  // namespace leeway::tools::report

@@ -16,7 +16,7 @@ namespace {
 
 namespace ob = ompl::base;
 
-/// A state of our space, seen by the rival's checkers.
+/// A validity checker that passes states of our space to the rival's checkers.
 class RivalValidity : public ob::StateValidityChecker {
  public:
   RivalValidity(const ob::SpaceInformationPtr& information, const planner::CompiledScene& scene,
@@ -39,7 +39,7 @@ class RivalValidity : public ob::StateValidityChecker {
     return static_cast<const planner::OmplStateSpace&>(*si_->getStateSpace()).point(state);
   }
 
-  mutable std::mutex mutex_;  ///< PRM* has a second thread, which asks what paths cost
+  mutable std::mutex mutex_;  ///< PRM* has a second thread, which computes path costs
   mutable RivalStates states_;
   mutable std::optional<RivalStates> distances_;
 };

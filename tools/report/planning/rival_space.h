@@ -17,11 +17,11 @@ namespace leeway::tools::report {
 
 using Rows = std::vector<std::vector<double>>;
 
-/// Our space for OMPL, whose states another engine checks and whose motions are checked in steps.
+/// Our space for OMPL: another engine checks its states, and motions are checked in steps.
 class RivalSpace {
  public:
-  /// `resolution`: of a step, as a share of the space's extent. `distances`: what measures
-  /// clearances; null: nothing does.
+  /// `resolution`: of a step, as a share of the space's extent. `distances`: the checker that
+  /// measures clearances; null if there is none.
   RivalSpace(std::shared_ptr<const planner::CompiledScene> scene, StateChecker& checker,
              StateChecker* distances, double resolution, std::uint64_t seed);
 

@@ -11,7 +11,7 @@
 
 namespace leeway::tools::report {
 
-/// Points of our space, seen by a rival's checker. Both must outlive it.
+/// Points of our space, checked by a rival's checker. Both must outlive this object.
 class RivalStates {
  public:
   RivalStates(const planner::CompiledScene& scene, StateChecker& checker)
@@ -25,7 +25,7 @@ class RivalStates {
         links_.emplace_back(b, static_cast<std::size_t>(link));
   }
 
-  /// Whether the robot, with the planned variables at `point`, touches nothing.
+  /// Whether the robot, with the planned variables at `point`, is free of contact.
   bool isFree(std::span<const double> point) {
     place(point);
     return checker_.isFree(X_WB_);

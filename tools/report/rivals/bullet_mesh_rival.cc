@@ -33,8 +33,8 @@ class BulletFollower final : public MeshFollower {
 
   void update() override {
     if (refit_) {
-      // The quantisation grid is fixed at construction; a mesh outgrowing it triggers warnings and
-      // needs a new hierarchy.
+      // The quantisation grid is fixed at construction; a mesh that outgrows it triggers warnings
+      // and needs a new hierarchy.
       shape_->recalcLocalAabb();
       shape_->refitTree(shape_->getLocalAabbMin(), shape_->getLocalAabbMax());
     } else {

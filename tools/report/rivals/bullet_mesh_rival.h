@@ -7,7 +7,7 @@
 
 namespace leeway::tools::report {
 
-/// Quantised hierarchies, refitted and rebuilt; no distance queries.
+/// Quantised hierarchies, refitted and rebuilt, without distance queries.
 std::vector<std::unique_ptr<MeshEngine>> makeBulletMeshEngines();
 
 }  // namespace leeway::tools::report

@@ -42,7 +42,7 @@ float squaredDistance(const Point& p, const Point& a, const Point& b, const Poin
   return to(a + (vb * scale) * ab + (vc * scale) * ac);
 }
 
-/// One single-threaded device for all.
+/// One single-threaded device for all scenes.
 RTCDevice device() {
   static const RTCDevice instance = rtcNewDevice("threads=1,set_affinity=0");
   return instance;
@@ -92,7 +92,7 @@ class EmbreeFollower final : public MeshFollower {
     rtcCommitScene(scene_);
   }
 
-  /// Only point queries exist: spheres.
+  /// Embree has only point queries, so only spheres are supported.
   bool addBody(const collision::Shape& shape) override {
     if (shape.type() != collision::ShapeType::kSphere) return false;
     radii_.push_back(shape.radius());

@@ -32,7 +32,7 @@ class FclFollower : public MeshFollower {
   void update() override { model_->endReplaceModel(refit_, true); }
 
   bool addBody(const Shape& shape) override {
-    // FCL's distance queries need swept spheres; over plain boxes they are too slow to show.
+    // FCL's distance queries need swept spheres; over plain boxes they are too slow to report.
     if constexpr (!std::is_same_v<Volume, fcl::OBBRSSd>) return false;
     switch (shape.type()) {
       case ShapeType::kSphere:
@@ -70,7 +70,7 @@ class FclMeshEngine : public MeshEngine {
   FclMeshEngine(const char* name, bool refit) : name_(name), refit_(refit) {}
   const char* name() const override { return name_; }
   std::unique_ptr<MeshFollower> follow(const DeformingSpec& spec) const override {
-    // A node takes half a kilobyte, a frame seconds: too slow to show.
+    // A node takes half a kilobyte and a frame takes seconds, which is too slow to report.
     constexpr std::size_t kMostOriented = 500'000;
     if (std::is_same_v<Volume, fcl::OBBRSSd> && spec.triangles.size() > kMostOriented)
       return nullptr;

@@ -15,13 +15,13 @@ using collision::MovingTriangle;
 using Motion = fcl::InterpMotion<double>;
 using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 
-/// Null: FCL has no motion of this shape.
+/// Null if FCL has no motion of this shape.
 Geometry geometryOf(const ReportShape& s) {
   if (s.shape.type() != collision::ShapeType::kMesh) return makeFclShape(s);
   return makeFclModel<fcl::OBBRSSd>(s.shape.mesh()->vertices(), s.shape.mesh()->triangles());
 }
 
-/// Sets the point that travels straight: FCL's default reads uninitialised memory.
+/// Sets the point that travels straight, because FCL's default reads uninitialised memory.
 Motion motionOf(const collision::Pose& X0, const collision::Pose& X1) {
   return Motion(X0.rotation, X0.translation, X1.rotation, X1.translation, fcl::Vector3d::Zero());
 }

@@ -21,8 +21,8 @@ using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 
 namespace {
 
-/// The points as given; facets refer to the first point equal to each vertex. A set without facets
-/// becomes one polygon: FCL reads faces only above 32 vertices.
+/// Uses the points as given; facets refer to the first point equal to each vertex. A set without
+/// facets becomes one polygon, because FCL reads faces only above 32 vertices.
 Geometry makeConvex(const ReportShape& s) {
   const auto vertices = std::make_shared<std::vector<fcl::Vector3d>>(s.points);
   const auto faces = std::make_shared<std::vector<int>>();

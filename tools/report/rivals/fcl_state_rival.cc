@@ -35,8 +35,8 @@ Geometry makeGeometry(const Shape& shape) {
   return makeFclShape(convex);
 }
 
-/// Things that stand still above which FCL's dynamic tree finds the near ones; few are quicker to
-/// look at one by one.
+/// Number of fixed bodies above which FCL's dynamic tree finds the near ones; fewer are faster to
+/// test one by one.
 constexpr std::size_t kTree = 64;
 
 class FclChecker : public StateChecker {
@@ -119,7 +119,7 @@ class FclChecker : public StateChecker {
     for (const std::size_t i : still) {
       parts_[i].in_tree = true;
       objects_.emplace_back(parts_[i].shape, parts_[i].X_WG);
-      objects_.back().setUserData(&parts_[i]);  // null: not of the tree
+      objects_.back().setUserData(&parts_[i]);  // null: not in the tree
       all.push_back(&objects_.back());
     }
     tree_.registerObjects(all);
@@ -149,7 +149,7 @@ class FclChecker : public StateChecker {
     return fcl::collide(a.shape.get(), a.X_WG, b.shape.get(), b.X_WG, request_, result) > 0;
   }
 
-  /// FCL's callback; true ends the query. One of the two objects is of the tree.
+  /// FCL's callback; true ends the query. One of the two objects is in the tree.
   static bool meets(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data) {
     Query& query = *static_cast<Query*>(data);
     const fcl::CollisionObjectd* still = a->getUserData() != nullptr ? a : b;
@@ -171,12 +171,12 @@ class FclChecker : public StateChecker {
 
   const collision::Scene& scene_;
   std::vector<Part> parts_;
-  std::vector<std::size_t> first_;   ///< of each body
+  std::vector<std::size_t> first_;   ///< first part of each body
   std::vector<std::size_t> moving_;  ///< bodies
   std::vector<std::pair<std::size_t, std::size_t>> listed_;
   fcl::DynamicAABBTreeCollisionManagerd tree_;
-  std::vector<fcl::CollisionObjectd> objects_;  ///< of the tree
-  std::vector<std::size_t> asks_tree_;          ///< parts that move
+  std::vector<fcl::CollisionObjectd> objects_;  ///< those in the tree
+  std::vector<std::size_t> asks_tree_;          ///< moving parts
   std::unordered_set<std::size_t> checked_;     ///< keys of pairs with the tree
   fcl::CollisionRequestd request_;
   fcl::DistanceRequestd distance_request_;

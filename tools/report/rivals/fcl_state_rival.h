@@ -6,8 +6,8 @@
 
 namespace leeway::tools::report {
 
-/// Contacts of all pairs whose bounding spheres meet; above some things that stand still, of those
-/// that FCL's dynamic tree finds near. Meshes as OBBRSS hierarchies.
+/// Contacts of all pairs whose bounding spheres intersect. Above a number of fixed bodies, FCL's
+/// dynamic tree finds the near ones. Meshes are OBBRSS hierarchies.
 std::unique_ptr<StateEngine> makeFclStateEngine();
 
 }  // namespace leeway::tools::report

@@ -1,4 +1,4 @@
-// KDL's numeric solvers, as its users run them: from the given start, then from random ones until a
+// KDL's numeric solvers as its users run them: from the given start, then from random ones until a
 // solution is within the limits.
 
 #include <algorithm>
@@ -25,7 +25,7 @@ KDL::Frame toKdl(const collision::Pose& X) {
           toKdl(X.translation)};
 }
 
-/// KDL's segment: its joint, then a fixed frame, here that of the next joint.
+/// KDL's segment: its joint, followed by a fixed frame, here that of the next joint.
 KDL::Chain toKdl(const IkChain& chain) {
   KDL::Chain result;
   if (chain.joints.empty()) return result;
@@ -76,7 +76,7 @@ class KdlSolver : public IkSolver {
   }
 
  private:
-  /// Angles may take off whole turns.
+  /// Angles may be reduced by whole turns.
   bool inLimits(const KDL::JntArray& found, std::span<double> values) const {
     for (unsigned i = 0; i < joints_.size(); ++i) {
       double value = found(i);

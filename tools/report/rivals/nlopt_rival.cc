@@ -1,7 +1,7 @@
-// NLopt's sequential quadratic programming (SLSQP) within the joints' limits, as TRAC-IK runs it
-// beside KDL: the squared error of the pose, from the given start, then from random ones.
-// Beeson and Ames, "TRAC-IK: An open-source library for improved solving of generic inverse
-// kinematics", 2015, section III.
+// NLopt's sequential quadratic programming (SLSQP) within the joints' limits, as TRAC-IK runs it in
+// parallel with KDL. It minimises the squared error of the pose, from the given start, then from
+// random ones. Beeson and Ames, "TRAC-IK: An open-source library for improved solving of generic
+// inverse kinematics", 2015, section III.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -19,10 +19,10 @@ namespace {
 
 using collision::Pose;
 
-/// Squared error below which a search ends: 1e-10 m and rad, below what the report asks.
+/// Squared error below which a search ends: 1e-10 m and rad, below the report's tolerance.
 constexpr double kGoodEnough = 1e-20;
 
-/// Evaluations of one search.
+/// Limit on the evaluations of one search.
 constexpr int kMostEvaluations = 200;
 
 class NloptSolver : public IkSolver {

@@ -121,7 +121,7 @@ void DenseWorld::readScene(const std::string& file) {
   for (std::size_t i = 0; i < names.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (matrix["entry_values"][i][j].as<bool>()) allowed_.emplace_back(names[i], names[j]);
-  // Pairs of links that the matrix does not hold are the SRDF's.
+  // Pairs of links that the matrix does not contain are those of the SRDF.
   const auto has = [&](const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
@@ -149,8 +149,8 @@ bool DenseWorld::mayTouch(const std::string& a, const std::string& b) const {
 }
 
 void DenseWorld::listPairs() {
-  // The link that rigidly carries each link: bodies of one carrier never move relative to one
-  // another.
+  // The link that rigidly carries each link, because bodies of one carrier never move relative to
+  // one another.
   std::vector<int> carrier(model_->links.size());
   std::vector<bool> planned(model_->links.size(), false);
   for (std::size_t i = 0; i < model_->links.size(); ++i) {
@@ -208,7 +208,7 @@ void DenseWorld::placeLinks(const std::vector<std::string>& names,
         break;
       case robots::JointType::kPlanar:
       case robots::JointType::kFloating:
-        // MotionBenchMaker: a base that the SRDF lets float stands at the origin.
+        // In MotionBenchMaker, a base that floats by the SRDF is at the origin.
         if (joint.parent_link >= 0)
           throw std::runtime_error("joint '" + joint.name +
                                    "': this checker knows joints of one degree of freedom");

@@ -63,7 +63,7 @@ struct DenseWorld::Bounds {
     const fcl::Triangle& t = mesh->tri_indices[leaf.triangle];
     return {mesh->vertices[t[0]], mesh->vertices[t[1]], mesh->vertices[t[2]]};
   }
-  /// Lower bound of the distance between two nodes' contents [m]; void below 0.
+  /// Lower bound of the distance between two nodes' contents [m]; meaningless below 0.
   static double gap(const Node& a, const Node& b, const Eigen::Isometry3d& X_AB) {
     const Eigen::Vector3d to_b = X_AB * b.center - a.center;
     const double balls = to_b.norm() - a.radius - b.radius;

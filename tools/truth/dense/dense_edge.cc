@@ -16,8 +16,8 @@ using Eigen::Isometry3d;
 
 /// Exceeds the rounding of FCL's bounds [m].
 constexpr double kGapSlack = 1e-6;
-/// A proof for this share of the places cleared by the nearest known parts is accepted: a longer
-/// one costs more than it saves.
+/// A proof for this share of the places cleared by the nearest known parts is accepted, because a
+/// longer one costs more than it saves.
 constexpr double kShareOfHop = 0.25;
 
 }  // namespace
@@ -32,8 +32,8 @@ double DenseWorld::leafGap(const Bounds& a, const Bounds& b, const NodePair& pai
   return fcl::detail::TriangleDistance<double>::triDistance(s.data(), t.data(), X_AB, on_s, on_t);
 }
 
-/// Number of coming places, at most `most`, at which two shapes are proven apart. Decided node by
-/// node: near a joint, nodes move less than at the chain's end.
+/// Number of following places, at most `most`, at which two shapes are proven apart. Decided node
+/// by node, because near a joint, nodes move less than at the chain's end.
 double DenseWorld::placesApart(ShapePair& shapes, const Approach& approach, double most) {
   const Body &x = *bodies_[pairs_[shapes.bodies].first],
              &y = *bodies_[pairs_[shapes.bodies].second];
@@ -49,7 +49,8 @@ double DenseWorld::placesApart(ShapePair& shapes, const Approach& approach, doub
     const Bounds::Node &u = a.nodes[pair.first], &v = b.nodes[pair.second];
     return (leafGap(a, b, pair, X_AB) - kGapSlack) / approach.step(u.reach, v.reach);
   };
-  // The nearest pair of leaves rarely changes: start with it, prune what is much farther.
+  // The nearest pair of leaves rarely changes, so this starts with it and prunes pairs that are
+  // much farther apart.
   const double whole = places({0, 0});
   if (whole >= most) return whole;
   const bool known = a.nodes[nearest.first].child < 0 && b.nodes[nearest.second].child < 0;
@@ -89,8 +90,8 @@ double DenseWorld::placesApart(ShapePair& shapes, const Approach& approach, doub
 }
 
 /// For each pair, a bound on the approach of its bodies between places. A joint that carries both
-/// moves neither against the other. Another revolute joint moves a point by its turn times the
-/// chain's length in between, a prismatic one by its slide.
+/// does not move them relative to each other. Another revolute joint moves a point by its turn
+/// times the chain's length in between, a prismatic one by its slide.
 std::vector<DenseWorld::Approach> DenseWorld::largestSteps(const std::vector<std::string>& names,
                                                            const std::vector<double>& from,
                                                            const std::vector<double>& to,
@@ -126,7 +127,7 @@ std::vector<DenseWorld::Approach> DenseWorld::largestSteps(const std::vector<std
       sum.rest += slides ? turn : turn * length;
       length += joint.X_PJ.translation.norm();
       if (!slides) continue;
-      // A slide adds the length that its limits allow.
+      // A slide adds the length of its limits.
       const robots::Joint& master =
           joint.mimic < 0 ? joint : model_->joints[static_cast<std::size_t>(joint.mimic)];
       const robots::Variable& v =

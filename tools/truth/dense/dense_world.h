@@ -1,6 +1,6 @@
 #pragma once
 
-// Dense collision checks, independent of the engine they judge: only the readers of URDF and mesh
+// Dense collision checks, independent of the engine they check: only the readers of URDF and mesh
 // files are Leeway's. Not installed.
 
 #include <Eigen/Geometry>
@@ -16,8 +16,8 @@
 
 namespace leeway::dense {
 
-/// The path of requestNNNN.yaml beside a MoveIt scene file sceneNNNN.yaml. Throws
-/// std::runtime_error for a file of another name.
+/// The path of requestNNNN.yaml next to a MoveIt scene file sceneNNNN.yaml. Throws
+/// std::runtime_error for a file with another name.
 std::string requestOf(const std::string& scene);
 
 struct Collision {
@@ -37,8 +37,8 @@ class DenseWorld {
              const std::string& request_file);
   ~DenseWorld();
 
-  /// The first colliding pair at these positions of the named joints. Other joints take the
-  /// request's start state, 0 if it does not name them.
+  /// Finds the first colliding pair at these positions of the named joints. Other joints take the
+  /// values of the request's start state, or 0 if it does not name them.
   Collision check(const std::vector<std::string>& names, const std::vector<double>& positions);
 
   /// The first t = i / count, i = 0 .. count, at which a pair collides on the straight line between
@@ -49,8 +49,8 @@ class DenseWorld {
                                        const std::vector<double>& from,
                                        const std::vector<double>& to, int count);
 
-  /// Whether any pair is within `threshold` [m]; undecided counts as near. Asks Leeway's distance()
-  /// for each pair with nearby bounding spheres, cold: no caches, no certificates.
+  /// Whether any pair is within `threshold` [m]; undecided counts as near. Calls Leeway's
+  /// distance() for each pair with nearby bounding spheres, without caches or certificates.
   bool closerThan(const std::vector<std::string>& names, const std::vector<double>& positions,
                   double threshold);
 

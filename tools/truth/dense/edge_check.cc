@@ -1,15 +1,14 @@
-// edge_check: certified edges against dense sampling, of a robot among the obstacles of scenes.
+// edge_check: certified edges against dense sampling, for a robot among the obstacles of scenes.
 //   edge_check --robot R.urdf --srdf R.srdf [--asked] [--count N] [--seed S] [--shard i/N]
 //     [--step 0.002] [--every-place] SCENE.yaml...
-// Random edges, scene by scene in turn, or with --asked those that planning and simplifying ask for
-// (bench_edges replays the same), with one seed after another until there are enough.
-// Certified edges are looked at every 0.002 rad with FCL: a collision makes them unsafe (none is
-// allowed). Rejected edges are looked at in the same places for a pair within 0.1 mm: when there is
-// none, the rejection was cautious (at most 0.1 % are allowed). Exit status 1 when either fails.
-// With --every-place, all pairs are looked at in all places of all edges besides, where otherwise
-// most are left out as too far apart to meet: the first collision must be the same.
-// A random edge depends on seed and its number alone; of the edges that are asked for, each shard
-// takes every N-th.
+// Checks random edges, scene by scene in turn, or with --asked those that planning and simplifying
+// request (bench_edges replays the same), with one seed after another until there are enough. FCL
+// checks certified edges every 0.002 rad: a collision makes them unsafe (none is allowed). Rejected
+// edges are checked at the same places for a pair within 0.1 mm: if there is none, the rejection
+// was cautious (at most 0.1 % are allowed). The exit status is 1 if either check fails. With
+// --every-place, all pairs are also checked at all places of all edges, whereas most are otherwise
+// skipped as too far apart to meet: the first collision must be the same. A random edge depends
+// only on seed and number; of the requested edges, each shard takes every N-th.
 
 #include <fmt/format.h>
 #include <ompl/util/Console.h>
@@ -67,8 +66,8 @@ struct Counts {
   double certify_free_s = 0, certify_rejected_s = 0, sampling_s = 0;
 };
 
-/// Half of the edges begin anywhere, half at a valid state, as a tree's do. Lengths 0.1 to 3 rad,
-/// log-uniform.
+/// Half of the edges begin anywhere, half at a valid state, like those of a tree. Lengths 0.1 to 3
+/// rad, log-uniform.
 Edge randomEdge(Random& random, EdgeCertifier& certifier) {
   const auto& space = certifier.scene().space();
   const std::size_t n = static_cast<std::size_t>(space.size());
@@ -86,7 +85,7 @@ Edge randomEdge(Random& random, EdgeCertifier& certifier) {
   if (random.chance(0.5))
     for (int i = 0; i < 100 && certifier.decide(edge.from) != Verdict::kFree; ++i)
       edge.from = anywhere();
-  // A uniform direction, then cut to the limits, as planners extend.
+  // A uniform direction, then clipped to the limits, as planners extend.
   std::vector<double> d(n);
   double squared;
   do {
@@ -161,7 +160,7 @@ void check(long long index, const Edge& edge, EdgeCertifier& certifier, DenseWor
     const auto close = [&](const auto& q) {
       return world.closerThan(names, q, kCautiousClearance);
     };
-    // The certifier's own place first: nearly always decisive.
+    // Tries the certifier's own place first, because it nearly always decides.
     bool found = close(between(edge, verdict.t));
     const int count = samples(edge, step);
     for (int i = 0; i <= count && !found; ++i, ++counts.states)

@@ -92,7 +92,7 @@ std::string sceneOf(const std::filesystem::path& problem, const std::string& sce
       .string();
 }
 
-/// Whether start or goal collides: a refusal is then correct.
+/// Whether start or goal collides; rejecting the problem is then correct.
 bool endsCollide(DenseWorld& world) {
   for (const auto* end : {&world.start(), &world.goal()}) {
     std::vector<std::string> names;

@@ -1,5 +1,5 @@
-// Checks an executed trajectory at many instants: own kinematics, exact vertices of everything that
-// deforms, FCL for contact, every triangle against every link for the distance.
+// Checks an executed trajectory at many instants, with separate kinematics, exact vertices of
+// everything that deforms, FCL for contact, and every triangle against every link for the distance.
 
 #include <fcl/fcl.h>
 #include <fmt/format.h>
@@ -70,7 +70,7 @@ class World {
     return count;
   }
 
-  /// First contact of the robot with anything, as text; empty when free.
+  /// First contact of the robot, as text; empty if it is free.
   std::string contact(const std::vector<double>& positions, double time) {
     place(positions);
     for (const Part& part : robot_)
@@ -87,8 +87,8 @@ class World {
     return {};
   }
 
-  /// Minimum distance from what deforms, if below `enough`: all pairs of a triangle and a robot
-  /// shape, at the poses of the last contact().
+  /// Minimum distance from deforming obstacles, if below `enough`: all pairs of a triangle and a
+  /// robot shape, at the poses of the last contact().
   double distance(double time, double enough) {
     for (const DeformingObstacle& o : problem_.world.deforming) {
       const std::vector<Eigen::Vector3d> vertices = verticesOf(o, time);

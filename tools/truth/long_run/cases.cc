@@ -90,8 +90,8 @@ Shape largeHull(Random& random, int count) {
   return Shape::convexHull(std::span<const Vector3d>(points));
 }
 
-// A body of revolution about z (ellipsoids: any axis of theirs): needles, plates, and one in six as
-// long as wide, exactly or nearly (ellipsoids: balls).
+// A body of revolution about z (for ellipsoids: about any axis): needles, plates, and one in six
+// with equal length and width, exactly or nearly (for ellipsoids: balls).
 Shape revolvedShape(Random& random) {
   const auto size = [&] { return random.chance(0.15) ? 1e-3 : random.uniform(0.05, 1); };
   const double r = size(), h = random.chance(0.17) ? r * (1 + hair(random)) : size();
@@ -110,7 +110,7 @@ Shape revolvedShape(Random& random) {
   }
 }
 
-// Shapes with rims and apexes, and ellipsoids, some as long as wide.
+// Shapes with rims and apexes, and ellipsoids, some with equal length and width.
 Shape roundShape(Random& random) {
   const double r = random.logUniform(0.02, 1);
   const double h = random.chance(0.15) ? r : random.logUniform(0.02, 1);
@@ -155,8 +155,8 @@ Shape corneredShape(Random& random) {
   return Shape::convexHull(std::span<const Vector3d>(points));
 }
 
-// A corner, or a point on an edge or face; of round bodies also on the axis, a rim or a cap. In the
-// shape's frame.
+// A corner, or a point on an edge or face; for round bodies also a point on the axis, a rim or a
+// cap. In the shape's frame.
 Vector3d markedPoint(Random& random, const Shape& shape) {
   const double r = shape.radius(), h = shape.halfLength();
   switch (shape.type()) {

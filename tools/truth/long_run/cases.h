@@ -9,7 +9,7 @@
 
 namespace leeway::accuracy {
 
-/// The difficulty that a case is made for.
+/// The difficulty for which a case is made.
 enum class Family {
   kPlain,
   kNear,        ///< gaps and depths of 1e-16 to 1e-4 of the sizes
@@ -21,7 +21,7 @@ enum class Family {
   kFar,         ///< 1e3 to 1e9 m from the origin
   kDuplicates,  ///< hulls with equal or nearly equal vertices
   kDegenerate,  ///< points, segments, discs
-  kDeep,        ///< centres near each other or equal
+  kDeep,        ///< centres close to each other or equal
   kTwin,        ///< a shape with itself: same pose, or turned, or moved along an axis
   kLarge,       ///< hulls of 64 to 512 vertices
   kRevolved,    ///< bodies of revolution with common axis or centre, exactly or nearly
@@ -38,7 +38,7 @@ struct Case {
   Family family = Family::kPlain;
 };
 
-/// Shapes shared by a block of cases: making one costs more than a query.
+/// Shapes shared by a block of cases, because making one costs more than a query.
 class Pool {
  public:
   explicit Pool(oracle::Random& random);

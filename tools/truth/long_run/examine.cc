@@ -78,7 +78,7 @@ DistanceResult Examiner::ask(const Ask& ask) {
   return r;
 }
 
-// The separation that n proves: no point of B is nearer to A than this along n.
+// The separation that n proves: no point of B is closer to A than this along n.
 Real Examiner::provenAlong(const Vector3d& n) const {
   const Vector3d& origin = case_->X_WA.translation;
   const Real apart = -farthestAlong(*case_->b, case_->X_WB, -n, origin) -
@@ -109,7 +109,7 @@ void Examiner::judgePlane(const Ask& ask, const DistanceResult& r) {
   if (static_cast<Real>(r.distance.upper) < proven - allowed) {
     say("a plane proves more than the upper end", ask, r, proven, tally_->unsafe);
   }
-  // Point against shape: the closed form's distance is more precise than its direction.
+  // For a point and a shape, the closed form's distance is more precise than its direction.
   const bool point =
       case_->a->type() == ShapeType::kSphere || case_->b->type() == ShapeType::kSphere;
   const auto rounded = [](const Shape& s) {
@@ -138,7 +138,7 @@ void Examiner::judgeHalfSpace(const Ask& ask, const DistanceResult& r) {
 
 // Witness points bound the distance from above.
 void Examiner::judgeWitness(const Ask& ask, const DistanceResult& r) {
-  // Infinite: a separating plane decided before any witnesses existed.
+  // Infinite if a separating plane decided before any witnesses existed.
   if (!(r.distance.lower > 0) || !std::isfinite(r.distance.upper)) return;
   const Real apart = static_cast<Real>((r.point_b - r.point_a).norm());
   const Real out_a = outsideBy(*case_->a, case_->X_WA, r.point_a),
@@ -156,7 +156,7 @@ void Examiner::judgeWitness(const Ask& ask, const DistanceResult& r) {
   }
 }
 
-// Tries directions that a wrong depth would have missed: none may prove more than the upper end.
+// Tries directions that a wrong depth would have missed; none may prove more than the upper end.
 void Examiner::tryPlanes(const Ask& ask, const DistanceResult& r, oracle::Random& random) {
   if (half_space_) return;
   const Pose& pose = random.chance(0.5) ? case_->X_WA : case_->X_WB;
@@ -172,7 +172,7 @@ void Examiner::tryPlanes(const Ask& ask, const DistanceResult& r, oracle::Random
   }
 }
 
-// Two intervals that hold the truth intersect.
+// Checks that two intervals that contain the truth intersect.
 void Examiner::meet(const Ask& ask, const DistanceResult& r) {
   if (r.distance.lower > exact_.distance.upper || r.distance.upper < exact_.distance.lower) {
     say("does not meet the plain answer", ask, r,
@@ -200,13 +200,14 @@ void Examiner::threshold(oracle::Random& random) {
   const bool clear = exact_.distance.lower > t || exact_.distance.upper <= t;
   if (!decided && clear && exact_.status == DistanceStatus::kConverged &&
       std::abs(t - exact_.distance.upper) > 2e-9 + 1e-13 * size_) {
-    // The limit leaves a few wide, other pairs than those of the plain query.
+    // The limit leaves a few wide, in other pairs than for the plain query.
     say("no verdict", above, r, static_cast<Real>(t),
         r.status == DistanceStatus::kLimit ? tally_->open : tally_->failures);
   }
 }
 
-/// Whether the oracle proves `answer`: it searches as far as that takes, once to its end.
+/// Whether the oracle proves `answer`: it searches only as far as that requires, and once to its
+/// end.
 bool Examiner::proves(const collision::Interval& answer) {
   const auto holds = [&] {
     return truth_ && truth_->lower >= answer.lower && truth_->upper <= answer.upper;
@@ -262,7 +263,7 @@ void Examiner::examine(const Case& c, oracle::Random& random, bool with_oracle,
   swapped.how = "swapped";
   meet(swapped, ask(swapped));
   threshold(random);
-  // The previous case's cache is foreign; the second query finds it warm.
+  // The cache is that of the previous case; the second query finds it warm.
   Ask warm;
   warm.cache = &cache_;
   warm.how = "foreign cache";

@@ -12,26 +12,27 @@ namespace leeway::accuracy {
 
 struct Tally {
   std::int64_t cases = 0;
-  std::int64_t answers = 0;      // to the queries of these cases, each judged
+  std::int64_t answers = 0;      // to the queries of these cases, each checked
   std::int64_t overlapping = 0;  // the truth is below 0
   std::int64_t unsafe = 0;       // intervals that exclude the truth
-  std::int64_t failures = 0;     // any other broken promise of distance.h
+  std::int64_t failures = 0;     // any other violated guarantee of distance.h
   std::int64_t open = 0;         // default tolerance not reached
   std::int64_t oracle = 0;       // answers that quadruple precision proves
-  std::int64_t unproven = 0;     // neither that nor refuted: the oracle's bounds are wider
+  std::int64_t unproven = 0;     // neither proven nor refuted, because the oracle's bounds are
+                                 // wider
 
   void add(const Tally& t);
 };
 
-/// Asks one case in every way a caller can. Checks the answers in extended precision, against each
-/// other and, on request, against the quadruple-precision oracle. A failed check prints its
+/// Queries one case in every way a caller can. Checks the answers in extended precision, against
+/// each other and, on request, against the quadruple-precision oracle. A failed check prints its
 /// reproduction to stderr.
 class Examiner {
  public:
   /// `says` prefixes each message.
   void examine(const Case& c, oracle::Random& random, bool with_oracle, const std::string& says,
                Tally& tally);
-  /// Also reports cases that stay open.
+  /// Set this to report also cases that stay open.
   bool verbose = false;
 
  private:
@@ -63,7 +64,7 @@ class Examiner {
   double coordinate_ = 0;  // largest coordinate in the world [m]
   bool half_space_ = false;
   collision::DistanceResult exact_;
-  std::optional<oracle::Truth> truth_;  // where the oracle is asked: as narrow as answers so far
+  std::optional<oracle::Truth> truth_;  // if the oracle is used: as narrow as required so far
   bool truth_is_final_ = false;         // it was searched to its end
   collision::Scratch scratch_;
   collision::PairCache cache_;

@@ -6,7 +6,7 @@
 namespace leeway::accuracy {
 
 /// Extended precision (64-bit significand where available): a second opinion that shares no code
-/// with the engine. Where long double equals double, its rounding consumes the tolerances.
+/// with the engine. If long double equals double, its rounding uses up the tolerances.
 using Real = long double;
 
 /// Support value: max n . (x - origin) over a placed convex shape other than a half-space; n of any
@@ -15,8 +15,8 @@ using Real = long double;
 Real farthestAlong(const collision::Shape& shape, const collision::Pose& X_WS,
                    const Eigen::Vector3d& n, const Eigen::Vector3d& origin);
 
-/// Upper bound, up to a factor, of p's distance outside a placed convex shape; <= 0 inside, and for
-/// hulls without facets. O(facets).
+/// Upper bound, up to a factor, of p's distance outside a placed convex shape; <= 0 if p is inside,
+/// and for hulls without facets. O(facets).
 Real outsideBy(const collision::Shape& shape, const collision::Pose& X_WS,
                const Eigen::Vector3d& p_W);
 

@@ -1,14 +1,14 @@
-// Runs random and hard pairs of convex shapes through the distance engine, for as long as wanted.
+// Runs random and hard pairs of convex shapes through the distance engine, for any number of cases.
 //
 //   long_run [--cases N] [--seed N] [--family WORD] [--oracle-every N] [--state FILE]
 //            [--block N] [--verbose]
 //
-// Each case is asked plainly, swapped, with a threshold, with a foreign and a warm cache, at times
-// with few iterations. Extended precision proves both ends of each answer from the normal and the
-// witness points. Every answer of every N-th case is held against the quadruple-precision oracle,
-// too (0: of none): proven, refuted, or left open where the oracle's own bounds are wider. Each
-// block of cases has its own random numbers, so that --block repeats one. --state FILE stores
-// totals after every block; an interrupted run resumes from it. Exit status: 0; 1 where a check
+// Each case is queried plainly, swapped, with a threshold, with another case's cache and a warm
+// one, and sometimes with few iterations. Extended precision proves both ends of each answer from
+// the normal and the witness points. Every answer of every N-th case is also compared with the
+// quadruple-precision oracle (0: no case): proven, refuted, or left open if the oracle's own bounds
+// are wider. Each block of cases has its own random numbers, so --block repeats one. --state FILE
+// stores totals after every block; an interrupted run resumes from it. Exit status: 0; 1 if a check
 // failed; 2 for bad usage.
 
 #include <array>

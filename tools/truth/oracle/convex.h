@@ -43,11 +43,12 @@ struct Bounds {
   bool within(const Bounds& other) const { return lower >= other.lower && upper <= other.upper; }
 };
 
-/// No bounds are within these but by being exact: a search for them goes on to its last digit.
+/// Only exact bounds are within these, so a search for them continues to its last digit.
 inline constexpr Bounds toTheLastDigit() { return {infinity(), -infinity()}; }
 
-/// Signed separation of two convex bodies: GJK when apart, EPA when not, each with both bounds. The
-/// bounds include the computation's rounding. The search ends where they are within `enough`.
+/// Signed separation of two convex bodies: GJK if they are apart, otherwise EPA, each with both
+/// bounds. The bounds include the computation's rounding. The search ends when they are within
+/// `enough`.
 Bounds separation(const ConvexBody& a, const ConvexBody& b,
                   const Bounds& enough = toTheLastDigit());
 

@@ -77,7 +77,7 @@ std::vector<Vector3d> randomPoints(Random& random, Flavour flavour, double size)
   const std::size_t given = points.size();
   for (std::size_t i = 0; i < given; ++i) {
     const double apart = random.chance(0.5) ? 0 : random.logUniform(1e-17, 1e-7);
-    // Two points and no others would be smaller than shapes are.
+    // Two points alone would be smaller than shapes may be.
     const double off = given > 1 ? apart : 0;
     points.push_back(points[i] + off * random.direction());
   }
@@ -117,7 +117,7 @@ std::shared_ptr<const TriangleMesh> ellMesh(double size) {
   for (const double z : {-t, t})
     for (const auto& p : outline) vertices.emplace_back(p[0], p[1], z);
   std::vector<Triangle> triangles;
-  // The reflex corner 3 sees all others: a fan from it fills both ends.
+  // The reflex corner 3 sees all others, so a fan from it fills both ends.
   for (const auto& [i, j] : {std::pair{4, 5}, {5, 0}, {0, 1}, {1, 2}}) {
     triangles.push_back({9, i + 6, j + 6});
     triangles.push_back({3, j, i});

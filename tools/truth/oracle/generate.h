@@ -32,7 +32,7 @@ class Random {
   std::uint64_t state_;
 };
 
-/// The difficulty that a shape is made for.
+/// The difficulty for which a shape is made.
 enum class Flavour { kPlain, kThin, kZero, kTiny, kHuge, kDuplicates };
 constexpr std::array<Flavour, 6> kFlavours = {Flavour::kPlain, Flavour::kThin,
                                               Flavour::kZero,  Flavour::kTiny,
@@ -54,7 +54,7 @@ std::shared_ptr<const collision::TriangleMesh> sheetMesh(Random& random, double 
 /// A shape's size: its bounding radius, 1 for a half-space.
 double sizeOf(const collision::Shape& shape);
 
-/// C++ that recreates the shape, and a pose's numbers, at 17 digits: printed by failed tests.
+/// C++ code that recreates the shape, and a pose's numbers, at 17 digits: printed by failed tests.
 std::string replay(const collision::Shape& shape);
 std::string replay(const collision::Pose& pose);
 

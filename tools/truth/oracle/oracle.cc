@@ -67,7 +67,7 @@ ConvexBody body(const Triangle& t) {
 
 enum class Crossing { kNone, kOut, kIn, kUnclear };
 
-/// How the ray from p along d crosses the triangle; unclear where rounding decides.
+/// How the ray from p along d crosses the triangle; unclear if rounding decides.
 Crossing crossing(const Triangle& t, const Vector& p, const Vector& d) {
   const Vector a = t.p[0] - p, b = t.p[1] - p, c = t.p[2] - p;
   const Quad size = norm(a) + norm(b) + norm(c);
@@ -157,7 +157,8 @@ Truth meshAgainstConvex(const PlacedMesh& mesh, const ConvexBody& convex) {
   const Vector other = convex.support({-1, 0, 0});
   const Vector middle = wide(0.5) * (any + other);
   for (const Triangle& t : mesh.triangles) {
-    // Prunes: the triangle's separation from the convex body is at least its bounding sphere's.
+    // Prunes, because the triangle's separation from the convex body is at least its bounding
+    // sphere's.
     const Bounds coarse = w.pieces.upper < infinity() ? separation(ConvexBody({t.center}), convex)
                                                       : Bounds{-infinity(), infinity()};
     if (coarse.lower - t.radius > w.pieces.upper) continue;

@@ -8,12 +8,13 @@ namespace leeway::oracle {
 /// lower <= signed separation <= upper.
 struct Truth {
   double lower, upper;  // [m]
-  /// True: the bounds meet (within rounding, or what a curve of closest points leaves). False for
-  /// overlaps with a mesh: they only enclose the smallest separating translation.
+  /// True if the bounds meet (up to rounding, or the error that a curve of closest points leaves).
+  /// False for overlaps with a mesh, for which they only enclose the smallest separating
+  /// translation.
   bool has_value;
 };
 
-/// Bounds of convexSeparation() that suffice [m].
+/// Sufficient bounds for convexSeparation() [m].
 struct Enough {
   double lower, upper;
 };
@@ -23,8 +24,8 @@ struct Enough {
 Truth signedSeparation(const collision::Shape& a, const collision::Pose& X_WA,
                        const collision::Shape& b, const collision::Pose& X_WB);
 
-/// The same, and of two convex bodies sooner: the search ends where it has proven the separation
-/// within `enough`, the answer that is to be judged. A wrong answer is never proven so, and the
+/// The same, but faster for two convex bodies: the search ends when it has proven the separation to
+/// be within `enough`, the answer that is being checked. A wrong answer is never proven, and the
 /// bounds that contradict it are those above.
 Truth convexSeparation(const collision::Shape& a, const collision::Pose& X_WA,
                        const collision::Shape& b, const collision::Pose& X_WB,

@@ -8,7 +8,7 @@ namespace leeway::oracle {
 /// Quadruple precision (113 bits). Compiler builtin, not a language extension switch.
 __extension__ typedef __float128 Quad;  // NOLINT(modernize-use-using): no __extension__ there
 
-/// Widens a double explicitly: some compilers warn of the implicit conversion.
+/// Widens a double explicitly, because some compilers warn about the implicit conversion.
 inline constexpr Quad wide(double x) { return static_cast<Quad>(x); }
 inline constexpr Quad infinity() { return wide(HUGE_VAL); }
 

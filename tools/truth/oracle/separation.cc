@@ -1,10 +1,10 @@
-// Signed separation of two convex bodies, slowly. The Minkowski difference C = A - B is known by
-// its support only.
+// Signed separation of two convex bodies, computed slowly. The Minkowski difference C = A - B is
+// given only by its support.
 // Apart: Gilbert, Johnson, Keerthi 1988; every step yields the distance to a point of C (upper
 // bound) and a supporting plane (lower bound).
 // Overlapping: a polytope inside C is refined where it is nearest to the origin (van den Bergen
 // 2001); its nearest facet bounds the depth from below, C's support along that facet's normal from
-// above. Facets are found by exhaustive search, subsimplices by enumeration: no cleverness.
+// above. Facets are found by exhaustive search, subsimplices by enumeration, without optimisations.
 
 #include <algorithm>
 #include <array>
@@ -19,12 +19,12 @@
 namespace leeway::oracle {
 namespace {
 
-// Steps before a query settles for the width reached; smooth bodies with a curve of closest points
-// need it.
+// Limits on the steps, after which a query accepts the width reached; smooth bodies with a curve of
+// closest points need them.
 constexpr int kGjkSteps = 600;
 constexpr int kPolytopeSteps = 500;
-// A convex polytope grows by two facets a step; more indicates rounding at size ratios of 1e30 and
-// more.
+// Limit on the facets. A convex polytope grows by two facets in each step; more indicates rounding
+// at size ratios of 1e30 and more.
 constexpr std::size_t kMostFacets = 1100;
 // Widths below which the search stops [relative to the extent]; far below double rounding.
 const Quad kGjkWidth = wide(1e-24);
@@ -37,9 +37,9 @@ struct Difference {
 };
 
 struct LeastPoint {
-  /// A convex combination of the vertices: a point of C, however the weights are rounded.
+  /// A convex combination of the vertices: a point of C in spite of the weights' rounding.
   Vector point;
-  /// Its direction by the plane's normal: keeps the digits that the combination cancels.
+  /// Its direction by the plane's normal, which keeps the digits that the combination cancels.
   Vector direction;
 };
 
@@ -107,8 +107,8 @@ Nearest nearestOfSimplex(const std::vector<Vector>& points) {
   return best;
 }
 
-/// Distance of the origin from the difference: [lower, upper], lower <= 0 where it is not proven
-/// apart. Ends early within `enough`.
+/// Distance of the origin from the difference: [lower, upper], with lower <= 0 if it is not proven
+/// apart. Ends early when within `enough`.
 Bounds distanceBounds(const Difference& c, Quad scale, const Bounds& enough) {
   Nearest nearest;
   const Vector start = c.support({1, 0, 0});
@@ -135,7 +135,7 @@ Bounds distanceBounds(const Difference& c, Quad scale, const Bounds& enough) {
     if (points.size() > 4) break;  // already contains the origin
     Nearest next = nearestOfSimplex(points);
     const Quad next_length = norm(next.least.point);
-    // Once the length stops falling, quadruple rounding decides, not geometry.
+    // Once the length stops falling, quadruple rounding decides instead of geometry.
     idle = next_length < length ? 0 : idle + 1;
     upper = std::min(upper, next_length);
     nearest = std::move(next);
@@ -148,7 +148,7 @@ struct Facet {
   std::array<int, 3> v;
   Vector plane_normal;  // outward; 0 for a triangle without area
   Quad plane_offset;    // signed distance of its plane from the origin along it
-  Vector normal;        // plane_normal; of a sliver the direction of its nearest point
+  Vector normal;        // plane_normal; for a sliver, the direction of its nearest point
   Quad offset;          // the triangle is at least this far out along `normal` ...
   Quad rounding;        // ... up to this rounding
   bool alive = true;
@@ -165,7 +165,7 @@ class Polytope {
     if (!start()) return {0, best_support_};
     for (int step = 0; step < kPolytopeSteps; ++step) {
       const std::size_t nearest = nearestFacet();
-      if (nearest == facets_.size()) break;  // no numbers
+      if (nearest == facets_.size()) break;  // not a number
       const Quad least = facets_[nearest].offset;
       const Bounds at_most{least - facets_[nearest].rounding, best_support_};
       if (at_most.within(enough) && proven().within(enough)) break;
@@ -177,27 +177,27 @@ class Polytope {
   }
 
  private:
-  /// What the polytope proves as it is. O(facets).
+  /// The bounds that the current polytope proves. O(facets).
   Bounds proven() const {
     Quad inner = infinity();
     for (const Facet& f : facets_) {
       if (f.alive) inner = std::min(inner, f.offset - f.rounding);
     }
     // Support values always hold. Facets that claim more are torn by rounding (size ratios of 1e13
-    // and more): the inner bound is then 0.
+    // and more), and the inner bound is then 0.
     if (!(inner <= best_support_)) inner = 0;
     if (inner > 0 && !windsAroundOrigin()) inner = 0;
     return {inner, best_support_};
   }
 
-  /// C's support point along a unit direction; every one asked bounds the depth from above.
+  /// C's support point along a unit direction; every query bounds the depth from above.
   Vector query(const Vector& unit) {
     const Vector w = c_.support(unit);
     best_support_ = std::min(best_support_, dot(unit, w));
     return w;
   }
 
-  /// All are compared: as doubles, and in full where these tell nothing.
+  /// Compares all facets: as doubles, and in full precision where these cannot decide.
   std::size_t nearestFacet() const {
     double least = HUGE_VAL;
     for (const Facet& f : facets_) {
@@ -214,7 +214,8 @@ class Polytope {
 
   Vector unit(const Vector& v) const { return (1 / norm(v)) * v; }
 
-  /// Of C's support points along +-d the one farther from `from`; sets its distance along d.
+  /// The one of C's support points along +-d that is farther from `from`; sets its distance along
+  /// d.
   Vector extreme(const Vector& d, const Vector& from, Quad& distance) {
     const Vector p = query(d), q = query(-d);
     const Quad dp = absolute(dot(p - from, d)), dq = absolute(dot(q - from, d));
@@ -222,7 +223,7 @@ class Polytope {
     return dp >= dq ? p : q;
   }
 
-  /// Four points with volume; false where C is flat to within quadruple rounding.
+  /// Finds four points with volume; false if C is flat to within quadruple rounding.
   bool start() {
     const Quad tiny = wide(1e-27) * scale_;
     const Vector axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -249,7 +250,7 @@ class Polytope {
     const Vector p3 = extreme(unit(cross(u, p2 - vertices_[0])), vertices_[0], height);
     if (height <= tiny) return false;
     vertices_.insert(vertices_.end(), {p1, p2, p3});
-    // One sign for all: facets of a flat tetrahedron, judged one by one, may disagree.
+    // One sign for all, because facets of a flat tetrahedron, tested one by one, may disagree.
     const bool positive = dot(cross(p1 - vertices_[0], p2 - vertices_[0]), p3 - vertices_[0]) > 0;
     for (const std::array<int, 3>& v : {std::array{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})
       addFacet(positive ? v : std::array{v[0], v[2], v[1]});
@@ -269,7 +270,7 @@ class Polytope {
     if (area > 0) {
       facet.plane_normal = facet.normal = (1 / area) * n;
       facet.plane_offset = facet.offset = dot(facet.normal, a);
-      // Vertices are known to a few roundoffs of scale; divided by the triangle's height, that
+      // Vertices have an error of a few roundoffs of scale; divided by the triangle's height, that
       // tilts its plane.
       facet.rounding = 64 * quadRoundoff() * scale_ * (1 + scale_ * longest / area);
     }
@@ -277,9 +278,9 @@ class Polytope {
     return facet;
   }
 
-  /// A sliver's own plane is unreliable; any plane between the origin and the triangle serves: it
-  /// keeps the surface out of a ball. The winding around that ball is counted over the other
-  /// facets, because slivers subtend next to no solid angle.
+  /// A sliver's own plane is unreliable. Any plane between the origin and the triangle is suitable,
+  /// because it keeps the surface out of a ball. The winding around that ball is counted over the
+  /// other facets, because slivers subtend almost no solid angle.
   void takeNearest(Facet& facet) const {
     std::vector<Vector> corners;
     for (const int i : facet.v) corners.push_back(vertices_[static_cast<std::size_t>(i)]);
@@ -299,9 +300,9 @@ class Polytope {
   }
 
   /// A closed surface that stays out of a ball around the origin encloses the ball if it winds
-  /// around it once; slivers cannot say individually on which side the origin is. By solid angles
-  /// (A. van Oosterom and J. Strackee, "The solid angle of a plane triangle", 1983): their sum is a
-  /// whole number of turns, so double precision suffices.
+  /// around it once; slivers cannot determine individually on which side the origin is. The winding
+  /// is computed by solid angles (A. van Oosterom and J. Strackee, "The solid angle of a plane
+  /// triangle", 1983): their sum is a whole number of turns, so double precision suffices.
   bool windsAroundOrigin() const {
     std::vector<Vector> units;
     units.reserve(vertices_.size());
@@ -323,9 +324,9 @@ class Polytope {
     return std::abs(sum / (4 * std::numbers::pi) - 1) < 0.01;
   }
 
-  /// Replaces the facets that see w and connect to `first` by the cone from their rim; false where
-  /// rounding leaves nothing to do. One patch at a time: elsewhere only rounding makes facets
-  /// visible, and they would tear the surface.
+  /// Replaces the facets that see w and connect to `first` by the cone from their rim; false if
+  /// rounding leaves nothing to do. Only one patch is replaced, because elsewhere only rounding
+  /// makes facets visible, and replacing them would tear the surface.
   bool add(const Vector& w, std::size_t first) {
     const Quad tiny = wide(1e-29) * scale_;
     const auto sees = [&](const Facet& f) {
@@ -353,7 +354,8 @@ class Polytope {
         if (in_patch.count(at_edge_.at({b, a})) == 0) rim.emplace_back(a, b);
       }
     }
-    // Each rim vertex is left once; otherwise cone edges would have more than two facets.
+    // Each rim vertex must be left exactly once; otherwise cone edges would have more than two
+    // facets.
     std::set<int> left;
     for (const auto& [a, b] : rim) {
       if (!left.insert(a).second) return false;
