@@ -95,7 +95,7 @@ Reduced reduceExactly(double x) {
     fixed[i + 1] <<= 2;
   }
   const bool negative = (fixed[0] >> 63) != 0;
-  if (negative) {  // nearer to the next quadrant: 1 - fraction, but for the last bit
+  if (negative) {  // nearer to the next quadrant: 1 - fraction, except for the last bit
     ++quadrant;
     for (std::uint64_t& word : fixed) word = ~word;
   }

@@ -49,7 +49,7 @@ struct DeformableSnapshotImpl {
 struct DeformScratch {
   struct Entry {
     std::uint64_t owner = 0;
-    std::pmr::vector<WideBox> boxes{largePages()};  // one a node
+    std::pmr::vector<WideBox> boxes{largePages()};  // one for each node
     // The snapshot that each box belongs to.
     std::pmr::vector<std::uint64_t> stamp{largePages()};
   };

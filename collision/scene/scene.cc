@@ -293,7 +293,7 @@ class Exceptions {
     is_named_[at(a)] = is_named_[at(b)] = 1;
     return of_pair_[key(a, b)];
   }
-  std::vector<char> is_named_;  // one a body
+  std::vector<char> is_named_;  // one for each body
   std::unordered_map<std::uint64_t, Exception> of_pair_;
 };
 

@@ -33,7 +33,7 @@ inline double leastBetween(double gap0, double gap1, double bend) {
 // clang-format off
 /// Follows a motion from separating plane to separating plane. Problem has
 ///   ContactSample sample(t, tolerance, depth)   a distance query
-///   bool hasDepth()                      such a query may be asked for a depth
+///   bool hasDepth()                      such a query may request a depth
 ///   ContactSample startPlane()           some plane at t = 0 that costs less than a query
 ///   double separationAlong(n, t)         a lower bound of the separation along n
 ///   double accelerationAlong(n, t)       from t on no two points of the bodies accelerate faster

@@ -26,7 +26,7 @@ namespace leeway::collision {
 // Upper end, |v| with v a mean of up to four such w:
 //   R p + t                                                             6.2 extent A + |t|
 //   b - a'                                                              1 L
-//   support points stand out of their cores                             3 L
+//   support points protrude from their cores                            3 L
 //   weights, whose sum is 1 within 4 units                              4 L
 //   the sum                                                             3 L
 //   the norm                                                            3 L

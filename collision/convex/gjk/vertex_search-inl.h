@@ -297,9 +297,8 @@ struct Carriers {
 
 /// A search on a difference of two cores. `Cores` has
 ///   Point: the faster kind of point, Triple or SamePoint;
-///   Point support(const Point& n, VertexIndices& indices) const: the member with the smallest w .
-///   n,
-///     for a direction of any length; indices come in as hints;
+///   Point support(const Point& n, VertexIndices& indices) const: the member with the
+///     smallest w . n, for a direction of any length; `indices` are hints on input;
 ///   Points<n> fan(const Ring<n>& ring, const VertexIndices& hints, Lanes<n>& indices) const: the
 ///     members for all lanes of a ring, of kFan or of four;
 ///   double kTilt: of a fan's ring; 0: searches begin without a fan;

@@ -14,7 +14,7 @@ namespace leeway::collision {
 // parallelepiped that it makes.
 //
 //   axes of B                           exact
-//   cross products with them            exact but for their length, 3
+//   cross products with them            exact except for their length, 3
 //   normals of A's faces                7
 //   the overlap along a unit axis       3 |t|, 11 extent A and 6 extent B, and as many units of L as the axis errs by
 //

@@ -334,9 +334,9 @@ void BlendedBounds::tighten(std::int32_t node, std::span<const double> parameter
   if (volume_ == DeformVolume::kBall) tightenByBalls(node, parameters, probe, bounds);
 }
 
-// The body's own axes in single precision are off by less than 2^-22 in all, and the body's
-// coordinates along them by that times the size of which probe.slack is 2^-19; by twice as much
-// where the axes depart from a rotation as far as they may. Four times the slack covers both.
+// The body's own axes in single precision are off by less than 2^-22 in all. The body's coordinates
+// along them are off by that times a size, where probe.slack is 2^-19 of that size. If the axes
+// depart from a rotation as far as allowed, the error doubles. Four times the slack covers both.
 void BlendedBounds::tightenByDiagonals(std::int32_t node, std::span<const double> parameters,
                                        const Probe& probe, LaneBounds& bounds) const {
   double low[kDiagonals][kWidth], high[kDiagonals][kWidth];

@@ -36,8 +36,8 @@ class SkinnedBounds final : public NodeBounds {
   void fitGradients(const SkinnedVertices& motion, std::span<const std::int32_t> vertices, int lane,
                     std::span<SkinPart> parts) const;
 
-  std::vector<SkinRest> rest_;            // one a node
-  std::vector<std::int32_t> first_part_;  // one a node, and one more
+  std::vector<SkinRest> rest_;            // one for each node
+  std::vector<std::int32_t> first_part_;  // one for each node, and one more
   std::vector<SkinPart> parts_;
   std::vector<std::uint8_t> lanes_;  // children of each node
   double rest_size_ = 0;             // largest |coordinate| [m]

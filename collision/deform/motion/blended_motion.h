@@ -63,7 +63,7 @@ class BlendedMotion final : public VertexMotion {
 
   std::optional<KeyTrack> track_;
   std::vector<std::vector<double>> coordinates_;  // one row a key
-  std::vector<double> speeds_, accelerations_;    // one a segment
+  std::vector<double> speeds_, accelerations_;    // one for each segment
 
   std::vector<Harmonic> harmonics_;
   HarmonicBounds bounds_;

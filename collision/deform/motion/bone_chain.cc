@@ -180,9 +180,8 @@ BoneChain::Rates BoneChain::rates(std::size_t segment, std::span<const double> r
 //     length of at least sqrt(1/2), and 6 to normalise it: 40;
 //   - its rotation matrix, in norm: four times that and 12 roundings: 180;
 //   - a product of two matrices adds 12.
-// A skinning matrix is made of two chains of up to `depth` of these, and is applied once. Every
-// length that they carry is at most the reach and twice the chain's translations, each of which is
-// off by 40.
+// A skinning matrix consists of two chains of up to `depth` of these, and is applied once. Every
+// length in them is at most the reach plus twice the chain's translations, each off by 40.
 double BoneChain::rounding(double reach) const {
   return roundedUp(2 * (256.0 * depth_ + 64) * kUnitRoundoff * (reach + 2 * length_), 16);
 }

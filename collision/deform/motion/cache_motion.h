@@ -35,7 +35,7 @@ class CachedVertices final : public VertexMotion {
   KeyTrack track_;
   std::vector<Eigen::Vector3f> positions_;
   double size_ = 0;             // largest |coordinate| [m]
-  std::vector<double> speeds_;  // one a segment
+  std::vector<double> speeds_;  // one for each segment
 };
 
 }  // namespace leeway::collision

@@ -139,7 +139,7 @@ class LatticeVertices final : public VertexMotion {
   double size_ = 0;                            // largest |coordinate| of a control point [m]
   std::size_t stride_ = 0;
   std::vector<double> weights_;                 // vertex by vertex: along x, y, z
-  std::vector<double> speeds_, accelerations_;  // one a segment
+  std::vector<double> speeds_, accelerations_;  // one for each segment
 };
 
 void requireBox(const LatticeMotion& motion) {

@@ -39,7 +39,7 @@ class SkinnedVertices final : public VertexMotion {
   BoneChain bones_;
   std::vector<std::int32_t> first_influence_;
   std::vector<Influence> influences_;
-  std::vector<double> speeds_, accelerations_;  // one a segment
+  std::vector<double> speeds_, accelerations_;  // one for each segment
   double rounding_ = 0;
 };
 

@@ -87,7 +87,7 @@ class TreeDraft {
   std::vector<std::int32_t> order;  ///< triangles, permuted by the builders; their places: slots
 
  private:
-  std::vector<DraftBox> boxes_;  // one a triangle
+  std::vector<DraftBox> boxes_;  // one for each triangle
   std::vector<Node> nodes_;
   std::vector<DraftRange> leaves_;
 };

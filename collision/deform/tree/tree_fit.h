@@ -9,7 +9,7 @@
 // machine: the rows of 200k are accurate to a third):
 //
 // clang-format off
-//                   refit     built anew   rotated       rotated in
+//                   refit     rebuilt      rotated       rotated in
 //                             as decayed   as decayed    every frame
 //   twist     2k    3, 8      5, 8         6, 9          103, 10
 //            20k    28, 21    49, 19       46, 21        2010, 23

@@ -5,8 +5,8 @@
 //
 // To add a strategy:
 //   1. deformable_mesh.h, deformable_mesh.cc: an enumerator of DeformStrategy and its word;
-//   2. here and in a file of its own: a function follow...() that brings the next snapshot's tree
-//      and bounds in line with its vertices, and the state it keeps, if any, in UpdateState;
+//   2. here and in a new file: a function follow...() that updates the next snapshot's tree and
+//      bounds for its vertices, and its state, if any, in UpdateState;
 //   3. strategy.cc: a case in follow();
 //   4. automatic.cc, if kAuto is to choose it;
 // 5. tests/collision/deform/deformable_conformance_test.cc: a line in kChoices. The suite then

@@ -369,7 +369,7 @@ class Descent {
   PairCache& cache_;
   TouchingTriangles& touching_;
   DescentResult result_;
-  DistanceResult hulls_;            // of the hulls, if that is not an answer by itself
+  DistanceResult hulls_;            // of the hulls, if that alone is not an answer
   double hulls_upper_ = kInfinity;  // the upper end of the bodies' distance that follows from it
   double rounding_ = 0;             // of sphereLower() [m]
   bool half_space_ = false;

@@ -399,8 +399,8 @@ TEST(HullPairs, AxesThatMeetCostStepsOnly) {
   }
 }
 
-// A threshold that the first point meets leaves the normal of a stale cache. The radius was once
-// laid off along it: witnesses 1.412 m apart with an upper end of 0.815 m.
+// A threshold that the first point meets leaves the normal of a stale cache. Regression: the
+// radius was laid off along it, with witnesses 1.412 m apart and an upper end of 0.815 m.
 TEST(RoundedHulls, WitnessesAreAsFarApartAsTheUpperEndWithAStaleCache) {
   std::vector<Vector3d> corners;
   for (int i = 0; i < 8; ++i)

@@ -227,7 +227,7 @@ struct Tally {
   std::int64_t unsafe = 0;     ///< reported farther than the truth
   std::int64_t cautious = 0;   ///< reported nearer than the truth
   std::int64_t undecided = 0;  ///< a limit left an answer open that was not within 1e-9
-  std::int64_t wide = 0;       ///< apart, not far beyond the tolerance, wider than asked
+  std::int64_t wide = 0;       ///< apart, not far beyond the tolerance, wider than requested
 };
 
 /// Why the answer is wrong; empty when it is right.

@@ -431,7 +431,7 @@ TEST(MeshDistance, WitnessesCarryTheUpperEndWithoutSteps) {
 }
 
 // Regression: squares of such distances underflow to 0, so a matrix's departure from a rotation
-// went uncounted; the lower end was 2.5000005e-186 for a translation of 2.5e-186 m.
+// was not counted; the lower end was 2.5000005e-186 for a translation of 2.5e-186 m.
 TEST(MeshDistance, DeparturesFromRotationsCountNextToTheSmallestNumbers) {
   Scratch scratch;
   const std::vector<Vector3d> origin(3, Vector3d::Zero());

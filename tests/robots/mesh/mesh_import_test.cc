@@ -418,7 +418,7 @@ TEST(MeshImport, WarningsComeWithTheModel) {
   const std::string urdf = folder.write("r.urdf", "<robot name=\"r\"><link name=\"a\">\n" +
                                                       collision + collision + "</link></robot>");
   const auto model = loadModel(urdf, "");
-  ASSERT_EQ(model->warnings.size(), 1U);  // one a file
+  ASSERT_EQ(model->warnings.size(), 1U);  // one for each file
   EXPECT_EQ(model->warnings[0].find(urdf + ":3: mesh " + folder.path("bent.obj") + ":10: a face"),
             0U)
       << model->warnings[0];

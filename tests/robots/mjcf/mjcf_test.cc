@@ -300,7 +300,7 @@ TEST(Mjcf, PairsAreThoseThatMuJoCoCollides) {
         <body name="four"><joint/><geom size="0.1" contype="0" conaffinity="1"/></body>
       </body></body></body></body>)",
       R"(<contact><exclude body1="four" body2="base"/></contact>)"));
-  // A body that stands still collides with what turns on it; others not with their parents.
+  // A fixed body collides with bodies that turn on it; other bodies do not collide with parents.
   EXPECT_TRUE(isEnabled(*robot, "base", "one"));
   EXPECT_TRUE(isDisabled(*robot, "one", "two", "parent and child"));
   EXPECT_TRUE(isDisabled(*robot, "flange", "two", "parent and child"));

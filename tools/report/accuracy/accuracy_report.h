@@ -43,7 +43,7 @@ struct AccuracyRow {
   int cases = 0, answered = 0;
   int threw = 0, died = 0, endless = 0, not_a_number = 0;  ///< failures, by kind
   int wrong = 0;          ///< answered, but off by more than kWrong
-  int wrong_verdict = 0;  ///< says apart where it overlaps, or the reverse
+  int wrong_verdict = 0;  ///< apart although it overlaps, or the reverse
   int unsafe = 0;         ///< interval excludes the truth
   /// Time of a query [ns], mean over the cases: median and quartiles over the passes. NaN if no
   /// case was answered.

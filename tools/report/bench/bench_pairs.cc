@@ -10,7 +10,7 @@
 //   off      answers of FCL farther from our interval than its tolerance explains
 //   verdict  pairs that only one of the two calls apart; of `d > t`: contradicts our distance query
 //   failed   FCL's exceptions
-//   open     our answers wider than asked
+//   open     our answers wider than requested
 //
 // The tests with the quadruple-precision oracle decide which answer is correct. `d > t` is compared
 // with our own distance query. Depths of a mesh have no comparison, because FCL lacks them.

@@ -56,7 +56,7 @@ bool number(const char* text, std::int64_t& value) {
   return *text != '\0' && *end == '\0' && value >= 0;
 }
 
-// The first unknown argument; null when all are understood.
+// The first unknown argument; null if all are known.
 const char* parse(int argc, char** argv, Options& o) {
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];

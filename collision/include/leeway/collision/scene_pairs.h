@@ -191,7 +191,7 @@ class ScenePairs {
   std::vector<Row> rows_;
   std::size_t places_ = 0, in_table_ = 0;  // in_table_: number of pairs in the table
   int first_still_ = 0;
-  std::vector<Geometry> geometries_;  // one a place; empty: each body has one
+  std::vector<Geometry> geometries_;  // one for each place; empty: each body has one
   std::size_t cleared_places_ = 0;
   Exceptions exceptions_;
 };

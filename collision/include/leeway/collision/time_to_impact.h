@@ -98,7 +98,7 @@ class ImpactSchedule {
   void siftUp(std::size_t slot);
 
   const Scene* scene_;
-  std::vector<TimedMotion> motions_;  // one a body
+  std::vector<TimedMotion> motions_;  // one for each body
   // Bodies that have places and a motion: their shapes deform, or the caller set their motion.
   std::vector<std::int32_t> moved_still_;
   std::vector<char> is_moved_still_;

@@ -86,7 +86,7 @@ struct MorphMotion {
   std::vector<std::vector<Eigen::Vector3d>> references;  // [m]
   struct Key {
     double time = 0;              // [s]
-    std::vector<double> weights;  ///< one a reference
+    std::vector<double> weights;  ///< one for each reference
   };
   std::vector<Key> keys;
   Interpolation interpolation = Interpolation::kLinear;
@@ -114,11 +114,12 @@ struct SkinnedMotion {
   };
   struct Key {
     double time = 0;              // [s]
-    std::vector<BonePose> poses;  ///< one a bone, in its parent's frame
+    std::vector<BonePose> poses;  ///< one for each bone, in its parent's frame
   };
   std::vector<Eigen::Vector3d> rest;  // [m]
   std::vector<Bone> bones;
-  std::vector<Weight> weights;  ///< at least one a vertex, each vertex and bone once; any order
+  /// At least one for each vertex, in any order; each pair of vertex and bone at most once.
+  std::vector<Weight> weights;
   std::vector<Key> keys;
   Interpolation interpolation = Interpolation::kLinear;
 };
@@ -134,11 +135,11 @@ struct ReducedMotion {
   };
   struct Key {
     double time = 0;                  // [s]
-    std::vector<double> coordinates;  ///< one a mode
+    std::vector<double> coordinates;  ///< one for each mode
   };
   std::vector<Eigen::Vector3d> rest;                // [m]
   std::vector<std::vector<Eigen::Vector3d>> modes;  // [m]
-  std::vector<Harmonic> harmonics;                  ///< one a mode, or none
+  std::vector<Harmonic> harmonics;                  ///< one for each mode, or none
   std::vector<Key> keys;                            ///< none when there are harmonics
   Interpolation interpolation = Interpolation::kLinear;
 };
@@ -146,7 +147,7 @@ struct ReducedMotion {
 /// Recorded positions, as animation tools write them, linear in time between the frames.
 struct CacheMotion {
   int vertex_count = 0;
-  std::vector<double> times;               // [s], one a frame
+  std::vector<double> times;               // [s], one for each frame
   std::vector<Eigen::Vector3f> positions;  // [m], frame by frame
 };
 
