@@ -237,8 +237,7 @@ class SeparatingPlaneTracker {
   ContactSample now_;                            // the motion is certified up to here
   ContactSample touch_;                          // of the contact at contact_
   double contact_ = kInfinity;                   // the earliest time of a proven contact
-  double doubt_ = kInfinity;                     // the earliest time that is neither contact nor
-                                                 // gap
+  double doubt_ = kInfinity;                     // the earliest time that stays in doubt
   bool halves_ = true;                           // the last sampleBetween() took the middle
   double span_ = kInfinity;                      // time to min(contact_, doubt_) at the last secant
   std::array<ContactSample, kMostAhead> ahead_;  // apart, the next one last

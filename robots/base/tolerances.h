@@ -148,7 +148,7 @@ inline constexpr double kNearGap = 0.04, kCellGap = 1e-3;
 /// at once.
 inline constexpr int kGapBlock = 8, kLeastBlock = 2;
 
-/// provenGaps(): limit on the distance queries for a pair of links; cells without a query stay
+/// provenGaps(): limit on the distance queries for a pair of links; gaps that need more stay
 /// unproven.
 inline constexpr int kGapQueries = 5'000;
 

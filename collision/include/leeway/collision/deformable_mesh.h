@@ -240,7 +240,7 @@ class Deformable {
 
 /// Makes room in a thread's scratch for the nodes that queries of this snapshot and of later ones
 /// of its owner find on demand. May allocate: O(nodes); O(1) when there is room. Queries without it
-/// are right, but find the same nodes again and again. Scene's Workspace does it for its scene.
+/// are correct, but compute the same nodes repeatedly. A Workspace calls it for its scene.
 void prepare(Scratch& scratch, const DeformableSnapshot& snapshot);
 
 /// The least distance between two triangles of the mesh that share no vertex [m]; at most 0 where
