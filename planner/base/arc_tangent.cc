@@ -9,8 +9,8 @@ namespace leeway::planner {
 namespace {
 
 /// atan(x) for 0 <= x <= 1. Two halvings of the angle, atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))),
-/// leave x below tan(pi/16) < 0.199. There the Taylor series falls by 0.04 a term, and 13 terms
-/// leave less than 1e-18 of the value.
+/// bring x below tan(pi/16) < 0.199. There the Taylor series falls by 0.04 a term, and the error
+/// after 13 terms is less than 1e-18 of the value.
 double arcTangent(double x) {
   if (x < kTinyAngle) return x;
   const double half = x / (1 + std::sqrt(1 + x * x));

@@ -8,7 +8,7 @@ namespace leeway::planner {
 namespace {
 
 /// Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014. A bijection of a
-/// counter with full period: no seed gives four zeros, of which xoshiro never leaves.
+/// counter with full period: no seed gives four zeros, a state that xoshiro never leaves.
 std::uint64_t splitmix64(std::uint64_t& counter) {
   counter += 0x9e3779b97f4a7c15u;
   std::uint64_t z = counter;
@@ -21,7 +21,7 @@ std::uint64_t splitmix64(std::uint64_t& counter) {
 
 Random::Random(std::uint64_t seed, std::uint64_t stream) {
   std::uint64_t counter = seed;
-  // Both are mixed before they meet: of a plain xor, (1, 0) and (0, 1) would be the same stream.
+  // Both are mixed before the xor: with a plain xor, (1, 0) and (0, 1) would be the same stream.
   std::uint64_t stream_counter = stream;
   counter = splitmix64(counter) ^ std::rotl(splitmix64(stream_counter), 32);
   for (std::uint64_t& word : state_) word = splitmix64(counter);

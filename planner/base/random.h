@@ -7,9 +7,10 @@
 namespace leeway::planner {
 
 /// Random numbers that are the same on every machine: xoshiro256++ (Blackman and Vigna, "Scrambled
-/// linear pseudorandom number generators", 2021), its state filled by splitmix64 from a seed and a
-/// stream number. Uses no distribution of the standard library, as they differ between libraries,
-/// and no transcendental function of the C library, as they differ between instruction sets.
+/// linear pseudorandom number generators", 2021), with a state that splitmix64 fills from a seed
+/// and a stream number. Uses no distribution of the standard library, because they differ between
+/// libraries, and no transcendental function of the C library, because they differ between
+/// instruction sets.
 class Random {
  public:
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0);
@@ -27,19 +28,19 @@ class Random {
   }
   /// Uniform in [0, 1), a multiple of 2^-53.
   double uniform() { return static_cast<double>(next() >> 11U) * 0x1p-53; }
-  /// Uniform in [lower, upper]; never outside, whatever the rounding.
+  /// Uniform in [lower, upper]; rounding never leaves that range.
   double uniform(double lower, double upper) {
     return std::clamp(lower + uniform() * (upper - lower), lower, upper);
   }
   /// Uniform in {0, ..., count - 1}; count > 0.
   int index(int count);
-  /// Mean 0, variance 1: the sum of twelve uniform numbers less six. Its tails end at 6, which is
+  /// Mean 0, variance 1: the sum of twelve uniform numbers minus six. Its tails end at 6, which is
   /// enough for samplers.
   double gaussian();
   /// A uniformly distributed unit quaternion, without trigonometry (Marsaglia, "Choosing a point
   /// from the surface of a sphere", 1972: two points of the disc).
   void quaternion(double* xyzw);
-  /// Uniform in the ball of that radius about the origin.
+  /// Uniform in the ball of the given radius about the origin.
   void inBall(double radius, double* xyz);
 
  private:

@@ -4,7 +4,7 @@
 
 namespace leeway::planner {
 
-/// The points of a path, one row each, of a configuration's numbers.
+/// The points of a path: one configuration per row.
 using Waypoints = std::vector<std::vector<double>>;
 
 }  // namespace leeway::planner

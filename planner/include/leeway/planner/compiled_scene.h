@@ -21,14 +21,14 @@ struct EdgeModel;
 struct EdgeScene;
 struct SceneLanes;
 
-/// Why a pair of bodies is not checked; the first that holds.
+/// The reason why a pair of bodies is not checked. If several hold, the first is given.
 enum class Unchecked : unsigned char {
-  kRigid,         ///< no planned joint moves them against each other
+  kRigid,         ///< no planned joint moves one relative to the other
   kAdjacent,      ///< a joint joins the two links
   kSrdf,          ///< the SRDF disables them
-  kMjcf,          ///< MuJoCo leaves them out, by the MJCF file
+  kMjcf,          ///< MuJoCo excludes them, by the MJCF file
   kAllowed,       ///< the problem allows them to touch
-  kAttached,      ///< an object, and the link that holds it or another that may touch it
+  kAttached,      ///< an object, and the link that holds it or another link that may touch it
   kTouchAlways,   ///< parts that meet at a joint, proven to touch in every configuration
   kTouchSampled,  ///< parts that meet at a joint and touch at every sampled configuration
   kProvenApart,   ///< links that are proven never to touch
@@ -43,26 +43,27 @@ inline constexpr const char* kNothingMoves =
 struct UncheckedPairs {
   Unchecked why;
   int count = 0;
-  /// The two bodies of each. Of kTouchSampled alone, which is the only reason that is assumed.
+  /// The two bodies of each pair. Filled only for kTouchSampled, the only reason that is an
+  /// assumption.
   std::vector<std::pair<std::string, std::string>> names = {};
 };
-/// "7 pairs are not checked: 4 adjacent, ..."; of no pairs "All pairs are checked".
+/// "7 pairs are not checked: 4 adjacent, ..."; without such pairs "All pairs are checked".
 std::string toString(std::span<const UncheckedPairs> unchecked);
-/// A problem reduced to what its queries can need. Only links that the planned variables move are
-/// moving bodies, the rest is folded into the world; pairs for which Unchecked has a reason are
+/// A problem reduced to the data that its queries can need. Only links that the planned variables
+/// move are moving bodies; the rest is folded into the world. Pairs with a reason in Unchecked are
 /// left out. Constant while it is queried.
 class CompiledScene {
  public:
   /// Throws robots::InputError as validate() does, for two half-spaces that may not touch, and for
-  /// more pairs than an int numbers. O(n log n) in things of the world, and O(pairs) as long as
-  /// these are few. What concerns the robot alone is made once for its model and kept with it, for
-  /// problems that plan the same variables, from the same values of the others, with the same held
-  /// objects and allowed contacts: O(pairs of links * joints), plus milliseconds a pair of links
-  /// for proofs where the robot has no SRDF.
+  /// more pairs than an int can number. O(n log n) in objects of the world, and O(pairs) while
+  /// these are few. The data of the robot alone is computed once for its model and kept with it.
+  /// Later problems use it if they plan the same variables, with the same values of the others, the
+  /// same held objects and the same allowed contacts. It costs O(pairs of links * joints), plus
+  /// milliseconds per pair of links for proofs if the robot has no SRDF.
   ///
-  /// `stop` is asked before each proof, now and then among objects, and before the world's
-  /// hierarchy is made, which for a million objects takes a second. Throws robots::Stopped once it
-  /// is true.
+  /// `stop` is polled before each proof, periodically among objects, and before the world's
+  /// hierarchy is built, which takes a second for a million objects. Throws robots::Stopped once it
+  /// returns true.
   explicit CompiledScene(const Problem& problem, const robots::Stop& stop = {});
 
   const collision::Scene& scene() const { return scene_; }
@@ -73,14 +74,15 @@ class CompiledScene {
     const auto i = static_cast<std::size_t>(body);
     return i < body_link_.size() ? body_link_[i] : -1;
   }
-  /// Whether a body is a link or something that the robot holds; all else is the world.
+  /// Whether a body is a link or a held object; all other bodies are the world.
   bool isOfRobot(int body) const { return body < bodiesOfRobot(); }
-  /// They are the first.
+  /// The robot's bodies have the lowest numbers.
   int bodiesOfRobot() const { return static_cast<int>(body_link_.size()); }
   bool isOfRobot(const collision::ScenePair& pair) const {
     return isOfRobot(pair.body_a) && isOfRobot(pair.body_b);
   }
-  /// Writes the configuration of the whole model (one number a variable) for a point of the space.
+  /// Writes the configuration of the whole model (one number per variable) for a point of the
+  /// space.
   void expand(std::span<const double> point, std::span<double> q) const;
 
   /// A pair of bodies that is not checked.
@@ -92,59 +94,59 @@ class CompiledScene {
   };
   const std::vector<Dropped>& dropped() const { return *dropped_; }
   /// Pairs of links that are checked although they touch at the zero configuration of a robot
-  /// without SRDF. If the problem has no steps, also its parts without effect: margins of pairs
-  /// that are not checked, objects without a shape.
+  /// without SRDF. If the problem has no steps, also parts of the problem without effect: margins
+  /// of pairs that are not checked, objects without a shape.
   std::vector<std::string> warnings() const {
     return warnings_ ? *warnings_ : std::vector<std::string>();
   }
 
-  /// How a problem differs from the one that this scene was compiled from, in what compiling reads:
-  /// "margins differs"; empty where it does not. Objects may also be those that withObjects() has
-  /// left; shapes of deforming obstacles, and margins and pairs of variants, are not compared. What
-  /// may differ: the start of planned variables, goals, steps, objective, wishes' numbers, planner,
-  /// limits, seed. O(things of the world).
+  /// How a problem differs, in the data that compiling reads, from the one that this scene was
+  /// compiled from: "margins differs"; empty if it does not. Objects may also be those after
+  /// withObjects(). Shapes of deforming obstacles, and margins and pairs of variants, are not
+  /// compared. These may differ: the start of planned variables, goals, steps, objective, wishes'
+  /// numbers, planner, limits, seed. O(objects of the world).
   std::string differenceFrom(const Problem& problem) const;
-  /// Throws robots::InputError for a problem that differs, and as validate().
+  /// Throws robots::InputError for a problem that differs, and as validate() does.
   void requireProblem(const Problem& problem) const;
 
-  /// Why no answer of this scene proves anything, in words: no pair is checked, because nothing
-  /// that moves has a shape, or because all pairs with the world are left out. Empty where a pair
-  /// is checked, and where a robot with shapes is alone: it meets nothing. O(1) where a pair is
-  /// checked.
+  /// The reason why no answer of this scene proves anything, in words: no pair is checked, because
+  /// no moving body has a shape, or because all pairs with the world are left out. Empty if a pair
+  /// is checked, and for a robot with shapes that is alone. O(1) if a pair is checked.
   std::string nothingChecked() const;
 
-  /// Another world, of which most is this one: objects come and go at the cost of what changes. An
-  /// object that moves goes, and comes in its new place. Each time begin with one scene, or with
-  /// the last; where changes add up to a large part of the world, compile anew.
+  /// The scene with objects added and removed, at the cost of the change. To move an object, remove
+  /// it and add it at its new pose. Start from the same scene each time, or from the last result.
+  /// If the changes add up to a large part of the world, compile again.
   ///
-  /// `added` get the next numbers of bodies, those without geometries none. What the problem says
-  /// of pairs holds for their names, too. `removed` are numbers of bodies (scene().find()), which
-  /// they keep, without pairs. Throws robots::InputError for poses and half-spaces as the
-  /// constructor does, and for a name that is empty, or of a link or an object that stays;
-  /// std::invalid_argument for a body of the robot, or one that is gone, in `removed`, and for a
-  /// scene that has other margins or pairs than the problem says. Costs what collision::SceneChange
-  /// does; the first change also O(things of the world) for their names.
+  /// `added` objects get the next body numbers; objects without geometries get none. The problem's
+  /// rules for pairs also hold for their names. `removed` are body numbers (scene().find()). These
+  /// bodies keep their numbers, without pairs. Throws robots::InputError for poses and half-spaces
+  /// as the constructor does, and for a name that is empty or belongs to a link or a remaining
+  /// object. Throws std::invalid_argument for a body of the robot, or a removed one, in `removed`,
+  /// and for a variant with other margins or pairs than the problem's. The cost is that of
+  /// collision::SceneChange; the first change also costs O(objects of the world) for their names.
   std::shared_ptr<const CompiledScene> withObjects(std::span<const Object> added,
                                                    std::span<const int> removed = {}) const;
 
-  /// Whether bodies and pairs are those of `other`, number by number: of one scene and its variants
-  /// with other shapes or margins.
+  /// Whether bodies and pairs have the same numbers as in `other`. This holds for a scene and its
+  /// variants with other shapes or margins.
   bool hasPairsOf(const CompiledScene& other) const { return pairs_token_ == other.pairs_token_; }
 
-  // Variants. Bodies and their order stay, bounds and meshes are shared: far cheaper than compiling
-  // again. They throw std::invalid_argument for a margin of NaN and a growth below 0.
+  // Variants. Bodies and their order stay the same, and bounds and meshes are shared, so a variant
+  // is far cheaper than compiling again. These functions throw std::invalid_argument for a margin
+  // of NaN and a growth below 0.
 
   /// Every pair's margin is at least `margin` [m].
   std::shared_ptr<const CompiledScene> withMarginAtLeast(double margin) const;
-  /// Only of pairs with the world.
+  /// The same for pairs with the world only.
   std::shared_ptr<const CompiledScene> withWorldMarginAtLeast(double margin) const;
 
-  /// Every pair's margin is greater by `growth` >= 0 [m], and not below it (see
-  /// collision::Scene::growMargins()): what is certified here keeps its margins for every motion
-  /// that departs from it by up to `growth`.
+  /// Every pair's margin is greater by at least `growth` >= 0 [m] (see
+  /// collision::Scene::growMargins()). A motion that is certified here keeps its margins for every
+  /// motion that departs from it by up to `growth`.
   std::shared_ptr<const CompiledScene> withMarginsGrown(double growth) const;
 
-  /// Another shape for a geometry of a static body, see collision::Scene::setShape() and
+  /// Another shape for a geometry of a static body; see collision::Scene::setShape() and
   /// growMargins().
   struct Replacement {
     int body, geometry;
@@ -152,7 +154,7 @@ class CompiledScene {
     double growth = 0;  ///< of the margins of its pairs [m]
   };
   /// Deforming obstacles take the shapes of another instant. Pairs keep their numbers. Throws
-  /// std::invalid_argument for what is not geometry 0 of one of World::deforming, and for a shape
+  /// std::invalid_argument for anything but geometry 0 of one of World::deforming, and for a shape
   /// that is not a snapshot of that obstacle's mesh.
   std::shared_ptr<const CompiledScene> withShapes(std::span<const Replacement> shapes) const;
 
@@ -160,17 +162,17 @@ class CompiledScene {
   std::shared_ptr<const CompiledScene> withPairs(
       const std::function<bool(const collision::ScenePair&)>& keep) const;
 
-  /// What certification knows of every edge; private to planner/ (planner/compiled/edge_model.h).
+  /// Data for certifying every edge; private to planner/ (planner/compiled/edge_model.h).
   const EdgeModel& edgeModel() const { return *edge_model_; }
-  /// What its certifiers share, made by the first that asks; private to planner/
-  /// (planner/edge/edge_frames.h and edge_lanes.h). They borrow from this scene. Thread-safe.
+  /// Data that the scene's certifiers share, created at the first use; private to planner/
+  /// (planner/edge/edge_frames.h and edge_lanes.h). It refers to this scene. Thread-safe.
   const EdgeScene& edges() const;
   const SceneLanes& lanes() const;
 
  private:
   struct Shared;
-  /// A copy of a scene has its own, as it may become another scene; and so has what was moved, as
-  /// what is shared knows where its scene is.
+  /// A copy of a scene has its own shared data, because it may become another scene. So has a moved
+  /// scene, because the shared data refers to the address of its scene.
   struct OwnShared {
     OwnShared();
     OwnShared(const OwnShared&) : OwnShared() {}
@@ -180,19 +182,19 @@ class CompiledScene {
   };
 
   struct NamedRules;
-  /// The body that has the name and is not gone; -1: none. O(1), and O(things that changes added).
+  /// The body with the name that is not removed; -1: none. O(1), and O(objects that changes added).
   int findThing(const std::string& name) const;
-  /// Bodies from here on were added by changes.
+  /// Bodies from this number on were added by changes.
   int worldEnd() const;
   std::string objectsDifference(const Problem& problem) const;
-  /// Adds objects to a change that removes those bodies; returns the new bodies by name.
+  /// Adds objects to a change that removes the given bodies; returns the new bodies by name.
   std::multimap<std::string_view, int> addTo(collision::SceneChange& change,
                                              std::span<const Object> added,
                                              std::span<const int> removed) const;
-  /// A copy, to be given other margins or pairs than the problem says.
+  /// A copy whose margins or pairs may be changed from the problem's.
   std::shared_ptr<CompiledScene> variant() const;
-  /// Gives a change the margins and contacts that the problem has for these objects' names. Returns
-  /// the pairs that are not checked then, without those of removed objects.
+  /// Applies the problem's margins and contacts for these objects' names to a change. Returns the
+  /// pairs that are then not checked, without those of removed objects.
   std::shared_ptr<const std::vector<Dropped>> applyRules(
       const std::multimap<std::string_view, int>& objects,
       const std::set<std::string>& removed_names, collision::SceneChange& change) const;
@@ -205,13 +207,13 @@ class CompiledScene {
   std::shared_ptr<const std::vector<Dropped>> dropped_;
   std::shared_ptr<const std::vector<std::string>> warnings_;  // null: none
   std::shared_ptr<const NamedRules> rules_;
-  bool is_variant_ = false;  // with other margins or pairs than the rules say
+  bool is_variant_ = false;  // with other margins or pairs than the rules
   std::shared_ptr<const int> pairs_token_ = std::make_shared<const int>();  // see hasPairsOf()
   std::shared_ptr<const EdgeModel> edge_model_;
   OwnShared shared_;
 };
 
-/// How many pairs there are for each reason, in the order of Unchecked. O(dropped).
+/// The number of pairs for each reason, in the order of Unchecked. O(dropped).
 std::vector<UncheckedPairs> countUnchecked(std::span<const CompiledScene::Dropped> dropped);
 
 }  // namespace leeway::planner

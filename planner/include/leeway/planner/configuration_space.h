@@ -9,11 +9,11 @@
 
 namespace leeway::planner {
 
-/// The planned variables of a group: which numbers they are, how they interpolate, how far apart
-/// two points are. Planner, certificate, verifier and files all interpolate here. A point is a span
-/// of size() doubles in group order [rad or m]. Joints follow straight lines; continuous joints and
-/// the angles of planar ones go the shorter way; floating joints move their origin on a line and
-/// turn at constant rate about a fixed axis. Functions rely on points of that size.
+/// The planned variables of a group: their indices, their interpolation, and the distance of two
+/// points. Planner, certificate, verifier and files all interpolate here. A point is a span of
+/// size() doubles in group order [rad or m]. Joints follow straight lines. Continuous joints and
+/// the angles of planar ones go the shorter way. Floating joints move their origin on a line and
+/// turn at a constant rate about a fixed axis. Functions rely on points of that size.
 class ConfigurationSpace {
  public:
   enum class Kind : unsigned char {
@@ -23,12 +23,13 @@ class ConfigurationSpace {
   };
   struct Part {
     Kind kind;
-    int first;      ///< index into the point
-    double weight;  ///< in distance(): 1; a body's turn half its reach, the farthest point's [m]
+    int first;  ///< index into the point
+    double
+        weight;  ///< in distance(): 1; for a body's turn half its reach to its farthest point [m]
   };
 
-  /// `variables`: indices into Model::variables. Throws std::invalid_argument for one that does not
-  /// exist or is listed twice, for part of an orientation, and without a model.
+  /// `variables` are indices into Model::variables. Throws std::invalid_argument for an index that
+  /// does not exist or is listed twice, for part of an orientation, and without a model.
   ConfigurationSpace(std::shared_ptr<const robots::Model> model, std::vector<int> variables);
 
   int size() const { return static_cast<int>(variables_.size()); }
@@ -38,42 +39,43 @@ class ConfigurationSpace {
   double lower(int i) const { return lower_[static_cast<std::size_t>(i)]; }
   double upper(int i) const { return upper_[static_cast<std::size_t>(i)]; }
 
-  /// Writes dq such that the edge is a + t dq: circles the shorter way; rotations as a rotation
-  /// vector (body frame) in the first three places, 0 in the fourth.
+  /// Writes dq such that the edge is a + t dq. Circles go the shorter way. Rotations are a rotation
+  /// vector (body frame) in the first three numbers, with 0 in the fourth.
   void difference(std::span<const double> a, std::span<const double> b, std::span<double> dq) const;
   /// Writes the point at t in [0, 1] of the edge from a along dq. Circles are wrapped to [-pi, pi).
   void advance(std::span<const double> a, std::span<const double> dq, double t,
                std::span<double> result) const;
-  /// Writes the point at t in [0, 1] of the edge from a to b; at 0 and 1 a and b to the bit.
+  /// Writes the point at t in [0, 1] of the edge from a to b; at t = 0 and 1 exactly a and b.
   void interpolate(std::span<const double> a, std::span<const double> b, double t,
                    std::span<double> result) const;
-  /// Weighted Euclidean length of difference(): rad and m mixed but for turns of whole bodies.
+  /// Weighted Euclidean length of difference(). It mixes rad and m, except for turns of whole
+  /// bodies.
   double distance(std::span<const double> a, std::span<const double> b) const;
-  /// Throws std::invalid_argument, which begins with `call`, for a waypoint that has not size()
-  /// numbers.
+  /// Throws std::invalid_argument, with a message that begins with `call`, for a waypoint that does
+  /// not have size() numbers.
   void requirePath(std::span<const std::vector<double>> waypoints, const char* call) const;
   /// True for finite numbers inside the limits, with orientations of unit length to within 1e-6.
   bool withinLimits(std::span<const double> a) const;
   /// Adds whole turns to the circles of `next` so that each is at most half a turn from `previous`;
-  /// those that are keep their bits. Paths are kept and written so: a controller that knows no
-  /// circles then goes the same way.
+  /// circles that already are keep their bits. Paths are stored and written in this form, so that a
+  /// controller without circles goes the same way.
   void unwrap(std::span<const double> previous, std::span<double> next) const;
 
   /// The name of this interpolation: "joint-linear", "SE(2) geodesic" or "SE(3) geodesic".
   const char* interpolation() const;
 
-  // Between the rows of a path (plan.h) circles go along straight lines, too: from 3 to -3 by 6
-  // rad, through 0.
+  // Between the rows of a path (plan.h), circles also follow straight lines: from 3 to -3 by 6 rad,
+  // through 0.
 
-  /// difference(), but that circles go straight.
+  /// As difference(), but circles go straight.
   void lineDifference(std::span<const double> a, std::span<const double> b,
                       std::span<double> dq) const;
-  /// interpolate(), but that circles go straight, and are not wrapped. `result` is neither a nor b.
+  /// As interpolate(), but circles go straight and are not wrapped. `result` is neither a nor b.
   void alongLine(std::span<const double> a, std::span<const double> b, double t,
                  std::span<double> result) const;
-  /// The number of edges of the space, all of the same length, that go along the line from a to b:
-  /// 1 unless a circle turns by more than half a turn; 0 where such a one is beyond 1000 rad, which
-  /// no certifier takes.
+  /// The number of edges of the space, all of the same length, that make up the line from a to b: 1
+  /// unless a circle turns by more than half a turn. 0 if such a circle is beyond 1000 rad, which
+  /// no certifier accepts.
   int edgesAlongLine(std::span<const double> a, std::span<const double> b) const;
 
  private:
@@ -83,8 +85,8 @@ class ConfigurationSpace {
   std::vector<double> lower_, upper_;
 };
 
-/// Returns the rows with whole turns added to circles so that each goes the shorter way from row to
-/// row: ConfigurationSpace::unwrap().
+/// Returns the rows with whole turns added to circles, so that each goes the shorter way from row
+/// to row: ConfigurationSpace::unwrap().
 std::vector<std::vector<double>> unwrapped(const ConfigurationSpace& space,
                                            std::vector<std::vector<double>> rows);
 

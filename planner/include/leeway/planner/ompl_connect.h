@@ -8,9 +8,9 @@
 namespace leeway::planner {
 
 /// Connect, our RRT-Connect, for OMPL programs: two balanced trees with dynamic domains. The state
-/// space must be an OmplStateSpace; edges are asked of the motion validator. The first path ends
-/// the search, which begins anew at each call of solve(). The goal must be sampleable; its second
-/// tree grows from up to 16 samples. plan() runs the same search without OMPL.
+/// space must be an OmplStateSpace; the motion validator checks edges. The first path ends the
+/// search, and each call of solve() starts a new one. The goal must be sampleable; the second tree
+/// grows from up to 16 samples of it. plan() runs the same search without OMPL.
 class OmplConnect : public ompl::base::Planner {
  public:
   explicit OmplConnect(const ompl::base::SpaceInformationPtr& space_information);
@@ -20,16 +20,17 @@ class OmplConnect : public ompl::base::Planner {
   void clear() override;
   ompl::base::PlannerStatus solve(const ompl::base::PlannerTerminationCondition& stop) override;
 
-  /// The longest edge, in the space's distance; 0, the default: chosen by the space.
+  /// The longest edge, in the space's distance; 0, the default: derived from the space.
   void setRange(double range) { range_ = range; }
   double getRange() const { return range_; }
-  /// Both trees grow to about the same size (default); otherwise they take turns.
+  /// If true (default), both trees grow to about the same size; otherwise they take turns.
   void setBalance(bool balance) { balance_ = balance; }
   bool getBalance() const { return balance_; }
-  /// Nodes whose edges have failed are extended to near samples only (default).
+  /// If true (default), nodes whose edges have failed are extended only to near samples.
   void setDynamicDomain(bool dynamic) { dynamic_domain_ = dynamic; }
   bool getDynamicDomain() const { return dynamic_domain_; }
-  /// Samples of a low-discrepancy sequence in place of random ones (default but for one free body).
+  /// If true, samples come from a low-discrepancy sequence instead of random numbers (default,
+  /// except for one free body).
   void setLowDiscrepancy(bool low) { low_discrepancy_ = low; }
   bool getLowDiscrepancy() const { return low_discrepancy_.value_or(true); }
 
@@ -37,7 +38,7 @@ class OmplConnect : public ompl::base::Planner {
   double range_ = 0;
   bool balance_ = true, dynamic_domain_ = true;
   std::optional<bool> low_discrepancy_;
-  std::uint64_t runs_ = 0;  ///< of solve(), each with another seed
+  std::uint64_t runs_ = 0;  ///< calls of solve(), each with another seed
   std::uint64_t seed_;
 };
 

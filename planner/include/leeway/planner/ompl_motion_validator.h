@@ -11,7 +11,7 @@
 
 namespace leeway::planner {
 
-/// A motion is valid when the whole edge between its states is certified; there is no resolution.
+/// A motion is valid if the whole edge between its states is certified; it has no resolution.
 /// States are those of OmplStateSpace. Thread-safe; allocates nothing after a thread's first call.
 class OmplMotionValidator : public ompl::base::MotionValidator {
  public:
@@ -19,9 +19,9 @@ class OmplMotionValidator : public ompl::base::MotionValidator {
                       std::shared_ptr<CertifierPool> pool);
 
   bool checkMotion(const ompl::base::State* s1, const ompl::base::State* s2) const override;
-  /// Of a motion that is not valid, `last_valid.second` is a fraction up to which the edge is
-  /// certified, and `last_valid.first`, unless null, the state there: valid, and the end of a
-  /// certified edge from s1. Where nothing can be certified, 0 and s1.
+  /// For a motion that is not valid, `last_valid.second` is a fraction up to which the edge is
+  /// certified. `last_valid.first`, unless null, is the state there: valid, and the end of a
+  /// certified edge from s1. If nothing can be certified, they are 0 and s1.
   bool checkMotion(const ompl::base::State* s1, const ompl::base::State* s2,
                    std::pair<ompl::base::State*, double>& last_valid) const override;
 
@@ -30,10 +30,10 @@ class OmplMotionValidator : public ompl::base::MotionValidator {
   std::shared_ptr<CertifierPool> pool_;
 };
 
-/// A SpaceInformation for a scene, set up for any of OMPL's geometric planners: an OmplStateSpace
-/// with `seed`, and OmplValidityChecker and OmplMotionValidator over one pool (null: a new one).
-/// Throws std::invalid_argument without a scene, for a pool of another scene, and for a planned
-/// variable without limits.
+/// Returns a SpaceInformation for a scene, set up for any geometric planner of OMPL: an
+/// OmplStateSpace with `seed`, and OmplValidityChecker and OmplMotionValidator over one pool (null:
+/// a new one). Throws std::invalid_argument without a scene, for a pool of another scene, and for a
+/// planned variable without limits.
 ompl::base::SpaceInformationPtr makeSpaceInformation(std::shared_ptr<const CompiledScene> scene,
                                                      std::uint64_t seed = 1,
                                                      std::shared_ptr<CertifierPool> pool = nullptr);

@@ -10,7 +10,7 @@
 namespace leeway::planner {
 
 /// The length of a path in the space's distance; smaller is better. Informed planners sample by
-/// rejection from our samplers, since OMPL's direct sampler knows only its own spaces and the
+/// rejection from our samplers, because OMPL's direct sampler supports only its own spaces and the
 /// process's seed.
 class OmplLengthObjective : public ompl::base::PathLengthOptimizationObjective {
  public:
@@ -20,9 +20,9 @@ class OmplLengthObjective : public ompl::base::PathLengthOptimizationObjective {
 };
 
 /// The least clearance along a path, of all pairs or some [m]; larger is better. Costs combine by
-/// minimum. An edge's cost is a certified lower bound over the whole edge: at most `tolerance`
-/// below the truth where the edge keeps the margins, otherwise anything up to the smallest margin.
-/// Satisfied at getCostThreshold(), infinity unless set.
+/// minimum. An edge's cost is a certified lower bound over the whole edge. It is at most
+/// `tolerance` below the true value if the edge keeps the margins, otherwise any value up to the
+/// smallest margin. Satisfied at getCostThreshold(), infinity unless set.
 class OmplClearanceObjective : public ompl::base::OptimizationObjective {
  public:
   OmplClearanceObjective(const ompl::base::SpaceInformationPtr& space_information,
@@ -37,7 +37,7 @@ class OmplClearanceObjective : public ompl::base::OptimizationObjective {
   ompl::base::Cost combineCosts(ompl::base::Cost a, ompl::base::Cost b) const override;
   ompl::base::Cost identityCost() const override;
   ompl::base::Cost infiniteCost() const override;
-  /// That of the start, which bounds every path from it.
+  /// The start's cost, which bounds every path from it.
   ompl::base::Cost initialCost(const ompl::base::State* state) const override;
   ompl::base::InformedSamplerPtr allocInformedStateSampler(
       const ompl::base::ProblemDefinitionPtr& problem, unsigned int attempts) const override;
@@ -51,17 +51,18 @@ class OmplClearanceObjective : public ompl::base::OptimizationObjective {
 
 class PathCost;
 
-/// What a path costs by a problem's MinimumCost, or by its length and its wishes; smaller is
+/// The cost of a path by a problem's MinimumCost, or by its length and its wishes; smaller is
 /// better. Costs add up. An edge's cost is the upper end of a certified interval over the whole
-/// edge, which is 1 % wide, or more where that takes more than a millisecond; so a path never costs
-/// more than it says. Between two states nothing costs less than the weight of length times their
-/// distance, which is the heuristic. Satisfied at getCostThreshold(), 0 unless set. For planners
-/// whose arithmetic allows any cost, see PlannerTraits::costs. Thread-safe.
+/// edge, so a path never costs more than its reported cost. The interval is 1 % wide, or wider if
+/// that would take more than a millisecond. The heuristic is the weight of length times the
+/// distance of two states, a lower bound of every cost between them. Satisfied at
+/// getCostThreshold(), 0 unless set. For planners whose arithmetic supports any cost, see
+/// PlannerTraits::costs. Thread-safe.
 class OmplCostObjective : public ompl::base::OptimizationObjective {
  public:
-  /// Throws std::invalid_argument for a problem without such costs, or with one that counts the
-  /// worst place of a path: that does not add up. Throws robots::InputError for a problem that
-  /// makes no sense, or is not the scene's: CompiledScene::requireProblem().
+  /// Throws std::invalid_argument for a problem without such costs, or with a cost for the worst
+  /// place of a path, because that does not add up. Throws robots::InputError for a problem that is
+  /// invalid or does not match the scene: CompiledScene::requireProblem().
   OmplCostObjective(const ompl::base::SpaceInformationPtr& space_information,
                     const std::shared_ptr<CertifierPool>& pool, const Problem& problem);
   OmplCostObjective(const ompl::base::SpaceInformationPtr& space_information,

@@ -12,24 +12,25 @@
 
 namespace leeway::planner {
 
-/// A ConfigurationSpace for OMPL. A state is one flat array of doubles for joints and free bodies
-/// alike, and interpolates as everywhere else in the library. The distance of two rotations is the
-/// angle between them [rad] (OMPL's SO(3) has half of it), exact at small angles.
+/// A ConfigurationSpace for OMPL. A state is one flat array of doubles for joints and free bodies,
+/// and interpolates as everywhere else in the library. The distance of two rotations is the angle
+/// between them [rad] (half of it in OMPL's SO(3)), exact at small angles.
 ///
-/// Samplers are uniform over the space, uniform near a state (each variable by itself within
+/// Samplers are uniform over the space, uniform near a state (each variable separately within
 /// distance / weight, a rotation in the ball of that angle) or normal about a state (with that
 /// standard deviation / weight), always inside the limits. They draw from the space's seed, the
-/// k-th one from stream k: one seed gives one sequence of samples, whatever other threads do.
+/// k-th sampler from stream k. So one seed gives one sequence of samples, independent of other
+/// threads.
 class OmplStateSpace : public ompl::base::StateSpace {
  public:
   class StateType : public ompl::base::State {
    public:
-    double* values;  ///< in group order, behind this struct in the same block of memory
+    double* values;  ///< in group order, after this struct in the same block of memory
     double& operator[](std::size_t i) { return values[i]; }
     double operator[](std::size_t i) const { return values[i]; }
   };
 
-  /// Throws std::invalid_argument when a joint that is not continuous has no limits.
+  /// Throws std::invalid_argument if a joint that is not continuous has no limits.
   explicit OmplStateSpace(std::shared_ptr<const ConfigurationSpace> space, std::uint64_t seed = 1);
   ~OmplStateSpace() override;
 
@@ -37,10 +38,10 @@ class OmplStateSpace : public ompl::base::StateSpace {
   std::span<double> point(ompl::base::State* state) const;
   std::span<const double> point(const ompl::base::State* state) const;
 
-  /// Degrees of freedom: 3 for a rotation, though it is stored as 4 numbers.
+  /// Degrees of freedom: 3 for a rotation, although it is stored as 4 numbers.
   unsigned int getDimension() const override;
   double getMaximumExtent() const override;
-  /// Volume in the metric of distance(): products of ranges, 2 pi a circle, 8 pi^2 a rotation.
+  /// Volume in the metric of distance(): products of ranges, 2 pi per circle, 8 pi^2 per rotation.
   double getMeasure() const override;
   void enforceBounds(ompl::base::State* state) const override;
   bool satisfiesBounds(const ompl::base::State* state) const override;
@@ -57,8 +58,8 @@ class OmplStateSpace : public ompl::base::StateSpace {
   void serialize(void* serialization, const ompl::base::State* state) const override;
   void deserialize(ompl::base::State* state, const void* serialization) const override;
   double* getValueAddressAtIndex(ompl::base::State* state, unsigned int index) const override;
-  /// The default projection is onto the first two numbers, or the three of a free body's position,
-  /// in cells of a twentieth of their range.
+  /// The default projection uses the first two numbers, or the three of a free body's position, in
+  /// cells of a twentieth of their range.
   void registerProjections() override;
   void printState(const ompl::base::State* state, std::ostream& out) const override;
   void printSettings(std::ostream& out) const override;
@@ -67,7 +68,7 @@ class OmplStateSpace : public ompl::base::StateSpace {
   std::shared_ptr<const ConfigurationSpace> space_;
   std::size_t size_;
   std::uint64_t seed_;
-  bool plain_;  ///< straight lines of weight 1 only: distance() has a loop of its own for them
+  bool plain_;  ///< only straight lines of weight 1: distance() has a separate loop for them
   mutable std::atomic<std::uint64_t> sampler_count_{0};  ///< the next sampler's stream
 };
 

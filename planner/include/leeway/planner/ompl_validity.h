@@ -14,9 +14,9 @@
 
 namespace leeway::planner {
 
-/// One EdgeCertifier a thread for one compiled scene, because OMPL's checkers are shared by a
-/// planner's threads and a certifier is not. The thread that made the pool gets its own without a
-/// lock.
+/// One EdgeCertifier per thread for one compiled scene, because the threads of a planner share
+/// OMPL's checkers and cannot share a certifier. The thread that made the pool gets its certifier
+/// without a lock.
 class CertifierPool {
  public:
   struct Slot {
@@ -29,7 +29,7 @@ class CertifierPool {
   const CompiledScene& scene() const { return *scene_; }
   /// The calling thread's certifier. Allocates at a thread's first call.
   Slot& local();
-  /// Sums over all threads. Call it when none of them is in a certifier.
+  /// Sums over all threads. Call it only while no thread uses a certifier.
   EdgeCertifier::Statistics statistics() const;
 
  private:
@@ -40,10 +40,10 @@ class CertifierPool {
   std::map<std::thread::id, std::unique_ptr<Slot>> others_;
 };
 
-/// A state is valid when it is within the limits and proven to keep the scene's margins.
-/// clearance() is a lower bound on the signed distance of the checked pairs [m], at most
-/// `tolerance` below it (declared as OMPL's BOUNDED_APPROXIMATE); infinity where there is nothing
-/// to be near. States are those of OmplStateSpace. Thread-safe.
+/// A state is valid if it is within the limits and proven to keep the scene's margins. clearance()
+/// is a lower bound on the signed distance of the checked pairs [m], at most `tolerance` below it
+/// (declared as OMPL's BOUNDED_APPROXIMATE), or infinity if no pair is checked. States are those of
+/// OmplStateSpace. Thread-safe.
 class OmplValidityChecker : public ompl::base::StateValidityChecker {
  public:
   OmplValidityChecker(const ompl::base::SpaceInformationPtr& space_information,
