@@ -13,13 +13,13 @@ namespace leeway::planner {
 
 namespace {
 
-/// As many pairs as a pass of lanes has room for.
+/// The largest number of pairs that a pass of lanes has room for.
 std::size_t mostOpen(const EdgeFrames& frames) {
   return std::min(frames.pairs().size(),
                   frames.pairs().listed().size() + collision::LaneSweep::kMostNear);
 }
 
-/// Each of 2^14 pairs may be open in all lanes; of more, each in four.
+/// Up to 2^14 pairs may all be open in all lanes; with more pairs, each may be open in four lanes.
 std::size_t mostTasks(const EdgeFrames& frames) {
   const std::size_t pairs = mostOpen(frames);
   return std::max({std::size_t{1} << 16U,
@@ -202,8 +202,8 @@ EdgeCheck EdgeCertifier::Impl::checkOf(const PairVerdict& verdict) {
   return check;
 }
 
-/// What decides that an edge is free. Each stage hands on what it leaves open: pairs, and the
-/// sixteenths of the edge in which they are. The numbers are those of edge_certifier_impl.h.
+/// The stages that decide whether an edge is free. Each stage passes on the pairs that it leaves
+/// open, with their sixteenths of the edge. The numbers are those of edge_certifier_impl.h.
 PairVerdict EdgeCertifier::Impl::certifyByLanes() {
   constexpr std::uint32_t all_lanes = (1U << collision::kLanes) - 1;
   constexpr PairVerdict free{Verdict::kFree}, undecided{Verdict::kUndecided};
@@ -217,16 +217,16 @@ PairVerdict EdgeCertifier::Impl::certifyByLanes() {
   if (const auto contact = lanes.sweep(frames, asked.pairs, asked.separation); contact.id >= 0)
     return contactAt(contact);
   if (lanes.isFull()) return undecided;
-  // 2. Gaps between two links that the angles of two joints prove.
+  // 2. Gaps between two links, proven by the angles of two joints.
   lanes.closeGaps(frames, asked.separation);
   if (lanes.open().empty()) return free;
-  // 3. Contacts, of pairs that are likely to have one.
+  // 3. Contacts of pairs that are likely to have one.
   if (const auto verdict = contacts.searchLikely(whole)) return *verdict;
   // 4. New planes between hulls.
   if (const auto contact = lanes.searchPlanes(); contact.id >= 0) return contactAt(contact);
   if (lanes.open().empty()) return free;
   if (work.isSpent()) return {Verdict::kUndecided, lanes.open().front().id};
-  // 5. Contacts, of pairs whose hulls meet.
+  // 5. Contacts of pairs whose hulls meet.
   if (const auto verdict = contacts.search(whole)) return *verdict;
 
   never_parted.clear();
@@ -236,7 +236,7 @@ PairVerdict EdgeCertifier::Impl::certifyByLanes() {
   if (!parts.begin()) return undecided;
   // 6. Planes over finer parts.
   if (const auto verdict = parts.certify()) return *verdict;
-  // Growth of the whole edge; that of an interval falls with the square of its width.
+  // Growth over the whole edge; the growth over an interval falls with the square of its width.
   const auto mayJoin = [&](int p, double width) {
     const EdgePair& pair = frames.pair(p);
     const double growth = lanes.growth(pair.motion) * collision::kLanes * collision::kLanes;
@@ -246,7 +246,7 @@ PairVerdict EdgeCertifier::Impl::certifyByLanes() {
   if (queue.empty()) return free;
   if (work.isSpent())
     return {Verdict::kUndecided, queue.pairs().front(), queue.intervals().front().t0};
-  // 7. Containment, which no sweep of surfaces sees.
+  // 7. Containment, which sweeps of surfaces do not detect.
   if (const auto verdict = checkContainment()) return *verdict;
   // 8. Exact sweeps.
   return sweepAll();
@@ -255,8 +255,8 @@ PairVerdict EdgeCertifier::Impl::certifyByLanes() {
 PairVerdict EdgeCertifier::Impl::certifyByBisection() {
   const int end = frames.place(1);
   int offender = -1;
-  // The end first: it decides most edges. It also settles containment, which cannot change along a
-  // certified edge.
+  // The end comes first because it decides most edges. It also settles containment, which cannot
+  // change along a certified edge.
   const Verdict at_end = end < 0 ? Verdict::kUndecided : checkState(end, 1, offender);
   if (at_end != Verdict::kFree) return {at_end, offender, 1};
   const int start = frames.place(0);

@@ -33,7 +33,7 @@ bool hasShapes(const Object& object) {
   return !object.geometries.empty() || (object.cloud && !object.cloud->balls.empty());
 }
 
-/// An object as a body: first its cloud's balls, then its shapes.
+/// Returns an object as a body: first its cloud's balls, then its shapes.
 collision::Body bodyOf(const Object& object) {
   collision::Body body{object.name, {}, false, object.X_WO};
   if (object.cloud) body.geometries = geometriesOf(*object.cloud);
@@ -41,7 +41,7 @@ collision::Body bodyOf(const Object& object) {
   return body;
 }
 
-/// What a problem adds to its robot: objects of the world, and what is said of pairs by name.
+/// The data that a problem adds to its robot: objects of the world, and rules for pairs by name.
 class Surroundings {
  public:
   Surroundings(const Problem& problem, const PreparedRobot& robot, const robots::Stop& stop)
@@ -62,13 +62,13 @@ class Surroundings {
     }
   }
 
-  /// Pairs of the robot, and those that the problem allows with the world.
+  /// Pairs of the robot, and pairs with the world that the problem allows.
   std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped() const {
     return dropped_ ? dropped_ : robot_.dropped();
   }
   /// Parts of the problem that have no effect.
   std::vector<std::string> takeWarnings() { return std::move(warnings_); }
-  /// How many bodies are objects; those of deforming obstacles follow.
+  /// The number of bodies that are objects; those of deforming obstacles follow.
   int objects() const {
     return static_cast<int>(objects_.size() - problem_.world.deforming.size());
   }
@@ -101,7 +101,7 @@ class Surroundings {
     builder_.add(bodyOf(object));
   }
 
-  /// Whether margins, wishes or contacts speak of it. O(pairs).
+  /// Whether margins, wishes or contacts mention the name. O(pairs).
   bool isNamed(const std::string& name) const {
     const auto isIn = [&](const auto& pair) { return pair.first == name || pair.second == name; };
     const Margins& margins = problem_.margins;
@@ -125,7 +125,7 @@ class Surroundings {
     return found == named_.end() ? std::span<const int>() : found->second;
   }
 
-  /// The bodies that a name or word in margins stands for. Contacts have no such words.
+  /// The bodies that a name or keyword in margins stands for. Contacts have no such keywords.
   std::vector<int> namedInMargins(const std::string& name) const {
     const bool is_robot = words_.robot && name == kRobotWord;
     if (!is_robot && !(words_.world && name == kWorldWord)) {
@@ -145,7 +145,7 @@ class Surroundings {
       const std::vector<int> others = namedInMargins(m.b);
       for (const int i : namedInMargins(m.a))
         for (const int j : others) {
-          if (i == j) continue;  // a member beside all
+          if (i == j) continue;  // a group may contain both
           builder_.setMargin(i, j, m.margin);
           if (!is_checked) reason = reasonOf(i, j);
           is_checked = is_checked || reason.empty();
@@ -162,7 +162,8 @@ class Surroundings {
         warnings_.push_back(
             fmt::format("the margin of {} has no effect: none of its pairs is checked", group));
   }
-  /// Why a pair of bodies is not checked; empty: it is. O(1), except for two of the robot.
+  /// The reason why a pair of bodies is not checked; empty: it is checked. O(1), except for two
+  /// bodies of the robot.
   std::string reasonOf(int i, int j) {
     const auto bodies = robot_.scene().bodies();
     const int a = std::min(i, j), b = std::max(i, j);
@@ -177,14 +178,14 @@ class Surroundings {
     const auto found = reasons_.find({bodies[at(a)].name, bodies[at(b)].name});
     return found == reasons_.end() ? std::string() : std::string(found->second);
   }
-  /// An object without a shape, which may still come.
+  /// An object without a shape, which may still be added.
   bool isToCome(const std::string& name) const {
     return (words_.world && name == kWorldWord) ||
            (namedInMargins(name).empty() && problem_.robot.model->findLink(name) < 0);
   }
 
-  /// Contacts of the robot with the world that the problem or the SRDF allows. That things of the
-  /// world stand beside each other needs no reason, and there may be many of them.
+  /// Contacts of the robot with the world that the problem or the SRDF allows. Contacts between
+  /// objects of the world need no reason, and there may be many of them.
   void allow() {
     if (names_matter_)
       for (const auto& [x, y] : problem_.contacts.allowed)
@@ -218,10 +219,10 @@ class Surroundings {
   const PreparedRobot& robot_;
   MarginWords words_;
   collision::SceneBuilder builder_;
-  std::vector<const Object*> objects_;  // that have geometries
-  bool names_matter_;                   // listed only where they do: there may be many
+  std::vector<const Object*> objects_;  // with geometries
+  bool names_matter_;  // bodies are listed by name only if names matter, because there may be many
   std::unordered_map<std::string, std::vector<int>> named_;  // bodies by name
-  std::map<std::pair<int, int>, Unchecked> allowed_;         // of the robot, of the world
+  std::map<std::pair<int, int>, Unchecked> allowed_;  // pairs of a robot body and a world body
   std::map<std::pair<std::string_view, std::string_view>, std::string_view> reasons_;
   std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped_;
   std::vector<std::string> warnings_;
@@ -229,7 +230,7 @@ class Surroundings {
 
 using BodiesByName = std::multimap<std::string_view, int>;
 
-/// Calls visit(i, j) for bodies of the robot and of the world that bear the two names, or that
+/// Calls visit(i, j) for bodies of the robot and of the world that have the two names, or that
 /// `words` stand for, in either order. O(log of both + calls).
 template <class Visit>
 void forEachNamed(const BodiesByName& robot, const BodiesByName& world, const std::string& a,
@@ -260,16 +261,16 @@ std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRob
 
 }  // namespace
 
-/// The rules of a problem for its world, besides the contacts that a PreparedRobot has.
+/// The rules of a problem for its world, in addition to the contacts that a PreparedRobot has.
 struct CompiledScene::NamedRules {
   std::string problem;  // its name, for messages
   Margins margins;
   double most_margin;  // mostMargin()
   MarginWords words;
   double execution_start;
-  int objects;                               // bodies of its objects, behind those of the robot
+  int objects;                               // bodies of its objects, after those of the robot
   std::vector<DeformingObstacle> deforming;  // whose bodies come next
-  /// Bodies of the world that was compiled by name, made for the first change.
+  /// The compiled world's bodies by name, created for the first change.
   struct Index {
     std::once_flag once;
     std::unique_ptr<const NameTable> names;
@@ -288,7 +289,7 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
       NamedRules{problem.name, problem.margins, mostMargin(problem), MarginWords(problem),
                  problem.execution.start, world.objects(), problem.world.deforming});
   std::vector<std::string> warnings = robot->warnings();
-  // Steps may take what stands in the world now.
+  // Later steps may change the objects that have no effect now.
   if (problem.steps.empty())
     for (std::string& warning : world.takeWarnings()) warnings.push_back(std::move(warning));
   if (!warnings.empty())
@@ -296,7 +297,7 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
   robots::throwIfStopped(stop, "the problem was compiled");
   scene_ = std::move(world).build();
   edge_model_ = makeEdgeModel(robot);
-  // What moves stands as the start has it.
+  // Moving bodies have the poses of the start.
   std::vector<robots::Pose> X_WL(model_->links.size());
   robots::forwardKinematics(*model_, problem.start, X_WL);
   body_link_.assign(robot->carriers().size(), -1);
@@ -423,7 +424,7 @@ std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::applyR
 
   const auto isOfRemoved = [&](const Dropped& d) { return removed_names.count(d.b) != 0; };
   const PreparedRobot& prepared = *edge_model_->robot;
-  // There may be many contacts, of which none names these objects.
+  // There may be many contacts, and none of them may mention these objects.
   if ((prepared.uncheckedBodies().empty() || objects.empty()) &&
       std::none_of(objects.begin(), objects.end(),
                    [&](const auto& o) { return prepared.isAllowedName(std::string(o.first)); }) &&
@@ -452,7 +453,7 @@ std::string CompiledScene::nothingChecked() const {
   bool can_move = false;
   for (int b = 0; b < bodiesOfRobot(); ++b) can_move = can_move || scene_.bodies()[at(b)].moving;
   if (!can_move) return kNothingMoves;
-  // A robot with shapes that is alone meets nothing. (Things that were removed keep their numbers.)
+  // A robot with shapes that is alone cannot collide. (Removed objects keep their numbers.)
   if (std::none_of(dropped().begin(), dropped().end(),
                    [&](const Dropped& d) { return scene_.find(d.b) >= bodiesOfRobot(); }))
     return {};
@@ -523,7 +524,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withMarginsGrown(double grow
         "CompiledScene::withMarginsGrown(): the growth is {}; zero or more is expected", growth));
   auto grown = variant();
   for (std::size_t body = 0; body < body_link_.size(); ++body)
-    if (scene_.bodies()[body].moving)  // one of every pair is
+    if (scene_.bodies()[body].moving)  // one body of every pair is moving
       for (std::size_t g = 0; g < scene_.bodies()[body].geometries.size(); ++g)
         grown->scene_.growMargins(static_cast<int>(body), static_cast<int>(g), growth);
   return grown;
@@ -535,8 +536,8 @@ std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
   reduced->pairs_token_ = std::make_shared<const int>();
   auto model = std::make_shared<EdgeModel>(*edge_model_);
   model->pairs.clear();
-  // keep() is called once a pair: were a second answer another, pairs would get the motions of
-  // others, and proofs would not hold.
+  // keep() is called once per pair. If a second call gave another answer, pairs would get the
+  // motions of other pairs, and proofs would not hold.
   auto next = edge_model_->pairs.begin();
   collision::SceneAccess::keepPairs(reduced->scene_, [&](const collision::ScenePair& pair) {
     const bool is_kept = keep(pair);
@@ -551,7 +552,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
 
 namespace {
 
-/// How an object and a body of the world differ; empty: they do not.
+/// The difference between an object and a body of the world; empty: they are equal.
 std::string differenceOf(const Object& object, const collision::Body& body) {
   if (!isSamePose(object.X_WO, body.X_WB)) return "stands elsewhere";
   const std::size_t balls = object.cloud ? object.cloud->size() : 0;
@@ -580,7 +581,8 @@ bool areSameWishes(const Margins& x, const Margins& y) {
 
 }  // namespace
 
-/// Between the problem's objects and those of the scene: as they were compiled, or as they are now.
+/// Compares the problem's objects with those of the scene: as they were compiled, or as they are
+/// now.
 std::string CompiledScene::objectsDifference(const Problem& problem) const {
   const auto bodies = scene_.bodies();
   const std::vector<Object>& objects = problem.world.objects;
@@ -594,7 +596,7 @@ std::string CompiledScene::objectsDifference(const Problem& problem) const {
     return is_same;
   });
   if (is_as_compiled && body == end) return {};
-  // In any order, and what changes have made of them.
+  // In any order, after all changes.
   std::size_t left = bodies.size() - at(bodiesOfRobot()) - rules_->deforming.size();
   for (std::size_t b = at(bodiesOfRobot()); b < bodies.size(); ++b)
     if (scene_.isRemoved(static_cast<int>(b))) --left;

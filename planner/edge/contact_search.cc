@@ -5,10 +5,10 @@
 namespace leeway::planner {
 namespace {
 
-constexpr int kLooks = 3;  ///< of each of the two searches
+constexpr int kLooks = 3;  ///< checks in each of the two searches
 
-/// contact_score of a pair that distance() has just found in contact: searchLikely() asks
-/// distance() from this on, and a pair found otherwise, with a score of 1, has to earn it.
+/// contact_score of a pair that distance() has just found in contact. searchLikely() calls
+/// distance() from this score on. A pair found by other means starts with a score of 1.
 constexpr int kScoreOfExactContact = 2;
 
 }  // namespace
@@ -63,7 +63,7 @@ std::optional<PairVerdict> ContactSearch::search(const EdgeLanes::Parts& parts) 
     if (pair.apart || memory_.of(pair.id).contact_score < 0) continue;
     if (looks_ >= kLooks || work_.isSpent()) break;
     const EdgeLanes::Parts::Range range = parts.rangeOf(pair.lanes);
-    // Over an unchanged range the looks of searchLikely() would find nothing again.
+    // Over an unchanged range, the checks of searchLikely() would fail again.
     const auto known =
         std::find_if(likely_looks_.begin(), likely_looks_.end(),
                      [&](const Look& look) { return look.pair == pair.id && look.range == range; });

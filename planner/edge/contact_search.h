@@ -1,7 +1,8 @@
 #pragma once
 
-// Private to planner/: the search for contacts along an edge. Most edges that a planner asks are
-// not free, and one configuration in contact proves that for far less than bounds that fail
+// Private to planner/: the search for contacts along an edge. Most edges in a search are not free.
+// One configuration in contact proves that at far less cost than bounds, which fail everywhere near
+// it.
 // everywhere near it.
 
 #include <optional>
@@ -13,23 +14,24 @@
 
 namespace leeway::planner {
 
-/// Looks at pairs that a pass of lanes left open, in the middle of where they are open. Which pairs
-/// are looked at is learned from edges before: PairMemory::contact_score. Answers kNotFree where a
-/// pair is in contact, kUndecided where a configuration could not be placed, otherwise nothing.
+/// Checks pairs that a pass of lanes left open, in the middle of their open lanes.
+/// PairMemory::contact_score, learned from earlier edges, selects the pairs. Returns kNotFree if a
+/// pair is in contact, kUndecided if a configuration could not be placed, otherwise nullopt.
 class ContactSearch {
  public:
   /// Refers to all of these.
   ContactSearch(EdgeFrames& frames, EdgeLanes& lanes, PairQueries& queries,
                 const collision::Work& work, EdgeMemory& memory);
 
-  /// Comes before the searches of an edge.
+  /// Call it before the searches of an edge.
   void begin();
-  /// Before planes are searched, which costs more: between the middles of lanes, for pairs whose
-  /// lane_contact_score allows it; exactly, for those that the last exact look found in contact.
+  /// Runs before the search for planes, which costs more. It checks between the middles of lanes,
+  /// for pairs whose lane_contact_score allows it, and exactly, for pairs that the last exact check
+  /// found in contact.
   std::optional<PairVerdict> searchLikely(const EdgeLanes::Parts& parts);
-  /// After planes: open pairs whose hulls are not apart.
+  /// Runs after planes, on open pairs whose hulls are not apart.
   std::optional<PairVerdict> search(const EdgeLanes::Parts& parts);
-  /// A pair that is not free, however that was found.
+  /// Records a pair that is not free, found by any stage.
   void remember(int pair);
 
  private:
@@ -41,14 +43,14 @@ class ContactSearch {
   PairQueries& queries_;
   const collision::Work& work_;
   EdgeMemory& memory_;
-  /// Where searchLikely() found no contact.
+  /// A check of searchLikely() that found no contact.
   struct Look {
     int pair;
     EdgeLanes::Parts::Range range;
-    bool exact;  // by distance(), too
+    bool exact;  // also by distance()
   };
   std::vector<Look> likely_looks_;
-  int looks_ = 0;  // of search()
+  int looks_ = 0;  // checks of search()
 };
 
 }  // namespace leeway::planner

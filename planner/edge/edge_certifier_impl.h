@@ -3,24 +3,24 @@
 // Private to planner/: the state of an EdgeCertifier, and the order of its stages.
 //
 // A task is a pair that is still open over an interval of the edge. A stage takes tasks, settles
-// some, and leaves the others open; it ends the proof where it finds a contact. See
+// some, and leaves the others open; it ends the proof if it finds a contact. See
 // docs/architecture.md, "How do I add a stage of the proof?".
 //
 // clang-format off
-//   what decides an edge, cheap to dear             here
-//   1. balls; planes and points already known       EdgeLanes::sweep
+//   stage of the proof, cheapest first              here
+//   1. balls; known planes and points               EdgeLanes::sweep
 //   2. gaps between links, by joint angles          EdgeLanes::closeGaps
 //   3. contacts, where they are likely              ContactSearch::searchLikely
 //   4. new planes                                   EdgeLanes::searchPlanes
 //   5. contacts in the middle of open lanes         ContactSearch::search
 //   6. planes again, over finer parts               EdgeParts
 //   7. containment at the edge's end                checkContainment         edge_verdict.cc
-//   8. exact sweeps of what is left, halved         PairQueries, by EdgeQueue::subdivide
+//   8. exact sweeps of the remaining tasks, halved  PairQueries, by EdgeQueue::subdivide
 //
-//   what is asked of an edge                        its rule for EdgeQueue::subdivide
+//   question about an edge                          its rule for EdgeQueue::subdivide
 //   do all pairs keep their margins?                VerdictRule              edge_verdict.cc
 //   ... or a separation?                            the same, with Asking    edge_clearance.cc
-//   up to where do they?                            LastValidRule            edge_verdict.cc
+//   up to which t do they?                          LastValidRule            edge_verdict.cc
 //   what is the least clearance?                    ClearanceSearch          edge_clearance.cc
 //   what does it cost to be near?                   CostSearch (the widest part first)  objective/edge_cost.cc
 //   is one configuration free?                      decideByLanes, checkState           edge_state.cc
@@ -49,13 +49,13 @@
 
 namespace leeway::planner {
 
-inline constexpr int kEdgeSlots = 1024;  ///< configurations of one edge, which stays undecided
-                                         ///< where it needs more
+/// Configurations of one edge. An edge that needs more stays undecided.
+inline constexpr int kEdgeSlots = 1024;
 
 /// A part of an edge's cost.
 struct CostPart {
   EdgeInterval interval;
-  int middle;                 ///< its configuration's slot; -1: none was left
+  int middle;                 ///< the slot of its middle configuration; -1: no slot was left
   double lower, upper;        ///< of the integral over it, in t
   double clearance, nearest;  ///< bounds on its least clearance [m]
 };
@@ -68,58 +68,58 @@ struct EdgeCertifier::Impl {
     work = {0, limit};
   }
 
-  /// What an edge may cost that names no limit.
+  /// The work limit of an edge that names none.
   std::int64_t defaultWork() const;
 
   // The order of the stages (certify_edge.cc).
 
-  /// An edge within work_limit; undecided, too, where it cannot be begun.
+  /// Decides an edge within work_limit. An edge that cannot be started is also undecided.
   EdgeCheck decideEdge(std::span<const double> a, std::span<const double> b);
   PairVerdict certifyByLanes();
-  /// Without lanes: exact sweeps alone, from the whole edge down.
+  /// Without lanes: exact sweeps only, starting with the whole edge.
   PairVerdict certifyByBisection();
-  /// Remembers a pair that is not free.
+  /// Records a pair that is not free.
   EdgeCheck checkOf(const PairVerdict& verdict);
 
   /// Sets looked_at, most_rounding and least_margin.
   void takePairs();
 
-  // What is asked: by certify() that all pairs keep their margins.
+  // The question; by default, of certify(), that all pairs keep their margins.
 
-  /// While it lives, some pairs alone are looked at, and have to keep a separation where their
-  /// margin is less [m].
+  /// While it lives, only some pairs are checked, and pairs with a smaller margin must keep a
+  /// separation [m].
   class Asking;
   double leastMargin() const { return least_margin[static_cast<std::size_t>(asked.pairs)]; }
-  /// How far what is asked is above the least margin [m].
+  /// How far the required separation is above the least margin [m].
   double beyondMargins() const { return std::max(0.0, asked.separation - leastMargin()); }
 
   // One configuration (edge_state.cc).
 
-  /// The pairs, in their order, that may not keep their thresholds, or not be farther apart than
-  /// `reach` >= 0 [m]; until the next call.
+  /// The pairs, in order, that may not keep their thresholds, or may be within `reach` >= 0 [m];
+  /// valid until the next call.
   std::span<const int> nearPairs(int slot, double reach);
-  /// Of an edge without length that frames have begun: stages 1, 2 and 4, which mostly tell.
+  /// For an edge without length that frames have begun: stages 1, 2 and 4, which usually decide.
   std::optional<Verdict> decideByLanes();
   /// All pairs at t, placed in `slot`. `offender`: the pair that is not free or undecided.
   Verdict checkState(int slot, double t, int& offender);
 
   // Tasks (edge_verdict.cc).
 
-  /// Makes one interval of the edge, with all pairs that are asked; of those with the world with
-  /// what may come as near as their thresholds plus `reach` >= 0 [m]. False where there is no room
-  /// for all.
+  /// Makes one interval of the edge, with all pairs in question. Pairs with the world are included
+  /// if they may come as near as their thresholds plus `reach` >= 0 [m]. False if the queue is
+  /// full.
   bool takeWholeEdge(int start, int end, double reach);
-  /// Sweeps an interval's tasks, and keeps those that stay open. Stops at a pair that is not free,
+  /// Sweeps an interval's tasks, and keeps those that stay open. Stops at a pair that is not free
   /// and returns it.
   std::optional<PairVerdict> sweepTasks(EdgeInterval& interval);
-  /// At the edge's end, open pairs of meshes that were open in all of it: a body may be inside
-  /// another though their surfaces never meet.
+  /// Checks, at the edge's end, pairs of meshes that were open on the whole edge, because a body
+  /// may be inside another although their surfaces never meet.
   std::optional<PairVerdict> checkContainment();
   class VerdictRule;
   /// Sweeps all tasks, and the halves of those that stay open, level by level.
   PairVerdict sweepAll();
   class LastValidRule;
-  /// How far from its start the edge is certified.
+  /// Up to which t the edge is certified from its start.
   double lastValid();
 
   // The least clearance of an edge (edge_clearance.cc).
@@ -130,16 +130,16 @@ struct EdgeCertifier::Impl {
 
   class CostSearch;
 
-  // The scene, what is placed of it, what is asked, and the stages.
+  // The scene, its placements, the question, and the stages.
 
   std::shared_ptr<const CompiledScene> scene;
   EdgeFrames frames;
   EdgeLanes lanes;
-  bool lanes_fit = true;  ///< false after rebind(): lanes hold the shapes of the scene before
+  bool lanes_fit = true;  ///< false after rebind(): lanes contain the shapes of the previous scene
   collision::Workspace workspace;
-  collision::Work work;  ///< spent on the present edge or state
+  collision::Work work;  ///< spent on the current edge or state
   Asked asked;
-  EdgeMemory memory;  ///< of edges before
+  EdgeMemory memory;  ///< of earlier edges
   EdgeQueue queue;
   PairQueries queries;
   ContactSearch contacts;
@@ -148,21 +148,22 @@ struct EdgeCertifier::Impl {
   double most_rounding = 0;              ///< of all pairs [m]
   std::array<double, 3> least_margin{};  ///< of each kind of Pairs [m]
 
-  // The present edge.
+  // The current edge.
 
   std::uint64_t edge = 0;  ///< its number
   std::int64_t work_limit = 0;
-  bool has_begun = false;  ///< the edge: it can be certified at all
+  bool has_begun = false;  ///< the edge can be certified at all
 
   // Lists.
 
-  std::vector<int> looked_at;  ///< pairs that may be near anywhere: listed ones, or all
-  bool looks_at_all = false;   ///< they are few
-  collision::SpareVector<int> near_pairs, asked_pairs;  ///< of nearPairs(), and of the call before
-  bool near_pairs_full = false;                         ///< more were near than there was room for
-  std::vector<int> never_parted;                        ///< pairs for checkContainment()
-  std::vector<std::pair<double, int>> order;            ///< pairs by coarse distance
-  std::vector<CostPart> cost_parts;                     ///< a heap by their width
+  std::vector<int> looked_at;  ///< pairs that may be near anywhere: listed pairs, or all
+  bool looks_at_all = false;   ///< because they are few
+  collision::SpareVector<int> near_pairs,
+      asked_pairs;                            ///< of nearPairs(), and of the previous call
+  bool near_pairs_full = false;               ///< more pairs were near than there is room for
+  std::vector<int> never_parted;              ///< pairs for checkContainment()
+  std::vector<std::pair<double, int>> order;  ///< pairs by coarse distance
+  std::vector<CostPart> cost_parts;           ///< a heap by their width
 
   int last_contact = -1;  ///< the pair that was last not free; -1: none
   int last_named = -1;    ///< the pair that the last verdict named

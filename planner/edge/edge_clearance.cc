@@ -1,7 +1,7 @@
 // The least clearance along an edge, by branch and bound over pairs and intervals. The upper end is
-// the least distance at some configuration. The lower end comes from sweeps; where bodies overlap,
-// of which sweeps say nothing, from the distance at an interval's middle less how far the pair can
-// move from it.
+// the least distance at some configuration. The lower end comes from sweeps. Sweeps do not bound
+// depths, so if bodies overlap, the lower end is the distance at an interval's middle minus how far
+// the pair can move from it.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace leeway::planner {
 
-/// One search; the rule by which tasks are settled.
+/// One search, and the rule that settles its tasks.
 class EdgeCertifier::Impl::ClearanceSearch {
  public:
   ClearanceSearch(Impl& impl, const ClearanceRequest& request)
@@ -26,9 +26,9 @@ class EdgeCertifier::Impl::ClearanceSearch {
 
   bool isCutOff() const { return best.clearance.upper < cutoff_; }
 
-  /// Of the edge that frames have begun, with its ends placed.
+  /// Searches the edge that frames have begun, with its ends placed.
   void searchEdge(int start, int end) {
-    // What is wanted may be known without a single distance.
+    // The wanted clearance may be proven without computing a distance.
     const bool listed = std::isfinite(wanted_) && listNearLanes();
     if (listed && impl_.queue.empty()) return;
     searchState(end, 1);
@@ -36,8 +36,8 @@ class EdgeCertifier::Impl::ClearanceSearch {
     if (!listed && !listNearLanes()) listWholeEdge(start, end);
     searchTasks();
   }
-  /// Containment is decided at the ends, and changes where surfaces meet. So where they may have,
-  /// the search starts again without sweeps.
+  /// Containment is decided at the ends, and changes where surfaces meet. If they may have met, the
+  /// search starts again without sweeps.
   bool needsSearchWithoutSweeps() const {
     return swept_ && std::min(lower_, best.clearance.upper) <= 0 && !isCutOff();
   }
@@ -51,8 +51,9 @@ class EdgeCertifier::Impl::ClearanceSearch {
     return isCutOff() ? -kInfinity : std::min(lower_, best.clearance.upper);
   }
 
-  /// All pairs at one configuration, in the order of their coarse bounds. Of many those within a
-  /// reach come first, which grows until it is beyond the least distance known.
+  /// Checks all pairs at one configuration, in the order of their coarse bounds. If there are many
+  /// pairs, those within a reach come first; the reach grows until it exceeds the least known
+  /// distance.
   void searchState(int slot, double t) {
     impl_.asked_pairs.clear();
     for (double reach = kFirstReach;; reach *= kReachGrowth) {
@@ -67,8 +68,8 @@ class EdgeCertifier::Impl::ClearanceSearch {
     }
   }
 
-  /// The pairs that balls leave within a reach of each other, at an edge without length that frames
-  /// have begun. Sixteen lanes for one configuration, and yet most pairs end there.
+  /// Searches the pairs that balls leave within a reach of each other, for an edge without length
+  /// that frames have begun. It uses sixteen lanes for one configuration, but most pairs end there.
   void searchNearLanes(int slot) {
     if (!impl_.lanes_fit || !impl_.lanes.begin(impl_.frames)) return;
     const double beyond = std::max(0.0, kRoughFirst - impl_.leastMargin());
@@ -82,8 +83,8 @@ class EdgeCertifier::Impl::ClearanceSearch {
     searchPairs(slot, 0, impl_.near_pairs);
   }
 
-  /// The distances of the first `count` pairs that a pass over the whole edge left open, in the
-  /// middle of where they are open.
+  /// Computes the distances of the first `count` pairs that a pass over the whole edge left open,
+  /// in the middle of their open lanes.
   void searchOpenLanes(int count) {
     for (const collision::LaneSweep::Open& pair : impl_.lanes.open()) {
       if (--count < 0 || isCutOff()) return;
@@ -94,7 +95,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
     }
   }
 
-  /// The distance of pair p near t, downhill.
+  /// The distance of pair p near t, by descent.
   void descend(int p, double t) {
     const EdgePair& pair = impl_.frames.pair(p);
     const auto look = [&](double at_t) {
@@ -113,8 +114,8 @@ class EdgeCertifier::Impl::ClearanceSearch {
     }
   }
 
-  /// EdgeLanes::sweepBeyond() for the pairs that are asked, and planes where that leaves some open.
-  /// False where a contact is found or more is near than there is room for.
+  /// EdgeLanes::sweepBeyond() for the pairs in question, then planes if pairs stay open. False if a
+  /// contact is found or more pairs are near than there is room for.
   bool sweepBeyond(double beyond) {
     EdgeLanes& lanes = impl_.lanes;
     return lanes.sweepBeyond(impl_.frames, impl_.asked.pairs, beyond).id < 0 &&
@@ -126,7 +127,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
   /// Settles the tasks that balls or sweeps prove to be far enough.
   bool sweep(EdgeInterval& interval) {
     if (is_limited_ && impl_.queue.startsLevel() && impl_.work.isSpent()) {
-      settle(-kInfinity);  // what is left would cost a distance each
+      settle(-kInfinity);  // each remaining task would cost a distance
       return false;
     }
     ++impl_.statistics->intervals;
@@ -169,8 +170,8 @@ class EdgeCertifier::Impl::ClearanceSearch {
     return !is_settled;
   }
 
-  /// The distance of one pair at one configuration: to within a quarter of the tolerance, or above
-  /// the least one known, which it lowers.
+  /// Computes the distance of one pair at one configuration: to within a quarter of the tolerance,
+  /// or proves it above the least known distance, which it may lower.
   Interval refine(int slot, double t, const EdgePair& pair) {
     collision::DistanceRequest request;
     request.tolerance = tolerance_ / 4;
@@ -193,7 +194,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
     return result.distance;
   }
 
-  /// Of some pairs those that have not been asked.
+  /// Searches the pairs among some that have not been checked.
   void searchPairs(int slot, double t, std::span<const int> near) {
     const EdgeFrames& frames = impl_.frames;
     impl_.order.clear();
@@ -214,16 +215,16 @@ class EdgeCertifier::Impl::ClearanceSearch {
     }
   }
 
-  /// Lists the pairs that may come as near as the least distance known.
+  /// Lists the pairs that may come as near as the least known distance.
   void listWholeEdge(int start, int end) {
     const double reach = std::max(best.clearance.upper, 0.0) + impl_.most_rounding;
     if (!impl_.takeWholeEdge(start, end, reach)) settle(-kInfinity);
   }
 
   /// Lists the lanes that are not proven to be far enough, and settles the rest. False, with
-  /// nothing settled, where lanes say nothing.
+  /// nothing settled, if lanes do not apply.
   bool listNearLanes() {
-    // Lanes bound no depths.
+    // Lanes do not bound depths.
     if (isCutOff() || !(enough() > 0) || !std::isfinite(enough())) return false;
     EdgeLanes& lanes = impl_.lanes;
     if (!impl_.lanes_fit || !lanes.begin(impl_.frames)) return false;
@@ -232,7 +233,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
     for (int pass = 0;; ++pass) {
       beyond = std::max(0.0, enough() - least);
       if (!sweepBeyond(beyond)) return false;
-      // A lower upper end leaves less open, and a pass costs less than intervals.
+      // A lower upper end leaves fewer pairs open, and a pass costs less than intervals.
       const double known = best.clearance.upper;
       if (lanes.open().empty() || pass == kClearancePasses) break;
       searchOpenLanes(kClearanceLooks);
@@ -258,9 +259,9 @@ class EdgeCertifier::Impl::ClearanceSearch {
       double lower =
           distance.lower - interval.h / 2 * impl_.queries.motionOf(interval, pair.motion).speed;
       bool settled = last || lower >= enough();
-      // That does not hold for depths of a mesh: a turn may lock a body that a short way would
-      // part. The bound of balls holds, but is loose; of a pair that is apart, halves may prove
-      // more.
+      // This does not hold for depths of a mesh: a turn may lock a body that a short translation
+      // would separate. The bound of balls holds, but is loose. If the pair is apart, the halves
+      // may prove more.
       if (settled && lower <= 0 && !impl_.frames.isConvex(pair)) {
         double growth = 0;
         lower = std::min(lower, impl_.queries.coarseSweep(interval, pair, growth) - pair.rounding);
@@ -272,10 +273,10 @@ class EdgeCertifier::Impl::ClearanceSearch {
 
   Impl& impl_;
   double tolerance_, cutoff_, wanted_;
-  bool is_limited_;           // by the caller: where its work ends, so does the search
-  double lower_ = kInfinity;  // of everything that is settled
-  bool sweeps_ = true;        // sweeps may be asked
-  bool swept_ = false;        // some pairs are settled by sweeps that miss containment
+  bool is_limited_;           // by the caller: the search ends at the work limit
+  double lower_ = kInfinity;  // of all settled tasks
+  bool sweeps_ = true;        // sweeps are allowed
+  bool swept_ = false;        // sweeps that miss containment settled some pairs
 };
 
 EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<const double> b,

@@ -32,7 +32,7 @@ EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
   centers_.reserve(at(capacity) * moving_.size());
 }
 
-/// All others stand still along every edge.
+/// All other joints stand still along every edge.
 void EdgeFrames::findMovedJoints() {
   const robots::Model& model = scene_->model();
   std::vector<double> any(model.variables.size(), 0);
@@ -68,14 +68,14 @@ void EdgeFrames::take(const EdgeScene& edges) {
   moving_ = edges.moving;
   gaps_.clear();
   if (edges.gaps.empty()) return;
-  scene_->expand(point_, q_);  // what is not planned stands as there
+  scene_->expand(point_, q_);  // joints that are not planned have these values
   for (const robots::LinkGap* table : edges.gaps)
     gaps_.push_back({table, angleOf(table->joint), angleOf(table->other)});
 }
 
 namespace {
 
-/// Arcs of a table that a range of angles crosses, at most.
+/// The largest number of arcs of a table that a range of angles crosses.
 std::int64_t arcsIn(const robots::LinkGap::Range& range) {
   const double arcs =
       std::abs(range.to - range.from) * robots::LinkGap::kArcs / collision::kTwoPi + 2;
@@ -105,7 +105,7 @@ bool EdgeFrames::keepsGap(const EdgePair& pair, double threshold, double t0, dou
   const robots::LinkGap::Range angles = range(gap.joint, t0, t1), others = range(gap.other, t0, t1);
   if (work_ != nullptr) work_->add(arcsIn(angles) * arcsIn(others) * collision::kCellWork);
   const double kept = gap.table->over(angles, others);
-  // 0 means that nothing is proven, even where the margin lets bodies overlap.
+  // 0 means that nothing is proven, even if the margin lets bodies overlap.
   return kept > 0 && kept > threshold;
 }
 
@@ -115,8 +115,8 @@ bool EdgeFrames::hasExactAngles(std::span<const double> point) const {
   return true;
 }
 
-/// Needed outside the limits, too: a joint without room has no motion term and must be in its
-/// place, and a quaternion that is nearly zero is no rotation.
+/// Also needed outside the limits: a joint without range has no motion term and must be in its
+/// position, and a quaternion that is nearly zero is not a rotation.
 bool EdgeFrames::isWellFormed(std::span<const double> point) const {
   const ConfigurationSpace& space = scene_->space();
   for (const ConfigurationSpace::Part& part : space.parts()) {
@@ -131,7 +131,7 @@ bool EdgeFrames::isWellFormed(std::span<const double> point) const {
   return true;
 }
 
-/// What takeAny() does, where each number of a point is a line of its own: most robots.
+/// As takeAny(), if each number of a point is a separate line, as in most robots.
 bool EdgeFrames::takeLines(std::span<const double> a, std::span<const double> b) {
   const ConfigurationSpace& space = scene_->space();
   bool is_exact = true, is_well_formed = true, is_within = true;
@@ -193,7 +193,7 @@ int EdgeFrames::place(double t) {
   const std::span<Pose> X_WL{poses_.data() + at(slot) * links_, links_};
   robots::forwardKinematics(scene_->model(), q_, X_WL);
   Eigen::Vector3d* centers = centers_.data() + at(slot) * moving_.size();
-  const std::span<const Piece> listed = edges_->pieces.listed();  // what moves is
+  const std::span<const Piece> listed = edges_->pieces.listed();  // all moving pieces are listed
   for (std::size_t i = 0; i < moving_.size(); ++i) {
     const Piece& moving = listed[at(moving_[i])];
     centers[i] = X_WL[at(moving.link)] * moving.bounds->outer.center;
@@ -218,7 +218,7 @@ bool EdgeFrames::nearInRow(std::size_t row, int slot, double reach,
                            collision::SpareVector<int>& pairs) const {
   const EdgePairs::Row& of = edges_->pairs.rows()[row];
   const Eigen::Vector3d& at_center = center(slot, of.piece);
-  // (Rounding of the sums is far below that of single precision, which is outwards.)
+  // (The rounding of the sums is far below that of single precision, which rounds outwards.)
   const double radius = piece(of.piece).bounds->outer.radius + reach + of.most_threshold;
   collision::ObstacleBoxes::Box box;
   for (int k = 0; k < 3; ++k) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Private to planner/: the pairs that are checked along an edge, and its configurations, each
-// placed once.
+// Private to planner/: the pairs that are checked along an edge, and the edge's configurations,
+// each placed once.
 
 #include <cstdint>
 #include <memory>
@@ -24,17 +24,17 @@ using collision::Pose;
 struct Piece {
   int body = -1;
   int link = -1;    ///< that carries it; -1: the world
-  int moving = -1;  ///< its number among those that move
+  int moving = -1;  ///< its number among the moving pieces
   const collision::Geometry* geometry = nullptr;
   const collision::GeometryBounds* bounds = nullptr;  ///< in the link's frame, or the world's
   bool at_origin = false;                             ///< X_BG is the identity
   bool is_free_mesh = false;  ///< a mesh that a planned floating or planar joint carries
-  /// For pieces of the world: the absolute coordinates of the inverse of their pose and of
-  /// their ball's centre, added up [m].
+  /// For pieces of the world: the sum of the absolute coordinates of their inverse pose and of
+  /// their ball's centre [m].
   double scale = 0;
 };
 
-/// The geometries of a scene. The piece of a geometry in a place is made by each call, because
+/// The geometries of a scene. Each call constructs the piece of a geometry in a place, because
 /// there may be a million of them.
 class Pieces {
  public:
@@ -50,24 +50,25 @@ class Pieces {
   const CompiledScene* scene_ = nullptr;
 };
 
-/// One pair of the scene. Piece a is swept, seen from piece b.
+/// One pair of the scene. Piece a is swept, relative to piece b.
 struct EdgePair {
   int scene_pair;
   int a, b;          ///< pieces
-  int motion;        ///< of a seen from b's link, index into EdgeModel::motions
-  double threshold;  ///< that separation must exceed: margin + rounding [m]
-  double rounding;   ///< of the poses that a separation is computed from [m]
-  bool is_self;      ///< of two parts of the robot
+  int motion;        ///< of a relative to b's link, index into EdgeModel::motions
+  double threshold;  ///< that the separation must exceed: margin + rounding [m]
+  double rounding;   ///< of the poses from which a separation is computed [m]
+  bool is_self;      ///< between two parts of the robot
   bool is_reversed;  ///< a is the scene's second body
   bool by_surfaces;  ///< swept by collision::sweepMesh(); its margin is not negative
-  int gap = -1;      ///< index of the table of its links' gap by joint angles; -1: none
+  int gap = -1;      ///< index into the table of its links' gap by joint angles; -1: none
 };
 
-/// The pairs of a scene: those that the scene lists, by their first piece, then as in the scene,
-/// and those of its table (see collision::ScenePairs), which have the numbers that they have there.
+/// The pairs of a scene. First come the pairs that the scene lists, ordered by their first piece
+/// and then as in the scene. Then come those of its table (see collision::ScenePairs), with the
+/// table's numbers.
 class EdgePairs {
  public:
-  /// How many there are.
+  /// The number of pairs.
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
   /// All numbers are below this.
@@ -76,7 +77,7 @@ class EdgePairs {
   EdgePair operator[](std::size_t number) const {
     return number < listed_.size() ? listed_[number] : inTable(number, pieceOf(number));
   }
-  /// A pair of the table, from its piece that stands still.
+  /// A pair of the table, from its static piece.
   EdgePair inTable(std::size_t number, const Piece& still) const;
 
   /// EdgePair::scene_pair.
@@ -84,21 +85,21 @@ class EdgePairs {
     return at(number) < listed_.size() ? listed_[at(number)].scene_pair : number;
   }
 
-  /// A piece that moves, with its pairs in the table; one for each of the scene's rows.
+  /// A moving piece with its pairs in the table; one for each row of the scene.
   struct Row {
     int piece, motion;
-    double most_threshold;  ///< of its pairs, at least 0; NaN where one is [m]
+    double most_threshold;  ///< the greatest of its pairs, at least 0; NaN if one is NaN [m]
   };
   std::span<const Row> rows() const { return rows_; }
-  /// The piece in a place; that of the first place is the first.
+  /// The piece in a place. The first place has the lowest number.
   int pieceIn(std::size_t place) const { return first_still_ + static_cast<int>(place); }
-  /// That of a pair of the table.
+  /// The static piece of a pair of the table.
   int stillOf(std::size_t number) const;
 
-  /// The first pairs.
+  /// The listed pairs, which come first.
   std::span<const EdgePair> listed() const { return listed_; }
 
-  /// Of all pairs, at most [m]; NaN where one is.
+  /// The greatest rounding of any pair [m]; NaN if one is NaN.
   double mostRounding() const { return most_rounding_; }
 
  private:
@@ -113,35 +114,36 @@ class EdgePairs {
   const EdgeScene* edges_ = nullptr;
 };
 
-/// What all edges of a compiled scene ask of it. Constant; shared by its certifiers.
+/// Data of a compiled scene for all edges. Constant; shared by its certifiers.
 struct EdgeScene {
-  /// Borrows from the scene. O(geometries outside places + listed pairs + rows).
+  /// Refers to the scene. O(geometries outside places + listed pairs + rows).
   explicit EdgeScene(const CompiledScene& scene);
   EdgeScene(const EdgeScene&) = delete;
   EdgeScene& operator=(const EdgeScene&) = delete;
 
-  Pieces pieces;            ///< one a geometry
-  std::vector<int> moving;  ///< the pieces that move
+  Pieces pieces;            ///< one per geometry
+  std::vector<int> moving;  ///< the moving pieces
   EdgePairs pairs;
   std::vector<const robots::LinkGap*> gaps;
-  bool has_surface_pairs = false;  ///< some pair is by_surfaces
+  bool has_surface_pairs = false;  ///< at least one pair is by_surfaces
 };
 
-/// Places configurations a + t dq of one edge in numbered slots. Allocates in the constructor only.
+/// Places configurations a + t dq of one edge in numbered slots. Allocates only in the constructor.
 class EdgeFrames {
  public:
   EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity);
 
-  /// Takes a variant of the same scene with as many pairs; no slot is in use afterwards.
+  /// Takes a variant of the same scene with the same number of pairs; afterwards no slot is in use.
   void rebind(std::shared_ptr<const CompiledScene> scene);
 
-  /// Starts an edge: no slot is in use afterwards. False when it cannot be certified at all:
-  /// numbers that are not finite, angles too large to be exact, a quaternion of no length, a joint
-  /// that has no room and is not in its place, or a mimic joint that would jump.
+  /// Starts an edge; afterwards no slot is in use. False if the edge cannot be certified at all:
+  /// numbers that are not finite, angles too large to be exact, a quaternion of zero length, a
+  /// joint without range that is not in its position, or a mimic joint that would jump.
   bool begin(std::span<const double> a, std::span<const double> b);
-  /// A slot with the configuration at t; -1 when none is left or a body is beyond EdgeModel::reach.
+  /// A slot with the configuration at t; -1 if no slot is left or a body is beyond
+  /// EdgeModel::reach.
   int place(double t);
-  /// place(), once for each multiple of 1 / kSharedPlaces while its slot is in use.
+  /// As place(), but once for each multiple of 1 / kSharedPlaces while its slot is in use.
   int slotAt(double t);
   int used() const { return used_; }
   /// Frees all slots from `used` on.
@@ -149,12 +151,12 @@ class EdgeFrames {
     used_ = used;
     ++generation_;
   }
-  /// Changes whenever a slot may come to hold another configuration.
+  /// Changes whenever a slot may get another configuration.
   std::uint64_t generation() const { return generation_; }
 
   const CompiledScene& scene() const { return *scene_; }
   const std::shared_ptr<const CompiledScene>& sharedScene() const { return scene_; }
-  // Of the edge begun: its start and difference in the space, the difference in the model's
+  // The current edge: its start and difference in the space, the difference in the model's
   // variables, and how far each joint moves.
   std::span<const double> start() const { return a_; }
   std::span<const double> difference() const { return difference_; }
@@ -162,24 +164,24 @@ class EdgeFrames {
   std::span<const robots::JointMotion> jointMotion() const { return joint_motion_; }
   /// The joints that edges can move.
   std::span<const int> movedJoints() const { return moved_joints_; }
-  /// True when the angles of two joints between a pair's links prove that it keeps more than
+  /// True if the angles of two joints between a pair's links prove that the pair keeps more than
   /// `threshold` [m] from t0 to t1 (robots::LinkGap). O(cells of the table that the angles cross).
   bool keepsGap(const EdgePair& pair, double threshold, double t0, double t1) const;
-  /// Counts what placing and tables cost into `work` from now on.
+  /// From now on, adds the cost of placing and of tables to `work`.
   void countInto(collision::Work& work) { work_ = &work; }
-  /// Whether some pair is by_surfaces.
+  /// Whether at least one pair is by_surfaces.
   bool hasSurfacePairs() const { return edges_->has_surface_pairs; }
   bool isWithinLimits() const { return within_limits_; }
   const EdgePairs& pairs() const { return edges_->pairs; }
-  /// A pair by its number; one of the table is made once and kept. O(1).
+  /// A pair by its number. A pair of the table is constructed once and kept. O(1).
   EdgePair pair(int number) const {
     const std::span<const EdgePair> listed = edges_->pairs.listed();
     if (at(number) < listed.size()) return listed[at(number)];
     const EdgePair* const known = known_pairs_.find(number - static_cast<int>(listed.size()));
     return known != nullptr ? *known : findPair(number);
   }
-  /// A piece by its number. The reference to one in a place holds until the next call for one in a
-  /// place; a pair has at most one. O(1).
+  /// A piece by its number. The reference to a piece in a place is valid until the next call for
+  /// such a piece; a pair has at most one. O(1).
   const Piece& piece(int number) const {
     const std::span<const Piece> listed = edges_->pieces.listed();
     if (at(number) < listed.size()) return listed[at(number)];
@@ -193,21 +195,22 @@ class EdgeFrames {
     const Piece& p = piece(number);
     return p.link < 0 ? p.bounds->outer.center : centers_[at(slot) * moving_.size() + at(p.moving)];
   }
-  /// Both shapes are convex: then a sweep sees containment, too.
+  /// Whether both shapes are convex. A sweep of such a pair also detects containment.
   bool isConvex(const EdgePair& pair) const {
     return piece(pair.a).geometry->shape.isConvex() && piece(pair.b).geometry->shape.isConvex();
   }
   /// Appends the pairs of a row that may not keep their thresholds plus `reach` >= 0 [m] at a
-  /// slot's configuration, in no order. False where `pairs` has no room for all. A descent of the
-  /// boxes of what stands still.
+  /// slot's configuration, in any order. False if `pairs` has no room for all. Descends the boxes
+  /// of static bodies.
   bool nearInRow(std::size_t row, int slot, double reach, collision::SpareVector<int>& pairs) const;
   Pose piecePose(int slot, int number) const;
   /// X_BA of a pair's pieces.
   Pose relative(int slot, const EdgePair& pair) const;
-  /// A point of the world in the frame of a piece's coarse shape: its link's, or the world's.
+  /// A point of the world in the frame of a piece's coarse shape: the frame of its link, or the
+  /// world.
   Eigen::Vector3d inFrameOf(int slot, int number, const Eigen::Vector3d& p_W) const;
 
-  /// Bounds on a motion within `half` (in t) of a slot's configuration, see
+  /// Bounds on a motion within `half` (in t) of a slot's configuration; see
   /// robots::localMotionBound().
   robots::MotionBound motionNear(int motion, int slot, double half) const;
 
@@ -216,7 +219,7 @@ class EdgeFrames {
   const Piece& findPiece(int number) const;
   void take(const EdgeScene& edges);
   void findMovedJoints();
-  /// Takes an edge's ends; false as begin().
+  /// Takes an edge's ends; false as for begin().
   bool takeLines(std::span<const double> a, std::span<const double> b);
   bool takeAny(std::span<const double> a, std::span<const double> b);
   bool hasExactAngles(std::span<const double> point) const;
@@ -227,7 +230,8 @@ class EdgeFrames {
   mutable collision::PairTable<EdgePair> known_pairs_;
   mutable collision::PairTable<Piece> known_pieces_;
   std::span<const int> moving_;
-  /// A joint's angle is multiplier * a planned number + offset [rad]; place < 0: the offset alone.
+  /// A joint's angle is multiplier * a planned number + offset [rad]; if place < 0, it is the
+  /// offset.
   struct Angle {
     int place;
     double multiplier, offset;
@@ -237,9 +241,9 @@ class EdgeFrames {
     const robots::LinkGap* table;
     Angle joint, other;
   };
-  /// Needs q_ for joints that are not planned.
+  /// Requires q_ for joints that are not planned.
   Angle angleOf(int joint) const;
-  /// From t0 to t1.
+  /// The range from t0 to t1.
   robots::LinkGap::Range range(const Angle& angle, double t0, double t1) const;
   std::vector<Gap> gaps_;
   std::size_t links_;
@@ -258,9 +262,10 @@ class EdgeFrames {
   std::vector<double> a_, b_, difference_, point_, q_, dq_;
   std::vector<robots::JointMotion> joint_motion_;
   std::vector<int> moved_joints_;
-  // Slot by slot. Room is reserved for all, and begun slot by slot: few edges use many.
-  collision::SpareVector<Pose> poses_;               // one a link
-  collision::SpareVector<Eigen::Vector3d> centers_;  // one a moving piece
+  // Data by slot. Memory is reserved for all slots and constructed slot by slot, because few edges
+  // use many.
+  collision::SpareVector<Pose> poses_;               // one per link
+  collision::SpareVector<Eigen::Vector3d> centers_;  // one per moving piece
 };
 
 }  // namespace leeway::planner

@@ -25,13 +25,13 @@ using collision::LaneSweep;
 using robots::Joint;
 using robots::JointType;
 
-/// The part of an edge that a lane has in the pass over all of it; exact.
+/// The share of an edge that a lane has in the pass over the whole edge; exact.
 constexpr float kWidth = 1.0F / collision::kLanes;
 
 /// Kinds of pairs for collision::LaneSweep.
 constexpr std::uint8_t kOfWorld = LaneSweep::kOfWorld, kOfRobot = 2;
 
-/// The middles of these parts, less 1/2; exact.
+/// The middles of these parts, minus 1/2; exact.
 constexpr collision::LaneValues kMiddles = [] {
   collision::LaneValues middles{};
   for (int i = 0; i < collision::kLanes; ++i)
@@ -40,7 +40,7 @@ constexpr collision::LaneValues kMiddles = [] {
 }();
 
 void setTurn(double angle, double turn, collision::FrameStep& out) {
-  // As std::nearbyint() rounds, without a call: angles are far below 2^51.
+  // Rounds like std::nearbyint(), without a call, because angles are far below 2^51.
   constexpr double kWholes = 0x1.8p52;
   const double turns = (angle / kTwoPi + kWholes) - kWholes;
   out.angle = static_cast<float>(angle - kTwoPi * turns);
@@ -51,7 +51,7 @@ void setTurn(double angle, double turn, collision::FrameStep& out) {
 
 namespace {
 
-/// The table of a scene's pairs, as lanes ask for it.
+/// The table of a scene's pairs, in the form that lanes use.
 class EdgeWorld final : public collision::LaneWorld {
  public:
   EdgeWorld(const EdgeScene& edges, const collision::Scene& scene) : edges_(edges), scene_(scene) {}
@@ -96,7 +96,7 @@ std::vector<RobotLanes::Piece> SceneLanes::addPieces(const CompiledScene& scene,
   }
   const std::vector<int>& of_world = scene.edgeModel().robot->motions().of_world;
   std::vector<RobotLanes::Piece> lane_pieces = robot.pieces;
-  // A group's balls may reach where its pieces without pairs do.
+  // A group's balls may reach as far as its pieces without pairs.
   for (const RobotLanes::Piece& piece : robot.pieces) longest = std::max(longest, piece.reach);
   lane_pieces.resize(listed.size());
   for (std::size_t i = 0; i < listed.size(); ++i) {
@@ -167,8 +167,8 @@ EdgeLanes::EdgeLanes(const EdgeFrames& frames)
   closed_.reserve(std::min(frames.pairs().size(), most_kept));
 }
 
-/// What the present edge makes of a joint's step. q_ is the configuration in the edge's middle, but
-/// for quaternions, which are those of its start.
+/// Computes a joint's step for the current edge. q_ is the configuration in the edge's middle,
+/// except for quaternions, which are those of its start.
 void EdgeLanes::setStep(const EdgeFrames& frames, std::size_t i) {
   const Step& step = robot_.steps[i];
   const Joint& joint = scene_->model().joints[at(step.joint)];
@@ -209,7 +209,7 @@ void EdgeLanes::setFloatingStep(const Step& step, const double* q, const double*
   const Eigen::Matrix3d& R_PJ = step.X_PJ.rotation;
   const Eigen::Vector3d r(dq[3], dq[4], dq[5]);
   const double turn = r.norm();
-  // Without a turn any axis will do.
+  // Any axis is acceptable if there is no turn.
   const Eigen::Matrix3d align =
       turn > kLeastTurn ? turningZ(r / turn) : Eigen::Matrix3d::Identity();
   if (step.restores) {
@@ -245,8 +245,8 @@ bool EdgeLanes::begin(const EdgeFrames& frames) {
   }
   turns /= 2 * collision::kLanes;
   slides /= 2 * collision::kLanes;
-  // Over every chain, the lengths from each of its steps on sum up to at most (steps + 1) times the
-  // longest chain.
+  // Over every chain, the sum of the lengths from each of its steps to its end is at most (steps +
+  // 1) times the longest chain.
   const double rounding = collision::kLaneRounding * (robot_.deepest + 1) * lanes_.longest;
   slack_ = collision::floatAbove(rounding * (1 + 4 * turns) +
                                  2 * robot_.deepest * collision::kLaneRounding * slides);
@@ -289,7 +289,7 @@ class GapProofs final : public LaneSweep::Proofs {
   GapProofs(const EdgeFrames& frames, double demanded, double beyond)
       : frames_(frames), demanded_(demanded), beyond_(beyond) {}
   bool keeps(int id) const override {
-    const EdgePair& pair = frames_.pairs().listed()[at(id)];  // others have no proofs
+    const EdgePair& pair = frames_.pairs().listed()[at(id)];  // only listed pairs have proofs
     const double threshold = std::max(pair.threshold, demanded_ + pair.rounding) + beyond_;
     return frames_.keepsGap(pair, threshold, 0, 1);
   }
@@ -312,7 +312,7 @@ LaneSweep::Contact EdgeLanes::sweep(const EdgeFrames& frames, Pairs asked, doubl
   return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_, {kindsOf(asked), &proofs});
 }
 
-/// Growth is a distance that must be kept besides the threshold; so is `beyond`.
+/// Growth is a distance that must be kept in addition to the threshold. So is `beyond`.
 void EdgeLanes::demandInPass(double beyond) {
   if (!(beyond > 0)) return;
   const float wider = collision::floatAbove(beyond);
@@ -351,7 +351,7 @@ LaneSweep::Contact EdgeLanes::searchPlanes() {
 }
 
 EdgeLanes::Parts::Range EdgeLanes::Parts::rangeOf(std::uint32_t lanes) const {
-  double begin = 1, end = 0;  // parts need not stand in the order of time
+  double begin = 1, end = 0;  // parts need not be in the order of time
   for (int lane = 0; lane < collision::kLanes; ++lane) {
     if ((lanes >> lane & 1U) == 0) continue;
     begin = std::min(begin, from[lane]);
@@ -387,8 +387,8 @@ LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
 
 std::optional<double> EdgeLanes::findContact(int pair, double from, double width) {
   if (!lanes_.sweep.canMeet(pair, *scratch_)) return std::nullopt;
-  // In the middle of each lane's share. Over the whole edge these are the middles of sweep(), so
-  // the ends of the shares are looked at instead.
+  // Checks the middle of each lane's share. Over the whole edge these are the middles of sweep(),
+  // so the ends of the shares are checked instead.
   const double share = width / collision::kLanes, first = width < 1 ? share / 2 : share;
   collision::LaneValues places;
   for (int i = 0; i < collision::kLanes; ++i)

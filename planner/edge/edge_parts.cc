@@ -44,8 +44,7 @@ bool EdgeParts::isSweptOver(const collision::LaneSweep::Open& pair, int lane, in
   const std::uint32_t wanted = block(lane, width);
   if (!frames_.pair(pair.id).by_surfaces)
     return (pair.lanes & wanted) != 0 && lanesPerSweep(pair) == width;
-  // The sweep of surfaces halves long parts itself where that pays, so it gets the widest blocks
-  // that are open.
+  // The sweep of surfaces halves long parts itself if that pays, so it gets the widest open blocks.
   if ((pair.lanes & wanted) != wanted) return false;
   if (width == collision::kLanes) return true;
   const std::uint32_t wider = block(lane & ~(2 * width - 1), 2 * width);
@@ -82,7 +81,7 @@ std::optional<PairVerdict> EdgeParts::certify() {
 }
 
 EdgeLanes::Parts EdgeParts::take() {
-  // One, two or four parts of one width; each is divided so that all lanes are full.
+  // One, two or four parts of one width; each is divided so that all lanes are used.
   const double width = parts_[next_].width;
   std::size_t count = 1;
   while (count < std::min<std::size_t>(4, parts_.size() - next_) &&
@@ -134,7 +133,8 @@ bool EdgeParts::listWideOpen(const EdgeLanes::Parts& parts, int first) {
 }
 
 bool EdgeParts::listLane(const EdgeLanes::Parts& parts, int lane, int first) {
-  // After the pass over the whole edge, addOpenLanes() has those that finer passes will not part.
+  // After the pass over the whole edge, addOpenLanes() handles the pairs that finer passes cannot
+  // separate.
   const bool is_whole_edge = parts.share == 1;
   if (part_pairs_.size() + lanes_.open().size() > part_pairs_.capacity()) return false;
   const auto begin = static_cast<int>(part_pairs_.size());

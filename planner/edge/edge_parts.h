@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to planner/: what becomes of pairs that a pass of lanes leaves open.
+// Private to planner/: pairs that a pass of lanes leaves open.
 
 #include <optional>
 #include <vector>
@@ -14,24 +14,24 @@
 
 namespace leeway::planner {
 
-/// Finer passes of lanes. A plane parts two hulls over a part of the edge where none parts them
-/// over all of a lane: pairs that a pass leaves open but apart are divided among the lanes of the
-/// next pass, which looks at nothing else. All others become tasks of the queue.
+/// Finer passes of lanes. A plane can separate two hulls over a part of the edge although no plane
+/// separates them over a whole lane. Pairs that a pass leaves open but apart are divided among the
+/// lanes of the next pass, which checks only them. All other pairs become tasks of the queue.
 class EdgeParts {
  public:
   /// Refers to all of these. A pass leaves at most `pairs` pairs open, in `tasks` lanes.
   EdgeParts(EdgeFrames& frames, EdgeLanes& lanes, ContactSearch& contacts, EdgeQueue& queue,
             const collision::Work& work, std::size_t pairs, std::size_t tasks);
 
-  /// Takes what the pass over the whole edge left open, in place of all tasks: pairs whose hulls
-  /// are apart as parts, the others as tasks over as many lanes at once as a sweep is tried on.
-  /// False when full.
+  /// Takes the pairs that the pass over the whole edge left open, and replaces all tasks. Pairs
+  /// whose hulls are apart become parts; the others become tasks over the number of lanes that one
+  /// sweep covers. False if full.
   bool begin();
-  /// Planes over the listed parts, each divided again, until none is left or they no longer pay;
-  /// what remains becomes tasks. kNotFree: a contact was found; kUndecided: no room or work is
-  /// left.
+  /// Searches planes over the listed parts, each divided again, until no part is left or planes no
+  /// longer pay. The remaining parts become tasks. kNotFree: a contact was found; kUndecided: no
+  /// room or work is left.
   std::optional<PairVerdict> certify();
-  /// What remains becomes tasks. False when full.
+  /// Turns the remaining parts into tasks. False if full.
   bool addTasks();
 
  private:
@@ -41,25 +41,27 @@ class EdgeParts {
     int begin, end;
   };
 
-  /// Finer passes may part what is apart in the middle of its lanes.
+  /// Whether finer passes may separate the pair: it is apart in the middle of its lanes.
   bool isForParts(const collision::LaneSweep::Open& pair) const {
     return pair.apart && !frames_.pair(pair.id).by_surfaces;
   }
-  /// Adds tasks of pairs that finer passes will not part. False when full.
+  /// Adds tasks of pairs that finer passes cannot separate. False if full.
   bool addOpenLanes();
-  /// Whether addOpenLanes() takes the `width` lanes from `lane` on as one interval.
+  /// Whether addOpenLanes() takes `width` lanes, starting at `lane`, as one interval.
   bool isSweptOver(const collision::LaneSweep::Open& pair, int lane, int width) const;
-  /// The most lanes over which a sweep of the pair keeps its growth below kMergedGrowth.
+  /// The largest number of lanes over which a sweep of the pair keeps its growth below
+  /// kMergedGrowth.
   int lanesPerSweep(const collision::LaneSweep::Open& pair) const;
 
-  /// Lists what a pass over `parts` left open. False when full.
+  /// Lists the pairs that a pass over `parts` left open. False if full.
   bool list(const EdgeLanes::Parts& parts);
   bool listWideOpen(const EdgeLanes::Parts& parts, int first);
   bool listLane(const EdgeLanes::Parts& parts, int lane, int first);
-  /// True for a pair that a finer pass left open in more than half of the `share` lanes from
-  /// `first` on, which are one part of the pass before: one exact sweep is tried over all of it.
+  /// True for a pair that a finer pass left open in more than half of the `share` lanes that start
+  /// at `first`. These lanes are one part of the previous pass; one exact sweep is tried over all
+  /// of it.
   static bool isWideOpen(const collision::LaneSweep::Open& pair, int first, int share);
-  /// As many parts, from next_ on, as one pass divides; pass_pairs_ are their pairs.
+  /// Takes the parts that one pass divides, starting at next_; pass_pairs_ are their pairs.
   EdgeLanes::Parts take();
 
   EdgeFrames& frames_;
@@ -68,7 +70,7 @@ class EdgeParts {
   EdgeQueue& queue_;
   const collision::Work& work_;
   std::vector<Part> parts_;
-  std::size_t next_ = 0;  // of parts_
+  std::size_t next_ = 0;  // into parts_
   collision::SpareVector<int> part_pairs_;
   std::vector<collision::LaneSweep::Open> pass_pairs_;
 };

@@ -5,8 +5,8 @@
 namespace leeway::planner {
 namespace {
 
-constexpr std::size_t kIntervals = 2048;  ///< of one level
-constexpr std::size_t kSpans = 4096;      ///< of more none are joined
+constexpr std::size_t kIntervals = 2048;  ///< per level
+constexpr std::size_t kSpans = 4096;      ///< with more, none are joined
 
 }  // namespace
 
@@ -39,7 +39,7 @@ bool EdgeQueue::take(EdgeInterval& interval) {
     interval = intervals.back();
     intervals.pop_back();
     pairs.resize(at(interval.end));
-    // What was placed for intervals further left is not asked for again.
+    // Slots of intervals further left are not used again.
     const int used = std::max(interval.slot0, interval.slot1) + 1;
     if (frames_.used() > used) frames_.release(used);
     return true;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to planner/: what is still open along an edge, and the loop that halves it.
+// Private to planner/: the open tasks along an edge, and the loop that halves them.
 
 #include <array>
 #include <cstddef>
@@ -13,8 +13,8 @@
 
 namespace leeway::planner {
 
-/// Part [t0, t0 + h] of the edge; both are dyadic, and so exact. The pairs that are still open
-/// there are [begin, end) of a list: EdgeQueue::pairs().
+/// Part [t0, t0 + h] of the edge; both are dyadic and therefore exact. The pairs that are still
+/// open there are [begin, end) of the list EdgeQueue::pairs().
 struct EdgeInterval {
   int slot0, slot1;  ///< the configurations at its ends
   double t0, h;
@@ -26,10 +26,10 @@ struct EdgeInterval {
 };
 
 /// The tasks of an edge: pairs that are still open, each over an interval, grouped by interval.
-/// Allocates in the constructor only.
+/// Allocates only in the constructor.
 class EdgeQueue {
  public:
-  /// Has room for `pairs` tasks of one level.
+  /// Has room for `pairs` tasks per level.
   EdgeQueue(EdgeFrames& frames, std::size_t pairs);
 
   void clear() { now_.clear(); }
@@ -38,13 +38,13 @@ class EdgeQueue {
   std::span<int> pairs(const EdgeInterval& interval) {
     return {now_.pairs.data() + interval.begin, at(interval.end - interval.begin)};
   }
-  /// All pairs that tasks name.
+  /// The pairs of all tasks.
   std::span<const int> pairs() const { return now_.pairs; }
 
-  /// Appends a task. One over the interval of the task before joins its group. False when full.
+  /// Appends a task. A task over the interval of the previous task joins its group. False if full.
   bool add(int pair, double from, double width, int level = 0);
   /// Replaces all tasks by one interval, the whole edge, whose ends are placed. fill(interval,
-  /// pairs) gives a SpareVector<int> its pairs, and does not grow it.
+  /// pairs) adds the pairs to a SpareVector<int> and does not grow it.
   template <class Fill>
   void takeWholeEdge(int start, int end, const Fill& fill) {
     clear();
@@ -53,8 +53,8 @@ class EdgeQueue {
     whole.end = static_cast<int>(now_.pairs.size());
     now_.intervals.push_back(whole);
   }
-  /// Makes one task of a pair's tasks over neighbouring intervals, as long as mayJoin(pair, width)
-  /// allows one of that width: one long sweep costs less than two short ones. False when full.
+  /// Merges a pair's tasks over neighbouring intervals into one, as long as mayJoin(pair, width)
+  /// allows its width, because one long sweep costs less than two short ones. False if full.
   /// O(tasks log tasks).
   template <class MayJoin>
   bool join(const MayJoin& mayJoin) {
@@ -72,7 +72,7 @@ class EdgeQueue {
     return kept == spans_.size() || addSpans(kept);
   }
 
-  /// Keeps those of an interval's tasks for which isOpen(pair) is true.
+  /// Keeps the tasks of an interval for which isOpen(pair) is true.
   template <class IsOpen>
   void keep(EdgeInterval& interval, const IsOpen& isOpen) {
     int kept = interval.begin;
@@ -83,18 +83,18 @@ class EdgeQueue {
     interval.end = kept;
   }
 
-  /// In which order subdivide() takes intervals.
+  /// The order in which subdivide() takes intervals.
   enum class Order : unsigned char {
     kByLevel,   ///< as they were added, then their halves: the widest first
-    kFromLeft,  ///< from one end of the edge to the other; begins with the last interval
+    kFromLeft,  ///< from one end of the edge to the other; starts with the last interval
   };
-  /// Takes each interval to a rule, and the halves of those that stay open, until none is left.
-  /// A rule says what is asked of an edge, and when that is answered:
-  ///   bool sweep(EdgeInterval& interval)            settles what it can of the interval's tasks
-  ///   bool look(EdgeInterval& interval, int slot)   of one that stays open, at its middle, placed
+  /// Calls a rule for each interval, and for the halves of those that stay open, until none is
+  /// left. The rule defines the question about the edge, and when it is answered:
+  ///   bool sweep(EdgeInterval& interval)            settles tasks of the interval
+  ///   bool look(EdgeInterval& interval, int slot)   checks an open interval at its middle, placed
   ///                                                 in `slot`; -1: it could not be placed
-  /// Both end the loop by returning false. look() returns true only where hasRoom() does, or where
-  /// no task is left.
+  /// Both end the loop by returning false. look() returns true only if hasRoom() does, or if no
+  /// task is left.
   template <class Rule>
   void subdivide(Order order, Rule& rule) {
     order_ = order;
@@ -113,12 +113,12 @@ class EdgeQueue {
   bool startsLevel() const { return taken_ == 1; }
   /// Within subdivide(): whether there is room for the halves of an interval.
   bool hasRoom(const EdgeInterval& interval) const;
-  /// Whether there is room for what halve() adds.
+  /// Whether there is room for the tasks that halve() adds.
   bool hasRoomToHalve(const EdgeInterval& interval) const {
     return now_.pairs.size() + at(interval.end - interval.begin) <= now_.pairs.capacity();
   }
-  /// The halves of an interval, which meet in `slot`. The right one keeps its tasks, the left one
-  /// gets copies behind all others.
+  /// The halves of an interval, which meet in `slot`. The right half keeps its tasks, the left half
+  /// gets copies after all others.
   std::array<EdgeInterval, 2> halve(const EdgeInterval& interval, int slot);
 
  private:
@@ -130,7 +130,7 @@ class EdgeQueue {
       pairs.clear();
     }
   };
-  /// A task of its own, for join().
+  /// A single task, for join().
   struct Span {
     int pair;
     double from, width;
@@ -138,15 +138,16 @@ class EdgeQueue {
 
   bool take(EdgeInterval& interval);
   void split(const EdgeInterval& interval, int slot);
-  /// The tasks, one by one, by pair and place; none where nothing can be joined.
+  /// Lists the tasks one by one, by pair and place; leaves the list empty if no tasks can be
+  /// joined.
   void listSpans();
   /// Replaces all tasks by the first `count` spans.
   bool addSpans(std::size_t count);
 
   EdgeFrames& frames_;
   Order order_ = Order::kByLevel;
-  std::size_t taken_ = 0;  // intervals of now_
-  Tasks now_, next_;       // of this level and the next
+  std::size_t taken_ = 0;  // into now_
+  Tasks now_, next_;       // of the current level and the next
   std::vector<Span> spans_;
 };
 

@@ -1,4 +1,4 @@
-// Pieces and pairs of a compiled scene, as edges ask for them.
+// Pieces and pairs of a compiled scene, in the form that edges use.
 
 #include <algorithm>
 #include <cmath>
@@ -18,8 +18,8 @@
 namespace leeway::planner {
 namespace {
 
-/// Whether a planned floating or planar joint carries a link. One that only places an arm in its
-/// world is not planned.
+/// Whether a planned floating or planar joint carries a link. A joint that only places an arm in
+/// its world is not planned.
 bool isCarriedFreely(const CompiledScene& scene, int link) {
   const std::span<const int> planned = scene.space().variables();
   for (int l = link; l >= 0; l = scene.model().joints[at(l)].parent_link) {
@@ -34,9 +34,9 @@ bool isCarriedFreely(const CompiledScene& scene, int link) {
   return false;
 }
 
-/// Two meshes, one of which flies freely. Links of an arm stay near each other and near its base
-/// and move little there, so that sweeps of their hulls answer; against a convex obstacle sweeps of
-/// convex pieces do.
+/// Whether the pair is two meshes, one of which moves freely. Links of an arm stay near each other
+/// and near its base and move little there, so sweeps of their hulls decide. Against a convex
+/// obstacle, sweeps of convex pieces do.
 bool sweepsSurfaces(const Piece& a, const Piece& b, double margin) {
   if (!(margin >= 0) || a.is_free_mesh == b.is_free_mesh) return false;
   const Piece& still = a.is_free_mesh ? b : a;
@@ -44,16 +44,16 @@ bool sweepsSurfaces(const Piece& a, const Piece& b, double margin) {
          collision::sweepsMesh(a.geometry->shape, b.geometry->shape);
 }
 
-/// What poses of a pair's pieces are exact to [m].
+/// Rounding error of the poses of a pair's pieces [m].
 double roundingOf(const EdgeModel& model, const Piece& a, const Piece& b) {
-  // All coordinates that a relative pose is made from are within this of their frame's origin.
+  // All coordinates that enter a relative pose are within this of their frame's origin.
   const double scale = 2 * model.reach + a.scale + b.scale;
   return (a.link >= 0 && b.link >= 0 ? 2 : 1) * model.rounding +
          collision::kTransferRounding * scale;
 }
 
-/// The geometry of number `index` in the scene, without what only pieces that move or only those of
-/// the world have.
+/// The geometry of number `index` in the scene, without the data that only moving pieces or only
+/// pieces of the world have.
 Piece pieceOf(const CompiledScene& scene, int body, const collision::Geometry& g, int index) {
   Piece piece;
   piece.body = body;
@@ -73,7 +73,7 @@ double scaleOf(const CompiledScene& scene, const Piece& piece) {
          piece.bounds->outer.center.lpNorm<1>();
 }
 
-/// Of a piece that moves with one that stands still, which is in the world.
+/// The pair of a moving piece with a static piece, which is in the world.
 EdgePair pairWithWorld(const CompiledScene& scene, int a, const Piece& of_a, int b,
                        const Piece& of_b, double margin) {
   EdgePair e{};
@@ -132,10 +132,10 @@ class EdgeSceneBuilder {
     edges_.pieces.listed_.push_back(piece);
   }
 
-  /// By their first piece, then as in the scene: by counting.
+  /// Adds pairs ordered by their first piece, then as in the scene, by counting sort.
   void addPairs() {
     const collision::ScenePairs& all = scene_.pairs();
-    // The first piece of each pair, and after them where the next pair of each piece goes.
+    // The first piece of each pair, and then the position of the next pair of each piece.
     std::vector<int> first(all.listedCount());
     std::vector<std::size_t> places(edges_.pieces.listed().size() + 1, 0);
     std::size_t of_robot = 0;

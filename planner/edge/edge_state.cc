@@ -1,5 +1,5 @@
-// One configuration against the margins: as an edge without length by lanes; where these do not
-// tell, by coarse bounds, then distance().
+// One configuration against the margins: as an edge without length by lanes. If these do not
+// decide, by coarse bounds, then by distance().
 
 #include <algorithm>
 #include <limits>
@@ -35,8 +35,8 @@ std::optional<Verdict> EdgeCertifier::Impl::decideByLanes() {
 
 Verdict EdgeCertifier::Impl::checkState(int slot, double t, int& offender) {
   if (frames.pairs().empty()) return Verdict::kFree;
-  // Balls first, for all pairs: most collisions are deep. The last contact is likely to be the
-  // next.
+  // Balls come first, for all pairs, because most collisions are deep. The last contact is likely
+  // to be the next.
   const std::span<const int> near = nearPairs(slot, beyondMargins());
   if (near_pairs_full) return Verdict::kUndecided;
   const auto count = static_cast<int>(near.size());

@@ -15,7 +15,7 @@ bool EdgeCertifier::Impl::takeWholeEdge(int start, int end, double reach) {
       start, end, [&](const EdgeInterval& whole, collision::SpareVector<int>& open) {
         open.assign(looked_at.begin(), looked_at.end());
         for (std::size_t row = 0; !looks_at_all && row < frames.pairs().rows().size(); ++row) {
-          // No point is farther than that from where the nearer end has it.
+          // No point is farther than this from its position at the nearer end.
           const double way = queries.motionOf(whole, frames.pairs().rows()[row].motion).speed / 2;
           for (const int slot : {start, end})
             has_room = has_room && frames.nearInRow(row, slot, reach + way, open);
@@ -34,7 +34,7 @@ std::optional<PairVerdict> EdgeCertifier::Impl::sweepTasks(EdgeInterval& interva
   queries.startInterval();
   std::optional<PairVerdict> contact;
   queue.keep(interval, [&](int p) {
-    if (contact) return true;  // not looked at
+    if (contact) return true;  // not checked
     double t = 0;
     const PairState state = queries.sweep(interval, p, t);
     if (state == PairState::kNotFree) contact = {Verdict::kNotFree, p, t};
@@ -44,8 +44,8 @@ std::optional<PairVerdict> EdgeCertifier::Impl::sweepTasks(EdgeInterval& interva
 }
 
 std::optional<PairVerdict> EdgeCertifier::Impl::checkContainment() {
-  // A pair that balls or planes parted anywhere is apart there, and cannot come to be one inside
-  // the other without a meeting of surfaces.
+  // A pair that balls or planes separated anywhere is apart there. One body cannot get inside the
+  // other unless their surfaces meet.
   int end = -1;
   for (const int p : never_parted) {
     const std::span<const int> open = queue.pairs();
@@ -70,7 +70,7 @@ class EdgeCertifier::Impl::VerdictRule {
     const int first = impl_.queue.pairs(interval).front();
     undecided_ = {Verdict::kUndecided, first, interval.middle()};
     if (impl_.work.isSpent()) return endWith(undecided_);
-    // A planner's edges come from where it is free and often end in contact.
+    // A planner's edges start in free space and often end in contact.
     if (const auto at_end = checkEnd(interval)) return endWith(*at_end);
     if (interval.level >= kDeepestLevel || interval.h <= impl_.queries.least_interval)
       return endWith(undecided_);
@@ -90,7 +90,8 @@ class EdgeCertifier::Impl::VerdictRule {
     return false;
   }
 
-  /// At the edge's end, pairs whose sweep of its last interval has failed; once an edge and pair.
+  /// Checks, at the edge's end, the pairs whose sweep of the last interval failed; once per edge
+  /// and pair.
   std::optional<PairVerdict> checkEnd(const EdgeInterval& interval) {
     if (interval.t0 + interval.h < 1) return std::nullopt;
     for (const int p : impl_.queue.pairs(interval)) {
@@ -105,13 +106,13 @@ class EdgeCertifier::Impl::VerdictRule {
     return std::nullopt;
   }
 
-  /// At an interval's middle, placed in `slot`, its open pairs. Undecided pairs stay open.
+  /// Checks an interval's open pairs at its middle, placed in `slot`. Undecided pairs stay open.
   std::optional<PairVerdict> checkMiddle(const EdgeInterval& interval, int slot) {
     for (const int p : impl_.queue.pairs(interval)) {
       const EdgePair& pair = impl_.frames.pair(p);
       PairState state = impl_.queries.coarseState(slot, pair);
-      // Where a sweep has just failed the pair is near enough to be asked exactly. A contact is
-      // found within few nodes; that there is none, the halves have to prove anyway.
+      // If a sweep has just failed, the pair is near enough for an exact query. A contact is found
+      // within few nodes; the absence of one must be proven by the halves anyway.
       if (state == PairState::kOpen &&
           impl_.memory.of(p).sweep_failed == impl_.queries.interval() && !impl_.work.isSpent())
         state = impl_.queries.exactState(slot, pair, kContactNodes);
@@ -121,7 +122,8 @@ class EdgeCertifier::Impl::VerdictRule {
   }
 
   Impl& impl_;
-  PairVerdict undecided_{Verdict::kUndecided};  ///< where no more is known of the present interval
+  PairVerdict undecided_{
+      Verdict::kUndecided};  ///< if nothing more is known of the current interval
 };
 
 PairVerdict EdgeCertifier::Impl::sweepAll() {
@@ -130,14 +132,14 @@ PairVerdict EdgeCertifier::Impl::sweepAll() {
   return rule.verdict;
 }
 
-/// From the edge's start on; ends at the first interval that stays open.
+/// Starts at the edge's start; ends at the first interval that stays open.
 class EdgeCertifier::Impl::LastValidRule {
  public:
   explicit LastValidRule(Impl& impl) : impl_(impl) {}
   double last_valid = 0;
 
   bool sweep(EdgeInterval& interval) {
-    impl_.sweepTasks(interval);  // of an interval in contact at its end a part may be certified
+    impl_.sweepTasks(interval);  // an interval in contact at its end may be certified in part
     if (interval.isSettled()) {
       last_valid = interval.t0 + interval.h;
       return true;

@@ -40,8 +40,8 @@ bool OmplMotionValidator::checkMotion(const ob::State* s1, const ob::State* s2,
   const EdgeCheck check = slot.certifier.certify(a, b, request);
   if (check.verdict == Verdict::kFree) return count(true);
   double t = std::clamp(check.last_valid, 0.0, 1.0);
-  // The end of the certified part is a rounded point beside the edge, so the edge to it is
-  // certified again. `last_valid.first` may be s1 or s2 itself: it is written last.
+  // The end of the certified part is a rounded point next to the edge, so the edge to it is
+  // certified again. `last_valid.first` may be s1 or s2 itself, so it is written last.
   for (int i = 0; i < kLastValidTries && t > 0; ++i, t /= 2) {
     scene.space().interpolate(a, b, t, slot.point);
     if (scene.space().withinLimits(slot.point) &&

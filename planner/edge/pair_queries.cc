@@ -107,11 +107,11 @@ PairState PairQueries::sweepExactly(const EdgeInterval& interval, int p, double 
     limit = std::min(std::max(limit, growth) * kGrowthLimitRise, kSweepGrowth);
     return PairState::kFree;
   }
-  // A sweep that ran out of work says nothing of its growth.
+  // A sweep that ran out of work says nothing about its growth.
   if (!work_.isSpent()) limit = std::max({growth * kGrowthLimitFall, limit / 2, kLeastGrowthLimit});
   memory_.of(p).sweep_failed = interval_;
   if (!(distance.upper <= threshold)) return PairState::kOpen;
-  // The proof is of one end or the other.
+  // The proof concerns one end or the other.
   const bool at_begin = exactState(interval.slot0, pair) == PairState::kNotFree;
   t = at_begin ? interval.t0 : interval.t0 + interval.h;
   return PairState::kNotFree;
@@ -120,8 +120,8 @@ PairState PairQueries::sweepExactly(const EdgeInterval& interval, int p, double 
 const robots::MotionBound& PairQueries::motionOf(const EdgeInterval& interval, int m) {
   MotionMemory& memory = motion_[at(m)];
   if (memory.interval == interval_) return memory.bound;
-  // Each end speaks for the half of the interval next to it. Intervals of a level stand side by
-  // side: the right end of the last one is the left end of this one.
+  // Each end bounds the half of the interval next to it. Intervals of a level are neighbours: the
+  // right end of the last one is the left end of this one.
   const double half = interval.h / 2;
   const bool is_next = memory.generation == frames_.generation() && memory.slot == interval.slot0 &&
                        memory.half == half;
@@ -140,7 +140,7 @@ const robots::MotionBound& PairQueries::motionOf(const EdgeInterval& interval, i
 PairQueries::SweptBall PairQueries::sweptBall(const EdgeInterval& interval, const EdgePair& pair,
                                               const Eigen::Vector3d& c0,
                                               const Eigen::Vector3d& c1) {
-  // No point leaves the chord between its two places by more than h^2 A / 8.
+  // No point leaves the chord between its two positions by more than h^2 A / 8.
   const double growth = interval.h * interval.h * motionOf(interval, pair.motion).acceleration / 8;
   const double radius = (c1 - c0).norm() / 2 + growth + frames_.piece(pair.a).bounds->outer.radius;
   return {(c0 + c1) / 2, radius, growth, interval_};
@@ -186,8 +186,8 @@ Interval PairQueries::hullSweep(const EdgeInterval& interval, const EdgePair& pa
                                &collision::SceneAccess::cache(workspace_, pair.scene_pair))
           .distance;
   // A threshold below rounding allows depth. A body that is inside a mesh at the edge's end may
-  // then come too deep without a meeting of surfaces, so containment is asked here. A bound below
-  // zero is that of the hulls and holds as it is.
+  // then come too deep although surfaces do not meet, so containment is checked here. A bound below
+  // zero comes from the hulls and remains valid.
   if (threshold < pair.rounding && distance.lower > 0 && !frames_.isConvex(pair)) {
     request.threshold = pair.rounding;
     if (!(distance.lower > pair.rounding &&
@@ -199,7 +199,7 @@ Interval PairQueries::hullSweep(const EdgeInterval& interval, const EdgePair& pa
 
 namespace {
 
-/// Where a pair's first piece is, seen from the second, along the edge.
+/// The pose of a pair's first piece relative to the second, along the edge.
 class PairPlacements final : public collision::Placements {
  public:
   PairPlacements(EdgeFrames& frames, const EdgePair& pair) : frames_(frames), pair_(pair) {}
@@ -232,8 +232,8 @@ collision::MeshSweepResult PairQueries::sweepSurfaces(const EdgeInterval& interv
   const collision::MeshSweepResult result = collision::sweepMesh(
       frames_.piece(pair.a).geometry->shape, placements, frames_.piece(pair.b).geometry->shape,
       request, collision::SceneAccess::scratch(workspace_));
-  // An undecided sweep placed many short parts that nothing asks for again: a few such sweeps
-  // would fill all slots.
+  // An undecided sweep placed many short parts that are not used again. A few such sweeps would
+  // fill all slots.
   if (result.status == collision::MeshSweepStatus::kUndecided) frames_.release(mark);
   return result;
 }
