@@ -19,8 +19,8 @@ using robots::Joint;
 using robots::Model;
 using robots::VariableRange;
 
-/// See EdgeModel::jumping_circles: circles that a mimic joint follows with a factor that is no
-/// whole number, or by sliding.
+/// See EdgeModel::jumping_circles: circles that a mimic joint follows by sliding, or with a factor
+/// that is not an integer.
 std::vector<int> jumpingCircles(const ConfigurationSpace& space) {
   std::vector<int> places;
   const Model& model = space.model();
@@ -66,7 +66,7 @@ class EdgeModelBuilder {
     return collision::SceneAccess::bounds(scene_, geometry).outer;
   }
   bool moves(int body) const { return scene_.bodies()[at(body)].moving; }
-  /// That carries a body; -1: it stands still.
+  /// The link that carries a body; -1: the body stands still.
   int linkOf(int body) const { return moves(body) ? carriers_[at(body)] : -1; }
   int geometryOf(int body, int geometry) const {
     return collision::SceneAccess::geometryIndex(scene_, body, geometry);
@@ -77,8 +77,8 @@ class EdgeModelBuilder {
               b = geometryOf(pair.body_b, pair.geometry_b);
     const int link_a = linkOf(pair.body_a), link_b = linkOf(pair.body_b);
     EdgeModel::Pair result{motionOf(a, link_a, link_b), false, gap, mostOf(gap)};
-    // What stands still is never the one that is swept: a motion for each of many things would be
-    // bounded on every edge, and a deforming thing has no place for good.
+    // A static body is never the swept one. Otherwise a motion for each of many objects would be
+    // bounded on every edge, and a deforming obstacle has no fixed shape.
     if (link_b >= 0 && std::isfinite(ballOf(b).radius)) {
       const int other = motionOf(b, link_b, link_a);
       result.is_reversed = accelerationOf(other) < accelerationOf(result.motion);
@@ -110,7 +110,7 @@ class EdgeModelBuilder {
     return count;
   }
 
-  /// Index of the motion of a geometry on `link` seen from `base`.
+  /// Index of the motion of a geometry on `link` relative to `base`.
   int motionOf(int geometry, int link, int base) {
     std::vector<robots::RelativeMotion>& motions = result_.motions;
     const auto [entry, is_new] =
@@ -128,8 +128,8 @@ class EdgeModelBuilder {
     return robots::accelerationBound(model_, result_.motions[at(motion)], unit_);
   }
 
-  /// Most pairs use the motion of one of their bodies only. In the order of the first bodies of
-  /// pairs, each body's with the world after those with other bodies.
+  /// Most pairs use the motion of only one of their bodies. The order is that of the first bodies
+  /// of pairs; each body's motions relative to the world come after those relative to other bodies.
   void keepUsedMotions() {
     std::vector<int> number(result_.motions.size(), -1);
     std::vector<robots::RelativeMotion> used;
@@ -188,12 +188,12 @@ RobotMotions makeRobotMotions(const ConfigurationSpace& space, const collision::
 
 bool EdgeModel::isSmooth(std::span<const double> a, std::span<const double> b,
                          std::span<const double> difference) const {
-  // Inside an edge circles are wrapped: an end that is not would be whole turns from its
+  // Inside an edge circles are wrapped. An end that is not wrapped would be whole turns from its
   // neighbours.
   const auto wrapped = [](double x) { return x >= -std::numbers::pi && x < std::numbers::pi; };
   return std::all_of(jumping_circles.begin(), jumping_circles.end(), [&](int circle) {
     const std::size_t i = at(circle);
-    // Where the edge does not end in b to rounding, it ends a whole turn away.
+    // If the edge does not end in b to rounding, it ends a whole turn away.
     return wrapped(a[i]) && wrapped(b[i]) && std::abs(a[i] + difference[i] - b[i]) < 1;
   });
 }

@@ -13,7 +13,7 @@ namespace {
 
 using robots::VariableRange;
 
-/// Limits for what is planned, the start's value for what is not.
+/// Limits of planned variables, the start's values of the others.
 std::vector<VariableRange> plannedRanges(const Problem& problem) {
   std::vector<VariableRange> ranges = robots::limitRanges(*problem.robot.model);
   std::vector<char> planned(ranges.size(), 0);
@@ -40,7 +40,7 @@ bool isSame(const Attachment& x, const Attachment& y) {
          isSamePose(x.X_LO, y.X_LO) && areSameShapes(x.object.geometries, y.object.geometries);
 }
 
-/// All that proofs ask of margins is which are positive, and which pairs wishes name.
+/// Proofs depend only on which margins are positive, and on which pairs wishes name.
 bool isSamePositive(const Margins& x, const Margins& y) {
   return (x.common > 0) == (y.common > 0) &&
          std::equal(x.pairs.begin(), x.pairs.end(), y.pairs.begin(), y.pairs.end(),
@@ -137,7 +137,6 @@ std::shared_ptr<const PreparedRobot> PreparedRobot::of(const Problem& problem,
   const robots::PreparedStore& store = problem.robot.model->prepared;
   std::shared_ptr<const robots::PreparedStore::Entry> entry = store.find(fits);
   if (!entry) {
-    // (The constructor is private.)
     std::shared_ptr<const PreparedRobot> robot(new PreparedRobot(problem, ranges, space, stop));
     entry = store.keep(std::move(robot), fits);
   }

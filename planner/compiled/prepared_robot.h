@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to planner/: what compiling makes of a robot alone.
+// Private to planner/: the part of compiling that concerns only the robot.
 
 #include <memory>
 #include <mutex>
@@ -18,55 +18,56 @@
 
 namespace leeway::planner {
 
-/// Whether poses and shapes are the same, bit by bit; shapes that share no vertices are not.
+/// Whether poses and shapes are equal, bit by bit. Shapes that do not share their vertices are not
+/// equal.
 bool isSamePose(const robots::Pose& x, const robots::Pose& y);
 bool areSameShapes(std::span<const robots::Geometry> x, std::span<const robots::Geometry> y);
 
-/// A robot with what it holds, ready for any world: its bodies and their bounds, the pairs among
-/// them, motions and their bounds. Kept with the model (robots::Model::prepared), and so shared by
-/// all problems that plan the same variables from the same values of the others, with the same held
-/// objects and contacts. Constant; does not own the model.
+/// A robot with its held objects, ready for any world: its bodies and their bounds, the pairs among
+/// them, motions and their bounds. It is kept with the model (robots::Model::prepared). So all
+/// problems share it that plan the same variables with the same values of the others, and the same
+/// held objects and contacts. Constant; does not own the model.
 class PreparedRobot final : public robots::PreparedStore::Entry {
  public:
-  /// That of a problem, prepared now if it is not yet. Thread-safe; two threads may both prepare
-  /// it, and get the same. Throws robots::InputError for two half-spaces that may not touch.
-  /// O(pairs of links * joints), plus milliseconds a pair of links for proofs where the robot has
-  /// no SRDF; these ask `stop`: throws robots::Stopped.
+  /// The prepared robot of a problem; prepares it if necessary. Thread-safe: if two threads prepare
+  /// it, both get the same one. Throws robots::InputError for two half-spaces that may not touch.
+  /// O(pairs of links * joints), plus milliseconds per pair of links for proofs if the robot has no
+  /// SRDF. These proofs poll `stop` and throw robots::Stopped.
   static std::shared_ptr<const PreparedRobot> of(const Problem& problem,
                                                  const ConfigurationSpace& space,
                                                  const robots::Stop& stop);
 
-  /// Links with geometry, then held objects, and their pairs. Margins mean nothing; moving bodies
-  /// stand where the first problem had them.
+  /// Links with geometry, then held objects, and their pairs. Margins have no meaning here; moving
+  /// bodies have the poses of the first problem.
   const collision::Scene& scene() const { return scene_; }
   /// The link that carries each body, whether it moves or not.
   std::span<const int> carriers() const { return carriers_; }
-  /// True when a pair was dropped by a proof that holds within the joints' limits only.
+  /// True if a pair was dropped by a proof that holds only within the joints' limits.
   bool hasProven() const { return has_proven_; }
-  /// Pairs of bodies that are not checked. Those of the bodies up to the i-th with later ones end
-  /// at droppedEnd(i); after them all, those of which geometry decides.
+  /// Pairs of bodies that are not checked, by their first body: pairs of bodies up to the i-th end
+  /// at droppedEnd(i). Pairs that geometry decides come last.
   const std::shared_ptr<const std::vector<CompiledScene::Dropped>>& dropped() const {
     return dropped_;
   }
   std::size_t droppedEnd(int body) const { return dropped_ends_[static_cast<std::size_t>(body)]; }
-  /// About pairs that are checked although they touch at the zero configuration.
+  /// Warnings about pairs that are checked although they touch at the zero configuration.
   const std::vector<std::string>& warnings() const { return warnings_; }
-  /// Links that the SRDF lets touch everything.
+  /// Links that the SRDF allows to touch everything.
   std::span<const int> uncheckedBodies() const { return unchecked_bodies_; }
-  /// The problem's.
+  /// The contacts of the problem.
   const Contacts& contacts() const { return contacts_; }
-  /// Whether the problem's contacts name it. O(log names).
+  /// Whether the problem's contacts mention the name. O(log names).
   bool isAllowedName(const std::string& name) const;
-  /// Which member of a problem is not what the robot was prepared from; null: none. Of margins that
-  /// counts which proofs ask.
+  /// The name of a member in which a problem differs from the one that the robot was prepared for;
+  /// null: none. Margins differ if proofs would.
   const char* differenceFrom(const Problem& problem) const;
 
   const RobotMotions& motions() const { return motions_; }
-  /// Made by the first who asks. `model`: the problem's.
+  /// Created at the first use. `model`: the problem's.
   const RobotLanes& lanes(const robots::Model& model) const;
 
   std::span<const int> variables() const { return variables_; }
-  /// Limits of what is planned, values of what is not; one a variable.
+  /// Limits of planned variables and values of the others, one per variable.
   std::span<const robots::VariableRange> ranges() const { return ranges_; }
 
  private:
@@ -75,7 +76,7 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
   const char* differenceFrom(const Problem& problem,
                              std::span<const robots::VariableRange> ranges) const;
 
-  // What it was prepared from.
+  // The data that it was prepared from.
   std::vector<int> variables_;
   std::vector<robots::VariableRange> ranges_;
   std::vector<Attachment> attachments_;

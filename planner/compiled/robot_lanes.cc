@@ -28,14 +28,14 @@ const Joint& masterOf(const robots::Model& model, int joint) {
   return *j;
 }
 
-/// A ball in another frame, larger by what rounding moves its centre.
+/// A ball in another frame, enlarged by the rounding of its centre.
 Ball placed(const Pose& X, const Ball& ball) {
   Ball moved{X * ball.center, ball.radius};
   moved.radius += collision::kTransferRounding * (moved.center.lpNorm<1>() + ball.radius);
   return moved;
 }
 
-/// Appends points in another frame; returns how far rounding moves them, added to `radius`.
+/// Appends points in another frame. Returns how far rounding moves them, plus `radius`.
 double placePoints(const Pose& X, const std::vector<Eigen::Vector3d>& points, double radius,
                    std::vector<Eigen::Vector3d>& out) {
   double rounding = 0;
@@ -58,7 +58,7 @@ collision::PointCover placedPoints(const Pose& X, const collision::PointCover& p
   return moved;
 }
 
-/// The farthest that a ball's centre is from the frame's origin [m].
+/// The largest distance of a ball's centre from the frame's origin [m].
 double reachOf(const LaneSweep::Piece& piece) {
   double reach = piece.outer.center.norm();
   for (const Ball& ball : piece.cover) reach = std::max(reach, ball.center.norm());
@@ -67,10 +67,11 @@ double reachOf(const LaneSweep::Piece& piece) {
   return reach;
 }
 
-/// Fewer pieces of a frame are not looked at together, and the balls that hold more [count].
+/// The smallest number of pieces of a frame that form a group, and the number of balls around a
+/// group [count].
 constexpr std::size_t kLeastGroup = 5, kGroupBalls = 8;
 
-/// A ball around some, its centre the middle of theirs.
+/// A ball around some balls; its centre is the middle of theirs.
 Ball around(std::span<const Ball> balls) {
   Ball all;
   for (const Ball& ball : balls) all.center += ball.center / static_cast<double>(balls.size());
@@ -80,7 +81,7 @@ Ball around(std::span<const Ball> balls) {
   return all;
 }
 
-/// Halves at the median along the axis in which the centres spread most; reorders.
+/// Halves at the median along the axis with the largest spread of centres; reorders the balls.
 std::size_t halve(std::span<Ball> balls) {
   Eigen::AlignedBox3d box;
   for (const Ball& ball : balls) box.extend(ball.center);
@@ -117,20 +118,20 @@ class RobotLanesBuilder {
   }
 
  private:
-  /// Where a link is in the last frame below it; frame -1: the world.
+  /// The pose of a link in the last frame below it; frame -1: the world.
   struct LinkPlace {
     int frame = -1;
     Pose X_FL;
   };
 
-  // Joints that the planned variables move become steps; what is fixed between them is folded.
+  // Joints that the planned variables move become steps; fixed joints between them are folded in.
 
   void addSteps() {
     std::vector<char> planned(model_.variables.size(), 0);
     for (const int v : robot_.variables) planned[at(v)] = 1;
     std::vector<double> base(model_.variables.size(), 0.0);
     for (std::size_t v = 0; v < base.size(); ++v)
-      if (!planned[v]) base[v] = robot_.ranges[v].lower;  // stands as it does
+      if (!planned[v]) base[v] = robot_.ranges[v].lower;  // keeps its value
     std::vector<Pose> X_WL(model_.links.size());
     robots::forwardKinematics(model_, base, X_WL);
 
@@ -180,7 +181,7 @@ class RobotLanesBuilder {
     places_[at(l)].frame = append(step, frame, 0);
   }
 
-  /// `length`: of translation and slide together, at most [m].
+  /// `length`: the greatest length of translation and slide together [m].
   int append(const RobotLanes::Step& step, int parent, double length) {
     reach_.push_back(length + (parent < 0 ? 0 : reach_[at(parent)]));
     depth_.push_back(1 + (parent < 0 ? 0 : depth_[at(parent)]));
@@ -191,7 +192,7 @@ class RobotLanesBuilder {
     return static_cast<int>(lanes_.steps.size()) - 1;
   }
 
-  /// Of a step's translation and slide together, within the joint's limits, at most [m].
+  /// The greatest length of a step's translation and slide together, within the joint's limits [m].
   double lengthOf(const RobotLanes::Step& step) const {
     double length = step.X_PJ.translation.norm();
     const JointType type = model_.joints[at(step.joint)].type;
@@ -245,7 +246,7 @@ class RobotLanesBuilder {
 
   // Geometries.
 
-  /// Those that move, and of those that stand still the ones that some link must not touch.
+  /// The moving geometries, and the static ones that some link must not touch.
   void addPieces() {
     const collision::Scene& scene = robot_.scene;
     std::vector<char> used;
@@ -261,10 +262,10 @@ class RobotLanesBuilder {
     for (const auto& [frame, group] : of_frames_) addGroup(group);
   }
 
-  /// What fixed joints join, as grippers.
+  /// Pieces that fixed joints connect, such as grippers.
   struct Group {
     std::vector<int> pieces;  // of the sweep
-    std::vector<Ball> balls;  // that hold them
+    std::vector<Ball> balls;  // that contain them
   };
 
   /// O(balls log balls).
@@ -273,7 +274,7 @@ class RobotLanesBuilder {
     std::vector<Ball> balls = group.balls, around_all{around(balls)};
     std::vector<std::span<Ball>> shares{balls};
     while (shares.size() < kGroupBalls) {
-      // The share with the largest ball.
+      // The part with the largest ball.
       const auto largest =
           std::max_element(around_all.begin(), around_all.end(),
                            [](const Ball& x, const Ball& y) { return x.radius < y.radius; });
@@ -324,7 +325,7 @@ class RobotLanesBuilder {
   const robots::Model& model_;
   const RobotLanes::Source& robot_;
   RobotLanes& lanes_;
-  std::vector<LinkPlace> places_;  // one a link
+  std::vector<LinkPlace> places_;  // one per link
   std::vector<double> reach_;      // lengths up to a frame [m]
   std::vector<int> depth_;         // steps up to a frame
   std::map<int, Group> of_frames_;
@@ -342,7 +343,7 @@ RobotLanes::Piece addStill(const collision::Geometry& geometry, const Pose& X_WB
   const Pose X_WG = X_WB * geometry.X_BG;
   RobotLanes::Piece result;
   result.obstacle = sweep.addObstacle(shape, X_WG, place);
-  // Of these two an obstacle is only their box: balls say more.
+  // For these two shapes an obstacle is only their box; balls are tighter.
   if (shape.type() != collision::ShapeType::kMesh &&
       shape.type() != collision::ShapeType::kConvexHull)
     return result;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to planner/: what EdgeLanes makes of a robot alone, for every world.
+// Private to planner/: the part of EdgeLanes that depends only on the robot.
 
 #include <Eigen/Core>
 #include <cstddef>
@@ -16,10 +16,10 @@
 
 namespace leeway::planner {
 
-/// Frames of the joints that move, bounds on accelerations, and the geometries as pieces and
-/// obstacles of a collision::LaneSweep. Constant.
+/// Frames of the moving joints, bounds on accelerations, and the geometries as pieces and obstacles
+/// of a collision::LaneSweep. Constant.
 struct RobotLanes {
-  /// The members of a PreparedRobot that lanes are made from.
+  /// The members of a PreparedRobot from which lanes are made.
   struct Source {
     const collision::Scene& scene;
     std::span<const int> carriers;
@@ -27,37 +27,38 @@ struct RobotLanes {
     std::span<const int> variables;
     std::span<const robots::VariableRange> ranges;
   };
-  /// O(vertices) for a first robot of these meshes, later O(points of their covers).
+  /// O(vertices) for the first robot with these meshes, later O(points of their covers).
   RobotLanes(const robots::Model& model, const Source& robot);
 
   /// A joint that turns or slides: a step between two frames, the upper one with its z axis along
-  /// the joint's. A floating joint has two; the second turns its frame back to the link's axes.
+  /// the joint's. A floating joint has two steps; the second turns its frame back to the link's
+  /// axes.
   struct Step {
     int joint;
     collision::Pose X_PJ;      ///< from the frame below it to the joint, joint at rest
-    bool restores = false;     ///< the second of a floating joint
+    bool restores = false;     ///< the second step of a floating joint
     std::size_t variable = 0;  ///< its own or its master's, by which it turns or slides
     double multiplier = 1, offset = 0;
   };
   std::vector<Step> steps;
-  std::vector<collision::FrameStep> frame_steps;  ///< what all edges share of them
+  std::vector<collision::FrameStep> frame_steps;  ///< shared by all edges
   int deepest = 0;                                ///< steps of the deepest chain
 
-  /// Of RobotMotions::motions, with the same numbers.
+  /// Growth of RobotMotions::motions, with the same numbers.
   collision::LaneGrowth growth;
-  std::vector<char> is_bounded;  ///< the motions that `growth` can bound
+  std::vector<char> is_bounded;  ///< whether `growth` can bound each motion
 
   /// A geometry in `sweep`.
   struct Piece {
-    int piece = -1;     ///< -1: not one
-    int obstacle = -1;  ///< of what stands still; -1: not one
-    double reach = 0;   ///< the piece's [m]
+    int piece = -1;     ///< -1: none
+    int obstacle = -1;  ///< if it stands still; -1: none
+    double reach = 0;   ///< of the piece [m]
   };
-  std::vector<Piece> pieces;   ///< one a geometry of PreparedRobot::scene()
-  collision::LaneSweep sweep;  ///< with these pieces and obstacles; to be copied
+  std::vector<Piece> pieces;   ///< one per geometry of PreparedRobot::scene()
+  collision::LaneSweep sweep;  ///< with these pieces and obstacles; scenes copy it
 };
 
-/// Adds a geometry of the world to a sweep as an obstacle and, where balls say more than its box,
+/// Adds a geometry of the world to a sweep as an obstacle and, if balls are tighter than its box,
 /// as a piece. `outer`: its ball, in the world; `place`: see LaneSweep::addObstacle().
 RobotLanes::Piece addStill(const collision::Geometry& geometry, const collision::Pose& X_WB,
                            const collision::Ball& outer, collision::LaneSweep& sweep,
@@ -72,7 +73,6 @@ inline Eigen::Matrix3d turningZ(const Eigen::Vector3d& axis) {
   return rotation;
 }
 
-/// Column by column.
 inline void copyMatrix(const Eigen::Matrix3d& m, float* out) {
   for (int i = 0; i < 9; ++i) out[i] = static_cast<float>(m.data()[i]);
 }

@@ -13,7 +13,7 @@ namespace {
 using collision::Body;
 using robots::LinkGap;
 
-/// Neither order of a pair matters.
+/// Ignores the order of both pairs.
 template <typename T>
 bool isPair(const T& x, const T& y, const T& a, const T& b) {
   return (x == a && y == b) || (x == b && y == a);
@@ -32,9 +32,8 @@ RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableR
       model_(*problem.robot.model),
       ranges_(ranges),
       poses_(model_.links.size()) {
-  // Links that nothing moves stand where the ranges say, which are what a prepared robot is known
-  // by. A planned joint may be locked by its limits, and a start that is refused later lie outside
-  // them.
+  // Static links have the values in `ranges`, which identify a prepared robot. A planned joint may
+  // be locked by its limits, and a start that is refused later may be outside them.
   std::vector<double> fixed = problem.start;
   for (std::size_t v = 0; v < ranges.size(); ++v)
     if (ranges[v].lower == ranges[v].upper) fixed[v] = ranges[v].lower;
@@ -55,7 +54,7 @@ RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableR
 
 collision::SceneBuilder RobotPairs::builder() const {
   collision::SceneBuilder builder;
-  // Worlds are added to these pairs, and edges know them by their order: all are listed.
+  // Worlds are added to these pairs, and edges identify them by their order, so all are listed.
   builder.listAll();
   for (const Entry& e : entries_) builder.add(e.body);
   for (const auto& [i, j] : is_dropped_) builder.allow(i, j);
@@ -116,8 +115,8 @@ void RobotPairs::findAllowed() {
         if (i != j) allowed_.emplace(std::min(i, j), std::max(i, j));
 }
 
-/// Returns nothing for a pair that is checked. That two bodies do not move against each other
-/// counts first; other reasons are still the words for it.
+/// Returns nullopt for a pair that is checked. The condition that two bodies do not move relative
+/// to each other is tested first; the reported reason may be another one.
 std::optional<RobotPairs::Reason> RobotPairs::reason(int i, int j) const {
   const Entry &a = entries_[at(i)], &b = entries_[at(j)];
   std::optional<Reason> told = contact(i, j);
@@ -127,7 +126,7 @@ std::optional<RobotPairs::Reason> RobotPairs::reason(int i, int j) const {
                 a.body.moving ? "rigidly attached to each other" : "neither moves"};
 }
 
-/// Why two bodies may touch, by what is said of them.
+/// The reason why two bodies may touch, by their rules.
 std::optional<RobotPairs::Reason> RobotPairs::contact(int i, int j) const {
   const Entry &a = entries_[at(i)], &b = entries_[at(j)];
   const auto plain = [](Unchecked why) { return Reason{why, toString(why)}; };
@@ -152,8 +151,8 @@ void RobotPairs::drop(int i, int j, const Reason& reason) {
   dropped_.push_back({name(i), name(j), reason.why, reason.words});
 }
 
-/// Drops parts that meet at a joint, besides the two links that it joins: they touch wherever they
-/// are looked at. Two links with several joints between them are checked.
+/// Drops parts that meet at a joint, in addition to the two links of the joint: they touch at every
+/// sample. Two links with several joints between them are checked.
 void RobotPairs::dropTouching(const robots::Stop& stop) {
   std::vector<std::pair<int, int>> touching, bodies;
   for (int i = 0; i < count(); ++i)
@@ -177,8 +176,8 @@ void RobotPairs::dropTouching(const robots::Stop& stop) {
   }
 }
 
-/// Parts that rest on each other at the default configuration may also be driven into each other
-/// from there, so they are checked.
+/// Parts that rest on each other at the default configuration may be driven into each other from
+/// there, so they are checked.
 void RobotPairs::warnOfTouch(int i, int j) {
   warnings_.push_back(
       fmt::format("links '{0}' and '{1}' touch at the zero configuration, but not at others: the "
@@ -205,7 +204,7 @@ void RobotPairs::dropProven(const robots::Stop& stop) {
     }
 }
 
-/// The proof is that two links never touch; it says nothing of a margin or a wish.
+/// The proof states that two links never touch; it does not cover a margin or a wish.
 bool RobotPairs::hasMargin(int i, int j) const {
   bool positive = problem_.margins.common > 0;
   for (const PairMargin& m : problem_.margins.pairs)
@@ -215,7 +214,7 @@ bool RobotPairs::hasMargin(int i, int j) const {
   return positive;
 }
 
-/// The proof holds within the limits, and a joint that is not planned may stand outside them.
+/// The proof holds within the limits, and a joint that is not planned may be outside them.
 bool RobotPairs::isPassiveWithinLimits() const {
   for (std::size_t v = 0; v < model_.variables.size(); ++v) {
     const robots::Variable& variable = model_.variables[v];
@@ -232,7 +231,7 @@ std::span<const int> RobotPairs::named(const std::string& name) const {
   return found == named_.end() ? std::span<const int>() : found->second;
 }
 
-/// In margins, where kRobotWord stands for all of these bodies, unless one has that name.
+/// In margins, kRobotWord stands for all of these bodies, unless a body has that name.
 bool RobotPairs::areNamed(int i, int j, const std::string& a, const std::string& b) const {
   const bool is_word = named(kRobotWord).empty();
   const auto isNamed = [&](int body, const std::string& word) {

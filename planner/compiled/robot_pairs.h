@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to planner/: the bodies of a robot, and which of their pairs are checked.
+// Private to planner/: the bodies of a robot, and the selection of the pairs that are checked.
 
 #include <optional>
 #include <set>
@@ -18,27 +18,27 @@
 namespace leeway::planner {
 
 /// Bodies: links with geometry, then held objects. A pair is checked unless there is a reason to
-/// drop it; the first reason found stands.
+/// drop it; the first reason found is kept.
 class RobotPairs {
  public:
-  /// `ranges`: of the model's variables, in this problem, which is valid. Throws robots::Stopped.
+  /// `ranges`: of the model's variables, in this valid problem. Throws robots::Stopped.
   RobotPairs(const Problem& problem, std::span<const robots::VariableRange> ranges,
              const robots::Stop& stop);
 
   collision::SceneBuilder builder() const;
   /// The link that carries each body.
   std::vector<int> carriers() const;
-  /// What the model knows of the links of two bodies by joint angles; null: nothing.
+  /// The gap of the links of two bodies by joint angles, from the model; null: none.
   const robots::LinkGap* linkGap(int i, int j) const;
 
-  /// True when a pair was dropped by a proof that holds within the joints' limits only.
+  /// True if a pair was dropped by a proof that holds only within the joints' limits.
   bool hasProven() const { return has_proven_; }
-  /// Links that the SRDF lets touch everything, unless the problem replaces the SRDF.
+  /// Links that the SRDF allows to touch everything, unless the problem replaces the SRDF.
   std::vector<int> uncheckedBodies() const;
-  /// Dropped pairs; those of body i with later ones end at droppedEnds()[i]. Last those of which
-  /// geometry decides.
+  /// Dropped pairs by their first body; those of body i end at droppedEnds()[i]. Pairs that
+  /// geometry decides come last.
   std::vector<CompiledScene::Dropped> takeDropped() { return std::move(dropped_); }
-  /// About pairs that are checked although they touch at the zero configuration.
+  /// Warnings about pairs that are checked although they touch at the zero configuration.
   std::vector<std::string> takeWarnings() { return std::move(warnings_); }
   std::vector<std::size_t> takeDroppedEnds() { return std::move(dropped_ends_); }
 
@@ -86,8 +86,8 @@ class RobotPairs {
   std::vector<robots::Pose> poses_;
   std::vector<Entry> entries_;
   std::unordered_map<std::string, std::vector<int>> named_;  // entries by name
-  std::set<std::pair<int, int>> allowed_;                    // by the problem; the lower first
-  /// The link below the nearest joint that moves each link; -1: it stands still.
+  std::set<std::pair<int, int>> allowed_;                    // by the problem; the lower body first
+  /// The link of the nearest joint that moves each link; -1: it stands still.
   std::vector<int> carrier_;
   std::set<std::pair<int, int>> is_dropped_;
   std::vector<CompiledScene::Dropped> dropped_;

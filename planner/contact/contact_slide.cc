@@ -28,8 +28,8 @@ ContactSlide::ContactSlide(EdgeCertifier& certifier, const Edge& check, double r
     point->resize(inverse_.size());
 }
 
-/// The nearest step that nears no contact more than it may: Hildreth's method, a sweep over the
-/// contacts at a time.
+/// The nearest step that approaches no contact more than allowed: Hildreth's method, one sweep over
+/// the contacts at a time.
 void ContactSlide::project(std::span<double> step) const {
   double multiplier[kSlideContacts] = {};
   for (int sweep = 0; sweep < kSlideSweeps; ++sweep)
@@ -100,10 +100,10 @@ EdgeClearance ContactSlide::nearestBefore(std::span<const double> from, std::spa
   return found;
 }
 
-/// Adds what is met between two points, where `check` says; false where nothing is learnt of it.
+/// Adds the contact between two points, at the place of `check`; false if its gradient is unknown.
 bool ContactSlide::meet(std::span<const double> from, std::span<const double> to,
                         const EdgeCheck& check) {
-  // The pair that an undecided check names may be in no one's way.
+  // The pair of an undecided check may not be in contact.
   const bool is_known = check.verdict == Verdict::kNotFree && check.pair >= 0;
   const EdgeClearance found =
       is_known ? nearestOfPair(from, to, check.t, check.pair) : nearestBefore(from, to, check.t);
@@ -128,7 +128,7 @@ void ContactSlide::slide(std::span<const double> from, std::span<const double> t
   contacts_.clear();
   double left = space_.distance(at_, target), length = range_;
   int misses = 0;
-  std::size_t old = 0;  // contacts that were met from earlier places
+  std::size_t old = 0;  // contacts from earlier places
   for (int edges = 0; edges < kSlideEdges && left > 0 && misses < kSlideMisses; ++edges) {
     space_.difference(at_, target, step_);
     for (double& s : step_) s *= std::min(1.0, length / left);
@@ -139,10 +139,10 @@ void ContactSlide::slide(std::span<const double> from, std::span<const double> t
         double& x = next_[static_cast<std::size_t>(part.first)];
         x = std::clamp(x, space_.lower(part.first), space_.upper(part.first));
       }
-    // Measured between the points, as limits hold some steps back.
+    // Measured between the points, because limits shorten some steps.
     const double next_left = space_.distance(next_, target);
     if (!(left - next_left > kSlideGain * std::min(length, left))) {
-      // What was met from an earlier place may not be in the way any more.
+      // A contact from an earlier place may no longer be in the way.
       if (old == 0) return;
       contacts_.erase(contacts_.begin(), contacts_.begin() + static_cast<std::ptrdiff_t>(old));
       old = 0;

@@ -28,8 +28,8 @@ std::int64_t DistanceGradient::work() const {
   return static_cast<std::int64_t>((gradient_.size() + 1) * X_WL_.size()) * collision::kPlacingWork;
 }
 
-/// Where in the chain the first joint is that stands otherwise in near_q_ than in q_; its size if
-/// none does.
+/// Index in the chain of the first joint whose value in near_q_ differs from q_; the chain's size
+/// if there is none.
 std::size_t DistanceGradient::firstMoved() const {
   const auto stands = [this](int link) {
     const robots::KinematicStep& step = scene_.model().steps[at(link)];

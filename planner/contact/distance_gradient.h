@@ -8,18 +8,18 @@
 
 namespace leeway::planner {
 
-/// How the distance of a pair changes along each direction of the space, by differences of the
-/// kinematics. Keeps its buffers; not for two threads at once.
+/// The derivative of a pair's distance along each direction of the space, by differences of the
+/// kinematics. Keeps its buffers; use it in one thread at a time.
 class DistanceGradient {
  public:
   explicit DistanceGradient(const CompiledScene& scene);
 
-  /// At a place where `found` has been found, whose pair is one of `pairs`, a withPairs() of the
-  /// scene or the scene itself. One number a direction of the space, as of
-  /// ConfigurationSpace::difference() [m]; empty where the witness points give no direction.
+  /// The gradient at a place with the result `found`, whose pair is one of `pairs`: a withPairs()
+  /// of the scene, or the scene itself. Returns one number per direction of the space, as in
+  /// ConfigurationSpace::difference() [m]; empty if the witness points give no direction.
   std::span<const double> find(std::span<const double> place, const EdgeClearance& found,
                                const CompiledScene& pairs);
-  /// What one call costs [units of collision::Work].
+  /// The cost of one call [units of collision::Work].
   std::int64_t work() const;
 
  private:
@@ -27,7 +27,7 @@ class DistanceGradient {
 
   const CompiledScene& scene_;
   std::vector<double> gradient_, direction_, near_;
-  std::vector<double> q_, near_q_;       ///< the place as a configuration, and what is next to it
+  std::vector<double> q_, near_q_;       ///< the place as a configuration, and a neighbour of it
   std::vector<std::size_t> directions_;  ///< an orientation has three
   std::vector<int> chain_;               ///< of the pair's links
   std::vector<robots::Pose> X_WL_, moved_;

@@ -13,20 +13,20 @@
 
 namespace leeway::planner {
 
-/// How every path is made better, in place: a move puts other points between two of its waypoints,
-/// its edges are proven, the measure compares, and the move is kept or left. Derived classes say
-/// which moves there are and what better means. The path's ends never change.
+/// Improves a path in place. A move replaces the points between two of its waypoints. Its edges are
+/// proven, the measure compares, and the move is kept or discarded. Derived classes define the
+/// moves and the measure. The path's ends never change.
 class PathImprover {
  protected:
   using Point = std::vector<double>;
 
-  /// Other points between two waypoints, in place of those that are there.
+  /// New points between two waypoints, which replace the current ones.
   struct Move {
     std::size_t first, last;
     std::span<const Point> points;
   };
 
-  /// `stop` is asked before each `turn`-th edge; once it says so, nothing is taken any more.
+  /// `stop` is polled before each `turn`-th edge; once it returns true, no move is taken.
   PathImprover(EdgeCertifier& certifier, Waypoints& path, const std::function<bool()>& stop,
                int turn = 1)
       : certifier_(certifier),
@@ -38,8 +38,8 @@ class PathImprover {
   PathImprover& operator=(const PathImprover&) = delete;
   virtual ~PathImprover() = default;
 
-  /// Whether the move is taken: it may gain, its edges are proven, it gains. O(waypoints), beside
-  /// the proofs.
+  /// Takes the move if it may gain, its edges are proven, and it gains; returns whether it does.
+  /// O(waypoints), in addition to the proofs.
   bool take(const Move& move);
   bool isOver();
 
@@ -47,21 +47,21 @@ class PathImprover {
   virtual bool mayGain(const Move&) { return true; }
   /// ... the proof of one edge, by default of its margins, ...
   virtual bool proves(const Move& move, std::size_t edge);
-  /// ... what remains to be compared, ...
+  /// ... the comparison after the proofs, ...
   virtual bool gains(const Move&) { return true; }
-  /// ... and what is kept beside the waypoints, which change after that.
+  /// ... and an update of data in addition to the waypoints, which change after it.
   virtual void keep(const Move&) {}
 
-  /// Where edge k of a move begins; k = points + 1 is the end of the last.
+  /// The start of edge k of a move; k = points + 1 is the end of the last edge.
   const Point& pointOf(const Move& move, std::size_t k) const;
   double lengthOf(const Move& move) const;
   double lengthBetween(std::size_t first, std::size_t last) const;
   Point between(std::size_t edge, double t) const;
-  /// A place moved by `scale` times a direction, as far as the limits let it; empty where the
-  /// limits of an orientation do not.
+  /// A place moved by `scale` times a direction, as far as the limits allow; empty if the limits of
+  /// an orientation do not allow it.
   Point advanced(const Point& from, std::span<const double> direction, double scale) const;
 
-  /// Puts others in place of the elements from `begin` to `end`, the latter excluded.
+  /// Replaces the elements from `begin` to `end`, the latter excluded, by others.
   template <typename T, typename Others>
   static void replace(std::vector<T>& all, std::size_t begin, std::size_t end,
                       const Others& others) {
@@ -80,7 +80,7 @@ class PathImprover {
   int turn_, asked_ = 0;
 };
 
-/// The scene with all margins of these pairs at least `margin` [m].
+/// The scene with the margins of these pairs raised to at least `margin` [m].
 std::shared_ptr<const CompiledScene> raised(const CompiledScene& scene, Pairs of, double margin);
 
 }  // namespace leeway::planner

@@ -11,10 +11,11 @@
 namespace leeway::planner {
 namespace {
 
-/// Of a candidate's edge that share of the tolerance of the path's cost is narrow enough.
+/// Sufficient width of the cost of a candidate's edge, as a share of the tolerance of the path's
+/// cost.
 constexpr double kEnough = 0.05;
 
-/// Its measure is the upper end of what the path costs.
+/// Its measure is the upper end of the path's cost.
 class CostLowering : PathImprover {
  public:
   CostLowering(EdgeCertifier& certifier, PathCost& cost, Waypoints& path,
@@ -44,7 +45,7 @@ class CostLowering : PathImprover {
   }
 
  private:
-  /// The path is then proven to cost less, by a share `gain`.
+  /// Takes the move if the path is then proven to cost less, by a share `gain`.
   bool takeIfCheaper(const Move& move, double gain) {
     gain_ = gain;
     return take(move);
@@ -91,7 +92,8 @@ class CostLowering : PathImprover {
     is_over_ = is_over_ || upper_ <= options_.enough;
   }
 
-  /// How nearness changes along each direction of the space, per length, at a place; all 0 where
+  /// The derivative of nearness along each direction of the space, per length, at a place; all 0 if
+  /// no pair is near.
   /// nothing is near.
   Point nearnessGradient(const Point& place) {
     Point gradient(place.size(), 0.0);
@@ -104,7 +106,8 @@ class CostLowering : PathImprover {
     return gradient;
   }
 
-  /// A place moved by `step` along a direction, within the limits; empty where that is nowhere.
+  /// A place moved by `step` along a direction, within the limits; empty if the limits do not allow
+  /// it.
   Point moved(const Point& from, const Point& direction, double step) const {
     const double length =
         std::sqrt(std::inner_product(direction.begin(), direction.end(), direction.begin(), 0.0));
@@ -123,8 +126,8 @@ class CostLowering : PathImprover {
     return direction;
   }
 
-  /// Against the gradient of the cost of both edges at a waypoint: of nearness there and in their
-  /// middles, and of their lengths.
+  /// The direction against the gradient of the cost of both edges at a waypoint: of nearness there
+  /// and in their middles, and of their lengths.
   Point downhill(std::size_t i) {
     const double before = space_.distance(path_[i - 1], path_[i]);
     const double after = space_.distance(path_[i], path_[i + 1]);
@@ -145,7 +148,7 @@ class CostLowering : PathImprover {
     return down;
   }
 
-  /// Longer steps as long as they gain, shorter ones until one does.
+  /// Tries longer steps as long as they gain, or shorter ones until one gains.
   bool moveAlong(std::size_t i, const Point& direction, double step) {
     bool has_moved = false;
     for (int k = 0; k < kCostSteps; ++k) {
@@ -171,14 +174,14 @@ class CostLowering : PathImprover {
     if (!point.empty()) takeIfCheaper({i - 1, i + 1, {&point, 1}}, kCostGain);
   }
 
-  /// Bends the edges that cost most beside their length, where something is near.
+  /// Bends the edges with the greatest cost in addition to their length, where a pair is near.
   void bendEdges() {
     std::vector<std::pair<double, std::size_t>> order;
     for (std::size_t i = 0; i + 1 < path_.size(); ++i)
       order.emplace_back(cost_.leastBetween(path_[i], path_[i + 1]) - edges_[i].sum.upper, i);
     std::sort(order.begin(), order.end());
     if (order.size() > kCostBends) order.resize(kCostBends);
-    // From the end on: a bend moves the edges behind it.
+    // Starts at the end, because a bend changes the numbers of the edges after it.
     std::sort(order.begin(), order.end(),
               [](const auto& a, const auto& b) { return a.second > b.second; });
     for (const auto& [gain, i] : order) {
@@ -195,7 +198,7 @@ class CostLowering : PathImprover {
     }
   }
 
-  /// A straight edge between two random places.
+  /// Tries a straight edge between two random places.
   void cut() {
     const auto edges = static_cast<int>(path_.size()) - 1;
     int i = random_.index(edges), j = random_.index(edges);
@@ -212,9 +215,9 @@ class CostLowering : PathImprover {
   Random random_;
   DistanceGradient gradients_;
   Point difference_;
-  std::vector<PathCost::Edge> edges_, candidate_;  ///< of the path, and of the present move's
-  double upper_ = kInfinity;                       ///< proven of the path
-  double gain_ = 0, wanted_ = 0, cutoff_ = 0;      ///< of the present move
+  std::vector<PathCost::Edge> edges_, candidate_;  ///< of the path, and of the current move
+  double upper_ = kInfinity;                       ///< proven for the path
+  double gain_ = 0, wanted_ = 0, cutoff_ = 0;      ///< of the current move
 };
 
 }  // namespace

@@ -8,13 +8,12 @@
 #include "planner/base/tolerances.h"
 #include "planner/contact/distance_gradient.h"
 
-// A path that was shortened touches its obstacles at few places. Each is found by a rough look at
-// an edge, or by a proof that fails there, which costs much more. Around it the nearest waypoint,
-// or a new one, moves along the gradient of the distance by what is missing, and the edges are
-// asked again, those of the neighbours too, until all of them keep what they are to keep: one move
-// of the path, of which only the margins of the other pairs and the length are left to check.
-// Proofs that fail take nearly all of the work: a move that gains nothing, or ends in contact, ends
-// the attempt.
+// A shortened path touches its obstacles at few places. A rough measurement of an edge finds each
+// place, or else a failed proof, which costs much more. Around it the nearest waypoint, or a new
+// one, moves along the gradient of the distance by the missing clearance. The edges, including the
+// neighbours, are measured again until all of them keep their targets. This is one move of the
+// path; only the margins of the other pairs and the length remain to be checked. Failed proofs take
+// nearly all of the work. So a move that gains nothing, or ends in contact, ends the attempt.
 
 namespace leeway::planner {
 namespace {
@@ -29,12 +28,12 @@ class Pusher : PathImprover {
         edges_(path.size() - 1, Edge{options.target, false}),
         gradients_(certifier.scene()) {}
 
-  /// The clearance that is proven for the path; 0: none.
+  /// Returns the clearance that is proven for the path; 0: none.
   double run() {
     limitBy(path_.front(), edges_.front());
     limitBy(path_.back(), edges_.back());
-    // The whole path keeps no more than its ends; ends that have too little anyway hold no other
-    // place back.
+    // The whole path keeps no more than its ends. Ends with too little clearance do not limit other
+    // places.
     const double most = std::min(edges_.front().target, edges_.back().target);
     if (most >= kPushEnough)
       for (Edge& edge : edges_) edge.target = most;
@@ -57,11 +56,11 @@ class Pusher : PathImprover {
 
  private:
   struct Edge {
-    double target;   ///< that it is to keep [m]
-    bool is_proven;  ///< to keep it
+    double target;   ///< that it should keep [m]
+    bool is_proven;  ///< to keep the target
   };
 
-  /// An end never moves: its edge keeps no more than the end has.
+  /// An end never moves, so its edge keeps no more than the end has.
   void limitBy(const Point& end, Edge& edge) {
     const Interval room = certifier_
                               .edgeClearance(end, end,
@@ -80,16 +79,16 @@ class Pusher : PathImprover {
 
   bool isGivenUp(std::size_t i) const { return edges_[i].target < options_.least; }
 
-  /// What is tried where a target failed: what an end has that limits it, otherwise what plans
-  /// shall keep, at last the least; 0: nothing more.
+  /// The next target after a failed one: the clearance of an end that limits it, otherwise
+  /// kPushEnough, finally the least; 0: none.
   double lesser(double target) const {
     if (kPushEnds * room_ < target) return kPushEnds * room_;
     const double next = std::max(options_.least, target > kPushEnough ? kPushEnough : 0);
     return next < target ? next : 0;
   }
 
-  /// A rough look, and where that does not tell, a proof; not of an edge in contact, as the depth
-  /// that it would find costs more than all other looks at the place.
+  /// A rough measurement, and a proof if that does not decide. Skips the proof for an edge in
+  /// contact, because the depth in it costs more than all other measurements at the place.
   EdgeClearance ask(const Point& a, const Point& b, double target) {
     const EdgeClearance found = certifier_.roughClearance(a, b, target, options_.pairs, true);
     if (found.clearance.lower >= target || found.clearance.upper < target) return found;
@@ -101,12 +100,12 @@ class Pusher : PathImprover {
                                       .pairs = options_.pairs});
   }
 
-  /// The margins alone, which lanes decide in a few microseconds.
+  /// Checks only the margins, which lanes decide in a few microseconds.
   bool isFree(const Point& a, const Point& b) {
     return certifier_.certify(a, b).verdict == Verdict::kFree;
   }
 
-  /// Whether edge i and what had to change around it now keep their targets.
+  /// Whether edge i and the changed edges around it now keep their targets.
   bool pushAt(std::size_t i, const EdgeClearance& found) {
     first_ = i;
     last_ = i + 1;
@@ -116,7 +115,7 @@ class Pusher : PathImprover {
     near_ = 0;
     found_ = found;
     const auto kept = static_cast<std::int64_t>(kPushKept * static_cast<double>(left()));
-    if (!movePoints(kept)) {  // where the points are now, a lesser target is near
+    if (!movePoints(kept)) {  // the points are close to a smaller target now
       const double target = lesser(edges_[i].target);
       if (!(target >= options_.least)) return false;
       for (Edge& edge : moved_) edge.target = std::min(edge.target, target);
@@ -125,8 +124,8 @@ class Pusher : PathImprover {
     return take({first_, last_, std::span(points_).subspan(1, points_.size() - 2)});
   }
 
-  /// Moves points until all edges between them keep their targets; false where moves gain nothing
-  /// or are too many, or only `kept` of the work is left.
+  /// Moves points until all edges between them keep their targets. False if moves gain nothing, if
+  /// there are too many of them, or if only `kept` of the work is left.
   bool movePoints(std::int64_t kept) {
     double nearest = found_.clearance.upper;
     for (int moves = 0, idle = 0; moves < kMostPushes && left() > kept; ++moves) {
@@ -141,8 +140,8 @@ class Pusher : PathImprover {
     return false;
   }
 
-  /// Whether all edges between the points keep their targets; else edge `near_` does not, or the
-  /// work ended there.
+  /// Whether all edges between the points keep their targets. If not, edge `near_` does not, or the
+  /// work limit was reached there.
   bool areProven(std::int64_t kept) {
     for (near_ = 0; near_ < moved_.size(); ++near_) {
       Edge& edge = moved_[near_];
@@ -165,8 +164,8 @@ class Pusher : PathImprover {
     replace(edges_, move.first, move.last, moved_);
   }
 
-  /// Moves one of the points near the place where their edge `near_` is too near, or a new one
-  /// there.
+  /// At the place where the edge `near_` is too near, moves one of the points nearby, or adds a new
+  /// one.
   bool moveAway() {
     const std::size_t k = near_;
     const EdgeClearance& found = found_;
@@ -210,7 +209,8 @@ class Pusher : PathImprover {
     return true;
   }
 
-  /// An edge that a waypoint at a place moves, too: what the place aims at is enough there.
+  /// A neighbouring edge that a waypoint at a place also moves. The target of the place is
+  /// sufficient there.
   Edge neighbor(std::size_t i, double target) const {
     return {std::min(edges_[i].target, target), false};
   }
@@ -219,13 +219,13 @@ class Pusher : PathImprover {
   std::int64_t first_work_, own_work_ = 0;
   double length_, next_length_ = 0;
   std::vector<Edge> edges_;  ///< of the path
-  // The move in the making: points from one waypoint to another, and the edges between them.
+  // The current move: points from one waypoint to another, and the edges between them.
   std::size_t first_ = 0, last_ = 0;
   Waypoints points_;
   std::vector<Edge> moved_;
   std::size_t near_ = 0;     ///< one of these edges that is too near, ...
-  EdgeClearance found_;      ///< ... and where
-  double room_ = kInfinity;  ///< what an end has that was in the way [m]
+  EdgeClearance found_;      ///< ... and the place
+  double room_ = kInfinity;  ///< clearance of an end that limited the target [m]
   DistanceGradient gradients_;
 };
 

@@ -6,9 +6,10 @@
 #include "planner/base/tolerances.h"
 #include "planner/improve/push.h"
 
-// A path near its ends keeps no more than these have, and in a narrow place no more than the place.
-// Between them it may keep more: first as much as T1 between the places where it has that, then
-// T2 > T1 in there; where that fails, on either side of the place that limits it.
+// Near its ends a path keeps no more than the ends, and in a narrow place no more than the place
+// allows. Between them it may keep more: first T1 between the places that have T1, then T2 > T1
+// between the places that have T2. If that fails, each side of the limiting place is pushed on its
+// own.
 // clang-format off
 //
 //   clearance |        ___________           ____
@@ -22,7 +23,7 @@
 namespace leeway::planner {
 namespace {
 
-/// Its moves are pushed parts of the path, its measure what they keep.
+/// Its moves are pushed parts of the path; its measure is the clearance that they keep.
 class Elsewhere : PathImprover {
  public:
   Elsewhere(const std::shared_ptr<const CompiledScene>& scene, EdgeCertifier& certifier,
@@ -39,7 +40,7 @@ class Elsewhere : PathImprover {
   }
 
  private:
-  /// A point of an edge, and what it keeps at most.
+  /// A point of an edge, and an upper bound on its clearance.
   struct Sample {
     std::size_t edge;
     double t, clearance;
@@ -47,8 +48,8 @@ class Elsewhere : PathImprover {
 
   bool isEnough() { return isOver() || pushes_ >= kMostElsewhere; }
 
-  /// Raises what does not limit the part between two waypoints, whose edges keep `floor`. Returns
-  /// the waypoint where it ends then.
+  /// Raises the clearance of the part between two waypoints, whose edges keep `floor`. Returns the
+  /// waypoint where the part then ends.
   std::size_t raise(std::size_t first, std::size_t last, double floor, int divisions) {
     if (isEnough() || divisions > kMostDivisions || first == last) return last;
     const std::vector<Sample> samples = sampled(first, last);
@@ -74,8 +75,8 @@ class Elsewhere : PathImprover {
     return raise(middle, last + middle - at, floor, divisions + 1);
   }
 
-  /// Raises what is between the first and the last place that have the target; then each of the
-  /// three on its own.
+  /// Raises the clearance between the first and the last place that have the target, then that of
+  /// each of the three parts.
   std::optional<std::size_t> raiseBetween(std::size_t first, std::size_t last,
                                           const std::vector<Sample>& samples, double floor,
                                           double target, int divisions) {
@@ -84,7 +85,7 @@ class Elsewhere : PathImprover {
     const auto end = std::find_if(samples.rbegin(), samples.rend(), hasRoom).base();
     if (end - from < 3) return std::nullopt;
     const auto to = end - 1;
-    // Of samples at waypoints these stay, and the others become waypoints.
+    // Samples at waypoints stay there; other samples become waypoints.
     const std::size_t begins = from->t > 0 ? 1 : 0, ends = to->t > 0 && to->t < 1 ? 1 : 0;
     Waypoints part = {between(from->edge, from->t)};
     for (std::size_t i = from->edge + 1; i < to->edge + (to->t > 0 ? 1 : 0); ++i)
@@ -107,7 +108,7 @@ class Elsewhere : PathImprover {
     return last + raise(middle, tail + shift, target, divisions) - (tail + shift);
   }
 
-  /// The least of the samples that have more on both sides; null without one.
+  /// The least of the samples that have greater ones on both sides; null if there is none.
   static const Sample* narrowest(const std::vector<Sample>& samples) {
     const Sample* least = nullptr;
     for (std::size_t i = 1; i + 1 < samples.size(); ++i)
@@ -122,7 +123,7 @@ class Elsewhere : PathImprover {
     return target > floor + std::max(kElsewhereGain * floor, kClearanceTolerance);
   }
 
-  /// Evenly along the part's length.
+  /// Samples at equal steps along the part's length.
   std::vector<Sample> sampled(std::size_t first, std::size_t last) {
     std::vector<Sample> samples;
     const double step = lengthBetween(first, last) / kElsewhereSamples;
@@ -150,7 +151,7 @@ class Elsewhere : PathImprover {
     return growth_ <= std::max(spare_, kElsewhereRounding);
   }
 
-  /// What is kept is kept, but for rounding at places that have become waypoints.
+  /// An edge keeps its clearance, except for rounding at places that have become waypoints.
   bool proves(const Move& move, std::size_t edge) override {
     const double least = floor_ - kElsewhereRounding;
     return PathImprover::proves(move, edge) &&
@@ -162,7 +163,7 @@ class Elsewhere : PathImprover {
 
   void keep(const Move&) override { spare_ -= growth_; }
 
-  /// Whether the part now keeps the target; if so, it is as short as it may be.
+  /// Whether the part now keeps the target. If so, it is also shortened.
   bool pushPart(Waypoints& part, double target) {
     ++pushes_;
     PushOptions push_options = options_;
@@ -181,10 +182,10 @@ class Elsewhere : PathImprover {
 
   const std::shared_ptr<const CompiledScene>& scene_;
   const PushOptions& options_;
-  double spare_;       ///< length that the path may still gain
-  double shortest_;    ///< length of a part that is divided
-  double floor_ = 0;   ///< what the part keeps that is raised
-  double growth_ = 0;  ///< of the path's length, by the present move
+  double spare_;       ///< by which the path's length may still grow
+  double shortest_;    ///< least length of a part that is divided
+  double floor_ = 0;   ///< clearance that the current part keeps
+  double growth_ = 0;  ///< of the path's length, by the current move
   int pushes_ = 0;
   EdgeCertifier::Statistics work_;
 };

@@ -8,16 +8,16 @@
 namespace leeway::planner {
 namespace {
 
-/// What a random cut must gain, as a fraction of the path's length: with kShortcutGain, which is
-/// for waypoints, a third more edges are asked for paths that are 0.4 % shorter.
+/// The gain that a random cut must have, as a fraction of the path's length. With kShortcutGain,
+/// which is for waypoints, a third more edges are checked and paths are 0.4 % shorter.
 constexpr double kCutGain = 1e-3;
 
-/// Of so many random stretches and joints, that which gains most is straightened: 2 % shorter paths
-/// for the same edges as with one.
+/// Number of random stretches and joints from which the one with the greatest gain is straightened.
+/// Paths are 2 % shorter for the same number of edges than with one.
 constexpr int kPartChoices = 4;
 
-/// Edges that are asked before the caller is asked whether to stop again, which costs a tenth of
-/// one: some microseconds each.
+/// Edges between two polls of `stop`. A poll costs a tenth of an edge, which takes a few
+/// microseconds.
 constexpr int kStopTurn = 8;
 
 /// A place on the path: t along the edge from waypoint `edge` to the next.
@@ -67,7 +67,7 @@ class Shortener : PathImprover {
     replace(rest_, move.first, move.last, rests);
   }
 
-  /// Whether an edge of a cut is what the cut leaves of a proven one.
+  /// Whether an edge of a cut is the rest of a proven edge.
   bool isRest(const Move& move, std::size_t edge) const {
     return (edge == 0 && begins_inside_) || (edge == move.points.size() && ends_inside_);
   }
@@ -77,7 +77,7 @@ class Shortener : PathImprover {
     return take(move);
   }
 
-  /// Makes repeated waypoints one; a path of one point keeps two.
+  /// Merges repeated waypoints; a path of one point keeps two.
   void dropRepeated() {
     std::size_t last = 0;
     for (std::size_t i = 1; i < path_.size(); ++i) {
@@ -87,8 +87,8 @@ class Shortener : PathImprover {
     path_.resize(last + 1);
   }
 
-  /// Goes on from each waypoint to the farthest that a certified edge reaches, tried by halves: O(n
-  /// log n) edges.
+  /// Continues from each waypoint to the farthest one that a certified edge reaches, found by
+  /// halving: O(n log n) edges.
   void dropVertices() {
     for (std::size_t i = 0; i + 2 < path_.size(); ++i)
       for (std::size_t j = path_.size() - 1; j > i + 1; j = i + 1 + (j - i - 1) / 2) {
@@ -97,8 +97,8 @@ class Shortener : PathImprover {
       }
   }
 
-  /// Cuts leave two rests of certified edges, whose new ends rounding has moved off them: both are
-  /// nearly always free, and most are cut again, so they are certified together at the end.
+  /// Cuts leave two rests of certified edges, whose new ends rounding has moved off the edges. Both
+  /// are nearly always free, and most are cut again, so they are certified together at the end.
   void shortcut() {
     result_ = {};
     int failures = 0;
@@ -111,7 +111,7 @@ class Shortener : PathImprover {
     }
   }
 
-  /// False when some rest of a cut is not certified.
+  /// False if some rest of a cut is not certified.
   bool certifyRest() {
     for (std::size_t i = 0; i < rest_.size(); ++i)
       if (rest_[i] != 0 && !PathImprover::proves({i, i + 1, {}}, 0)) return false;
@@ -124,7 +124,7 @@ class Shortener : PathImprover {
       along_.push_back(along_.back() + space_.distance(path_[i - 1], path_[i]));
   }
 
-  /// A place within `reach` of a waypoint is the waypoint: an edge that short gains nothing.
+  /// A place within `reach` of a waypoint is the waypoint, because such a short edge gains nothing.
   Place placeAt(double s, double reach) const {
     const auto next = std::upper_bound(along_.begin() + 1, along_.end() - 1, s);
     const auto edge = static_cast<std::size_t>(next - along_.begin()) - 1;
@@ -135,14 +135,14 @@ class Shortener : PathImprover {
     return {edge, t};
   }
 
-  /// A straight edge between two random places.
+  /// Tries a straight edge between two random places.
   bool cut() {
     measure();
     const double total = along_.back();
     double s0 = random_.uniform(0, total), s1 = random_.uniform(0, total);
     if (s0 > s1) std::swap(s0, s1);
     const Place from = placeAt(s0, kShortcutSnap * total), to = placeAt(s1, kShortcutSnap * total);
-    // One edge has nothing to cut.
+    // A cut needs more than one edge.
     if (to.edge <= from.edge || (to.edge == from.edge + 1 && to.t == 0)) return false;
     begins_inside_ = from.t > 0;
     ends_inside_ = to.t > 0;
@@ -155,9 +155,9 @@ class Shortener : PathImprover {
     return success;
   }
 
-  /// Takes out a detour of one joint where a cut of all would meet something (the partial shortcut
-  /// of Geraerts and Overmars): of some random stretches and joints that which gains most, since
-  /// each edge of it is to be certified.
+  /// Removes a detour of one joint where a cut of all joints would collide (the partial shortcut of
+  /// Geraerts and Overmars). Of some random stretches and joints it takes the one with the greatest
+  /// gain, because each of its edges must be certified.
   bool straightenPart() {
     measure();
     double most = kCutGain * along_.back();
@@ -181,8 +181,8 @@ class Shortener : PathImprover {
                          -kInfinity);
   }
 
-  /// What is gained where, between two waypoints, one part moves evenly and the others as before.
-  /// The candidate has the points.
+  /// The gain if, between two waypoints, one part moves at constant rate and the others as before.
+  /// candidate_ gets the points.
   double straighten(std::size_t first, std::size_t last, const ConfigurationSpace::Part& part) {
     const double span = along_[last] - along_[first];
     if (last < first + 2 || !(span > 0)) return 0;
@@ -202,8 +202,8 @@ class Shortener : PathImprover {
     return span - (length + space_.distance(*before, path_[last]));
   }
 
-  /// Moves each waypoint half of the way to its place on the chord of its neighbours, or a quarter,
-  /// or an eighth.
+  /// Moves each waypoint half of the way to its position on the chord of its neighbours, or a
+  /// quarter, or an eighth.
   void pullVertices() {
     Point chord(path_[0].size()), pulled(path_[0].size());
     for (int sweep = 0; sweep < kPullSweeps; ++sweep) {
@@ -228,10 +228,10 @@ class Shortener : PathImprover {
   SimplifyResult result_;
   double least_gain_ = 0;
   std::vector<double> along_;           ///< the length up to each waypoint
-  Waypoints straightened_, candidate_;  ///< as many points as the longest stretch has had
+  Waypoints straightened_, candidate_;  ///< the longest stretch so far determines their size
   Point even_;
-  std::vector<char> rest_;  ///< one an edge: 1 for what a cut has left of a certified one
-  bool begins_inside_ = false, ends_inside_ = false;  ///< edges: of the present cut
+  std::vector<char> rest_;  ///< one per edge: 1 for the rest of a certified edge after a cut
+  bool begins_inside_ = false, ends_inside_ = false;  ///< edges of the current cut
   bool defers_ = true;                                ///< certifies rests later
 };
 

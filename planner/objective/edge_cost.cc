@@ -1,16 +1,17 @@
 // Integrals of nearness along an edge, by branch and bound over its parts.
 //
-// On a part [t0, t1] with middle m, seen from body b of a pair, no point of body a leaves the chord
-// of its places at t0 and m, or at m and t1, by more than g = (h/2)^2 A / 8. So in each half
-//   the gap that a fixed plane leaves is at least the line through its values at the ends, less g
+// Let [t0, t1] be a part with middle m, seen from body b of a pair. No point of body a leaves the
+// chord of its positions at t0 and m, or at m and t1, by more than g = (h/2)^2 A / 8. So in each
+// half
+//   the gap at a fixed plane is at least the line through its values at the ends, minus g
 //     (the least over points of lines is above the line through the least at both ends);
-//   the distance of two fixed points is at most the line through its values, and g
+//   the distance of two fixed points is at most the line through its values, plus g
 //     (a norm of a line is convex).
-// With the plane and the points of the distance at m, both lines meet there but for g, and what is
-// between them falls with h^2. The least of the pairs' lower lines at both ends of a half makes a
-// line that is below all of them. Nearness never rises with the distance, and its integral over a
-// line is known; so each half yields both ends of an interval. The part whose interval is widest is
-// halved next.
+// With the plane and the points of the distance at m, both lines meet there except for g, and the
+// gap between them falls with h^2. The least of the pairs' lower lines at both ends of a half gives
+// a line that is below all of them. Nearness never increases with the distance, and its integral
+// over a line has a closed form. So each half gives both ends of an interval. The part with the
+// widest interval is halved next.
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +43,7 @@ class EdgeCertifier::Impl::CostSearch {
   }
 
  private:
-  /// Bounds at both ends of half a part, whose lines bound the clearance in between.
+  /// Bounds at both ends of half a part; their lines bound the clearance in between.
   struct Line {
     double begin, end;
     double sum() const { return begin + end; }
@@ -64,7 +65,7 @@ class EdgeCertifier::Impl::CostSearch {
     std::push_heap(parts_.begin(), parts_.end(), isNarrower);
   }
 
-  /// False where there is no room for more parts.
+  /// False if the list of parts is full.
   bool splitWidest() {
     const CostPart widest = parts_.front();
     if (widest.interval.level >= kDeepestLevel || widest.middle < 0 ||
@@ -81,7 +82,7 @@ class EdgeCertifier::Impl::CostSearch {
     return true;
   }
 
-  /// The integral of nearness over a part; of its pairs those that may be the nearest stay.
+  /// The integral of nearness over a part. Keeps the pairs that may be the nearest.
   CostPart bounded(EdgeInterval& interval) {
     ++impl_.statistics->intervals;
     impl_.queries.startInterval();
@@ -91,7 +92,7 @@ class EdgeCertifier::Impl::CostSearch {
     sortPairs(interval);
     for (Line& line : uppers_) line = {kInfinity, kInfinity};
     for (Line& line : lowers_) line = {reach_, reach_};
-    double enough = reach_;  // nothing beyond matters
+    double enough = reach_;  // greater distances cost nothing
     std::size_t kept = 0;
     for (const auto& [lower, p] : impl_.order) {
       if (lower >= enough || !bound(interval, part.middle, p, enough)) continue;
@@ -100,7 +101,7 @@ class EdgeCertifier::Impl::CostSearch {
     }
     interval.end = interval.begin + static_cast<int>(kept);
     part.interval = interval;
-    // Below 0 the lines say nothing: depths of meshes may grow faster than points move.
+    // Below 0 the lines are not valid, because depths of meshes may grow faster than points move.
     const double least = std::min(lowest(lowers_[0]), lowest(lowers_[1]));
     part.clearance = least > 0 ? least : -kInfinity;
     part.nearest = std::min({uppers_[0].begin, uppers_[0].end, uppers_[1].end});
@@ -118,7 +119,7 @@ class EdgeCertifier::Impl::CostSearch {
   static double lowest(const Line& line) { return std::min(line.begin, line.end); }
   static double highest(const Line& line) { return std::max(line.begin, line.end); }
 
-  /// The open pairs that may come within reach, nearest first as far as balls say.
+  /// The open pairs that may come within reach, nearest first by their balls.
   void sortPairs(const EdgeInterval& interval) {
     impl_.order.clear();
     for (const int p : impl_.queue.pairs(interval)) {
@@ -130,14 +131,14 @@ class EdgeCertifier::Impl::CostSearch {
     std::sort(impl_.order.begin(), impl_.order.end());
   }
 
-  /// Takes what a pair says of a part; false where it is never nearer than `enough`.
+  /// Applies a pair's bounds to a part; false if the pair is never nearer than `enough`.
   bool bound(const EdgeInterval& interval, int middle, int p, double enough) {
     const EdgePair& pair = impl_.frames.pair(p);
     const robots::MotionBound& moves = impl_.queries.motionOf(interval, pair.motion);
     const double half_way = interval.h / 2 * moves.speed;
     const double growth = interval.h * interval.h / 4 * moves.acceleration / 8 + pair.rounding;
     collision::DistanceRequest request;
-    // Nearer than what points leave their chords by does not help.
+    // A tolerance finer than how far points leave their chords does not help.
     request.tolerance = std::max(kCostDistance * request_.nearness.distance, growth / 4);
     if (std::isfinite(enough)) request.threshold = enough + half_way + pair.rounding;
     collision::DistanceResult found = impl_.queries.distanceAt(middle, pair, request);
@@ -156,7 +157,7 @@ class EdgeCertifier::Impl::CostSearch {
     return true;
   }
 
-  /// By the two nearest points; where there are none, by speed.
+  /// By the two nearest points, or by speed if there are none.
   collision::ThreeGaps boundAbove(const EdgePair& pair, const collision::DistanceResult& found,
                                   int middle, const collision::ThreePoses& X_BA, double growth,
                                   double half_way) {
@@ -168,12 +169,12 @@ class EdgeCertifier::Impl::CostSearch {
       const Eigen::Vector3d& b_W = is_reversed ? found.point_a : found.point_b;
       const Eigen::Vector3d a_A = impl_.frames.piecePose(middle, pair.a).inverse() * a_W;
       const Eigen::Vector3d b_B = impl_.frames.piecePose(middle, pair.b).inverse() * b_W;
-      // Points of hulls may stand out from meshes by what the upper end allows for.
+      // Points of hulls may protrude from meshes; the upper end allows for this.
       const double excess = std::max(0.0, found.distance.upper - (a_W - b_W).norm());
       for (std::size_t k = 0; k < above.size(); ++k)
         above[k] = (X_BA[k] * a_A - b_B).norm() + excess + growth + kWitness;
     } else {
-      // A meeting says nothing of where points go.
+      // Contact gives no information about where points go.
       above[1] = std::max(upper, 0.0);
       above[0] = above[2] = above[1] + half_way;
     }
@@ -218,7 +219,7 @@ class EdgeCertifier::Impl::CostSearch {
     }
   }
 
-  /// What is no number bounds nothing.
+  /// NaN bounds nothing, so it becomes -infinity.
   static double boundOf(double lower) { return std::isnan(lower) ? -kInfinity : lower; }
 
   bool isReversed(const EdgePair& pair) const { return pair.is_reversed; }
@@ -245,7 +246,7 @@ class EdgeCertifier::Impl::CostSearch {
   double reach_;  ///< nearness is 0 from there on [m]
   std::vector<CostPart>& parts_ = impl_.cost_parts;
   double lower_ = 0, upper_ = 0;  ///< sums over parts_
-  Line uppers_[2], lowers_[2];    ///< of the present part
+  Line uppers_[2], lowers_[2];    ///< of the current part
 };
 
 EdgeCost EdgeCertifier::edgeCost(std::span<const double> a, std::span<const double> b,

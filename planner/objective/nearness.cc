@@ -18,9 +18,9 @@ double reachOf(const Nearness& nearness) {
   return nearness.kind == Nearness::Kind::kHinge ? nearness.distance : kInfinity;
 }
 
-// Both kinds are 1 up to some distance, and convex from there on. Over a line that begins and ends
-// beyond it, the mean is between the value in the middle and the mean of the values at the ends; a
-// hinge is a line, but for where it becomes 0. Where the line crosses, it is cut.
+// Both kinds are 1 up to some distance, and convex beyond it. Over a line that begins and ends
+// beyond it, the mean is between the value in the middle and the mean of the values at the ends. A
+// hinge is linear until it becomes 0. A line that crosses such a distance is cut there.
 Interval meanNearness(const Nearness& nearness, double begin, double end) {
   double low = std::min(begin, end), high = std::max(begin, end);
   if (std::isnan(begin) || std::isnan(end)) return {0, 1};

@@ -19,7 +19,7 @@ Interval outwards(Interval sum) {
           sum.upper + kSumRounding * std::abs(sum.upper)};
 }
 
-/// The scene with the pairs that a wish names alone.
+/// The scene with only the pairs that a wish names.
 std::shared_ptr<const CompiledScene> withPairsOf(const CompiledScene& scene, const Wish& wish) {
   std::set<std::pair<std::string, std::string>> named;
   for (const auto& [a, b] : wish.pairs) {
@@ -33,7 +33,7 @@ std::shared_ptr<const CompiledScene> withPairsOf(const CompiledScene& scene, con
   });
 }
 
-/// A place is an edge without length.
+/// A single place becomes an edge without length.
 std::vector<std::vector<double>> withAnEdge(std::vector<std::vector<double>> waypoints) {
   if (waypoints.size() == 1) waypoints.push_back(waypoints[0]);
   return waypoints;
@@ -82,7 +82,7 @@ PathCost::Edge PathCost::edge(std::span<const double> a, std::span<const double>
   for (const Term& term : terms_) {
     EdgeCertifier& certifier = term.pool->local().certifier;
     if (term.worst) {
-      // What is beyond the reach of nearness costs nothing, wherever it is.
+      // A clearance beyond the reach of nearness costs nothing, so its value does not matter.
       const Interval clearance =
           certifier
               .edgeClearance(a, b,
@@ -102,7 +102,7 @@ PathCost::Edge PathCost::edge(std::span<const double> a, std::span<const double>
     edge.sum.lower += scale * mean.lower;
     edge.sum.upper += scale * mean.upper;
     if (edge.sum.lower > request.cutoff) {
-      edge.sum.upper = kInfinity;  // not all terms were asked
+      edge.sum.upper = kInfinity;  // not all terms were evaluated
       break;
     }
   }
@@ -110,7 +110,7 @@ PathCost::Edge PathCost::edge(std::span<const double> a, std::span<const double>
   return edge;
 }
 
-/// A first look says which share of the mean `enough` is.
+/// A first estimate converts `enough` to a share of the mean.
 Interval PathCost::meanOf(EdgeCertifier& certifier, std::span<const double> a,
                           std::span<const double> b, CostRequest request, double enough) {
   if (!(enough > 0)) return certifier.edgeCost(a, b, request).mean;
@@ -135,7 +135,7 @@ Interval PathCost::total(std::span<const Edge> edges) const {
     if (!term.worst) continue;
     Interval greatest{0, 0};
     for (const Edge& edge : edges) {
-      // An edge that was cut off has none, and an upper end of infinity anyway.
+      // An edge that was cut off has no worst values, and its upper end is infinity anyway.
       if (worst >= edge.worst.size()) continue;
       greatest = {std::max(greatest.lower, edge.worst[worst].lower),
                   std::max(greatest.upper, edge.worst[worst].upper)};
@@ -158,7 +158,7 @@ Interval PathCost::path(const std::vector<std::vector<double>>& path, const Requ
 Interval PathCost::reported(const std::vector<std::vector<double>>& waypoints) {
   const std::size_t asked = std::max<std::size_t>(1, waypoints.size() * terms_.size());
   const std::int64_t work = kCostReportWork / static_cast<std::int64_t>(asked);
-  // What an edge adds to the width counts against the cost of the whole path.
+  // The width of an edge's cost is compared with the cost of the whole path.
   const Interval rough = path(waypoints, {.tolerance = kFirstCostTolerance, .work_limit = work});
   const Interval fine =
       path(waypoints, {.tolerance = 0.8 * kCostTolerance,
@@ -176,7 +176,7 @@ std::vector<WishResult> PathCost::wishes(const std::vector<std::vector<double>>&
     EdgeCertifier& certifier = term.pool->local().certifier;
     const double wanted = term.nearness.distance;
     WishResult result{{kInfinity, kInfinity}, std::nullopt, {0, 0}};
-    // Of pairs that are not checked nothing is proven.
+    // Nothing is proven about pairs that are not checked.
     bool is_kept = !certifier.scene().scene().pairs().empty(), is_missed = false;
     for (std::size_t i = 1; i < waypoints.size(); ++i) {
       const std::vector<double>&a = waypoints[i - 1], &b = waypoints[i];
@@ -186,7 +186,7 @@ std::vector<WishResult> PathCost::wishes(const std::vector<std::vector<double>>&
       result.cost.upper += scale * mean.upper;
       Interval found = certifier.edgeClearance(a, b, {.tolerance = tolerance}).clearance;
       if (found.lower < wanted && found.upper >= wanted) {
-        // So near to what is wanted that it takes a proof.
+        // So near to the wish that a proof is needed.
         const Interval proof =
             certifier
                 .proveClearance(

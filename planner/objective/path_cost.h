@@ -13,51 +13,52 @@
 
 namespace leeway::planner {
 
-/// What paths cost in one compiled scene: a weight of their length, and terms of nearness, each of
-/// its own pairs. Every answer is an interval that holds. Thread-safe.
+/// The cost of paths in one compiled scene: a weight of their length, and terms of nearness, each
+/// over its own pairs. Every answer is an interval that contains the true value. Thread-safe.
 class PathCost {
  public:
-  /// The cost by the objective and the wishes of a valid problem; null if neither has a cost.
-  /// O(pairs) a term.
+  /// The cost of the objective and the wishes of a valid problem; null if neither has a cost.
+  /// O(pairs) per term.
   static std::shared_ptr<PathCost> of(const CompiledScene& scene, const Problem& problem);
 
-  /// Of an edge: what adds up along a path, weights included, and the greatest nearness of each
-  /// term that counts its worst.
+  /// The cost of an edge: the sum that adds up along a path, including weights, and the greatest
+  /// nearness of each worst-place term.
   struct Edge {
     Interval sum{0, std::numeric_limits<double>::infinity()};
     std::vector<Interval> worst;
   };
   struct Request {
-    double tolerance = 0.01;  ///< as CostRequest's
-    /// Stops where the sum is known to be above it.
+    double tolerance = 0.01;  ///< as in CostRequest
+    /// Stops once the sum is proven to be above it.
     double cutoff = std::numeric_limits<double>::infinity();
-    std::int64_t work_limit = 0;  ///< of one term, as CostRequest's
-    double enough = 0;            ///< a width of the sum that is good enough in any case
+    std::int64_t work_limit = 0;  ///< of one term, as in CostRequest
+    double enough = 0;            ///< a width of the sum that suffices in any case
   };
   Edge edge(std::span<const double> a, std::span<const double> b, const Request& request);
-  /// Of a path's edges together.
+  /// The cost of a path's edges together.
   Interval total(std::span<const Edge> edges) const;
   Interval path(const std::vector<std::vector<double>>& path, const Request& request);
-  /// As it is told of a result: to 1 %, as far as a second of counted work goes.
+  /// As reported with a result: to 1 %, within a second of counted work.
   Interval reported(const std::vector<std::vector<double>>& waypoints);
 
-  /// What becomes of the problem's wishes along a path, clearances to within `tolerance` [m].
+  /// The result of each of the problem's wishes along a path, with clearances to within `tolerance`
+  /// [m].
   std::vector<WishResult> wishes(const std::vector<std::vector<double>>& path, double tolerance);
 
-  /// No term counts its worst: costs of edges add up.
+  /// Whether no term counts the worst place: costs of edges then add up.
   bool isAdditive() const;
-  /// No edge from a to b, and no path between them, costs less.
+  /// A lower bound on the cost of every edge from a to b, and of every path between them.
   double leastBetween(std::span<const double> a, std::span<const double> b) const;
 
-  /// What is nearest at a configuration, for each term that it costs something.
+  /// The nearest pair at a configuration, for each term with a cost there.
   struct Closest {
     EdgeClearance found;
-    double slope;  ///< of weight times nearness, by clearance: 0 or below [1/m]
+    double slope;  ///< derivative of weight times nearness by clearance: at most 0 [1/m]
     const CompiledScene* scene;
   };
   std::vector<Closest> closestAt(std::span<const double> point);
 
-  /// Of wishes none of whose pairs is checked: they cost nothing, and stay undecided.
+  /// Warnings about wishes without checked pairs: they cost nothing, and stay undecided.
   const std::vector<std::string>& warnings() const { return warnings_; }
   EdgeCertifier::Statistics statistics() const;
 
@@ -67,7 +68,7 @@ class PathCost {
     double weight;
     bool worst;
     bool is_wish;
-    std::shared_ptr<CertifierPool> pool;  ///< of the scene with its pairs alone
+    std::shared_ptr<CertifierPool> pool;  ///< of the scene with only its pairs
   };
   PathCost(const CompiledScene& scene, const Problem& problem);
   static Interval meanOf(EdgeCertifier& certifier, std::span<const double> a,
