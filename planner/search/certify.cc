@@ -14,8 +14,7 @@
 namespace leeway::planner {
 namespace {
 
-/// Refines what is known of the clearances of a path's edges from the world, or of the robot to
-/// itself.
+/// Refines the clearances of a path's edges from the world, or of the robot from itself.
 class Clearances {
  public:
   Clearances(EdgeCertifier& certifier, const Waypoints& path, double tolerance, Pairs pairs,
@@ -27,15 +26,15 @@ class Clearances {
         guess_(guess),
         edges_(path.size() - 1) {}
 
-  /// Each edge to within the tolerance.
+  /// Encloses the clearance of each edge to within the tolerance.
   void refineAll() {
     for (std::size_t i = 0; i < edges_.size(); ++i)
       keep(i, certifier_.edgeClearance(path_[i], path_[i + 1],
                                        {.tolerance = tolerance_, .pairs = pairs_}));
   }
 
-  /// The path's least clearance, to a share of itself as far as a little work goes. An edge that is
-  /// proven to stay above that share is not looked at closer. O(edges), beside the queries.
+  /// Encloses the path's least clearance to a share of itself, with little work. An edge that is
+  /// proven to stay above that share is not refined. O(edges), in addition to the queries.
   void refineLeast() {
     if (pairs_ == Pairs::kSelf)
       keep(0, certifier_.nearest(path_[0], pairs_, kInfinity));
@@ -52,13 +51,13 @@ class Clearances {
   const std::vector<EdgeClearance>& edges() const { return edges_; }
   /// Whether edge i is proven to keep all margins of these pairs.
   bool keepsMargins(std::size_t i) const { return edges_[i].keeps_margins; }
-  /// A proof that edge i is farther than `lower`, from elsewhere.
+  /// Applies a proof from elsewhere that the clearance of edge i exceeds `lower`.
   void raise(std::size_t i, double lower) {
     Interval& known = edges_[i].clearance;
     known.lower = std::max(known.lower, lower);
   }
 
-  /// Of the whole path.
+  /// The clearance of the whole path.
   planner::PathClearance whole() const {
     planner::PathClearance whole;
     whole.clearance = {kInfinity, kInfinity};
@@ -79,7 +78,7 @@ class Clearances {
  private:
   /// Bounds from a few passes of lanes.
   void look() {
-    // What a push has kept is mostly what the nearest thing is a little beyond.
+    // The nearest obstacle is usually a little farther than the clearance that a push has kept.
     const double first =
         guess_ > 0 ? std::min(kRoughBeyondGuess * guess_, kRoughFirst) : kRoughFirst;
     for (const double most : {first, kRoughFirst, kRoughMost}) {
@@ -102,8 +101,8 @@ class Clearances {
     whole.closest_b = scene.bodies()[static_cast<std::size_t>(p.body_b)].name;
   }
 
-  /// What each edge is to keep: much of what the path does. Where a proof has failed for one, less
-  /// is enough for all.
+  /// The clearance that each edge should keep: a large share of the path's. After a failed proof of
+  /// one edge, a smaller clearance is enough for all.
   double wanted() const {
     if (!std::isfinite(least_)) return kRoughMost;
     if (!(least_ > 0)) return least_ - std::max(tolerance_, -kLeastShare * least_);
@@ -148,9 +147,9 @@ class Clearances {
   double tolerance_;
   Pairs pairs_;
   double guess_;
-  double least_ = kInfinity;  ///< no more than that is the path's clearance
+  double least_ = kInfinity;  ///< upper bound on the path's clearance
   std::vector<EdgeClearance> edges_;
-  int tries_ = 0;  ///< proofs that have failed
+  int tries_ = 0;  ///< number of failed proofs
 };
 
 /// The smallest margin of the pairs [m]; infinity without such pairs.
@@ -178,7 +177,7 @@ bool haveEdges(const ConfigurationSpace& space, const Waypoints& rows) {
 PathEdges edgesOf(const ConfigurationSpace& space, const Path& path) {
   PathEdges edges{{path.names, {}, path.steps}, {}};
   Waypoints& points = edges.path.positions;
-  std::vector<int> place;  // of each row, among the points
+  std::vector<int> place;  // the index of each row among the points
   for (std::size_t i = 0; i < path.positions.size(); ++i) {
     place.push_back(static_cast<int>(points.size()));
     points.push_back(path.positions[i]);
@@ -226,7 +225,7 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
                                         return space.withinLimits(position);
                                       });
 
-  // A place is an edge without length.
+  // A single place is an edge without length.
   const bool stays = path.positions.size() == 1;
   const PathEdges lines = edgesOf(space, path);
   Waypoints positions = lines.path.positions;
@@ -234,7 +233,7 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
   const std::size_t edges = positions.size() - 1;
   Clearances of_world(certifier, positions, tolerance, Pairs::kWorld, world_guess);
   Clearances of_robot(certifier, positions, tolerance, Pairs::kSelf, 0);
-  // A free edge is proven to keep its margins, which may say more than the interval.
+  // A free edge is proven to keep its margins, which may be a stronger statement than the interval.
   const double margin_of_world = leastMarginOf(certifier.scene(), Pairs::kWorld);
   const double margin_of_robot = leastMarginOf(certifier.scene(), Pairs::kSelf);
   const auto certifyEdges = [&] {
@@ -249,8 +248,8 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
       of_robot.raise(i, margin_of_robot);
     }
   };
-  // What clearances prove of both need not be proven once more. Where bodies may overlap the
-  // margins come first: these may be all that is known of depths.
+  // Margins that the clearances of world and robot prove are not proven again. If bodies may
+  // overlap, the margins come first, because they may be the only proven bound on depths.
   const bool begins_with_margins = std::min(margin_of_world, margin_of_robot) < 0;
   if (begins_with_margins) certifyEdges();
   for (Clearances* clearances : {&of_world, &of_robot}) {

@@ -12,16 +12,16 @@
 #include "planner/base/tolerances.h"
 #include "planner/improve/push.h"
 
-// The greatest least clearance, by a planner that knows nothing of clearance. Finding a path that
-// keeps the margin c is an ordinary search in the scene with its margins raised to c, where every
-// check is as fast as ever. So: find a path, push it away from what is near, and demand more than
-// that reaches, at first half of the way to the bound. Where a search fails within its budget,
-// demand half as much more; where that becomes too little to matter, double the budget and start
-// from half of the way again. This climbs much faster than a tree that measures the clearance of
-// every edge: an edge that is not good enough is refused by the first bound that says so.
+// The greatest least clearance, by a planner without a notion of clearance. Finding a path that
+// keeps the clearance c is an ordinary search in the scene with its margins raised to c, where
+// every check is as fast as usual. So this search finds a path, pushes it away from obstacles, and
+// then requires a greater clearance, at first halfway to the bound. If a search fails within its
+// budget, the required increase is halved. If the increase becomes too small to matter, the budget
+// is doubled and the increase starts again halfway to the bound. This is much faster than a tree
+// that measures the clearance of every edge, because the first bound that fails rejects an edge.
 //
-// Where a path's length is limited, too, each path that is found is simplified in its raised scene,
-// and one that is too long counts as not found.
+// If the path's length is also limited, each path that is found is simplified in its raised scene.
+// A path that is too long counts as not found.
 
 namespace leeway::planner {
 namespace {
@@ -50,7 +50,7 @@ class ClearanceSearch {
   }
 
  private:
-  /// A scene with raised margins, and what searches it.
+  /// A scene with raised margins, and its search.
   struct Raised {
     Raised(const CompiledScene& base, Pairs of, double margin, const SearchTask& task)
         : Raised(raised(base, of, margin), task) {}
@@ -70,15 +70,16 @@ class ClearanceSearch {
 
   std::optional<Waypoints> find(Search& search, std::uint64_t budget) {
     auto path = search.any(task_.problem.seed + runs_++, budget);
-    if (!best_.path.empty()) describe();  // a search may tell of itself
+    if (!best_.path.empty()) describe();  // a search may have its own description
     return path;
   }
 
-  /// Tells the caller's progress the best so far. It changes only while no search runs.
+  /// Reports the best path so far to the caller's progress. The path changes only while no search
+  /// runs.
   void describe() {
     task_.limits.describe([this] {
       char text[64];
-      // Rounded outwards: they are bounds.
+      // Rounded outwards, because they are bounds.
       std::snprintf(text, sizeof text, ", keeps %.1f mm, none keeps above %.1f",
                     std::floor(1e4 * best_.clearance) / 10, std::ceil(1e4 * bound_) / 10);
       return std::string(text);
@@ -93,7 +94,7 @@ class ClearanceSearch {
     simplify(certifier, path, options);
   }
 
-  /// Where the length is limited, the shortest of some.
+  /// If the length is limited, takes the shortest of several paths.
   bool findFirst() {
     double shortest = kInfinity;
     for (int run = 0; run < (is_limited_ ? kShortestRuns : 1); ++run) {
@@ -126,19 +127,19 @@ class ClearanceSearch {
     return options;
   }
 
-  /// No less than where length is the objective.
+  /// The push of the objective `length`, so that the clearance is at least as great.
   void pushAsPlain() {
     PushOptions options = pushOptions();
     options.target = std::min(kPushClearance, bound_ - near_);
     options.least = kPushLeast;
     options.work = kPushWork;
     best_.clearance = push(search_.certifier(), best_.path, options);
-    // Only then: to measure a path that hugs something is dear.
+    // Measured only then, because measuring a path close to an obstacle is expensive.
     if (!(best_.clearance > 0)) best_.clearance = measured(best_.path);
   }
 
-  /// Raises the clearance by moving waypoints alone: first to the bound, then by halves of what is
-  /// left.
+  /// Raises the clearance only by moving waypoints: first to the bound, then by halves of the
+  /// remaining gain.
   void pushTowardsBound() {
     double most = bound_;
     for (int k = 0; k < kClearancePushes && !isClimbOver(); ++k) {
@@ -166,7 +167,7 @@ class ClearanceSearch {
       }
       demand = best_.clearance + (demand - best_.clearance) / 2;
       if (demand - best_.clearance > near_) continue;
-      // A search without an iteration (no start or no goal has so much room) will not do better
+      // A search without an iteration (no start or no goal has that clearance) cannot succeed
       // later.
       if (limits.iterations() == iterations) break;
       iterations = limits.iterations();
@@ -175,7 +176,7 @@ class ClearanceSearch {
     }
   }
 
-  /// Whether a path is found that keeps as much.
+  /// Whether a path with this clearance is found.
   bool reach(double demand, std::uint64_t budget) {
     Raised wider(*scene_, objective_.of, demand, task_);
     auto path = find(wider.search, budget);
@@ -188,7 +189,7 @@ class ClearanceSearch {
     return true;
   }
 
-  /// What is left of the limits goes to shorter paths that keep as much.
+  /// Uses the rest of the limits for shorter paths with the same clearance.
   void shorten() {
     const double kept = best_.clearance - near_ / 4;
     Raised wider(*scene_, objective_.of, kept, task_);
@@ -220,9 +221,9 @@ class ClearanceSearch {
   Search& search_;
   const SearchTask& task_;
   const MaximumClearance& objective_;
-  bool is_limited_;  ///< the path's length is
+  bool is_limited_;  ///< the path's length is limited
   double bound_;     ///< no path keeps more [m]
-  double near_;      ///< the search ends so much below it [m]
+  double near_;      ///< the search ends at this distance below the bound [m]
   std::uint64_t runs_ = 0;
   ClearancePath best_;
 };

@@ -19,9 +19,9 @@
 namespace leeway::planner {
 namespace {
 
-/// Between the first runs of two workers, in runs: more than any of them makes.
+/// Difference between the first runs of two workers, in runs; no worker makes more runs.
 constexpr std::uint64_t kRunsApart = 1ULL << 32;
-/// From a worker's first run to its first narrow one.
+/// Difference between a worker's first run and its first narrow one.
 constexpr std::uint64_t kToNarrowRuns = kRunsApart / 2;
 
 /// The n-th term of 1, 1, 2, 1, 1, 2, 4, 1, 1, 2, ..., n >= 1.
@@ -33,9 +33,9 @@ std::uint64_t luby(std::uint64_t n) {
   }
 }
 
-/// The settings of a worker. What a problem needs is not known beforehand: shorter edges suit
-/// narrow places, longer ones wide ones, and where the nearest node is always the wrong one a
-/// dynamic domain hinders.
+/// The settings of a worker. The needs of a problem are not known in advance: shorter edges suit
+/// narrow passages, longer ones wide spaces, and a dynamic domain is a hindrance if the nearest
+/// node is always the wrong one.
 ConnectSettings settingsOf(const ConnectChoice& choice, std::uint64_t worker) {
   constexpr double kRangeShares[] = {1, 0.6, 1.5, 1};
   ConnectSettings settings = choice.settings;
@@ -56,7 +56,7 @@ class Worker {
         certifier_(certifier),
         goals_(query.goals),
         check_([this](std::span<const double> a, std::span<const double> b) {
-          // One iteration may ask many edges.
+          // One iteration may check many edges.
           if (++asked_ % kConnectTurn == 0) over_ = over_ || query_.limits.over();
           if (over_) return EdgeCheck{};
           EdgeCertifier& own = narrow_ ? narrow_->certifier : certifier_;
@@ -82,7 +82,7 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /// Up to `count` iterations; fewer, and true, once a path is found.
+  /// Runs up to `count` iterations; fewer, and returns true, once a path is found.
   bool advance(std::uint64_t count) {
     for (; count > 0; --count) {
       if (!trees_) begin();
@@ -94,7 +94,8 @@ class Worker {
       }
       scanned_ += trees_->nodes();
       const bool met = trees_->iterate();
-      // Slides ask their edges from the tree's root on, which is backwards in the goals' tree.
+      // Slides check their edges from the tree's root outwards, which is backwards in the goals'
+      // tree.
       const bool is_certified = !narrow_ && !way_;
       if (met) path_ = trees_->path();
       if (met || (--left_ == 0 && !goesOn())) end();
@@ -107,7 +108,7 @@ class Worker {
   std::size_t goalBatches() const { return goal_batches_; }
   Waypoints takePath() { return std::move(path_); }
   const EdgeCertifier::Statistics& work() const { return certifier_.statistics; }
-  /// Of the certifiers of narrow runs, beside that.
+  /// The statistics of narrow runs' certifiers, which work() does not include.
   EdgeCertifier::Statistics narrowWork() const {
     EdgeCertifier::Statistics work = narrow_work_;
     if (narrow_) work += narrow_->certifier.statistics;
@@ -115,8 +116,8 @@ class Worker {
   }
 
  private:
-  /// What a narrow run has beside trees. Its certifier is new and asked for nothing else: what it
-  /// tells of contacts, which history may change, is the same whatever was searched before.
+  /// The additional data of a narrow run. Its certifier is new and used by nothing else, so its
+  /// answers about contacts, which depend on history, are the same after any other searches.
   struct Narrow {
     Narrow(const std::shared_ptr<const CompiledScene>& scene, const ContactSlide::Edge& check,
            double range)
@@ -125,9 +126,9 @@ class Worker {
     ContactSlide slide;
   };
 
-  /// After the first run each other one is narrow: the two kinds have a series and seeds each. A
-  /// search for shorter paths, which are through already, has none. Where there are constraints all
-  /// runs slide along these.
+  /// After the first run every other run is narrow; the two kinds have separate series and seeds. A
+  /// search for shorter paths has no narrow runs, because its paths already pass the narrow places.
+  /// With constraints, all runs slide along these.
   void begin() {
     ConnectTask task{query_.scene->space(), query_.start, goals_, is_free_, query_.bound};
     ConnectSettings settings = settings_;
@@ -141,7 +142,7 @@ class Worker {
     if (is_narrow) {
       narrow_.emplace(query_.scene, check_, settings.range);
       task.slide = &slide_;
-      settings.dynamic_domain = false;  // slides leave the nodes that it keeps back
+      settings.dynamic_domain = false;  // slides leave the nodes that it holds back
     }
     trees_.emplace(
         task, settings,
@@ -149,9 +150,9 @@ class Worker {
     left_ = query_.run * luby(++runs);
   }
 
-  /// Whether the first run has more iterations. A slide costs as much as hundreds of an arm's
-  /// edges, so narrow runs wait while these are few. All is counted, nothing timed, and nothing
-  /// depends on what the certifier was asked before.
+  /// Whether the first run has more iterations. A slide costs hundreds of an arm's edges, so narrow
+  /// runs wait while the edges are few. Counts decide, not times, and no count depends on earlier
+  /// queries of the certifier.
   bool goesOn() {
     const bool is_first = runs_ == 1 && !narrow_ && std::isinf(query_.bound);
     if (!is_first || is_body_ || iterations_ >= kLongestFirstRun * query_.run ||
@@ -185,7 +186,7 @@ class Worker {
   std::uint64_t runs_ = 0, narrow_runs_ = 0, left_ = 0, iterations_ = 0;
   bool is_body_;
   std::uint64_t asked_ = 0;    ///< edges
-  std::uint64_t scanned_ = 0;  ///< nodes that were there, iteration by iteration
+  std::uint64_t scanned_ = 0;  ///< nodes that existed, summed over iterations
   bool over_ = false;
   Waypoints path_;
 };
@@ -204,8 +205,8 @@ ConnectResult searchAlone(const ConnectQuery& query, const ConnectSettings& sett
   return {std::nullopt, worker.narrowWork(), worker.goalBatches()};
 }
 
-/// Workers side by side, each in turns of kConnectTurn iterations. All of them make all turns up to
-/// that in which the winner ends, whatever threads there are: so an earlier path is never missed.
+/// Parallel workers, which take turns of kConnectTurn iterations. All of them make all turns up to
+/// the one in which the winner ends, for any number of threads. So an earlier path is never missed.
 class Portfolio {
  public:
   Portfolio(const ConnectQuery& query, const ConnectChoice& choice)
@@ -215,13 +216,14 @@ class Portfolio {
         members_(static_cast<std::size_t>(choice.workers)) {}
 
   ConnectResult search() {
-    // Asking the system takes as long as many edges: not for one worker.
+    // A query of the number of cores costs as much time as a few hundred edges, so it is skipped
+    // for one worker.
     const int wanted = choice_.threads > 0
                            ? choice_.threads
                            : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     const int threads = std::clamp(wanted, 1, choice_.workers);
     std::vector<std::thread> others;
-    // However starting them goes: those that run are waited for.
+    // Even if starting some threads fails, the running ones are joined.
     try {
       for (int t = 1; t < threads; ++t)
         others.emplace_back([this, t, threads] { runOrFail(t, threads); });
@@ -256,7 +258,7 @@ class Portfolio {
     }
   }
 
-  /// The turns of every step-th member.
+  /// The turns of every step-th member, starting with `first`.
   void run(int first, int step) {
     for (std::uint64_t turn = 0; turn <= last_turn_ && turn * kConnectTurn < most_; ++turn) {
       const std::uint64_t count = std::min(kConnectTurn, most_ - turn * kConnectTurn);
@@ -306,9 +308,9 @@ class Portfolio {
 
   const ConnectQuery& query_;
   const ConnectChoice& choice_;
-  std::uint64_t most_;  ///< iterations of each
+  std::uint64_t most_;  ///< iterations of each worker
   std::vector<Member> members_;
-  /// That in which the earliest path so far was found.
+  /// The turn in which the earliest path so far was found.
   std::atomic<std::uint64_t> last_turn_{std::numeric_limits<std::uint64_t>::max()};
   std::mutex mutex_;
   std::exception_ptr failure_;

@@ -8,15 +8,15 @@
 #include "planner/base/tolerances.h"
 #include "planner/improve/lower_cost.h"
 
-// The least cost, by a planner that knows nothing of costs: a first path is shortened, and then
-// moved as long as that lowers what it is proven to cost. Another path may lie on another side of
-// what is near, so others are searched and lowered, too.
+// The least cost, by a planner without a notion of costs. A first path is shortened, and then moved
+// as long as that lowers its proven cost. A path on another side of an obstacle may cost less, so
+// other paths are searched and lowered as well.
 
 namespace leeway::planner {
 
 std::optional<CostPath> searchCost(Search& search, PathCost& cost, const SearchTask& task,
                                    double enough) {
-  // As a simplification, lowering goes on when iterations are spent.
+  // Like simplification, lowering continues after the iterations are used up.
   const std::function<bool()> stop = [&task] { return task.limits.over(); };
   const bool simplifies = task.problem.planner.simplify;
   std::optional<CostPath> best;

@@ -11,9 +11,9 @@ struct CostPath {
   bool simplified = false;
 };
 
-/// A path whose cost is as low as the limits allow, by a planner that knows nothing of costs: first
-/// paths, shortened, and each lowered by lowerCost(); the cheapest is taken. Ends when a number in
-/// a row are no cheaper, or where one costs no more than `enough`.
+/// A path whose cost is as low as the limits allow, by a planner without a notion of costs: first
+/// paths are shortened and lowered by lowerCost(), and the cheapest is taken. Ends after a number
+/// of paths in a row without a cheaper one, or once a path costs at most `enough`.
 std::optional<CostPath> searchCost(Search& search, PathCost& cost, const SearchTask& task,
                                    double enough);
 

@@ -14,12 +14,12 @@
 namespace leeway::planner {
 namespace {
 
-/// Keeps the check with the greatest clearance: of invalid configurations the least deep.
+/// Keeps the check with the greatest clearance: among invalid configurations, the least deep one.
 void keepBetter(StateCheck& best, const StateCheck& check) {
   if (best.pair < 0 || check.clearance.upper > best.clearance.upper) best = check;
 }
 
-/// Why a configuration is not valid: its closest pair.
+/// The reason why a configuration is not valid: its closest pair.
 std::string contactText(const EdgeCertifier& certifier, const StateCheck& check) {
   if (check.pair < 0) return "its clearance could not be decided";
   const collision::Scene& scene = certifier.scene().scene();
@@ -30,8 +30,8 @@ std::string contactText(const EdgeCertifier& certifier, const StateCheck& check)
                      std::abs(check.clearance.upper) * 1e3, deep ? "deep" : "apart");
 }
 
-/// Whether places drawn evenly from each region alone can be met: not where a position is `any`,
-/// nor where two regions are of one link.
+/// Whether points drawn uniformly from each region can be reached. They cannot if a position is
+/// `any`, or if two regions are of one link.
 bool canDrawEvenly(const std::vector<robots::PoseRegion>& poses) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
     for (const auto& [from, to] : poses[i].position)
@@ -118,8 +118,8 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
   options.seed = seed_;
   options.stop = stop;
   options.prove = false;
-  // One start is enough for most goals, a few more for most others; the rest is worth many, and a
-  // proof. Each of these searches begins as the one before.
+  // One start is enough for most goals, a few more for most others. The remaining goals are worth
+  // many starts, and a proof. Each of these searches starts like the previous one.
   struct Effort {
     int starts, solutions;
   };
@@ -132,8 +132,8 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
     if (drawn.complete || (starts > 0 && stop())) break;
     options.starts = effort.starts;
     options.max_solutions = effort.solutions;
-    // The regions leave out a rim of what constraints allow: nothing is proven by them, and at last
-    // the goal alone is solved, whose solutions may keep the constraints.
+    // The regions omit a rim of what constraints allow, so they prove nothing. Finally the goal
+    // alone is solved; its solutions may satisfy the constraints.
     const bool is_last = effort.starts == kPoseStarts && drawn.found.empty();
     options.prove = is_last && !constraints_;
     if (is_last && constraints_) drawn.poses = goal.poses;

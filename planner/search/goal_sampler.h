@@ -13,38 +13,36 @@
 
 namespace leeway::planner {
 
-/// Draws points of the goals, batch by batch: the same calls give the same points, however long
-/// they take. Has buffers: one thread at a time.
+/// Draws points of the goals, batch by batch: the same calls give the same points, independent of
+/// time. Has buffers; use it in one thread at a time.
 class GoalSampler {
  public:
-  /// All must outlive it. Throws robots::InputError for a goal that no configuration can meet as it
-  /// is written.
+  /// All must outlive it. Throws robots::InputError for a goal that no configuration can satisfy.
   GoalSampler(EdgeCertifier& certifier, const Problem& problem, std::uint64_t seed);
 
-  /// Valid points of the goals: of a goal of one point that point; of a range up to kGoalSamples;
-  /// of poses the first that is found, of a few solutions the nearest to the start. `stop` ends the
-  /// search for a goal's first point.
+  /// Valid points of the goals: the point of a goal of one point; up to kGoalSamples of a range;
+  /// for poses the first solution found, and among a few solutions the nearest to the start. `stop`
+  /// ends the search for a goal's first point.
   GoalPoints first(const std::function<bool()>& stop);
-  /// Adds valid points of one of the goals that are poses, in turn. False when none can be
-  /// expected any more.
+  /// Adds valid points of one of the goals that are poses, in turn. False if no more are expected.
   bool more(GoalPoints& points);
-  /// What was drawn of the k-th goal of poses, valid or not.
+  /// The points drawn for the k-th goal of poses, valid or not.
   const std::vector<std::vector<double>>& found(std::size_t k) const {
     return pose_goals_[k].found;
   }
   bool hasPoses() const { return !pose_goals_.empty(); }
-  /// Looks at points by another certifier from now on. It must outlive the sampler, or its use.
+  /// Checks points with another certifier from now on. It must outlive the sampler, or its use.
   void use(EdgeCertifier& certifier) { certifier_ = &certifier; }
 
  private:
   struct PoseGoal {
     std::size_t goal;
     std::vector<robots::PoseRegion> poses;  ///< of the goal, and of the constraints
-    bool evenly;  ///< drawn from the regions; else by their solutions nearest to any configuration
+    bool evenly;  ///< drawn from the regions; otherwise from solutions nearest to any configuration
     std::uint64_t draws = 0;
-    bool complete = false;                         ///< there are no more than found and pending
+    bool complete = false;                         ///< found and pending are all solutions
     int idle = 0;                                  ///< draws since the last new solution
-    std::vector<robots::IkSolution> pending = {};  ///< known, but not yet looked at
+    std::vector<robots::IkSolution> pending = {};  ///< known, but not yet checked
     std::vector<std::vector<double>> found = {};   ///< valid or not
   };
   /// Whether the constraints hold at a point.
@@ -54,9 +52,9 @@ class GoalSampler {
   void drawJoints(std::size_t g, GoalPoints& result, const std::function<bool()>& stop);
   void drawPoses(PoseGoal& drawn, GoalPoints& result, const std::function<bool()>& stop);
   void drawBatch(PoseGoal& drawn, GoalPoints& points);
-  /// Looks at pending solutions up to the first that is valid. False when there is none.
+  /// Checks pending solutions up to the first valid one. False if there is none.
   bool takePending(PoseGoal& drawn, GoalPoints& points);
-  /// Adds those of the solutions that are new, and the valid ones to the points.
+  /// Adds the new ones among the solutions, and adds the valid ones to the points.
   void take(PoseGoal& drawn, std::span<const robots::IkSolution> solutions, GoalPoints& points);
   std::vector<double> anyConfiguration(PoseGoal& drawn) const;
   static bool isExhausted(const PoseGoal& drawn);

@@ -24,13 +24,13 @@ bool orientationIsFree(const Goal& goal, const Part& part) {
   return true;
 }
 
-/// The angle in `range`, modulo whole turns, that is nearest to x; x itself where it is in it.
+/// The angle in `range`, modulo whole turns, that is nearest to x; x itself if it is in the range.
 double nearestOnCircle(const Range& range, double x) {
   if (range.second - range.first >= kTwoPi) return x;
   const double below = std::remainder(x - range.first, kTwoPi);
   const double above = std::remainder(x - range.second, kTwoPi);
   if (below == 0 || above == 0) return x;
-  // x is in the range when a turn upwards from the lower end meets it before the upper end.
+  // x is in the range if a turn upwards from the lower end reaches it before the upper end.
   const double from_lower = below < 0 ? below + kTwoPi : below;
   if (from_lower < range.second - range.first) return x;
   return std::abs(below) < std::abs(above) ? range.first : range.second;
@@ -113,7 +113,7 @@ GoalRegions::GoalRegions(const ompl::base::SpaceInformationPtr& space_informatio
                          const ConfigurationSpace& space, const Problem& problem,
                          const GoalPoints& points)
     : GoalStates(space_information), space_(space), problem_(problem) {
-  // OMPL asks for a distance below the threshold: only zero is below this one.
+  // OMPL requires a distance below the threshold, and only zero is below this one.
   setThreshold(std::numeric_limits<double>::denorm_min());
   for (const std::vector<double>& point : points.points) {
     ompl::base::State* state = si_->allocState();
@@ -128,11 +128,11 @@ double GoalRegions::distanceGoal(const ompl::base::State* state) const {
   if (!has_ranges_) return GoalStates::distanceGoal(state);
   const std::span<const double> q(state->as<OmplStateSpace::StateType>()->values,
                                   at(space_.size()));
-  thread_local std::vector<double> nearest;  // goals are asked by all of a planner's threads
+  thread_local std::vector<double> nearest;  // all of a planner's threads check goals
   nearest.resize(q.size());
   double distance = GoalStates::distanceGoal(state);
   for (const planner::Goal& goal : problem_.goals) {
-    if (!goal.poses.empty()) continue;  // of poses the points count
+    if (!goal.poses.empty()) continue;  // for poses, only the points count
     nearestInGoal(space_, goal, q, nearest);
     distance = std::min(distance, space_.distance(q, nearest));
   }

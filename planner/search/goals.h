@@ -14,36 +14,36 @@
 
 namespace leeway::planner {
 
-/// Whether all ranges of a goal without poses are of no width.
+/// Whether all ranges of a goal without poses have zero width.
 bool isPoint(const Goal& goal);
 
 /// A point of a goal's ranges within the limits, drawn uniformly.
 void drawPoint(const ConfigurationSpace& space, const Goal& goal, Random& random,
                std::span<double> q);
 
-/// Writes the point of a goal's ranges that is nearest to q in the space's distance; q itself when
-/// it is in the goal. Angles count modulo 2 pi; an orientation is given whole (a quaternion without
+/// Writes the point of a goal's ranges that is nearest to q in the space's distance; q itself if it
+/// is in the goal. Angles count modulo 2 pi. An orientation is either fixed (a quaternion without
 /// width) or free (ranges of [-1, 1]).
 void nearestInGoal(const ConfigurationSpace& space, const Goal& goal, std::span<const double> q,
                    std::span<double> nearest);
 
-/// True when q is a point of the goal: to the bit, angles modulo 2 pi; of poses to within their
+/// True if q is a point of the goal: exactly, with angles modulo 2 pi; for poses to within their
 /// tolerances.
 bool goalHolds(const CompiledScene& scene, const Goal& goal, std::span<const double> q);
 
 /// Moves the angles of a point in the goal by whole turns into the goal's ranges, if it has any.
 void writeAsInGoal(const ConfigurationSpace& space, const Goal& goal, std::span<double> q);
 
-/// Valid points of the goals, by GoalSampler.
+/// Valid points of the goals, from GoalSampler.
 struct GoalPoints {
   std::vector<std::vector<double>> points;
-  std::vector<std::string> warnings;  ///< goals left out, and why
-  bool stopped = false;               ///< by `stop`, with points left to try
-  StateCheck closest;                 ///< without a point: the one tried with the most clearance
-  /// Without a point: why the first goal of poses that nothing meets has none; empty where
-  /// `closest` says it.
+  std::vector<std::string> warnings;  ///< goals that were left out, with the reason
+  bool stopped = false;               ///< by `stop`, before all points were tried
+  StateCheck closest;  ///< without a point: the tried one with the greatest clearance
+  /// Without a point: the reason why the first unreached goal of poses has none; empty if `closest`
+  /// is the reason.
   std::string reason;
-  bool unreachable = false;  ///< that is proven
+  bool unreachable = false;  ///< this is proven
 };
 
 /// The goals for OMPL: sampled from their valid points, reached at any point of their ranges.

@@ -17,7 +17,7 @@ void splitHalfTurns(const ConfigurationSpace& space, std::vector<std::vector<dou
     for (const ConfigurationSpace::Part& part : space.parts()) {
       if (part.kind != ConfigurationSpace::Kind::kCircle) continue;
       const auto k = static_cast<std::size_t>(part.first);
-      // Otherwise they are a whole turn apart.
+      // If not, they are a whole turn apart.
       is_same_way = is_same_way && std::abs(next[k] - here[k] - way[k]) < 1 &&
                     std::abs(written[k] - way[k]) < 1;
     }

@@ -6,8 +6,8 @@
 
 namespace leeway::planner {
 
-/// Cuts edges in their middles on which a circle makes half a turn so exactly that rounding could
-/// send it the other way when the path is unwrapped, as files have it. O(points).
+/// Splits edges on which a circle makes almost exactly half a turn at their middles, because
+/// rounding could reverse its direction when the path is unwrapped, as in files. O(points).
 void splitHalfTurns(const ConfigurationSpace& space, std::vector<std::vector<double>>& path);
 
 }  // namespace leeway::planner

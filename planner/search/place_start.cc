@@ -9,14 +9,14 @@ Problem placeStart(const Problem& problem) {
   if (problem.start_poses.empty()) return problem;
   Problem placed = problem;
   placed.start_poses.clear();
-  Problem task = placed;  // whose goal is the start
+  Problem task = placed;  // its goal is the start
   task.steps.clear();
   task.goals = {{"of the start", {}, problem.start_poses}};
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(task));
   GoalSampler sampler(certifier, task, problem.seed);
   const GoalPoints points = sampler.first([] { return false; });
   if (!points.reason.empty()) throw robots::InputError(problem.name, 0, points.reason);
-  // Without a valid one, planning says what is in the way of the nearest.
+  // If no start is valid, planning reports what is in the way of the nearest.
   const std::vector<double>& start =
       points.points.empty() ? sampler.found(0).front() : points.points.front();
   for (std::size_t i = 0; i < start.size(); ++i)

@@ -6,7 +6,7 @@
 
 namespace leeway::planner {
 
-/// plan() for a problem that was validated, in its scene or a variant of that.
+/// plan() for a validated problem, in its scene or a variant of it.
 PlanResult planIn(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
                   const PlanOptions& options);
 

@@ -27,11 +27,11 @@ namespace {
 namespace ob = ompl::base;
 
 /// A search for a shorter path: iterations of its first run, which terms of Luby's series multiply,
-/// and of all together, before the best path is simplified anew instead.
+/// and total iterations before the best path is simplified again instead.
 constexpr std::uint64_t kImproveRun = 500;
 constexpr std::uint64_t kImproveBudget = 2000;
 
-/// A parameter's text. Not std::to_string, which follows the program's locale.
+/// A parameter's text. It does not use std::to_string, which follows the program's locale.
 std::string digits(double x) {
   char buffer[32];
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
@@ -52,7 +52,7 @@ Search::Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<Certi
   const double extent = space_information_->getMaximumExtent();
   if (traits_->name == "RRTConnect")
     parameters_.emplace("range", digits(kConnectRange * usefulExtent(scene_->space())));
-  if (traits_->name == "SST") {  // OMPL's defaults are lengths of 3 and 5, whatever the space
+  if (traits_->name == "SST") {  // OMPL's defaults are lengths of 3 and 5 for every space
     parameters_.emplace("range", digits(kStepRange * extent));
     parameters_.emplace("selection_radius", digits(kSelectionRadius * extent));
     parameters_.emplace("pruning_radius", digits(kPruningRadius * extent));
@@ -70,7 +70,8 @@ std::optional<Waypoints> Search::any(std::uint64_t seed, std::uint64_t budget) {
 std::optional<Waypoints> Search::search(std::uint64_t seed, std::uint64_t budget, bool first) {
   if (own_) return connect(seed, budget, kInfinity);
   auto objective = std::make_shared<OmplLengthObjective>(space_information_);
-  // Some planners that do not optimise still ask whether their first path will do: it does.
+  // Some planners that do not optimise still check whether their first path is good enough; it
+  // always is.
   objective->setCostThreshold(ob::Cost(first ? kInfinity : 0));
   return run(objective, seed, budget);
 }
@@ -99,7 +100,7 @@ std::optional<Waypoints> Search::run(const ob::OptimizationObjectivePtr& objecti
   for (std::uint64_t round = 0; !limits.searchOver() && limits.iterations() < last; ++round) {
     const std::uint64_t before = limits.iterations();
     if (auto path = runOnce(objective, runSeed(seed, round), last, round)) return path;
-    // A planner that gives up without an iteration would give up for ever.
+    // A planner that gives up without an iteration would always do so.
     idle = limits.iterations() == before ? idle + 1 : 0;
     if (idle == kIdleRuns) break;
   }
@@ -116,7 +117,7 @@ double Search::improves() const {
 
 std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budget, double bound) {
   Waypoints goals = task_.goals.points;
-  if (task_.checked_in != scene_.get()) {  // raised margins may leave no room at the ends
+  if (task_.checked_in != scene_.get()) {  // raised margins may exclude the ends
     std::erase_if(goals, [this](const std::vector<double>& goal) {
       return certifier().decide(goal) != Verdict::kFree;
     });
@@ -183,7 +184,7 @@ std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& obj
       return limits.iterations() >= last_iteration || limits.iterate();
     }));
   } catch (const ompl::Exception&) {
-    return std::nullopt;  // an inner error of OMPL; the next run may find a path
+    return std::nullopt;  // an internal error of OMPL; the next run may find a path
   }
   if (task_.on_edge) reportGraph(*planner);
   if (!definition->hasExactSolution()) return std::nullopt;
@@ -215,11 +216,11 @@ std::string Search::describeLength(double length) const {
     for (const auto& [lower, upper] : goal.ranges) point.push_back(lower);
     straight = std::min(straight, scene_->space().distance(task_.start, point));
   }
-  // Rounded down: it is a bound.
+  // Rounded down, because it is a bound.
   return ", length " + text(length) + ", none is below " + text(std::floor(1e3 * straight) / 1e3);
 }
 
-/// What OMPL's planners tell of themselves while they run; empty for those that tell nothing.
+/// The progress that OMPL's planners report while they run; empty for those that report none.
 std::string Search::describeBest(const ob::Planner& planner) const {
   for (const auto& [name, value] : planner.getPlannerProgressProperties())
     if (name.rfind("best cost", 0) == 0)
@@ -228,7 +229,7 @@ std::string Search::describeBest(const ob::Planner& planner) const {
 }
 
 ob::GoalPtr Search::goalFor(const ob::Planner& planner, std::uint64_t round) {
-  if (planner.getSpecs().recognizedGoal == ob::GOAL_STATE) {  // takes one goal a run: by turns
+  if (planner.getSpecs().recognizedGoal == ob::GOAL_STATE) {  // takes one goal per run, in turn
     auto goal = std::make_shared<ob::GoalState>(space_information_);
     ob::State* state = space_information_->allocState();
     const std::vector<double>& point = task_.goals.points[round % task_.goals.points.size()];
@@ -255,8 +256,8 @@ void Search::reportGraph(const ob::Planner& planner) const {
   }
 }
 
-/// Makes the path end in a goal, as the goal is written. Where the planner only came near, by a
-/// certified edge from the last waypoint that has one. False where that fails.
+/// Makes the path end in a goal, as the goal is written. If the planner only came near, adds a
+/// certified edge from the last waypoint that has one. False if that fails.
 bool Search::endInGoal(Waypoints& path) {
   const ConfigurationSpace& space = scene_->space();
   if (!traits_->exact) {

@@ -22,22 +22,22 @@
 
 namespace leeway::planner {
 
-/// What is searched, in whatever scene.
+/// The problem of a search, in any scene.
 struct SearchTask {
   const Problem& problem;
   const std::vector<double>& start;
   const GoalPoints& goals;
   Limits& limits;
   const std::function<void(std::span<const double>, std::span<const double>)>& on_edge;
-  /// Further goals for Connect's first path, drawn when it asks; may be null.
+  /// Further goals for Connect's first path, drawn at its request; may be null.
   GoalSupply* supply = nullptr;
   /// The scene in which the start and the goals are known to be free.
   const CompiledScene* checked_in = nullptr;
 };
 
-/// Searches in one scene by the problem's planner. A planner that gives up before the limits is
-/// started again with another seed. Every edge of a path that is returned is certified as it
-/// stands; nothing is returned when none is found.
+/// Searches in one scene with the problem's planner. A planner that gives up before the limits is
+/// restarted with another seed. Every edge of a returned path is certified; returns nullopt if no
+/// path is found.
 class Search {
  public:
   Search(std::shared_ptr<const CompiledScene> scene, std::shared_ptr<CertifierPool> pool,
@@ -45,25 +45,26 @@ class Search {
 
   EdgeCertifier& certifier() { return pool_->local().certifier; }
 
-  /// The shortest path that a planner finds within the limits if it optimises, otherwise its first.
+  /// The shortest path that a planner finds within the limits if it optimises, otherwise its first
+  /// path.
   std::optional<Waypoints> shortest(std::uint64_t seed);
-  /// The first path. `budget`: at most so many iterations; 0: what the limits leave.
+  /// The first path. `budget`: maximum number of iterations; 0: the remaining limits.
   std::optional<Waypoints> any(std::uint64_t seed, std::uint64_t budget = 0);
-  /// The path of greatest clearance; ends early at `enough` [m]. For planners that optimise any
+  /// The path of greatest clearance; ends early at `enough` [m]. For planners that support any
   /// cost.
   std::optional<Waypoints> widest(std::uint64_t seed, double enough);
-  /// The path of least cost, which adds up; ends early at `enough`. For planners that optimise, and
+  /// The path of least cost, which adds up; ends early at `enough`. For planners that optimise and
   /// can minimise costs.
   std::optional<Waypoints> cheapest(std::uint64_t seed, const std::shared_ptr<PathCost>& cost,
                                     double enough);
-  /// Connect alone: a path shorter than `bound`, in the space's distance.
+  /// Connect only: a path shorter than `bound`, in the space's distance.
   std::optional<Waypoints> shorter(std::uint64_t seed, double bound);
-  /// For how long shorter paths are wanted [s]; 0 for other planners than Connect.
+  /// The time for finding shorter paths [s]; 0 for planners other than Connect.
   double improves() const;
-  /// For the caller's progress: a length and, where all goals are points, the straight one that no
-  /// path undercuts.
+  /// For the caller's progress: a length and, if all goals are points, the straight length, a lower
+  /// bound for every path.
   std::string describeLength(double length) const;
-  /// Of certifiers beside the pool's.
+  /// The statistics of certifiers outside the pool.
   const EdgeCertifier::Statistics& work() const { return work_; }
 
  private:
@@ -87,11 +88,11 @@ class Search {
   std::map<std::string, std::string> parameters_;
   ompl::base::SpaceInformationPtr space_information_;  ///< null for our own planner
   const PlannerTraits* traits_;
-  bool own_;  ///< Connect: no part of OMPL is made
+  bool own_;  ///< Connect: no OMPL object is made
   EdgeCertifier::Statistics work_;
 };
 
-/// Certified lower bound of a path's clearance, to within tolerance [m]; stops once it is below
+/// Certified lower bound on a path's clearance, to within tolerance [m]; stops once it is below
 /// `cutoff`.
 double pathClearance(EdgeCertifier& certifier, const Waypoints& path, double tolerance,
                      double cutoff, Pairs pairs = Pairs::kAll);

@@ -25,7 +25,7 @@ using robots::Pose;
 
 using Kind = ConfigurationSpace::Kind;
 
-/// std::remainder is exact by IEEE 754, and so the same everywhere.
+/// std::remainder is exact by IEEE 754, so it is the same on every machine.
 double wrapped(double angle) {
   const double x = std::remainder(angle, kTwoPi);
   return x >= std::numbers::pi ? -std::numbers::pi : x;
@@ -36,14 +36,14 @@ bool unlimited(const robots::Variable& variable) {
 }
 
 /// Rotation vector r with b = a * exp(r / 2), |r| <= pi, for quaternions xyzw near unit length. The
-/// half angle comes from sine and cosine together: an arc cosine of the scalar product would lose
-/// small angles.
+/// half angle comes from sine and cosine together, because an arc cosine of the scalar product
+/// would lose small angles.
 void rotationDifference(const double* a, const double* b, double* r) {
   double v[3] = {(a[3] * b[0] - b[3] * a[0]) - (a[1] * b[2] - a[2] * b[1]),
                  (a[3] * b[1] - b[3] * a[1]) - (a[2] * b[0] - a[0] * b[2]),
                  (a[3] * b[2] - b[3] * a[2]) - (a[0] * b[1] - a[1] * b[0])};
   double w = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
-  if (w < 0) {  // b and -b are one rotation; this is the shorter way
+  if (w < 0) {  // b and -b are the same rotation; this is the shorter way
     w = -w;
     for (double& x : v) x = -x;
   }
@@ -73,8 +73,8 @@ void rotationAdvance(const double* a, const double* r, double t, double* result)
   for (int i = 0; i < 4; ++i) result[i] = p[i] / norm;
 }
 
-/// The farthest that a point of `geometry` is from the line through `p_BC` along `axis_B`, or from
-/// that point where the axis is 0 [m]; of round shapes, that of the bounding sphere.
+/// The largest distance of a point of `geometry` from the line through `p_BC` along `axis_B`, or
+/// from that point if the axis is 0 [m]; for round shapes, that of the bounding sphere.
 double reachOf(const collision::Geometry& geometry, const Eigen::Vector3d& p_BC,
                const Eigen::Vector3d& axis_B) {
   const auto from = [&](const Eigen::Vector3d& p_GP) {
@@ -98,8 +98,8 @@ double reachOf(const collision::Geometry& geometry, const Eigen::Vector3d& p_BC,
   return most(corners);
 }
 
-/// The farthest that a point of what `joint` moves is from its origin, or from its axis where it is
-/// planar, with all other joints at their defaults [m].
+/// The largest distance of a point that `joint` moves from the joint's origin, or from its axis if
+/// it is planar, with all other joints at their defaults [m].
 double reachOf(const robots::Model& model, int joint) {
   std::vector<Pose> X_WL(model.links.size());
   robots::forwardKinematics(model, model.defaultConfiguration(), X_WL);
@@ -120,7 +120,7 @@ double reachOf(const robots::Model& model, int joint) {
   return reach;
 }
 
-/// The weight of a turn [m/rad]; 1 for what has no shape.
+/// The weight of a turn [m/rad]; 1 if no moved link has a shape.
 double turnWeight(const robots::Model& model, int joint) {
   const double reach = reachOf(model, joint);
   return reach > 0 && std::isfinite(reach) ? kTurnShare * reach : 1;
@@ -197,7 +197,8 @@ void ConfigurationSpace::interpolate(std::span<const double> a, std::span<const 
   }
   for (const Part& part : parts_) {
     const std::size_t i = at(part.first);
-    if (part.kind == Kind::kLine)  // clamped, or rounding could leave the limits that a and b keep
+    if (part.kind ==
+        Kind::kLine)  // clamped, because rounding could leave the limits that a and b keep
       result[i] = std::clamp(a[i] + t * (b[i] - a[i]), std::min(a[i], b[i]), std::max(a[i], b[i]));
     if (part.kind == Kind::kCircle)
       result[i] = wrapped(a[i] + t * std::remainder(b[i] - a[i], kTwoPi));
@@ -255,7 +256,7 @@ void ConfigurationSpace::unwrap(std::span<const double> previous, std::span<doub
   for (const Part& part : parts_) {
     if (part.kind != Kind::kCircle) continue;
     const std::size_t i = at(part.first);
-    // Exactly half a turn rounds to none either way, so that unwrapped points stay as they are.
+    // Exactly half a turn rounds to zero turns either way, so unwrapped points stay unchanged.
     const double turns = std::nearbyint((previous[i] - next[i]) / kTwoPi);
     if (turns != 0) next[i] += turns * kTwoPi;
   }

@@ -28,12 +28,13 @@ bool isAngle(const ConfigurationSpace& space, int i) {
          joint.type == robots::JointType::kContinuous || planar_angle;
 }
 
-/// The number `share` of the way from one end to the other; never outside, whatever the rounding.
+/// The number at `share` of the way from one end to the other; rounding never leaves that range.
 double placedBetween(double lower, double upper, double share) {
   return std::clamp(lower + share * (upper - lower), lower, upper);
 }
 
-/// The weight of a radian where all that is planned is one planar or floating joint; otherwise 0.
+/// The weight of a radian if the planned variables are those of one planar or floating joint;
+/// otherwise 0.
 double bodyTurn(const ConfigurationSpace& space) {
   const robots::Model& model = space.model();
   int joint = -1;
@@ -86,12 +87,12 @@ ConnectTrees::ConnectTrees(const ConnectTask& task, const ConnectSettings& setti
       next_(size_),
       focus_(size_),
       drawn_(size_) {
-  // A range that is no length, or so short that a connection would never end, is none of anybody's.
+  // Replaces a range that is not positive, or so short that a connection would never end.
   const double extent = usefulExtent(task.space);
   if (!(settings_.range >= kShortestRange * extent)) settings_.range = kShortestRange * extent;
-  if (!(settings_.range > 0)) settings_.range = 1;  // all is locked, or two points are one
-  // With many joints ranges are short, and a domain of a few of them would hold no sample: nodes
-  // that have failed once would be out of the search.
+  if (!(settings_.range > 0)) settings_.range = 1;  // all joints are locked, or two points coincide
+  // With many joints ranges are short, and a domain of a few ranges would contain no sample. Nodes
+  // that have failed once would then be excluded from the search.
   const double least_domain = bodyTurn(task.space) > 0 ? 0 : kLongestRange * extent;
   domain_ = static_cast<float>(std::max(settings_.range, least_domain));
   if (settings_.low_discrepancy) {
@@ -259,7 +260,7 @@ bool ConnectTrees::iterate() {
     return false;
   }
   radius *= 1 + kDomainRate;
-  // Steps of equal length to the nearest node of the other tree, as far as they are free.
+  // Steps of equal length to the nearest node of the other tree, as long as they are free.
   const std::span<const double> end = pointOf(tree, node);
   from_.assign(end.begin(), end.end());
   const std::uint32_t goal = other.nearest.nearest(from_).node;

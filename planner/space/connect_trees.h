@@ -14,83 +14,83 @@
 
 namespace leeway::planner {
 
-/// Appends points of a way from the first point towards the second, each joined to the one before
-/// by a free edge; none where it finds no way.
+/// Appends points of a way from the first point towards the second, each joined to the previous one
+/// by a free edge; no points if it finds no way.
 using ConnectSlide = std::function<void(std::span<const double>, std::span<const double>,
                                         std::vector<double>& points)>;
 
-/// What ConnectTrees searches. All must outlive it.
+/// The problem that ConnectTrees searches. All must outlive it.
 struct ConnectTask {
   const ConfigurationSpace& space;
   std::span<const double> start;
-  const std::vector<std::vector<double>>& goals;  ///< at least one; any of them will do
+  const std::vector<std::vector<double>>& goals;  ///< at least one; a path to any of them is enough
   /// Whether the edge between two points is free.
   const std::function<bool(std::span<const double>, std::span<const double>)>& isFree;
-  /// Only paths shorter than that are searched, in the space's distance.
+  /// Only shorter paths are searched, in the space's distance.
   double bound = std::numeric_limits<double>::infinity();
-  /// For narrow places: how to go on where an edge is not free. Then half of the samples are drawn
-  /// from where both trees are, or between them.
+  /// For narrow places: continues where an edge is not free. Half of the samples are then drawn
+  /// from the region of both trees, or between them.
   const ConnectSlide* slide = nullptr;
 };
 
-/// The space's extent with each joint's turn counted up to half a turn: beyond, a turn comes round
-/// again, and steps should not grow with it. O(parts).
+/// The space's extent with each joint's turn counted up to half a turn. Beyond that a turn repeats,
+/// and steps should not grow with it. O(parts).
 double usefulExtent(const ConfigurationSpace& space);
 
-/// A range where none is given, in the space's distance: shorter with more joints, because fewer of
-/// the long edges are free then; of a free body what kBodyTurn moves it by, within limits.
-/// O(parts).
+/// The default range, in the space's distance. It is shorter with more joints, because fewer of the
+/// long edges are then free; for a free body it is the distance by which kBodyTurn moves it, within
+/// limits. O(parts).
 double defaultRange(const ConfigurationSpace& space);
 
-/// Whether all that is planned is one planar or floating joint. O(variables).
+/// Whether the planned variables are those of one planar or floating joint. O(variables).
 bool isBody(const ConfigurationSpace& space);
 
 struct ConnectSettings {
   /// The longest edge, in the space's distance; at least kShortestRange of its extent.
   double range = 1;
-  /// Both trees grow to about the same size; otherwise they take turns.
+  /// If true, both trees grow to about the same size; otherwise they take turns.
   bool balance = true;
   /// A node whose edge has failed is extended only towards samples within its radius, which shrinks
   /// with each failure and grows with each success: Yershova, Jaillet, Simeon, LaValle,
   /// "Dynamic-domain RRTs", 2005; the adaptive radius is that of Jaillet et al. 2005.
   bool dynamic_domain = true;
-  /// Samples of a low-discrepancy sequence, shifted by the seed, in place of random ones: no region
-  /// is left out for long. Plans of arms ask 3 to 14 % fewer edges in the mean, those of bodies
-  /// as many.
+  /// If true, samples come from a low-discrepancy sequence, shifted by the seed, instead of random
+  /// numbers, so that no region is left out for long. Plans of arms check 3 to 14 % fewer edges in
+  /// the mean, those of bodies the same number.
   bool low_discrepancy = false;
 };
 
 /// RRT-Connect (Kuffner, LaValle, "RRT-Connect: an efficient approach to single-query path
 /// planning", 2000): a tree from the start and one from the goals, which grow towards each other.
-/// Points are stored flat; the search allocates only as its trees grow. It can be left and gone on
-/// with: the same calls find the same path, whatever happens in between.
+/// Points are stored flat; the search allocates only as its trees grow. It can be interrupted and
+/// continued: the same calls find the same path.
 ///
 /// With a bound it is the search of AO-RRT-Connect (Wilson, Thomason, Kingston, Kavraki, Gammell,
-/// "AORRTC: almost-surely asymptotically optimal planning with RRT-Connect", 2025): nodes know what
-/// it takes to reach them, samples and nodes that no shorter path can visit are left out.
+/// "AORRTC: almost-surely asymptotically optimal planning with RRT-Connect", 2025): nodes store the
+/// cost of reaching them, and samples and nodes that no shorter path can visit are omitted.
 class ConnectTrees {
  public:
-  /// `task`'s start and goals are valid. O(goals).
+  /// The start and the goals of `task` must be valid. O(goals).
   ConnectTrees(const ConnectTask& task, const ConnectSettings& settings, std::uint64_t seed);
 
-  /// One sample, and what follows from it: an edge towards it and the connection to the other tree.
-  /// True when the trees have met; then it must not be called again. O(nodes), and its edges.
+  /// Takes one sample, adds an edge towards it, and tries to connect it to the other tree. True if
+  /// the trees have met; then do not call it again. O(nodes), plus its edges.
   bool iterate();
-  /// Of both trees. O(1).
+  /// The nodes of both trees. O(1).
   std::size_t nodes() const { return trees_[0].nearest.size() + trees_[1].nearest.size(); }
-  /// Adds the goals that were appended to the task's since the last call. O(goals).
+  /// Adds the goals that were appended to the task's goals since the last call. O(goals).
   void takeGoals();
-  /// After iterate() was true: from the start to a goal, every edge as isFree() was asked about it;
-  /// those of slides in the goals' tree from their ends.
+  /// After iterate() returned true: the path from the start to a goal, each edge in the direction
+  /// in which isFree() checked it; edges of slides in the goals' tree were checked in reverse.
   std::vector<std::vector<double>> path() const;
 
  private:
   struct Tree {
     explicit Tree(const ConfigurationSpace& space) : nearest(space) {}
     NearestNodes nearest;
-    std::vector<double> lower, upper;   ///< the box of all points, number by number
+    std::vector<double> lower, upper;   ///< the box of all points, per number
     std::vector<double> points;         ///< node by node
-    std::vector<std::uint32_t> parent;  ///< of a root itself
+    std::vector<std::uint32_t> parent;  ///< for a root, itself
     std::vector<float> radius;          ///< of the dynamic domain
     std::vector<double> cost;           ///< length of the way from the root
   };
@@ -98,24 +98,25 @@ class ConnectTrees {
   std::uint32_t add(Tree& tree, std::span<const double> point, std::uint32_t parent, double step);
   void sample();
   bool isBounded() const { return task_.bound < std::numeric_limits<double>::infinity(); }
-  /// No path from the root of a tree to a point is shorter.
+  /// A lower bound on the length of every path from a tree's root to a point.
   double toRoot(int tree, std::span<const double> point) const;
-  /// Moves a sample that no path below the bound visits to where one may: towards a point of the
-  /// straight way from the start to a goal.
+  /// Moves a sample that no path below the bound visits to a place where one may: towards a point
+  /// of the straight way from the start to a goal.
   void pullSample();
-  /// Adds what a slide from a node towards `target` reaches; returns the last node of it.
+  /// Adds the points that a slide from a node towards `target` reaches; returns its last node.
   std::uint32_t slideTowards(Tree& tree, std::uint32_t node, std::span<const double> target);
-  /// A number in [0, 1) for a dimension of the present sample.
+  /// A number in [0, 1) for a dimension of the current sample.
   double draw(std::size_t dimension);
-  /// A number of a sample where the trees' boxes meet, or between them: of `drawn` in [0, 1).
+  /// A number of a sample in the region where the trees' boxes meet, or between them, for `drawn`
+  /// in [0, 1).
   double between(std::size_t i, double weight, double drawn) const;
-  /// A unit quaternion for three dimensions of the present sample.
+  /// A unit quaternion for three dimensions of the current sample.
   void drawRotation(std::size_t dimension, double* xyzw);
-  /// From a node towards `target`, to the point at most `range` away; false when the edge is not
-  /// free. `next_` is where it ends.
+  /// Steps from a node towards `target`, to the point at most `range` away; false if the edge is
+  /// not free. `next_` is its end.
   bool stepTowards(const Tree& tree, std::uint32_t node, std::span<const double> target,
                    double distance);
-  /// The edge between a point of the tree and next_, in the direction in which a path takes it.
+  /// Checks the edge between a point of the tree and next_, in the direction of a path.
   bool isFree(const Tree& tree, std::span<const double> from) const;
 
   ConnectTask task_;
@@ -124,9 +125,9 @@ class ConnectTrees {
   std::optional<robots::LowDiscrepancy> sequence_;
   std::uint64_t samples_ = 0;
   std::size_t size_;
-  std::size_t goals_ = 0;  ///< taken
+  std::size_t goals_ = 0;  ///< taken so far
   float domain_ = 0;       ///< the unit of radii of the dynamic domain
-  Tree trees_[2];          ///< of the start, of the goals
+  Tree trees_[2];          ///< of the start, and of the goals
   int growing_ = 1;
   std::vector<double> sample_, next_, from_, focus_, drawn_, slid_;
   std::uint32_t met_[2] = {0, 0};  ///< nodes of both trees with the same point

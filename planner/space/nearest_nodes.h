@@ -9,10 +9,10 @@
 
 namespace leeway::planner {
 
-/// Points of a configuration space in single precision, in blocks of kBlock that are compared side
-/// by side. The distance is that of ConfigurationSpace to within rounding, but for rotations:
+/// Points of a configuration space in single precision, in blocks of kBlock that are compared in
+/// parallel. The distance is that of ConfigurationSpace to within rounding, except for rotations:
 /// twice the chord between their quaternions, which is up to a tenth less than the angle and has
-/// the same order. The same answers on every instruction set.
+/// the same order. Every instruction set gives the same answers.
 class NearestNodes {
  public:
   static constexpr std::size_t kBlock = 16;
@@ -27,10 +27,11 @@ class NearestNodes {
     std::uint32_t node = 0;
     float distance = 0;
   };
-  /// The node nearest to a point; of several the first. There is at least one. O(nodes).
+  /// The node nearest to a point; for equal distances the first. At least one node must exist.
+  /// O(nodes).
   Nearest nearest(std::span<const double> point) const;
 
-  /// How a point's numbers lie in a block: first lines, then circles, then rotations of four.
+  /// The order of a point's numbers in a block: first lines, then circles, then rotations of four.
   struct Layout {
     std::size_t lines = 0, circles = 0, rotations = 0;
     std::size_t rows() const { return lines + circles + 4 * rotations; }

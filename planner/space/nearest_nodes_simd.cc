@@ -1,7 +1,7 @@
-// The nearest of many points, a point a lane.
+// The nearest of many points, with one point per lane.
 //
 // Every lane does the same operations in the same order, each rounded once (no fused multiply and
-// add): all instruction sets find the same node.
+// add), so all instruction sets find the same node.
 
 #include <cmath>
 #include <limits>
@@ -40,12 +40,12 @@ HWY_INLINE V squaredDistances(const NearestNodes::Layout& layout, const float* b
     const V shorter = hn::IfThenElse(hn::Lt(other, x), other, x);
     sum = hn::Add(sum, hn::Mul(shorter, shorter));
   }
-  // |p - q|^2 = 2 - 2 p.q, of p and -p the nearer one.
+  // |p - q|^2 = 2 - 2 p.q, for the nearer one of p and -p.
   for (std::size_t i = 0; i < layout.rotations; ++i, row += 4) {
     V dot = hn::Zero(d);
     for (std::size_t k = row; k < row + 4; ++k)
       dot = hn::Add(dot, hn::Mul(hn::LoadU(d, block + k * kStride), hn::Set(d, query[k])));
-    // Not Min(), which would make a number of padding's NaN.
+    // Min() would turn the NaN of padding into a number.
     const V one = hn::Set(d, 1.0F), cosine = hn::Abs(dot);
     const V chord = hn::IfThenZeroElse(hn::Ge(cosine, one), hn::Sub(one, cosine));
     sum = hn::Add(sum, hn::Mul(hn::Set(d, turn[row]), chord));
@@ -61,7 +61,7 @@ NearestNodes::Nearest FindNearest(const NearestNodes::Layout& layout, const floa
   const std::size_t lanes = hn::Lanes(d), block_size = layout.rows() * kStride;
   V least = hn::Set(d, std::numeric_limits<float>::infinity());
   auto node = hn::Zero(du);
-  // Padding is NaN, which is not less than anything.
+  // Padding is NaN, which is not less than any number.
   for (std::size_t first = 0; first < size; first += kStride, rows += block_size)
     for (std::size_t i = 0; i < kStride; i += lanes) {
       const V squared = squaredDistances(layout, rows + i, query, turn);
@@ -115,7 +115,7 @@ NearestNodes::NearestNodes(const ConfigurationSpace& space) {
 void NearestNodes::write(std::span<const double> point, float* first, std::size_t stride) const {
   for (std::size_t row = 0; row < order_.size(); ++row) {
     double x = point[order_[row]];
-    // Paths may wind round a circle more than once: lanes take off one turn at most.
+    // Paths may wind around a circle more than once, and lanes remove at most one turn.
     if (row >= layout_.lines && row < layout_.lines + layout_.circles)
       x = std::remainder(x, 2 * std::numbers::pi);
     first[row * stride] = weight_[row] * static_cast<float>(x);

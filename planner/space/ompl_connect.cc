@@ -56,7 +56,7 @@ ob::PlannerStatus OmplConnect::solve(const ob::PlannerTerminationCondition& stop
     const std::span<const double> point = space.point(state);
     goals.emplace_back(point.begin(), point.end());
   }
-  pis_.restart();  // the next call begins with the same start
+  pis_.restart();  // the next call starts with the same start
   if (goals.empty()) return ob::PlannerStatus::INVALID_GOAL;
 
   ob::State *a = si_->allocState(), *b = si_->allocState();

@@ -71,8 +71,8 @@ struct Entry {
 
 constexpr bool kSeeded = true, kUnseeded = false;
 constexpr bool kOptimizing = true, kFirst = false;
-/// Workers, and threads, that a problem may ask for [count]: each worker has a certifier of its
-/// own.
+/// Largest number of workers, and of threads, in a problem [count]. Each worker has its own
+/// certifier.
 constexpr int kMostWorkers = 64;
 
 constexpr bool kCells = true, kNoCells = false;
@@ -80,11 +80,11 @@ constexpr bool kCells = true, kNoCells = false;
 template <typename Planner>
 Entry entry(const char* name, bool deterministic, bool optimizing, bool projection,
             const char* summary) {
-  // SST's steps are random, never towards a goal.
+  // SST's steps are random and never aim at a goal.
   const bool exact = !std::is_same_v<Planner, og::SST>;
-  // LazyPRM*'s A* adds and subtracts costs, and throws where they do not add up.
+  // LazyPRM*'s A* adds and subtracts costs, and throws if they do not add up.
   const bool any_cost = !std::is_same_v<Planner, og::LazyPRMstar>;
-  // LBTRRT adds up distances, whatever the objective.
+  // LBTRRT adds up distances for every objective.
   const bool costs = !std::is_same_v<Planner, og::LBTRRT>;
   return {{name, deterministic, optimizing, any_cost, costs, projection, exact, summary},
           [](const ob::SpaceInformationPtr& si) { return std::make_shared<Planner>(si); }};
@@ -111,7 +111,7 @@ const std::vector<Entry>& entries() {
                                  "RRT* that samples where a better path can be"),
       entry<og::SORRTstar>("SORRTstar", kSeeded, kOptimizing, kNoCells,
                            "RRT* that sorts its samples by what they promise"),
-      // OMPL 1.5.2 never sets the start's lower bound, and compares whatever is in memory.
+      // OMPL 1.5.2 never sets the start's lower bound, and compares uninitialised memory.
       entry<og::LBTRRT>("LBTRRT", kUnseeded, kOptimizing, kNoCells,
                         "between RRT and RRT*: a lower bound decides what to rewire"),
       entry<og::EST>("EST", kSeeded, kFirst, kNoCells, "expansive tree, density by neighbours"),
@@ -158,7 +158,7 @@ const std::vector<Entry>& entries() {
   return list;
 }
 
-/// In small letters, * as the word "star" of OMPL's class names.
+/// Converts to lower case, and * to the word "star" of OMPL's class names.
 std::string normalizedName(std::string_view name) {
   std::string result;
   for (const char c : name) {
@@ -177,7 +177,7 @@ const Entry* find(std::string_view name) {
   return nullptr;
 }
 
-/// A space for planners that are made to ask for their parameters.
+/// A space for planners that are made only to list their parameters.
 ob::SpaceInformationPtr smallSpace() {
   auto space = std::make_shared<ob::RealVectorStateSpace>(2);
   space->setBounds(0, 1);
@@ -191,8 +191,8 @@ std::string accepted(const ob::GenericParam& parameter) {
   return "a number in the manner of " + suggestion + " (first:step:last) is expected";
 }
 
-/// Sets a parameter and reads it back, because OMPL reads "1.5x" as 1.5, "-1" as 4294967295 and
-/// keeps whatever a setter leaves.
+/// Sets a parameter and reads it back, because OMPL reads "1.5x" as 1.5 and "-1" as 4294967295, and
+/// keeps any value that a setter sets.
 std::optional<std::string> setParameter(ob::Planner& planner, const std::string& key,
                                         const std::string& value) {
   ob::ParamSet& parameters = planner.params();
@@ -226,14 +226,14 @@ std::optional<std::string> setParameter(ob::Planner& planner, const std::string&
   return std::nullopt;
 }
 
-/// Parameters of our own planner that plan() knows, and OMPL's frame does not.
+/// Parameters of our own planner that plan() supports, and OMPL's interface does not.
 const std::vector<PlannerParameter>& ownParameters(const Entry& e) {
   static const std::vector<PlannerParameter> none,
       own = {{"improve", "0", "0.:1.:60."}, {"threads", "0", "0:1:64"}, {"workers", "1", "1:1:64"}};
   return e.traits.name == kOwnPlanner ? own : none;
 }
 
-/// Whether `key` is one of these; `error` says what is wrong with its value.
+/// Whether `key` is one of these; `error` describes a mistake in its value.
 bool isOwnParameter(const Entry& e, const std::string& key, const std::string& value,
                     std::optional<std::string>& error) {
   for (const PlannerParameter& parameter : ownParameters(e)) {
@@ -329,8 +329,8 @@ ob::PlannerPtr makePlanner(const std::string& name,
 }
 
 void seedOmpl(std::uint64_t seed) {
-  // setSeed() warns when seeds were given out before, but obeys; only 0 it refuses. Every width of
-  // uint_fast32_t and the generator behind it keep thirty-one bits.
+  // setSeed() warns if seeds were given out before, but takes the seed; it refuses only 0. Every
+  // width of uint_fast32_t and the generator behind it keep thirty-one bits.
   const std::uint64_t mixed = (seed ^ (seed >> 31) ^ (seed >> 62)) & 0x7fffffffu;
   ompl::RNG::setSeed(mixed == 0 ? 0x7fffffffu : static_cast<std::uint_fast32_t>(mixed));
 }

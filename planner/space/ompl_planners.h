@@ -12,10 +12,10 @@
 
 namespace leeway::planner {
 
-/// Our own planner's name: ConnectTrees, without OMPL in plan().
+/// The name of our own planner: ConnectTrees, which plan() uses without OMPL.
 inline constexpr const char* kOwnPlanner = "Connect";
 
-/// A planner's parameter as a number, true and false as 1 and 0.
+/// A planner's parameter as a number; true and false are 1 and 0.
 std::optional<double> parameterNumber(std::string_view text);
 
 /// A planner by name. Call under omplSeedLock(), after seedOmpl(). Throws std::invalid_argument
@@ -24,8 +24,8 @@ ompl::base::PlannerPtr makePlanner(const std::string& name,
                                    const std::map<std::string, std::string>& parameters,
                                    const ompl::base::SpaceInformationPtr& space_information);
 
-/// Sets OMPL's generator of seeds: what is made next, under the same omplSeedLock(), has seeds that
-/// depend on `seed` only.
+/// Seeds OMPL's generator of seeds. Objects that are made next, under the same omplSeedLock(), have
+/// seeds that depend only on `seed`.
 void seedOmpl(std::uint64_t seed);
 
 }  // namespace leeway::planner

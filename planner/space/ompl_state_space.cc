@@ -24,7 +24,7 @@ namespace ob = ompl::base;
 using Kind = ConfigurationSpace::Kind;
 using Part = ConfigurationSpace::Part;
 
-/// Cells of the default projection along each axis, as many as in OMPL's own spaces.
+/// Cells of the default projection along each axis; OMPL's own spaces have the same number.
 constexpr double kProjectionCells = 20;
 
 double range(const ConfigurationSpace& space, const Part& part) {
@@ -32,7 +32,7 @@ double range(const ConfigurationSpace& space, const Part& part) {
                                   : collision::kTwoPi;
 }
 
-/// The greatest distance of two points in that part.
+/// The greatest distance of two points in the given part.
 double extent(const ConfigurationSpace& space, const Part& part) {
   return part.weight * (part.kind == Kind::kLine ? range(space, part) : std::numbers::pi);
 }
@@ -66,7 +66,7 @@ class FirstNumbers : public ob::ProjectionEvaluator {
                          : part.kind == Kind::kCircle ? std::numbers::pi
                                                       : 1);
       const double width = bounds_.high[i] - bounds_.low[i];
-      // A joint without room is one cell; a size of zero would divide by it.
+      // A joint without range is one cell, because a size of zero would cause a division by zero.
       cellSizes_.push_back(width > 0 ? width / kProjectionCells : 1);
     }
   }
@@ -217,7 +217,7 @@ bool OmplStateSpace::satisfiesBounds(const ob::State* state) const {
 }
 
 void OmplStateSpace::copyState(ob::State* destination, const ob::State* source) const {
-  // Not memcpy: some planners copy a state onto itself.
+  // memmove() instead of memcpy(), because some planners copy a state onto itself.
   std::memmove(destination->as<StateType>()->values, source->as<StateType>()->values,
                size_ * sizeof(double));
 }
@@ -242,7 +242,8 @@ void OmplStateSpace::interpolate(const ob::State* from, const ob::State* to, dou
 }
 
 ob::StateSamplerPtr OmplStateSpace::allocDefaultStateSampler() const {
-  // The base class holds a generator of OMPL's, which ours never uses: see omplSeedLock().
+  // The base class contains a generator of OMPL's, which our sampler does not use; see
+  // omplSeedLock().
   const std::lock_guard<std::recursive_mutex> lock(omplSeedLock());
   return std::make_shared<Sampler>(this, seed_, sampler_count_++);
 }

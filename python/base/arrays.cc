@@ -11,12 +11,13 @@
 namespace leeway::python {
 namespace {
 
-/// A quaternion may be off unit length by rounding in a file, not by a wrong order of its numbers.
+/// A quaternion in a file may be off unit length by rounding, but not by a wrong order of its
+/// numbers.
 constexpr double kLargestNormError = 1e-3;
 
 std::string shapeText(const py::array& array) { return py::str(array.attr("shape")); }
 
-/// `value` as an array of real numbers, whatever its shape.
+/// `value` as an array of real numbers, of any shape.
 py::array realArray(py::handle value, const char* name) {
   const py::array array = py::array::ensure(value);
   if (!array)
@@ -39,7 +40,7 @@ std::string indexText(const char* name, std::size_t index, const py::array& arra
   return text.empty() ? name : name + ("[" + text + "]");
 }
 
-/// Checked and copied.
+/// The numbers of an array, checked and copied.
 std::vector<double> values(const py::array& array, const char* name) {
   const auto doubles =
       py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(array);
@@ -158,7 +159,7 @@ collision::Pose pose(py::handle value, const char* name) {
   const Eigen::Matrix3d error =
       result.rotation * result.rotation.transpose() - Eigen::Matrix3d::Identity();
   const bool last_row = v[12] == 0 && v[13] == 0 && v[14] == 0 && v[15] == 1;
-  // Queries take rotations that are off by up to this, and widen their intervals by it.
+  // Queries accept rotations with an error of up to this, and widen their intervals by it.
   if (!last_row || !(error.norm() <= 1e-6) || result.rotation.determinant() < 0)
     throw py::value_error(std::string(name) +
                           " is no rigid placement; a rotation and the last row 0 0 0 1 are "
@@ -210,7 +211,7 @@ py::array_t<double> array(const std::vector<std::vector<double>>& rows, std::siz
 
 namespace {
 
-/// A list that refuses to be changed. Its copies are plain lists.
+/// The type of a list that cannot be changed. Its copies are plain lists.
 py::handle readOnlyList() {
   static PyObject* const type = [] {
     py::dict methods;
@@ -328,7 +329,7 @@ std::string htmlTable(const std::string& caption, const std::vector<std::string>
 }
 
 void unknownWord(const char* name, std::string_view word, std::string_view accepted) {
-  std::string shown(word.substr(0, 100));  // of an array, say
+  std::string shown(word.substr(0, 100));  // for example, of an array
   std::replace(shown.begin(), shown.end(), '\n', ' ');
   throw py::value_error(std::string(name) + " is '" + shown + "'; " + std::string(accepted) +
                         " is expected");

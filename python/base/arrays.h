@@ -1,7 +1,7 @@
 #pragma once
 
-// Between numpy and the library. Everything that comes in is checked, and copied before the
-// interpreter's lock is released: another thread may change or resize an array meanwhile.
+// Conversions between numpy and the library. Every input is checked, and copied before the
+// interpreter's lock is released, because another thread may change or resize an array meanwhile.
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -20,7 +20,7 @@ namespace leeway::python {
 
 namespace py = pybind11;
 
-/// Rows of numbers, and the shape that the caller gave without its last axis.
+/// Rows of numbers, and the caller's shape without its last axis.
 struct Rows {
   std::vector<double> values;
   std::vector<py::ssize_t> shape;
@@ -30,8 +30,9 @@ struct Rows {
   std::span<const double> row(std::size_t i) const { return {&values[i * columns], columns}; }
 };
 
-/// `value` as finite float64 numbers, `columns` in the last axis; other axes are free, or at most
-/// `axes` - 1 of them. Throws ValueError or TypeError of one line, which begin with `name`.
+/// `value` as finite float64 numbers, with `columns` in the last axis. Other axes are free, or
+/// there are at most `axes` - 1 of them. Throws ValueError or TypeError with a one-line message
+/// that begins with `name`.
 Rows rows(py::handle value, const char* name, std::size_t columns, int axes = -1);
 /// One row.
 std::vector<double> numbers(py::handle value, const char* name, std::size_t columns);
@@ -45,15 +46,15 @@ double number(py::handle value, const char* name);
 
 /// None, a position (3), a position and a quaternion x y z qx qy qz qw (7), or a matrix (4, 4).
 collision::Pose pose(py::handle value, const char* name);
-/// As in problem files: a position, and a quaternion x y z w or angles roll, pitch, yaw, or
-/// neither.
+/// As in problem files: a position, and a quaternion x y z w, or angles roll, pitch, yaw, or no
+/// orientation.
 collision::Pose pose(py::handle position, py::handle orientation, py::handle rpy);
 
 /// An array of float64 that owns `values`, without a copy.
 py::array_t<double> array(std::vector<double> values, std::vector<py::ssize_t> shape);
 py::array_t<double> array(const Eigen::Vector3d& vector);
 py::array_t<double> array(std::span<const double> values);
-/// Rows of equal length; `columns` where there are none.
+/// Rows of equal length; `columns` is the length if the list is empty.
 py::array_t<double> array(const std::vector<std::vector<double>>& rows, std::size_t columns);
 /// A read-only view of (n, 3) numbers that `owner` keeps alive.
 py::array view(std::span<const Eigen::Vector3d> points, py::handle owner);
@@ -64,19 +65,19 @@ py::array_t<double> matrix(const collision::Pose& pose);
 
 /// A list of strings.
 py::list listOf(const std::vector<std::string>& names);
-/// Returns an object that cannot be changed in place of `value`: lists whose methods refuse it,
-/// mapping proxies for dicts, arrays that are read-only; what they hold, too. Copies of it may be
-/// changed.
+/// Returns an object with the content of `value` that cannot be changed: lists whose methods refuse
+/// it, mapping proxies for dicts, read-only arrays, and the same for their elements. Copies of it
+/// may be changed.
 py::object constant(const py::object& value);
 /// A str or os.PathLike.
 std::string fileName(py::handle value, const char* name);
 
-/// A number as short as it reads back, for texts: "0.1", "inf".
+/// A number in the shortest form that reads back the same, for texts: "0.1", "inf".
 std::string text(double value);
 /// A table in HTML for notebooks. Cells are escaped.
 std::string htmlTable(const std::string& caption, const std::vector<std::string>& heading,
                       const std::vector<std::vector<std::string>>& rows);
-/// The value of a word, or a ValueError that lists those which are accepted.
+/// The value of a word, or a ValueError that lists the accepted words.
 [[noreturn]] void unknownWord(const char* name, std::string_view word, std::string_view accepted);
 
 }  // namespace leeway::python

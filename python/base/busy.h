@@ -4,7 +4,7 @@
 
 namespace leeway::python {
 
-/// Marks an object as in use by one call; another call meanwhile, from another thread, throws
+/// Marks an object as in use by one call. A concurrent call from another thread throws
 /// std::runtime_error with `message`.
 class Busy {
  public:

@@ -7,17 +7,17 @@
 namespace leeway::python {
 namespace {
 
-/// pybind11's own entry, which all functions share.
+/// pybind11's own entry point, which all functions share.
 PyCFunctionWithKeywords dispatcher = nullptr;
 
-/// What errors show of a function, by what CPython hands to its entry. Never freed: functions
-/// outlive static objects.
+/// The signature that errors show for a function, by the object that CPython passes to its entry
+/// point. Never freed, because functions outlive static objects.
 std::unordered_map<const PyObject*, std::string>& signatures() {
   static auto* const map = new std::unordered_map<const PyObject*, std::string>;
   return *map;
 }
 
-/// "int, time=str": what was given.
+/// The types of the arguments: "int, time=str".
 std::string given(PyObject* args, PyObject* kwargs) {
   std::string text;
   const auto add = [&](const std::string& name, PyObject* value) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// How functions, methods and properties are defined: with signatures that Python reads, and with
-// errors of one line.
+// Definition of functions, methods and properties, with signatures that Python reads and one-line
+// errors.
 
 #include <pybind11/pybind11.h>
 
@@ -15,16 +15,16 @@ namespace leeway::python {
 
 namespace py = pybind11;
 
-/// Calls of `function` whose arguments fit nothing raise a TypeError of one line in place of
-/// pybind11's, which lists C++ types over several. `signature` is what the line shows.
+/// Calls of `function` with arguments that do not fit raise a one-line TypeError instead of
+/// pybind11's, which lists C++ types over several lines. The message shows `signature`.
 void shortenErrors(py::handle function, const std::string& signature);
 
-/// Whether a setting is a keyword of calls and an attribute of problems. A parameter of a planner
-/// is not: it is one of `parameters`.
+/// Whether a setting is a keyword of calls and an attribute of problems. A planner's parameter is
+/// not: it is one of `parameters`.
 bool isKeyword(const planner::Setting& setting);
 
-/// The docstring that CPython splits into a signature for inspect.signature() and a text. Keywords
-/// of all settings that `signature` does not have stand in for "**settings" in it.
+/// The docstring that CPython splits into a signature for inspect.signature() and a text.
+/// "**settings" in `signature` stands for the keywords of all settings that it does not list.
 std::string withSignature(const std::string& name, const std::string& signature,
                           const std::string& doc);
 
@@ -37,8 +37,8 @@ void define(Scope& scope, const char* name, const std::string& signature, const 
   shortenErrors(scope.attr(name), name + signature);
 }
 
-/// A constructor. `signature` is that of the class, without self; the class's docstring explains
-/// it.
+/// A constructor. `signature` is that of the class, without self; the docstring of the class
+/// explains it.
 template <typename Class, typename Factory, typename... Extra>
 void defineInit(Class& scope, const std::string& signature, Factory factory,
                 const Extra&... extra) {
@@ -57,22 +57,22 @@ void defineStatic(Class& scope, const char* name, const std::string& signature,
   shortenErrors(scope.attr(name), name + signature);
 }
 
-/// copy.copy() and copy.deepcopy(). `copy(self)`: an independent one with the same content.
+/// copy.copy() and copy.deepcopy(). `copy(self)`: an independent object with the same content.
 template <typename Class, typename Copy>
 void defineCopies(Class& scope, Copy copy) {
   scope.def("__copy__", copy);
   scope.def("__deepcopy__",
             [copy](typename Class::type& self, const py::object&) { return copy(self); });
 }
-/// The same of what never changes: copies are the object itself.
+/// The same for objects that never change: copies are the object itself.
 template <typename Class>
 void defineCopiesOfConstant(Class& scope) {
   scope.def("__copy__", [](const py::object& self) { return self; });
   scope.def("__deepcopy__", [](const py::object& self, const py::object&) { return self; });
 }
 
-/// A property that cannot be set. What it gives cannot be changed either, see constant(): a change
-/// of a copy would be lost.
+/// A property that cannot be set. Its value cannot be changed either, see constant(), because a
+/// change of a copy would be lost.
 template <typename Class, typename Getter>
 void defineConstant(Class& scope, const char* name, Getter&& getter, const char* doc) {
   const py::cpp_function get(std::forward<Getter>(getter), py::is_method(scope));

@@ -7,8 +7,9 @@
 namespace leeway::python {
 namespace {
 
-// Changed with the interpreter's lock held only. Calls that run without it; whether the interpreter
-// is about to end; whether this process is a child of fork() that has locks which nobody releases.
+// The first three change only with the interpreter's lock held. They are the number of calls that
+// run without it, whether the interpreter is about to exit, and whether this process is a child of
+// fork() with locks that no thread can release.
 int running = 0;
 std::atomic<bool> ending = false;
 bool orphaned = false;
@@ -22,8 +23,8 @@ void check() {
   if (ending) throw std::runtime_error("leeway: the interpreter is about to end");
 }
 
-/// A thread that asks for the lock of an interpreter that ends is unwound by CPython through C++
-/// code that must not throw, which aborts the process. So the end waits for such calls.
+/// If a thread requests the lock of an exiting interpreter, CPython unwinds it through C++ code
+/// that must not throw, which aborts the process. So the exit waits for such calls.
 void finish() {
   ending = true;
   while (running > 0) {
@@ -50,7 +51,7 @@ Interrupt::Interrupt(py::object stop) : stop_(std::move(stop)) {
     throw py::type_error(
         "stop is no function; one without arguments that returns a bool is "
         "expected");
-  // No code of Python runs here: the interpreter ends threads that wait for its lock while it ends,
+  // No Python code runs here: during its exit the interpreter ends threads that wait for its lock,
   // and C++ frames do not survive that.
   sees_signals_ = PyThread_get_thread_ident() == main_thread;
 }
@@ -79,7 +80,7 @@ void defineLifetime(py::module_&) {
   py::module_::import("os").attr("register_at_fork")(
       py::arg("after_in_child") = py::cpp_function([] {
         orphaned = orphaned || running > 0;
-        main_thread = PyThread_get_thread_ident();  // the thread that forked is all there is
+        main_thread = PyThread_get_thread_ident();  // after fork() only the calling thread exists
       }));
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Long calls: without the interpreter's lock, stoppable, and over before the interpreter is.
+// Long calls: without the interpreter's lock, stoppable, and finished before the interpreter exits.
 
 #include <pybind11/pybind11.h>
 
@@ -16,9 +16,9 @@ namespace leeway::python {
 
 namespace py = pybind11;
 
-/// The interpreter's lock is released as long as this lives. Throws std::runtime_error where the
-/// interpreter is about to end, and in a child of fork() whose parent was in such a call: locks
-/// that it held stay held there.
+/// The interpreter's lock is released while this object exists. Throws std::runtime_error if the
+/// interpreter is about to exit, and in a child of fork() whose parent was in such a call, because
+/// the locks that it held stay locked there.
 class Released {
  public:
   Released();
@@ -37,18 +37,19 @@ auto released(Function&& function) {
   return function();
 }
 
-/// What ends a long call early: a signal (in the main thread, which alone sees signals), the end of
-/// the interpreter, or a function of the caller's. Made with the lock held; asked without it.
+/// Reasons to end a long call early: a signal (in the main thread, which alone gets signals), the
+/// exit of the interpreter, or a function of the caller. Constructed with the lock held; called
+/// without it.
 class Interrupt {
  public:
   explicit Interrupt(py::object stop = py::none());
-  /// Every 20 ms looks for signals and asks the caller's function; cheap in between.
+  /// Checks for signals and calls the caller's function every 20 ms; cheap in between.
   bool operator()();
   /// For PlanOptions::stop; `this` must outlive it.
   std::function<bool()> callback() {
     return [this] { return (*this)(); };
   }
-  /// What ended the call, if that was an exception. With the lock held.
+  /// Rethrows the exception that ended the call, if there is one. Call it with the lock held.
   void rethrow() const {
     if (raised_) std::rethrow_exception(raised_);
   }
@@ -72,12 +73,12 @@ class Interrupt {
   py::object stop_;
   bool sees_signals_;
   std::atomic<bool> ended_ = false;
-  /// When to look again. Planners with threads of their own ask from all of them.
+  /// The time of the next check. Planners with their own threads call this from all of them.
   std::atomic<std::chrono::steady_clock::time_point> next_ = std::chrono::steady_clock::now();
   std::exception_ptr raised_;
 };
 
-/// Registers with the interpreter's end and with fork().
+/// Registers with the interpreter's exit and with fork().
 void defineLifetime(py::module_& module);
 
 }  // namespace leeway::python
