@@ -156,7 +156,7 @@ constexpr double kSmallestMotion = 1e-6;
 constexpr int kDeepestLevel = 30;
 
 /// Work limit of an edge before it is left undecided [units of collision::Work, about a nanosecond
-/// each]. It prevents an edge that grazes an obstacle from costing as much as fifty others. Of the
+/// each]. Without it, an edge that grazes an obstacle can cost fifty times the usual work. Of the
 /// edges that planning and simplifying check in 14 MotionBenchMaker problems with four seeds each,
 /// it leaves 17 of ur5's 20,100 open and 0 of panda's 32,000. Four fifths of it leave 48 of ur5's.
 constexpr std::int64_t kEdgeWork = 100'000;
@@ -296,7 +296,7 @@ constexpr std::size_t kMostPoseSolutions = 256;
 constexpr double kWidestDraw = 10;
 
 /// Connect starts with the first valid solution of a goal of poses, and requests more after this
-/// number of iterations [count]: a goal costs about as much as one iteration.
+/// number of iterations [count]: a goal costs about the same as one iteration.
 constexpr std::uint64_t kGoalTurn = 32;
 
 /// Solutions that differ by less than this in every joint are the same solution [rad or m].
@@ -310,7 +310,7 @@ constexpr double kReportTolerance = 1e-6;
 
 // Searches
 
-/// A radian of a turn weighs as much as this share of the distance by which it moves the farthest
+/// The weight of a radian of a turn, as a share of the distance by which it moves the farthest
 /// point. This is about the root mean square over a bar's or a box's points. 0.3 to 0.7 plan
 /// equally well.
 constexpr double kTurnShare = 0.5;
@@ -681,7 +681,7 @@ constexpr int kTrail = 400;
 /// Failed planning is repeated after 1, 2, 4, ... steps, at most this number.
 constexpr int kLongestPause = 8;
 
-/// Maximum steps of look-ahead [count]. Each costs as much as a step.
+/// Maximum steps of look-ahead [count]. Each costs the same as a step.
 constexpr double kLongestLookAhead = 1000;
 
 // Trajectories

@@ -209,7 +209,7 @@ void EdgeLanes::setFloatingStep(const Step& step, const double* q, const double*
   const Eigen::Matrix3d& R_PJ = step.X_PJ.rotation;
   const Eigen::Vector3d r(dq[3], dq[4], dq[5]);
   const double turn = r.norm();
-  // Any axis is acceptable if there is no turn.
+  // For a zero turn, any axis is acceptable.
   const Eigen::Matrix3d align =
       turn > kLeastTurn ? turningZ(r / turn) : Eigen::Matrix3d::Identity();
   if (step.restores) {

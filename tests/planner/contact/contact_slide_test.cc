@@ -15,7 +15,7 @@ namespace {
 
 using Point = std::vector<double>;
 
-/// Slides of a range among a problem's objects, each with a certifier of its own.
+/// Slides of a given range among a problem's objects, each with its own certifier.
 class Slides {
  public:
   Slides(const Problem& problem, double range)
@@ -23,7 +23,8 @@ class Slides {
 
   const ConfigurationSpace& space() const { return scene_->space(); }
 
-  /// The points of a slide. Each must be nearer to the target and within limits, each edge free.
+  /// Returns the points of a slide. Each must be nearer to the target and within limits, and each
+  /// edge free.
   std::vector<Point> slide(const Point& from, const Point& target) {
     EdgeCertifier certifier(scene_), judge(scene_);
     const ContactSlide::Edge check = [&](std::span<const double> a, std::span<const double> b) {
@@ -47,7 +48,7 @@ class Slides {
     return points;
   }
 
-  int edges = 0, allowed = 1'000'000;  ///< that may be free
+  int edges = 0, allowed = 1'000'000;  ///< edges that may be free
 
  private:
   std::shared_ptr<const CompiledScene> scene_;
@@ -75,7 +76,7 @@ TEST(ContactSlide, OneJointStopsBeforeAWall) {
   EXPECT_GT(points.back()[0], 0.8);
   EXPECT_LT(points.back()[0], 0.85);
   EXPECT_LE(slides.edges, 15);
-  // Touching, there is nowhere to go.
+  // In contact, the body cannot move on.
   EXPECT_TRUE(slides.slide(points.back(), {1.9}).empty());
   // And from the wall all the way to the limit.
   EXPECT_EQ(slides.slide(points.back(), {-2}).back(), (Point{-2}));
@@ -95,7 +96,7 @@ TEST(ContactSlide, ContinuousJointsGoTheShorterWay) {
 
 TEST(ContactSlide, FindsTheGapInAWall) {
   Slides slides(test::wallProblem(), 0.5);
-  // The straight way meets the lower wall; along it and through.
+  // The straight way meets the lower wall; the slide goes along it and through the gap.
   EXPECT_NE(EdgeCertifier(std::make_shared<const CompiledScene>(test::wallProblem()))
                 .certify(Point{-1, 0.6, 0}, Point{1, 1.2, 1})
                 .verdict,
@@ -103,7 +104,7 @@ TEST(ContactSlide, FindsTheGapInAWall) {
   const std::vector<Point> through = slides.slide({-1, 0.6, 0}, {1, 1.2, 1});
   ASSERT_FALSE(through.empty());
   EXPECT_EQ(through.back(), (Point{1, 1.2, 1}));
-  // Beside the gap it ends at the wall, as near as it gets.
+  // Next to the gap the slide ends at the wall, as near as it gets.
   const std::vector<Point> beside = slides.slide({-1, -1, 0}, {1, 0, 1});
   ASSERT_FALSE(beside.empty());
   EXPECT_NEAR(beside.back()[0], -0.15, 0.03);
@@ -111,7 +112,7 @@ TEST(ContactSlide, FindsTheGapInAWall) {
 }
 
 TEST(ContactSlide, StepsBeyondALimitAreNone) {
-  // A slope that leads out of the limits.
+  // A slope leads out of the limits.
   Problem problem = test::problemOf(test::disc(), {-1, 1.5, 0}, {1, 1.9, 0});
   problem.world.objects.push_back(test::box("slope", {2, 0.05, 0.5}, 0.7, 1.7, 0));
   problem.world.objects.back().X_WO.rotation =

@@ -1,4 +1,5 @@
-// Worlds in which objects come and go, against the same worlds compiled anew.
+// Worlds to which objects are added and removed, compared with the same worlds compiled from
+// scratch.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +27,7 @@ namespace {
 
 using testing::Random;
 
-/// A scene, and the problem that says the same.
+/// A scene, and the problem with the same content.
 struct World {
   std::shared_ptr<const CompiledScene> scene;
   Problem problem;
@@ -40,7 +41,8 @@ std::vector<Object> objects(Random& random, const std::shared_ptr<const robots::
   return all;
 }
 
-/// Some objects go, `count` come: some of them where others were, under their names.
+/// Removes some objects and adds `count` others, some of them at the poses of others, under their
+/// names.
 World changed(Random& random, const World& before, int count, const std::string& name,
               double room) {
   World after{nullptr, before.problem};
@@ -49,14 +51,14 @@ World changed(Random& random, const World& before, int count, const std::string&
   std::vector<int> removed;
   for (int k = 0; k < std::min(count, 5) && !all.empty(); ++k) {
     const auto i = static_cast<std::size_t>(random.integer(static_cast<int>(all.size())));
-    if (all[i].geometries.empty()) continue;  // a name alone
+    if (all[i].geometries.empty()) continue;  // only a name
     const int body = before.scene->scene().find(all[i].name);
     removed.push_back(body);
     if (k % 2 == 0) added[static_cast<std::size_t>(k)].name = all[i].name;  // it moves
     all[i].geometries.clear();  // margins and contacts still name it
   }
   after.scene = before.scene->withObjects(added, removed);
-  for (const Object& object : added)  // that were a name alone
+  for (const Object& object : added)  // names without geometries so far
     std::erase_if(all, [&](const Object& other) { return other.name == object.name; });
   all.insert(all.end(), added.begin(), added.end());
   return after;
@@ -117,7 +119,7 @@ void expectSame(Random& random, const World& world, Counts& counts) {
   }
 }
 
-// Few objects and many before, and few and many that come; again and again.
+// Few and many objects before, and few and many added ones, repeatedly.
 TEST(ChangedWorld, AnswersAreThoseOfTheWorldCompiledAnew) {
   Random random(71);
   Counts counts;
@@ -139,7 +141,7 @@ TEST(ChangedWorld, AnswersAreThoseOfTheWorldCompiledAnew) {
       now.problem.margins.pairs.push_back({link, std::string(name) + "1", 0.05});
     }
     now.problem.margins.pairs.push_back({"more0", link, 0.1});
-    // Objects that come later, or never, have a name from the start.
+    // Names of objects that are added later, or never, are known from the start.
     for (const char* name : {"more1", "again0", "more0", "thing11", "more11", "again01"})
       if (std::none_of(now.problem.world.objects.begin(), now.problem.world.objects.end(),
                        [&](const Object& o) { return o.name == name; }))
@@ -157,7 +159,8 @@ TEST(ChangedWorld, AnswersAreThoseOfTheWorldCompiledAnew) {
   EXPECT_LT(counts.undecided, (counts.free + counts.not_free) / 50);
 }
 
-// Margins of everything of the world hold for what comes later; a contact has no such word.
+// Margins of the whole world also hold for objects that are added later; contacts have no such
+// word.
 TEST(ChangedWorld, TheWholeWorldInMarginsIncludesWhatComesLater) {
   Problem problem = test::corridorProblem();
   problem.margins.pairs = {{"robot", "world", 0.05}};
@@ -174,15 +177,15 @@ TEST(ChangedWorld, TheWholeWorldInMarginsIncludesWhatComesLater) {
   // The word would have two meanings.
   const std::vector<Object> world = {test::box("world", {0.1, 0.1, 0.1}, 9, 9, 0)};
   EXPECT_THROW(before->withObjects(world), robots::InputError);
-  // Where an object has the name, no margin has it: objects come and go.
+  // If an object has the name, the margin is refused, because objects are added and removed.
   problem.world.objects.push_back(world[0]);
   EXPECT_THROW(validate(problem), robots::InputError) << "robot and world: of which is asked?";
   problem.margins.pairs = {{problem.robot.model->links.back().name, "world", 0.05}};
   EXPECT_THROW(validate(problem), robots::InputError) << "a link and world: of which is asked?";
 }
 
-// A wall comes into the way; a plan goes around it, and the verifier proves it in a world compiled
-// anew. Without the wall the first plan is back.
+// A wall blocks the way. A plan goes around it, and the verifier proves the plan in a world
+// compiled from scratch. After the removal of the wall the first plan returns.
 TEST(ChangedWorld, IsPlannedIn) {
   Problem problem = test::corridorProblem();
   problem.seed = 5;
@@ -215,7 +218,7 @@ TEST(ChangedWorld, RefusesWhatItCannotChange) {
   for (const std::vector<int>& body : {robot, none, negative})
     EXPECT_THROW(scene->withObjects({}, body), std::invalid_argument);
   EXPECT_THROW(scene->withMarginAtLeast(0.1)->withObjects({}), std::invalid_argument);
-  // What a certifier remembers of pairs would be of others.
+  // A certifier's memory of pairs would be that of other pairs.
   const std::vector<int> wall{scene->bodiesOfRobot()};
   EdgeCertifier certifier(scene);
   EXPECT_THROW(certifier.rebind(scene->withObjects({}, wall)), std::invalid_argument);
@@ -233,7 +236,7 @@ TEST(ChangedWorld, RefusesWhatItCannotChange) {
   far[0].X_WO = {};
   far[0].geometries[0].X_BG.translation.x() = std::numeric_limits<double>::infinity();
   EXPECT_THROW(scene->withObjects(far), robots::InputError);
-  // Without geometries there is nothing to meet.
+  // An object without geometries cannot collide.
   far[0].geometries.clear();
   EXPECT_EQ(scene->withObjects(far)->scene().bodies().size(), scene->scene().bodies().size());
 }

@@ -1,5 +1,5 @@
-// Clearances from the world and of the robot to itself, against dense samples of scenes that have
-// only those pairs.
+// Clearances from the world and of the robot from itself, compared with dense samples of scenes
+// with only those pairs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 using testing::Random;
 
-/// Distances of some pairs alone, by certifiers that know no others.
+/// Distances of some pairs, by certifiers with only these pairs.
 class DensePairs {
  public:
   DensePairs(const CompiledScene& scene, Pairs pairs)
@@ -25,7 +25,7 @@ class DensePairs {
           return scene.isOfRobot(pair) == (pairs == Pairs::kSelf);
         })) {}
 
-  /// The least upper end on samples of an edge: not less than the truth by more than rounding.
+  /// The least upper end at samples of an edge: below the true value by at most rounding.
   double along(const std::vector<double>& a, const std::vector<double>& b, int samples) {
     std::vector<double> q(a.size());
     double least = kInfinity;
@@ -110,7 +110,7 @@ TEST(ClearancePairs, CertificatesHoldDenseSamplesAndAgreeWithTheirParts) {
       path.positions.push_back(near(random, *scene, path.positions.back(), 0.15));
     const Certificate certificate = certify(certifier, path, 1e-4, CertificateDetail::kPath);
     EXPECT_EQ(certificate.segments.size(), path.positions.size() - 1);
-    // Rows are straight lines, of which some are longer than an edge.
+    // Rows are straight lines, some of them longer than an edge.
     const PathEdges lines = edgesOf(scene->space(), path);
     const std::vector<std::vector<double>>& points = lines.path.positions;
     longer += static_cast<int>(points.size() - path.positions.size());

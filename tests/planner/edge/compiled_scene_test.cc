@@ -125,7 +125,7 @@ TEST(CompiledScene, WithoutAnSrdfProofsCountAndFixedJointsDoNotMakeNeighbours) {
   Problem kept_apart = problemWith(margin);
   kept_apart.margins.common = 0.01;  // the proof covers contact only, not margins
   EXPECT_TRUE(kept(CompiledScene(kept_apart), "link0", "link2"));
-  // Nor wishes, also where the model has been compiled without them.
+  // The proof does not cover wishes, even if the model was first compiled without them.
   Problem wished = problemWith(stiff);
   wished.margins.wishes = {{"links", {{"link2", "link0"}}, 0.1}};
   EXPECT_TRUE(kept(CompiledScene(wished), "link0", "link2"));
@@ -155,7 +155,8 @@ TEST(CompiledScene, AttachedThingsMoveWithTheirLink) {
 }
 
 TEST(CompiledScene, ObjectsWithoutAPlaceAreRefused) {
-  // Regression: in lanes a box at (5, 5, NaN) was far from everything, and every edge free of it.
+  // Regression: in lanes a box at (5, 5, NaN) was far from everything, so every edge was free of
+  // it.
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<collision::Pose> bad(4);
   bad[0].translation = {5, 5, nan};

@@ -34,7 +34,8 @@ class DenseTwin {
         poses_(compiled.model().links.size()),
         q_(compiled.model().variables.size()) {}
 
-  /// Minimum separation minus margin at a point; `signed_distance`: minimum separation, with depth.
+  /// Minimum separation minus margin at a point; with `signed_distance`, minimum separation
+  /// including depth.
   double at(std::span<const double> point, bool signed_distance = false) {
     compiled_.expand(point, q_);
     robots::forwardKinematics(compiled_.model(), q_, poses_);
@@ -60,7 +61,7 @@ class DenseTwin {
     return least;
   }
 
-  /// Lower bound on the separation of one pair less its margin.
+  /// Lower bound on the separation of one pair minus its margin.
   double lowestOf(std::span<const double> point, int pair_index) {
     compiled_.expand(point, q_);
     robots::forwardKinematics(compiled_.model(), q_, poses_);
@@ -190,7 +191,7 @@ void checkRandomEdges(Kind kind, int problems, int edges, std::uint64_t seed, Ta
       std::vector<double> difference(a.size());
       compiled->space().difference(a, b, difference);
       if (!compiled->edgeModel().isSmooth(a, b, difference))
-        continue;  // a mimic would jump: never certified
+        continue;  // a mimic joint would jump: never certified
       EdgeRequest request;
       request.last_valid = true;
       const EdgeCheck check = certifier.certify(a, b, request);
@@ -213,7 +214,7 @@ void checkRandomEdges(Kind kind, int problems, int edges, std::uint64_t seed, Ta
             << replay(a, b);
       }
       if (check.verdict == Verdict::kNotFree && check.pair >= 0) {
-        // In contact at that place, to within the rounding charged to margins.
+        // The pair is in contact at that place, to within the rounding that margins include.
         ++tally.places;
         EXPECT_GE(check.t, 0);
         EXPECT_LE(check.t, 1);
@@ -303,7 +304,7 @@ Object wallWithWindow() {
   return wall;
 }
 
-// The way is ten thousand times the body's length; every work limit holds.
+// The way is ten thousand times the body's length; every work limit is sufficient.
 TEST(EdgeCertifier, ASmallMeshFliesThroughAWindow) {
   for (const double half : {0.1, 0.01, 0.001, 1e-4, 1e-5}) {
     std::vector<Eigen::Vector3d> corners;
@@ -331,7 +332,7 @@ TEST(EdgeCertifier, ASmallMeshFliesThroughAWindow) {
   }
 }
 
-/// A closed mesh of 2 m cubes at these centres.
+/// A closed mesh of 2 m cubes at the given centres.
 Object solidCubes(const std::vector<Eigen::Vector3d>& centers) {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<collision::TriangleMesh::Triangle> triangles;
@@ -449,7 +450,7 @@ TEST(EdgeCertifier, AllowedDepthIsDecidedWhereItIsKnown) {
   EXPECT_GT(free, 100);
 }
 
-// Each ball of a cover may have its own way out: single depths say nothing of the body's.
+// Each ball of a cover may have its own way out, so single depths do not bound the body's.
 TEST(EdgeCertifier, AllowedDepthIsThatOfTheWholeBody) {
   const auto of = [](const collision::Shape& body, const Object& obstacle, double margin) {
     Problem problem =
@@ -561,8 +562,8 @@ TEST(EdgeCertifier, ATurnLocksAPlateInASlot) {
   EXPECT_LT(before.upper - before.lower, 1.001e-3);
 }
 
-// Depths of meshes are slow; their work is counted, and beyond the limit the interval stays as wide
-// as it is. Regression: 1,572 of them took 2 s and ended without a lower end.
+// Depths of meshes are slow. Their work is counted, and at the limit the interval stays wide.
+// Regression: 1,572 of them took 2 s and ended without a lower end.
 TEST(EdgeCertifier, ClearanceOfMeshesDeepInEachOtherEndsWithItsWork) {
   Problem problem =
       test::problemOf(robots::freeBody("ring", {{testing::bumpyRing(), {}, "ring"}},
@@ -615,7 +616,7 @@ TEST(EdgeCertifier, ClearanceHoldsTheDenseMinimum) {
         std::vector<double> difference(a.size());
         compiled->space().difference(a, b, difference);
         if (!compiled->edgeModel().isSmooth(a, b, difference)) {
-          // A mimic joint jumps where the one that it follows goes round its seam.
+          // A mimic joint jumps where its master crosses its seam.
           EXPECT_EQ(result.clearance.lower, -kInfinity);
           ++wide;
           continue;
@@ -767,7 +768,7 @@ TEST(EdgeCertifier, WorkThatIsSpentIsUndecidedAndNoOtherAnswer) {
 }
 
 // An unplanned virtual joint places a robot; its links do not fly. Regression: they were swept by
-// surfaces against their base, like free bodies, and exhausted the work limit.
+// surfaces against their base, like free bodies, and reached the work limit.
 TEST(EdgeCertifier, WhatAVirtualJointPlacesDoesNotFly) {
   Random random(33);
   const collision::Shape mesh = testing::randomMesh(random, 0.1);
@@ -818,7 +819,7 @@ TEST(EdgeCertifier, WhatIsNoNumberIsUndecided) {
   EXPECT_EQ(certifier.certify(good, good).verdict, Verdict::kFree);
 }
 
-// A zero quaternion is no rotation; a joint without range has a single position.
+// A zero quaternion does not represent a rotation; a joint without range has a single position.
 TEST(EdgeCertifier, WhatCannotBeIsUndecided) {
   Problem flyer = test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
   flyer.world.objects.push_back(test::box("far", {0.1, 0.1, 0.1}, 5, 5, 5));
@@ -865,7 +866,7 @@ TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
             Verdict::kFree);
   EXPECT_EQ(certifier.certify(std::vector<double>{3.0}, std::vector<double>{-3.0}).verdict,
             Verdict::kUndecided);
-  // Each kEscalation edges that stay undecided let a search's edges cost twice as much.
+  // After every kEscalation undecided edges, a search's edges may cost twice as much.
   const std::int64_t first = certifier.searching().work_limit;
   EXPECT_LT(first, EdgeRequest::persistent().work_limit);
   while (certifier.statistics.undecided_edges < kEscalation)
@@ -916,8 +917,8 @@ TEST(EdgeCertifier, OutsideLimitsThatAProofNeededIsUndecided) {
             Verdict::kUndecided);
 }
 
-// Regression: a geometry with the centre of a smaller one on the same link took its motion, whose
-// growth was a thousandth of its own, so that a cube swept over a pin was certified free.
+// Regression: a geometry with the same centre as a smaller one on the same link got its motion,
+// with a thousandth of the growth. So a cube swept over a pin was certified free.
 TEST(EdgeCertifier, GeometriesOfOneCentreHaveMotionsOfTheirOwn) {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<collision::TriangleMesh::Triangle> triangles;

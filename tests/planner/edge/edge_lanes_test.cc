@@ -87,7 +87,8 @@ void checkParts(Random& random, const EdgeFrames& frames, EdgeLanes& lanes,
   }
 }
 
-/// Edges of a problem: pairs certified by lanes are apart at every sample, and a contact is one.
+/// Edges of a problem: pairs certified by lanes must be apart at every sample, and a contact must
+/// be in contact.
 void check(Random& random, const Problem& problem, int edges, Count& count) {
   const auto scene = std::make_shared<const CompiledScene>(problem);
   EdgeFrames frames(scene, 256);
@@ -183,7 +184,7 @@ TEST(EdgeLanes, CertifyOnlyWhatIsApart) {
   EXPECT_GT(count.part_near, 20);
 }
 
-/// Arms of concave links, whose hulls nearly always intersect: only parts certify them.
+/// Arms of concave links, whose hulls nearly always intersect, so only parts certify them.
 TEST(EdgeLanes, PartsCertifyOnlyWhatIsApart) {
   Random random(33);
   Count count;
@@ -205,7 +206,7 @@ TEST(EdgeLanes, PartsCertifyOnlyWhatIsApart) {
   EXPECT_GT(count.part_near, 100);
 }
 
-/// Links of many geometries, as grippers are, which lanes look at together.
+/// Links of many geometries, such as grippers, which lanes test together.
 TEST(EdgeLanes, GroupsCertifyOnlyWhatIsApart) {
   Random random(34);
   Count count;
@@ -230,8 +231,8 @@ TEST(EdgeLanes, GroupsCertifyOnlyWhatIsApart) {
   EXPECT_GT(count.near, 100);
 }
 
-/// A wavy surface of balls of different sizes, some of them in one place or `far` away, with its
-/// middle at `room` from the origin at most.
+/// A wavy surface of balls of different sizes, some of them in the same place or `far` away. Its
+/// middle is at most `room` from the origin.
 Object randomCloud(Random& random, double room, double far = 0) {
   PointCloud cloud;
   for (int i = 0; i < 14; ++i)
@@ -248,7 +249,7 @@ Object randomCloud(Random& random, double room, double far = 0) {
   return object;
 }
 
-/// Balls of clouds, which lanes look at by nodes of their hierarchy, one by one.
+/// Balls of clouds, which lanes test by nodes of their hierarchy and one by one.
 TEST(EdgeLanes, BallsOfCloudsCertifyOnlyWhatIsApart) {
   Random random(35);
   Count count;
@@ -313,7 +314,7 @@ TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
   expectTheSameOnEveryInstructionSet(problem, random);
 }
 
-// Consecutive whole edges of all kinds of robots: cached planes choose where the next edge is
+// Consecutive whole edges of all kinds of robots: cached planes determine where the next edge is
 // checked first. Regression: planes depended on the register width, and one problem in a hundred
 // (here 31) reported another place.
 TEST(EdgeLanes, EdgesAreToldTheSameOnEveryInstructionSet) {

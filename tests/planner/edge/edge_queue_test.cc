@@ -58,10 +58,10 @@ TEST_F(EdgeQueueTest, JoinsNeighboursOfAPairAsFarAsAllowed) {
             (std::vector<Task>{{7, 0, 0.25}, {8, 0, 0.25}, {7, 0.25, 0.25}, {8, 0.5, 0.25}}));
 }
 
-/// Settles a task where its interval is not wider than the pair's number of 1/64.
+/// Settles a task if its interval is at most the pair's number of 1/64 wide.
 struct WidthRule {
   EdgeQueue& queue;
-  double stop_at = 2;  ///< ends the loop in an interval that begins there
+  double stop_at = 2;  ///< ends the loop in an interval that begins here
   std::vector<Task> settled = {};
   std::vector<double> begins = {};
 
@@ -78,7 +78,7 @@ struct WidthRule {
   bool look(EdgeInterval& interval, int slot) { return slot >= 0 && queue.hasRoom(interval); }
 };
 
-// Every task is settled over all of its interval, once, in either order.
+// Every task is settled once over its whole interval, in either order.
 TEST_F(EdgeQueueTest, HalvesUntilNothingIsLeft) {
   for (const EdgeQueue::Order order : {EdgeQueue::Order::kByLevel, EdgeQueue::Order::kFromLeft}) {
     frames.release(0);

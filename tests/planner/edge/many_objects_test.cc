@@ -1,4 +1,4 @@
-// Worlds of many things: what is far is skipped by a hierarchy, which may change no answer.
+// Worlds of many objects: a hierarchy skips distant ones, and must not change an answer.
 
 #include <gtest/gtest.h>
 
@@ -33,13 +33,13 @@ namespace {
 using oracle::Random;
 
 constexpr int kObjects = 600;
-// Worlds of so few things that no hierarchy stands above them.
+// Worlds with too few objects for a hierarchy.
 constexpr int kShare = 50;
-// Far things: so many that their boxes alone are a tree.
+// Distant objects: enough that their boxes alone form a tree.
 constexpr int kFar = 1152;
 
-// The first kinds are round and closed forms; all are hulls and meshes, too, and what lanes take
-// for a cylinder or a box.
+// The first kinds are round or have closed forms. All kinds include hulls and meshes, and shapes
+// that lanes treat as a cylinder or a box.
 constexpr int kFirstKinds = 4, kAllKinds = 8;
 
 collision::Shape someShape(Random& random, int kinds) {
@@ -67,7 +67,7 @@ collision::Shape someShape(Random& random, int kinds) {
   }
 }
 
-/// Shapes all around, on a floor, and `far` things where no robot ever is.
+/// Adds shapes all around, on a floor, and `far` objects beyond the reach of any robot.
 void addCrowd(Random& random, int far, int kinds, Problem& problem, int near = kObjects) {
   collision::Pose X_WF;
   X_WF.translation.z() = -1.2;
@@ -84,7 +84,7 @@ void addCrowd(Random& random, int far, int kinds, Problem& problem, int near = k
                                      test::at(20 + i % 128, 20 + i / 128, 0)});
 }
 
-/// A flying box in it.
+/// A flying box in such a world.
 Problem crowd(Random& random, int far = 0, int kinds = kFirstKinds) {
   Problem problem =
       test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
@@ -103,7 +103,7 @@ std::vector<double> somewhere(Random& random) {
   return q;
 }
 
-/// The same world in shares.
+/// The same world, divided into shares.
 class Shares {
  public:
   explicit Shares(const CompiledScene& scene) {
@@ -113,7 +113,7 @@ class Shares {
         return pair.body_b >= first && pair.body_b < first + kShare;
       }));
   }
-  /// The worst of all shares: not free before undecided before free.
+  /// The worst answer of all shares: not free before undecided before free.
   template <class Ask>
   Verdict worst(const Ask& ask) {
     Verdict worst = Verdict::kFree;
@@ -189,8 +189,8 @@ TEST(ManyObjects, ClearanceWithFarThingsIsTheLeastOfSmallWorlds) {
   expectClearanceOfSmallWorlds(kFar);
 }
 
-// What is far changes neither pairs nor answers; nor does a variant, after which only exact sweeps
-// are left.
+// Distant objects change neither pairs nor answers. Neither does a variant, after which only exact
+// sweeps are used.
 TEST(ManyObjects, FarThingsChangeNothing) {
   Random random(34), again(34);
   const auto few = std::make_shared<const CompiledScene>(crowd(random));
@@ -223,8 +223,8 @@ TEST(ManyObjects, FarThingsChangeNothing) {
     EXPECT_EQ(s.clearance.upper, t.clearance.upper);
     EXPECT_EQ(s.pair, t.pair);
     const EdgeClearance e = x.edgeClearance(a, b, 1e-3, 0), f = y.edgeClearance(a, b, 1e-3, 0);
-    // Warm starts of clearance(), which asks another pair first, move the last digits. Equal ends
-    // may be infinite.
+    // Warm starts of clearance(), which queries another pair first, change the last digits. Equal
+    // ends may be infinite.
     if (e.clearance.lower != f.clearance.lower) {
       EXPECT_NEAR(e.clearance.lower, f.clearance.lower, 1e-12);
     }
@@ -232,14 +232,14 @@ TEST(ManyObjects, FarThingsChangeNothing) {
   }
 }
 
-/// The bodies of a pair; of none where none decided.
+/// The bodies of a pair; (-1, -1) if no pair decided.
 std::pair<int, int> bodiesOf(const CompiledScene& scene, int pair) {
   if (pair < 0) return {-1, -1};
   const collision::ScenePair of = scene.scene().pairs()[static_cast<std::size_t>(pair)];
   return {of.body_a, of.body_b};
 }
 
-/// Against the distances of all pairs, one by one.
+/// Compares with the distances of all pairs, one by one.
 void expectClearanceOfAllPairs(const CompiledScene& scene, std::span<const double> point,
                                const StateCheck& check) {
   std::vector<double> q(scene.model().variables.size());
@@ -270,7 +270,7 @@ void expectClearanceOfAllPairs(const CompiledScene& scene, std::span<const doubl
   }
 }
 
-/// `many` is the scene of `few` with far things. Returns how many of `edges` are free.
+/// `many` is the scene of `few` with distant objects. Returns how many of `edges` are free.
 int expectSameAnswers(const std::shared_ptr<const CompiledScene>& few,
                       const std::shared_ptr<const CompiledScene>& many,
                       const std::vector<std::array<std::vector<double>, 2>>& edges) {
@@ -317,7 +317,7 @@ collision::Shape scaledTetrahedron(double by) {
   return collision::Shape::deformable(deformable.snapshot());
 }
 
-/// Margins and shapes that replace those of a compiled scene with "cloth" in it.
+/// Margins and shapes that replace those of a compiled scene that contains "cloth".
 std::vector<Variant> variants() {
   using Scene = std::shared_ptr<const CompiledScene>;
   const auto replaced = [](const Scene& scene, double size, double growth) {
@@ -358,7 +358,7 @@ TEST(ManyObjects, VariantsAnswerAsPairsOneByOne) {
   EXPECT_LE(free[2], free[0]);
 }
 
-/// Several links, a row for each, and pairs of the links with one another.
+/// Several links, with a row for each, and pairs of links with each other.
 TEST(ManyObjects, VariantsOfAnArmAnswerAsPairsOneByOne) {
   constexpr int kLinks = 6;
   constexpr int kNear = 146;
@@ -398,7 +398,7 @@ TEST(ManyObjects, VariantsOfAnArmAnswerAsPairsOneByOne) {
   EXPECT_LE(free[2], free[0]);
 }
 
-// One of many that is never free, however far.
+// One of many pairs is never free, at any distance.
 TEST(ManyObjects, AGrowthOfNaNIsNeverForgotten) {
   Random random(35);
   Problem problem = crowd(random, kFar);
@@ -430,8 +430,8 @@ TEST(ManyObjects, AGrowthOfNaNIsNeverForgotten) {
   }
 }
 
-/// An arm of balls beside a rack that a link holds which stands still: pairs of the robot itself,
-/// which are listed. They took the motions of other pairs once.
+/// An arm of balls next to a rack that a static link holds, so that pairs of the robot itself are
+/// listed. Regression: they got the motions of other pairs.
 TEST(ManyObjects, PairsOfTheRobotWithItselfKeepTheirMotions) {
   robots::RobotDescription arm = robots::testing::chain(
       6, robots::JointType::kRevolute, 3, [](int i, robots::Link& link, robots::Joint& joint) {
@@ -466,7 +466,7 @@ TEST(ManyObjects, PairsOfTheRobotWithItselfKeepTheirMotions) {
   }
 }
 
-/// Where a thing is so large that lanes do without: they have no world, and nothing asks for it.
+/// If an object is so large that lanes are not usable, lanes have no world, and no query uses it.
 TEST(ManyObjects, LanesThatAreNotUsableNeedNoWorld) {
   Problem problem =
       test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
@@ -485,7 +485,8 @@ TEST(ManyObjects, LanesThatAreNotUsableNeedNoWorld) {
   EXPECT_EQ(certifier.decide(end), Verdict::kFree);
 }
 
-/// `count` things within the box around a turned flyer, but beside it; one of them is put on it.
+/// `count` objects within the box around a turned flyer, but next to it; one of them is placed on
+/// it.
 Problem thingsBesideAFlyer(const std::vector<double>& at, const collision::Shape& shape,
                            std::size_t count, std::size_t intruder) {
   Problem problem = test::problemOf(test::flyingBox(), at, at);
@@ -500,17 +501,18 @@ Problem thingsBesideAFlyer(const std::vector<double>& at, const collision::Shape
   return problem;
 }
 
-/// More are near at once than are kept: nothing is known of some, and what touches is never free.
+/// More pairs are near at once than are kept: some are not checked, and a pair in contact is never
+/// free.
 TEST(ManyObjects, MoreThanAreKeptAreNearAtOnce) {
   constexpr std::size_t kKept = collision::LaneSweep::kMostNear, kNear = kKept + 4000;
   const double w = std::cos(0.125 * std::numbers::pi), x = std::sin(0.125 * std::numbers::pi);
   const std::vector<double> a = {-0.05, 0, 0, x, 0, 0, w}, b = {0.05, 0, 0, x, 0, 0, w};
   const auto small = collision::Shape::box(Eigen::Vector3d::Constant(5e-5));
-  // As long as all are kept, they are decided.
+  // If all are kept, they are decided.
   EdgeCertifier kept(std::make_shared<const CompiledScene>(
       thingsBesideAFlyer(a, small, kKept - 4000, std::string::npos)));
   EXPECT_EQ(kept.decide(a), Verdict::kFree);
-  // Balls that a cover is apart from need not be kept.
+  // Balls that are apart from a cover need not be kept.
   EdgeCertifier of_balls(std::make_shared<const CompiledScene>(
       thingsBesideAFlyer(a, collision::Shape::sphere(1e-4), kNear, std::string::npos)));
   EXPECT_EQ(of_balls.decide(a), Verdict::kFree);

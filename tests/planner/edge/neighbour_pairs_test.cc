@@ -1,5 +1,5 @@
-// Which pairs of links are checked in a robot without an SRDF, and that the verifier finds the
-// same.
+// The pairs of links that are checked in a robot without an SRDF. The verifier must find the same
+// pairs.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ std::string fixed(const std::string& parent, const std::string& child, const std
   return "<joint name=\"" + child + "_joint\" type=\"fixed\"><parent link=\"" + parent +
          "\"/><child link=\"" + child + "\"/><origin xyz=\"" + xyz + "\"/></joint>\n";
 }
-/// Turns about z.
+/// A joint that turns about z.
 std::string turning(const std::string& parent, const std::string& child, const std::string& type,
                     const std::string& rest = "") {
   return "<joint name=\"" + child + "_joint\" type=\"" + type + "\"><parent link=\"" + parent +
@@ -45,7 +45,7 @@ std::string limits(const std::string& lower, const std::string& upper) {
   return "<limit lower=\"" + lower + "\" upper=\"" + upper + "\" effort=\"1\" velocity=\"1\"/>";
 }
 
-/// A boom on a turret beside a mast on the same base, as tall as the boom is high.
+/// A boom on a turret, and a mast on the same base that is as tall as the boom is high.
 std::string mastAndBoom(const std::string& mast_xyz, const std::string& type,
                         const std::string& rest) {
   return "<robot name=\"mast_boom\">" + link("base", box("0.2 0.2 0.1"), "0 0 0") +
@@ -68,8 +68,8 @@ class NeighbourPairs : public ::testing::Test {
     const std::vector<double> q = model->defaultConfiguration();
     return test::problemOf(model, q, q);
   }
-  /// Why a pair is left out; empty: it is checked. The verifier must agree, though it proves
-  /// nothing of pairs that always touch or never do.
+  /// The reason why a pair is left out; empty: it is checked. The verifier must agree, although it
+  /// has no proofs for pairs that always touch or never do.
   static std::string why(const std::shared_ptr<const robots::Model>& model, const std::string& a,
                          const std::string& b) {
     const Problem problem = problemOf(model);
@@ -106,13 +106,14 @@ TEST_F(NeighbourPairs, WhatAJointCarriesThroughAPartOfTheRobotIsChecked) {
   const VerifyResult swept = verify(problem, {{"turret_joint"}, {{-1}, {1}}});
   EXPECT_EQ(swept.status, VerifyStatus::kRefuted);
   EXPECT_EQ(swept.a + swept.b, "mastboom");
-  // However the joint turns, and where the mast does not stand in the way at zero.
+  // The pair is checked for every kind of joint, and if the mast is not in the way at zero.
   EXPECT_EQ(why(load(mastAndBoom("0.6 0 0", "continuous", "")), "mast", "boom"), "");
   EXPECT_EQ(why(load(mastAndBoom("0.4 0.4 0", "revolute", limits("-1.5", "1.5"))), "mast", "boom"),
             "");
   EXPECT_EQ(why(load(mastAndBoom("-0.6 0 0", "revolute", limits("-1.5", "1.5"))), "mast", "boom"),
             "proven never to meet");
-  // The boom is the link that the joint moves, or sits on a frame; the mast on another part.
+  // The boom is the link that the joint moves, or is mounted on a frame; the mast is on another
+  // part.
   EXPECT_EQ(
       why(load("<robot name=\"r\"><link name=\"base\"/>" +
                link("mast", box("0.05 0.05 1"), "0 0 0.5") + fixed("base", "mast", "0.6 0 0") +
@@ -142,16 +143,16 @@ TEST_F(NeighbourPairs, ASliderThatPassesAStopIsChecked) {
                 limits(lower, upper) + "</joint></robot>");
   };
   EXPECT_EQ(why(rail("-0.8", "0.8"), "stop", "head"), "");
-  // Regression: where zero is an end of the way, they counted as parts that meet.
+  // Regression: if zero is an end of the range, they counted as parts that meet.
   EXPECT_EQ(why(rail("0", "0.8"), "stop", "head"), "");
   EXPECT_EQ(why(rail("-0.8", "0"), "stop", "head"), "");
-  // A way that is too short to part them.
+  // The range is too short to separate them.
   EXPECT_EQ(why(rail("-0.02", "0.03"), "stop", "head"), kAlways);
   EXPECT_EQ(why(rail("0", "0.1"), "stop", "head"), kSampled) << "they still touch at its end";
 }
 
 TEST_F(NeighbourPairs, PartsThatTouchAtTheJointAreLeftOut) {
-  // A round cover about the joint, and a ring that turns in it: they overlap at any angle.
+  // A round cover about the joint, and a ring that turns in it, overlap at any angle.
   const std::string round = "<cylinder radius=\"0.1\" length=\"0.1\"/>";
   const auto model =
       load("<robot name=\"r\">" + link("base", box("0.2 0.2 0.1"), "0 0 0") +
@@ -168,7 +169,7 @@ TEST_F(NeighbourPairs, PartsThatTouchAtTheJointAreLeftOut) {
   EXPECT_EQ(counts["adjacent"], 1);
 }
 
-/// Meshes have no proof: what is never seen apart is left out by name.
+/// Meshes have no proof: pairs that touch at every sample are left out by name.
 TEST_F(NeighbourPairs, PartsThatTouchWhereverTheyAreSeenAreLeftOutByName) {
   folder_.write("tip.obj",
                 "v -0.2 -0.2 0\nv 0.2 -0.2 0\nv 0 0.2 0\nv 0 0 0.2\nf 1 3 2\nf 1 2 4\nf 2 3 4\n"
@@ -187,8 +188,8 @@ TEST_F(NeighbourPairs, PartsThatTouchWhereverTheyAreSeenAreLeftOutByName) {
             std::make_pair(std::string("cover"), std::string("arm")));
 }
 
-/// Parts that touch at zero and come apart: an arm on a rest, face to face, as digits of a URDF
-/// leave it, or a little in it.
+/// Parts that touch at zero and separate: an arm on a rest, face to face within the digits of a
+/// URDF, or slightly inside it.
 TEST_F(NeighbourPairs, ARestIsCheckedWithAWarning) {
   const auto resting = [&](const std::string& height, const std::string& lower,
                            const std::string& upper) {
@@ -216,12 +217,12 @@ TEST_F(NeighbourPairs, ARestIsCheckedWithAWarning) {
       problem.contacts.allowed.emplace_back("arm", "rest");
       EXPECT_TRUE(CompiledScene(problem).warnings().empty());
     }
-  // An arm that stays on the rest within its limits.
+  // The arm stays on the rest within its limits.
   EXPECT_EQ(why(resting("0.1", "-0.05", "0.05"), "rest", "arm"), kSampled);
 }
 
-/// Regression: what overlapped by less than 1 mm at zero, or stood at a limit there, was swept
-/// through the other part, certified.
+/// Regression: parts that overlapped by less than 1 mm at zero, or were at a limit there, were
+/// swept through each other and certified.
 TEST_F(NeighbourPairs, WhatGrazesAtZeroAndSinksInLaterIsChecked) {
   for (const char* y : {"0.05", "0.0500001", "0.0495"})
     for (const auto& [lower, upper] : {std::pair("-1.5", "1.5"), {"0", "1.5"}}) {
@@ -234,7 +235,7 @@ TEST_F(NeighbourPairs, WhatGrazesAtZeroAndSinksInLaterIsChecked) {
   EXPECT_EQ(why(load(mastAndBoom("0.6 0.05 0", "continuous", "")), "mast", "boom"), "");
 }
 
-/// The joint is a mimic; its master's whole turn is only a part of its own.
+/// The joint is a mimic joint; a whole turn of its master is only a part of its own.
 TEST_F(NeighbourPairs, AMimicIsLookedAtOverItsOwnTurn) {
   const auto geared = [&](const std::string& multiplier) {
     return load("<robot name=\"r\"><link name=\"base\"/>" +
@@ -249,7 +250,7 @@ TEST_F(NeighbourPairs, AMimicIsLookedAtOverItsOwnTurn) {
     EXPECT_EQ(why(geared(multiplier), "mast", "boom"), "") << multiplier;
 }
 
-/// Links without shapes between joints in a row: the nearest ones with shapes are checked.
+/// Links without shapes between consecutive joints: the nearest links with shapes are checked.
 TEST_F(NeighbourPairs, TwoJointsApartIsNoNeighbour) {
   const auto model = load("<robot name=\"r\">" + link("base", box("0.2 0.2 0.2"), "0 0 0") +
                           "<link name=\"cross\"/>" + turning("base", "cross", "continuous") +
@@ -268,7 +269,7 @@ TEST_F(NeighbourPairs, AnSrdfSaysWhatIsNotChecked) {
                              "<robot name=\"mast_boom\"><disable_collisions link1=\"mast\" "
                              "link2=\"boom\" reason=\"Never\"/></robot>");
   EXPECT_EQ(why(disabled, "mast", "boom"), "disabled by the SRDF");
-  // MoveIt's defaults of links: the boom touches what it likes, but the mast.
+  // MoveIt's default for a link: the boom may touch everything except the mast.
   const auto by_default = load(
       urdf,
       "<robot name=\"mast_boom\"><disable_default_collisions link=\"boom\"/><enable_collisions "
@@ -277,7 +278,7 @@ TEST_F(NeighbourPairs, AnSrdfSaysWhatIsNotChecked) {
   EXPECT_EQ(why(by_default, "mast", "boom"), "");
   EXPECT_EQ(why(by_default, "base", "boom"), "disabled by the SRDF");
   EXPECT_EQ(why(by_default, "base", "turret"), "") << "enabled by name, though they are neighbours";
-  // It may touch objects of the world, later ones and held ones, too.
+  // It may also touch objects of the world, including later and held ones.
   Problem problem = problemOf(by_default);
   problem.world.objects.push_back(test::box("post", {0.1, 0.1, 1}, 0.5, 0.5, 0));
   Attachment held;
@@ -350,7 +351,7 @@ TEST_F(NeighbourPairs, AWorldThatMayAllBeTouchedProvesNothing) {
       load("<robot name=\"r\"><link name=\"base\"/>" + link("arm", box("1 0.1 0.1"), "0.5 0 0") +
            turning("base", "arm", "continuous") + "</robot>");
   Problem problem = problemOf(model);
-  // Alone, a robot with shapes meets nothing.
+  // A robot with shapes that is alone cannot collide.
   EXPECT_EQ(plan(problem).status, PlanStatus::kSolved);
   EXPECT_EQ(verify(problem, {{"arm_joint"}, {{0}}}).status, VerifyStatus::kCertified);
   problem.world.objects.push_back(test::box("fog", {5, 5, 5}, 0, 0, 0));
@@ -363,7 +364,7 @@ TEST_F(NeighbourPairs, AWorldThatMayAllBeTouchedProvesNothing) {
   const VerifyResult verified = verify(problem, {{"arm_joint"}, {{0}}});
   EXPECT_EQ(verified.status, VerifyStatus::kNothingChecked);
   EXPECT_EQ(verified.reason, result.reason);
-  // A world that has become empty is as good as one that was.
+  // A world that has become empty behaves like one that was empty.
   const CompiledScene scene(problem);
   const int fog = scene.scene().find("fog");
   EXPECT_EQ(scene.withObjects({}, {&fog, 1})->nothingChecked(), "");
@@ -411,8 +412,8 @@ std::shared_ptr<const robots::Model> randomRobot(robots::testing::Random& random
   return std::make_shared<const robots::Model>(std::move(robot));
 }
 
-/// The verifier finds for itself what the planner leaves out; a pair that only the planner leaves
-/// out is one that it has proven apart.
+/// The verifier determines independently which pairs the planner leaves out. A pair that only the
+/// planner leaves out is proven apart.
 TEST_F(NeighbourPairs, PlannerAndVerifierLeaveOutTheSame) {
   robots::testing::Random random(46);
   std::map<Unchecked, int> met;
@@ -446,7 +447,7 @@ TEST_F(NeighbourPairs, PlannerAndVerifierLeaveOutTheSame) {
   EXPECT_GT(checked, 500);
 }
 
-/// Links that are proven to touch do so in random configurations.
+/// Links that are proven to touch do touch in random configurations.
 TEST_F(NeighbourPairs, ProvenTouchIsEverywhere) {
   robots::testing::Random random(47);
   int proven = 0;
@@ -458,7 +459,7 @@ TEST_F(NeighbourPairs, ProvenTouchIsEverywhere) {
         if (robots::onlyJointBetween(*model, a, b) >= 0) candidates.emplace_back(a, b);
     Problem problem = problemOf(model);
     if (problem.robot.variables.empty()) continue;
-    problem.contacts.replace_srdf = true;  // all pairs but neighbours are checked
+    problem.contacts.replace_srdf = true;  // all pairs except neighbours are checked
     EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
     const CompiledScene& scene = certifier.scene();
     for (const auto& [a, b] : robots::provenTouching(*model, candidates)) {

@@ -1,4 +1,4 @@
-// Exact queries of one pair against distances at many configurations.
+// Exact queries of one pair, compared with distances at many configurations.
 #include "planner/edge/pair_queries.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace leeway::planner {
 namespace {
 
-/// The slow twin: what distance() says of the configuration at t.
+/// The slow twin: the result of distance() for the configuration at t.
 Interval distanceAt(EdgeFrames& frames, const EdgePair& pair, double t) {
   const int slot = frames.place(t);
   EXPECT_GE(slot, 0);
@@ -55,7 +55,7 @@ TEST(PairQueries, AnswersHoldAtEveryConfiguration) {
     queries.startInterval();
     for (std::size_t p = 0; p < frames.pairs().numbers(); ++p) {
       const EdgePair pair = frames.pair(static_cast<int>(p));
-      // Its margin: a pair of poses is exact to within the rounding that the threshold adds to it.
+      // Its margin: relative poses are exact to within the rounding that the threshold includes.
       const double least = asked.thresholdOf(pair) - pair.rounding;
       double t = -1;
       const PairState state = queries.sweep(interval, static_cast<int>(p), t);

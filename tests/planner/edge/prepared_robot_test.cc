@@ -41,8 +41,8 @@ std::vector<double> randomPoint(Random& random, const Problem& problem) {
   return robots::testing::randomConfiguration(random, *problem.robot.model);
 }
 
-// Regression: a planned joint that its limits lock was placed by the start of the problem that came
-// first, for all problems after it, though that start is refused.
+// Regression: a planned joint that its limits lock was placed by the start of the first problem for
+// all later problems, although that start is refused.
 TEST(PreparedRobot, ALockedJointStandsAtItsLimits) {
   const auto makeArm = [] {
     auto robot = robots::testing::chain(
@@ -82,7 +82,7 @@ TEST(PreparedRobot, IsSharedByAllThatDoesNotConcernIt) {
   Problem problem = test::problemOf(model, {-1, -1, 0}, {1, -1, 0});
   const std::shared_ptr<const PreparedRobot> robot = preparedOf(problem);
   problem.world.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0, 0, 0));
-  problem.start[0] = 0.5;  // is planned
+  problem.start[0] = 0.5;  // planned
   problem.seed = 9;
   problem.margins.common = -0.01;
   EXPECT_EQ(preparedOf(problem), robot);
@@ -94,7 +94,7 @@ TEST(PreparedRobot, IsSharedByAllThatDoesNotConcernIt) {
   turned.goals[0].ranges.pop_back();
   const std::shared_ptr<const PreparedRobot> at_zero = preparedOf(turned);
   EXPECT_NE(at_zero, robot);
-  turned.start[2] = 0.1;  // is not planned
+  turned.start[2] = 0.1;  // not planned
   EXPECT_NE(preparedOf(turned), at_zero);
   Problem holding = problem;
   holding.robot.attachments.push_back({test::box("cup", {0.05, 0.05, 0.05}, 0, 0, 0), 0, {}, {}});
@@ -116,7 +116,7 @@ TEST(PreparedRobot, GoesWithItsModel) {
   EXPECT_TRUE(robot.expired());
 }
 
-/// A problem compiled after others of its robot is as one that is compiled alone: pairs, reasons
+/// A problem compiled after others of its robot equals one that is compiled alone: pairs, reasons
 /// and answers.
 TEST(PreparedRobot, ChangesNoAnswer) {
   Random random(21);
@@ -193,8 +193,8 @@ TEST(PreparedRobot, ThreadsPrepareAndShareIt) {
   for (const auto& of_thread : verdicts) EXPECT_EQ(of_thread, verdicts[0]);
 }
 
-/// What certifiers of a scene share borrows from it: a copy has its own, a scene that moves takes
-/// it along.
+/// The shared data of a scene's certifiers refers to the scene: a copy has its own, and a moved
+/// scene gets new data.
 TEST(PreparedRobot, CopiesOfAScenePassForItAndOutliveIt) {
   Random random(23);
   const Problem problem = randomWorld(random, 2);
@@ -213,7 +213,7 @@ TEST(PreparedRobot, CopiesOfAScenePassForItAndOutliveIt) {
   EXPECT_NE(&copy->edges(), &scene->edges());
   const EdgeScene* const edges = &scene->edges();
   const auto moved = std::make_shared<const CompiledScene>(std::move(*scene));
-  EXPECT_NE(&moved->edges(), edges);  // those know where their scene was
+  EXPECT_NE(&moved->edges(), edges);  // the old data refer to the scene's old address
   scene.reset();
   EXPECT_EQ(verdictsOf(copy), verdicts);
   EXPECT_EQ(verdictsOf(moved), verdicts);

@@ -19,7 +19,7 @@ using collision::Deformable;
 using collision::DeformableMesh;
 using collision::Shape;
 
-/// A disc, a post, and a deforming square; and things where the disc never is.
+/// A disc, a post, and a deforming square, plus objects where the disc never is.
 struct DiscWorld {
   explicit DiscWorld(std::size_t far = 0)
       : problem(test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0})) {
@@ -109,7 +109,7 @@ TEST(Rebind, GrowthIsKeptBesidesTheMargin) {
   EXPECT_EQ(verdict(0.091), Verdict::kNotFree);
   EXPECT_NE(verdict(std::numeric_limits<double>::infinity()), Verdict::kFree);
   EXPECT_NE(verdict(std::numeric_limits<double>::quiet_NaN()), Verdict::kFree);
-  // Far away, too, and along an edge.
+  // The same holds far away, and along an edge.
   const std::vector<CompiledScene::Replacement> shapes = {
       {world.body, 0, Shape::deformable(deformable.snapshot()),
        std::numeric_limits<double>::quiet_NaN()}};
@@ -135,7 +135,7 @@ TEST(Rebind, PairsCanBeAskedApart) {
   EXPECT_EQ(EdgeCertifier(with(false)).decide(at_square), Verdict::kFree);
 }
 
-// Many things, whose boxes are a tree, change nothing.
+// Many objects, whose boxes are a tree, change nothing.
 TEST(Rebind, ManyThingsChangeNothing) {
   const DiscWorld few, many(1024);
   Random random(6), same(6);

@@ -53,7 +53,7 @@ TEST(Push, LeavesAPathThatCannotKeepMore) {
 }
 
 TEST(Push, APlaceThatKeepsLessHoldsNoOtherBack) {
-  // The start has 0.1 mm, and so has the path beside the block.
+  // The start has 0.1 mm of clearance, and so has the path along the block.
   Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
   problem.world.objects.push_back(test::box("beside the start", {0.1, 0.1, 0.5}, -1, 0.2001, 0));
   problem.world.objects.push_back(test::box("block", {0.1, 0.1, 0.5}, 0.4, -0.2001, 0));
@@ -75,7 +75,7 @@ TEST(Push, APlaceThatKeepsLessHoldsNoOtherBack) {
   EXPECT_GE(beside_block, options.target - 1e-5);
 }
 
-/// What the edges of a path keep at least [m].
+/// The least clearance of a path's edges [m].
 double leastOf(EdgeCertifier& certifier, const std::vector<std::vector<double>>& path) {
   double least = 1;
   for (std::size_t i = 1; i < path.size(); ++i)
@@ -85,8 +85,8 @@ double leastOf(EdgeCertifier& certifier, const std::vector<std::vector<double>>&
 }
 
 TEST(Push, AGapTooNarrowForTheTargetKeepsWhatPlansShallKeep) {
-  // The disc of radius 0.1 has 7.2 mm in all, of which the path leaves 0.1 mm on one side: a move
-  // towards 8 mm ends in contact on the other.
+  // The disc of radius 0.1 has 7.2 mm in total, and the path leaves 0.1 mm on one side. A move
+  // towards 8 mm ends in contact on the other side.
   for (const double side : {-1.0, 1.0}) {
     Problem problem = test::problemOf(test::disc(), {-1, 0.0035 * side, 0}, {1, 0.0035 * side, 0});
     problem.world.objects.push_back(test::box("above", {0.1, 0.5, 0.5}, 0, 0.6036, 0));
@@ -104,7 +104,7 @@ TEST(Push, AGapTooNarrowForTheTargetKeepsWhatPlansShallKeep) {
 }
 
 TEST(Push, AimsAtWhatAnEndHasWhereThatIsEnough) {
-  // The start has 5 mm; the path beside the block has 0.1 mm.
+  // The start has 5 mm of clearance; the path along the block has 0.1 mm.
   Problem problem = test::problemOf(test::disc(), {-1, 0, 0}, {1, 0, 0});
   problem.world.objects.push_back(test::box("beside the start", {0.1, 0.1, 0.5}, -1, 0.205, 0));
   problem.world.objects.push_back(test::box("block", {0.1, 0.1, 0.5}, 0.4, -0.2001, 0));
@@ -131,7 +131,7 @@ TEST(Push, KeepsToTheLengthThatItMayHave) {
   const auto before = result.path.positions;
   PushOptions options;
   options.target = options.least = 0.02;
-  options.longest = result.length;  // none to spare
+  options.longest = result.length;  // nothing to spare
   options.work = 10'000'000;
   EXPECT_EQ(push(certifier, result.path.positions, options), 0);
   EXPECT_EQ(result.path.positions, before);

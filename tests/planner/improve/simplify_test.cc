@@ -16,7 +16,7 @@ namespace {
 
 using Path_ = std::vector<std::vector<double>>;
 
-/// Zigzag through the wall's gap, every edge certified.
+/// A zigzag through the wall's gap with every edge certified.
 Path_ zigzag(EdgeCertifier& certifier, std::uint64_t seed) {
   Random random(seed);
   Path_ path = {{-1, -1, 0}};

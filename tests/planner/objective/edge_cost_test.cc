@@ -1,4 +1,4 @@
-// What it costs to be near along an edge, against dense samples.
+// The cost of nearness along an edge, compared with dense samples.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -47,10 +47,10 @@ TEST(Nearness, MeansOverALineHoldSums) {
   EXPECT_EQ(meanNearness(hinge, 0, 0.1).lower, 0.5);
 }
 
-/// Of an edge on samples, by the distance engine alone.
+/// The cost of an edge from samples, by the distance engine alone.
 struct Dense {
   double mean = 0;   ///< of nearness
-  double error = 0;  ///< that it may have
+  double error = 0;  ///< bound on its error
   double least = kInfinity;
 };
 Dense denseCost(EdgeCertifier& certifier, const Nearness& nearness, const std::vector<double>& a,
@@ -72,8 +72,8 @@ Dense denseCost(EdgeCertifier& certifier, const Nearness& nearness, const std::v
   return dense;
 }
 
-/// A number of random paths of two edges each, of arms, trees and bodies of all shapes; every
-/// fourth has links or obstacles that are far from convex.
+/// Random paths of two edges each, of arms, trees and bodies of all shapes. Every fourth has links
+/// or obstacles that are far from convex.
 class RandomPaths {
  public:
   explicit RandomPaths(std::uint64_t seed) : random_(seed) {}
@@ -132,7 +132,7 @@ class RandomPaths {
         return found.mean.lower <= dense.mean + dense.error &&
                found.mean.upper >= dense.mean - dense.error;
       };
-      // What is near for less than a sample or two is known by more of them alone.
+      // If a pair is near for less than a sample or two, only more samples detect it.
       if (!holds(cost) || !holds(rough) || !holds(cut))
         dense = denseCost(*dense_, nearness, a, b, 100 * kSamples);
       for (const EdgeCost& found : {cost, rough, cut}) {
@@ -161,14 +161,15 @@ class RandomPaths {
 
   static constexpr int kSamples = 400;
   Random random_;
-  std::uint64_t seed_ = 0;  ///< of the present problem
+  std::uint64_t seed_ = 0;  ///< of the current problem
   std::shared_ptr<const CompiledScene> scene_;
   std::unique_ptr<EdgeCertifier> certifier_, dense_;
   int edges_ = 0, telling_ = 0, narrow_ = 0, told_ = 0;
   std::int64_t work_ = 0;
 };
 
-/// LEEWAY_TEST_PATHS and LEEWAY_TEST_SEED ask for more, and others: `tools/test --full` does.
+/// LEEWAY_TEST_PATHS and LEEWAY_TEST_SEED set the number of paths and the seed; `tools/test --full`
+/// uses them.
 TEST(EdgeCost, IntervalsHoldDenseSamplesOfRandomPaths) {
   RandomPaths(71 + fromEnvironment("LEEWAY_TEST_SEED", 0))
       .run(static_cast<int>(fromEnvironment("LEEWAY_TEST_PATHS", 60)));

@@ -51,7 +51,7 @@ TEST_P(WidestPath, BeatsTheShortestInClearance) {
   if (GetParam() == "Connect" || GetParam() == "RRTConnect") problem.limits.iterations = 20000;
   const PlanResult widest = plan(problem);
   expectHonest(problem, widest);
-  // The upper passage leaves at most 0.1 beside the disc, the lower one 0.6.
+  // The upper passage leaves at most 0.1 next to the disc, the lower one 0.6.
   EXPECT_GT(widest.certificate.clearance.lower, shortest.certificate.clearance.upper + 0.02);
   EXPECT_LE(widest.certificate.clearance.lower, 0.6);
   if (GetParam() == "Connect" || GetParam() == "RRTConnect") {
@@ -139,7 +139,7 @@ double leastBetween(EdgeCertifier& certifier, const std::vector<std::vector<doub
 }
 
 TEST(PushElsewhere, RaisesTheNextWorstPlace) {
-  // The start has 0.05 and a gate on the way 0.1; the wall along the way is nearer than it need be.
+  // The start has 0.05 and a gate on the way 0.1; the path is nearer to the wall than necessary.
   Problem problem = test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0});
   problem.world.objects.push_back(test::box("beside the start", {0.05, 0.1, 0.5}, -1.5, 0.25, 0));
   problem.world.objects.push_back(test::box("wall", {1.2, 0.1, 0.5}, 0, 0.27, 0));

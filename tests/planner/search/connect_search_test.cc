@@ -19,7 +19,7 @@
 namespace leeway::planner {
 namespace {
 
-/// A flying box on its way around two walls, whose openings are small.
+/// A flying box on its way around two walls with small openings.
 Problem flight(std::uint64_t seed) {
   Problem problem =
       test::problemOf(test::flyingBox(), {-0.8, 0, 0, 0, 0, 0, 1}, {0.8, 0, 0, 0, 0, 0, 1});
@@ -51,7 +51,7 @@ TEST(ConnectSearch, WorkersGiveTheSameAnswerForAnyNumberOfThreads) {
       const PlanResult more = planWith(problem, {{"workers", "5"}, {"threads", threads}});
       EXPECT_TRUE(answerOf(more) == answerOf(one)) << "seed " << seed << ", threads " << threads;
     }
-    // The first worker is what one alone would be.
+    // The first worker behaves like a single one.
     const PlanResult alone = planWith(problem, {});
     EXPECT_LE(one.iterations, alone.iterations);
     earlier += one.iterations < alone.iterations;
@@ -80,7 +80,7 @@ TEST(ConnectSearch, AnIterationLimitHoldsForEachWorker) {
   EXPECT_GT(edges, planWith(problem, {}).edges);
 }
 
-/// A bar leaves a trap by a tube that is little wider than itself.
+/// A bar leaves a trap through a tube that is slightly wider than the bar.
 Problem trap() {
   Problem problem = test::problemOf(
       robots::freeBody("bar", {{collision::Shape::box({0.25, 0.05, 0.05}), {}, "bar"}},
@@ -101,7 +101,7 @@ Problem trap() {
   return problem;
 }
 
-/// Searches the trap's way out, its first run that short.
+/// Searches the way out of the trap with a first run of the given length.
 struct TrapSearch {
   explicit TrapSearch(const Problem& problem)
       : scene(std::make_shared<const CompiledScene>(problem)), start(problem.start) {}
@@ -124,7 +124,7 @@ struct TrapSearch {
       [](Waypoints& path, EdgeCertifier&, bool) { return path.size() > 1; };
 };
 
-/// An arm's, while its edges are few: the path is that of a longer run.
+/// The first run of an arm continues while its edges are few: the path is that of a longer run.
 TEST(ConnectSearch, AFirstRunGoesOnWhileItIsCheap) {
   const Problem problem = loadProblem(sourceFolder() + "/problems/table/posts.yaml");
   TrapSearch search(problem);
@@ -158,7 +158,7 @@ TEST(ConnectSearch, NarrowRunsLeaveATrap) {
     const auto alone = run(1, 1), several = run(3, 1);
     ASSERT_TRUE(std::get<0>(alone)) << trapped.seed;
     ASSERT_TRUE(std::get<0>(several)) << trapped.seed;
-    // The first run finds nothing, one of the narrow ones does.
+    // The first run finds no path; one of the narrow runs does.
     EXPECT_GT(std::get<1>(alone), 200U);
     EXPECT_GT(std::get<2>(alone), 0U);
     EXPECT_LE(std::get<1>(several), std::get<1>(alone));
@@ -180,7 +180,7 @@ TEST(ConnectSearch, SlidesLookAtTheLimits) {
   Limits limits(0, 0, [&asked] { return ++asked > 300; }, {});
   const ConnectResult result = trapped.search(limits, 1, 1, 10);
   EXPECT_FALSE(result.path);
-  // One look for each kConnectTurn edges at least, and slides make most of these.
+  // The limits are checked at least once per kConnectTurn edges, and slides make most of these.
   EXPECT_GT(result.work.edges, limits.iterations());
   EXPECT_LE(result.work.edges, 301 * kConnectTurn);
 }

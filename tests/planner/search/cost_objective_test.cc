@@ -1,4 +1,4 @@
-// Paths whose cost of length and nearness is least, and wishes.
+// Paths of least cost for length and nearness, and wishes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 using Waypoints = std::vector<std::vector<double>>;
 
-/// What a path costs by samples of the distance engine alone.
+/// The cost of a path from samples of the distance engine alone.
 double denseCost(const Problem& problem, const MinimumCost& cost, const Waypoints& path) {
   const auto compiled = std::make_shared<const CompiledScene>(problem);
   double sum = 0;
@@ -79,7 +79,7 @@ TEST_P(CheapestPath, CostsLessThanTheShortestAndWhatItSays) {
   problem.objective = cost;
   problem.planner.name = GetParam();
   const PlannerTraits& traits = *findPlanner(GetParam());
-  // Each iteration of the RRT* kind asks for the costs of edges to all that is near.
+  // Each iteration of the RRT* kind computes the costs of edges to all near nodes.
   const bool is_dear = GetParam().find("RRT") != std::string::npos || GetParam() == "LazyPRMstar";
   if (traits.optimizing) problem.limits.iterations = is_dear ? 60 : 1500;
   if (!traits.deterministic) {  // ends by the clock
@@ -185,7 +185,7 @@ TEST(Wishes, AreKeptWhereThatIsNotTooDear) {
   }
 }
 
-/// A start that is a goal is a path of one place, which may be nearer than is wished.
+/// If the start is a goal, the path is a single place, which may be nearer than wished.
 TEST(Wishes, OfAPlaceAreLookedAt) {
   Problem problem = test::corridorProblem();
   problem.goals[0].ranges.clear();
@@ -204,7 +204,7 @@ TEST(Wishes, OfAPlaceAreLookedAt) {
   EXPECT_EQ(result.wishes[0].kept, std::optional(false));
   EXPECT_EQ(result.wishes[1].kept, std::optional(true));
   EXPECT_LT(result.wishes[0].clearance.upper, 100);
-  // The worst place of such a path costs what it does on any other.
+  // The worst place of such a path costs the same as on any other path.
   problem.margins.wishes.clear();
   problem.objective = MinimumCost{0, {{{Nearness::Kind::kHinge, 100}, 2, true, Pairs::kWorld}}};
   result = plan(problem);
@@ -213,7 +213,7 @@ TEST(Wishes, OfAPlaceAreLookedAt) {
   EXPECT_LT(result.cost.upper, 2);
 }
 
-/// Who may touch is not looked at: that is no proof of a distance.
+/// Pairs that may touch are not checked, so nothing is proven about their distance.
 TEST(Wishes, OfPairsThatAreNotCheckedStayUndecided) {
   Problem problem = test::corridorProblem();
   problem.contacts.allowed.emplace_back("disc", "ceiling");

@@ -1,5 +1,5 @@
-// Sixty-four threads on one robot and world, as a server would have them; ThreadSanitizer looks on
-// in tools/test --full.
+// Sixty-four threads on one robot and world, as in a server; tools/test --full runs them under
+// ThreadSanitizer.
 
 #include <gtest/gtest.h>
 
@@ -41,10 +41,10 @@ TEST(ManyThreads, AnswerAsOne) {
   std::vector<std::thread> threads;
   for (int i = 0; i < kThreads; ++i)
     threads.emplace_back([&, i] {
-      // All begin together.
+      // All start together.
       for (++ready; ready < kThreads;) std::this_thread::yield();
       const std::size_t seed = static_cast<std::size_t>(i) % kSeeds;
-      // One in two makes a scene of its own over what the model keeps for all.
+      // Every second thread makes its own scene from the data that the model keeps for all.
       const PlanResult result = planOf(seed, i % 2 == 1);
       EdgeCertifier own(scene);
       const Interval again = own.edgeClearance(first, last, {}).clearance;

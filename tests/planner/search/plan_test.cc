@@ -73,7 +73,7 @@ TEST(Plan, TellsTheEdgesThatItFindsFree) {
     EXPECT_EQ(told.status, PlanStatus::kSolved) << planner;
     EXPECT_GT(edges, 2u) << planner;
     EXPECT_GT(heights.size(), 2u) << planner;
-    // Listening changes nothing.
+    // A listener changes nothing.
     EXPECT_EQ(told.path.positions, plan(problem).path.positions) << planner;
   }
 }

@@ -1,4 +1,4 @@
-// Goals that are poses: loaded, planned to, refused, and verified by other kinematics.
+// Goals that are poses: loaded, reached, refused, and verified by independent kinematics.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -83,7 +83,7 @@ TEST(PoseGoal, RelativeToAnObjectAnyTurnAboutItsAxis) {
   EXPECT_EQ(plan(problem).path.positions, result.path.positions);
 }
 
-// Further solutions are drawn when the searches ask: the same for any number of threads.
+// Further solutions are drawn at the searches' request: the same for any number of threads.
 TEST(PoseGoal, DrawnGoalsDoNotDependOnThreads) {
   Problem problem = load(
       arm6("{pose: {frame: tip, position: [0.1, 0.55, [0.25, 0.3]], rpy: [3.1416, 0, any]}}",
@@ -92,7 +92,7 @@ TEST(PoseGoal, DrawnGoalsDoNotDependOnThreads) {
            "planner: {name: Connect}\n",
            "{pan_joint: -0.6, lift_joint: -1.2, elbow_joint: 1.4, wrist1_joint: -0.2, "
            "wrist2_joint: 0, wrist3_joint: 0}"));
-  problem.limits.time = 200;  // no clock decides
+  problem.limits.time = 200;  // no time limit applies
   std::uint64_t most = 0;
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
     problem.seed = seed;

@@ -17,8 +17,8 @@ namespace {
 using robots::Joint;
 using robots::JointType;
 
-/// A chain with every kind of joint that can be planned: revolute, continuous, prismatic, planar,
-/// floating.
+/// A chain with every kind of joint that can be planned: revolute, continuous, prismatic, planar
+/// and floating.
 std::shared_ptr<const robots::Model> everyKind() {
   robots::RobotDescription robot;
   auto add = [&](const char* name, JointType type, int count) {
@@ -123,7 +123,7 @@ TEST(ConfigurationSpace, RefusesHalfAnOrientation) {
   EXPECT_NO_THROW(ConfigurationSpace(everyKind(), {10, 3, 4, 5, 6}));
 }
 
-/// A body whose farthest point is known: `size` from the origin, half of it from the z axis.
+/// A body with a known farthest point: `size` from the origin, half of it from the z axis.
 std::vector<collision::Geometry> bodyOfReach(double size, int kind) {
   using collision::Pose;
   using collision::Shape;
@@ -138,7 +138,7 @@ std::vector<collision::Geometry> bodyOfReach(double size, int kind) {
       return {{Shape::convexHull(corners), Pose{}, "hull"}};
     case 2:
       return {{Shape::mesh(collision::TriangleMesh::make(corners, faces)), Pose{}, "mesh"}};
-    default:  // the farthest of several counts
+    default:  // the farthest of several shapes counts
       return {{Shape::sphere(x / 8), {Eigen::Matrix3d::Identity(), tip * (1 - 1.0 / 16)}, "ball"},
               {Shape::sphere(x / 4), Pose{}, "hub"},
               {Shape::sphere(0), {Eigen::Matrix3d::Identity(), tip}, "tip"}};
@@ -162,7 +162,7 @@ TEST(ConfigurationSpace, TurnsWeighHalfOfWhatTheyMoveTheFarthestPointBy) {
       const std::vector<double> a = {0, 0, 0}, b = {3, 4, 1};
       EXPECT_NEAR(sliding.distance(a, b), std::hypot(5, sliding.parts()[2].weight), 1e-12);
     }
-  // What has no shape.
+  // Bodies without a shape.
   const ConfigurationSpace bare = everyKindSpace();
   for (const auto& part : bare.parts()) EXPECT_EQ(part.weight, 1);
 }
@@ -308,7 +308,7 @@ TEST(ConfigurationSpace, LimitsHoldForBoundedNumbersOnly) {
   EXPECT_TRUE(with(0, 1e6));
   for (std::size_t i = 0; i < 13; ++i) EXPECT_FALSE(with(i, std::nan(""))) << i;
   EXPECT_FALSE(with(11, kInfinity));
-  EXPECT_FALSE(with(3, 5));  // no unit quaternion
+  EXPECT_FALSE(with(3, 5));  // not a unit quaternion
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ ConfigurationSpace square() {
   return {std::make_shared<robots::Model>(std::move(robot)), {0, 1}};
 }
 
-/// A wall at x = 0 with a gap of that width about y = 1.
+/// A wall at x = 0 with a gap of the given width about y = 1.
 Edge wallWithGap(double gap) {
   return [gap](Point a, Point b) {
     if ((a[0] < 0) == (b[0] < 0)) return true;
@@ -61,7 +61,7 @@ double lengthOf(const ConfigurationSpace& space, const std::vector<std::vector<d
   return length;
 }
 
-/// So that what was proven of an edge is proven of the path's.
+/// A proof of an edge is then a proof of the path's edge.
 TEST(ConnectTrees, AsksEdgesInThePathsDirection) {
   using Points = std::vector<double>;
   const ConfigurationSpace space = square();
@@ -81,8 +81,8 @@ TEST(ConnectTrees, AsksEdgesInThePathsDirection) {
   }
 }
 
-/// With twelve joints a range is a twentieth of the extent, and no sample comes as near to a root
-/// as four of these: both trees stood still once their roots had failed.
+/// With twelve joints a range is a twentieth of the extent, and no sample is within four ranges of
+/// a root. Regression: both trees stopped growing once their roots had failed.
 TEST(ConnectTrees, ManyJointsGrowAfterFailures) {
   const int joints = 12;
   robots::RobotDescription robot = robots::testing::chain(
@@ -105,7 +105,7 @@ TEST(ConnectTrees, FindsPathsBelowABoundOnly) {
   const std::vector<double> start{-1, -1};
   const std::vector<std::vector<double>> goals{{1, -1}, {1, -1.5}};
   const Edge edge = wallWithGap(0.4);
-  // By the gap's lower end.
+  // Near the lower end of the gap.
   const std::vector<double> corner{0, 0.8};
   const double least = space.distance(start, corner) + space.distance(corner, goals[0]);
   for (const double share : {0.999, 1.5}) {
@@ -147,7 +147,7 @@ TEST(ConnectTrees, FindsTheGapWithAnySettings) {
       }
 }
 
-/// Edges of trees that never grow end in the samples, where the range is as long as the space.
+/// If trees never grow and the range is as long as the space, edges end in the samples.
 TEST(ConnectTrees, SamplesOfASequenceFillTheSpaceEvenly) {
   const ConfigurationSpace space = testing::mixedSpace(false);
   const std::size_t size = static_cast<std::size_t>(space.size());
@@ -163,7 +163,7 @@ TEST(ConnectTrees, SamplesOfASequenceFillTheSpaceEvenly) {
       const Edge edge = [&](Point a, Point b) {
         const Point sample = std::equal(a.begin(), a.end(), start.begin()) ? b : a;
         asked.emplace_back(sample.begin(), sample.end());
-        return false;  // no node is added, and so each sample is asked for
+        return false;  // no node is added, so every sample is tried
       };
       ConnectTrees trees({space, start, goals, edge}, {1e9, true, false, low}, seed);
       for (int i = 0; i < kSamples; ++i) trees.iterate();
@@ -247,7 +247,8 @@ TEST(ConnectTrees, SlidesLeadThroughAGapThatSamplesMiss) {
   const ConfigurationSpace space = square();
   const std::vector<double> start{-1, -1};
   const Edge edge = wallWithGap(0.004);
-  // Along the wall, then into the gap: half of what is left of the way up, and the rest.
+  // The slide goes along the wall, then into the gap: first half of the remaining way up, then the
+  // rest.
   int slides = 0, slid = 0;
   const ConnectSlide slide = [&](Point from, Point target, std::vector<double>& points) {
     ++slides;
@@ -265,7 +266,7 @@ TEST(ConnectTrees, SlidesLeadThroughAGapThatSamplesMiss) {
   };
   for (const bool late : {false, true})
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-      // The first goal cannot be reached where another comes late.
+      // The first goal cannot be reached if another comes late.
       std::vector<std::vector<double>> goals{{late ? 5.0 : 1.0, -1}};
       const Edge apart = [&](Point a, Point b) { return a[0] < 2 && b[0] < 2 && edge(a, b); };
       ConnectTask task{space, start, goals, apart};
@@ -310,7 +311,7 @@ TEST(ConnectTrees, ABodysRangeIsARadiansWay) {
       EXPECT_NEAR(range(type, 3 * size, size), 0.5 * size, 1e-12 * size);
       EXPECT_NEAR(range(type, 4 * size, size), 0.5 * size, 1e-12 * size);
       EXPECT_LT(range(type, size / 4, size), 0.4 * size);
-      // A small body in a large world still gets somewhere.
+      // A small body in a large world still makes progress.
       EXPECT_GT(range(type, 1e3 * size, size), 50 * size);
       EXPECT_LT(range(type, 1e3 * size, size), 150 * size);
     }

@@ -62,7 +62,7 @@ TEST(NearestNodes, IsExactWithoutRotations) {
   }
 }
 
-// Regression: padding was nearer than any node where all parts are rotations.
+// Regression: padding was nearer than every node if all parts are rotations.
 TEST(NearestNodes, RotationsAloneAreNotMistakenForPadding) {
   Random random(9);
   const ConfigurationSpace mixed = testing::mixedSpace();
@@ -86,7 +86,7 @@ TEST(NearestNodes, RotationsAloneAreNotMistakenForPadding) {
             1);
 }
 
-// Regression: a start that had wound round a circle three times was far from everything.
+// Regression: a start that had wound around a circle three times was far from everything.
 TEST(NearestNodes, CirclesCountModuloWholeTurns) {
   Random random(10);
   const ConfigurationSpace space = testing::mixedSpace(false);
