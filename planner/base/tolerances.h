@@ -58,7 +58,7 @@ constexpr double kGrowthRounding = 1e-14;
 /// rad, and sines and products by 1e-14.
 constexpr double kVerifyRounding = 4e-12;
 
-// Costs of being near
+// Costs of nearness
 
 /// The sum of at most kEdgeSlots means, each at most 1, rounds by less than this.
 constexpr double kCostRounding = 1e-12;
@@ -234,7 +234,7 @@ constexpr std::int64_t kClearanceWork = 100'000'000;
 constexpr int kClearancePasses = 3;
 constexpr int kClearanceLooks = 2;
 
-// Edges: what it costs to be near (edge_cost.cc, path_cost.cc)
+// Edges: the cost of nearness (edge_cost.cc, path_cost.cc)
 
 /// Width of the first cost interval of an edge, as a share, relative to the other edges of a path.
 constexpr double kFirstCostTolerance = 0.3;
@@ -264,7 +264,8 @@ constexpr double kLeastDescentStep = 1.0 / 512;
 constexpr std::int64_t kDescentWork = 50'000;
 
 /// With more pairs [count] an edge or a state visits only those that are near; with fewer, it
-/// visits all. Measured: a robot's links cost more than that many balls.
+/// visits all. Measured: a search for each of a robot's links costs more than the balls of this
+/// number of pairs.
 constexpr std::size_t kManyPairs = 512;
 /// The first reach for a clearance [m], and the factor by which it grows until a pair is found.
 constexpr double kFirstReach = 0.1;

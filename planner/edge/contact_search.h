@@ -3,7 +3,6 @@
 // Private to planner/: the search for contacts along an edge. Most edges in a search are not free.
 // One configuration in contact proves that at far less cost than bounds, which fail everywhere near
 // it.
-// everywhere near it.
 
 #include <optional>
 #include <vector>

@@ -94,7 +94,6 @@ class CostLowering : PathImprover {
 
   /// The derivative of nearness along each direction of the space, per length, at a place; all 0 if
   /// no pair is near.
-  /// nothing is near.
   Point nearnessGradient(const Point& place) {
     Point gradient(place.size(), 0.0);
     for (const PathCost::Closest& closest : cost_.closestAt(place)) {
