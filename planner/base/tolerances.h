@@ -327,7 +327,7 @@ constexpr std::uint64_t kConnectRun = 20000;
 constexpr std::uint64_t kConnectTurn = 16;
 
 /// An arm's first run continues, up to this multiple of its length, until it has checked this many
-/// edges or has searched this many nodes, summed over all iterations (0.1 s or 0.2 s). The slowest
+/// edges or has searched this many nodes, summed over all iterations (0.1 to 0.2 s). The slowest
 /// of twenty problems of fetch take a third of the time that they take without it, those of baxter
 /// a tenth less.
 constexpr std::uint64_t kLongestFirstRun = 5;
@@ -348,8 +348,8 @@ constexpr double kBodyTurn = 1;
 constexpr double kLeastBodyRange = 0.03;
 
 /// The dynamic domain of Connect: a node's radius after its first failure, the least radius, and
-/// the share by which the radius shrinks and grows (4, 1 and 1e-4 as in VAMP). The first two are in
-/// ranges, for joints in multiples of at least kLongestRange of the extent.
+/// the share by which the radius shrinks and grows (4, 1 and 1e-4 as in VAMP). The unit of the
+/// first two is the range, for joints at least kLongestRange of the extent.
 constexpr float kDomainRadius = 4;
 constexpr float kLeastDomain = 1;
 constexpr float kDomainRate = 1e-4F;
