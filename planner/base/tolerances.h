@@ -204,12 +204,11 @@ constexpr double kMergedAgainGrowth = 2e-4;
 constexpr double kSweepGrowth = 0.02;
 
 /// Each pair has its own limit below that, because pairs of one robot stay at about the same
-/// distance from edge to edge. A failed sweep lowers the limit to the first share of its growth, a
-/// successful sweep raises it by the second. It is never lowered below the third [m]; otherwise an
-/// edge that grazed an obstacle once would slow down the next.
-constexpr double kGrowthLimitFall = 0.7;
-constexpr double kGrowthLimitRise = 1.1;
-constexpr double kLeastGrowthLimit = 2e-4;
+/// distance from edge to edge. Without the least limit, an edge that grazed an obstacle once would
+/// slow down the next.
+constexpr double kGrowthLimitFall = 0.7;    ///< after a failed sweep, as a share of its growth
+constexpr double kGrowthLimitRise = 1.1;    ///< factor after a successful sweep
+constexpr double kLeastGrowthLimit = 2e-4;  ///< the least limit [m]
 
 /// A sweep of meshes with more growth than this [m] visits at most this number of pairs of nodes.
 /// Halves of the interval, which the hulls alone often decide, are cheaper than a deep descent.
@@ -244,9 +243,9 @@ constexpr double kFirstCostTolerance = 0.3;
 constexpr double kWorstCostShare = 5e-3;
 constexpr double kGradientShare = 1e-3;
 
-/// Tolerance of distances, as a share of the distance at which nearness ends or begins to fall, and
-/// the work limit for the cost of an edge without its own limit [units of Work].
+/// Tolerance of distances, as a share of the distance at which nearness ends or begins to fall.
 constexpr double kCostDistance = 1e-5;
+/// Work limit for the cost of an edge that names none [units of Work].
 constexpr std::int64_t kCostWork = 20'000'000;
 
 /// The same limit for an edge of a search. If it is not enough, the interval stays wider.
@@ -257,11 +256,10 @@ constexpr std::int64_t kSearchCostWork = 1'000'000;
 constexpr double kPlaneSlack = 3e-4;
 constexpr int kPlaneNodes = 300;
 
-/// Descent along an edge from a place that is too near: first and last step, in t, and its work
-/// limit [units of Work].
-constexpr double kDescentStep = 1.0 / 16;
-constexpr double kLeastDescentStep = 1.0 / 512;
-constexpr std::int64_t kDescentWork = 50'000;
+/// Descent along an edge from a place that is too near.
+constexpr double kDescentStep = 1.0 / 16;        ///< first step, in t
+constexpr double kLeastDescentStep = 1.0 / 512;  ///< last step, in t
+constexpr std::int64_t kDescentWork = 50'000;    ///< work limit [units of Work]
 
 /// With more pairs [count] an edge or a state visits only those that are near; with fewer, it
 /// visits all. Measured: a search for each of a robot's links costs more than the balls of this
@@ -274,23 +272,22 @@ constexpr double kReachGrowth = 4;
 // Goals
 
 /// Valid points drawn from a goal range [count]: enough for a planner to find an easy one, and few
-/// enough that checking them takes little time. Then the tries before a range is treated as
-/// invalid.
+/// enough that checking them takes little time.
 constexpr int kGoalSamples = 16;
+/// Tries before a goal range is treated as invalid [count].
 constexpr int kGoalAttempts = 1000;
 
-/// Inverse kinematics for a goal of poses [count]. Most goals need only the first start. Then the
-/// starts and solutions of a second search, and of a third search, with a proof.
-constexpr int kFirstPoseStarts = 24;
-constexpr int kFirstPoseSolutions = 8;
-constexpr int kPoseStarts = 200;
-constexpr int kPoseSolutions = 64;
+/// Inverse kinematics for a goal of poses [count]. Most goals need only one start. A second search,
+/// and a third search with a proof, have more starts and solutions.
+constexpr int kFirstPoseStarts = 24;    ///< second search
+constexpr int kFirstPoseSolutions = 8;  ///< second search
+constexpr int kPoseStarts = 200;        ///< third search
+constexpr int kPoseSolutions = 64;      ///< third search
 
-/// Number of further solutions per draw [count]; draws without a new solution after which no others
-/// are expected (six joints have at most 16); and the largest number of solutions kept.
-constexpr int kPoseDraws = 1;
-constexpr int kIdleDraws = 32;
-constexpr std::size_t kMostPoseSolutions = 256;
+/// Further solutions of a goal of poses [count].
+constexpr int kPoseDraws = 1;   ///< solutions per draw
+constexpr int kIdleDraws = 32;  ///< draws without a new one that end it: six joints have 16
+constexpr std::size_t kMostPoseSolutions = 256;  ///< solutions kept
 
 /// Positions of a pose are drawn uniformly from ranges up to this width [m]. Most positions in a
 /// wider range are out of reach of any robot.
@@ -321,38 +318,35 @@ constexpr double kTurnShare = 0.5;
 /// whole extent took three to six times as long on arms of six and seven joints.
 constexpr double kConnectRange = 0.08;
 
-/// Connect restarts with another seed after this many iterations, times a term of Luby's series. It
-/// checks the clock after this many iterations or edges.
+/// Connect restarts with another seed after this many iterations, times a term of Luby's series.
 constexpr std::uint64_t kConnectRun = 20000;
+/// Iterations, or edges, between two looks of Connect at the clock.
 constexpr std::uint64_t kConnectTurn = 16;
 
-/// An arm's first run continues, up to this multiple of its length, until it has checked this many
-/// edges or has searched this many nodes, summed over all iterations (0.1 to 0.2 s). The slowest
-/// of twenty problems of fetch take a third of the time that they take without it, those of baxter
-/// a tenth less.
-constexpr std::uint64_t kLongestFirstRun = 5;
-constexpr std::uint64_t kFirstRunEdges = 50'000;
-constexpr std::uint64_t kFirstRunScans = 100'000'000;
+/// An arm's first run continues until it reaches one of these limits (0.1 to 0.2 s). The slowest of
+/// twenty problems of fetch then take a third of the time, those of baxter a tenth less.
+constexpr std::uint64_t kLongestFirstRun = 5;          ///< as a multiple of its length
+constexpr std::uint64_t kFirstRunEdges = 50'000;       ///< edges checked
+constexpr std::uint64_t kFirstRunScans = 100'000'000;  ///< nodes searched, over all iterations
 
-/// Connect's default range: this share of the space's extent divided by the squared degrees of
-/// freedom, and at most the second constant. Measured on arms: 0.12 to 0.16 of the extent suit six
-/// and seven joints, 0.04 suits fourteen.
-constexpr double kRangeShare = 7;
-constexpr double kLongestRange = 0.14;
-constexpr double kShortestRange = 1e-4;
-/// A free body's range is at most the distance by which this turn moves it [rad], because doors are
-/// as large as the bodies that pass through them, and rooms are not. Of 0.25 to 1.2, values of 0.75
-/// and above did best; the share of the extent alone took several times the iterations.
+/// Connect's default range. Measured on arms: 0.12 to 0.16 of the space's extent suit six and seven
+/// joints, 0.04 suits fourteen.
+constexpr double kRangeShare = 7;       ///< share of the extent over the squared degrees of freedom
+constexpr double kLongestRange = 0.14;  ///< greatest share of the extent
+constexpr double kShortestRange = 1e-4;  ///< least share of the extent
+/// A free body's range is at most the distance by which this turn moves it [rad]. The reason is
+/// that doors are as large as the bodies that pass through them, and rooms are not. Of 0.25 to 1.2,
+/// values of 0.75 and above did best; the share of the extent alone took several times the
+/// iterations.
 constexpr double kBodyTurn = 1;
 /// But at least this share of the extent; otherwise a small body would need too many steps.
 constexpr double kLeastBodyRange = 0.03;
 
-/// The dynamic domain of Connect: a node's radius after its first failure, the least radius, and
-/// the share by which the radius shrinks and grows (4, 1 and 1e-4 as in VAMP). The unit of the
-/// first two is the range, for joints at least kLongestRange of the extent.
-constexpr float kDomainRadius = 4;
-constexpr float kLeastDomain = 1;
-constexpr float kDomainRate = 1e-4F;
+/// The dynamic domain of Connect (4, 1 and 1e-4 as in VAMP). The unit of radii is the range, for
+/// joints at least kLongestRange of the extent.
+constexpr float kDomainRadius = 4;    ///< a node's radius after its first failure
+constexpr float kLeastDomain = 1;     ///< the least radius
+constexpr float kDomainRate = 1e-4F;  ///< share by which the radius shrinks and grows
 
 /// A search with slides draws this share of its samples from the region of both trees, because a
 /// trap or a door is a small part of its world. The region is enlarged by this number of ranges on
@@ -400,27 +394,21 @@ constexpr double kClearanceTolerance = 1e-3;
 /// it is done.
 constexpr double kBoundTolerance = 2.5e-4;
 
-/// First estimate of an edge's clearance: the width of its distances; the first reach, within which
-/// most paths come near an obstacle; and the reach if no pair is found there [m]. Then the passes
-/// of lanes, each at half the clearance of the previous one, and the work limit [units of Work,
-/// about a thousand a microsecond].
-constexpr double kRoughClearance = 1e-4;
-constexpr double kRoughFirst = 0.03;
-constexpr double kRoughMost = 0.1;
-constexpr double kRoughBeyondGuess = 1.6;
-constexpr int kRoughPasses = 6;
-constexpr std::int64_t kRoughWork = 30'000;
+/// First estimate of an edge's clearance. Most paths come within kRoughFirst of an obstacle.
+constexpr double kRoughClearance = 1e-4;     ///< width of its distances [m]
+constexpr double kRoughFirst = 0.03;         ///< first reach [m]
+constexpr double kRoughMost = 0.1;           ///< reach if no pair is found in the first [m]
+constexpr double kRoughBeyondGuess = 1.6;    ///< first reach over a known clearance
+constexpr int kRoughPasses = 6;              ///< passes of lanes, each at half the last clearance
+constexpr std::int64_t kRoughWork = 30'000;  ///< work limit [units of Work, a thousand a us]
 
-/// Relative width to which a certificate then encloses a path's least clearance. After a failed
-/// proof, a smaller clearance is tried: the number of tries [count], and the factor of each. Then
-/// the work limits of one proof, and of all proofs of a path with the world or with itself [units
-/// of Work]: enclosing the clearance of a path close to an obstacle to 0.1 mm takes tens of
-/// milliseconds.
-constexpr double kLeastShare = 0.3;
-constexpr int kProofTries = 4;
-constexpr double kProofFall = 0.5;
-constexpr std::int64_t kProofWork = 100'000;
-constexpr std::int64_t kAllProofsWork = 400'000;
+/// How a certificate encloses a path's least clearance. Enclosing the clearance of a path close to
+/// an obstacle to 0.1 mm would take tens of milliseconds.
+constexpr double kLeastShare = 0.3;               ///< relative width of the interval
+constexpr int kProofTries = 4;                    ///< proofs of smaller clearances after a failure
+constexpr double kProofFall = 0.5;                ///< factor of each such clearance
+constexpr std::int64_t kProofWork = 100'000;      ///< work limit of a proof [units of Work]
+constexpr std::int64_t kAllProofsWork = 400'000;  ///< of a path's proofs with world or self
 
 /// Iterations of the first search with raised margins: a fraction of a second. They are doubled if
 /// they are too few.
@@ -455,46 +443,38 @@ constexpr double kPullGain = 3e-2;
 
 // Pushing a path off nearby obstacles
 
-/// Target clearance of a push, the clearance that counts as enough, and the smallest one that is
-/// worth a push [m]; then the largest relative increase of the path's length.
-constexpr double kPushClearance = 0.008;
-constexpr double kPushEnough = 0.003;
-constexpr double kPushLeast = 1e-3;
-constexpr double kPushLonger = 0.03;
+/// Clearances of a push, and how much longer it may make the path.
+constexpr double kPushClearance = 0.008;  ///< target of a plain plan [m]
+constexpr double kPushEnough = 0.003;     ///< the clearance that it keeps where it can [m]
+constexpr double kPushLeast = 1e-3;       ///< the least that is worth a push [m]
+constexpr double kPushLonger = 0.03;      ///< greatest relative increase of the length
 
-/// Work limit of a push [units of Work]: a quarter of a millisecond, or this multiple of the work
-/// of the simplification before it, because edges of some robots cost ten times those of others.
-/// Then the least work limit of each proof; the number of proofs that share the remaining work
-/// [count]; and the share of it that one place leaves to smaller targets and other places.
-constexpr std::int64_t kPushWork = 250'000;
-constexpr std::int64_t kPushSimplifications = 3;
-constexpr std::int64_t kPushProofWork = 25'000;
-constexpr std::int64_t kPushProofs = 16;
-constexpr double kPushKept = 0.5;
+/// Work of a push: the greater one of the first two limits, because edges of some robots cost ten
+/// times those of others.
+constexpr std::int64_t kPushWork = 250'000;       ///< a quarter of a millisecond [units of Work]
+constexpr std::int64_t kPushSimplifications = 3;  ///< multiple of the simplification's work
+constexpr std::int64_t kPushProofWork = 25'000;   ///< least limit of a proof [units of Work]
+constexpr std::int64_t kPushProofs = 16;          ///< proofs that share the remaining work
+constexpr double kPushKept = 0.5;  ///< share of it that a place leaves to other targets and places
 
 /// If the push is not enough, another path is searched for this multiple of the iterations of the
 /// first search, and at least for this number of iterations.
 constexpr std::uint64_t kRoomierShare = 2;
 constexpr std::uint64_t kRoomierBudget = 500;
 
-/// Moves of waypoints around one place [count]; how many moves in a row [count] may gain less than
-/// the given share of the missing clearance; the factor by which moves aim beyond the target,
-/// because gradients turn; the share of an edge up to which its end is moved instead of adding a
-/// waypoint; the share of an end's clearance that is the target if the end limits it; the longest
-/// move.
-constexpr int kMostPushes = 8;
-constexpr int kIdlePushes = 2;
-constexpr double kPushGain = 0.1;
-constexpr double kPushBeyond = 1.3;
-constexpr double kPushSnap = 0.75;
-constexpr double kPushEnds = 0.95;
-constexpr double kLongestPush = 0.2;
+/// Moves of waypoints around one place.
+constexpr int kMostPushes = 8;       ///< moves [count]
+constexpr int kIdlePushes = 2;       ///< moves in a row [count] that may gain too little
+constexpr double kPushGain = 0.1;    ///< sufficient gain, as a share of the missing clearance
+constexpr double kPushBeyond = 1.3;  ///< factor beyond the target, because gradients turn
+constexpr double kPushSnap = 0.75;  ///< share of an edge up to which its end moves, not a new point
+constexpr double kPushEnds = 0.95;  ///< target as a share of the clearance of a limiting end
+constexpr double kLongestPush = 0.2;  ///< longest move
 
-/// Witness points nearer than this [m] give no direction. Then the squared gradient [m^2] below
-/// which waypoints are not moved, and the step of the differences [rad or m].
-constexpr double kPushGap = 1e-7;
-constexpr double kLeastPushGradient = 1e-8;
-constexpr double kPushDifference = 1e-6;
+/// Gradients of distances.
+constexpr double kPushGap = 1e-7;            ///< witness points nearer than this give none [m]
+constexpr double kLeastPushGradient = 1e-8;  ///< no move below this squared gradient [m^2]
+constexpr double kPushDifference = 1e-6;     ///< step of the differences [rad or m]
 
 /// A place beyond this fraction of an edge counts as the edge's end. If this is an end of the path,
 /// it limits the path.
@@ -503,23 +483,22 @@ constexpr double kAtEnd = 0.98;
 // Searching for clearance
 
 /// A search for clearance ends at this share of the bound below the bound, at most
-/// kClearanceTolerance and at least the second constant [m]: if the ends leave 7 mm, 1 mm is much.
+/// kClearanceTolerance: if the ends leave 7 mm, 1 mm is much.
 constexpr double kNearBound = 0.02;
+/// But not nearer to the bound than this [m].
 constexpr double kNearestBound = 5e-5;
 
-/// The share of the limits after which the rest is used for shorter paths of the same clearance;
-/// the gain that such a path must have, as a share of the length; and how many in a row may fail to
-/// gain it [count].
-constexpr double kClimbShare = 0.85;
-constexpr double kShorterGain = 2e-3;
-constexpr int kShorterFailures = 12;
+/// The end of a search for clearance.
+constexpr double kClimbShare = 0.85;   ///< share of the limits; the rest is for shorter paths
+constexpr double kShorterGain = 2e-3;  ///< gain of a shorter path, as a share of the length
+constexpr int kShorterFailures = 12;   ///< paths in a row without it that end the search [count]
 
 /// Number of paths whose shortest one limits the length of a safer path [count].
 constexpr int kShortestRuns = 8;
 
-/// Tolerance of the greatest clearance that start and goals allow [m], and how much longer pushes
-/// may make a path for clearance if its length is not limited.
+/// Tolerance of the greatest clearance that start and goals allow [m].
 constexpr double kEndTolerance = 1e-5;
+/// Greatest relative increase of the length by pushes, for a path for clearance without a limit.
 constexpr double kElsewhereLonger = 0.1;
 
 // Pushing the parts that do not limit a path's least clearance
@@ -527,45 +506,40 @@ constexpr double kElsewhereLonger = 0.1;
 /// Samples of a part [count], and the tolerance of their clearance [m].
 constexpr int kElsewhereSamples = 48;
 constexpr double kElsewhereTolerance = 2e-4;
-/// Targets grow by the first factor, as long as the ends of the pushed part have them, times the
-/// second. Then the tries of one target [count], each half of the previous one, and the gain that a
-/// try must have, as a share.
-constexpr double kElsewhereGrowth = 1.5;
-constexpr double kElsewhereEnds = 0.95;
-constexpr int kElsewhereTries = 4;
-constexpr double kElsewhereGain = 0.05;
+/// Targets of a part.
+constexpr double kElsewhereGrowth = 1.5;  ///< target over the clearance so far, at most
+constexpr double kElsewhereEnds = 0.95;   ///< target over the clearance of its ends, at most
+constexpr int kElsewhereTries = 4;        ///< tries [count], each with half of the last gain
+constexpr double kElsewhereGain = 0.05;   ///< relative gain that a try must have
 /// Ends of parts are sampled if they are longer than this share of the path.
 constexpr double kElsewhereShort = 0.05;
-/// Maximum divisions of a part, total number of pushes [count], and shortcuts after a push.
-constexpr int kMostDivisions = 3;
-constexpr int kMostElsewhere = 60;
-constexpr int kElsewhereShortcuts = 30;
+/// Limits of these pushes [count].
+constexpr int kMostDivisions = 3;        ///< divisions of a part
+constexpr int kMostElsewhere = 60;       ///< pushes in total
+constexpr int kElsewhereShortcuts = 30;  ///< shortcuts after a push
 /// Proofs of edges that only rounding has moved allow for this rounding [m].
 constexpr double kElsewhereRounding = 1e-7;
 
 // Lowering the cost of a path
 
-/// Relative width of cost intervals: of a candidate at first; then of undecided candidates and of
-/// reported costs.
-constexpr double kRoughCostTolerance = 0.1;
-constexpr double kCostTolerance = 0.01;
+/// Relative width of cost intervals.
+constexpr double kRoughCostTolerance = 0.1;  ///< of a candidate at first
+constexpr double kCostTolerance = 0.01;      ///< of undecided candidates, and of reported costs
 /// Work limit of all intervals of a reported path [units of Work].
 constexpr std::int64_t kCostReportWork = 1'000'000'000;
-/// Rounds of moves; rounds in a row that gain less than the share below before the moves end; and
-/// the minimum gain of a move.
-constexpr int kCostRounds = 200;
-constexpr int kIdleCostRounds = 3;
-constexpr double kCostRoundGain = 2e-3;
-constexpr double kCostGain = 1e-4;
+/// Rounds of moves [count], and relative gains.
+constexpr int kCostRounds = 200;         ///< maximum number of rounds
+constexpr int kIdleCostRounds = 3;       ///< rounds in a row without a sufficient gain
+constexpr double kCostRoundGain = 2e-3;  ///< sufficient gain of a round
+constexpr double kCostGain = 1e-4;       ///< least gain of a move
 /// First step of a move, as a share of the shorter edge, and the number of steps tried [count].
 constexpr double kCostStep = 0.2;
 constexpr int kCostSteps = 4;
-/// Cuts and bent edges per round; the number of waypoints above which no edge is bent [count].
-constexpr int kCostCuts = 6;
-constexpr std::size_t kCostBends = 4;
-constexpr std::size_t kMostCostWaypoints = 48;
-/// Number of paths in a row [count] without a relative gain of the second constant that end a
-/// search.
+/// Moves of a round [count].
+constexpr int kCostCuts = 6;                    ///< cuts
+constexpr std::size_t kCostBends = 4;           ///< bent edges
+constexpr std::size_t kMostCostWaypoints = 48;  ///< waypoints beyond which no edge is bent
+/// Paths in a row that end a search, if none of them gains kCheaperGain [count].
 constexpr int kCheaperFailures = 8;
 constexpr double kCheaperGain = 2e-3;
 
@@ -636,19 +610,18 @@ constexpr double kConstraintShare = 0.999;
 /// How often an edge is halved to prove its constraints. Beyond that, shorter edges are cheaper.
 constexpr int kConstraintHalvings = 5;
 
-/// Configurations are projected this near to a constraint, as a share of its tolerance. They are
-/// tilted by at most the second share of the tolerance, and at most by the third constant [rad],
-/// which is below a right angle. The rest of the tolerance is for edges.
-constexpr double kProjectionShare = 0.1;
-constexpr double kTiltShare = 0.8;
-constexpr double kMostTilt = 1.2;
+/// Configurations are projected onto constraints this closely; the rest of the tolerance is for
+/// edges.
+constexpr double kProjectionShare = 0.1;  ///< error, as a share of the tolerance
+constexpr double kTiltShare = 0.8;        ///< greatest tilt, as a share of the tolerance
+constexpr double kMostTilt = 1.2;         ///< greatest tilt [rad], below a right angle
 
 /// Edges of one way along constraints, and its shortest step as a share of its longest.
 constexpr int kWayEdges = 100;
 constexpr double kShortestWayStep = 1.0 / 256;
-/// A step of a way must gain at least the first share of its length, and may be at most the second
-/// multiple as long after its end was projected.
+/// Least gain of a step of a way, as a share of its length.
 constexpr double kWayGain = 0.1;
+/// Greatest length of a step after its end was projected, as a multiple of its length before.
 constexpr double kWayDetour = 2;
 
 /// Cuts between two places of a constrained path that are tried, and in a row without success.
@@ -662,8 +635,8 @@ constexpr double kVerifyConstraintPiece = 1.0 / (1 << 22);
 
 // Replanning
 
-/// A part of a step in which no obstacle's vertex moves farther than this [m] is not halved again,
-/// because the gain would be too small to matter to a robot.
+/// A part of a step in which no obstacle's vertex moves farther than this [m] is not halved again.
+/// The gain would be too small to matter to a robot.
 constexpr double kLeastGrowth = 1e-5;
 
 /// Maximum halvings of a step in time: a vertex at 1 m/s moves 0.2 mm in half of 0.05 s / 2^7.
@@ -722,16 +695,16 @@ constexpr double kVerifyFraction = 0.4;
 /// A span in which the pair moves by at most this [m] is not split further and stays undecided.
 constexpr double kVerifySmallestMotion = 1e-9;
 
-/// Limits on looks [count]: at one pair of shapes on one edge, at the pair once part of it is
-/// undecided, and on a whole path. They take about 10 s and several minutes.
-constexpr long kVerifyPairWork = 500'000;
-constexpr long kVerifyOpenWork = 20'000;
-constexpr long kVerifyWork = 10'000'000;
+/// Limits on looks [count]. They take about 10 s and several minutes.
+constexpr long kVerifyPairWork = 500'000;  ///< at one pair of shapes on one edge
+constexpr long kVerifyOpenWork = 20'000;   ///< at the pair once part of it is undecided
+constexpr long kVerifyWork = 10'000'000;   ///< on a whole path
 /// Additional looks for each pair of shapes on each edge; most pairs need one.
 constexpr double kVerifyLooks = 4;
 
-/// A ball around a part of a cloud is replaced by its parts if its radius exceeds this share of its
-/// distance and the certified clearance would depend on it. Smaller bounds are tighter and slower.
+/// The verifier replaces a ball around a part of a cloud by its parts if its radius exceeds this
+/// share of its distance, and the certified clearance would depend on the ball. Smaller bounds are
+/// tighter and slower.
 constexpr double kVerifyCoarse = 0.1;
 
 /// Limits on the work of the distances in these looks [units of collision::Work]. They take as long

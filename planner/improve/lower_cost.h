@@ -14,12 +14,12 @@ struct LowerCostOptions {
   std::function<bool()> stop;  ///< polled before every edge; true ends with the path so far
 };
 
-/// Lowers the proven cost of a path, in place. It moves waypoints against the gradient of their
-/// cost, or at random, bends edges away from nearby obstacles, cuts between places of the path, and
-/// removes waypoints, as long as rounds of these gain. A move is taken if its edges are certified
-/// and the upper end of the path's cost falls; the interval of a candidate is narrowed only as far
-/// as that comparison needs. The path's ends never change. Returns the upper end. Deterministic
-/// unless stopped.
+/// Lowers the proven cost of a path, in place, by rounds of moves as long as these gain. A move
+/// shifts a waypoint against the gradient of its cost or at random, bends an edge away from nearby
+/// obstacles, cuts between two places of the path, or removes a waypoint. It is taken if its edges
+/// are certified and the upper end of the path's cost falls; the interval of a candidate is
+/// narrowed only as far as that comparison needs. The path's ends never change. Returns the upper
+/// end. Deterministic unless stopped.
 double lowerCost(EdgeCertifier& certifier, PathCost& cost, Waypoints& path,
                  const LowerCostOptions& options);
 

@@ -7,9 +7,9 @@
 namespace leeway::python {
 namespace {
 
-// The first three change only with the interpreter's lock held. They are the number of calls that
-// run without it, whether the interpreter is about to exit, and whether this process is a child of
-// fork() with locks that no thread can release.
+// The first three change only with the interpreter's lock held: the number of calls that run
+// without it; whether the interpreter is about to exit; whether this process is a child of fork()
+// with locks that no thread can release.
 int running = 0;
 std::atomic<bool> ending = false;
 bool orphaned = false;

@@ -16,11 +16,11 @@ namespace leeway::planner {
 /// and interpolates as everywhere else in the library. The distance of two rotations is the angle
 /// between them [rad] (half of it in OMPL's SO(3)), exact at small angles.
 ///
-/// Samplers are uniform over the space, uniform near a state (each variable separately within
-/// distance / weight, a rotation in the ball of that angle) or normal about a state (with that
-/// standard deviation / weight), always inside the limits. They draw from the space's seed, the
-/// k-th sampler from stream k. So one seed gives one sequence of samples, independent of other
-/// threads.
+/// Samplers are uniform over the space, uniform near a state or normal about a state, always inside
+/// the limits. Near a state, each variable is uniform separately within distance / weight, and a
+/// rotation in the ball of that angle. About a state, the standard deviation is divided by the
+/// weight in the same way. Samplers draw from the space's seed, the k-th sampler from stream k. So
+/// one seed gives one sequence of samples, independent of other threads.
 class OmplStateSpace : public ompl::base::StateSpace {
  public:
   class StateType : public ompl::base::State {
