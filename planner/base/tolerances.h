@@ -339,7 +339,7 @@ constexpr double kShortestRange = 1e-4;  ///< least share of the extent
 /// values of 0.75 and above did best; the share of the extent alone took several times the
 /// iterations.
 constexpr double kBodyTurn = 1;
-/// But at least this share of the extent; otherwise a small body would need too many steps.
+/// It is at least this share of the extent; otherwise a small body would need too many steps.
 constexpr double kLeastBodyRange = 0.03;
 
 /// The dynamic domain of Connect (4, 1 and 1e-4 as in VAMP). The unit of radii is the range, for
@@ -467,8 +467,9 @@ constexpr int kMostPushes = 8;       ///< moves [count]
 constexpr int kIdlePushes = 2;       ///< moves in a row [count] that may gain too little
 constexpr double kPushGain = 0.1;    ///< sufficient gain, as a share of the missing clearance
 constexpr double kPushBeyond = 1.3;  ///< factor beyond the target, because gradients turn
-constexpr double kPushSnap = 0.75;  ///< share of an edge up to which its end moves, not a new point
-constexpr double kPushEnds = 0.95;  ///< target as a share of the clearance of a limiting end
+constexpr double kPushSnap =
+    0.75;  ///< share of an edge within which its end moves, not a new point
+constexpr double kPushEnds = 0.95;    ///< target as a share of the clearance of a limiting end
 constexpr double kLongestPush = 0.2;  ///< longest move
 
 /// Gradients of distances.
@@ -485,7 +486,7 @@ constexpr double kAtEnd = 0.98;
 /// A search for clearance ends at this share of the bound below the bound, at most
 /// kClearanceTolerance: if the ends leave 7 mm, 1 mm is much.
 constexpr double kNearBound = 0.02;
-/// But not nearer to the bound than this [m].
+/// The search ends at least this far below the bound [m].
 constexpr double kNearestBound = 5e-5;
 
 /// The end of a search for clearance.

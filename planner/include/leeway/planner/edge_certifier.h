@@ -24,8 +24,8 @@ struct StateCheck {
 /// A request for an edge's cost.
 struct CostRequest {
   Nearness nearness;
-  /// Sufficient width of the interval, as a share of its upper end; a width of kLeast of 1 always
-  /// suffices.
+  /// Sufficient width of the interval, as a share of its upper end. A width of kLeast always
+  /// suffices, because nearness is at most 1.
   double tolerance = 0.01;
   /// Stops as soon as the mean is proven to be above it.
   double cutoff = std::numeric_limits<double>::infinity();
@@ -39,8 +39,8 @@ struct EdgeCost {
   Interval mean{0, 1};
   /// The greatest nearness along the edge.
   Interval worst{0, 1};
-  /// The least clearance, to the accuracy that the costs needed [m]. An upper end of infinity was
-  /// not computed.
+  /// The least clearance, to the accuracy that the costs needed [m]. An upper end of infinity means
+  /// that it was not computed.
   Interval clearance{-std::numeric_limits<double>::infinity(),
                      std::numeric_limits<double>::infinity()};
 };
@@ -89,7 +89,7 @@ struct EdgeClearance {
 
 /// Decides states and whole edges of one compiled scene by bounds, without a step size. It uses
 /// adaptive bisection as in Schwarzer, Saha and Latombe ("Adaptive dynamic collision checking for
-/// single and multiple articulated robots in complex environments", 2005), with another bound. An
+/// single and multiple articulated robots in complex environments", 2005), with another bound: an
 /// interval of an edge is decided by the hull of a body's two placements, grown by h^2 / 8 times a
 /// bound on its acceleration. The paper uses path lengths, whose slack is proportional to h only.
 /// Use one per thread. It allocates only in the constructor; queries never throw. Points have the
