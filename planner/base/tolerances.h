@@ -587,8 +587,7 @@ constexpr int kStepIterations = 20'000;
 constexpr double kFirstLinePiece = 0.25;
 constexpr double kShortestLinePiece = 1.0 / 4096;
 
-/// The least tolerance of a line [m, rad], because its pieces are no shorter than
-/// kShortestLinePiece.
+/// The least tolerance of a line [m, rad]. Its pieces are at least kShortestLinePiece long.
 constexpr double kLeastLineTolerance = 1e-7;
 
 /// Rounding of a line's departure, from poses and bounds of a few dozen operations each [relative
