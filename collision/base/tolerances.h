@@ -554,4 +554,8 @@ inline constexpr double kContactDistanceShare = 0.01;
 /// normal is off by at most 12 degrees where corners meet, and by far less elsewhere.
 inline constexpr double kContactNormalShare = 0.02;
 
+/// A mesh is welded only if facets lower than this many times the weld have at most this share of
+/// its area.
+inline constexpr double kWeldHeights = 4, kWeldedShare = 0.01;
+
 }  // namespace leeway::collision

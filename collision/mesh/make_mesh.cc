@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdio>
 #include <set>
 #include <string>
 #include <utility>
@@ -82,6 +83,43 @@ void weld(std::span<const Vector3d> given, std::span<const Triangle> given_trian
   }
 }
 
+std::string shortText(double length) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", length);
+  return text;
+}
+
+// Throws InvalidShape for a weld that is not small against the facets: it would join corners of one
+// facet, and could fold the surface onto itself instead of closing it.
+void requireSmallWeld(std::span<const Vector3d> vertices, std::span<const Triangle> triangles,
+                      double weld) {
+  struct Facet {
+    double height, area;  // the least height
+  };
+  std::vector<Facet> facets;
+  facets.reserve(triangles.size());
+  double all = 0;
+  for (const Triangle& t : triangles) {
+    const Vector3d &a = vertices[at(t[0])], &b = vertices[at(t[1])], &c = vertices[at(t[2])];
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    const double area = 0.5 * (b - a).cross(c - a).norm();
+    all += area;
+    if (longest > 0) facets.push_back({2 * area / longest, area});
+  }
+  std::sort(facets.begin(), facets.end(),
+            [](const Facet& a, const Facet& b) { return a.height < b.height; });
+  double lower = 0;  // area of the lowest
+  for (const Facet& facet : facets) {
+    lower += facet.area;
+    if (!(lower > kWeldedShare * all)) continue;
+    const double most = facet.height / kWeldHeights;
+    if (weld <= most) return;
+    throw InvalidShape("mesh: weld is " + shortText(weld) +
+                       " m, which is not small against its facets; at most " +
+                       shortText(0.99 * most) + " m is expected");
+  }
+}
+
 // Adds the triangles that close cracks, and finds the components afterwards. Triangles of one round
 // may end at vertices that lie on other edges, which further rounds handle.
 MeshComponents closeCracks(std::span<const Vector3d> vertices, std::vector<Triangle>& triangles,
@@ -89,6 +127,7 @@ MeshComponents closeCracks(std::span<const Vector3d> vertices, std::vector<Trian
   constexpr int kRounds = 8;
   const std::size_t given = triangles.size();
   MeshComponents components = findComponents(vertices, triangles, weld);
+  if (weld > 0 && components.open_edges > 0) requireSmallWeld(vertices, triangles, weld);
   std::set<Triangle> added;
   for (int round = 0; round < kRounds && components.open_edges > 0; ++round) {
     const std::size_t before = triangles.size();
