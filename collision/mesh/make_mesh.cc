@@ -126,8 +126,11 @@ MeshComponents closeCracks(std::span<const Vector3d> vertices, std::vector<Trian
                            double weld) {
   constexpr int kRounds = 8;
   const std::size_t given = triangles.size();
-  MeshComponents components = findComponents(vertices, triangles, weld);
-  if (weld > 0 && components.open_edges > 0) requireSmallWeld(vertices, triangles, weld);
+  MeshComponents components = findComponents(vertices, triangles);
+  if (weld > 0 && components.open_edges > 0) {
+    requireSmallWeld(vertices, triangles, weld);
+    components = findComponents(vertices, triangles, weld);
+  }
   std::set<Triangle> added;
   for (int round = 0; round < kRounds && components.open_edges > 0; ++round) {
     const std::size_t before = triangles.size();

@@ -197,5 +197,55 @@ TEST(SolidParts, WeldClosesWhatNoiseHasOpened) {
   EXPECT_GT(count.inside, 5 * unions);
 }
 
+/// A weld as large as facets folded the surface onto itself and lost the inside: a unit cube
+/// without its lid, welded by 2 m, did not even count as open.
+TEST(SolidParts, AWeldThatIsNotSmallAgainstTheFacetsIsRefused) {
+  const std::vector<Vector3d> corners = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                         {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  const std::vector<TriangleMesh::Triangle> open = {{0, 3, 2}, {0, 2, 1}, {0, 1, 5}, {0, 5, 4},
+                                                    {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6},
+                                                    {3, 0, 4}, {3, 4, 7}};
+  // The facets' heights are sqrt(1/2).
+  for (const double weld : {0.18, 0.5, 1.0, 2.0, 5.0})
+    EXPECT_THROW(TriangleMesh::make(corners, open, {.weld = weld}), InvalidShape) << weld;
+  for (const double weld : {0.0, 1e-6, 0.1, 0.17})
+    EXPECT_GT(TriangleMesh::make(corners, open, {.weld = weld})->openEdgeCount(), 0U) << weld;
+  std::vector<TriangleMesh::Triangle> closed = open;
+  closed.push_back({4, 5, 6});
+  closed.push_back({4, 6, 7});
+  EXPECT_EQ(TriangleMesh::make(corners, closed, {.weld = 2})->closedComponentCount(), 1);
+}
+
+/// A crack between two halves of a fine ball is closed, or the weld is refused.
+TEST(SolidParts, TwoHalvesOfABallAreWeldedOrRefused) {
+  Random random(3);
+  for (const int rings : {10, 20, 40}) {
+    const TriangleSoup ball = ballSoup(rings, 2 * rings, 1, 0, random);
+    TriangleSoup halves;
+    halves.vertices = ball.vertices;
+    for (const Vector3d& v : ball.vertices) halves.vertices.push_back(v - 5e-4 * Vector3d::UnitZ());
+    for (TriangleMesh::Triangle t : ball.triangles) {
+      double height = 0;
+      for (const auto v : t) height += ball.vertices[static_cast<std::size_t>(v)].z();
+      if (height < 0)
+        for (auto& v : t) v += static_cast<std::int32_t>(ball.vertices.size());
+      halves.triangles.push_back(t);
+    }
+    int refused = 0;
+    for (const double weld : {1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 1.0}) {
+      try {
+        const auto mesh = TriangleMesh::make(halves.vertices, halves.triangles, {.weld = weld});
+        EXPECT_EQ(mesh->openEdgeCount(), 0U) << rings << ", " << weld;
+        for (const Vector3d& p : {Vector3d(0, 0, 0), Vector3d(0.3, 0.2, 0.1), Vector3d(0, 0, 0.5)})
+          EXPECT_TRUE(isInside(*mesh, p)) << rings << ", " << weld;
+      } catch (const InvalidShape&) {
+        ++refused;
+      }
+    }
+    EXPECT_GE(refused, 2);
+    EXPECT_LE(refused, 5);
+  }
+}
+
 }  // namespace
 }  // namespace leeway::collision::testing
