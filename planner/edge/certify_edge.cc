@@ -168,6 +168,7 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
   Impl& impl = *impl_;
   impl.work_limit = request.work_limit > 0 ? request.work_limit : impl.defaultWork();
   impl.queries.least_interval = request.smallest_interval;
+  const Impl::Asking asking(impl, Pairs::kAll, request.separation);
   EdgeCheck check = impl.decideEdge(a, b);
   if (check.verdict == Verdict::kUndecided) ++statistics.undecided_edges;
   if (check.verdict == Verdict::kFree)

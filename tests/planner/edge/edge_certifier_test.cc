@@ -642,6 +642,43 @@ TEST(EdgeCertifier, ClearanceHoldsTheDenseMinimum) {
   EXPECT_LE(wide, (apart + overlapping) / 50);
 }
 
+TEST(EdgeCertifier, ASeparationIsKeptAlongTheEdge) {
+  Random random(19);
+  int free = 0, near = 0, cautious = 0;
+  for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree})
+    for (int p = 0; p < 12; ++p) {
+      const auto compiled = std::make_shared<const CompiledScene>(problemOf(random, kind));
+      // By lanes, and by bisection.
+      EdgeCertifier certifier(compiled), rebound(compiled);
+      rebound.rebind(compiled->withMarginAtLeast(-kInfinity));
+      DenseTwin twin(*compiled);
+      for (int e = 0; e < 8; ++e) {
+        const std::vector<double> a = randomPoint(random, *compiled);
+        std::vector<double> b(a.size());
+        compiled->space().interpolate(a, randomPoint(random, *compiled), random.uniform(0.01, 0.2),
+                                      b);
+        const double dense = twin.along(a, b, 40, true), separation = random.uniform(0, 0.1);
+        for (EdgeCertifier* const asked : {&certifier, &rebound}) {
+          EdgeRequest request = EdgeRequest::persistent();
+          request.separation = separation;
+          if (asked->certify(a, b, request).verdict == Verdict::kFree) {
+            ++free;
+            EXPECT_GT(dense, separation - 1e-9) << replay(a, b);
+          } else {
+            ++near;
+            cautious += dense > separation + 0.02 && dense < kInfinity ? 1 : 0;
+          }
+          // The request alone asks for it.
+          const Verdict plain = asked->certify(a, b, EdgeRequest::persistent()).verdict;
+          EXPECT_TRUE(plain != Verdict::kFree || dense > -1e-9) << replay(a, b);
+        }
+      }
+    }
+  EXPECT_GT(free, 60);
+  EXPECT_GT(near, 60);
+  EXPECT_LE(cautious, near / 10);
+}
+
 TEST(EdgeCertifier, ClearanceThatLanesBeganIsThatOfIntervalsAlone) {
   Random random(14);
   int asked = 0;

@@ -52,6 +52,8 @@ struct EdgeRequest {
   /// microsecond; beyond that, the edge is undecided. 0: about 100 us, or half a millisecond for a
   /// body that flies freely among triangles. `last_valid` may cost the same again.
   std::int64_t work_limit = 0;
+  /// Every pair keeps that where its margin is less [m]: so an edge also proves what stays near it.
+  double separation = -std::numeric_limits<double>::infinity();
 
   /// A hundred times the default work: for proofs that no other edge can replace.
   static EdgeRequest persistent();
