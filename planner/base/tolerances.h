@@ -88,6 +88,26 @@ constexpr double kInLine = 1e-12;
 /// a limit of milliseconds is meant for planning.
 constexpr double kLeastReading = 10;
 
+// The guard
+
+/// Setpoints keep a limit on velocity, acceleration or jerk if they exceed it by no more than this
+/// share: files and their readers round setpoints.
+constexpr double kGuardLimitSlack = 1e-6;
+/// And rounding of differences of setpoints, relative to the setpoints themselves.
+constexpr double kGuardDifference = 1e-15;
+
+/// Rounding that a chord of setpoints is charged: relative to how far setpoints are from it, and
+/// [m]. Both are sums of some dozen products of numbers below kLargestAngle and kLargestReach.
+constexpr double kGuardChordShare = 1e-12;
+constexpr double kGuardChordRounding = 1e-11;
+
+/// A vertex that is seen this much farther away than its speed bound allows has jumped [m]: more is
+/// no rounding of programs that see.
+constexpr double kGuardJump = 1e-9;
+
+/// Two times of a guard this near are one [periods].
+constexpr double kGuardSameTime = 1e-6;
+
 // Accepted input, and values in it that count as equal
 
 /// How far from 1 the length of a planned body's quaternion may be to count as a rotation. Rounding
@@ -657,6 +677,29 @@ constexpr int kLongestPause = 8;
 
 /// Maximum steps of look-ahead [count]. Each costs the same as a step.
 constexpr double kLongestLookAhead = 1000;
+
+// The guard
+
+/// The largest departure of setpoints from a chord for which it is tried at first, and at most [m].
+/// It falls by half of what failed, and rises by half of what was proven.
+constexpr double kGuardFirstGrowth = 0.05;
+constexpr double kGuardMostGrowth = 0.2;
+constexpr double kGuardLeastGrowth = 1e-4;
+/// A chord whose setpoints are nearer [m] is not divided to find out whether all of it is free:
+/// that has been asked already.
+constexpr double kGuardOnLine = 1e-9;
+
+/// The work of a chord, and the least that an edge is charged [units of Work]: placing the robot is
+/// not counted.
+constexpr std::int64_t kGuardChordWork = 50'000;
+constexpr std::int64_t kGuardLeastWork = 1'000;
+
+/// Parts of the horizon for which it is bounded where obstacles are [count].
+constexpr int kGuardSlices = 16;
+
+/// Rows of the longest stop, and rows more for a robot that is faster than its limits [count].
+constexpr double kMostStopRows = 1e5;
+constexpr int kSpareStopRows = 16;
 
 // Trajectories
 

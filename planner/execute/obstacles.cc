@@ -43,6 +43,16 @@ bool Obstacles::has(int body) const {
   return std::find(bodies_.begin(), bodies_.end(), body) != bodies_.end();
 }
 
+std::shared_ptr<const CompiledScene> Obstacles::pairsOfOthers(const CompiledScene& scene) const {
+  return scene.withPairs(
+      [&](const collision::ScenePair& pair) { return !has(pair.body_a) && !has(pair.body_b); });
+}
+
+std::shared_ptr<const CompiledScene> Obstacles::pairsOfThese(const CompiledScene& scene) const {
+  return scene.withPairs(
+      [&](const collision::ScenePair& pair) { return has(pair.body_a) || has(pair.body_b); });
+}
+
 bool Obstacles::arePredicted() const {
   return std::all_of(obstacles_.begin(), obstacles_.end(),
                      [](const Followed& o) { return o.predicted; });
@@ -68,12 +78,30 @@ void Obstacles::look(double time) {
   }
 }
 
-void Obstacles::set(const std::string& object, std::span<const Eigen::Vector3d> vertices,
-                    double time, double speed_bound) {
+std::size_t Obstacles::indexOf(const std::string& object) const {
   const auto o = std::find_if(obstacles_.begin(), obstacles_.end(),
                               [&](const Followed& f) { return f.object == object; });
   if (o == obstacles_.end())
     throw std::invalid_argument("there is no deforming obstacle '" + object + "'");
+  return static_cast<std::size_t>(o - obstacles_.begin());
+}
+
+double Obstacles::jump(const std::string& object, std::span<const Eigen::Vector3d> vertices,
+                       double time) const {
+  const Followed& o = obstacles_[indexOf(object)];
+  const std::span<const Eigen::Vector3d> before = o.present.snapshot()->vertices();
+  double most = 0;
+  for (std::size_t i = 0; i < std::min(before.size(), vertices.size()); ++i) {
+    const double moved = (vertices[i] - before[i]).norm();
+    if (!(moved <= most)) most = moved;
+    if (std::isnan(most)) return most;
+  }
+  return most - agedGrowth(o, time);
+}
+
+void Obstacles::set(const std::string& object, std::span<const Eigen::Vector3d> vertices,
+                    double time, double speed_bound) {
+  Followed* const o = &obstacles_[indexOf(object)];
   if (!(speed_bound >= 0))
     throw std::invalid_argument(fmt::format(
         "obstacle '{}': the speed bound is {}; at least 0 m/s is expected", object, speed_bound));

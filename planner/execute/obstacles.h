@@ -22,6 +22,9 @@ class Obstacles {
   /// Scene bodies, one an obstacle.
   const std::vector<int>& bodies() const { return bodies_; }
   bool has(int body) const;
+  /// Variants of a scene: without pairs of obstacles, and with no others.
+  std::shared_ptr<const CompiledScene> pairsOfOthers(const CompiledScene& scene) const;
+  std::shared_ptr<const CompiledScene> pairsOfThese(const CompiledScene& scene) const;
   /// True when all motions are known beyond the last look.
   bool arePredicted() const;
 
@@ -30,6 +33,17 @@ class Obstacles {
   /// See Replanner::setVertices().
   void set(const std::string& object, std::span<const Eigen::Vector3d> vertices, double time,
            double speed_bound);
+  /// How much farther these vertices, seen at `time`, are from those of the last look than the
+  /// obstacle's speed bound allows [m]; at most 0 where it holds, NaN where some are not finite.
+  /// Throws std::invalid_argument for an unknown obstacle.
+  double jump(const std::string& object, std::span<const Eigen::Vector3d> vertices,
+              double time) const;
+  /// How many vertices an obstacle has; when it was last seen [s]. Both throw
+  /// std::invalid_argument for an unknown one.
+  std::size_t vertexCount(const std::string& object) const {
+    return static_cast<std::size_t>(obstacles_[indexOf(object)].source->mesh->vertexCount());
+  }
+  double seenAt(const std::string& object) const { return obstacles_[indexOf(object)].seen; }
 
   /// The shapes at the last look, each grown by `growth` [m].
   Replacements seen(double growth = 0) const;
@@ -50,6 +64,7 @@ class Obstacles {
     double speed_bound;  ///< the program's, with set vertices, or the problem's [m/s]
     bool own = false;    ///< the program has set its vertices
   };
+  std::size_t indexOf(const std::string& object) const;
   double speedBetween(const Followed& obstacle, double t0, double t1) const;
   double agedGrowth(const Followed& obstacle, double time) const;
 

@@ -21,12 +21,8 @@ double largestGrowth(const Obstacles::Replacements& shapes) {
 
 StepCertifier::StepCertifier(std::shared_ptr<const CompiledScene> scene, Obstacles& obstacles)
     : scene_(std::move(scene)),
-      still_scene_(scene_->withPairs([&](const collision::ScenePair& pair) {
-        return !obstacles.has(pair.body_a) && !obstacles.has(pair.body_b);
-      })),
-      moving_scene_(scene_->withPairs([&](const collision::ScenePair& pair) {
-        return obstacles.has(pair.body_a) || obstacles.has(pair.body_b);
-      })),
+      still_scene_(obstacles.pairsOfOthers(*scene_)),
+      moving_scene_(obstacles.pairsOfThese(*scene_)),
       obstacles_(obstacles),
       still_(still_scene_),
       moving_(moving_scene_) {}

@@ -19,6 +19,7 @@
 #include "leeway/collision/vertex_motion.h"
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/guard.h"
 #include "leeway/planner/ompl_motion_validator.h"
 #include "leeway/planner/ompl_objectives.h"
 #include "leeway/planner/path_io.h"
@@ -61,5 +62,7 @@ double now();          // [s]
 extern double period;  // [s]
 void brake();
 void execute(const std::vector<planner::TimedPoint>& motion);
+std::vector<double> wanted();
+void send(std::span<const double> setpoints);
 
 }  // namespace given

@@ -1,0 +1,461 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "collision/base/numbers.h"
+#include "leeway/planner/guard.h"
+#include "leeway/robots/input_error.h"
+#include "planner/base/tolerances.h"
+#include "planner/execute/blend.h"
+#include "planner/guard/brake.h"
+#include "planner/guard/setpoint_motion.h"
+#include "planner/guard/setpoint_proof.h"
+
+namespace leeway::planner {
+namespace {
+
+/// Checks the members that a Guard does not read.
+const Problem& guardable(const Problem& problem) {
+  validate(problem);
+  const auto refuse = [&](const char* what) {
+    throw robots::InputError(problem.name, 0, fmt::format("Guard: there are {}", what));
+  };
+  if (!problem.steps.empty()) refuse("steps, which a Guard does not follow; none are expected");
+  if (!problem.constraints.empty())
+    refuse("constraints, which a Guard does not keep; none are expected");
+  return problem;
+}
+
+/// Returns the options with the limits that hold; throws where they make no sense.
+GuardOptions checked(GuardOptions options, const Problem& problem) {
+  const auto expect = [&](bool holds, const std::string& what) {
+    if (!holds) throw robots::InputError(problem.name, 0, "Guard: " + what);
+  };
+  const std::size_t size = problem.robot.variables.size();
+  expect(options.period >= GuardOptions::kLeastPeriod && options.period <= 10,
+         fmt::format("the period is {} s; {} to 10 s is expected", options.period,
+                     GuardOptions::kLeastPeriod));
+  expect(options.most_setpoints >= 1 && options.most_setpoints <= GuardOptions::kMostSetpoints,
+         fmt::format("most_setpoints is {}; 1 to {} is expected", options.most_setpoints,
+                     GuardOptions::kMostSetpoints));
+  expect(options.work > 0, fmt::format("work is {}; more than 0 is expected", options.work));
+  expect(options.horizon > 0 && options.horizon <= 1e6,
+         fmt::format("horizon is {} s; above 0, and at most 1e6 s is expected", options.horizon));
+  expect(options.point_error >= 0 && options.point_error < kInfinity,
+         fmt::format("point_error is {} m; 0 or more is expected", options.point_error));
+  if (options.joint_errors.empty()) options.joint_errors.assign(size, 0);
+  const auto rows = [&](const std::vector<double>& numbers, const char* name, auto accepted,
+                        const char* expected) {
+    expect(numbers.size() == size, fmt::format("{} has {} numbers; {} are expected, one a planned "
+                                               "variable",
+                                               name, numbers.size(), size));
+    for (std::size_t i = 0; i < size; ++i)
+      expect(accepted(numbers[i]),
+             fmt::format("{}[{}] is {}; {} is expected", name, i, numbers[i], expected));
+  };
+  rows(
+      options.joint_errors, "joint_errors", [](double e) { return e >= 0 && e < kInfinity; },
+      "0 or more");
+  if (options.limits.velocity.empty()) options.limits = motionLimits(problem);
+  const auto positive = [](double x) { return x > 0 && x < kInfinity; };
+  rows(options.limits.velocity, "limits.velocity", positive, "above 0");
+  rows(options.limits.acceleration, "limits.acceleration", positive, "above 0");
+  if (options.limits.jerk.empty()) options.limits.jerk.assign(size, kInfinity);
+  rows(
+      options.limits.jerk, "limits.jerk", [](double j) { return j > 0; }, "above 0");
+  return options;
+}
+
+/// The scene whose margins hold for the robot's motion as it is commanded.
+std::shared_ptr<const CompiledScene> withErrors(const Problem& problem,
+                                                const GuardOptions& options) {
+  auto scene = std::make_shared<const CompiledScene>(problem);
+  const auto refuse = [&](const std::string& message) {
+    throw robots::InputError(problem.name, 0, "Guard: " + message);
+  };
+  if (hasRotation(scene->space()))
+    refuse("a planned joint is floating; joints with a position each are expected");
+  if (const std::string why = scene->nothingChecked(); !why.empty())
+    refuse("no pair is checked: " + why);
+  Displacement displacement(*scene);
+  const double errors = displacement.beyondLimits(options.joint_errors) + 2 * options.point_error;
+  if (!(errors < kInfinity))
+    refuse(
+        "joint_errors are too large for a bound on how far the robot is off; less than 1 rad in "
+        "all is "
+        "expected, and 0 for what is behind a prismatic joint without limits");
+  return errors > 0 ? scene->withMarginsGrown(errors * (1 + kGuardChordShare)) : scene;
+}
+
+std::vector<double> startOf(const Problem& problem) {
+  std::vector<double> point;
+  for (const int v : problem.robot.variables) point.push_back(problem.start[at(v)]);
+  return point;
+}
+
+bool isFinite(std::span<const double> numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+}
+
+}  // namespace
+
+const char* toString(GuardReason reason) {
+  switch (reason) {
+    case GuardReason::kPassed:
+      return "passed";
+    case GuardReason::kLimit:
+      return "limit";
+    case GuardReason::kNotFree:
+      return "not_free";
+    case GuardReason::kNotCertified:
+      return "not_certified";
+    case GuardReason::kWork:
+      return "work";
+    case GuardReason::kStale:
+      return "stale";
+    case GuardReason::kJumped:
+      return "jumped";
+    case GuardReason::kInvalid:
+      break;
+  }
+  return "invalid";
+}
+
+const char* toString(MotionLimit limit) {
+  switch (limit) {
+    case MotionLimit::kPosition:
+      return "position";
+    case MotionLimit::kVelocity:
+      return "velocity";
+    case MotionLimit::kAcceleration:
+      return "acceleration";
+    case MotionLimit::kJerk:
+      break;
+  }
+  return "jerk";
+}
+
+const char* toString(Observation observation) {
+  switch (observation) {
+    case Observation::kTaken:
+      return "taken";
+    case Observation::kJumped:
+      return "jumped";
+    case Observation::kLate:
+      return "late";
+    case Observation::kInvalid:
+      break;
+  }
+  return "invalid";
+}
+
+struct Guard::Impl {
+  Impl(const Problem& given, const GuardOptions& given_options)
+      : problem(guardable(given)),
+        options(checked(given_options, problem)),
+        scene(withErrors(problem, options)),
+        size(at(scene->space().size())),
+        proof(problem, options, scene),
+        brake(options.limits, options.period),
+        known(size, at(options.most_setpoints + brake.mostRows())),
+        next(known),
+        velocity(size),
+        acceleration(size) {
+    known.reset(startOf(problem), problem.execution.start);
+    answer.start = known.row(0);
+    answer.time = known.time;
+    proof.look(problem.execution.start);
+  }
+
+  double nextTime() const {
+    return has_begun ? known.time + std::max(1, known.passed) * options.period : known.time;
+  }
+
+  // ---------------------------------------------------------------------------------------------
+  // Where the motion begins
+
+  /// Sets `next` to begin where `known` is at a time.
+  void beginOn(double time) {
+    next.time = time;
+    next.rows = next.passed = 0;
+    const double periods =
+        std::min((time - known.time) / options.period, static_cast<double>(known.rows + 1));
+    const int whole = static_cast<int>(periods + kGuardSameTime);
+    const double share = periods - whole;  // of the way to the row after that
+    const bool between = share > kGuardSameTime;
+    const bool rests = whole > known.rows || (whole == known.rows && between);
+    const int row = std::min(whole, known.rows);
+    const int to = between && !rests ? row + 1 : row;
+    for (std::size_t i = 0; i < size; ++i) {
+      const double p = known.row(row)[i];
+      next.row(0)[i] = to > row ? p + (known.row(to)[i] - p) * share : p;
+      next.velocity[i] = rests ? 0 : known.velocityTo(to, i, options.period);
+      next.acceleration[i] = rests ? 0 : known.accelerationTo(to, i, options.period);
+    }
+  }
+
+  /// Takes the request's time and state; false where they make no sense.
+  bool begin(const GuardRequest& request) {
+    const double time = request.time.value_or(nextTime());
+    const bool has_time = std::isfinite(time) && time >= known.time;
+    beginOn(has_time ? time : nextTime());
+    const auto fits = [&](std::span<const double> state) {
+      return state.empty() || (state.size() == size && isFinite(state));
+    };
+    if (!has_time || !fits(request.position) || !fits(request.velocity)) return false;
+    bool leaves = !has_begun;
+    for (std::size_t i = 0; i < request.position.size(); ++i)
+      leaves = leaves || !(std::abs(request.position[i] - next.row(0)[i]) <=
+                           options.joint_errors[i] + kVerifyWaypoint);
+    if (!leaves) return true;
+    known_holds = false;
+    if (!request.position.empty())
+      std::copy(request.position.begin(), request.position.end(), next.row(0).begin());
+    if (!request.velocity.empty())
+      std::copy(request.velocity.begin(), request.velocity.end(), next.velocity.begin());
+    std::fill(next.acceleration.begin(), next.acceleration.end(), 0);
+    return true;
+  }
+
+  // ---------------------------------------------------------------------------------------------
+  // Setpoints and stops
+
+  /// Takes the setpoints that are within the limits into `next`; returns how many.
+  int takeSetpoints(std::span<const double> setpoints) {
+    const int count = static_cast<int>(setpoints.size() / size);
+    for (int k = 1; k <= count; ++k) {
+      const std::span<const double> row = setpoints.subspan(at(k - 1) * size, size);
+      std::copy(row.begin(), row.end(), next.row(k).begin());
+      if (!keepsLimits(k)) return k - 1;
+    }
+    return count;
+  }
+
+  bool keepsLimits(int k) {
+    const double T = options.period;
+    for (const ConfigurationSpace::Part& part : scene->space().parts()) {
+      const std::size_t i = at(part.first);
+      const double q = next.row(k)[i];
+      const bool is_circle = part.kind == ConfigurationSpace::Kind::kCircle;
+      if (!is_circle && !keepsRange(part.first, q)) return false;
+      const double before = next.velocityTo(k - 1, i, T), now = next.velocityTo(k, i, T);
+      const double earlier = next.accelerationTo(k - 1, i, T), a = (now - before) / T;
+      const double rounding = kGuardDifference * (std::abs(q) + 1) / T;
+      // A circle that turns farther would go the other way.
+      const double fastest = is_circle ? kLongestLineTurn / T : kInfinity;
+      if (!keeps(MotionLimit::kVelocity, part.first, now,
+                 std::min(options.limits.velocity[i], fastest), rounding) ||
+          !keeps(MotionLimit::kAcceleration, part.first, a, options.limits.acceleration[i],
+                 rounding * 4 / T) ||
+          !keeps(MotionLimit::kJerk, part.first, (a - earlier) / T, options.limits.jerk[i],
+                 rounding * 16 / (T * T)))
+        return false;
+    }
+    return true;
+  }
+
+  bool keepsRange(int variable, double q) {
+    const double low = scene->space().lower(variable), high = scene->space().upper(variable);
+    if (q >= low && q <= high) return true;
+    setLimit(MotionLimit::kPosition, variable, q, q < low ? low : high);
+    return false;
+  }
+
+  bool keeps(MotionLimit limit, int variable, double value, double most, double rounding) {
+    if (std::abs(value) <= most * (1 + kGuardLimitSlack) + rounding) return true;
+    setLimit(limit, variable, value, value < 0 ? -most : most);
+    return false;
+  }
+
+  void setLimit(MotionLimit limit, int variable, double value, double allowed) {
+    fail(GuardReason::kLimit);
+    answer.limit = limit;
+    answer.variable = variable;
+    answer.value = value;
+    answer.allowed = allowed;
+  }
+
+  void fail(GuardReason reason, bool in_stop = false, std::string_view a = {},
+            std::string_view b = {}) {
+    answer.reason = reason;
+    answer.in_stop = in_stop;
+    answer.a = a;
+    answer.b = b;
+    answer.variable = -1;
+    answer.value = answer.allowed = 0;
+  }
+  void failAsProof(bool in_stop) {
+    fail(proof.failure().reason, in_stop, proof.failure().a, proof.failure().b);
+  }
+
+  /// Appends a stop to the first k setpoints. Returns false, and leaves next.rows at k, where there
+  /// is too little room for it.
+  bool appendStop(int k) {
+    for (std::size_t i = 0; i < size; ++i) {
+      velocity[i] = next.velocityTo(k, i, options.period);
+      acceleration[i] = next.accelerationTo(k, i, options.period);
+    }
+    const int stop = brake.stop(next.row(k), velocity, acceleration, next.from(k + 1));
+    next.passed = k;
+    next.rows = k + std::max(0, stop);
+    return stop >= 0;
+  }
+
+  /// Whether k setpoints, which are proven, have a stop that is proven. Where k is 0, the reason
+  /// why the first setpoint does not pass stays.
+  bool hasStop(int k) {
+    if (!appendStop(k)) {
+      if (k > 0) fail(GuardReason::kNotCertified, true);
+      return false;
+    }
+    const GuardAnswer before = answer;
+    bool keeps = true;
+    for (int row = k + 1; row <= next.rows && keeps; ++row)
+      for (const ConfigurationSpace::Part& part : scene->space().parts())
+        keeps = keeps && (part.kind == ConfigurationSpace::Kind::kCircle ||
+                          keepsRange(part.first, next.row(row)[at(part.first)]));
+    if (!keeps) {
+      answer.in_stop = true;
+    } else {
+      keeps = proof.isFree(next, k, next.rows);
+      if (!keeps) failAsProof(true);
+    }
+    if (k == 0 && before.reason != GuardReason::kPassed) answer = before;
+    return keeps;
+  }
+
+  /// Sets `next` to the setpoints that pass and their stop, proven. Returns false where not even a
+  /// stop is proven.
+  bool prove(const GuardRequest& request) {
+    const std::size_t given = request.setpoints.size();
+    int count = 0;
+    if (!begin(request) || given % size != 0 || given / size > at(options.most_setpoints) ||
+        !isFinite(request.setpoints)) {
+      fail(GuardReason::kInvalid);
+    } else if (!jumped.empty()) {
+      fail(GuardReason::kJumped, false, jumped.front());
+    } else {
+      count = takeSetpoints(request.setpoints);
+      if (count > 0) {
+        const int free = std::max(0, proof.freeUntil(next, 0, count));
+        if (free < count) failAsProof(false);
+        count = free;
+      }
+    }
+    for (int k = count; k >= 0; --k)
+      if (hasStop(k)) return true;
+    return false;
+  }
+
+  /// Takes what is left of the last motion into `next`.
+  void goOn(double time) {
+    const double periods = std::max(0.0, (time - known.time) / options.period);
+    const int row = periods >= known.rows ? known.rows : static_cast<int>(periods + kGuardSameTime);
+    for (std::size_t i = 0; i < size; ++i) {
+      next.velocity[i] = known.velocityTo(row, i, options.period);
+      next.acceleration[i] = known.accelerationTo(row, i, options.period);
+    }
+    for (int k = row; k <= known.rows; ++k)
+      std::copy(known.row(k).begin(), known.row(k).end(), next.row(k - row).begin());
+    next.time = periods >= known.rows ? time : known.time + row * options.period;
+    next.rows = known.rows - row;
+    next.passed = 0;
+  }
+
+  const GuardAnswer& check(const GuardRequest& request) {
+    answer = {};
+    answer.reason = GuardReason::kPassed;
+    proof.begin(options.work);
+    if (prove(request)) {
+      known_holds = answer.certified = true;
+    } else if (known_holds) {
+      goOn(next.time);
+      answer.goes_on = true;
+      // At rest it is proven that nothing touches as long as nothing else moves.
+      answer.certified = next.rows > 0 || !proof.hasObstacles();
+    } else {
+      appendStop(0);
+    }
+    std::swap(known, next);
+    has_begun = true;
+    answer.passed = known.passed;
+    answer.motion = known.setpoints();
+    answer.start = known.row(0);
+    answer.time = known.time;
+    const EdgeCertifier::Statistics spent = proof.statistics();
+    answer.edges = spent.edges;
+    answer.distance_queries = spent.distance_queries;
+    answer.work = spent.work;
+    return answer;
+  }
+
+  // ---------------------------------------------------------------------------------------------
+  // Observations
+
+  Observation setVertices(const std::string& object, std::span<const Eigen::Vector3d> vertices,
+                          double time, double speed_bound) {
+    if (!(speed_bound >= 0))
+      throw std::invalid_argument(fmt::format(
+          "obstacle '{}': the speed bound is {}; at least 0 m/s is expected", object, speed_bound));
+    if (!(time >= proof.obstacles().seenAt(object)) || !std::isfinite(time))
+      return Observation::kLate;
+    if (vertices.size() != proof.obstacles().vertexCount(object)) return Observation::kInvalid;
+    const double jump = proof.obstacles().jump(object, vertices, time);
+    if (std::isnan(jump)) return Observation::kInvalid;
+    try {
+      proof.obstacles().set(object, vertices, time, speed_bound);
+    } catch (const std::invalid_argument&) {  // a coordinate that is too large
+      return Observation::kInvalid;
+    }
+    std::erase(jumped, object);
+    if (!(jump > kGuardJump)) return Observation::kTaken;
+    jumped.push_back(object);
+    known_holds = false;  // it was proven from what does not hold
+    return Observation::kJumped;
+  }
+
+  Problem problem;
+  GuardOptions options;
+  std::shared_ptr<const CompiledScene> scene;
+  std::size_t size;
+  SetpointProof proof;
+  Brake brake;
+  SetpointMotion known, next;  ///< of the last answer; of the one that is made
+  bool has_begun = false;      ///< there was a call
+  bool known_holds = false;    ///< `known` is proven, and the robot is on it
+  std::vector<double> velocity, acceleration;
+  std::vector<std::string> jumped;  ///< obstacles
+  GuardAnswer answer;
+};
+
+Guard::Guard(const Problem& problem, const GuardOptions& options)
+    : impl_(std::make_unique<Impl>(problem, options)) {}
+Guard::~Guard() = default;
+Guard::Guard(Guard&&) noexcept = default;
+Guard& Guard::operator=(Guard&&) noexcept = default;
+
+const GuardAnswer& Guard::check(const GuardRequest& request) noexcept {
+  return impl_->check(request);
+}
+
+Observation Guard::setVertices(const std::string& object, std::span<const Eigen::Vector3d> vertices,
+                               double time, double speed_bound) {
+  return impl_->setVertices(object, vertices, time, speed_bound);
+}
+
+void Guard::look(double time) {
+  if (!std::isfinite(time))
+    throw std::invalid_argument(
+        fmt::format("Guard::look() at {} s; a finite time is expected", time));
+  impl_->proof.look(time);
+}
+
+double Guard::nextTime() const { return impl_->nextTime(); }
+const GuardOptions& Guard::options() const { return impl_->options; }
+const std::shared_ptr<const CompiledScene>& Guard::scene() const { return impl_->scene; }
+const GuardAnswer& Guard::answer() const { return impl_->answer; }
+
+}  // namespace leeway::planner

@@ -1,0 +1,53 @@
+#pragma once
+
+// Private to planner/: a robot's motion as setpoints.
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include "collision/base/numbers.h"
+
+namespace leeway::planner {
+
+/// A start and the setpoints after it, one row a period. From row to row joints go in straight
+/// lines at constant speed; after the last one the robot rests. Allocates in the constructor only.
+struct SetpointMotion {
+  /// `most`: setpoints that there is room for [count].
+  SetpointMotion(std::size_t variables, std::size_t most)
+      : size(variables), values((most + 1) * size), velocity(size), acceleration(size) {}
+
+  /// Rest at a place from `when` on [s].
+  void reset(std::span<const double> place, double when) {
+    std::copy(place.begin(), place.end(), values.begin());
+    std::fill(velocity.begin(), velocity.end(), 0);
+    std::fill(acceleration.begin(), acceleration.end(), 0);
+    time = when;
+    rows = passed = 0;
+  }
+
+  /// Row 0 is the start.
+  std::span<double> row(int i) { return {&values[at(i) * size], size}; }
+  std::span<const double> row(int i) const { return {&values[at(i) * size], size}; }
+  /// Room for rows from `i` on.
+  std::span<double> from(int i) { return std::span<double>(values).subspan(at(i) * size); }
+  std::span<const double> setpoints() const { return {values.data() + size, at(rows) * size}; }
+
+  /// Velocity and acceleration on the way to row k; at the start, where k is 0.
+  double velocityTo(int k, std::size_t i, double period) const {
+    return k == 0 ? velocity[i] : (row(k)[i] - row(k - 1)[i]) / period;
+  }
+  double accelerationTo(int k, std::size_t i, double period) const {
+    return k == 0 ? acceleration[i]
+                  : (velocityTo(k, i, period) - velocityTo(k - 1, i, period)) / period;
+  }
+
+  std::size_t size;
+  std::vector<double> values;
+  std::vector<double> velocity, acceleration;  ///< at the start
+  double time = 0;                             ///< of the start [s]
+  int rows = 0;                                ///< setpoints
+  int passed = 0;                              ///< those before the stop
+};
+
+}  // namespace leeway::planner

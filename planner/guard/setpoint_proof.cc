@@ -1,0 +1,196 @@
+#include "planner/guard/setpoint_proof.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "planner/base/tolerances.h"
+#include "planner/compiled/edge_model.h"
+
+namespace leeway::planner {
+
+Displacement::Displacement(const CompiledScene& scene)
+    : scene_(scene), dq_(scene.model().variables.size()), motion_(scene.model().joints.size()) {}
+
+double Displacement::of(std::span<const double> changes) {
+  expandDifference(scene_.space(), changes, dq_);
+  robots::jointMotion(scene_.model(), dq_, motion_);
+  double most = 0;
+  for (const robots::RelativeMotion& motion : scene_.edgeModel().motions)
+    most = std::max(most, robots::speedBound(scene_.model(), motion, motion_));
+  return most > 0 ? most * (1 + kGuardChordShare) + kGuardChordRounding : 0;
+}
+
+double Displacement::beyondLimits(std::span<const double> changes) {
+  const double within = of(changes);
+  double turn = 0;
+  for (const robots::JointMotion& motion : motion_) turn += motion.angle;
+  // Distances from axes, which `of` takes from the limits, grow by at most the result r itself:
+  // r <= within + turn r.
+  return turn < 1 ? within / (1 - turn) * (1 + kGuardChordShare) : kInfinity;
+}
+
+SetpointProof::SetpointProof(const Problem& problem, const GuardOptions& options,
+                             std::shared_ptr<const CompiledScene> scene)
+    : scene_(std::move(scene)),
+      period_(options.period),
+      horizon_(options.horizon),
+      obstacles_(problem, *scene_),
+      still_(obstacles_.bodies().empty() ? scene_ : obstacles_.pairsOfOthers(*scene_)),
+      still_margin_(still_.scene().scene().pairs().mostMargin()),
+      displacement_(*scene_),
+      departure_(at(scene_->space().size())),
+      chord_(departure_),
+      growth_limit_(kGuardFirstGrowth) {
+  if (obstacles_.bodies().empty()) return;
+  moving_scene_ = obstacles_.pairsOfThese(*scene_);
+  moving_.emplace(moving_scene_);
+  slices_.resize(at(kGuardSlices));
+}
+
+void SetpointProof::look(double time) {
+  if (!moving_) return;
+  obstacles_.look(time);
+  for (int k = 0; k < kGuardSlices; ++k) {
+    Slice& slice = slices_[at(k)];
+    slice.begin = k == 0 ? time : slices_[at(k) - 1].end;
+    const double share = (k + 1.0) / kGuardSlices;
+    slice.end = time + horizon_ * share * share;  // near ones are short: less is grown in them
+    slice.scene = moving_scene_->withShapes(obstacles_.during(slice.begin, slice.end));
+    slice.most_margin = slice.scene->scene().pairs().mostMargin();
+    moving_->rebind(slice.scene);  // makes what certifiers share, which allocates
+  }
+}
+
+void SetpointProof::begin(std::int64_t work) {
+  left_ = work;
+  growth_limit_ = std::min(kGuardFirstGrowth, 2 * growth_limit_);  // what failed may hold again
+  before_ = sum();
+  failure_ = {};
+}
+
+EdgeCertifier::Statistics SetpointProof::sum() const {
+  EdgeCertifier::Statistics all = still_.statistics;
+  if (moving_) all += moving_->statistics;
+  return all;
+}
+
+EdgeCertifier::Statistics SetpointProof::statistics() const {
+  EdgeCertifier::Statistics now = sum();
+  now.edges -= before_.edges;
+  now.distance_queries -= before_.distance_queries;
+  now.work -= before_.work;
+  return now;
+}
+
+bool SetpointProof::edgeFree(EdgeCertifier& certifier, const SetpointMotion& motion, int from,
+                             int to, double separation, std::int64_t most_work) {
+  if (isSpent()) {
+    failure_ = {GuardReason::kWork, {}, {}};
+    return false;
+  }
+  EdgeRequest request;
+  request.work_limit = std::min(most_work, left_);
+  request.separation = separation;
+  const std::int64_t before = certifier.statistics.work;
+  const EdgeCheck check = certifier.certify(motion.row(from), motion.row(to), request);
+  // Placing the robot is not counted: it takes about a microsecond.
+  left_ -= std::max<std::int64_t>(certifier.statistics.work - before, kGuardLeastWork);
+  if (check.verdict == Verdict::kFree) return true;
+  failure_ = {check.verdict == Verdict::kNotFree ? GuardReason::kNotFree
+              : isSpent()                        ? GuardReason::kWork
+                                                 : GuardReason::kNotCertified,
+              {},
+              {}};
+  if (check.pair >= 0) {
+    const collision::Scene& scene = certifier.scene().scene();
+    const collision::ScenePair& pair = scene.pairs()[at(check.pair)];
+    failure_.a = scene.bodies()[at(pair.body_a)].name;
+    failure_.b = scene.bodies()[at(pair.body_b)].name;
+  }
+  return false;
+}
+
+double SetpointProof::growthOf(const SetpointMotion& motion, int from, int to) {
+  const std::span<const double> a = motion.row(from), b = motion.row(to);
+  double squared = 0;
+  // Only a measured start may be outside the limits, where bounds on displacements do not hold.
+  if (from == 0 && !scene_->space().withinLimits(a)) return kInfinity;
+  for (const ConfigurationSpace::Part& part : scene_->space().parts()) {
+    const std::size_t i = at(part.first);
+    chord_[i] = b[i] - a[i];
+    squared += chord_[i] * chord_[i];
+    // The space would go the other way.
+    if (part.kind == ConfigurationSpace::Kind::kCircle && !(std::abs(chord_[i]) < kLongestLineTurn))
+      return kInfinity;
+  }
+  std::fill(departure_.begin(), departure_.end(), 0);
+  for (int k = from + 1; k < to; ++k) {
+    const std::span<const double> row = motion.row(k);
+    double along = 0;
+    for (std::size_t i = 0; i < row.size(); ++i) along += (row[i] - a[i]) * chord_[i];
+    const double t = squared > 0 ? std::clamp(along / squared, 0.0, 1.0) : 0;
+    for (std::size_t i = 0; i < row.size(); ++i)
+      departure_[i] = std::max(departure_[i], std::abs(row[i] - a[i] - t * chord_[i]));
+  }
+  return displacement_.of(departure_);
+}
+
+int SetpointProof::untilIn(EdgeCertifier& certifier, double most_margin,
+                           const SetpointMotion& motion, int from, int to, bool all) {
+  if (to - from <= 1) {
+    if (edgeFree(certifier, motion, from, to, -kInfinity, EdgeRequest::persistent().work_limit))
+      return to;
+    return from == to ? from - 1 : from;
+  }
+  const double growth = growthOf(motion, from, to);
+  if (growth <= growth_limit_) {
+    const double separation = std::max(0.0, most_margin) + growth;
+    if (edgeFree(certifier, motion, from, to, separation, kGuardChordWork)) {
+      growth_limit_ = std::min(kGuardMostGrowth, std::max(growth_limit_, 1.5 * growth));
+      return to;
+    }
+    if (isSpent() || (all && growth < kGuardOnLine)) return from;
+    if (growth > kGuardLeastGrowth) growth_limit_ = std::max(kGuardLeastGrowth, growth / 2);
+  }
+  const int middle = from + (to - from) / 2;
+  const int first = untilIn(certifier, most_margin, motion, from, middle, all);
+  return first < middle ? first : untilIn(certifier, most_margin, motion, middle, to, all);
+}
+
+int SetpointProof::untilAmongObstacles(const SetpointMotion& motion, int from, int to, bool all) {
+  const double begin = motion.time + from * period_, end = motion.time + to * period_;
+  const double same = kGuardSameTime * period_;
+  const auto stale = [&] { failure_ = {GuardReason::kStale, {}, {}}; };
+  if (begin < slices_.front().begin - same || begin > slices_.back().end) {
+    stale();
+    return from - 1;
+  }
+  for (const Slice& slice : slices_) {
+    if (slice.end < begin || slice.begin > end) continue;
+    const int first =
+        std::max(from, static_cast<int>(std::floor((slice.begin - motion.time - same) / period_)));
+    const int last =
+        std::min(to, static_cast<int>(std::ceil((slice.end - motion.time + same) / period_)));
+    moving_->rebind(slice.scene);
+    const int reached = untilIn(*moving_, slice.most_margin, motion, first, last, all);
+    if (reached < last) return reached;
+  }
+  if (end <= slices_.back().end) return to;
+  stale();
+  return std::clamp(static_cast<int>((slices_.back().end - motion.time) / period_), from, to - 1);
+}
+
+int SetpointProof::until(const SetpointMotion& motion, int from, int to, bool all) {
+  int reached = untilIn(still_, still_margin_, motion, from, to, all);
+  if (moving_ && reached >= from && (reached == to || !all)) {
+    const Failure of_still = failure_;
+    const int among = untilAmongObstacles(motion, from, reached, all);
+    if (among == reached) failure_ = of_still;
+    reached = among;
+  }
+  if (reached == to) failure_ = {};
+  return reached;
+}
+
+}  // namespace leeway::planner

@@ -1,0 +1,105 @@
+#pragma once
+
+// Private to planner/: proofs of a robot's motion through setpoints.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/guard.h"
+#include "leeway/robots/motion_bound.h"
+#include "planner/execute/obstacles.h"
+#include "planner/guard/setpoint_motion.h"
+
+namespace leeway::planner {
+
+/// How far any point of the robot moves, seen from any body that it is checked against, while
+/// planned variables change by up to some numbers.
+class Displacement {
+ public:
+  explicit Displacement(const CompiledScene& scene);
+  /// Returns that bound [m], for configurations within the limits before and after the change.
+  /// O(motions of the scene x joints).
+  double of(std::span<const double> changes);
+  /// Returns it for changes from within the limits to anywhere; infinity where all joints together
+  /// turn by 1 rad or more.
+  double beyondLimits(std::span<const double> changes);
+
+ private:
+  const CompiledScene& scene_;
+  std::vector<double> dq_;
+  std::vector<robots::JointMotion> motion_;
+};
+
+/// Proves that motions keep all margins. Many setpoints are proven by one edge, their chord, with a
+/// separation that covers how far they are from it; where that is not proven, by two chords.
+/// Allocates in the constructor and in look() only.
+class SetpointProof {
+ public:
+  SetpointProof(const Problem& problem, const GuardOptions& options,
+                std::shared_ptr<const CompiledScene> scene);
+
+  /// See Guard::look().
+  void look(double time);
+  Obstacles& obstacles() { return obstacles_; }
+  bool hasObstacles() const { return moving_.has_value(); }
+
+  /// Begins a call: what it may cost.
+  void begin(std::int64_t work);
+  /// The last row up to which the motion is proven from row `from` on; at most `to`, and `from` - 1
+  /// where not even that row is known to be free. Where it is less than `to`, failure() says why.
+  int freeUntil(const SetpointMotion& motion, int from, int to) {
+    return until(motion, from, to, false);
+  }
+  /// Whether all of it is proven. If it is not, failure() says why.
+  bool isFree(const SetpointMotion& motion, int from, int to) {
+    return until(motion, from, to, true) == to;
+  }
+
+  struct Failure {
+    GuardReason reason = GuardReason::kPassed;
+    std::string_view a, b;
+  };
+  const Failure& failure() const { return failure_; }
+  bool isSpent() const { return !(left_ > 0); }
+  /// Since begin(); `work` is what it was charged.
+  EdgeCertifier::Statistics statistics() const;
+
+ private:
+  /// Where the obstacles can be from one time to another.
+  struct Slice {
+    double begin = 0, end = 0;  ///< [s]
+    std::shared_ptr<const CompiledScene> scene;
+    double most_margin = 0;  ///< of its pairs [m]
+  };
+  int until(const SetpointMotion& motion, int from, int to, bool all);
+  int untilAmongObstacles(const SetpointMotion& motion, int from, int to, bool all);
+  int untilIn(EdgeCertifier& certifier, double most_margin, const SetpointMotion& motion, int from,
+              int to, bool all);
+  /// How far rows between two are from their chord [m]; infinity: no chord is tried.
+  double growthOf(const SetpointMotion& motion, int from, int to);
+  bool edgeFree(EdgeCertifier& certifier, const SetpointMotion& motion, int from, int to,
+                double separation, std::int64_t most_work);
+  EdgeCertifier::Statistics sum() const;
+
+  std::shared_ptr<const CompiledScene> scene_;
+  double period_, horizon_;
+  Obstacles obstacles_;
+  std::shared_ptr<const CompiledScene> moving_scene_;
+  EdgeCertifier still_;
+  double still_margin_;
+  std::optional<EdgeCertifier> moving_;
+  std::vector<Slice> slices_;
+  Displacement displacement_;
+  std::vector<double> departure_, chord_;
+  double growth_limit_;
+  std::int64_t left_ = 0;  ///< work
+  EdgeCertifier::Statistics before_;
+  Failure failure_;
+};
+
+}  // namespace leeway::planner

@@ -1,0 +1,694 @@
+#include "leeway/planner/guard.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "leeway/collision/scene.h"
+#include "leeway/planner/configuration_space.h"
+#include "leeway/robots/input_error.h"
+#include "leeway/robots/kinematics.h"
+#include "planner/base/random.h"
+#include "tests/support/allocations.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/dense_truth.h"
+#include "tests/support/input_errors.h"
+#include "tests/support/small_problems.h"
+
+namespace leeway::planner {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+using Rows = std::vector<std::vector<double>>;
+
+std::vector<double> flat(const Rows& rows) {
+  std::vector<double> values;
+  for (const std::vector<double>& row : rows) values.insert(values.end(), row.begin(), row.end());
+  return values;
+}
+
+std::vector<double> startPoint(const Problem& problem) {
+  std::vector<double> point;
+  for (const int v : problem.robot.variables)
+    point.push_back(problem.start[static_cast<std::size_t>(v)]);
+  return point;
+}
+
+/// The slow twin: states of a motion by kinematics and distance queries.
+class Truth {
+ public:
+  explicit Truth(const Problem& problem)
+      : scene_(problem),
+        workspace_(scene_.scene()),
+        q_(scene_.model().variables.size()),
+        X_WL_(scene_.model().links.size()) {}
+
+  const ConfigurationSpace& space() const { return scene_.space(); }
+
+  bool touches(std::span<const double> point) {
+    scene_.expand(point, q_);
+    robots::forwardKinematics(scene_.model(), q_, X_WL_);
+    for (int b = 0; b < scene_.bodiesOfRobot(); ++b)
+      if (const int link = scene_.bodyLink(b); link >= 0)
+        workspace_.setPose(b, X_WL_[static_cast<std::size_t>(link)]);
+    return collision::decide(scene_.scene(), workspace_).verdict == collision::Verdict::kNotFree;
+  }
+
+  /// Whether some state of the motion through the rows touches, every `step` of a period. `errors`:
+  /// each state is off by random numbers of up to these.
+  bool touches(std::span<const double> start, std::span<const double> rows, double step,
+               std::span<const double> errors = {}) {
+    const std::size_t n = start.size();
+    std::vector<double> a(start.begin(), start.end()), b(n), point(n);
+    for (std::size_t k = 0; k * n < rows.size(); ++k) {
+      b.assign(rows.begin() + static_cast<std::ptrdiff_t>(k * n),
+               rows.begin() + static_cast<std::ptrdiff_t>((k + 1) * n));
+      for (double t = 0; t < 1 + step / 2; t += step) {
+        space().alongLine(a, b, std::min(t, 1.0), point);
+        for (std::size_t i = 0; i < errors.size(); ++i)
+          point[i] += random_.uniform(-errors[i], errors[i]);
+        if (touches(point)) return true;
+      }
+      a = b;
+    }
+    return false;
+  }
+
+ private:
+  CompiledScene scene_;
+  collision::Workspace workspace_;
+  std::vector<double> q_;
+  std::vector<robots::Pose> X_WL_;
+  Random random_{9, 0};
+};
+
+/// Whether an answer keeps the limits from a velocity and acceleration on, with rest at its end;
+/// both are set to those of the last row that passed.
+void expectLimits(const Guard& guard, std::vector<double>& velocity,
+                  std::vector<double>& acceleration) {
+  const GuardAnswer& answer = guard.answer();
+  const double T = guard.options().period;
+  const std::size_t n = answer.start.size();
+  const std::size_t rows = answer.motion.size() / n;
+  std::vector<double> then_velocity = velocity, then_acceleration = acceleration;
+  for (std::size_t i = 0; i < n; ++i) {
+    double p = answer.start[i], v = velocity[i], a = acceleration[i];
+    for (std::size_t k = 0; k < rows + 2; ++k) {
+      const double next = k < rows ? answer.motion[k * n + i] : p;
+      const double now = (next - p) / T, change = (now - v) / T;
+      EXPECT_LE(std::abs(now), guard.options().limits.velocity[i] * (1 + 1e-5) + 1e-9);
+      EXPECT_LE(std::abs(change), guard.options().limits.acceleration[i] * (1 + 1e-5) + 1e-9);
+      EXPECT_LE(std::abs(change - a) / T, guard.options().limits.jerk[i] * (1 + 1e-5) + 1e-6);
+      p = next;
+      v = now;
+      a = change;
+      if (k + 1 == static_cast<std::size_t>(answer.passed)) {
+        then_velocity[i] = v;
+        then_acceleration[i] = a;
+      }
+    }
+  }
+  velocity = then_velocity;
+  acceleration = then_acceleration;
+}
+
+/// Setpoints of a disc that goes on from x = -1 towards the wall at x = 0 at this speed [m/s],
+/// after having sped up.
+Rows towardsWall(double speed, double acceleration, double period, int count) {
+  Rows rows;
+  double x = -1, v = 0;
+  for (int k = 0; k < count; ++k) {
+    v = std::min(speed, v + acceleration * period);
+    x += v * period;
+    rows.push_back({x, -1, 0});
+  }
+  return rows;
+}
+
+TEST(Guard, PassesWhatHasRoomToStop) {
+  Problem problem = test::wallProblem();
+  problem.execution.velocities = {{"disc/x", 1}};
+  problem.execution.accelerations = {{"disc/x", 2}};
+  Guard guard(problem);
+  Truth truth(problem);
+  const std::vector<double> chunk = flat(towardsWall(0.8, 2, 0.02, 60));
+  const GuardAnswer& answer = guard.check({.setpoints = chunk});
+  EXPECT_TRUE(answer.certified);
+  EXPECT_FALSE(answer.goes_on);
+  EXPECT_EQ(answer.reason, GuardReason::kNotFree);
+  EXPECT_TRUE(answer.in_stop);
+  EXPECT_EQ(answer.a, "disc");
+  EXPECT_EQ(answer.b, "lower wall");
+  // The disc meets the wall at x = -0.15, and stops from 0.8 m/s within 0.16 m.
+  ASSERT_GT(answer.passed, 20);
+  const double last = chunk[3 * (static_cast<std::size_t>(answer.passed) - 1)];
+  EXPECT_GT(last, -0.34);
+  EXPECT_LT(last, -0.30);
+  EXPECT_FALSE(truth.touches(answer.start, answer.motion, 0.05));
+  EXPECT_LT(answer.motion[answer.motion.size() - 3], -0.15);
+  // Only a few edges have been asked for 60 setpoints.
+  EXPECT_LT(answer.edges, 30u);
+}
+
+TEST(Guard, AFreeChunkCostsTwoEdges) {
+  Guard guard(test::wallProblem());
+  const GuardAnswer& answer = guard.check({.setpoints = flat(towardsWall(0.2, 2, 0.02, 50))});
+  EXPECT_EQ(answer.passed, 50);
+  EXPECT_EQ(answer.reason, GuardReason::kPassed);
+  EXPECT_LE(answer.edges, 4u);
+  EXPECT_GT(answer.work, 0);
+}
+
+TEST(Guard, SaysWhichLimitAChunkBreaks) {
+  Problem problem = test::wallProblem();
+  problem.execution.velocities = {{"disc/x", 1}, {"disc/y", 1}};
+  problem.execution.accelerations = {{"disc/x", 2}, {"disc/y", 2}};
+  problem.execution.jerks = {{"disc/y", 50}};
+  const auto ask = [&](const Rows& rows) {
+    Guard guard(problem);
+    return guard.check({.setpoints = flat(rows)});
+  };
+  GuardAnswer answer = ask({{-1, -1, 0}, {-1 + 0.03, -1, 0}});
+  EXPECT_EQ(answer.reason, GuardReason::kLimit);
+  EXPECT_EQ(answer.passed, 1);
+  EXPECT_EQ(answer.limit, MotionLimit::kVelocity);
+  EXPECT_EQ(answer.variable, 0);
+  EXPECT_NEAR(answer.value, 1.5, 1e-9);
+  EXPECT_EQ(answer.allowed, 1);
+  answer = ask({{-1 - 0.002, -1, 0}});
+  EXPECT_EQ(answer.limit, MotionLimit::kAcceleration);
+  EXPECT_NEAR(answer.value, -5, 1e-9);
+  EXPECT_EQ(answer.allowed, -2);
+  EXPECT_TRUE(answer.certified);
+  EXPECT_TRUE(answer.motion.empty());
+  answer = ask({{-1, -1 + 0.0006, 0}});
+  EXPECT_EQ(answer.limit, MotionLimit::kJerk);
+  EXPECT_EQ(answer.variable, 1);
+  Guard guard(problem);
+  const std::vector<double> at_edge = {-1.9999, -1, 0}, beyond = {-2.0001, -1, 0};
+  answer = guard.check({.setpoints = beyond, .position = at_edge});
+  EXPECT_EQ(answer.limit, MotionLimit::kPosition);
+  EXPECT_EQ(answer.allowed, -2);
+  // A stop that leaves the limits does not pass, either.
+  Guard other(problem);
+  const std::vector<double> fast = {-0.5, 0, 0}, place = {-1.98, -1, 0}, next = {-1.99, -1, 0};
+  answer = other.check({.setpoints = next, .position = place, .velocity = fast});
+  EXPECT_EQ(answer.passed, 0);
+  EXPECT_TRUE(answer.in_stop);
+  EXPECT_EQ(answer.limit, MotionLimit::kPosition);
+  EXPECT_FALSE(answer.certified);
+}
+
+/// Chunks that go to a random place, with noise, within limits.
+class Policy {
+ public:
+  Policy(const Guard& guard, std::uint64_t seed, double noise)
+      : options_(guard.options()),
+        space_(guard.scene()->space()),
+        random_(seed, 0),
+        noise_(noise) {}
+
+  /// `elsewhere`: to another place than before.
+  std::vector<double> chunk(std::span<const double> start, std::span<const double> velocity,
+                            int count, bool elsewhere = false) {
+    const std::size_t n = start.size();
+    if (target_.empty() || elsewhere) {
+      target_.resize(n);
+      for (std::size_t i = 0; i < n; ++i) {
+        const double low = std::max(space_.lower(static_cast<int>(i)), -3.0);
+        const double high = std::min(space_.upper(static_cast<int>(i)), 3.0);
+        target_[i] = random_.uniform(low, high);
+      }
+    }
+    std::vector<double> p(start.begin(), start.end()), v(velocity.begin(), velocity.end()), rows;
+    for (int k = 0; k < count; ++k)
+      for (std::size_t i = 0; i < n; ++i) {
+        const double most = options_.limits.acceleration[i] * options_.period;
+        const double wanted =
+            std::clamp(2 * (target_[i] - p[i]) + random_.uniform(-noise_, noise_),
+                       -0.9 * options_.limits.velocity[i], 0.9 * options_.limits.velocity[i]);
+        v[i] += std::clamp(wanted - v[i], -most, most);
+        p[i] += v[i] * options_.period;
+        rows.push_back(p[i]);
+      }
+    return rows;
+  }
+
+ private:
+  const GuardOptions& options_;
+  const ConfigurationSpace& space_;
+  Random random_;
+  double noise_;
+  std::vector<double> target_;
+};
+
+struct Executed {
+  int chunks = 0, whole = 0, none = 0, touched = 0, edges = 0;
+};
+
+/// Runs a noisy policy behind a guard, and looks at all that it lets the robot do, and would let it
+/// do if the next call never came.
+Executed execute(const Problem& problem, const GuardOptions& options, std::uint64_t seed,
+                 int chunks, double step) {
+  Guard guard(problem, options);
+  Truth truth(problem);
+  Policy policy(guard, seed, 0.3);
+  std::vector<double> place = startPoint(problem), velocity(place.size()), acceleration(velocity);
+  Random random(seed, 7);
+  Executed done;
+  bool blocked = false;
+  for (int c = 0; c < chunks; ++c) {
+    const int count = 1 + static_cast<int>(random.uniform(0, 30));
+    const std::vector<double> chunk = policy.chunk(place, velocity, count, blocked || c % 8 == 0);
+    const GuardAnswer& answer = guard.check({.setpoints = chunk});
+    EXPECT_TRUE(answer.certified) << c;
+    EXPECT_LE(answer.passed, count);
+    EXPECT_TRUE(std::equal(answer.start.begin(), answer.start.end(), place.begin())) << c;
+    EXPECT_TRUE(std::equal(
+        chunk.begin(),
+        chunk.begin() +
+            static_cast<std::ptrdiff_t>(static_cast<std::size_t>(answer.passed) * place.size()),
+        answer.motion.begin()));
+    EXPECT_EQ(answer.passed == count, answer.reason == GuardReason::kPassed);
+    ++done.chunks;
+    blocked = answer.passed < count;
+    done.whole += answer.passed == count ? 1 : 0;
+    done.none += answer.passed == 0 ? 1 : 0;
+    done.touched += truth.touches(answer.start, answer.motion, step, options.joint_errors) ? 1 : 0;
+    done.edges += static_cast<int>(answer.edges);
+    expectLimits(guard, velocity, acceleration);
+    if (testing::Test::HasFailure()) return done;
+    // The robot goes through what passed; where nothing did, one period of the stop.
+    const std::size_t n = place.size(), rows = answer.motion.size() / n;
+    const std::size_t go = std::min(rows, static_cast<std::size_t>(std::max(1, answer.passed)));
+    const std::vector<double> before = place;
+    if (go > 0) {
+      const std::vector<double> way(answer.motion.begin(), answer.motion.end());
+      place.assign(way.begin() + static_cast<std::ptrdiff_t>((go - 1) * n),
+                   way.begin() + static_cast<std::ptrdiff_t>(go * n));
+      if (answer.passed == 0)
+        for (std::size_t i = 0; i < n; ++i) {
+          const double v = (place[i] - answer.start[i]) / options.period;
+          acceleration[i] = (v - velocity[i]) / options.period;
+          velocity[i] = v;
+        }
+    } else {
+      for (std::size_t i = 0; i < n; ++i) {
+        acceleration[i] = 0;
+        velocity[i] = 0;
+      }
+    }
+  }
+  return done;
+}
+
+class ShippedProblems : public testing::TestWithParam<const char*> {};
+
+TEST_P(ShippedProblems, NothingTouchesBehindAGuard) {
+  const Problem problem =
+      loadProblem(leeway::sourceFolder() + "/problems/" + std::string(GetParam()));
+  const Executed done = execute(problem, {}, 3, 40, 0.05);
+  EXPECT_EQ(done.touched, 0);
+  EXPECT_GT(done.whole, 1);
+  EXPECT_LT(done.whole, done.chunks);
+  RecordProperty("whole", done.whole);
+}
+
+TEST_P(ShippedProblems, NorWithTrackingErrors) {
+  const Problem problem =
+      loadProblem(leeway::sourceFolder() + "/problems/" + std::string(GetParam()));
+  GuardOptions options;
+  options.joint_errors.assign(problem.robot.variables.size(), 0.0005);
+  const Executed done = execute(problem, options, 5, 25, 0.1);
+  EXPECT_EQ(done.touched, 0);
+}
+
+TEST_P(ShippedProblems, NorWithLimitsOnJerk) {
+  Problem problem = loadProblem(leeway::sourceFolder() + "/problems/" + std::string(GetParam()));
+  GuardOptions options;
+  options.limits = motionLimits(problem);
+  for (std::size_t i = 0; i < options.limits.velocity.size(); ++i)
+    options.limits.jerk[i] = 2.2 * options.limits.acceleration[i] / options.period;
+  const Executed done = execute(problem, options, 4, 25, 0.1);
+  EXPECT_EQ(done.touched, 0);
+  EXPECT_GT(done.whole, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Guard, ShippedProblems,
+                         testing::Values("shelf/reach.yaml", "dual_arm/swap.yaml", "bin/pick.yaml",
+                                         "snake/clutter.yaml", "table/posts.yaml",
+                                         "mesh/tote.yaml"),
+                         [](const auto& file) {
+                           const std::string name = file.param;
+                           return name.substr(0, name.find('/'));
+                         });
+
+TEST(Guard, WhenNothingPassesItStopsOnTheWayThatIsProven) {
+  Problem problem = test::wallProblem();
+  Guard guard(problem);
+  const Rows rows = towardsWall(0.3, 2, 0.02, 20);
+  ASSERT_EQ(guard.check({.setpoints = flat(rows)}).passed, 20);
+  // A jump of half a metre does not pass: the robot brakes from where it is.
+  const GuardAnswer& answer = guard.check({.setpoints = std::vector<double>{0, -1, 0}});
+  EXPECT_EQ(answer.passed, 0);
+  EXPECT_TRUE(answer.certified);
+  EXPECT_FALSE(answer.goes_on);
+  EXPECT_EQ(answer.reason, GuardReason::kLimit);
+  EXPECT_EQ(answer.start[0], rows.back()[0]);
+  ASSERT_GT(answer.motion.size(), 3u);
+  EXPECT_GT(answer.motion[0], answer.start[0]);
+}
+
+TEST(Guard, WithoutWorkThereIsTheStopOfTheLastAnswer) {
+  Problem problem = test::wallProblem();
+  GuardOptions options;
+  options.work = 1;  // one edge
+  Guard guard(problem, options);
+  const GuardAnswer& first = guard.check({.setpoints = flat(towardsWall(0.3, 2, 0.02, 20))});
+  EXPECT_EQ(first.passed, 0);
+  EXPECT_EQ(first.reason, GuardReason::kWork);
+  EXPECT_FALSE(first.certified);           // nothing has been proven yet
+  EXPECT_TRUE(guard.check({}).certified);  // standing is one edge
+  const GuardAnswer& later = guard.check({.setpoints = flat(towardsWall(0.3, 2, 0.02, 20))});
+  EXPECT_EQ(later.reason, GuardReason::kWork);
+  EXPECT_TRUE(later.certified);
+  EXPECT_TRUE(later.goes_on);
+  EXPECT_TRUE(later.motion.empty());
+}
+
+TEST(Guard, AnEmptyChunkStops) {
+  Guard guard(test::wallProblem());
+  guard.check({.setpoints = flat(towardsWall(0.3, 2, 0.02, 20))});
+  const GuardAnswer& answer = guard.check({});
+  EXPECT_EQ(answer.reason, GuardReason::kPassed);
+  EXPECT_TRUE(answer.certified);
+  EXPECT_GT(answer.motion.size(), 0u);
+}
+
+TEST(Guard, ALateCallFindsTheRobotOnItsStop) {
+  Guard guard(test::wallProblem());
+  const Rows rows = towardsWall(0.3, 2, 0.02, 20);
+  const GuardAnswer& first = guard.check({.setpoints = flat(rows)});
+  const std::vector<double> motion(first.motion.begin(), first.motion.end());
+  const double T = 0.02, begin = first.time;
+  // On a row of the stop, between two rows, and after its end.
+  const GuardAnswer& on_row = guard.check({.time = begin + 22 * T});
+  EXPECT_NEAR(on_row.start[0], motion[3 * 21], 1e-12);
+  EXPECT_TRUE(on_row.certified);
+  const std::vector<double> left(on_row.motion.begin(), on_row.motion.end());
+  const GuardAnswer& between = guard.check({.time = begin + 23.5 * T});
+  EXPECT_NEAR(between.start[0], (left[0] + left[3]) / 2, 1e-12);
+  const GuardAnswer& after = guard.check({.time = begin + 1000 * T});
+  EXPECT_TRUE(after.motion.empty());
+  EXPECT_TRUE(after.certified);
+  EXPECT_NEAR(after.time, begin + 1000 * T, 1e-12);
+}
+
+TEST(Guard, BadRequestsStopTheRobot) {
+  Problem problem = test::wallProblem();
+  const std::vector<double> good = flat(towardsWall(0.3, 2, 0.02, 3));
+  const std::vector<double> nan_setpoint = {-1, kNan, 0}, short_row = {-1, -1};
+  const std::vector<double> many(3 * 65, 0.0), nan_state = {kNan, 0, 0}, short_state = {0};
+  const GuardRequest requests[] = {{.setpoints = nan_setpoint},
+                                   {.setpoints = short_row},
+                                   {.setpoints = many},
+                                   {.setpoints = good, .position = nan_state},
+                                   {.setpoints = good, .position = short_state},
+                                   {.setpoints = good, .velocity = nan_state},
+                                   {.setpoints = good, .time = kNan},
+                                   {.setpoints = good, .time = kInfinite},
+                                   {.setpoints = good, .time = -1}};
+  for (const GuardRequest& request : requests) {
+    Guard guard(problem);
+    for (int round = 0; round < 2; ++round) {
+      const GuardAnswer& answer = guard.check(request);
+      EXPECT_EQ(answer.reason, GuardReason::kInvalid);
+      EXPECT_EQ(answer.passed, 0);
+      EXPECT_TRUE(answer.certified);
+      EXPECT_EQ(guard.check({.setpoints = good}).passed, round == 0 ? 3 : 0);
+      EXPECT_TRUE(guard.answer().certified);
+    }
+  }
+}
+
+TEST(Guard, AMeasuredStateIsComparedWithTheMotion) {
+  Problem problem = test::wallProblem();
+  GuardOptions options;
+  options.joint_errors = {0.01, 0.01, 0.01};
+  Guard guard(problem, options);
+  const Rows rows = towardsWall(0.3, 2, 0.02, 20);
+  guard.check({.setpoints = flat(rows)});
+  std::vector<double> measured = rows.back();
+  measured[0] += 0.005;
+  const GuardAnswer& near = guard.check({.position = measured});
+  EXPECT_EQ(near.start[0], rows.back()[0]);  // the motion goes on where the controller has it
+  measured = {-1.5, 1.2, 0};
+  const GuardAnswer& far = guard.check({.position = measured});
+  EXPECT_EQ(far.start[0], -1.5);
+  EXPECT_TRUE(far.certified);  // there is room for a stop
+  measured = {-0.1, 0, 0};     // in the wall
+  const GuardAnswer& inside = guard.check({.position = measured});
+  EXPECT_FALSE(inside.certified);
+  EXPECT_EQ(inside.reason, GuardReason::kNotFree);
+  EXPECT_EQ(inside.b, "lower wall");
+}
+
+TEST(Guard, CallsAllocateNothing) {
+  const Problem problem = loadProblem(leeway::sourceFolder() + "/problems/shelf/reach.yaml");
+  Guard guard(problem);
+  Policy policy(guard, 1, 0.3);
+  const std::vector<double> start = startPoint(problem), rest(start.size());
+  std::vector<std::vector<double>> chunks;
+  for (int c = 0; c < 30; ++c) chunks.push_back(policy.chunk(start, rest, 40));
+  const std::vector<double> bad(3, kNan);
+  const std::size_t before = collision::testing::allocationCount();
+  for (const std::vector<double>& chunk : chunks) {
+    guard.check({.setpoints = chunk});
+    guard.check({.setpoints = bad});
+    guard.check({.position = start});
+  }
+  EXPECT_EQ(collision::testing::allocationCount(), before);
+}
+
+TEST(Guard, TheSameCallsGiveTheSameAnswers) {
+  const Problem problem = loadProblem(leeway::sourceFolder() + "/problems/shelf/reach.yaml");
+  std::vector<double> answers[2];
+  for (std::vector<double>& values : answers) {
+    Guard guard(problem);
+    Policy policy(guard, 2, 0.5);
+    std::vector<double> start = startPoint(problem), rest(start.size());
+    for (int c = 0; c < 30; ++c) {
+      const GuardAnswer& answer = guard.check({.setpoints = policy.chunk(start, rest, 20)});
+      values.push_back(answer.passed);
+      values.push_back(static_cast<double>(answer.edges));
+      values.insert(values.end(), answer.motion.begin(), answer.motion.end());
+    }
+  }
+  EXPECT_EQ(answers[0], answers[1]);
+}
+
+TEST(Guard, RefusesWhatItDoesNotGuard) {
+  const auto expect = [](auto change, std::initializer_list<std::string> words) {
+    Problem problem = test::wallProblem();
+    problem.name = "wall";
+    GuardOptions options;
+    change(problem, options);
+    robots::expectInputError([&] { Guard(problem, options); }, "wall", 0, words);
+  };
+  expect([](Problem&, GuardOptions& o) { o.period = 0; }, {"period is 0", "0.0001"});
+  expect([](Problem&, GuardOptions& o) { o.period = kNan; }, {"period is nan"});
+  expect([](Problem&, GuardOptions& o) { o.most_setpoints = 0; }, {"most_setpoints is 0"});
+  expect([](Problem&, GuardOptions& o) { o.work = 0; }, {"work is 0"});
+  expect([](Problem&, GuardOptions& o) { o.horizon = kInfinite; }, {"horizon is inf"});
+  expect([](Problem&, GuardOptions& o) { o.point_error = -1; }, {"point_error is -1"});
+  expect([](Problem&, GuardOptions& o) { o.joint_errors = {1}; }, {"joint_errors has 1", "3"});
+  expect([](Problem&, GuardOptions& o) { o.joint_errors = {0, 0, 1}; }, {"joint_errors", "1 rad"});
+  expect([](Problem&, GuardOptions& o) { o.joint_errors = {1, -1, 0}; }, {"joint_errors[1] is -1"});
+  expect(
+      [](Problem&, GuardOptions& o) {
+        o.limits = {{1, 0, 1}, {1, 1, 1}, {}};
+      },
+      {"limits.velocity[1] is 0"});
+  expect(
+      [](Problem&, GuardOptions& o) {
+        o.limits = {{1, 1, 1}, {}, {}};
+      },
+      {"limits.acceleration has 0"});
+  expect([](Problem& p, GuardOptions&) { p.steps.push_back({"line", LineStep{}, {}}); }, {"steps"});
+  expect(
+      [](Problem& p, GuardOptions&) {
+        p.robot.model =
+            robots::freeBody("disc", {}, robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
+      },
+      {"no pair is checked"});
+  Problem flyer = test::problemOf(test::flyingBox(), {0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 1});
+  flyer.world.objects.push_back(test::box("box", {0.1, 0.1, 0.1}, 0.8, 0.8, 0.8));
+  robots::expectInputError([&] { Guard{flyer}; }, "test", 0, {"floating"});
+}
+
+// -------------------------------------------------------------------------------------------------
+// Obstacles that move
+
+/// An upright sheet across the disc's way at x = 0, 0.4 high, from y = 0.95 to 1.45.
+const std::vector<Eigen::Vector3d> kSheet = {
+    {0, 0.95, -0.2}, {0, 1.45, -0.2}, {0, 0.95, 0.2}, {0, 1.45, 0.2}};
+const std::vector<collision::DeformableMesh::Triangle> kSheetTriangles = {{0, 1, 3}, {0, 3, 2}};
+
+std::vector<Eigen::Vector3d> sheetAt(double x) {
+  std::vector<Eigen::Vector3d> vertices = kSheet;
+  for (Eigen::Vector3d& v : vertices) v.x() += x;
+  return vertices;
+}
+
+/// The disc is left of the gap at y = 1.2, through which the sheet comes.
+Problem sheetProblem(std::shared_ptr<const collision::VertexMotion> motion, double x,
+                     double speed_bound = kInfinite) {
+  Problem problem = test::wallProblem();
+  problem.start = {-1, 1.2, 0};
+  problem.goals = {test::pointGoal("goal", {1, 1.2, 0})};
+  problem.execution.velocities = {{"disc/x", 1}, {"disc/y", 1}};
+  problem.execution.accelerations = {{"disc/x", 5}, {"disc/y", 5}};
+  problem.world.deforming.push_back(
+      makeDeformingObstacle("sheet", collision::DeformableMesh::make(sheetAt(x), kSheetTriangles),
+                            std::move(motion), {}, 0, {}, speed_bound));
+  return problem;
+}
+
+std::vector<double> still(const std::vector<double>& place, int count) {
+  std::vector<double> rows;
+  for (int k = 0; k < count; ++k) rows.insert(rows.end(), place.begin(), place.end());
+  return rows;
+}
+
+TEST(Guard, AKnownMotionIsFollowed) {
+  // The sheet comes from x = 1 at 0.5 m/s; the disc goes towards it at 0.4 m/s from x = -1.
+  collision::MorphMotion keys;
+  keys.references = {sheetAt(1), sheetAt(-1)};
+  keys.keys = {{0, {1, 0}}, {4, {0, 1}}};
+  const Problem problem = sheetProblem(collision::VertexMotion::morph(keys), 1);
+  Guard guard(problem);
+  std::vector<TimedPoint> executed = {{0, {-1, 1.2, 0}}};
+  std::vector<double> place = {-1, 1.2, 0};
+  double v = 0;
+  int passed = 0, stopped = 0;
+  for (int c = 0; c < 30; ++c) {
+    guard.look(guard.nextTime());
+    std::vector<double> rows;
+    double x = place[0], speed = v;
+    for (int k = 0; k < 5; ++k) {
+      speed = std::min(0.4, speed + 5 * 0.02);
+      x += speed * 0.02;
+      rows.insert(rows.end(), {x, 1.2, 0});
+    }
+    const GuardAnswer& answer = guard.check({.setpoints = rows});
+    if (!answer.certified) break;  // the sheet has come to a robot at rest
+    const int go = std::max(1, answer.passed);
+    for (int k = 0; k < go; ++k) {
+      const std::size_t row = 3 * static_cast<std::size_t>(k);
+      if (row < answer.motion.size())
+        place.assign(answer.motion.begin() + static_cast<std::ptrdiff_t>(row),
+                     answer.motion.begin() + static_cast<std::ptrdiff_t>(row + 3));
+      executed.push_back({answer.time + (k + 1) * 0.02, place});
+    }
+    v = answer.passed > 0 ? 0.4 : 0;
+    passed += answer.passed;
+    stopped += answer.passed == 0 ? 1 : 0;
+    if (stopped > 0) break;
+  }
+  EXPECT_GT(passed, 40);
+  EXPECT_GT(stopped, 0);
+  EXPECT_GT(test::denseClearance(problem, executed, 0.001, 1), 0);
+}
+
+TEST(Guard, ASpeedBoundGrowsWithAge) {
+  Problem problem = sheetProblem(nullptr, 0);
+  Guard guard(problem);
+  const auto passed = [&](double bound, double age) {
+    Guard fresh(problem);
+    EXPECT_EQ(fresh.setVertices("sheet", sheetAt(0), 0, bound), Observation::kTaken);
+    fresh.look(age);
+    // The disc's edge is 0.9 m from the sheet; it stands there for 50 periods.
+    return fresh.check({.setpoints = still({-1, 1.2, 0}, 50), .time = age}).passed;
+  };
+  EXPECT_EQ(passed(0, 0), 50);
+  EXPECT_EQ(passed(0.5, 0), 50);    // 0.5 m in 1 s
+  EXPECT_EQ(passed(0.5, 0.5), 50);  // 0.75 m
+  const int later = passed(0.5, 1.2);
+  EXPECT_GT(later, 10);
+  EXPECT_LT(later, 31);  // 0.9 m are reached at 1.8 s
+  EXPECT_EQ(passed(0.5, 1.9), 0);
+  EXPECT_EQ(passed(kInfinite, 0), 0);
+  EXPECT_EQ(passed(10, 0.05), 1);  // the first slices are short
+}
+
+TEST(Guard, ObservationsThatFailStopTheRobotUntilTheyAreGoodAgain) {
+  Problem problem = sheetProblem(nullptr, 0);
+  GuardOptions options;
+  options.horizon = 1;
+  Guard guard(problem, options);
+  const std::vector<double> here = still({-1, 1.2, 0}, 10);
+  EXPECT_EQ(guard.check({.setpoints = here}).passed, 0);  // never seen: no bound
+  ASSERT_EQ(guard.setVertices("sheet", sheetAt(0), 0.2, 0.2), Observation::kTaken);
+  guard.look(0.2);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 0.2}).passed, 10);
+  // Refused ones leave the last one.
+  std::vector<Eigen::Vector3d> bad = sheetAt(0);
+  bad[2].y() = kNan;
+  EXPECT_EQ(guard.setVertices("sheet", bad, 0.3, 0.2), Observation::kInvalid);
+  bad.resize(3);
+  EXPECT_EQ(guard.setVertices("sheet", bad, 0.3, 0.2), Observation::kInvalid);
+  EXPECT_EQ(guard.setVertices("sheet", sheetAt(0), 0.1, 0.2), Observation::kLate);
+  EXPECT_EQ(guard.setVertices("sheet", sheetAt(0), kNan, 0.2), Observation::kLate);
+  EXPECT_THROW(guard.setVertices("curtain", sheetAt(0), 0.3, 0.2), std::invalid_argument);
+  EXPECT_THROW(guard.setVertices("sheet", sheetAt(0), 0.3, -1), std::invalid_argument);
+  EXPECT_THROW(guard.look(kNan), std::invalid_argument);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 0.4}).passed, 10);
+  // Without another look, the bounds end at 1.2 s.
+  const GuardAnswer& late = guard.check({.setpoints = here, .time = 1.1});
+  EXPECT_EQ(late.reason, GuardReason::kStale);
+  EXPECT_LT(late.passed, 6);
+  // A jump of 0.4 m in 1 s at 0.2 m/s: nothing passes, and another stop is proven.
+  EXPECT_EQ(guard.setVertices("sheet", sheetAt(0.4), 1.2, 0.2), Observation::kJumped);
+  guard.look(1.2);
+  const GuardAnswer& jumped = guard.check({.setpoints = here, .time = 1.25});
+  EXPECT_EQ(jumped.reason, GuardReason::kJumped);
+  EXPECT_EQ(jumped.a, "sheet");
+  EXPECT_EQ(jumped.passed, 0);
+  EXPECT_TRUE(jumped.certified);
+  EXPECT_EQ(guard.setVertices("sheet", sheetAt(0.41), 1.3, 0.2), Observation::kTaken);
+  guard.look(1.3);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 1.3}).passed, 10);
+}
+
+TEST(Guard, ARobotAtRestIsNotCertifiedWhereSomethingMayReachIt) {
+  Problem problem = sheetProblem(nullptr, 0);
+  Guard guard(problem);
+  ASSERT_EQ(guard.setVertices("sheet", sheetAt(-0.85), 0.1, 1), Observation::kTaken);
+  guard.look(0.2);
+  const GuardAnswer& answer = guard.check({.time = 0.2});
+  EXPECT_FALSE(answer.certified);
+  EXPECT_EQ(answer.b, "sheet");
+  ASSERT_NE(guard.setVertices("sheet", sheetAt(0), 0.3, 0.1), Observation::kInvalid);
+  guard.look(0.3);
+  EXPECT_TRUE(guard.check({.time = 0.3}).certified);
+}
+
+TEST(Guard, CallsAmongObstaclesAllocateNothing) {
+  Problem problem = sheetProblem(nullptr, 0);
+  Guard guard(problem);
+  const std::vector<double> here = still({-1, 1.2, 0}, 30);
+  for (int k = 0; k < 3; ++k) {
+    guard.setVertices("sheet", sheetAt(0.01 * k), 0.1 * k, 0.3);
+    guard.look(0.1 * k);
+    const std::size_t before = collision::testing::allocationCount();
+    EXPECT_GT(guard.check({.setpoints = here, .time = 0.1 * k}).passed, 0);
+    EXPECT_EQ(collision::testing::allocationCount(), before) << k;
+  }
+}
+
+}  // namespace
+}  // namespace leeway::planner
