@@ -6,8 +6,9 @@
 namespace leeway::tools::testing {
 namespace {
 
-const char* const kVerbs[] = {"plan", "check", "verify", "clearance", "replan", "batch",  "info",
-                              "lint", "srdf",  "ik",     "fk",        "view",   "manual", "report"};
+const char* const kVerbs[] = {"plan",  "check", "verify", "clearance", "replan",
+                              "guard", "batch", "info",   "lint",      "srdf",
+                              "ik",    "fk",    "view",   "manual",    "report"};
 
 class Usage : public CommandTest {};
 

@@ -24,9 +24,9 @@ constexpr const char* kReport = "report";
 
 std::vector<Verb> addVerbs(CLI::App& app) {
   std::vector<Verb> verbs = {addPlan(app),   addCheck(app), addVerify(app), addClearance(app),
-                             addReplan(app), addBatch(app), addInfo(app),   addLint(app),
-                             addSrdf(app),   addIk(app),    addFk(app),     addView(app),
-                             addManual(app)};
+                             addReplan(app), addGuard(app), addBatch(app),  addInfo(app),
+                             addLint(app),   addSrdf(app),  addIk(app),     addFk(app),
+                             addView(app),   addManual(app)};
   app.add_subcommand(kReport, "measurements of the engine");  // for --help: see startReport()
   return verbs;
 }

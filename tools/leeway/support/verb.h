@@ -17,6 +17,7 @@ Verb addCheck(CLI::App& command);
 Verb addVerify(CLI::App& command);
 Verb addClearance(CLI::App& command);
 Verb addReplan(CLI::App& command);
+Verb addGuard(CLI::App& command);
 Verb addBatch(CLI::App& command);
 Verb addInfo(CLI::App& command);
 Verb addIk(CLI::App& command);

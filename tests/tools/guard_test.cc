@@ -1,0 +1,222 @@
+#include <cmath>
+#include <regex>
+#include <set>
+
+#include "tests/support/command.h"
+
+namespace leeway::tools::testing {
+namespace {
+
+class GuardVerb : public CommandTest {
+ protected:
+  /// Runs `leeway guard` with this standard input.
+  Answer guard(const std::string& arguments, const std::string& input) const {
+    write("input", input);
+    return run("guard " + arguments + " <input");
+  }
+};
+
+/// Rows in which the shoulder turns towards the post, faster by 0.02 rad/s in each period.
+std::string towardsThePost(int count) {
+  json rows = json::array();
+  double shoulder = -1, speed = 0;
+  for (int k = 0; k < count; ++k) {
+    speed = std::min(0.5, speed + 0.02);
+    shoulder += speed * 0.02;
+    rows.push_back({shoulder, 0});
+  }
+  return rows.dump();
+}
+
+/// Keys of a document and of its nested values.
+void collectKeys(const json& value, std::set<std::string>& keys) {
+  if (!value.is_object()) return;
+  for (const auto& [key, below] : value.items()) {
+    keys.insert(key);
+    collectKeys(below, keys);
+  }
+}
+
+TEST_F(GuardVerb, AnswersEachLine) {
+  const Answer answer = guard("reach.yaml", towardsThePost(30) + "\n\n# nothing\n[]\n");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_EQ(answer.err, "");
+  const std::vector<json> lines = answer.lines();
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0]["line"], 1);
+  EXPECT_EQ(lines[0]["seed"], 7);
+  EXPECT_EQ(lines[0]["time"], 0);
+  EXPECT_EQ(lines[0]["setpoints"], 30);
+  EXPECT_EQ(lines[0]["passed"], 30);
+  EXPECT_EQ(lines[0]["reason"], "passed");
+  EXPECT_EQ(lines[0]["certified"], true);
+  EXPECT_EQ(lines[0]["start"], json::parse("[-1, 0]"));
+  EXPECT_GT(lines[0]["motion"].size(), 30u);
+  EXPECT_GT(lines[0]["counts"]["edges"], 0);
+  // A line without setpoints stops the robot at the end of the last answer's setpoints.
+  EXPECT_EQ(lines[1]["line"], 4);
+  EXPECT_NEAR(lines[1]["time"].get<double>(), 0.6, 1e-12);
+  EXPECT_EQ(lines[1]["start"], lines[0]["motion"][29]);
+  EXPECT_EQ(lines[1]["motion"].size(), lines[0]["motion"].size() - 30);
+}
+
+TEST_F(GuardVerb, SaysWhatIsInTheWay) {
+  const Answer answer = guard("reach.yaml --most-setpoints 200", towardsThePost(150) + "\n");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const json line = answer.document();
+  EXPECT_LT(line["passed"], 130);
+  EXPECT_GT(line["passed"], 60);
+  EXPECT_EQ(line["reason"], "not_free");
+  EXPECT_EQ(line["in_stop"], true);
+  EXPECT_EQ(line["pair"]["a"], "lower");
+  EXPECT_EQ(line["pair"]["b"], "post");
+  // An arm that may be off by more stops earlier.
+  const json off = guard("reach.yaml --most-setpoints 200 --joint-error shoulder=0.05,elbow=0.01",
+                         towardsThePost(150) + "\n")
+                       .document();
+  EXPECT_LT(off["passed"], line["passed"]);
+  EXPECT_GT(off["passed"], 0);
+  const json far = guard("reach.yaml --most-setpoints 200 --point-error 0.05 --joint-error 0.001",
+                         towardsThePost(150) + "\n")
+                       .document();
+  EXPECT_LT(far["passed"], line["passed"]);
+}
+
+TEST_F(GuardVerb, ReadsRowsOfNumbers) {
+  // The second row has two setpoints; the header has the joints in another order.
+  const Answer answer =
+      guard("reach.yaml", "elbow,shoulder\n0,-0.9995\r\n0, -0.999, 0.0002,-0.9985\n");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const std::vector<json> lines = answer.lines();
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0]["motion"][0], json::parse("[-0.9995, 0.0]"));
+  EXPECT_EQ(lines[1]["passed"], 2);
+  EXPECT_EQ(lines[1]["motion"][1], json::parse("[-0.9985, 0.0002]"));
+}
+
+TEST_F(GuardVerb, SaysWhichLimitWouldBeBroken) {
+  const json line = guard("reach.yaml", "-0.9,0\n").document();
+  EXPECT_EQ(line["passed"], 0);
+  EXPECT_EQ(line["reason"], "limit");
+  EXPECT_EQ(line["joint"], "shoulder");
+  EXPECT_EQ(line["limit"], "velocity");
+  EXPECT_NEAR(line["value"].get<double>(), 5, 1e-9);
+  EXPECT_EQ(line["allowed"], 1);
+}
+
+TEST_F(GuardVerb, WrongLinesStopTheRobotAndTheNextAreRead) {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"1", "1 numbers; 2, or a multiple of that, are expected"},
+      {"[1, 2]", "setpoints[0] is 1; a list of 2 numbers is expected"},
+      {"[[1, \"x\"]]", "setpoints[0] is \"x\"; a number is expected"},
+      {"{", "this is no JSON"},
+      {"{\"setpoint\": []}", "'setpoint' is no key; did you mean 'setpoints'?"},
+      {"{\"position\": [1]}", "position is [1]; a list of 2 numbers is expected"},
+      {"{\"time\": \"now\"}", "time is \"now\"; a number is expected"},
+      {"{\"observe\": {}}", "observe has no 'object'"},
+      {"{\"observe\": {\"object\": \"post\", \"vertices\": [], \"time\": 0, \"speed_bound\": 0}}",
+       "there is no deforming obstacle 'post'"},
+      {"{\"observe\": 1}", "observe is no object"},
+      {"{\"observe\": {}, \"time\": 1}", "'time' is no key"}};
+  for (const auto& [text, message] : wrong) {
+    const Answer answer = guard("reach.yaml", "-1,0\n" + std::string(text) + "\n-1,0\n");
+    EXPECT_EQ(answer.status, 2) << text;
+    EXPECT_EQ(answer.err.rfind("standard input:2: ", 0), 0u) << answer.err;
+    EXPECT_NE(answer.err.find(message), std::string::npos) << answer.err;
+    const std::vector<json> lines = answer.lines();
+    ASSERT_EQ(lines.size(), 3u) << text;
+    EXPECT_EQ(lines[1]["reason"], "invalid");
+    EXPECT_EQ(lines[1]["passed"], 0);
+    EXPECT_EQ(lines[1]["certified"], true);
+    EXPECT_NE(lines[1]["message"].get<std::string>().find(message), std::string::npos);
+    EXPECT_EQ(lines[2]["passed"], 1);
+  }
+  const Answer header = guard("reach.yaml", "elbow,shoulde\n-1,0\n");
+  EXPECT_EQ(header.status, 2);
+  EXPECT_NE(header.err.find("did you mean 'shoulder'?"), std::string::npos) << header.err;
+  EXPECT_EQ(guard("reach.yaml", "elbow,elbow\n").status, 2);
+  EXPECT_EQ(guard("reach.yaml", "elbow\n").status, 2);
+  // Numbers that are not finite are a fault of the policy, and stop the robot as well.
+  const Answer nan = guard("reach.yaml", "nan,0\n");
+  EXPECT_EQ(nan.status, 0);
+  EXPECT_EQ(nan.document()["reason"], "invalid");
+}
+
+TEST_F(GuardVerb, ARobotThatIsNotCertifiedIsStatus1) {
+  write("start.yaml", kInvalidStart);
+  const Answer answer = guard("start.yaml", "0,0\n");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_EQ(answer.document()["certified"], false);
+  EXPECT_EQ(guard("start.yaml", "").status, 0);  // nothing was asked
+}
+
+TEST_F(GuardVerb, RefusesWhatItCannotGuard) {
+  expectRefused("guard reach.yaml --period 0", {"--period: 0"});
+  expectRefused("guard reach.yaml --joint-error x=1", {"--joint-error", "no planned joint 'x'"});
+  expectRefused("guard reach.yaml --joint-error -1", {"joint_errors[0] is -1"});
+  expectRefused("guard reach.yaml --joint-error 0,1", {"--joint-error"});
+  expectRefused("guard reach.yaml --work 0", {"--work: 0"});
+  expectRefused("guard reach.yaml --horizon nan", {"--horizon: nan"});
+  expectRefused("guard nowhere.yaml", {"nowhere.yaml"});
+}
+
+/// A sheet in the way of the arm, whose vertices the input gives.
+const char* const kSheet = R"(leeway: 1
+robot: {urdf: arm.urdf, srdf: arm.srdf, group: arm}
+start: right
+goal: left
+deforming:
+  - name: sheet
+    position: [0.85, 0, 0]
+    rpy: [1.5707963267948966, 0, 0]
+    grid: {size: [0.2, 0.2], cells: [1, 1]}
+    motion:
+      morph:
+        references: [{}, {bumps: [{center: [0, 0, 0], radius: 99, by: [0, 0, 0.1]}]}]
+        keys: [{time: 0, weights: [1, 0]}, {time: 1, weights: [0, 1]}]
+allowed: [[base, sheet]]
+)";
+
+TEST_F(GuardVerb, FollowsObstaclesThatDeform) {
+  write("sheet.yaml", kSheet);
+  const std::string still = "[[-1,0],[-1,0],[-1,0]]\n";
+  const auto observe = [](double x, double time) {
+    return json({{"observe",
+                  {{"object", "sheet"},
+                   {"vertices", {{x, -0.1, 0}, {x + 0.2, -0.1, 0}, {x, 0.1, 0}, {x + 0.2, 0.1, 0}}},
+                   {"time", time},
+                   {"speed_bound", 0.1}}}})
+               .dump() +
+           "\n";
+  };
+  const Answer answer =
+      guard("sheet.yaml", still + observe(-0.1, 0.1) + still + observe(0.5, 0.1) + still +
+                              observe(0.5, 0.2) + still + observe(0.5, 0.1));
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const std::vector<json> lines = answer.lines();
+  ASSERT_EQ(lines.size(), 8u);
+  EXPECT_EQ(lines[0]["passed"], 3);  // by its motion
+  EXPECT_EQ(lines[1]["observation"], "taken");
+  EXPECT_FALSE(lines[1].contains("motion"));
+  EXPECT_EQ(lines[2]["passed"], 3);
+  EXPECT_EQ(lines[3]["observation"], "jumped");
+  EXPECT_EQ(lines[4]["reason"], "jumped");
+  EXPECT_EQ(lines[4]["pair"]["a"], "sheet");
+  EXPECT_EQ(lines[5]["observation"], "taken");
+  EXPECT_EQ(lines[6]["passed"], 3);
+  EXPECT_EQ(lines[7]["observation"], "late");
+}
+
+TEST_F(GuardVerb, HelpExplainsEveryKey) {
+  write("sheet.yaml", kSheet);
+  const Answer answer = guard("reach.yaml", towardsThePost(5) + "\n[[9,9]]\n");
+  std::set<std::string> keys;
+  for (const json& line : answer.lines()) collectKeys(line, keys);
+  keys.insert("observation");
+  const std::string help = run("guard --help").out;
+  for (const std::string& key : keys)
+    EXPECT_TRUE(std::regex_search(help, std::regex("\\b" + key + "\\b"))) << key;
+}
+
+}  // namespace
+}  // namespace leeway::tools::testing

@@ -1,0 +1,434 @@
+#include "leeway/planner/guard.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "leeway/planner/compiled_scene.h"
+#include "leeway/robots/input_error.h"
+#include "planner/base/did_you_mean.h"
+#include "tools/leeway/support/exit_status.h"
+#include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/plan_overrides.h"
+#include "tools/leeway/support/problem_source.h"
+#include "tools/leeway/support/robot_state.h"
+#include "tools/leeway/support/terminal.h"
+#include "tools/leeway/support/verb.h"
+
+namespace leeway::tools {
+namespace {
+
+constexpr const char* kStandardInput = "standard input";
+/// Longer lines are refused [B].
+constexpr std::size_t kLongestLine = std::size_t{1} << 26U;
+
+// Input and output, for --help. A test checks that all keys of the output are here.
+constexpr const char* kKeys =
+    R"(Each line of standard input is a request, and is answered at once by one JSON document.
+  1.0,0.2,...             a setpoint for each planned joint, in the order of the group, or in that
+                          of a first line with their names; more numbers: the setpoints after it
+  [[...], [...]]          setpoints, one a period
+  {...}                   keys: setpoints; position, velocity: of the robot, measured; time
+  {"observe": {...}}      keys: object, vertices, time, speed_bound: a deforming obstacle was seen
+Empty lines, and lines that begin with #, are left out. Without a time the robot has gone through
+what passed of the request before, and at least one period.
+JSON, a document a line (metres, radians, seconds; null: nothing, or nothing known):
+  version                 of these documents (docs/json.md)
+  line, seed              of the input, from 1; of the problem
+  time                    when `motion` begins
+  passed, setpoints       how many setpoints passed, of how many
+  certified               `motion` is proven: what passed, and the stop after it
+  reason                  passed; or why the next setpoint did not: limit, not_free, not_certified,
+                          work, stale, jumped, invalid
+  in_stop                 it concerns the stop after that setpoint
+  pair.a, pair.b          between these
+  joint, limit, value, allowed
+                          this limit would be broken: position, velocity, acceleration or jerk
+  goes_on                 `motion` is what was left of the one before
+  start, motion           where it begins; setpoints, one a period, of what passed and of the stop
+  counts                  edges, distance_queries and work that the answer took
+  observation             the answer to a line that observes: taken, jumped, invalid, late
+  message                 what is wrong with the line, after which the robot stops
+)";
+
+struct GuardArguments {
+  ProblemSource source;
+  PlanOverrides limits;
+  planner::GuardOptions options;
+  std::string joint_errors;
+  bool json = true;
+};
+
+/// A request as a line has it.
+struct Line {
+  std::vector<double> setpoints, position, velocity;
+  std::optional<double> time;
+  std::string object;  ///< an observation; else empty
+  std::vector<Eigen::Vector3d> vertices;
+  double speed_bound = 0;
+};
+
+/// A fault of a line, in words.
+struct LineFault {
+  std::string message;
+};
+
+/// Reads lines of setpoints.
+class LineReader {
+ public:
+  explicit LineReader(const planner::Problem& problem) {
+    for (const int v : problem.robot.variables)
+      names_.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
+    for (std::size_t i = 0; i < names_.size(); ++i) order_.push_back(i);
+  }
+
+  /// Returns nothing for an empty line, a comment and the names of columns. Throws LineFault.
+  std::optional<Line> read(const std::string& text) {
+    const std::size_t first = text.find_first_not_of(" \t\r");
+    if (first == std::string::npos || text[first] == '#') return std::nullopt;
+    if (text[first] == '{' || text[first] == '[') return fromJson(text);
+    const bool is_first = !has_begun_;
+    has_begun_ = true;
+    std::vector<std::string> fields = splitAt(',', text);
+    for (std::string& field : fields) {
+      const std::size_t begin = field.find_first_not_of(" \t\r\"");
+      const std::size_t end = field.find_last_not_of(" \t\r\"");
+      field = begin == std::string::npos ? "" : field.substr(begin, end - begin + 1);
+    }
+    if (is_first && std::any_of(fields.begin(), fields.end(),
+                                [](const std::string& field) { return !numberOf(field); })) {
+      takeHeader(fields);
+      return std::nullopt;
+    }
+    return fromFields(fields);
+  }
+
+  const std::vector<std::string>& names() const { return names_; }
+
+ private:
+  static std::optional<double> numberOf(const std::string& text) {
+    double value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [rest, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc() || rest != end || text.empty()) return std::nullopt;
+    return value;
+  }
+
+  void takeHeader(const std::vector<std::string>& fields) {
+    std::vector<std::size_t> order;
+    for (const std::string& field : fields) {
+      const auto name = std::find(names_.begin(), names_.end(), field);
+      if (name == names_.end())
+        throw LineFault{fmt::format("the column '{}' is no planned joint{}", field,
+                                    planner::didYouMean(field, names_))};
+      const auto i = static_cast<std::size_t>(name - names_.begin());
+      if (std::find(order.begin(), order.end(), i) != order.end())
+        throw LineFault{fmt::format("the column '{}' stands twice", field)};
+      order.push_back(i);
+    }
+    if (order.size() != names_.size())
+      throw LineFault{fmt::format("{} columns are named; {} are expected, one a planned joint",
+                                  order.size(), names_.size())};
+    order_ = order;
+  }
+
+  Line fromFields(const std::vector<std::string>& fields) const {
+    const std::size_t n = names_.size();
+    if (fields.size() % n != 0)
+      throw LineFault{
+          fmt::format("{} numbers; {}, or a multiple of that, are expected", fields.size(), n)};
+    Line line;
+    line.setpoints.resize(fields.size());
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      const std::optional<double> value = numberOf(fields[i]);
+      if (!value) throw LineFault{fmt::format("'{}' is no number", fields[i])};
+      line.setpoints[i / n * n + order_[i % n]] = *value;
+    }
+    return line;
+  }
+
+  static double number(const Json& value, const std::string& where) {
+    if (!value.is_number())
+      throw LineFault{fmt::format("{} is {}; a number is expected", where, jsonText(value))};
+    return value.get<double>();
+  }
+
+  static std::vector<double> rowOf(const Json& value, std::size_t columns,
+                                   const std::string& where) {
+    if (!value.is_array() || value.size() != columns)
+      throw LineFault{fmt::format("{} is {}; a list of {} numbers is expected", where,
+                                  jsonText(value).substr(0, 60), columns)};
+    std::vector<double> row;
+    for (const Json& entry : value) row.push_back(number(entry, where));
+    return row;
+  }
+
+  /// A list of lists.
+  static std::vector<double> rowsOf(const Json& value, std::size_t columns,
+                                    const std::string& where) {
+    if (!value.is_array())
+      throw LineFault{fmt::format("{} is {}; a list of rows of {} numbers is expected", where,
+                                  jsonText(value).substr(0, 60), columns)};
+    std::vector<double> rows;
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      const std::vector<double> row = rowOf(value[i], columns, fmt::format("{}[{}]", where, i));
+      rows.insert(rows.end(), row.begin(), row.end());
+    }
+    return rows;
+  }
+
+  static void expectKeys(const Json& value, const std::vector<std::string>& known) {
+    for (const auto& [key, entry] : value.items())
+      if (std::find(known.begin(), known.end(), key) == known.end())
+        throw LineFault{fmt::format("'{}' is no key{}", key, planner::didYouMean(key, known))};
+  }
+
+  Line fromJson(const std::string& text) const {
+    Json value;
+    try {
+      value = Json::parse(text);
+    } catch (const Json::exception& error) {
+      throw LineFault{fmt::format("this is no JSON: {}", error.what())};
+    }
+    Line line;
+    const std::size_t n = names_.size();
+    if (value.is_array()) {
+      line.setpoints = rowsOf(value, n, "setpoints");
+      return line;
+    }
+    if (value.contains("observe")) {
+      expectKeys(value, {"observe"});
+      return observationOf(value["observe"]);
+    }
+    expectKeys(value, {"setpoints", "position", "velocity", "time", "observe"});
+    if (value.contains("setpoints")) line.setpoints = rowsOf(value["setpoints"], n, "setpoints");
+    if (value.contains("position")) line.position = rowOf(value["position"], n, "position");
+    if (value.contains("velocity")) line.velocity = rowOf(value["velocity"], n, "velocity");
+    if (value.contains("time")) line.time = number(value["time"], "time");
+    return line;
+  }
+
+  static Line observationOf(const Json& value) {
+    const std::vector<std::string> keys = {"object", "vertices", "time", "speed_bound"};
+    if (!value.is_object()) throw LineFault{"observe is no object with keys"};
+    expectKeys(value, keys);
+    for (const std::string& key : keys)
+      if (!value.contains(key)) throw LineFault{fmt::format("observe has no '{}'", key)};
+    if (!value["object"].is_string()) throw LineFault{"observe.object is no text"};
+    Line line;
+    line.object = value["object"].get<std::string>();
+    const std::vector<double> numbers = rowsOf(value["vertices"], 3, "observe.vertices");
+    for (std::size_t i = 0; i < numbers.size(); i += 3)
+      line.vertices.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+    line.time = number(value["time"], "observe.time");
+    line.speed_bound = number(value["speed_bound"], "observe.speed_bound");
+    return line;
+  }
+
+  std::vector<std::string> names_;
+  std::vector<std::size_t> order_;  // of the columns: which joint
+  bool has_begun_ = false;
+};
+
+Json rowJson(std::span<const double> row) {
+  return Json(std::vector<double>(row.begin(), row.end()));
+}
+
+Json answerJson(const planner::GuardAnswer& answer, const std::vector<std::string>& names) {
+  Json motion = Json::array();
+  for (std::size_t i = 0; i < answer.motion.size(); i += names.size())
+    motion.push_back(rowJson(answer.motion.subspan(i, names.size())));
+  const bool is_limit = answer.variable >= 0;
+  return {{"time", answer.time},
+          {"passed", answer.passed},
+          {"certified", answer.certified},
+          {"reason", planner::toString(answer.reason)},
+          {"in_stop", answer.in_stop},
+          {"pair", answer.a.empty() ? Json()
+                                    : Json({{"a", answer.a},
+                                            {"b", answer.b.empty() ? Json() : Json(answer.b)}})},
+          {"joint", is_limit ? Json(names[static_cast<std::size_t>(answer.variable)]) : Json()},
+          {"limit", is_limit ? Json(planner::toString(answer.limit)) : Json()},
+          {"value", is_limit ? jsonNumber(answer.value) : Json()},
+          {"allowed", is_limit ? jsonNumber(answer.allowed) : Json()},
+          {"goes_on", answer.goes_on},
+          {"start", rowJson(answer.start)},
+          {"motion", motion},
+          {"counts",
+           {{"edges", answer.edges},
+            {"distance_queries", answer.distance_queries},
+            {"work", answer.work}}}};
+}
+
+/// Numbers for all planned joints: one for each, or joint=number, ...
+std::vector<double> jointErrors(const std::string& text, const std::vector<std::string>& names) {
+  if (text.empty()) return {};
+  std::vector<double> errors(names.size(), 0);
+  const std::vector<std::string> parts = splitAt(',', text);
+  if (parts.size() == 1 && text.find('=') == std::string::npos)
+    return std::vector<double>(names.size(), parseNumber("--joint-error", text));
+  for (const std::string& part : parts) {
+    const std::size_t equals = part.find('=');
+    const std::string name = part.substr(0, equals);
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (equals == std::string::npos || found == names.end())
+      badUsage(fmt::format("--joint-error {}: no planned joint '{}'{}", text, name,
+                           planner::didYouMean(name, names)));
+    errors[static_cast<std::size_t>(found - names.begin())] =
+        parseNumber("--joint-error", part.substr(equals + 1));
+  }
+  return errors;
+}
+
+/// Answers each line; a wrong one stops the robot, and the next ones are read.
+class Session {
+ public:
+  Session(const planner::Problem& problem, const planner::GuardOptions& options)
+      : guard_(problem, options), reader_(problem), seed_(problem.seed) {
+    for (const planner::DeformingObstacle& o : problem.world.deforming)
+      objects_.push_back(o.object.name);
+  }
+
+  void answer(const std::string& text) {
+    ++number_;
+    Json document = {{"line", number_}, {"seed", seed_}};
+    const auto tell = [&](const std::string& message) {
+      document["message"] = message.empty() ? Json() : Json(message);
+      fmt::print("{}\n", jsonText(versioned(document)));
+      std::fflush(stdout);
+    };
+    std::string message;
+    std::size_t setpoints = 0;
+    try {
+      if (text.size() > kLongestLine)
+        throw LineFault{
+            fmt::format("{} bytes; at most {} are expected", text.size(), kLongestLine)};
+      const std::optional<Line> line = reader_.read(text);
+      if (!line) return;
+      if (!line->object.empty()) {
+        document["observation"] = observe(*line);
+        return tell({});
+      }
+      setpoints = line->setpoints.size() / reader_.names().size();
+      check(*line);
+    } catch (const LineFault& fault) {
+      message = fault.message;
+      is_bad_ = true;
+      fmt::print(stderr, "{}:{}: {}\n", kStandardInput, number_, message);
+      const double nothing[] = {std::nan("")};
+      guard_.check({.setpoints = nothing});  // the robot stops
+    }
+    document.update(answerJson(guard_.answer(), reader_.names()));
+    document["setpoints"] = setpoints;
+    is_certified_ = is_certified_ && guard_.answer().certified;
+    tell(message);
+  }
+
+  int status() const { return is_bad_ ? kBadInput : is_certified_ ? kYes : kNo; }
+
+ private:
+  void check(const Line& line) {
+    const double time = line.time.value_or(guard_.nextTime());
+    if (!objects_.empty() && std::isfinite(time)) {
+      try {
+        guard_.look(time);
+      } catch (const robots::InputError& error) {
+        throw LineFault{error.what()};
+      }
+    }
+    guard_.check({.setpoints = line.setpoints,
+                  .position = line.position,
+                  .velocity = line.velocity,
+                  .time = line.time});
+  }
+
+  std::string observe(const Line& line) {
+    if (std::find(objects_.begin(), objects_.end(), line.object) == objects_.end())
+      throw LineFault{fmt::format("there is no deforming obstacle '{}'{}", line.object,
+                                  planner::didYouMean(line.object, objects_))};
+    if (!(line.speed_bound >= 0))
+      throw LineFault{
+          fmt::format("observe.speed_bound is {}; at least 0 m/s is expected", line.speed_bound)};
+    return planner::toString(
+        guard_.setVertices(line.object, line.vertices, *line.time, line.speed_bound));
+  }
+
+  planner::Guard guard_;
+  LineReader reader_;
+  std::uint64_t seed_;
+  std::vector<std::string> objects_;
+  std::size_t number_ = 0;
+  bool is_bad_ = false, is_certified_ = true;
+};
+
+int runGuard(const GuardArguments& arguments) {
+  const planner::Problem problem = [&] {
+    planner::Problem loaded = loadProblem(arguments.source, arguments.limits.timeLimit());
+    refuseSteps(loaded, "guard");
+    apply(arguments.limits, loaded);
+    return loaded;
+  }();
+  std::vector<std::string> names;
+  for (const int v : problem.robot.variables)
+    names.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
+  planner::GuardOptions options = arguments.options;
+  options.joint_errors = jointErrors(arguments.joint_errors, names);
+  printWarnings(planner::CompiledScene(problem).warnings());
+  Session session(problem, options);
+  for (std::string line; std::getline(std::cin, line);) session.answer(line);
+  if (std::cin.bad()) throw robots::InputError(kStandardInput, 0, "cannot be read");
+  return session.status();
+}
+
+}  // namespace
+
+Verb addGuard(CLI::App& command) {
+  auto arguments = std::make_shared<GuardArguments>();
+  CLI::App* app = command.add_subcommand(
+      "guard", "let those setpoints pass that are proven free, with a stop after them");
+  addProblemArguments(*app, arguments->source);
+  addRunLimits(*app, arguments->limits);
+  planner::GuardOptions& options = arguments->options;
+  app->add_option("--period", options.period, "from one setpoint to the next [s]")
+      ->type_name("S")
+      ->check(numberFrom(planner::GuardOptions::kLeastPeriod, 10))
+      ->capture_default_str();
+  app->add_option("--joint-error", arguments->joint_errors,
+                  "how far joints are from their motion at most [rad or m]: a number for all, or "
+                  "JOINT=NUMBER,...")
+      ->type_name("E");
+  app->add_option("--point-error", options.point_error,
+                  "how far any point of the robot may be off, besides [m]")
+      ->type_name("M")
+      ->check(numberFrom(0, 1e3))
+      ->capture_default_str();
+  app->add_option("--most-setpoints", options.most_setpoints, "of one line")
+      ->type_name("N")
+      ->check(countFrom(1, planner::GuardOptions::kMostSetpoints))
+      ->capture_default_str();
+  app->add_option("--work", options.work,
+                  "what one answer may cost, about a thousand a microsecond; what is not decided "
+                  "within it does not pass")
+      ->type_name("N")
+      ->check(countFrom(1))
+      ->capture_default_str();
+  app->add_option("--horizon", options.horizon,
+                  "for how long after a line obstacles that move are bounded [s]")
+      ->type_name("S")
+      ->check(numberFrom(1e-3, 1e6))
+      ->capture_default_str();
+  app->add_flag("--json", arguments->json, "answers are JSON in any case");
+  app->footer(std::string(kKeys) +
+              "\nA line that is wrong stops the robot, and the next ones are read. Exit status 0: "
+              "every answer was certified;\n1: one was not; 2: a line was wrong.\n"
+              "Example:\n  leeway guard problems/moving/wall.yaml <problems/moving/wall.jsonl");
+  return {app, [arguments] { return runGuard(*arguments); }};
+}
+
+}  // namespace leeway::tools
