@@ -15,6 +15,7 @@
 namespace leeway::python {
 
 void defineReplanner(py::module_& module);
+void defineGuard(py::module_& module);
 void defineMonitor(py::module_& module);
 void definePlanWhere(py::module_& module);
 void defineInverse(py::module_& module);
@@ -67,6 +68,7 @@ PYBIND11_MODULE(_leeway, module) {
   definePlanWhere(module);
   defineScene(module);
   defineReplanner(module);
+  defineGuard(module);
   defineMonitor(module);
   module.attr("__name__") = name;
   defineLifetime(module);

@@ -119,6 +119,7 @@ CALLS = {
     "check": leeway.check,
     "Scene": leeway.Scene,
     "Replanner": leeway.Replanner,
+    "Guard": leeway.Guard,
     "replan": leeway.replan,
     "attach": lambda p: p.attach("post", "hand"),
 }
@@ -308,11 +309,12 @@ def objects(robot):
     moving.add_deforming("cloth", np.eye(3), [[0, 1, 2]], position=(5, 0, 0), speed_bound=0)
     replanner = leeway.Replanner(robot, moving, "ready", TUCKED)
     step = replanner.step()
+    guard = leeway.Guard(robot, moving, "ready")
     monitor = leeway.Monitor(scene, accelerations=[10] * 7)
     task = leeway.plan(good(robot, steps=[TaskStep.move(TUCKED)]))
     ball = leeway.Shape.sphere(1)
     return [robot, problem.world, result, result.certificate, result.certificate.world, result.trajectory(), scene, scene.check("start"),
-            scene.certify(TUCKED, TUCKED), leeway.verify(problem, result), replanner, step, leeway.replan(robot, moving, "ready", TUCKED, steps=1), monitor,
+            scene.certify(TUCKED, TUCKED), leeway.verify(problem, result), replanner, step, guard, guard.check(), leeway.replan(robot, moving, "ready", TUCKED, steps=1), monitor,
             monitor.look(0, TUCKED, [0] * 7, horizon=1), task.steps[0], FramePose("hand", (0, 0, 0)), UPRIGHT, TaskStep.move(TUCKED), ball,
             leeway.Shape.mesh(vertices=np.eye(3), triangles=[[0, 1, 2]]), leeway.distance(ball, None, ball, (3, 0, 0)), leeway.separation(ball, None, ball, None),
             leeway.inverse_kinematics(robot, "hand", robot.pose("hand", TUCKED)), DEFORMABLE, result.problem, scene.problem]

@@ -269,6 +269,57 @@ def test_replanner_follows_vertices_from_numpy(robot):
         replanner.set_vertices("sheet", sheet[:-1])
 
 
+def test_a_guard_passes_what_has_room_to_stop(robot, world):
+    start = turned(robot, -0.8)
+    guard = leeway.Guard(robot, world, start, margin=0.01, accelerations=2, joint_errors=0.001, most_setpoints=200)
+    speed = np.minimum(0.5, 0.03 * np.arange(1, 151))
+    chunk = np.tile(start, (150, 1))
+    chunk[:, 0] += 0.02 * np.cumsum(speed)
+    answer = guard.check(chunk)
+    assert 10 < answer.passed < 100 and answer.certified and not answer and answer.in_stop
+    assert answer.reason == "not_free" and "post" in answer.pair and answer.joint is None and answer.limit is None
+    assert np.array_equal(answer.motion[:answer.passed], chunk[:answer.passed]) and len(answer.motion) > answer.passed
+    assert np.array_equal(answer.start, start) and answer.time == 0 and answer.edges > 0 and answer.work > 0
+    assert guard.next_time == pytest.approx(0.02 * answer.passed)
+    scene = leeway.Scene(robot, world, margin=0.01)
+    assert all(scene.check(row) for row in answer.motion)
+    again = leeway.Guard(robot, world, start, margin=0.01, accelerations=2, joint_errors=[0.001] * 7, most_setpoints=200).check(chunk)
+    assert np.array_equal(again.motion, answer.motion)
+    stopping = guard.check()
+    assert stopping and stopping.passed == 0 and np.array_equal(stopping.motion, answer.motion[answer.passed:])
+    fast = guard.check([turned(robot, 0.8)], time=10)
+    assert (fast.reason, fast.limit, fast.joint) == ("limit", "velocity", "joint1") and fast.value > fast.allowed
+    for nan in (dict(setpoints=[[np.nan] * 7]), dict(position=[np.inf] * 7), dict(velocity=[np.nan] * 7)):
+        stopped = guard.check(**nan)
+        assert stopped.reason == "invalid" and stopped.certified
+    for wrong in (dict(setpoints=[1] * 6), dict(setpoints=[[1] * 6]), dict(position=[1]), dict(time=float("nan"))):
+        with pytest.raises(ValueError):
+            guard.check(**wrong)
+    assert guard.check(position=start, time=20).start[0] == start[0]
+
+
+def test_a_guard_follows_vertices_from_numpy(robot):
+    sheet = np.array([[-0.2, -0.2, 0], [0.2, -0.2, 0], [-0.2, 0.2, 0], [0.2, 0.2, 0]])
+    world = leeway.World()
+    world.add_deforming("sheet", sheet, [[0, 1, 3], [0, 3, 2]], speed_bound=0.1, position=(0.9, 0, 0.1))
+    guard = leeway.Guard(robot, world, "ready")
+    still = np.tile(robot.state("ready"), (5, 1))
+    assert guard.set_vertices("sheet", sheet, 0.1, speed_bound=0.1) == "taken"
+    guard.look(0.1)
+    assert guard.check(still, time=0.1)
+    assert guard.set_vertices("sheet", sheet + [0, 0, 0.3], 0.2, speed_bound=0.1) == "jumped"
+    guard.look()
+    assert guard.check(still, time=0.2).reason == "jumped"
+    assert guard.set_vertices("sheet", sheet[:3], 0.3) == "invalid"
+    assert guard.set_vertices("sheet", sheet, 0.1) == "late"
+    assert guard.set_vertices("sheet", sheet + [0, 0, 0.3], 0.3, speed_bound=0.1) == "taken"
+    guard.look(0.3)
+    assert guard.check(still, time=0.3)
+    assert guard.check(still, time=3).reason == "stale"
+    with pytest.raises(ValueError):
+        guard.set_vertices("curtain", sheet, 0.4)
+
+
 def test_a_monitor_is_safe_and_looks_at_little(robot, world):
     scene = leeway.Scene(robot, world, margin=0.01)
     monitor = leeway.Monitor(scene, accelerations=[10] * 7)

@@ -50,7 +50,7 @@ def test_each_setting_is_an_attribute_with_a_docstring(shelf):
 
 
 def test_signatures_have_every_keyword():
-    for call in (leeway.Problem, leeway.Scene, leeway.Replanner, leeway.plan, leeway.plan_many, leeway.check, leeway.replan):
+    for call in (leeway.Problem, leeway.Scene, leeway.Replanner, leeway.Guard, leeway.plan, leeway.plan_many, leeway.check, leeway.replan):
         parameters = inspect.signature(call).parameters
         assert set(KEYWORDS) <= set(parameters), call
         assert not any(p.kind is p.VAR_KEYWORD for p in parameters.values()), call

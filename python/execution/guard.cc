@@ -1,0 +1,246 @@
+#include "leeway/planner/guard.h"
+
+#include <cmath>
+#include <optional>
+
+#include "python/base/busy.h"
+#include "python/base/define.h"
+#include "python/base/released.h"
+#include "python/bindings/deforming.h"
+#include "python/bindings/plan.h"
+#include "python/bindings/settings.h"
+
+namespace leeway::python {
+namespace {
+
+constexpr char kBusyGuard[] = "another call is using this Guard";
+
+/// A Guard of one thread at a time: `busy` is read and written with the interpreter's lock held.
+struct Guarding {
+  Problem problem;
+  std::unique_ptr<planner::Guard> guard;
+  bool busy = false;
+
+  std::size_t size() const { return problem.size(); }
+};
+
+/// An answer that outlives the next call.
+struct Answer {
+  planner::GuardAnswer value;
+  std::vector<double> start, motion;
+  std::string a, b, joint;
+};
+
+Answer copyOf(const planner::GuardAnswer& answer, const Problem& problem) {
+  Answer copy{answer,
+              {answer.start.begin(), answer.start.end()},
+              {answer.motion.begin(), answer.motion.end()},
+              std::string(answer.a),
+              std::string(answer.b),
+              {}};
+  if (answer.variable >= 0) {
+    const planner::PlannedRobot& robot = problem.value()->robot;
+    const int v = robot.variables[static_cast<std::size_t>(answer.variable)];
+    copy.joint = robot.model->variables[static_cast<std::size_t>(v)].name;
+  }
+  return copy;
+}
+
+std::unique_ptr<Guarding> makeGuard(const py::args& args, const py::kwargs& kwargs) {
+  py::dict keywords = kwargs.attr("copy")();
+  const auto take = [&](const char* name) -> py::object {
+    if (!keywords.contains(name)) return py::none();
+    return keywords.attr("pop")(name);
+  };
+  auto made = std::make_unique<Guarding>();
+  planner::GuardOptions options;
+  const auto set = [&](const char* name, double& value) {
+    if (const py::object given = take(name); !given.is_none()) value = number(given, name);
+  };
+  set("period", options.period);
+  set("point_error", options.point_error);
+  set("horizon", options.horizon);
+  if (const py::object given = take("most_setpoints"); !given.is_none())
+    options.most_setpoints = given.cast<int>();
+  if (const py::object given = take("work"); !given.is_none())
+    options.work = given.cast<std::int64_t>();
+  const py::object errors = take("joint_errors");
+  made->problem = problemOf("Guard", args, keywords);
+  noMore("Guard", keywords);
+  if (!errors.is_none()) {
+    if (py::isinstance<py::float_>(errors) || py::isinstance<py::int_>(errors))
+      options.joint_errors.assign(made->size(), number(errors, "joint_errors"));
+    else
+      options.joint_errors = numbers(errors, "joint_errors", made->size());
+  }
+  const std::shared_ptr<const planner::Problem> value = made->problem.value();
+  made->guard = released([&] { return std::make_unique<planner::Guard>(*value, options); });
+  return made;
+}
+
+/// Numbers of a policy. If one is not finite, the guard gets that number alone, and stops the
+/// robot: this is not an error of the program.
+std::vector<double> given(const py::object& value, const char* name, std::size_t columns,
+                          int axes) {
+  if (value.is_none()) return {};
+  const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(value);
+  for (py::ssize_t i = 0; array && i < array.size(); ++i)
+    if (!std::isfinite(array.data()[i])) return {array.data()[i]};
+  return rows(value, name, columns, axes).values;
+}
+
+Answer check(Guarding& self, const py::object& setpoints, const py::object& position,
+             const py::object& velocity, const py::object& time) {
+  const Busy busy(self.busy, kBusyGuard);
+  const std::vector<double> points = given(setpoints, "setpoints", self.size(), 2);
+  const std::vector<double> place = given(position, "position", self.size(), 1);
+  const std::vector<double> rate = given(velocity, "velocity", self.size(), 1);
+  planner::GuardRequest request{
+      .setpoints = points, .position = place, .velocity = rate, .time = std::nullopt};
+  if (!time.is_none()) request.time = number(time, "time");
+  released([&] { self.guard->check(request); });
+  return copyOf(self.guard->answer(), self.problem);
+}
+
+const char* setVerticesOf(Guarding& self, const std::string& object, const py::object& vertices,
+                          const py::object& time, const py::object& bound) {
+  const Busy busy(self.busy, kBusyGuard);
+  const std::vector<Eigen::Vector3d> given = points(vertices, "vertices");
+  const double when = number(time, "time"), speed_bound = speedBoundOf(bound);
+  return planner::toString(
+      released([&] { return self.guard->setVertices(object, given, when, speed_bound); }));
+}
+
+void lookAt(Guarding& self, const py::object& time) {
+  const Busy busy(self.busy, kBusyGuard);
+  const double when = time.is_none() ? self.guard->nextTime() : number(time, "time");
+  released([&] { self.guard->look(when); });
+}
+
+void defineAnswer(py::module_& module) {
+  py::class_<Answer> answer(module, "GuardAnswer",
+                            "What a Guard lets pass. True if all setpoints pass.");
+  const auto property = [&](const char* name, auto get, const char* doc) {
+    defineConstant(
+        answer, name, [get](const Answer& self) { return get(self.value); }, doc);
+  };
+  property(
+      "passed", [](const planner::GuardAnswer& a) { return a.passed; },
+      "How many setpoints, from the first on, may be executed.");
+  property(
+      "certified", [](const planner::GuardAnswer& a) { return a.certified; },
+      "`motion` is proven: what passed, and the stop after it.");
+  property(
+      "time", [](const planner::GuardAnswer& a) { return a.time; }, "When `motion` begins [s].");
+  property(
+      "goes_on", [](const planner::GuardAnswer& a) { return a.goes_on; },
+      "`motion` is what was left of the last answer's: no new stop is proven.");
+  property(
+      "reason", [](const planner::GuardAnswer& a) { return planner::toString(a.reason); },
+      "'passed', or why the next setpoint does not: 'limit', 'not_free', 'not_certified', 'work', "
+      "'stale', 'jumped' or 'invalid'.");
+  property(
+      "in_stop", [](const planner::GuardAnswer& a) { return a.in_stop; },
+      "The reason concerns the stop after that setpoint, not the way to it.");
+  property(
+      "limit",
+      [](const planner::GuardAnswer& a) -> py::object {
+        return a.variable < 0 ? py::object(py::none()) : py::str(planner::toString(a.limit));
+      },
+      "'position', 'velocity', 'acceleration', 'jerk', or None.");
+  property(
+      "value", [](const planner::GuardAnswer& a) { return a.value; },
+      "What would break `limit` [rad or m, per s, s^2 or s^3].");
+  property(
+      "allowed", [](const planner::GuardAnswer& a) { return a.allowed; },
+      "The limit that would be broken.");
+  property(
+      "edges", [](const planner::GuardAnswer& a) { return a.edges; }, "Edges that were asked for.");
+  property(
+      "queries", [](const planner::GuardAnswer& a) { return a.distance_queries; },
+      "Distance queries that were needed.");
+  property(
+      "work", [](const planner::GuardAnswer& a) { return a.work; },
+      "What it cost, about a thousand a microsecond.");
+  defineConstant(
+      answer, "pair",
+      [](const Answer& self) -> py::object {
+        if (self.a.empty()) return py::none();
+        return py::make_tuple(self.a, self.b.empty() ? py::object(py::none()) : py::str(self.b));
+      },
+      "Names of the pair that the reason concerns, or None.");
+  defineConstant(
+      answer, "joint",
+      [](const Answer& self) -> py::object {
+        return self.joint.empty() ? py::object(py::none()) : py::str(self.joint);
+      },
+      "Whose `limit` would be broken, or None.");
+  defineConstant(
+      answer, "start",
+      [](const Answer& self) { return array(std::span<const double>(self.start)); },
+      "Where `motion` begins: (joints,).");
+  defineConstant(
+      answer, "motion",
+      [](const Answer& self) {
+        const auto columns = static_cast<py::ssize_t>(self.start.size());
+        return array(self.motion,
+                     {static_cast<py::ssize_t>(self.motion.size()) / columns, columns});
+      },
+      "Setpoints, one a period after `time`: those that passed, then the stop: (n, joints).");
+  answer.def("__bool__", [](const Answer& self) {
+    return self.value.certified && self.value.reason == planner::GuardReason::kPassed;
+  });
+  answer.def("__repr__", [](const Answer& self) {
+    return "<leeway.GuardAnswer: " + std::to_string(self.value.passed) + " passed, " +
+           planner::toString(self.value.reason) +
+           (self.value.certified ? ", certified>" : ", not certified>");
+  });
+}
+
+}  // namespace
+
+void defineGuard(py::module_& module) {
+  defineAnswer(module);
+  const std::string init =
+      "(robot, world=None, start=None, goal=None, *, period=0.02, joint_errors=0, point_error=0, "
+      "most_setpoints=64, work=2000000, horizon=2, **settings)";
+  py::class_<Guarding> guard(
+      module, "Guard",
+      withSignature(
+          "Guard", init,
+          "Lets those setpoints pass that are proven free and within limits, with a proven stop "
+          "after them; also Guard(problem, **settings). `period` between setpoints [s]; "
+          "`joint_errors` and `point_error`: how far joints [rad or m] and points of the robot [m] "
+          "are off at most; `work`: what a call may cost; `horizon`: for how long after look() "
+          "obstacles are bounded [s]. For one thread at a time.")
+          .c_str());
+  defineInit(guard, init, makeGuard);
+  define(guard, "check", "(self, setpoints=None, position=None, velocity=None, time=None)",
+         "What passes of setpoints (n, joints), and the stop after it. `position`, `velocity`: "
+         "(joints,), where the robot was measured (default: on the last answer's motion). `time` "
+         "[s]: default next_time. Without setpoints it stops.",
+         check, py::arg("setpoints") = py::none(), py::arg("position") = py::none(),
+         py::arg("velocity") = py::none(), py::arg("time") = py::none());
+  define(guard, "set_vertices", "(self, name, vertices, time, speed_bound=None)",
+         "The vertices of a deforming obstacle (n, 3) [m] as seen at `time` [s]; none is faster "
+         "than `speed_bound` [m/s] from then on. Returns 'taken', 'jumped', 'invalid' or 'late'. "
+         "Counts from the next look() on.",
+         setVerticesOf, py::arg("name"), py::arg("vertices"), py::arg("time"),
+         py::arg("speed_bound") = py::none());
+  define(guard, "look", "(self, time=None)",
+         "Bounds where obstacles can be from `time` on (default: next_time) [s].", lookAt,
+         py::arg("time") = py::none());
+  defineConstant(
+      guard, "next_time",
+      [](Guarding& self) {
+        const Busy busy(self.busy, kBusyGuard);
+        return self.guard->nextTime();
+      },
+      "The time of a call without one [s].");
+  guard.def("__repr__", [](Guarding& self) {
+    return self.busy ? std::string("<leeway.Guard, in a call>")
+                     : "<leeway.Guard at " + text(self.guard->nextTime()) + " s>";
+  });
+}
+
+}  // namespace leeway::python
