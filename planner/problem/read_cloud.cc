@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "leeway/planner/depth_image.h"
 #include "planner/problem/read_shapes.h"
+#include "planner/sensed/cloud_source.h"
 #include "planner/validate/checks.h"
 #include "planner/validate/format_keys.h"
 
@@ -61,21 +63,67 @@ PointCloud carvedOf(const YamlReader& cloud, const std::vector<std::string>& nam
   return carved(*object.cloud, object.X_WO, shapes_W, margin ? margin->sizeNumber() : 0, what);
 }
 
+DepthCamera readCamera(const YamlReader& map) {
+  map.expectKeys(keysOf("camera"));
+  DepthCamera camera;
+  camera.fx = map.at("fx", "the focal length along rows [pixels]").number();
+  camera.fy = map.at("fy", "the focal length along columns [pixels]").number();
+  camera.cx = map.at("cx", "the column of the optical axis [pixels]").number();
+  camera.cy = map.at("cy", "the row of the optical axis [pixels]").number();
+  if (const auto scale = map.find("scale")) camera.scale = scale->number();
+  if (const auto slant = map.find("slant")) camera.slant = slant->number();
+  try {
+    depthSpread(camera);
+  } catch (const std::invalid_argument& error) {
+    map.fail(fmt::format("{}: {}", map.where(), error.what()));
+  }
+  return camera;
+}
+
+/// The points of the file, or the pixels of a depth image, with their radii.
+PointCloud loadFile(const YamlReader& cloud, const YamlReader& file, double radius,
+                    std::vector<std::string>& warnings, const robots::Stop& stop) {
+  const std::string path = resolvedPath(file), ending = endingOf(path);
+  const auto camera = cloud.find("camera");
+  const bool is_picture = ending == ".png" || ending == ".pgm";
+  if (!is_picture && camera)
+    camera->fail(
+        fmt::format("{} stands beside '{}', which is no depth image; .png or .pgm is "
+                    "expected",
+                    camera->where(), file.text()));
+  if (!is_picture) return loadCloud(path, radius, warnings, stop);
+  if (!camera)
+    file.fail(
+        fmt::format("{} is '{}', a picture; 'camera' with fx, fy, cx and cy is expected "
+                    "beside it",
+                    file.where(), file.text()));
+  const DepthCamera read = readCamera(*camera);
+  const auto mask = camera->find("mask");
+  return loadDepthImage(path, mask ? resolvedPath(*mask) : std::string(), read, radius, stop);
+}
+
 }  // namespace
 
 std::shared_ptr<const PointCloud> readCloud(const YamlReader& cloud,
                                             std::vector<std::string>& warnings,
                                             const robots::Stop& stop) {
   cloud.expectKeys(keysOf("cloud"));
-  const YamlReader file = cloud.at("file", "a file of points (PLY, PCD, XYZ, CSV)");
+  const YamlReader file =
+      cloud.at("file", "a file of points (PLY, PCD, XYZ, CSV) or a depth image (PNG, PGM)");
   const YamlReader radius = cloud.at("radius", "the radius of each point's ball [m]");
   if (const auto margin = cloud.find("carve_margin"); margin && !cloud.has("carve"))
     margin->fail("key 'carve_margin' stands without 'carve'; both are expected");
+  if (const auto unseen = cloud.find("unseen"); unseen && unseen->text() != "free")
+    unseen->fail(
+        fmt::format("{} is '{}'; only 'free' is accepted: add shapes where something that "
+                    "was not seen may be",
+                    unseen->where(), unseen->text()));
   try {
     return std::make_shared<const PointCloud>(
-        loadCloud(resolvedPath(file), radius.number(), warnings, stop));
+        loadFile(cloud, file, radius.number(), warnings, stop));
   } catch (const std::invalid_argument& error) {
-    radius.fail(fmt::format("{}: {}", radius.where(), error.what()));
+    const YamlReader& wrong = std::string_view(error.what()).starts_with("radius") ? radius : file;
+    wrong.fail(fmt::format("{}: {}", wrong.where(), error.what()));
   }
 }
 
@@ -99,6 +147,9 @@ void filterCloud(const YamlReader& cloud, const std::vector<std::string>& carve,
     return cropped(*object.cloud, object.X_WO, robotReach(problem), crop.number());
   });
   filter("thin", [&](const YamlReader& thin) { return thinned(*object.cloud, thin.number()); });
+  filter("most_balls", [&](const YamlReader& most) {
+    return thinnedTo(*object.cloud, static_cast<std::size_t>(most.integer(1)));
+  });
 }
 
 }  // namespace leeway::planner

@@ -10,6 +10,7 @@
 #include "collision/base/tolerances.h"
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/triangle_mesh.h"
+#include "leeway/planner/height_field.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/model.h"
 #include "planner/base/tolerances.h"
@@ -57,6 +58,32 @@ Shape readConvexHull(const YamlReader& hull, const std::string& owner,
   return Shape::convexHull(vertices);
 }
 
+Shape readHeightField(const YamlReader& map, std::vector<std::string>& warnings,
+                      const robots::Stop& stop) {
+  const YamlReader file = map.at("file", "a file of heights (CSV, PNG, PGM)");
+  HeightFile read;
+  if (const auto scale = map.find("scale")) read.scale = scale->number();
+  if (const auto offset = map.find("offset")) read.offset = offset->number();
+  if (const auto missing = map.find("missing")) read.missing = missing->number();
+  const YamlReader step = map.at("step", "from one sample to the next [m], a number or [x, y]");
+  const std::vector<double> steps =
+      step.isList() ? step.numbers() : std::vector<double>(2, step.number());
+  if (steps.size() != 2)
+    step.fail(fmt::format("{} is a list of {}; a number or [x, y] in m is expected", step.where(),
+                          steps.size()));
+  const double floor = map.at("floor", "the height below which nothing is solid [m]").number();
+  HeightField field;
+  try {
+    field = loadHeightField(resolvedPath(file), read, warnings, stop);
+  } catch (const std::invalid_argument& error) {
+    map.fail(fmt::format("{}: {}", map.where(), error.what()));
+  }
+  field.step_x = steps[0];
+  field.step_y = steps[1];
+  field.floor = floor;
+  return heightFieldShape(field);
+}
+
 Shape readShape(std::string_view word, const YamlReader& sizes, const std::string& owner,
                 std::vector<std::string>& warnings, const robots::LoadOptions& load) {
   if (word != "half_space" || !sizes.isNull()) sizes.expectKeys(keysOf(word));
@@ -75,6 +102,7 @@ Shape readShape(std::string_view word, const YamlReader& sizes, const std::strin
     return Shape::ellipsoid(sizes.at("semi_axes", "three numbers [m]").sizeVector3());
   if (word == "mesh") return readMesh(sizes, owner, warnings, load);
   if (word == "convex_hull") return readConvexHull(sizes, owner, warnings, load);
+  if (word == "height_field") return readHeightField(sizes, warnings, load.stop);
   throw std::logic_error("no reader for the shape: " + std::string(word));
 }
 

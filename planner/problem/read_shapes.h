@@ -50,8 +50,8 @@ std::shared_ptr<const PointCloud> readCloud(const YamlReader& cloud,
                                             const robots::Stop& stop);
 
 /// Applies the filters of `cloud:` to the cloud of `object`: carves out what `carve` names (links,
-/// objects, held objects; already looked up), crops, thins. `problem` has all but goals that need
-/// the cloud: its start and its objects.
+/// objects, held objects; already looked up), crops, thins in both ways. `problem` has all but
+/// goals that need the cloud: its start and its objects.
 void filterCloud(const YamlReader& cloud, const std::vector<std::string>& carve,
                  const Problem& problem, Object& object);
 

@@ -26,6 +26,20 @@ void CloudSource::fail(CloudPlace place, const std::string& message) const {
   throw robots::InputError(path_, 0, fmt::format("byte {}: {}", place.byte, message));
 }
 
+CloudSource readSource(const std::string& path, std::string_view kind, const robots::Stop& stop) {
+  CloudSource source(path, robots::readBinaryFile(path, kind, kLongestCloud), stop);
+  if (source.text().starts_with("version https://git-lfs"))
+    throw robots::InputError(
+        path, 0, "is a pointer of Git LFS, not the file itself; `git lfs pull` fetches it");
+  return source;
+}
+
+std::string endingOf(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
 void PointSink::add(const double (&p)[3], CloudPlace place) {
   if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
     ++dropped_;
@@ -83,8 +97,7 @@ std::size_t readCount(const CloudSource& source, std::string_view word, std::str
 
 PointCloud loadCloud(const std::string& path, double radius, std::vector<std::string>& warnings,
                      const robots::Stop& stop) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = endingOf(path);
   const bool in_columns = ending == ".xyz" || ending == ".txt" || ending == ".csv";
   if (ending != ".ply" && ending != ".pcd" && !in_columns)
     throw robots::InputError(
@@ -92,11 +105,7 @@ PointCloud loadCloud(const std::string& path, double radius, std::vector<std::st
         fmt::format("has the ending '{}', which no format of point clouds has; .ply, .pcd, .xyz, "
                     ".txt and .csv are accepted",
                     ending));
-  const CloudSource source(path, robots::readBinaryFile(path, "a point cloud", kLongestCloud),
-                           stop);
-  if (source.text().starts_with("version https://git-lfs"))
-    throw robots::InputError(
-        path, 0, "is a pointer of Git LFS, not the file itself; `git lfs pull` fetches it");
+  const CloudSource source = readSource(path, "a point cloud", stop);
   PointSink sink(source);
   if (ending == ".ply")
     readPly(source, sink);

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -38,6 +39,13 @@ class CloudSource {
   const robots::Stop& stop_;
 };
 
+/// The bytes of a file, of which `kind` says what is expected in it ("a point cloud"). Throws
+/// robots::InputError for what cannot be read and for a pointer of Git LFS.
+CloudSource readSource(const std::string& path, std::string_view kind, const robots::Stop& stop);
+
+/// The end of a path from its last point on, in small letters; empty without one.
+std::string endingOf(const std::string& path);
+
 /// Collects points, and drops those that are not numbers.
 class PointSink {
  public:
@@ -54,6 +62,13 @@ class PointSink {
 
 /// The words of a line.
 std::vector<std::string_view> wordsOf(std::string_view line);
+
+/// Calls visit(line, cells) for each line of numbers in columns, parted by blanks, commas or
+/// semicolons. Empty lines and comments (#, //) are left out. Fails for a line with another number
+/// of columns than the first, and for a byte that no text has.
+void eachRow(
+    const CloudSource& source,
+    const std::function<void(std::size_t line, const std::vector<std::string_view>&)>& visit);
 
 /// The next line of `rest`, without its end (LF, CR LF or CR), which is taken from `rest`.
 std::string_view takeLine(std::string_view& rest);

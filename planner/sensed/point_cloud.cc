@@ -95,11 +95,85 @@ struct CellHash {
   }
 };
 
+/// A bound on how far the ball reaches from `center` [m].
+double reachFrom(const Vector3d& center, const Ball& ball) {
+  return ((ball.center - center).norm() + ball.radius) * (1 + kDistanceRounding);
+}
+
 /// The balls of a cell.
 struct CellBalls {
   std::size_t first, count = 0;
   Vector3d low, high;
   double radius = 0;
+};
+
+/// Balls, sorted into parts whose centers are near each other.
+class BallParts {
+ public:
+  explicit BallParts(std::vector<Ball>& balls) : balls_(balls) { add(0, balls.size()); }
+
+  std::size_t size() const { return parts_.size(); }
+
+  /// Halves the part with the longest diagonal. False where all centers of each part are equal.
+  bool split() {
+    const Part part = parts_.front();
+    if (part.diagonal == 0) return false;
+    std::pop_heap(parts_.begin(), parts_.end());
+    parts_.pop_back();
+    int axis = 0;
+    (part.high - part.low).maxCoeff(&axis);
+    const double low = part.low[axis], high = part.high[axis], middle = low + (high - low) / 2;
+    // The highest is never on the low side, where `middle` is rounded to it.
+    const auto begin = balls_.begin();
+    const auto second = std::partition(
+        begin + static_cast<std::ptrdiff_t>(part.begin),
+        begin + static_cast<std::ptrdiff_t>(part.end),
+        [&](const Ball& ball) { return ball.center[axis] <= middle && ball.center[axis] < high; });
+    add(part.begin, static_cast<std::size_t>(second - begin));
+    add(static_cast<std::size_t>(second - begin), part.end);
+    return true;
+  }
+
+  /// One ball for each part, which contains the part's.
+  std::vector<Ball> balls() const {
+    std::vector<Ball> around;
+    around.reserve(parts_.size());
+    for (const Part& part : parts_) {
+      if (part.end - part.begin == 1) {
+        around.push_back(balls_[part.begin]);
+        continue;
+      }
+      Ball outer{part.low + (part.high - part.low) / 2, 0};
+      for (std::size_t b = part.begin; b < part.end; ++b)
+        outer.radius = std::max(outer.radius, reachFrom(outer.center, balls_[b]));
+      around.push_back(outer);
+    }
+    return around;
+  }
+
+ private:
+  struct Part {
+    std::size_t begin, end;
+    Vector3d low, high;  // of the centers
+    double diagonal;
+    bool operator<(const Part& other) const {
+      return diagonal != other.diagonal ? diagonal < other.diagonal : begin > other.begin;
+    }
+  };
+
+  void add(std::size_t begin, std::size_t end) {
+    Part part{begin, end, balls_[begin].center, balls_[begin].center, 0};
+    for (std::size_t b = begin + 1; b < end; ++b) {
+      part.low = part.low.cwiseMin(balls_[b].center);
+      part.high = part.high.cwiseMax(balls_[b].center);
+    }
+    part.diagonal = (part.high - part.low).norm();
+    parts_.push_back(part);
+    std::push_heap(parts_.begin(), parts_.end());
+  }
+
+  std::vector<Ball>& balls_;
+  std::vector<Part> parts_;  // a heap
 };
 
 /// How far rounding moves a point of the cloud that is placed in the world [m].
@@ -164,11 +238,8 @@ PointCloud thinned(const PointCloud& cloud, double cell) {
     return Vector3d(balls.low + (balls.high - balls.low) / 2);
   };
   for (std::size_t b = 0; b < cloud.size(); ++b) {
-    const Ball& ball = cloud.balls[b];
     CellBalls& balls = cells[cell_of[b]];
-    const double reach =
-        ((ball.center - middle(balls)).norm() + ball.radius) * (1 + kDistanceRounding);
-    balls.radius = std::max(balls.radius, reach);
+    balls.radius = std::max(balls.radius, reachFrom(middle(balls), cloud.balls[b]));
   }
   PointCloud thin;
   thin.filters = cloud.filters;
@@ -177,6 +248,22 @@ PointCloud thinned(const PointCloud& cloud, double cell) {
   for (const CellBalls& balls : cells)
     thin.balls.push_back(balls.count == 1 ? cloud.balls[balls.first]
                                           : Ball{middle(balls), balls.radius});
+  thin.filters.push_back(
+      {"thin", fmt::format("balls that larger ones, up to {:.4g} m, contain", thin.largestRadius()),
+       cloud.size() - thin.size()});
+  return thin;
+}
+
+PointCloud thinnedTo(const PointCloud& cloud, std::size_t most_balls) {
+  if (most_balls == 0)
+    throw std::invalid_argument("most_balls is 0; at least one ball is accepted");
+  PointCloud thin = cloud;
+  if (cloud.size() > most_balls) {
+    BallParts parts(thin.balls);
+    while (parts.size() < most_balls && parts.split()) {
+    }
+    thin.balls = parts.balls();
+  }
   thin.filters.push_back(
       {"thin", fmt::format("balls that larger ones, up to {:.4g} m, contain", thin.largestRadius()),
        cloud.size() - thin.size()});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "leeway/robots/text.h"
 #include "planner/sensed/cloud_source.h"
@@ -55,13 +56,13 @@ std::array<std::size_t, 3> findColumns(const CloudSource& source,
 
 }  // namespace
 
-void readColumns(const CloudSource& source, PointSink& sink) {
+void eachRow(const CloudSource& source,
+             const std::function<void(std::size_t, const std::vector<std::string_view>&)>& visit) {
   std::string_view rest = source.text();
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
   if (const std::size_t zero = rest.find('\0'); zero != std::string_view::npos)
     source.fail({0, source.text().size() - rest.size() + zero},
                 "a byte of value 0, which no text has; a text with numbers in columns is expected");
-  std::array<std::size_t, 3> columns{};
   std::size_t width = 0;
   char separator = ' ';
   for (std::size_t line = 1; !rest.empty(); ++line) {
@@ -73,23 +74,30 @@ void readColumns(const CloudSource& source, PointSink& sink) {
                   : text.find(',') != std::string_view::npos ? ','
                                                              : ' ';
     const std::vector<std::string_view> cells = cellsOf(text, separator);
-    if (width == 0) {
-      bool is_header = false;
-      columns = findColumns(source, cells, line, is_header);
-      width = cells.size();
-      if (width < 3)
-        source.fail({line, 0},
-                    fmt::format("the line has {} of x, y and z; all three are expected", width));
-      if (is_header) continue;
-    }
+    if (width == 0) width = cells.size();
     if (cells.size() != width)
       source.fail({line, 0}, fmt::format("the line has {} columns; {}, as the first, are expected",
                                          cells.size(), width));
+    visit(line, cells);
+  }
+}
+
+void readColumns(const CloudSource& source, PointSink& sink) {
+  std::optional<std::array<std::size_t, 3>> columns;
+  eachRow(source, [&](std::size_t line, const std::vector<std::string_view>& cells) {
+    if (!columns) {
+      bool is_header = false;
+      columns = findColumns(source, cells, line, is_header);
+      if (cells.size() < 3)
+        source.fail({line, 0}, fmt::format("the line has {} of x, y and z; all three are expected",
+                                           cells.size()));
+      if (is_header) return;
+    }
     double p[3];
     for (std::size_t axis = 0; axis < 3; ++axis)
-      p[axis] = readCoordinate(source, cells[columns[axis]], {line, 0});
+      p[axis] = readCoordinate(source, cells[(*columns)[axis]], {line, 0});
     sink.add(p, {line, 0});
-  }
+  });
 }
 
 }  // namespace leeway::planner

@@ -16,16 +16,20 @@ constexpr Keys kRobot[] = {"urdf",  "srdf",     "packages",    "xacro", "visual_
 constexpr Keys kBody[] = {"name", "joint", "bounds", "shapes"};
 constexpr Keys kBounds[] = {"lower", "upper"};
 constexpr Keys kJointBounds[] = {"x", "y", "z"};
-constexpr Keys kShapeWords[] = {"box",       "sphere",     "cylinder", "capsule",    "cone",
-                                "ellipsoid", "half_space", "mesh",     "convex_hull"};
-constexpr Keys kShape[] = {"name",       "position", "orientation", "rpy",  "box",
-                           "sphere",     "cylinder", "capsule",     "cone", "ellipsoid",
-                           "half_space", "mesh",     "convex_hull"};
-constexpr Keys kObject[] = {"name",       "position", "orientation", "rpy",
-                            "shapes",     "attach",   "box",         "sphere",
-                            "cylinder",   "capsule",  "cone",        "ellipsoid",
-                            "half_space", "mesh",     "convex_hull", "cloud"};
-constexpr Keys kCloud[] = {"file", "radius", "carve", "carve_margin", "crop", "thin"};
+constexpr Keys kShapeWords[] = {"box",         "sphere",      "cylinder",   "capsule",
+                                "cone",        "ellipsoid",   "half_space", "mesh",
+                                "convex_hull", "height_field"};
+constexpr Keys kShape[] = {"name",       "position", "orientation", "rpy",         "box",
+                           "sphere",     "cylinder", "capsule",     "cone",        "ellipsoid",
+                           "half_space", "mesh",     "convex_hull", "height_field"};
+constexpr Keys kObject[] = {"name",         "position",  "orientation", "rpy",      "shapes",
+                            "attach",       "box",       "sphere",      "cylinder", "capsule",
+                            "cone",         "ellipsoid", "half_space",  "mesh",     "convex_hull",
+                            "height_field", "cloud"};
+constexpr Keys kCloud[] = {"file",         "camera", "radius", "unseen",    "carve",
+                           "carve_margin", "crop",   "thin",   "most_balls"};
+constexpr Keys kCamera[] = {"fx", "fy", "cx", "cy", "scale", "slant", "mask"};
+constexpr Keys kHeightField[] = {"file", "step", "scale", "offset", "floor", "missing"};
 constexpr Keys kBox[] = {"size"};
 constexpr Keys kSphere[] = {"radius"};
 constexpr Keys kRadiusLength[] = {"radius", "length"};
@@ -85,6 +89,7 @@ const std::array kFormats = {MapFormat{"mesh_treatment", kMeshTreatment},
                              MapFormat{"shape", kShape},
                              MapFormat{"object", kObject},
                              MapFormat{"cloud", kCloud},
+                             MapFormat{"camera", kCamera},
                              MapFormat{"box", kBox},
                              MapFormat{"sphere", kSphere},
                              MapFormat{"cylinder", kRadiusLength},
@@ -94,6 +99,7 @@ const std::array kFormats = {MapFormat{"mesh_treatment", kMeshTreatment},
                              MapFormat{"half_space", {}},
                              MapFormat{"mesh", kMesh},
                              MapFormat{"convex_hull", kConvexHull},
+                             MapFormat{"height_field", kHeightField},
                              MapFormat{"attach", kAttach},
                              MapFormat{"pair_margin", kPairMargin},
                              MapFormat{"objective", kObjective},

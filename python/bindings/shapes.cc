@@ -2,6 +2,7 @@
 
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/triangle_mesh.h"
+#include "leeway/planner/height_field.h"
 #include "leeway/robots/model.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
@@ -104,6 +105,23 @@ Shape givenMesh(const py::object& file, const py::object& vertices, const py::ob
   return released([&] { return Shape::mesh(collision::TriangleMesh::make(scaled, indices)); });
 }
 
+Shape heightField(const py::object& heights, const py::object& step, const py::object& floor) {
+  Rows given = scalars(heights, "heights");
+  if (given.shape.size() != 2)
+    throw py::value_error("heights are expected to be an array of shape (rows, columns)");
+  const Rows steps = scalars(step, "step");
+  if (steps.values.size() != 1 && steps.values.size() != 2)
+    throw py::value_error("step holds " + std::to_string(steps.values.size()) +
+                          " numbers; one or two are expected");
+  planner::HeightField field{static_cast<std::size_t>(given.shape[1]),
+                             static_cast<std::size_t>(given.shape[0]),
+                             std::move(given.values),
+                             steps.values.front(),
+                             steps.values.back(),
+                             number(floor, "floor")};
+  return released([&] { return planner::heightFieldShape(field); });
+}
+
 robots::MeshTreatment meshTreatment(const std::string& solid, double weld) {
   robots::MeshTreatment treatment;
   if (solid == "hull")
@@ -173,6 +191,11 @@ void defineShapes(py::module_& module) {
   defineStatic(shape, "half_space", "()", "All below z = 0 of its frame.", Shape::halfSpace);
   defineStatic(shape, "convex_hull", "(points)", "The convex hull of points (n, 3) [m].",
                convexHull, py::arg("points"));
+  defineStatic(shape, "height_field", "(heights, step, floor)",
+               "What is below heights (rows, columns) [m], down to `floor` [m]: a sample every "
+               "`step` [m], one number or (x, y); columns go along x, rows along y, and the first "
+               "sample stands at the origin. Two triangles a cell.",
+               heightField, py::arg("heights"), py::arg("step"), py::arg("floor"));
   defineStatic(shape, "mesh",
                "(file=None, *, vertices=None, triangles=None, scale=1.0, solid='auto', weld=0.0)",
                "A triangle mesh: a file (STL, OBJ, PLY, DAE, glTF), or vertices (n, 3) [m] and "

@@ -19,6 +19,9 @@ collision::Shape capsule(const py::object& radius, const py::object& length);
 collision::Shape cone(const py::object& radius, const py::object& height);
 collision::Shape ellipsoid(const py::object& semi_axes);
 collision::Shape convexHull(const py::object& points);
+/// Heights (rows, columns), a step of one number or two, and the floor.
+collision::Shape heightField(const py::object& heights, const py::object& step,
+                             const py::object& floor);
 /// From a file, or from vertices and triangles.
 collision::Shape mesh(const py::object& file, const py::object& vertices,
                       const py::object& triangles, const py::object& scale,

@@ -1,7 +1,10 @@
 #include "python/bindings/world.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 
+#include "leeway/planner/depth_image.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
 #include "python/bindings/deforming.h"
@@ -120,28 +123,106 @@ std::vector<collision::Geometry> shapesOf(const World& world, const std::string&
   return shapes_W;
 }
 
-py::list addCloud(World& world, const std::string& name, const py::object& points,
-                  const py::object& radius, const py::object& thin, const py::object& carve,
-                  const py::object& carve_margin, const py::object& position,
-                  const py::object& orientation, const py::object& rpy) {
-  requireNew(world, name);
-  Object object{name, {}, pose(position, orientation, rpy)};
-  PointCloud cloud = cloudOf(points, radius);
-  const double margin = number(carve_margin, "carve_margin");
-  if (py::isinstance<py::str>(carve))
-    throw py::type_error("carve is '" + std::string(py::str(carve)) +
+/// Keywords of filters and of the place, as Python gives them.
+struct CloudKeywords {
+  const py::object &thin, &most_balls, &carve, &carve_margin, &position, &orientation, &rpy;
+};
+
+/// Adds a cloud, filtered; returns what was left out.
+py::list addFiltered(World& world, const std::string& name, PointCloud cloud,
+                     const CloudKeywords& of) {
+  Object object{name, {}, pose(of.position, of.orientation, of.rpy)};
+  const double margin = number(of.carve_margin, "carve_margin");
+  if (py::isinstance<py::str>(of.carve))
+    throw py::type_error("carve is '" + std::string(py::str(of.carve)) +
                          "'; a list of names is expected");
-  for (const py::handle item : py::list(carve)) {
-    const std::string of = py::str(item);
-    cloud = planner::carved(cloud, object.X_WO, shapesOf(world, of), margin, of);
+  for (const py::handle item : py::list(of.carve)) {
+    const std::string shape = py::str(item);
+    cloud = planner::carved(cloud, object.X_WO, shapesOf(world, shape), margin, shape);
   }
-  if (!thin.is_none()) cloud = planner::thinned(cloud, number(thin, "thin"));
+  if (!of.thin.is_none()) cloud = planner::thinned(cloud, number(of.thin, "thin"));
+  if (!of.most_balls.is_none()) {
+    const double most = number(of.most_balls, "most_balls");
+    if (!(most >= 1) || most != std::floor(most))
+      throw py::value_error("most_balls is " + text(most) + "; a whole number from 1 is expected");
+    // (Beyond 2^53 no cloud is thinned.)
+    cloud = planner::thinnedTo(cloud, static_cast<std::size_t>(std::min(most, 0x1p53)));
+  }
   py::list left_out;
   for (const planner::CloudFilter& filter : cloud.filters)
     left_out.append(py::make_tuple(filter.name, filter.what, filter.removed));
   object.cloud = std::make_shared<const PointCloud>(std::move(cloud));
   world.change().objects.push_back(std::move(object));
   return left_out;
+}
+
+py::list addCloud(World& world, const std::string& name, const py::object& points,
+                  const py::object& radius, const py::object& thin, const py::object& most_balls,
+                  const py::object& carve, const py::object& carve_margin,
+                  const py::object& position, const py::object& orientation,
+                  const py::object& rpy) {
+  requireNew(world, name);
+  return addFiltered(world, name, cloudOf(points, radius),
+                     {thin, most_balls, carve, carve_margin, position, orientation, rpy});
+}
+
+/// A depth image as one block of memory, which the result keeps.
+py::array depthOf(const py::object& depth, planner::DepthImage& image) {
+  py::array array = py::array::ensure(depth);
+  if (!array || array.ndim() != 2)
+    throw py::value_error("depth is expected to be an array of shape (rows, columns)");
+  const auto take = [&](auto number, planner::DepthImage::Number type) {
+    using Pixel = decltype(number);
+    if (!py::isinstance<py::array_t<Pixel>>(array)) return false;
+    array = py::array_t<Pixel, py::array::c_style | py::array::forcecast>::ensure(array);
+    image.number = type;
+    return true;
+  };
+  using Number = planner::DepthImage::Number;
+  if (!take(std::uint16_t{}, Number::kUint16) && !take(float{}, Number::kFloat) &&
+      !take(double{}, Number::kDouble))
+    throw py::type_error("depth has the type " + std::string(py::str(array.dtype())) +
+                         "; uint16, float32 or float64 is expected");
+  image.first = array.data();
+  image.height = static_cast<std::size_t>(array.shape(0));
+  image.width = static_cast<std::size_t>(array.shape(1));
+  image.stride = image.width * static_cast<std::size_t>(array.itemsize());
+  return array;
+}
+
+/// One byte a pixel; empty for None.
+std::vector<std::uint8_t> maskOf(const py::object& mask, const planner::DepthImage& image) {
+  if (mask.is_none()) return {};
+  const auto given = py::array_t<bool, py::array::c_style | py::array::forcecast>::ensure(mask);
+  if (!given) {
+    PyErr_Clear();
+    throw py::value_error("mask holds what is not a number; numbers or booleans are expected");
+  }
+  if (given.ndim() != 2 || static_cast<std::size_t>(given.shape(0)) != image.height ||
+      static_cast<std::size_t>(given.shape(1)) != image.width)
+    throw py::value_error("mask has another shape than depth; (" + std::to_string(image.height) +
+                          ", " + std::to_string(image.width) + ") is expected");
+  return {given.data(), given.data() + given.size()};
+}
+
+py::list addDepthImage(World& world, const std::string& name, const py::object& depth,
+                       const py::object& radius, const py::object& fx, const py::object& fy,
+                       const py::object& cx, const py::object& cy, const py::object& scale,
+                       const py::object& slant, const py::object& mask, const py::object& thin,
+                       const py::object& most_balls, const py::object& carve,
+                       const py::object& carve_margin, const py::object& position,
+                       const py::object& orientation, const py::object& rpy) {
+  requireNew(world, name);
+  planner::DepthImage image;
+  const py::array kept = depthOf(depth, image);
+  const std::vector<std::uint8_t> bytes = maskOf(mask, image);
+  if (!bytes.empty()) image.mask = bytes.data();
+  planner::DepthCamera camera{number(fx, "fx"), number(fy, "fy"), number(cx, "cx"),
+                              number(cy, "cy")};
+  if (!scale.is_none()) camera.scale = number(scale, "scale");
+  camera.slant = number(slant, "slant");
+  return addFiltered(world, name, planner::makeCloud(image, camera, number(radius, "radius")),
+                     {thin, most_balls, carve, carve_margin, position, orientation, rpy});
 }
 
 std::string htmlOfWorld(const World& world) {
@@ -192,6 +273,9 @@ void defineAdders(WorldClass& world) {
               ellipsoid, py::arg("semi_axes"));
   defineAdder(world, "add_convex_hull", ", points", "Adds the hull of points (n, 3) [m].",
               convexHull, py::arg("points"));
+  defineAdder(world, "add_height_field", ", heights, step, floor",
+              "Adds what is below heights (rows, columns), as Shape.height_field() has it [m].",
+              heightField, py::arg("heights"), py::arg("step"), py::arg("floor"));
   define(
       world, "add_half_space", "(self, name" + kPlace,
       std::string("Adds all below z = 0 of its frame: a floor.") + kPlaceDoc,
@@ -222,17 +306,41 @@ void defineAdders(WorldClass& world) {
       py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
       py::arg("rpy") = py::none());
   define(world, "add_cloud",
-         "(self, name, points, radius, *, thin=None, carve=(), carve_margin=0.0" + kPlace,
+         "(self, name, points, radius, *, thin=None, most_balls=None, carve=(), carve_margin=0.0" +
+             kPlace,
          std::string("Adds a point cloud: the union of balls around points (n, 3) of float32 or "
                      "float64 [m], with one `radius` or (n,) [m]. Points that are not finite are "
                      "dropped. `carve` names objects: balls within `carve_margin` [m] of them are "
                      "left out. `thin` [m]: one ball a cell of that size, which contains the "
-                     "others. Returns what was left out: a list of (filter, what, count).") +
+                     "others. `most_balls`: at most so many balls, which contain the others. "
+                     "Returns what was left out: a list of (filter, what, count).") +
              kPlaceDoc,
          addCloud, py::arg("name"), py::arg("points"), py::arg("radius"), py::kw_only(),
-         py::arg("thin") = py::none(), py::arg("carve") = py::tuple(),
-         py::arg("carve_margin") = 0.0, py::arg("position") = py::make_tuple(0, 0, 0),
-         py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
+         py::arg("thin") = py::none(), py::arg("most_balls") = py::none(),
+         py::arg("carve") = py::tuple(), py::arg("carve_margin") = 0.0,
+         py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
+         py::arg("rpy") = py::none());
+  define(
+      world, "add_depth_image",
+      "(self, name, depth, radius, *, fx, fy, cx, cy, scale=None, slant=1.0471975511965976, "
+      "mask=None, thin=None, most_balls=None, carve=(), carve_margin=0.0" +
+          kPlace,
+      std::string(
+          "Adds a depth image (rows, columns) of uint16, float32 or float64 as a point cloud in "
+          "the camera's frame: x to the right of the picture, y down, z into the scene. `fx`, "
+          "`fy`, `cx`, `cy` [pixels]: a camera without distortion. `scale` [m]: depth of a value "
+          "of 1; 0.001 of whole numbers, else 1. Balls have the `radius` [m] plus a part that "
+          "grows with depth, and cover flat surfaces up to `slant` [rad] from facing the "
+          "camera. Pixels that are 0, not finite, or 0 in `mask` are dropped. The rest as in "
+          "add_cloud().") +
+          kPlaceDoc,
+      addDepthImage, py::arg("name"), py::arg("depth"), py::arg("radius"), py::kw_only(),
+      py::arg("fx"), py::arg("fy"), py::arg("cx"), py::arg("cy"), py::arg("scale") = py::none(),
+      py::arg("slant") = planner::DepthCamera().slant, py::arg("mask") = py::none(),
+      py::arg("thin") = py::none(), py::arg("most_balls") = py::none(),
+      py::arg("carve") = py::tuple(), py::arg("carve_margin") = 0.0,
+      py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
+      py::arg("rpy") = py::none());
   define(
       world, "add", "(self, name, shapes" + kPlace,
       std::string("Adds one rigid object: a Shape, or a list of shapes or pairs (shape, pose in "

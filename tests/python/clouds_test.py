@@ -76,3 +76,80 @@ def test_bad_clouds_are_refused_in_one_line(world, points, radius, more, words):
         world.add_cloud("seen", points, radius, **more)
     assert words in str(error.value) and "\n" not in str(error.value)
     assert len(world) == count
+
+
+CAMERA = {"fx": 50, "fy": 50, "cx": 31.5, "cy": 23.5}
+
+
+def test_depth_images_of_all_types(robot):
+    millimetres = np.full((48, 64), 1000, np.uint16)
+    millimetres[:5] = 0
+    removed = [("drop", "pixels without a measurement", 320)]
+    worlds = []
+    for depth in (millimetres, millimetres.astype(np.float32) / 1000, millimetres / 1000, np.asfortranarray(millimetres)):
+        world = leeway.World()
+        # The camera looks along the world's x, at the arm's way.
+        assert world.add_depth_image("wall", depth, 0.005, **CAMERA, position=(-0.5, 0, 0.5), orientation=(-0.5, 0.5, -0.5, 0.5)) == removed
+        worlds.append(world)
+    start, goal = robot.state("ready"), robot.state("ready")
+    start[0], goal[0] = -0.8, 0.8
+    results = [leeway.verify(leeway.Problem(robot, world, start, goal), np.stack([start, goal])) for world in worlds]
+    assert len({result.status for result in results}) == 1 and results[0].status == "refuted"
+
+
+def test_a_path_among_few_balls_of_a_depth_image_is_verified(robot):
+    depth = np.full((48, 64), np.nan, np.float32)
+    depth[:, 30:34] = 1.0
+    mask = np.ones(depth.shape, bool)
+    mask[:10] = False
+    start, goal = robot.state("ready"), robot.state("ready")
+    start[0], goal[0] = -0.8, 0.8
+    where = {"position": (-0.5, 0, 0.5), "orientation": (-0.5, 0.5, -0.5, 0.5)}
+    all_of_it, thin = leeway.World(), leeway.World()
+    removed = all_of_it.add_depth_image("post", depth, 0.005, **CAMERA, mask=mask, **where)
+    assert removed == [("drop", "pixels that the mask leaves out", 640), ("drop", "pixels without a measurement", 38 * 60)]
+    assert thin.add_depth_image("post", depth, 0.005, **CAMERA, mask=mask, most_balls=40, **where)[-1][::2] == ("thin", 112)
+    result = leeway.plan(robot, thin, start, goal, margin=0.01)
+    assert result and leeway.verify(leeway.Problem(robot, all_of_it, start, goal, margin=0.01), result)
+
+
+@pytest.mark.parametrize("depth, radius, more, words", [
+    (np.ones(3), 0.1, {}, "shape (rows, columns)"),
+    (np.ones((3, 3), np.int32), 0.1, {}, "type int32"),
+    (np.ones((3, 3), ">u2"), 0.1, {}, "uint16, float32 or float64"),
+    (-np.ones((3, 3)), 0.1, {}, "row 0, column 0 has the depth -1"),
+    (np.ones((3, 3)), 0, {}, "radius 0"),
+    (np.ones((3, 3)), 0.1, {"fx": 0}, "fx 0"),
+    (np.ones((3, 3)), 0.1, {"slant": 1.6}, "slant 1.6"),
+    (np.ones((3, 3)), 0.1, {"scale": -1}, "scale -1"),
+    (np.ones((3, 3)), 0.1, {"mask": np.ones((2, 3))}, "mask has another shape than depth; (3, 3)"),
+    (np.ones((3, 3)), 0.1, {"most_balls": 0}, "most_balls is 0"),
+    (np.ones((3, 3)), 0.1, {"most_balls": 1.5}, "most_balls is 1.5"),
+])
+def test_bad_depth_images_are_refused_in_one_line(world, depth, radius, more, words):
+    count = len(world)
+    with pytest.raises((ValueError, TypeError)) as error:
+        world.add_depth_image("seen", depth, radius, **{**CAMERA, **more})
+    assert words in str(error.value) and "\n" not in str(error.value)
+    assert len(world) == count
+
+
+def test_height_fields(robot):
+    heights = np.zeros((5, 9))
+    heights[2, 4] = 0.3
+    shape = leeway.Shape.height_field(heights, 0.1, -0.5)
+    assert shape.type == "mesh" and len(shape.triangles) == 2 * 4 * 8 + 3 * 24
+    assert np.array_equal(shape.vertices[4 + 9 * 2], (0.4, 0.2, 0.3))
+    turned = leeway.Shape.height_field(heights.T[::-1], (0.1, -0.1), -0.5)
+    assert np.isclose(shape.bounding_radius, turned.bounding_radius)
+    world = leeway.World()
+    world.add_height_field("ground", heights, (0.1, 0.1), -0.5, position=(0.1, -0.2, -0.6))
+    assert "ground" in world and "mesh" in world._repr_html_()
+    for wrong, step, floor, words in [
+        (np.zeros(3), 0.1, -1, "shape (rows, columns)"), (np.zeros((1, 3)), 0.1, -1, "at least 2 of each"),
+        (heights, 0, -1, "apart in x"), (heights, (1, 2, 3), -1, "step holds 3"), (heights, 0.1, 0, "above the floor"),
+        (np.full((3, 3), np.nan), 0.1, -1, "heights")]:
+        with pytest.raises(ValueError) as error:
+            world.add_height_field("other", wrong, step, floor)
+        assert words in str(error.value) and "\n" not in str(error.value)
+    assert len(world) == 1

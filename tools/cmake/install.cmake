@@ -14,7 +14,7 @@ set(requires_planner "leeway-robots = ${PROJECT_VERSION}")
 # What no public header names: a static library's program links it, a shared one brings it along.
 set(private_collision "libhwy")
 set(private_robots "urdfdom assimp tinyxml2 libcrypto")
-set(private_planner "yaml-cpp fmt")
+set(private_planner "yaml-cpp fmt libpng")
 # Not ompl.pc: Debian's sets -std=c++14 and links Boost development files that are not installed with it.
 if(TARGET leeway::ompl)
   get_target_property(ompl_include leeway::ompl INTERFACE_INCLUDE_DIRECTORIES)

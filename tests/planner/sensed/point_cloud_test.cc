@@ -88,6 +88,44 @@ TEST(PointCloud, ThinningContainsAllThatItRemoves) {
   EXPECT_EQ(kept.balls[1].radius, 0.02);
 }
 
+TEST(PointCloud, ThinningToANumberContainsAllThatItRemoves) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-1, 1), radius(0.001, 0.03);
+  PointCloud cloud;
+  for (int i = 0; i < 700; ++i) {
+    const double x = place(random), y = place(random);
+    cloud.balls.push_back({{x, y, 0.3 * std::sin(3 * x)}, radius(random)});
+  }
+  for (int i = 0; i < 20; ++i) cloud.balls.push_back(cloud.balls[0]);
+  cloud.balls.push_back({{1e9, -1e9, 1e9}, 1e-9});
+  cloud.balls.push_back({{0, 0, 1}, 0.1});
+  cloud.balls.push_back({{0, 0, std::nextafter(1.0, 2.0)}, 0.2});
+  for (const std::size_t most : {1U, 2U, 10U, 100U, 500U, 722U, 723U, 9999U}) {
+    const PointCloud thin = thinnedTo(cloud, most);
+    EXPECT_LE(thin.size(), most);
+    EXPECT_EQ(thin.size(), std::min<std::size_t>(most, most < 703 ? most : thin.size()));
+    for (const Ball& ball : cloud.balls)
+      ASSERT_TRUE(std::any_of(thin.balls.begin(), thin.balls.end(), [&](const Ball& outer) {
+        return contains(outer, ball);
+      })) << most;
+    EXPECT_EQ(thin.filters.back().name, "thin");
+    EXPECT_EQ(thin.filters.back().removed, cloud.size() - thin.size());
+    EXPECT_TRUE(cloudFault(thin).empty() || most == 1) << cloudFault(thin);
+    // The balls are not much larger than a square grid of as many would make them.
+    if (most >= 10 && most < 703) {
+      EXPECT_LT(thin.largestRadius(), 0.23 + 4 / std::sqrt(double(most)));
+    }
+    // A ball that is alone stays as it is.
+    if (most >= 2) {
+      EXPECT_TRUE(std::any_of(thin.balls.begin(), thin.balls.end(), [&](const Ball& ball) {
+        return ball.center == Vector3d(1e9, -1e9, 1e9) && ball.radius == 1e-9;
+      }));
+    }
+  }
+  EXPECT_THROW(thinnedTo(cloud, 0), std::invalid_argument);
+  EXPECT_EQ(thinnedTo(PointCloud(), 5).size(), 0U);
+}
+
 TEST(PointCloud, CarvingRemovesWhatIsNearAndNothingElse) {
   robots::Pose X_WC;
   X_WC.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;

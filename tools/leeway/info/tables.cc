@@ -21,10 +21,10 @@ std::string limitText(const Json& value) {
 
 void printClouds(const Json& problem) {
   for (const auto& cloud : problem["clouds"]) {
-    fmt::print("cloud {}: {} balls of up to {} mm, {}\n", cloud["name"].get<std::string>(),
-               cloud["balls"].get<std::size_t>(),
+    fmt::print("cloud {}: {} balls of up to {} mm, {}; unseen space is {}\n",
+               cloud["name"].get<std::string>(), cloud["balls"].get<std::size_t>(),
                formatUpper(cloud["largest_radius"].get<double>() * 1e3, 3),
-               formatBytes(cloud["bytes"].get<std::size_t>()));
+               formatBytes(cloud["bytes"].get<std::size_t>()), cloud["unseen"].get<std::string>());
     for (const auto& filter : cloud["filters"]) {
       fmt::print("  {}: {} removed, {}\n", filter["name"].get<std::string>(),
                  filter["removed"].get<std::size_t>(), filter["what"].get<std::string>());

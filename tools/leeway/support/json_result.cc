@@ -123,6 +123,7 @@ Json cloudsJson(const planner::Problem& problem) {
     list.push_back({{"name", object.name},
                     {"balls", object.cloud->size()},
                     {"largest_radius", object.cloud->largestRadius()},
+                    {"unseen", "free"},
                     {"complete_within", jsonNumber(object.cloud->complete_within)},
                     {"filters", filters},
                     {"bytes", object.cloud->size() * sizeof(planner::PointCloud::Ball)}});

@@ -213,7 +213,7 @@ robots::LoadOptions loadOptions(const ProblemSource& source) {
 
 namespace {
 
-/// Notes the balls that filters removed: answers do not count them.
+/// Notes what answers do not count: the balls that filters removed, and what was not seen.
 void printLeftOut(const planner::Problem& problem) {
   if (isQuiet()) return;
   for (const planner::Object& object : problem.world.objects) {
@@ -222,6 +222,7 @@ void printLeftOut(const planner::Problem& problem) {
       if (filter.removed > 0 && filter.name != "thin")
         fmt::print(stderr, "note: cloud '{}' leaves out {} {}\n", object.name, filter.removed,
                    filter.what);
+    fmt::print(stderr, "note: cloud '{}': space that was not seen counts as free\n", object.name);
   }
 }
 

@@ -67,6 +67,12 @@ PointCloud loadCloud(const std::string& path, double radius, std::vector<std::st
 /// cell stays as it is. Throws std::invalid_argument for a cell outside 1e-9 to 1e9 m. O(size).
 PointCloud thinned(const PointCloud& cloud, double cell);
 
+/// At most `most_balls` > 0 balls, which contain all balls of the cloud, so the union only grows.
+/// The cloud is halved again and again where its parts are longest. A part of several balls becomes
+/// one that contains them; a ball that is a part of its own stays as it is. Throws
+/// std::invalid_argument for 0. O(size log(most_balls)) on surfaces.
+PointCloud thinnedTo(const PointCloud& cloud, std::size_t most_balls);
+
 /// Without the balls that are proven to be within `margin` >= 0 [m] of one of the shapes; X_BG of
 /// these is their pose in the world, X_WC that of the cloud. `what` names the shapes in `filters`.
 /// O(size x shapes) comparisons, and a distance for each ball that is near a shape.

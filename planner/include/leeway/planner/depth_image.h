@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "leeway/planner/point_cloud.h"
+
+namespace leeway::planner {
+
+/// A camera without distortion. Its frame C has its origin in the lens, x to the right of the
+/// picture, y down, and z along the optical axis into the scene.
+struct DepthCamera {
+  double fx = 0, fy = 0;  ///< focal lengths [pixels], above 0
+  double cx = 0, cy = 0;  ///< where the axis meets the picture; 0 is the middle of the first pixel
+  /// Depth of a value of 1 [m]. None: whole numbers are millimetres, others metres (REP 118).
+  std::optional<double> scale = std::nullopt;
+  /// The balls cover flat surfaces whose normal is up to this angle from the line of sight [rad];
+  /// from 0. See depthSpread().
+  double slant = 1.0471975511965976;
+};
+
+/// A depth image in memory, row by row from the top: depth along the optical axis.
+struct DepthImage {
+  enum class Number : unsigned char { kUint16, kFloat, kDouble };
+  const void* first = nullptr;  ///< the first pixel; need not be aligned
+  std::size_t width = 0, height = 0;
+  std::size_t stride = 0;  ///< from one row to the next [bytes]
+  Number number = Number::kUint16;
+  /// One byte a pixel, width x height of them; pixels with 0 are left out. Null: none is.
+  const std::uint8_t* mask = nullptr;
+};
+
+/// How much the radius of a ball grows with depth [m/m]: h / (cos(slant) - h), where
+/// h = hypot(1 / fx, 1 / fy) / 2 is half of a pixel's diagonal at a depth of 1 m. Whatever a pixel
+/// shows of a flat surface with its normal at up to `slant` from the pixel's ray is within depth
+/// times that of the surface's point on the ray (docs/sensed.md has the proof). Throws
+/// std::invalid_argument for a camera that is not accepted.
+double depthSpread(const DepthCamera& camera);
+
+/// A cloud in the camera's frame: a ball for each pixel, with the radius
+/// `radius` + depth * depthSpread(camera). Pixels with a depth of 0 or one that is not finite are
+/// no measurements. They and those of the mask are counted in `filters`. Throws
+/// std::invalid_argument for a negative depth, a camera that is not accepted, and what makeCloud()
+/// refuses of points. O(pixels).
+PointCloud makeCloud(const DepthImage& image, const DepthCamera& camera, double radius);
+
+/// Reads a depth image from a PNG or PGM of 16 bits, and its mask, of the same size, from one of
+/// any number of bits; an empty path means no mask. Throws robots::InputError for a damaged file,
+/// another size of the mask and an image without a measurement, std::invalid_argument as
+/// makeCloud(), robots::Stopped. O(pixels).
+PointCloud loadDepthImage(const std::string& path, const std::string& mask_path,
+                          const DepthCamera& camera, double radius, const robots::Stop& stop = {});
+
+}  // namespace leeway::planner
