@@ -216,20 +216,26 @@ Attachment readAttachment(const YamlReader& attach, const Model& model) {
   return attachment;
 }
 
-/// Reads the shapes or the cloud of an object.
+/// Reads the shapes, the cloud or the octree of an object.
 void readBody(const YamlReader& map, const robots::LoadOptions& load, Problem& problem,
               Object& object) {
-  const auto cloud = map.find("cloud");
+  const auto cloud = map.find("cloud"), octree = map.find("octree");
+  const auto expectAlone = [&](std::string_view word, std::string_view other) {
+    if (map.has(other))
+      map.fail(fmt::format("{} has both '{}' and '{}'; one is expected", map.where(), word, other));
+  };
+  if (octree) {
+    for (const std::string_view other : {"shapes", "cloud"}) expectAlone("octree", other);
+    for (const std::string_view other : shapeWords()) expectAlone("octree", other);
+    object.geometries = readOctree(*octree, object.name, problem.warnings, load.stop);
+    return;
+  }
   if (!cloud) {
     object.geometries = readGeometries(map, object.name, problem.warnings, load);
     return;
   }
-  for (const char* key : {"shapes", "attach"})
-    if (map.has(key))
-      map.fail(fmt::format("{} has both 'cloud' and '{}'; one is expected", map.where(), key));
-  for (const std::string_view word : shapeWords())
-    if (map.has(word))
-      map.fail(fmt::format("{} has both 'cloud' and '{}'; one is expected", map.where(), word));
+  for (const std::string_view other : {"shapes", "attach"}) expectAlone("cloud", other);
+  for (const std::string_view other : shapeWords()) expectAlone("cloud", other);
   object.cloud = readCloud(*cloud, problem.warnings, load.stop);
 }
 

@@ -127,6 +127,28 @@ std::shared_ptr<const PointCloud> readCloud(const YamlReader& cloud,
   }
 }
 
+std::vector<Geometry> namedOctree(const YamlReader& place, std::vector<Geometry> boxes,
+                                  const std::string& owner, Unseen unseen,
+                                  std::vector<std::string>& warnings) {
+  for (Geometry& box : boxes) box.name = owner;
+  warnings.push_back(fmt::format("{}:{}: octree '{}' has {} occupied boxes; unseen space is {}",
+                                 place.file(), place.line(), owner, boxes.size(),
+                                 unseen == Unseen::kFree ? "free" : "occupied"));
+  return boxes;
+}
+
+std::vector<Geometry> readOctree(const YamlReader& octree, const std::string& owner,
+                                 std::vector<std::string>& warnings, const robots::Stop& stop) {
+  octree.expectKeys(keysOf("octree"));
+  const YamlReader file = octree.at("file", "a file of OctoMap (.bt, .ot)");
+  const YamlReader unseen = octree.at("unseen", "free or occupied");
+  if (unseen.text() != "free" && unseen.text() != "occupied")
+    unseen.fail(
+        fmt::format("{} is '{}'; free or occupied is expected", unseen.where(), unseen.text()));
+  const Unseen taken = unseen.text() == "free" ? Unseen::kFree : Unseen::kOccupied;
+  return namedOctree(octree, loadOctree(resolvedPath(file), taken, stop), owner, taken, warnings);
+}
+
 void filterCloud(const YamlReader& cloud, const std::vector<std::string>& carve,
                  const Problem& problem, Object& object) {
   const auto keep = [&](PointCloud filtered) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "leeway/planner/octree.h"
 #include "leeway/planner/problem.h"
 #include "planner/yaml/yaml_reader.h"
 
@@ -48,6 +49,18 @@ Eigen::Vector3d readScale(const YamlReader& map);
 std::shared_ptr<const PointCloud> readCloud(const YamlReader& cloud,
                                             std::vector<std::string>& warnings,
                                             const robots::Stop& stop);
+
+/// `octree:` of an object: the boxes of a file, named `owner`. Adds to `warnings` how many they
+/// are, and what unseen space counts as.
+std::vector<collision::Geometry> readOctree(const YamlReader& octree, const std::string& owner,
+                                            std::vector<std::string>& warnings,
+                                            const robots::Stop& stop);
+
+/// The boxes of an octree, named `owner`, with a warning at `place` as readOctree() has it.
+std::vector<collision::Geometry> namedOctree(const YamlReader& place,
+                                             std::vector<collision::Geometry> boxes,
+                                             const std::string& owner, Unseen unseen,
+                                             std::vector<std::string>& warnings);
 
 /// Applies the filters of `cloud:` to the cloud of `object`: carves out what `carve` names (links,
 /// objects, held objects; already looked up), crops, thins in both ways. `problem` has all but

@@ -25,7 +25,8 @@ constexpr Keys kShape[] = {"name",       "position", "orientation", "rpy",      
 constexpr Keys kObject[] = {"name",         "position",  "orientation", "rpy",      "shapes",
                             "attach",       "box",       "sphere",      "cylinder", "capsule",
                             "cone",         "ellipsoid", "half_space",  "mesh",     "convex_hull",
-                            "height_field", "cloud"};
+                            "height_field", "cloud",     "octree"};
+constexpr Keys kOctree[] = {"file", "unseen"};
 constexpr Keys kCloud[] = {"file",         "camera", "radius", "unseen",    "carve",
                            "carve_margin", "crop",   "thin",   "most_balls"};
 constexpr Keys kCamera[] = {"fx", "fy", "cx", "cy", "scale", "slant", "mask"};
@@ -90,6 +91,7 @@ const std::array kFormats = {MapFormat{"mesh_treatment", kMeshTreatment},
                              MapFormat{"object", kObject},
                              MapFormat{"cloud", kCloud},
                              MapFormat{"camera", kCamera},
+                             MapFormat{"octree", kOctree},
                              MapFormat{"box", kBox},
                              MapFormat{"sphere", kSphere},
                              MapFormat{"cylinder", kRadiusLength},

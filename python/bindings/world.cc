@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "leeway/planner/depth_image.h"
+#include "leeway/planner/octree.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
 #include "python/bindings/deforming.h"
@@ -273,6 +274,29 @@ void defineAdders(WorldClass& world) {
               ellipsoid, py::arg("semi_axes"));
   defineAdder(world, "add_convex_hull", ", points", "Adds the hull of points (n, 3) [m].",
               convexHull, py::arg("points"));
+  define(
+      world, "add_octree", "(self, name, file, unseen" + kPlace,
+      std::string("Adds the occupied leaves of an OctoMap file (.bt, .ot) as boxes. `unseen` is "
+                  "'free' or 'occupied': what space counts as that the octree says nothing "
+                  "about.") +
+          kPlaceDoc,
+      [](World& self, const std::string& name, const py::object& file, const std::string& unseen,
+         const py::object& position, const py::object& orientation, const py::object& rpy) {
+        if (unseen != "free" && unseen != "occupied")
+          unknownWord("unseen", unseen, "'free' or 'occupied'");
+        const std::string path = fileName(file, "file");
+        Interrupt interrupt;
+        const auto stop = interrupt.callback();
+        auto boxes = interrupt.released([&] {
+          return planner::loadOctree(
+              path, unseen == "free" ? planner::Unseen::kFree : planner::Unseen::kOccupied, stop);
+        });
+        for (collision::Geometry& box : boxes) box.name = name;
+        add(self, name, std::move(boxes), position, orientation, rpy);
+      },
+      py::arg("name"), py::arg("file"), py::arg("unseen"),
+      py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
+      py::arg("rpy") = py::none());
   defineAdder(world, "add_height_field", ", heights, step, floor",
               "Adds what is below heights (rows, columns), as Shape.height_field() has it [m].",
               heightField, py::arg("heights"), py::arg("step"), py::arg("floor"));

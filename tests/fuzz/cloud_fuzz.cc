@@ -1,7 +1,9 @@
-// Any bytes as a point cloud of each format: finite points within the limits, or an InputError.
+// Any bytes as a point cloud or an octree of each format: finite points and boxes within the
+// limits, or an InputError.
 
 #include <cmath>
 
+#include "leeway/planner/octree.h"
 #include "leeway/planner/point_cloud.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
@@ -24,6 +26,10 @@ std::vector<std::string> seedInputs() {
       "ply\nformat binary_big_endian" + ply + twelve,
       pcd + "ascii\n1 2 3\n",
       pcd + "binary\n" + twelve,
+      "# Octomap OcTree binary file\nid OcTree\nsize 4\nres 0.1\ndata\n" +
+          std::string("\x03\x00\x06\x00", 4),
+      "# Octomap OcTree file\nid OcTree\nsize 2\nres 0.1\ndata\n" +
+          std::string("\0\0\x80\x3F\x01\0\0\x80\xBF\0", 10),
       pcd + "binary_compressed\n" + std::string("\x05\0\0\0\x0C\0\0\0\x00\x3F\xE0\x02\x00", 13)};
 }
 
@@ -45,6 +51,12 @@ std::vector<std::string> dictionary() {
           "DATA binary\n",
           "DATA binary_compressed\n",
           "DATA ascii\n",
+          "# Octomap OcTree binary file\n",
+          "# Octomap OcTree file\n",
+          "id ColorOcTree\n",
+          "size ",
+          "res ",
+          "data\n",
           "nan",
           "-inf",
           "2147483647",
@@ -68,6 +80,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (!(ball.center.cwiseAbs().maxCoeff() <= 1e9))
           fuzz::fail("%s: a point that is none", name);
       if (planner::thinned(cloud, 0.5).size() > cloud.size()) fuzz::fail("%s: thinning adds", name);
+    } catch (const robots::InputError& error) {
+      if (error.what()[0] == '\0') fuzz::fail("an error without a message");
+    }
+  }
+  for (const char* name : {"a.bt", "a.ot"}) {
+    const std::string path = fuzz::writeInput(name, {data, size});
+    try {
+      double volumes[2] = {};
+      for (const planner::Unseen unseen : {planner::Unseen::kFree, planner::Unseen::kOccupied})
+        for (const robots::Geometry& box : planner::loadOctree(path, unseen))
+          volumes[unseen == planner::Unseen::kFree ? 0 : 1] += box.shape.halfExtents().prod();
+      if (!(volumes[0] <= volumes[1] * (1 + 1e-9))) fuzz::fail("%s: less is occupied", name);
     } catch (const robots::InputError& error) {
       if (error.what()[0] == '\0') fuzz::fail("an error without a message");
     }

@@ -76,6 +76,7 @@ std::vector<std::string> dictionary() {
           "orientation: [0, 0, 0, 0]",
           "header: {frame_id: x}",
           "octomap: {}",
+          "octomap: {octomap: {id: OcTree, binary: true, resolution: 0.1, data: [3, 0, -86, 0]}}",
           "meshes: [{}]",
           "planes: []",
           "attached_collision_objects: []",

@@ -153,3 +153,19 @@ def test_height_fields(robot):
             world.add_height_field("other", wrong, step, floor)
         assert words in str(error.value) and "\n" not in str(error.value)
     assert len(world) == 1
+
+
+def test_octrees(tmp_path):
+    world = leeway.World()
+    head = b"# Octomap OcTree binary file\nid OcTree\nsize 2\nres 0.1\ndata\n"
+    file = tmp_path / "map.bt"
+    file.write_bytes(head + b"\x02\x00")  # the first child of the root is occupied
+    world.add_octree("map", file, "free")
+    world.add_octree("all", str(file), unseen="occupied", position=(0, 0, 1))
+    assert "map" in world and len(world) == 2
+    with pytest.raises(ValueError, match="unseen"):
+        world.add_octree("other", file, "maybe")
+    file.write_bytes(head + b"\x02")
+    with pytest.raises(leeway.InputError, match="ends within its nodes"):
+        world.add_octree("other", file, "free")
+    assert len(world) == 2

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <stdexcept>
 
 #include "leeway/robots/kinematics.h"
 #include "planner/base/did_you_mean.h"
@@ -109,16 +110,59 @@ void SceneObjects::add(const std::string& file, int line, Object object) {
   problem_.world.objects.push_back(std::move(object));
 }
 
+namespace {
+
+/// The content of octomap_msgs/Octomap: a list of bytes, signed or not.
+std::string readBytes(const YamlReader& data) {
+  std::string bytes;
+  for (const YamlReader& item : data.items()) {
+    const std::int64_t value = item.integer(-128);
+    if (value > 255)
+      item.fail(
+          fmt::format("{} is {}; a byte, from -128 to 255, is expected", item.where(), value));
+    bytes.push_back(static_cast<char>(value));
+  }
+  return bytes;
+}
+
+/// octomap_msgs/OctomapWithPose, as an object of the name that MoveIt's matrices give it. Unknown
+/// space is free, as in MoveIt.
+void readOctomap(const YamlReader& map, const Frames& frames, SceneObjects& objects,
+                 std::vector<std::string>& warnings) {
+  const auto octree = map.find("octomap");
+  if (!octree || !octree->isMap()) return;
+  const auto data = octree->find("data");
+  if (!hasContent(data)) return;
+  const std::string bytes = readBytes(*data);
+  OctreeData read;
+  read.id = octree->at("id", "OcTree").text();
+  read.resolution = octree->at("resolution", "the edge of the smallest cells [m]").number();
+  read.binary = octree->at("binary", "true or false").boolean();
+  read.data = bytes;
+  Object object{"<octomap>", {}, framePose(map, frames)};
+  if (const auto origin = map.find("origin"); origin && origin->isMap())
+    object.X_WO = object.X_WO * readMoveitPose(*origin, "position", "orientation", warnings);
+  try {
+    object.geometries = namedOctree(*octree, octreeBoxes(read, Unseen::kFree), object.name,
+                                    Unseen::kFree, warnings);
+  } catch (const std::invalid_argument& error) {
+    octree->fail(fmt::format("{}: {}", octree->where(), error.what()));
+  }
+  if (!object.geometries.empty()) objects.add(map.file(), map.line(), std::move(object));
+}
+
+}  // namespace
+
 void readSceneObjects(const YamlReader& scene, const robots::LoadOptions& load, Problem& problem) {
   const auto world = scene.find("world");
   if (!world || world->isNull()) return;
-  if (const auto octomap = world->find("octomap"); octomap && octomap->isMap())
-    if (const auto inner = octomap->find("octomap"); inner && inner->isMap())
-      refuseContent(*inner, "data", "an empty octomap");
-  const auto list = world->find("collision_objects");
-  if (!hasContent(list)) return;
+  const auto octomap = world->find("octomap"), list = world->find("collision_objects");
+  if (!hasContent(octomap) && !hasContent(list)) return;
   const Frames frames = readFrames(scene, *problem.robot.model, problem.warnings);
   SceneObjects objects(problem);
+  if (hasContent(octomap) && octomap->isMap())
+    octomap->readOn([&] { readOctomap(*octomap, frames, objects, problem.warnings); });
+  if (!hasContent(list)) return;
   list->eachItem([&](const YamlReader& entry) {
     const bool is_whole = entry.readOn([&] {
       Object object = readCollisionObject(entry, load, problem.warnings);

@@ -119,6 +119,24 @@ void printProblem(const Json& problem) {
   printDeforming(problem);
 }
 
+/// Puts runs of equal rows, as the boxes of an octree make them, into one row with their number.
+std::vector<std::vector<std::string>> joined(const std::vector<std::vector<std::string>>& rows) {
+  constexpr std::size_t kMostAlike = 16;
+  std::vector<std::vector<std::string>> shown;
+  for (std::size_t i = 0; i < rows.size();) {
+    std::size_t alike = 1;
+    while (i + alike < rows.size() && rows[i + alike] == rows[i]) ++alike;
+    if (alike <= kMostAlike) {
+      shown.insert(shown.end(), alike, rows[i]);
+    } else {
+      shown.push_back(rows[i]);
+      shown.back()[1] += fmt::format(", {} times", alike);
+    }
+    i += alike;
+  }
+  return shown;
+}
+
 void printGeometries(const Json& geometries) {
   std::vector<std::vector<std::string>> rows;
   std::string open, pieces;
@@ -159,7 +177,7 @@ void printGeometries(const Json& geometries) {
   }
   fmt::print("\n{}", formatTable({"of", "shape", "vertices", "triangles", "hull excess [mm]",
                                   "closed", "size"},
-                                 rows, {1}));
+                                 joined(rows), {1}));
   fmt::print("{} shapes, {}\n", geometries.size(), formatBytes(bytes));
   if (!pieces.empty()) {
     fmt::print("\nqueries of meshes use\n{}", pieces);
