@@ -1,8 +1,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <string>
 #include <utility>
@@ -85,8 +85,8 @@ void weld(std::span<const Vector3d> given, std::span<const Triangle> given_trian
 
 std::string shortText(double length) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.3g", length);
-  return text;
+  const auto end = std::to_chars(text, text + sizeof text, length, std::chars_format::general, 3);
+  return {text, end.ptr};
 }
 
 // Throws InvalidShape for a weld that is not small against the facets: it would join corners of one
