@@ -41,6 +41,11 @@ void Scene::Things::add(Body body, int first) {
   bodies.push_back(std::move(body));
 }
 
+void Scene::Things::replace(std::size_t body, std::size_t first, Body by) {
+  for (const Geometry& g : by.geometries) bounds[first++] = boundsOf(by, g);
+  bodies[body] = std::move(by);
+}
+
 const std::shared_ptr<Scene::Things>& Scene::nothing() {
   static const std::shared_ptr<Things> things = std::make_shared<Things>();
   return things;
@@ -149,7 +154,7 @@ void Scene::findStill() {
   still_ = {};
   if (!built.boxes.empty()) still_.boxes = std::make_shared<const ObstacleBoxes>(built.boxes);
   still_.added = std::make_shared<const std::vector<std::int32_t>>(std::move(built.added));
-  still_.scale = built.scale;
+  still_.scale = still_.built_scale = built.scale;
   if (added_) findAddedStill();
 }
 
@@ -175,7 +180,7 @@ void Scene::findAddedStill() {
   still_.added = std::make_shared<const std::vector<std::int32_t>>(std::move(places));
   still_.boxes = std::make_shared<const ObstacleBoxes>(still.boxes, std::move(of_built),
                                                        static_cast<std::int32_t>(first_place));
-  still_.scale = greatest(still_.scale, still.scale);
+  still_.scale = greatest(still_.built_scale, still.scale);
 }
 
 void Scene::setShape(int body, int geometry, const Shape& shape) {
@@ -193,10 +198,13 @@ void Scene::setShape(int body, int geometry, const Shape& shape) {
                                          (is_added ? things_->bounds.size() : 0)];
   bounds = boundsOf(changed, g);
   if (is_added) added_ = more;
-  if (is_boxed)
+  if (is_boxed) {
     findStill();
-  else if (still_.boxes)
-    still_.scale = greatest(still_.scale, scaleOf(shape, changed.X_WB * g.X_BG, bounds.outer));
+  } else if (still_.boxes) {
+    const double scale = scaleOf(shape, changed.X_WB * g.X_BG, bounds.outer);
+    still_.scale = greatest(still_.scale, scale);
+    if (!is_added) still_.built_scale = greatest(still_.built_scale, scale);
+  }
 }
 
 void Scene::growMargins(int body, int geometry, double growth) {

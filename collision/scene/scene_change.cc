@@ -23,7 +23,25 @@ namespace {
 
 bool SceneChange::isAdded(int body) const {
   const std::size_t before = scene_.bodies().size();
+  if (used_again_.count(body) != 0) return true;
   return body >= 0 && at(body) >= before && at(body) < before + bodies_.size();
+}
+
+/// The number of a removed body that a change had added; -1: none has as many geometries.
+int SceneChange::numberToUse(std::size_t geometries) const {
+  const Bodies bodies = scene_.bodies();
+  const auto first = static_cast<int>(scene_.things_->bodies.size());
+  if (scene_.pairs_.places_ == 0 || first < scene_.pairs_.firstStill()) return -1;
+  const auto fits = [&](int body) {
+    return body >= first && bodies[at(body)].geometries.size() == geometries &&
+           used_again_.count(body) == 0;
+  };
+  const auto found = std::find_if(removed_.begin(), removed_.end(), fits);
+  if (found != removed_.end()) return *found;
+  const std::vector<int>& before = scene_.removed_;
+  const auto earlier =
+      std::find_if(std::lower_bound(before.begin(), before.end(), first), before.end(), fits);
+  return earlier == before.end() ? -1 : *earlier;
 }
 
 void SceneChange::remove(int body) {
@@ -38,6 +56,10 @@ void SceneChange::remove(int body) {
 int SceneChange::add(Body body) {
   requirePoses(body);
   if (body.moving) refuse("'" + body.name + "' moves and is added; a body that stands still");
+  if (const int number = numberToUse(body.geometries.size()); number >= 0) {
+    used_again_.emplace(number, std::move(body));
+    return number;
+  }
   bodies_.push_back(std::move(body));
   return static_cast<int>(scene_.bodies().size() + bodies_.size()) - 1;
 }
@@ -65,15 +87,21 @@ void SceneChange::setMargin(int body_a, int body_b, double margin) {
 
 Scene SceneChange::build() && {
   removePairs();
-  if (!bodies_.empty()) {
+  if (!bodies_.empty() || !used_again_.empty()) {
     const std::size_t first = scene_.bodies().size();
+    const Scene::Things& built = *scene_.things_;
     auto added = scene_.added_ ? std::make_shared<Scene::Things>(*scene_.added_)
                                : std::make_shared<Scene::Things>();
+    for (auto& [number, body] : used_again_) {
+      const int geometry = SceneAccess::geometryIndex(scene_, number, 0);
+      added->replace(at(number) - built.bodies.size(), at(geometry) - built.bounds.size(),
+                     std::move(body));
+    }
     for (Body& body : bodies_)
-      added->add(std::move(body),
-                 static_cast<int>(scene_.things_->bounds.size() + added->bounds.size()));
+      added->add(std::move(body), static_cast<int>(built.bounds.size() + added->bounds.size()));
     scene_.added_ = std::move(added);
-    addPairs(first);
+    useAgain();
+    if (!bodies_.empty()) addPairs(first);
   }
   scene_.pairs_.count();
   return std::move(scene_);
@@ -85,7 +113,7 @@ void SceneChange::removePairs() {
   std::vector<int> all;
   std::merge(scene_.removed_.begin(), scene_.removed_.end(), removed_.begin(), removed_.end(),
              std::back_inserter(all));
-  scene_.removed_ = std::move(all);
+  scene_.removed_ = std::move(all);  // with those whose numbers are used again
   ScenePairs& pairs = scene_.pairs_;
   const auto isRemoved = [&](int body) {
     return std::binary_search(removed_.begin(), removed_.end(), body);
@@ -110,6 +138,34 @@ std::optional<double> SceneChange::marginOf(int moving, std::size_t added) const
   return found == margins_.end() ? default_margin_ : found->second;
 }
 
+/// Gives the bodies that have numbers of removed ones their pairs with all that moves.
+void SceneChange::useAgain() {
+  if (used_again_.empty()) return;
+  ScenePairs& pairs = scene_.pairs_;
+  std::erase_if(scene_.removed_, [&](int body) { return used_again_.count(body) != 0; });
+  const int first = SceneAccess::geometryIndex(scene_, pairs.firstStill(), 0);
+  for (const auto& [number, moved_from] : used_again_) {
+    requireNoHalfSpaces(at(number));
+    const std::size_t place = at(SceneAccess::geometryIndex(scene_, number, 0) - first);
+    for (std::size_t g = 0; g < scene_.bodies()[at(number)].geometries.size(); ++g) {
+      pairs.restorePlace(place + g);
+      for (std::size_t row = 0; row < pairs.rows_.size(); ++row)
+        pairs.set({row, place + g}, marginOf(pairs.rows_[row].body, at(number)));
+    }
+  }
+  scene_.findAddedStill();
+}
+
+/// Refuses a body with a half-space that has a pair with another.
+void SceneChange::requireNoHalfSpaces(std::size_t body) const {
+  const Bodies bodies = scene_.bodies();
+  const std::vector<Geometry>& of = bodies[body].geometries;
+  if (std::none_of(of.begin(), of.end(), isHalfSpace)) return;
+  for (const ScenePairs::Row& a : scene_.pairs_.rows_)
+    if (isHalfSpace(bodies[at(a.body)].geometries[at(a.geometry)]) && marginOf(a.body, body))
+      refuseHalfSpaces(bodies[at(a.body)], bodies[body]);
+}
+
 /// Adds pairs of the bodies from `first` on with all moving bodies.
 void SceneChange::addPairs(std::size_t first) {
   ScenePairs& pairs = scene_.pairs_;
@@ -122,13 +178,7 @@ void SceneChange::addPairs(std::size_t first) {
         pairs.rows_.push_back(
             {static_cast<std::int32_t>(b), static_cast<std::int32_t>(g), default_margin_});
   }
-  for (std::size_t b = first; b < bodies.size(); ++b) {
-    const std::vector<Geometry>& of = bodies[b].geometries;
-    if (std::none_of(of.begin(), of.end(), isHalfSpace)) continue;
-    for (const ScenePairs::Row& a : pairs.rows_)
-      if (isHalfSpace(bodies[at(a.body)].geometries[at(a.geometry)]) && marginOf(a.body, b))
-        refuseHalfSpaces(bodies[at(a.body)], bodies[b]);
-  }
+  for (std::size_t b = first; b < bodies.size(); ++b) requireNoHalfSpaces(b);
   addPlaces(first);
 }
 
@@ -165,12 +215,8 @@ void SceneChange::addPlaces(std::size_t first) {
     std::size_t place = first_place;
     for (std::size_t b = first; b < bodies.size(); ++b) {
       const std::optional<double> margin = marginOf(pairs.rows_[row].body, b);
-      for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g, ++place) {
-        if (!margin)
-          pairs.leaveOut({row, place});
-        else if (pairs.rows_[row].is_sparse || *margin != pairs.rows_[row].margin)
-          pairs.setMargin({row, place}, *margin);
-      }
+      for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g, ++place)
+        pairs.set({row, place}, margin);
     }
   }
   scene_.findAddedStill();

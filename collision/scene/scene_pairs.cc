@@ -52,8 +52,7 @@ void ScenePairs::Exceptions::enlarge() {
 
 ScenePairs::Found ScenePairs::findException(const Place& of) const {
   const Row& row = rows_[of.row];
-  if (cleared_places_ > 0 && exceptions_.find(keyOf({kAllRows, of.place})) != nullptr)
-    return {false, row.margin};
+  if (isCleared(of.place)) return {false, row.margin};
   const Exceptions::Entry* const entry = exceptions_.find(keyOf(of));
   if (entry == nullptr) return {!row.is_sparse, row.margin};
   return {entry->has_pair, entry->has_margin ? entry->margin : row.margin};
@@ -95,7 +94,7 @@ void ScenePairs::count() {
     const Place of{static_cast<std::size_t>(entry.key >> 32U),
                    static_cast<std::size_t>(entry.key & 0xffffffffU)};
     if (of.row == kAllRows) return;
-    if (cleared_places_ > 0 && exceptions_.find(keyOf({kAllRows, of.place})) != nullptr) return;
+    if (isCleared(of.place)) return;
     Row& row = rows_[of.row];
     if (!row.is_sparse) --row.count;
     if (!entry.has_pair) return;
@@ -120,6 +119,27 @@ void ScenePairs::clearPlace(std::size_t place) {
   Exceptions::Entry& entry = exceptions_.of(keyOf({kAllRows, place}));
   cleared_places_ += entry.has_pair ? 1 : 0;
   entry.has_pair = false;
+}
+
+void ScenePairs::restorePlace(std::size_t place) {
+  Exceptions::Entry& entry = exceptions_.of(keyOf({kAllRows, place}));
+  cleared_places_ -= entry.has_pair ? 0 : 1;
+  entry.has_pair = true;
+}
+
+bool ScenePairs::isCleared(std::size_t place) const {
+  if (cleared_places_ == 0) return false;
+  const Exceptions::Entry* const entry = exceptions_.find(keyOf({kAllRows, place}));
+  return entry != nullptr && !entry->has_pair;
+}
+
+void ScenePairs::set(const Place& of, std::optional<double> margin) {
+  const Row& row = rows_[of.row];
+  const bool is_usual = margin.has_value() != row.is_sparse && (!margin || *margin == row.margin);
+  if (is_usual && exceptions_.find(keyOf(of)) == nullptr) return;
+  Exceptions::Entry& entry = exceptions_.of(keyOf(of));
+  entry.has_pair = entry.has_margin = margin.has_value();
+  entry.margin = margin.value_or(0);
 }
 
 void ScenePairs::raise(double margin, int first_body) {

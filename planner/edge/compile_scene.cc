@@ -408,6 +408,19 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjects(
   return changed;
 }
 
+std::shared_ptr<const CompiledScene> CompiledScene::withObjectAt(const std::string& name,
+                                                                 const robots::Pose& X_WO) const {
+  const int body = findThing(name);
+  const int deforming = bodiesOfRobot() + rules_->objects;
+  if (body < bodiesOfRobot() || (body >= deforming && body < worldEnd()))
+    throw std::invalid_argument(
+        fmt::format("CompiledScene::withObjectAt(): '{}' is {}; the name of an object of the world "
+                    "is expected",
+                    name, body < bodiesOfRobot() ? "no object" : "a deforming obstacle"));
+  const Object moved{name, scene_.bodies()[at(body)].geometries, X_WO};
+  return withObjects({&moved, 1}, {&body, 1});
+}
+
 std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::applyRules(
     const BodiesByName& objects, const std::set<std::string>& removed_names,
     collision::SceneChange& change) const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "collision/base/numbers.h"
+#include "collision/scene/scene_access.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/scene.h"
 #include "tests/support/deformable_cases.h"
@@ -29,11 +30,12 @@ class Changing {
  public:
   /// `lists`: the initial scene has no table.
   Changing(Draw& draw, bool one_each, bool lists)
-      : draw_(draw), one_each_(one_each), builder_(randomBuilder(draw, one_each)) {
-    builder_.setDefaultMargin(0.01);
-    SceneBuilder first = builder_;
+      : draw_(draw), one_each_(one_each), first_(randomBuilder(draw, one_each)) {
+    first_.setDefaultMargin(0.01);
+    SceneBuilder first = first_;
     if (lists) first.listAll();
     scene = first.build();
+    built_ = static_cast<int>(scene.bodies().size());
   }
 
   void change() {
@@ -42,10 +44,13 @@ class Changing {
     const int bodies = static_cast<int>(scene.bodies().size());
     std::set<int> removed;
     for (int k = draw_.below(4); k > 0; --k) {
-      const int body = draw_.below(2) == 0 ? 1 : kMoving + draw_.below(bodies - kMoving);
+      const int kind = draw_.below(3);
+      const int body = kind == 0                      ? 1
+                       : kind == 1 && bodies > built_ ? built_ + draw_.below(bodies - built_)
+                                                      : kMoving + draw_.below(bodies - kMoving);
       if (scene.isRemoved(body) || !removed.insert(body).second) continue;
       change.remove(body);
-      for (int i = 0; i < kMoving; ++i) builder_.allow(i, body);
+      for (int i = 0; i < kMoving; ++i) allowed_.emplace_back(i, body);
     }
     for (int k = draw_.below(6); k > 0; --k) {
       Body body;
@@ -59,17 +64,17 @@ class Changing {
         body.geometries.back().shape = Shape::convexHull(points);
       }
       const int number = change.add(body);
-      EXPECT_EQ(builder_.add(body), number);
+      take(number, body, removed);
       const int moving = draw_.below(2) * 2;
       if (draw_.below(4) == 0) {
         change.allow(moving, number);
-        builder_.allow(moving, number);
+        allowed_.emplace_back(moving, number);
       }
       if (draw_.below(3) == 0) {
         const double margin = draw_.uniform(-0.01, 0.05);
         draw_.below(2) == 0 ? change.setMargin(moving, number, margin)
                             : change.setMargin(number, moving, margin);
-        builder_.setMargin(number, moving, margin);
+        margins_.push_back({moving, number, margin});
       }
     }
     scene = std::move(change).build();
@@ -77,25 +82,55 @@ class Changing {
   }
 
   Twins twins() const {
-    SceneBuilder all = builder_;
+    SceneBuilder all = first_;
+    for (const Body& body : added_) all.add(body);
+    for (const auto& [a, b] : allowed_) all.allow(a, b);
+    for (const Margin& m : margins_) all.setMargin(m.a, m.b, m.margin);
     all.listAll();
     return {all.build(), scene};
   }
   Scene scene;
+  int used_again = 0;  ///< numbers of removed bodies
 
  private:
+  struct Margin {
+    int a, b;
+    double margin;
+  };
+
+  /// A body that a change has added with this number: the next one, or that of a removed body with
+  /// as many geometries, of which nothing is left.
+  void take(int number, const Body& body, std::set<int>& removed) {
+    const auto i = static_cast<std::size_t>(number - built_);
+    if (i == added_.size()) {
+      added_.push_back(body);
+      return;
+    }
+    ASSERT_LT(i, added_.size());
+    EXPECT_TRUE(removed.erase(number) == 1 || scene.isRemoved(number));
+    EXPECT_EQ(added_[i].geometries.size(), body.geometries.size());
+    added_[i] = body;
+    std::erase_if(allowed_, [&](const auto& pair) { return pair.second == number; });
+    std::erase_if(margins_, [&](const Margin& m) { return m.b == number; });
+    ++used_again;
+  }
+
   Draw& draw_;
   bool one_each_;
-  SceneBuilder builder_;
+  SceneBuilder first_;
+  int built_ = 0;
+  std::vector<Body> added_;
+  std::vector<std::pair<int, int>> allowed_;
+  std::vector<Margin> margins_;
 };
 
 // With and without a table in the initial scene.
 TEST(SceneChange, IsWhatBuildingAnewWouldBe) {
   Draw draw(11);
-  int with_table = 0, free = 0, not_free = 0;
+  int with_table = 0, free = 0, not_free = 0, used_again = 0;
   for (int world = 0; world < 90; ++world) {
     Changing changing(draw, world % 2 == 0, world % 3 == 0);
-    for (int change = 0; change < 4; ++change) {
+    for (int change = 0; change < 6; ++change) {
       const Scene before = changing.scene;
       const std::size_t pairs = before.pairs().size();
       changing.change();
@@ -118,7 +153,9 @@ TEST(SceneChange, IsWhatBuildingAnewWouldBe) {
         ++(x.verdict == Verdict::kFree ? free : not_free);
       }
     }
+    used_again += changing.used_again;
   }
+  EXPECT_GT(used_again, 100);
   EXPECT_GT(with_table, 300);
   EXPECT_GT(free, 500);
   EXPECT_GT(not_free, 300);
@@ -214,6 +251,53 @@ TEST(SceneChange, MovesABody) {
   SceneChange change(scene);
   change.remove(scene.find("stone"));
   EXPECT_EQ(std::move(change).build().find("stone"), -1);
+}
+
+// Thousands of moves leave one body behind, and nothing of where it has been.
+TEST(SceneChange, MovesLeaveNothingBehind) {
+  for (const bool is_far : {false, true}) {
+    SceneBuilder builder;
+    builder.setDefaultMargin(0.01);
+    builder.add({"hand", {{Shape::sphere(0.05), {}, ""}, {Shape::sphere(0.02), {}, ""}}, true, {}});
+    for (int i = 0; i < 20; ++i) {
+      Body stone{"stone" + std::to_string(i), {{Shape::sphere(0.1), {}, ""}}, false, {}};
+      stone.X_WB.translation.y() = i;
+      builder.add(stone);
+    }
+    Scene scene = builder.build();
+    const auto move = [&](const std::string& name, double x) {
+      SceneChange change(scene);
+      change.setDefaultMargin(0.01);
+      Body stone = scene.bodies()[at(scene.find(name))];
+      change.remove(scene.find(name));
+      stone.X_WB.translation.x() = x;
+      const int number = change.add(stone);
+      if (x > 2) change.allow(0, number);
+      if (x < 0) change.setMargin(0, number, 0.2);
+      scene = std::move(change).build();
+      return number;
+    };
+    const int first = move("stone0", 1);
+    const int second = move("stone1", 1);
+    EXPECT_EQ(second, first + 1);
+    const std::size_t pairs = scene.pairs().size();
+    for (int k = 0; k < 3000; ++k) {
+      const double x = is_far && k == 7 ? 1e6 : 0.001 * (k % 4000) - 1;
+      ASSERT_EQ(move(k % 2 == 0 ? "stone0" : "stone1", x), k % 2 == 0 ? first : second);
+      ASSERT_EQ(scene.bodies().size(), 23U);
+      ASSERT_EQ(scene.pairs().places(), 22U);
+    }
+    move("stone0", 1);
+    move("stone1", 1);
+    EXPECT_EQ(scene.pairs().size(), pairs);
+    EXPECT_LT(SceneAccess::scaleOfStill(scene), 100);
+    for (const ScenePair& pair : scene.pairs()) EXPECT_EQ(pair.margin, 0.01);
+    Workspace workspace(scene);
+    EXPECT_NEAR(clearance(scene, workspace, 1e-9).clearance.lower, 0.85, 1e-6);
+    // The margin is gone, and the two that were allowed meet.
+    move("stone0", 0.05);
+    EXPECT_EQ(decide(scene, workspace = Workspace(scene)).verdict, Verdict::kNotFree);
+  }
 }
 
 TEST(SceneChange, RefusesWhatItCannotChange) {

@@ -151,6 +151,11 @@ TEST(ChangedWorld, AnswersAreThoseOfTheWorldCompiledAnew) {
     expectSame(random, now, counts);
     now = changed(random, now, world % 4 < 2 ? 6 : 600, "again", room);
     expectSame(random, now, counts);
+    // Numbers of what earlier changes have added are used again.
+    const std::size_t bodies = now.scene->scene().bodies().size();
+    now = changed(random, now, 5, "last", room);
+    expectSame(random, now, counts);
+    EXPECT_LE(now.scene->scene().bodies().size(), bodies + 5);
   }
   if (casesToAsk(24) < 24) return;
   EXPECT_GT(counts.free, 300);
@@ -207,6 +212,35 @@ TEST(ChangedWorld, IsPlannedIn) {
   const PlanResult third = plan(after->withObjects({}, gone), problem);
   ASSERT_EQ(third.status, PlanStatus::kSolved);
   EXPECT_EQ(third.path.positions, first.path.positions);
+}
+
+TEST(ChangedWorld, AnObjectThatMovesLeavesNothingBehind) {
+  Problem problem = test::wallProblem();
+  problem.margins.pairs.push_back({"disc", "upper wall", 0.05});
+  problem.world.objects.push_back(test::box("stone", {0.1, 0.1, 0.1}, 0, 1.2, 0));
+  auto scene = std::make_shared<const CompiledScene>(problem);
+  const std::vector<double> gap = {0, 1.2, 0}, side = {-1, 0, 0};
+  EXPECT_EQ(EdgeCertifier(scene).decide(gap), Verdict::kNotFree);
+  for (int k = 0; k < 2000; ++k) {
+    const bool away = k % 2 == 0;
+    scene = scene->withObjectAt("stone", away ? test::at(-1, 0, 0) : test::at(0, 1.2, 0));
+    scene = scene->withObjectAt("upper wall", test::at(0, away ? 2.0 : 2.1, 0));
+    ASSERT_LE(scene->scene().bodies().size(), 6U);
+    ASSERT_EQ(scene->scene().pairs().size(), 3U);
+    if (k < 1990) continue;
+    EdgeCertifier certifier(scene);
+    EXPECT_EQ(certifier.decide(gap), away ? Verdict::kFree : Verdict::kNotFree);
+    EXPECT_EQ(certifier.decide(side), away ? Verdict::kNotFree : Verdict::kFree);
+    for (Object& object : problem.world.objects) {
+      if (object.name == "stone") object.X_WO = away ? test::at(-1, 0, 0) : test::at(0, 1.2, 0);
+      if (object.name == "upper wall") object.X_WO = test::at(0, away ? 2.0 : 2.1, 0);
+    }
+    EXPECT_EQ(scene->differenceFrom(problem), "");
+    EXPECT_EQ(pairsOf(*scene), pairsOf(CompiledScene(problem)));
+  }
+  EXPECT_THROW(scene->withObjectAt("moon", {}), std::invalid_argument);
+  EXPECT_THROW(scene->withObjectAt("disc", {}), std::invalid_argument);
+  EXPECT_THROW(scene->withObjectAt("stone", test::at(2e9, 0, 0)), robots::InputError);
 }
 
 TEST(ChangedWorld, RefusesWhatItCannotChange) {

@@ -125,6 +125,8 @@ class Scene {
     std::vector<int> first_geometry;  // of each body, in the numbering of all geometries
     std::vector<GeometryBounds> bounds;
     void add(Body body, int first);  // first: the number of the body's first geometry
+    // Another body with as many geometries, whose first bounds are the `first`.
+    void replace(std::size_t body, std::size_t first, Body by);
   };
   static const std::shared_ptr<Things>& nothing();
   /// Returns the bodies for modification, no longer shared with other scenes.
@@ -140,7 +142,9 @@ class Scene {
   struct Still {
     std::shared_ptr<const ObstacleBoxes> boxes;  // around each; a deforming one may be anywhere
     std::shared_ptr<const std::vector<std::int32_t>> added;  // see SceneAccess::added()
-    double scale = 0;  // sums of their coordinates are at most this, see SceneAccess [m]
+    // Sums of their coordinates are at most this, see SceneAccess; those of bodies that the scene
+    // was built with [m].
+    double scale = 0, built_scale = 0;
   };
   // Computes them for all geometries in the table. O(n log n).
   void findStill();
@@ -200,9 +204,12 @@ class SceneChange {
   explicit SceneChange(Scene before) : scene_(std::move(before)) {}
 
   /// Removes the pairs of a fixed body. The body stays in bodies(), so other bodies keep their
-  /// numbers.
+  /// numbers, until add() uses its number again.
   void remove(int body);
-  /// Adds a fixed body and returns its index. It has pairs with all moving bodies.
+  /// Adds a fixed body and returns its index. That is the number of a removed body with the same
+  /// number of geometries that an earlier change had added, or else the next one, so an object that
+  /// moves again and again leaves one body behind. The new body has pairs with all moving bodies.
+  /// O(removed bodies).
   int add(Body body);
   /// A moving body and an added one, in either order, may touch.
   void allow(int body_a, int body_b);
@@ -219,15 +226,19 @@ class SceneChange {
 
  private:
   bool isAdded(int body) const;
+  int numberToUse(std::size_t geometries) const;
+  void useAgain();
   std::pair<int, int> movingAndAdded(int body_a, int body_b) const;
   /// nullopt: the two may touch.
   std::optional<double> marginOf(int moving, std::size_t added) const;
+  void requireNoHalfSpaces(std::size_t body) const;
   void removePairs();
   void addPairs(std::size_t first);
   void addPlaces(std::size_t first);
   Scene scene_;
   std::vector<int> removed_;
   std::vector<Body> bodies_;
+  std::map<int, Body> used_again_;                 // bodies by the numbers of removed ones
   std::map<std::pair<int, int>, double> margins_;  // of a moving and an added body
   std::set<std::pair<int, int>> allowed_;
   double default_margin_ = 0;

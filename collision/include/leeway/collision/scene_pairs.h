@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -138,13 +139,17 @@ class ScenePairs {
     return findException(of);
   }
   Found findException(const Place& of) const;
+  bool isCleared(std::size_t place) const;
   ScenePair inTable(const Place& of) const;
 
   // Updates the count and margins of the rows; called after all changes. O(rows + exceptions).
   void count();
   void leaveOut(const Place& of) { exceptions_.of(keyOf(of)).has_pair = false; }
-  // Removes a place's pairs from all rows.
+  // Removes a place's pairs from all rows, or gives them back.
   void clearPlace(std::size_t place);
+  void restorePlace(std::size_t place);
+  // Sets a pair to its margin; without a margin the two may touch. Replaces what was set before.
+  void set(const Place& of, std::optional<double> margin);
   void setMargin(const Place& of, double margin) {
     Exceptions::Entry& entry = exceptions_.of(keyOf(of));
     entry.has_margin = true;

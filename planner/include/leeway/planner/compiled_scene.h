@@ -118,15 +118,23 @@ class CompiledScene {
   /// it and add it at its new pose. Start from the same scene each time, or from the last result.
   /// If the changes add up to a large part of the world, compile again.
   ///
-  /// `added` objects get the next body numbers; objects without geometries get none. The problem's
-  /// rules for pairs also hold for their names. `removed` are body numbers (scene().find()). These
-  /// bodies keep their numbers, without pairs. Throws robots::InputError for poses and half-spaces
-  /// as the constructor does, and for a name that is empty or belongs to a link or a remaining
-  /// object. Throws std::invalid_argument for a body of the robot, or a removed one, in `removed`,
-  /// and for a variant with other margins or pairs than the problem's. The cost is that of
-  /// collision::SceneChange; the first change also costs O(objects of the world) for their names.
+  /// `added` objects get the next body numbers, or those of removed bodies that an earlier call had
+  /// added; objects without geometries get none. The problem's rules for pairs also hold for their
+  /// names. `removed` are body numbers (scene().find()); these bodies have no pairs any more. Throws
+  /// robots::InputError for poses and half-spaces as the constructor does, and for a name that is
+  /// empty or belongs to a link or a remaining object. Throws std::invalid_argument for a body of
+  /// the robot, or a removed one, in `removed`, and for a variant with other margins or pairs than
+  /// the problem's. The cost is that of collision::SceneChange; the first change also costs
+  /// O(objects of the world) for their names.
   std::shared_ptr<const CompiledScene> withObjects(std::span<const Object> added,
                                                    std::span<const int> removed = {}) const;
+
+  /// The same world with one of its objects elsewhere: withObjects() that removes it, and adds it
+  /// at X_WO. Thousands of such moves cost as much each, because numbers of bodies are used again.
+  /// Throws std::invalid_argument for a name that no object of the world has, or a deforming
+  /// obstacle, and as withObjects().
+  std::shared_ptr<const CompiledScene> withObjectAt(const std::string& name,
+                                                    const robots::Pose& X_WO) const;
 
   /// Whether bodies and pairs have the same numbers as in `other`. This holds for a scene and its
   /// variants with other shapes or margins.
