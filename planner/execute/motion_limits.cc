@@ -1,6 +1,5 @@
 #include "planner/execute/motion_limits.h"
 
-#include <limits>
 #include <string>
 
 #include "collision/base/numbers.h"
@@ -8,6 +7,19 @@
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
+namespace {
+
+/// The robot's own; without one `velocity` is reached in half a second [rad/s^2 or m/s^2].
+double accelerationLimit(const robots::Variable& variable, double velocity) {
+  const double own = variable.acceleration;
+  return own > 0 && own <= kMostLimit ? own : velocity / kTimeToVelocityLimit;
+}
+
+double jerkLimit(const robots::Variable& variable) {
+  return variable.jerk > 0 && variable.jerk <= kMostLimit ? variable.jerk : kInfinity;
+}
+
+}  // namespace
 
 double velocityLimit(const robots::Variable& variable) {
   const double limit = variable.velocity;
@@ -33,13 +45,13 @@ MotionLimits motionLimits(const Problem& problem) {
   limits.velocity = velocityLimits(problem);
   std::size_t i = 0;
   for (const int v : problem.robot.variables) {
-    const std::string& name = problem.robot.model->variables[at(v)].name;
-    const auto acceleration = execution.accelerations.find(name);
-    const auto jerk = execution.jerks.find(name);
+    const robots::Variable& variable = problem.robot.model->variables[at(v)];
+    const auto acceleration = execution.accelerations.find(variable.name);
+    const auto jerk = execution.jerks.find(variable.name);
     limits.acceleration.push_back(acceleration != execution.accelerations.end()
                                       ? acceleration->second
-                                      : limits.velocity[i] / kTimeToVelocityLimit);
-    limits.jerk.push_back(jerk != execution.jerks.end() ? jerk->second : kInfinity);
+                                      : accelerationLimit(variable, limits.velocity[i]));
+    limits.jerk.push_back(jerk != execution.jerks.end() ? jerk->second : jerkLimit(variable));
     ++i;
   }
   return limits;
@@ -48,8 +60,10 @@ MotionLimits motionLimits(const Problem& problem) {
 MotionLimits defaultMotionLimits(const ConfigurationSpace& space) {
   MotionLimits limits;
   for (const int v : space.variables()) {
-    limits.velocity.push_back(velocityLimit(space.model().variables[at(v)]));
-    limits.acceleration.push_back(limits.velocity.back() / kTimeToVelocityLimit);
+    const robots::Variable& variable = space.model().variables[at(v)];
+    limits.velocity.push_back(velocityLimit(variable));
+    limits.acceleration.push_back(accelerationLimit(variable, limits.velocity.back()));
+    limits.jerk.push_back(jerkLimit(variable));
   }
   return limits;
 }

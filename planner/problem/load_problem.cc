@@ -65,21 +65,40 @@ auto loadNamedAt(const YamlReader& place, const Load& load) {
   }
 }
 
-/// `bounds:` of planar and floating joints.
+/// `bounds:` of joints.
 std::shared_ptr<const Model> bounded(std::shared_ptr<const Model> model, const YamlReader& bounds) {
-  robots::OriginBounds read;
-  bounds.eachEntry([&](const std::string& joint, const YamlReader& axes) {
-    axes.expectKeys(keysOf("joint_bounds"));
-    axes.eachEntry([&](const std::string& axis, const YamlReader& range) {
+  robots::JointBounds read;
+  bounds.eachEntry([&](const std::string& joint, const YamlReader& given) {
+    const auto add = [&](const std::string& axis, const YamlReader& range, bool widens) {
       const std::vector<double> ends = range.numbers();
       if (ends.size() != 2)
-        range.fail(fmt::format("{} is a list of {}; [lower, upper] in m is expected", range.where(),
+        range.fail(fmt::format("{} is a list of {}; [lower, upper] is expected", range.where(),
                                ends.size()));
-      const std::pair bound(ends[0], ends[1]);
+      const robots::JointBound bound{
+          ends[0], ends[1], widens,
+          fmt::format("{} ({}:{})", axis.empty() ? given.where() : range.where(), range.file(),
+                      range.line())};
       if (const std::string fault = robots::boundFault(*model, joint, axis, bound); !fault.empty())
         range.fail(fmt::format("{}: {}", range.where(), fault));
-      read[joint][axis] = bound;
-    });
+      read[joint].insert_or_assign(axis, bound);
+    };
+    if (given.isList()) return add("", given, false);
+    given.expectKeys(keysOf("joint_bounds"));
+    if (const auto range = given.find("range")) {
+      const auto widen = given.find("widen");
+      for (const auto& [key, value] : given.entries())
+        if (key != "range" && key != "widen")
+          value.fail(fmt::format("key '{}' stands beside 'range' in {}; one of them is expected",
+                                 key, given.where()));
+      return add("", *range, widen && widen->boolean());
+    }
+    if (const auto widen = given.find("widen"))
+      widen->fail(
+          fmt::format("{} has no 'range' beside it; {{range: [lower, upper], widen: true}} "
+                      "is expected",
+                      widen->where()));
+    given.eachEntry(
+        [&](const std::string& axis, const YamlReader& range) { add(axis, range, false); });
   });
   return robots::withBounds(*model, read);
 }
@@ -136,6 +155,13 @@ std::shared_ptr<const Model> loadRobot(const YamlReader& file, const YamlReader&
     });
   };
   std::shared_ptr<const Model> model = srdf ? loadNamedAt(*srdf, loaded) : loaded("");
+  if (const auto limits = robot.find("joint_limits"))
+    limits->readOn([&] {
+      expectFile(*limits);
+      model = loadNamedAt(*limits, [&](const std::string& limits_path) {
+        return withJointLimits(*model, limits_path, load);
+      });
+    });
   robot.readOn([&] { model = placed(model, robot, warnings); });
   if (const auto bounds = file.find("bounds"))
     bounds->readOn([&] { model = bounded(model, *bounds); });

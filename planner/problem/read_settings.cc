@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 #include <variant>
@@ -80,7 +82,12 @@ void readExecution(const YamlReader& reader, Problem& problem) {
   readSettings(reader, "execution", problem);
   const Execution& execution = problem.execution;
   if (const auto fault = executionFault(problem)) failAt(reader, *fault);
-  if (execution.corners == Corners::kBlend && !execution.jerks.empty())
+  const auto isJerkLimited = [&](int v) {
+    const robots::Variable& variable = problem.robot.model->variables[at(v)];
+    return std::isfinite(variable.jerk) || execution.jerks.count(variable.name) != 0;
+  };
+  if (execution.corners == Corners::kBlend &&
+      std::any_of(problem.robot.variables.begin(), problem.robot.variables.end(), isJerkLimited))
     problem.warnings.push_back(fmt::format("{}:{}: corners are not blended where jerks are limited",
                                            reader.file(), reader.line()));
 }

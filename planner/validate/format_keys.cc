@@ -11,11 +11,11 @@ namespace {
 
 using Keys = std::string_view;
 
-constexpr Keys kRobot[] = {"urdf",  "srdf",     "packages",    "xacro", "visual_as_collision",
-                           "group", "position", "orientation", "rpy"};
+constexpr Keys kRobot[] = {"urdf",  "srdf",     "joint_limits", "packages", "xacro",
+                           "group", "position", "orientation",  "rpy",      "visual_as_collision"};
 constexpr Keys kBody[] = {"name", "joint", "bounds", "shapes"};
 constexpr Keys kBounds[] = {"lower", "upper"};
-constexpr Keys kJointBounds[] = {"x", "y", "z"};
+constexpr Keys kJointBounds[] = {"x", "y", "z", "range", "widen"};
 constexpr Keys kShapeWords[] = {"box",         "sphere",      "cylinder",   "capsule",
                                 "cone",        "ellipsoid",   "half_space", "mesh",
                                 "convex_hull", "height_field"};

@@ -229,21 +229,22 @@ constexpr Setting kSettings[] = {
      .unit = "rad/s or m/s",
      .value = [](P& p) { return &p.execution.velocities; },
      .range = kMotionLimit,
-     .help = "Velocity limits in place of the URDF's, by joint, or one number for all. Where "
+     .help = "Velocity limits in place of the robot's, by joint, or one number for all. Where "
              "neither gives one, it is 1"},
     {.name = "accelerations",
      .key = "execution.accelerations",
      .unit = "rad/s^2 or m/s^2",
      .value = [](P& p) { return &p.execution.accelerations; },
      .range = kMotionLimit,
-     .help = "Acceleration limits, by joint, or one number for all. By default the velocity limit "
-             "is reached in half a second"},
+     .help = "Acceleration limits, by joint, or one number for all. By default the robot's "
+             "(joint_limits), else the velocity limit is reached in half a second"},
     {.name = "jerks",
      .key = "execution.jerks",
      .unit = "rad/s^3 or m/s^3",
      .value = [](P& p) { return &p.execution.jerks; },
      .range = kMotionLimit,
-     .help = "Jerk limits, by joint, or one number for all. By default there are none"},
+     .help = "Jerk limits, by joint, or one number for all. By default the robot's "
+             "(joint_limits), else there are none"},
     {.name = "corners",
      .key = "execution.corners",
      .value = words<cornersOf>(kCornersWords),

@@ -135,7 +135,7 @@ class Rules {
 
   /// How far apart two links are, at least, with all joints but one at zero [m].
   double gap(const Body& a, const Body& b, std::size_t variable, double position) {
-    std::vector<double> q = model_.defaultConfiguration();
+    std::vector<double> q = model_.fileConfiguration();
     q[variable] = position;
     const std::vector<robots::Pose> X_WL = placeLinks(model_, q);
     collision::DistanceRequest request;
@@ -161,10 +161,17 @@ class Rules {
     }
     const JointType type = model_.joints[at(moved)].type;
     const auto v = at(model_.joints[at(moved)].first_variable);
-    const double zero = model_.defaultConfiguration()[v];
+    const double zero = model_.fileConfiguration()[v];
     if (gap(a, b, v, zero) > kVerifyTouch) return false;
     if (type == JointType::kPlanar || type == JointType::kFloating) return false;
-    double begin = model_.variables[v].lower, length = model_.variables[v].upper - begin;
+    // Limits that a problem narrows do not count, wider ones do.
+    const robots::Variable& limits = model_.variables[v];
+    double begin = limits.lower, end = limits.upper;
+    if (limits.file_limits) {
+      begin = std::min(begin, limits.file_limits->first);
+      end = std::max(end, limits.file_limits->second);
+    }
+    double length = end - begin;
     if (!std::isfinite(length)) {
       if (model_.joints[at(joint)].type == JointType::kPrismatic || ratio == 0) return false;
       begin = zero;

@@ -26,6 +26,8 @@ class YamlDocument::YamlEvents : public Builder, public YAML::EventHandler {
                 const std::string& value) override {
     YamlNode& scalar = addAnchored(YamlNode::Kind::kScalar, mark, anchor);
     scalar.is_quoted = tag == "!";
+    scalar.is_tagged =
+        !tag.empty() && tag != "?" && tag != "!" && !tag.starts_with("tag:yaml.org,2002:");
     scalar.text = static_cast<std::int64_t>(document_.texts_.size());
     scalar.text_size = static_cast<std::int64_t>(value.size());
     document_.texts_ += value;

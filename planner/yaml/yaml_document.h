@@ -27,6 +27,7 @@ struct YamlNode {
   enum class Kind : unsigned char { kNull, kScalar, kList, kMap, kAlias };
   Kind kind = Kind::kNull;
   bool is_quoted = false;  ///< a scalar in quotes: a text, whatever it looks like
+  bool is_tagged = false;  ///< a scalar with a tag of its own, as "!degrees 90"
   std::int32_t line = 0;   ///< from 1; of an empty value that of what follows it
   YamlIndex parent = -1;   ///< -1: the root
   std::int32_t place = 0;  ///< among its parent's entries, from 0

@@ -55,7 +55,7 @@ std::string YamlReader::shown() const {
   if (isMap()) return "a map";
   if (isList()) return fmt::format("a list of {}", size());
   if (!isScalar()) return "nothing";
-  const std::string text = elided(std::string(scalar()));
+  const std::string text = elided(std::string(document_->text(node())));
   return node().is_quoted ? fmt::format("the text \"{}\"", text) : fmt::format("'{}'", text);
 }
 
@@ -155,6 +155,12 @@ std::vector<YamlReader> YamlReader::items() const {
   for (YamlIndex item = node().first; item >= 0; item = document_->node(item).next)
     result.push_back({document_, item, line_});
   return result;
+}
+
+std::string_view YamlReader::scalar() const {
+  if (node().is_tagged)
+    fail(fmt::format("{} is {} with a tag; a value without one is expected", where(), shown()));
+  return document_->text(node());
 }
 
 std::string YamlReader::text() const {

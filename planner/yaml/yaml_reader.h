@@ -90,7 +90,8 @@ class YamlReader {
  private:
   YamlReader(std::shared_ptr<const YamlDocument> document, YamlIndex place, int parent_line);
   const YamlNode& node() const { return document_->node(document_->resolved(place_)); }
-  std::string_view scalar() const { return document_->text(node()); }
+  /// Fails for a value with a tag, which may change what it means: "!degrees 90".
+  std::string_view scalar() const;
   void expectMap() const;
   /// Calls visit(key) for every key of a map, until it returns false.
   template <class Visit>

@@ -60,27 +60,52 @@ robots::LoadOptions loadOptions(const py::object& packages, const py::object& me
   return options;
 }
 
-/// {joint: {axis: (lower, upper)}}.
-robots::OriginBounds originBounds(const py::object& bounds) {
-  const auto entries = [](py::handle map) {
-    if (!py::isinstance<py::dict>(map))
-      throw py::type_error("bounds: {joint: {'x': (lower, upper), 'y': ...}} is expected");
-    return py::reinterpret_borrow<py::dict>(map);
-  };
-  robots::OriginBounds read;
-  for (const auto& [joint, axes] : entries(bounds))
-    for (const auto& [axis, range] : entries(axes)) {
-      const std::string name = "bounds: " + std::string(py::str(joint));
-      const std::vector<double> ends = numbers(range, name.c_str(), 2);
-      read[py::str(joint)][py::str(axis)] = {ends[0], ends[1]};
+/// {joint: (lower, upper)}, {joint: {'range': (lower, upper), 'widen': True}}, and {joint: {axis:
+/// (lower, upper)}} of planar and floating joints.
+robots::JointBounds jointBounds(const py::object& bounds) {
+  if (!py::isinstance<py::dict>(bounds))
+    throw py::type_error(
+        "bounds: {joint: (lower, upper)} or {joint: {'x': (lower, upper), 'y': ...}} is expected");
+  robots::JointBounds read;
+  for (const auto& [joint, given] : py::reinterpret_borrow<py::dict>(bounds)) {
+    const std::string name = py::str(joint);
+    const auto add = [&](const std::string& axis, py::handle range, bool widens) {
+      const std::string what = "bounds: " + name + (axis.empty() ? "" : "." + axis);
+      const std::vector<double> ends = numbers(range, what.c_str(), 2);
+      read[name].insert_or_assign(axis, robots::JointBound{ends[0], ends[1], widens});
+    };
+    if (!py::isinstance<py::dict>(given)) {
+      add("", given, false);
+      continue;
     }
+    const auto axes = py::reinterpret_borrow<py::dict>(given);
+    const bool has_range = axes.contains("range");
+    for (const auto& [key, value] : axes) {
+      const std::string axis = py::str(key);
+      if (has_range && axis != "range" && axis != "widen")
+        throw py::value_error("bounds: " + name + " has '" + axis +
+                              "' beside 'range'; 'range' and 'widen' are expected");
+      if (!has_range && axis == "widen")
+        throw py::value_error("bounds: " + name +
+                              " has no 'range' beside 'widen'; both are expected");
+      if (axis == "widen") continue;
+      bool widens = false;
+      if (has_range && axes.contains("widen")) {
+        if (!py::isinstance<py::bool_>(axes["widen"]))
+          throw py::type_error("bounds: " + name + ".widen: True or False is expected");
+        widens = axes["widen"].cast<bool>();
+      }
+      add(has_range ? "" : axis, value, widens);
+    }
+  }
   return read;
 }
 
 Robot loadRobot(const py::object& urdf, const py::object& srdf, const std::string& group,
-                const py::object& base_pose, const py::object& bounds, const py::object& packages,
-                const py::object& xacro, const py::object& meshes, bool kinematics_only,
-                bool visual_as_collision, bool cache) {
+                const py::object& joint_limits, const py::object& base_pose,
+                const py::object& bounds, const py::object& packages, const py::object& xacro,
+                const py::object& meshes, bool kinematics_only, bool visual_as_collision,
+                bool cache) {
   Interrupt interrupt;
   robots::LoadOptions options = loadOptions(packages, meshes, cache);
   if (!xacro.is_none())
@@ -92,8 +117,13 @@ Robot loadRobot(const py::object& urdf, const py::object& srdf, const std::strin
   const std::string urdf_file = fileName(urdf, "urdf");
   const std::string srdf_file = srdf.is_none() ? "" : fileName(srdf, "srdf");
   auto model = interrupt.released([&] { return robots::loadModel(urdf_file, srdf_file, options); });
+  if (!joint_limits.is_none()) {
+    const std::string limits_file = fileName(joint_limits, "joint_limits");
+    model =
+        interrupt.released([&] { return planner::withJointLimits(*model, limits_file, options); });
+  }
   if (!base_pose.is_none()) model = robots::withBasePose(*model, pose(base_pose, "base_pose"));
-  if (!bounds.is_none()) model = robots::withBounds(*model, originBounds(bounds));
+  if (!bounds.is_none()) model = robots::withBounds(*model, jointBounds(bounds));
   return {model, group};
 }
 
@@ -232,17 +262,21 @@ std::map<std::string, robots::MeshTreatment, std::less<>> treatments(const py::o
 
 void defineRobot(py::module_& module) {
   const std::string init =
-      "(urdf, srdf=None, *, group='all', base_pose=None, bounds=None, packages=None, xacro=None, "
-      "meshes=None, kinematics_only=False, visual_as_collision=False, cache=True)";
+      "(urdf, srdf=None, *, group='all', joint_limits=None, base_pose=None, bounds=None, "
+      "packages=None, xacro=None, meshes=None, kinematics_only=False, visual_as_collision=False, "
+      "cache=True)";
   py::class_<Robot> robot(
       module, "Robot",
       withSignature("Robot", init,
                     "A robot from a URDF and an SRDF, and the group of its joints that is planned. "
                     "Constant: threads may share it.\n\n"
-                    "`group` is one of the SRDF's, or 'all'. `base_pose` says where a base that is "
-                    "fixed stands in the world; `bounds` where planar and floating joints may "
-                    "take their link: {joint: {'x': (lower, upper), 'y': ...}} [m]. `packages` "
-                    "maps names of package:// to folders. `xacro` maps names of arguments to "
+                    "`group` is one of the SRDF's, or 'all'. `joint_limits` is MoveIt's "
+                    "joint_limits.yaml. `base_pose` says where a base that is fixed stands in the "
+                    "world. `bounds` narrow the limits of joints, {joint: (lower, upper)} [rad or "
+                    "m], or widen them, {joint: {'range': (lower, upper), 'widen': True}}, and say "
+                    "where planar and floating joints may take their link, {joint: {'x': (lower, "
+                    "upper), 'y': ...}} [m]. `packages` maps names of package:// to folders. "
+                    "`xacro` maps names of arguments to "
                     "values, for files that end in "
                     ".xacro. With `kinematics_only` no mesh file is read; collisions of a robot "
                     "that has some cannot be checked then. `visual_as_collision` lets the visual "
@@ -252,11 +286,11 @@ void defineRobot(py::module_& module) {
                     "Raises InputError, with file and line.")
           .c_str());
   defineInit(robot, init, loadRobot, py::arg("urdf"), py::arg("srdf") = py::none(), py::kw_only(),
-             py::arg("group") = "all", py::arg("base_pose") = py::none(),
-             py::arg("bounds") = py::none(), py::arg("packages") = py::none(),
-             py::arg("xacro") = py::none(), py::arg("meshes") = py::none(),
-             py::arg("kinematics_only") = false, py::arg("visual_as_collision") = false,
-             py::arg("cache") = true);
+             py::arg("group") = "all", py::arg("joint_limits") = py::none(),
+             py::arg("base_pose") = py::none(), py::arg("bounds") = py::none(),
+             py::arg("packages") = py::none(), py::arg("xacro") = py::none(),
+             py::arg("meshes") = py::none(), py::arg("kinematics_only") = false,
+             py::arg("visual_as_collision") = false, py::arg("cache") = true);
   defineStatic(robot, "free_body", "(name, shapes, *, joint='floating', lower, upper)",
                "One rigid body that moves in space (its point is x y z qx qy qz qw) or, with "
                "joint='planar', in the plane (x y angle). `shapes` is a list of shapes or of pairs "

@@ -127,15 +127,32 @@ Model::Model(RobotDescription description) : RobotDescription(std::move(descript
   }
 }
 
-std::vector<double> Model::defaultConfiguration() const {
+namespace {
+
+/// All zeros, or the nearest values within limitsOf(variable); floating: identity.
+template <class LimitsOf>
+std::vector<double> restWithin(const Model& model, const LimitsOf& limitsOf) {
   std::vector<double> q;
-  q.reserve(variables.size());
-  for (const Variable& variable : variables)
-    q.push_back(std::clamp(0.0, variable.lower, variable.upper));
-  for (const Joint& joint : joints)
+  q.reserve(model.variables.size());
+  for (const Variable& variable : model.variables) {
+    const auto [lower, upper] = limitsOf(variable);
+    q.push_back(std::clamp(0.0, lower, upper));
+  }
+  for (const Joint& joint : model.joints)
     if (joint.type == JointType::kFloating)
       q[static_cast<std::size_t>(joint.first_variable) + 6] = 1;
   return q;
+}
+
+}  // namespace
+
+std::vector<double> Model::defaultConfiguration() const {
+  return restWithin(*this, [](const Variable& v) { return std::pair(v.lower, v.upper); });
+}
+
+std::vector<double> Model::fileConfiguration() const {
+  return restWithin(
+      *this, [](const Variable& v) { return v.file_limits.value_or(std::pair(v.lower, v.upper)); });
 }
 
 }  // namespace leeway::robots

@@ -26,52 +26,92 @@ std::string textOf(double number) {
 bool isFree(const Joint& joint) {
   return joint.type == JointType::kPlanar || joint.type == JointType::kFloating;
 }
+/// Whether a joint has one variable, which bounds limit.
+bool isSingle(const Joint& joint) {
+  return joint.variable_count == 1 && joint.mimic < 0 && joint.type != JointType::kFixed;
+}
 
 std::string unknownJoint(const RobotDescription& robot, const std::string& joint) {
   std::vector<std::string> known;
   for (const Joint& j : robot.joints)
-    if (isFree(j)) known.push_back(j.name);
+    if (isFree(j) || isSingle(j)) known.push_back(j.name);
   std::string listed;
   for (const std::string& name : known) listed += (listed.empty() ? "" : ", ") + name;
   const std::string* const near = nearestName(joint, known);
   return "no joint is named '" + joint + "'; " +
          (near != nullptr ? "did you mean '" + *near + "'?"
-          : known.empty() ? "the robot has no planar or floating joint"
-                          : "planar and floating joints: " + listed);
+          : known.empty() ? "the robot has no joint that takes bounds"
+                          : "joints that take bounds: " + listed);
+}
+
+std::string rangeText(double lower, double upper) { return textOf(lower) + " to " + textOf(upper); }
+
+std::string variableName(const std::string& joint, const std::string& axis) {
+  return axis.empty() ? joint : joint + "/" + axis;
+}
+
+/// What is wrong with the axis of a bound, or with the joint that it is of.
+std::string axisFault(const Joint& joint, const std::string& axis) {
+  const std::string name = "joint '" + joint.name + "'";
+  const bool is_planar = joint.type == JointType::kPlanar;
+  if (isSingle(joint))
+    return axis.empty() ? ""
+                        : "axis '" + axis +
+                              "' is not known; a lower and an upper bound are expected for " + name;
+  if (!isFree(joint))
+    return name + (joint.mimic >= 0 ? " follows another joint" : " is fixed") +
+           "; a joint that moves by itself is expected";
+  const char* const axes = is_planar ? "x and y" : "x, y and z";
+  if (axis.empty())
+    return name + " is " + (is_planar ? "planar" : "floating") + "; bounds of " + axes +
+           " are expected";
+  if (axis != "x" && axis != "y" && (is_planar || axis != "z"))
+    return "axis '" + axis + "' is not known; " + (is_planar ? "x or y" : "x, y or z") +
+           " is expected for the " + (is_planar ? "planar " : "floating ") + name;
+  return {};
 }
 
 }  // namespace
 
 std::string boundFault(const RobotDescription& robot, const std::string& joint,
-                       const std::string& axis, const std::pair<double, double>& bound) {
+                       const std::string& axis, const JointBound& bound) {
   const int found = robot.findJoint(joint);
   if (found < 0) return unknownJoint(robot, joint);
   const Joint& bounded = robot.joints[at(found)];
-  if (!isFree(bounded))
-    return "joint '" + joint + "' is neither planar nor floating; one that is, is expected";
-  const bool planar = bounded.type == JointType::kPlanar;
-  if (axis != "x" && axis != "y" && (planar || axis != "z"))
-    return "axis '" + axis + "' is not known; " + (planar ? "x or y" : "x, y or z") +
-           " is expected for the " + (planar ? "planar" : "floating") + " joint '" + joint + "'";
-  const auto [lower, upper] = bound;
+  if (std::string fault = axisFault(bounded, axis); !fault.empty()) return fault;
+  const auto [lower, upper] = std::pair(bound.lower, bound.upper);
+  const std::string name = "joint '" + variableName(joint, axis) + "'";
   if (!(std::abs(lower) <= collision::kLargestSize && std::abs(upper) <= collision::kLargestSize))
-    return "the bounds are " + textOf(lower) + " to " + textOf(upper) + "; coordinates up to " +
-           textOf(collision::kLargestSize) + " m are expected";
+    return "the bounds of " + name + " are " + rangeText(lower, upper) + "; " +
+           (isFree(bounded) ? "coordinates" : "numbers") + " up to " +
+           textOf(collision::kLargestSize) + (isFree(bounded) ? " m" : "") + " are expected";
   if (!(lower <= upper))
-    return "the lower bound " + textOf(lower) + " is above the upper bound " + textOf(upper) +
-           "; lower <= upper is expected";
+    return "the lower bound " + textOf(lower) + " of " + name + " is above the upper bound " +
+           textOf(upper) + "; lower <= upper is expected";
+  const Variable& own = robot.variables[at(robot.findVariable(variableName(joint, axis)))];
+  if (isSingle(bounded) && !bound.widens && (lower < own.lower || upper > own.upper))
+    return "the bounds of " + name + " are " + rangeText(lower, upper) +
+           ", outside its own limits; a range within " + rangeText(own.lower, own.upper) +
+           ", or 'widen', is expected";
   return {};
 }
 
-std::shared_ptr<const Model> withBounds(const Model& model, const OriginBounds& bounds) {
+std::shared_ptr<const Model> withBounds(const Model& model, const JointBounds& bounds) {
   auto bounded = std::make_shared<Model>(model);
   for (const auto& [joint, axes] : bounds)
     for (const auto& [axis, bound] : axes) {
-      if (const std::string fault = boundFault(model, joint, axis, bound); !fault.empty())
+      if (const std::string fault = boundFault(*bounded, joint, axis, bound); !fault.empty())
         throw std::invalid_argument("bounds: " + fault);
-      Variable& variable = bounded->variables[at(model.findVariable(joint + "/" + axis))];
-      std::tie(variable.lower, variable.upper) = bound;
+      const std::size_t v = at(bounded->findVariable(variableName(joint, axis)));
+      Variable& variable = bounded->variables[v];
+      if (!variable.file_limits) variable.file_limits = {variable.lower, variable.upper};
+      std::tie(variable.lower, variable.upper) = std::pair(bound.lower, bound.upper);
+      if (axis.empty()) variable.narrowed_by = bound.where;
+      Joint& limited = bounded->joints[at(variable.joint)];
+      if (limited.type == JointType::kContinuous) limited.type = JointType::kRevolute;
     }
+  // The constructor compiles the steps.
+  bounded->steps = Model(static_cast<const RobotDescription&>(*bounded)).steps;
   return bounded;
 }
 

@@ -66,10 +66,16 @@ class PairProof {
   /// False when this proof cannot treat the pair: without shapes, with joints of several variables,
   /// unlimited, or without any motion between the two.
   bool prepare() {
+    std::vector<VariableRange> ranges = limitRanges(model_);
+    if (wanted_ == Wanted::kTouching)
+      for (std::size_t v = 0; v < ranges.size(); ++v) {
+        const auto [lower, upper] = model_.variables[v].touchRange();
+        ranges[v] = {lower, upper};
+      }
     for (const Geometry& g : a_.geometries) {
       const Eigen::Vector3d center_L = g.X_BG * g.shape.boundingCenter();
       motions_.push_back(
-          relativeMotion(model_, link_a_, link_b_, center_L, g.shape.boundingRadius()));
+          relativeMotion(model_, link_a_, link_b_, center_L, g.shape.boundingRadius(), ranges));
     }
     if (motions_.empty() || b_.geometries.empty()) return false;
     center_ = model_.defaultConfiguration();
@@ -81,11 +87,19 @@ class PairProof {
     // The proof takes one turn of a continuous joint; a mimic is not periodic in its master.
     for (const RelativeMotion::Term& term : motions_.front().terms) {
       const Joint& j = model_.joints[at(term.joint)];
-      if (j.mimic >= 0 && model_.joints[at(j.mimic)].type == JointType::kContinuous) return false;
+      if (j.mimic >= 0 && turnsEndlessly(model_.joints[at(j.mimic)])) return false;
     }
     poses_.resize(model_.links.size());
     joint_motion_.resize(model_.joints.size());
     return !moving_.empty();
+  }
+
+  /// Whether the joint turns without limits. withBounds() makes such a joint revolute; what touches
+  /// everywhere is still proven for whole turns.
+  bool turnsEndlessly(const Joint& joint) const {
+    if (joint.type == JointType::kContinuous) return true;
+    return wanted_ == Wanted::kTouching && joint.type == JointType::kRevolute &&
+           std::isinf(model_.variables[at(joint.first_variable)].touchRange().second);
   }
 
   /// Adds the range of the joint's variable, or its master's, to the box. False when it has none
@@ -98,10 +112,13 @@ class PairProof {
     const std::size_t variable = at(j->first_variable);
     const Variable& v = model_.variables[variable];
     double middle = 0, half = 3.141592653589794;  // above pi: the whole circle
-    if (j->type != JointType::kContinuous) {
-      if (!std::isfinite(v.lower) || !std::isfinite(v.upper)) return false;
-      middle = v.lower + (v.upper - v.lower) / 2;
-      half = std::max(v.upper - middle, middle - v.lower);
+    const auto [lower, upper] =
+        wanted_ == Wanted::kTouching ? v.touchRange() : std::pair(v.lower, v.upper);
+    if (std::isfinite(lower) && std::isfinite(upper)) {
+      middle = lower + (upper - lower) / 2;
+      half = std::max(upper - middle, middle - lower);
+    } else if (!turnsEndlessly(*j)) {
+      return false;
     }
     center_[variable] = middle;
     half_[variable] = half;

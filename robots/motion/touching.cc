@@ -79,7 +79,7 @@ int onlyJointBetween(const Model& model, int link_a, int link_b) {
 }
 
 std::vector<std::pair<int, int>> touchingAtRest(const Model& model, const Stop& stop) {
-  const std::vector<double> q = model.defaultConfiguration();
+  const std::vector<double> q = model.fileConfiguration();
   const auto parent = [&](int link) {
     return model.joints[at(model.links[at(link)].joint)].parent_link;
   };
@@ -104,7 +104,7 @@ std::vector<std::pair<int, int>> touchingAtRest(const Model& model, const Stop& 
 }
 
 Touch touchAtJoint(const Model& model, int link_a, int link_b, int joint) {
-  std::vector<double> q = model.defaultConfiguration();
+  std::vector<double> q = model.fileConfiguration();
   Looks looks(model, link_a, link_b);
   if (!looks.touch(q)) return Touch::kApart;
   const Joint* master = &model.joints[at(joint)];
@@ -113,7 +113,7 @@ Touch touchAtJoint(const Model& model, int link_a, int link_b, int joint) {
     multiplier *= master->multiplier;
   if (master->variable_count != 1) return Touch::kSometimes;
   const std::size_t v = at(master->first_variable);
-  double lower = model.variables[v].lower, upper = model.variables[v].upper;
+  auto [lower, upper] = model.variables[v].touchRange();
   if (!std::isfinite(lower) || !std::isfinite(upper)) {
     // A joint that slides without limits parts them.
     if (model.joints[at(joint)].type == JointType::kPrismatic) return Touch::kSometimes;

@@ -147,7 +147,7 @@ void read(const std::string& file, const ProblemSource& source, Findings& findin
   const info::FileKind kind = info::kindOf(file);
   planner::Problem problem;
   if (kind == info::FileKind::kProblem && !source.robot.empty()) {
-    const auto model = robots::loadModel(source.robot, source.srdf, loadOptions(source));
+    const auto model = loadRobotModel(source.robot, source.srdf, source);
     findings.addWarnings(model->warnings, source.robot);
     problem = planner::loadMoveit(model, file, requestOf(file), {.load = loadOptions(source)});
   } else {

@@ -15,6 +15,7 @@
 #include "leeway/planner/plan.h"
 #include "leeway/planner/verify.h"
 #include "leeway/robots/motion_bound.h"
+#include "leeway/robots/placed_model.h"
 #include "planner/verify/pairs.h"
 #include "robots/model/model_builder.h"
 #include "tests/support/folder.h"
@@ -251,6 +252,65 @@ TEST_F(NeighbourPairs, AMimicIsLookedAtOverItsOwnTurn) {
 }
 
 /// Links without shapes between consecutive joints: the nearest links with shapes are checked.
+std::shared_ptr<const robots::Model> within(const std::shared_ptr<const robots::Model>& model,
+                                            double lower, double upper, bool widens = false) {
+  return robots::withBounds(*model, {{"turret_joint", {{"", {lower, upper, widens}}}}});
+}
+
+/// Regression: within narrower limits the boom is in the mast wherever it stands, and the pair was
+/// left out as one that touches everywhere.
+TEST_F(NeighbourPairs, NarrowerLimitsMakeNoPairTouchEverywhere) {
+  const auto revolute = load(mastAndBoom("0.6 0 0", "revolute", limits("-1.5", "1.5")));
+  const auto continuous = load(mastAndBoom("0.6 0 0", "continuous", ""));
+  for (const auto& model : {revolute, continuous})
+    for (const auto& [lower, upper] :
+         {std::pair(-0.02, 0.02), std::pair(0.0, 0.01), std::pair(0.01, 0.02)}) {
+      const auto narrow = within(model, lower, upper);
+      EXPECT_EQ(why(narrow, "mast", "boom"), "") << lower << " to " << upper;
+      EXPECT_EQ(why(within(narrow, 0.012, 0.013, true), "mast", "boom"), "") << "narrowed twice";
+    }
+  // What is proven apart holds within the limits, which a path keeps.
+  EXPECT_EQ(why(within(revolute, 0.5, 1.5), "mast", "boom"), "proven never to meet");
+  Problem problem = problemOf(within(revolute, -0.02, 0.02));
+  problem.start = {-0.02};
+  problem.goals = {test::pointGoal("goal", {0.02})};
+  EXPECT_EQ(plan(problem).status, PlanStatus::kInvalidStart);
+  EXPECT_EQ(verify(problem, {{"turret_joint"}, {{-0.02}, {0.02}}}).status, VerifyStatus::kRefuted);
+}
+
+TEST_F(NeighbourPairs, WiderLimitsAreLookedAt) {
+  const auto model = load(mastAndBoom("0.6 0 0", "revolute", limits("-0.02", "0.02")));
+  EXPECT_EQ(why(model, "mast", "boom"), kAlways);
+  EXPECT_EQ(why(within(model, -1.5, 1.5, true), "mast", "boom"), "");
+  // The part that holds the boom touches it however far it turns.
+  const auto hub = [&](const std::string& type, const std::string& rest) {
+    return load("<robot name=\"r\">" + link("base", box("0.2 0.2 0.2"), "0 0 0") +
+                link("pin", box("0.1 0.1 0.5"), "0 0 0.2") + fixed("base", "pin", "0 0 0") +
+                link("turret", box("0.3 0.3 0.1"), "0 0 0.3") +
+                turning("base", "turret", type, rest) + "</robot>");
+  };
+  const auto limited = hub("revolute", limits("-1", "1")), endless = hub("continuous", "");
+  EXPECT_EQ(why(limited, "pin", "turret"), kAlways);
+  EXPECT_EQ(why(within(limited, 0.1, 0.2), "pin", "turret"), kAlways);
+  EXPECT_EQ(why(within(limited, -6, 6, true), "pin", "turret"), kAlways);
+  EXPECT_EQ(why(within(endless, 0.1, 0.2), "pin", "turret"), kAlways);
+}
+
+/// Paths keep the limits of the problem, and the verifier refutes one that does not.
+TEST_F(NeighbourPairs, PathsKeepNarrowerLimits) {
+  const auto model = load(mastAndBoom("-0.6 0 0", "continuous", ""));
+  Problem problem = problemOf(within(model, -1.6, 2.1));
+  problem.start = {-1.5};
+  problem.goals = {test::pointGoal("goal", {2})};
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  EXPECT_EQ(result.path.positions.size(), 2U) << "the shorter turn, across the mast, is outside";
+  EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
+  const VerifyResult beyond = verify(problem, {{"turret_joint"}, {{-1.5}, {-1.7}, {2}}});
+  EXPECT_EQ(beyond.status, VerifyStatus::kRefuted);
+  EXPECT_NE(beyond.reason.find("outside its limits"), std::string::npos) << beyond.reason;
+}
+
 TEST_F(NeighbourPairs, TwoJointsApartIsNoNeighbour) {
   const auto model = load("<robot name=\"r\">" + link("base", box("0.2 0.2 0.2"), "0 0 0") +
                           "<link name=\"cross\"/>" + turning("base", "cross", "continuous") +
@@ -412,6 +472,46 @@ std::shared_ptr<const robots::Model> randomRobot(robots::testing::Random& random
   return std::make_shared<const robots::Model>(std::move(robot));
 }
 
+/// Narrower limits of half the joints, or any.
+std::shared_ptr<const robots::Model> withRandomBounds(const robots::Model& model,
+                                                      robots::testing::Random& random,
+                                                      bool only_narrower) {
+  robots::JointBounds bounds;
+  for (const robots::Variable& v : model.variables) {
+    if (random.uniform(0, 1) < 0.5) continue;
+    const bool is_limited = std::isfinite(v.upper - v.lower);
+    const double from = is_limited ? v.lower : -3, to = is_limited ? v.upper : 3;
+    double lower = random.uniform(from, to), upper = random.uniform(from, to);
+    if (lower > upper) std::swap(lower, upper);
+    if (!only_narrower) upper += 0.5;
+    bounds[v.name].emplace("", robots::JointBound{lower, upper, !only_narrower});
+  }
+  return robots::withBounds(model, bounds);
+}
+
+/// Pairs that count as touching everywhere within narrower limits do so within the robot's own.
+TEST_F(NeighbourPairs, NarrowerLimitsLeaveOutNoMoreThatTouch) {
+  robots::testing::Random random(49);
+  const auto touching = [](const std::shared_ptr<const robots::Model>& model) {
+    std::set<std::pair<std::string, std::string>> pairs;
+    for (const CompiledScene::Dropped& d : CompiledScene(problemOf(model)).dropped())
+      if (d.why == Unchecked::kTouchAlways || d.why == Unchecked::kTouchSampled)
+        pairs.insert(std::minmax(d.a, d.b));
+    return pairs;
+  };
+  std::size_t met = 0;
+  for (int k = 0; k < 300; ++k) {
+    const auto model = randomRobot(random);
+    if (model->variables.empty()) continue;
+    const auto own = touching(model);
+    const auto narrow = touching(withRandomBounds(*model, random, true));
+    // (A joint whose range is a point makes its pairs rigid.)
+    EXPECT_TRUE(std::includes(own.begin(), own.end(), narrow.begin(), narrow.end())) << k;
+    met += narrow.size();
+  }
+  EXPECT_GT(met, 20U);
+}
+
 /// The verifier determines independently which pairs the planner leaves out. A pair that only the
 /// planner leaves out is proven apart.
 TEST_F(NeighbourPairs, PlannerAndVerifierLeaveOutTheSame) {
@@ -419,7 +519,8 @@ TEST_F(NeighbourPairs, PlannerAndVerifierLeaveOutTheSame) {
   std::map<Unchecked, int> met;
   int checked = 0;
   for (int k = 0; k < 1000; ++k) {
-    const auto model = randomRobot(random);
+    const auto own = randomRobot(random);
+    const auto model = k % 2 == 0 ? own : withRandomBounds(*own, random, k % 4 == 1);
     Problem problem = problemOf(model);
     if (problem.robot.variables.empty()) continue;
     const CompiledScene scene(problem);

@@ -253,8 +253,9 @@ goal: {wheels: {position: [0, 0]}, flight: {position: [0, 0, 3]}, elbow: 0.5}
 
 TEST(Problem, BoundsOfPlanarAndFloatingJoints) {
   const Folder folder;
-  const Problem problem = loadProblem(
-      cart(folder, "bounds: {wheels: {x: [-5, 4], y: [-1, 3]}, flight: {z: [0, 3]}}" + kCartEnds));
+  const Problem problem = loadProblem(cart(
+      folder, "bounds: {wheels: {x: [-5, 4], y: [-1, 3]}, flight: {z: [0, 3]}, elbow: [0, 1]}" +
+                  kCartEnds));
   const robots::Model& model = *problem.robot.model;
   const auto bounds = [&](const std::string& name) {
     const robots::Variable& v = model.variables[static_cast<std::size_t>(model.findVariable(name))];
@@ -266,7 +267,20 @@ TEST(Problem, BoundsOfPlanarAndFloatingJoints) {
   EXPECT_EQ(bounds("wheels/theta"), std::pair(-kInfinite, kInfinite));
   EXPECT_EQ(bounds("flight/x"), std::pair(-kInfinite, kInfinite)) << "not named: as it was";
   EXPECT_EQ(bounds("flight/z"), std::pair(0.0, 3.0));
-  EXPECT_EQ(bounds("elbow"), std::pair(-1.0, 1.0));
+  EXPECT_EQ(bounds("elbow"), std::pair(0.0, 1.0));
+}
+
+TEST(Problem, BoundsWidenLimitsWhereTheySaySo) {
+  const Folder folder;
+  const Problem problem = loadProblem(
+      cart(folder,
+           "bounds: {elbow: {range: [-2, 3], widen: true}, wheels: {x: [-5, 4], y: [-1, "
+           "3]}}" +
+               kCartEnds));
+  const robots::Model& model = *problem.robot.model;
+  const auto& elbow = model.variables[static_cast<std::size_t>(model.findVariable("elbow"))];
+  EXPECT_EQ(std::pair(elbow.lower, elbow.upper), std::pair(-2.0, 3.0));
+  EXPECT_EQ(elbow.narrowed_by, "bounds.elbow (" + folder.path("problem.yaml") + ":3)");
 }
 
 /// Returns the message about a wrong file.
@@ -283,12 +297,26 @@ TEST(Problem, WrongBoundsAreRefusedWhereTheyStand) {
   const std::pair<std::string, std::string> wrong[] = {
       {"{wheel: {x: [0, 1]}}",
        ":3: bounds.wheel.x: no joint is named 'wheel'; did you mean 'wheels'?"},
-      {"{elbow: {x: [0, 1]}}", "bounds.elbow.x: joint 'elbow' is neither planar nor floating"},
+      {"{elbow: {x: [0, 1]}}",
+       "bounds.elbow.x: axis 'x' is not known; a lower and an upper bound are expected"},
+      {"{elbow: [-2, 1]}",
+       ":3: bounds.elbow: the bounds of joint 'elbow' are -2 to 1, outside its own limits"},
+      {"{elbow: {range: [-2, 1], widen: false}}",
+       "a range within -1 to 1, or 'widen', is expected"},
+      {"{elbow: {range: [-2, 1], x: [0, 1]}}", "key 'x' stands beside 'range' in bounds.elbow"},
+      {"{elbow: {widen: true}}", "bounds.elbow.widen has no 'range' beside it"},
+      {"{elbow: {range: [0, 1], widen: 3}}", "bounds.elbow.widen"},
+      {"{elbow: [0]}", "bounds.elbow is a list of 1; [lower, upper] is expected"},
+      {"{wheels: [0, 1]}",
+       "bounds.wheels: joint 'wheels' is planar; bounds of x and y are expected"},
+      {"{elbow: [-0.5, 0.4]}",
+       "joint 'elbow' at 0.5, outside its limits; -0.5 to 0.4 is expected, because of "
+       "bounds.elbow"},
       {"{wheels: {z: [0, 1]}}", "axis 'z' is not known; x or y is expected"},
       {"{wheels: {theta: [0, 1]}}", "unknown key 'theta'"},
-      {"{wheels: {x: [1, 0]}}", "the lower bound 1 is above the upper bound 0"},
+      {"{wheels: {x: [1, 0]}}", "the lower bound 1 of joint 'wheels/x' is above the upper bound 0"},
       {"{wheels: {x: [0, 1e300]}}", "coordinates up to"},
-      {"{wheels: {x: [0]}}", "is a list of 1; [lower, upper] in m is expected"},
+      {"{wheels: {x: [0]}}", "is a list of 1; [lower, upper] is expected"},
       {"{wheels: {x: 3}}", "bounds.wheels.x"},
       {"{wheels: {x: [2, 5]}}", "joint 'wheels/x' at 1, outside its limits; 2 to 5 is expected"},
   };

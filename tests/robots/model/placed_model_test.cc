@@ -48,14 +48,60 @@ TEST(PlacedModel, BoundsAreOfTheNamedAxesOnly) {
   EXPECT_EQ(variable(*free, "wheels/x").upper, kInfinite) << "the robot itself is constant";
 }
 
+TEST(PlacedModel, LimitsBecomeWiderOnlyWhereThatIsSaid) {
+  const auto model = withBounds(*cart(), {{"elbow", {{"", {0.5, 1}}}}});
+  const Variable& elbow = variable(*model, "elbow");
+  EXPECT_EQ(std::pair(elbow.lower, elbow.upper), std::pair(0.5, 1.0));
+  EXPECT_EQ(elbow.narrowed_by, "bounds");
+  EXPECT_EQ(elbow.touchRange(), std::pair(-1.0, 1.0)) << "the robot's own";
+  EXPECT_EQ(model->defaultConfiguration()[3], 0.5);
+  EXPECT_EQ(model->fileConfiguration()[3], 0);
+  EXPECT_THROW(withBounds(*model, {{"elbow", {{"", {-1, 1}}}}}), std::invalid_argument);
+  const auto wide = withBounds(*model, {{"elbow", {{"", {-0.2, 4, true}}}}});
+  EXPECT_EQ(variable(*wide, "elbow").lower, -0.2);
+  EXPECT_EQ(variable(*wide, "elbow").upper, 4);
+  EXPECT_EQ(variable(*wide, "elbow").touchRange(), std::pair(-1.0, 4.0));
+}
+
+TEST(PlacedModel, AContinuousJointThatIsLimitedBecomesRevolute) {
+  std::string urdf = kCart;
+  urdf.replace(urdf.find("revolute"), 8, "continuous");
+  const Folder folder;
+  const auto model = loadModel(folder.write("cart.urdf", urdf), "");
+  const auto limited = withBounds(*model, {{"elbow", {{"", {-4, 2}}}}});
+  const int elbow = limited->findJoint("elbow");
+  EXPECT_EQ(limited->joints[static_cast<std::size_t>(elbow)].type, JointType::kRevolute);
+  EXPECT_EQ(limited->steps[static_cast<std::size_t>(elbow)].type, JointType::kRevolute);
+  EXPECT_EQ(variable(*limited, "elbow").lower, -4);
+  EXPECT_EQ(variable(*limited, "elbow").touchRange(), std::pair(-kInfinite, kInfinite));
+  std::vector<double> q = model->defaultConfiguration();
+  q[3] = 1.9;
+  std::vector<Pose> X_WL(model->links.size()), X_WM(model->links.size());
+  forwardKinematics(*model, q, X_WL);
+  forwardKinematics(*limited, q, X_WM);
+  for (std::size_t l = 0; l < X_WL.size(); ++l)
+    EXPECT_EQ(X_WL[l].translation, X_WM[l].translation) << l;
+}
+
 TEST(PlacedModel, WrongBoundsAreNamed) {
   const auto model = cart();
-  const std::pair<OriginBounds, std::string> wrong[] = {
+  const std::pair<JointBounds, std::string> wrong[] = {
       {{{"wheel", {{"x", {0, 1}}}}}, "no joint is named 'wheel'; did you mean 'wheels'?"},
-      {{{"elbow", {{"x", {0, 1}}}}}, "joint 'elbow' is neither planar nor floating"},
+      {{{"elbow", {{"x", {0, 1}}}}},
+       "axis 'x' is not known; a lower and an upper bound are expected for joint"},
+      {{{"elbow", {{"", {-2, 1}}}}},
+       "the bounds of joint 'elbow' are -2 to 1, outside its own limits; a range within -1 to 1, "
+       "or "
+       "'widen', is expected"},
+      {{{"elbow", {{"", {-2, kInfinite, true}}}}}, "numbers up to 1e+09 are expected"},
+      {{{"elbow", {{"", {1, -1}}}}},
+       "the lower bound 1 of joint 'elbow' is above the upper bound -1"},
+      {{{"flight", {{"", {0, 1}}}}}, "joint 'flight' is floating; bounds of x, y and z"},
+      {{{"wheels", {{"", {0, 1}}}}}, "joint 'wheels' is planar; bounds of x and y are expected"},
       {{{"wheels", {{"z", {0, 1}}}}}, "axis 'z' is not known; x or y is expected"},
       {{{"flight", {{"w", {0, 1}}}}}, "axis 'w' is not known; x, y or z is expected"},
-      {{{"wheels", {{"x", {1, 0}}}}}, "the lower bound 1 is above the upper bound 0"},
+      {{{"wheels", {{"x", {1, 0}}}}},
+       "the lower bound 1 of joint 'wheels/x' is above the upper bound 0"},
       {{{"wheels", {{"x", {0, std::nan("")}}}}}, "coordinates up to"},
       {{{"wheels", {{"x", {-kInfinite, 0}}}}}, "coordinates up to"},
   };

@@ -448,8 +448,7 @@ std::vector<BatchItem> checkedItems(const Arguments& arguments) {
 std::shared_ptr<const robots::Model> commonRobot(const Arguments& arguments, WarningLog& warnings) {
   const ProblemSource& source = arguments.source;
   if (source.robot.empty()) return nullptr;
-  std::shared_ptr<const robots::Model> model =
-      robots::loadModel(source.robot, source.srdf, loadOptions(source));
+  std::shared_ptr<const robots::Model> model = loadRobotModel(source.robot, source.srdf, source);
   warnings.print(model->warnings);
   return model;
 }

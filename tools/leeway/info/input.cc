@@ -59,7 +59,7 @@ std::string findUrdfOf(const std::string& srdf) {
 planner::Problem robotProblem(const std::string& urdf, const std::string& srdf,
                               const ProblemSource& source) {
   planner::Problem problem;
-  problem.robot.model = robots::loadModel(urdf, srdf, loadOptions(source));
+  problem.robot.model = loadRobotModel(urdf, srdf, source);
   printWarnings(problem.robot.model->warnings);
   problem.name = problem.robot.model->name;
   problem.start = problem.robot.model->defaultConfiguration();

@@ -12,6 +12,7 @@
 
 #include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/placed_model.h"
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
@@ -34,8 +35,7 @@ std::string plannedGroup(const ProblemSource& source) {
 
 std::shared_ptr<const robots::Model> loadRobot(const ProblemSource& source) {
   const std::string group = plannedGroup(source);
-  std::shared_ptr<const robots::Model> model =
-      robots::loadModel(source.robot, source.srdf, loadOptions(source));
+  std::shared_ptr<const robots::Model> model = loadRobotModel(source.robot, source.srdf, source);
   printWarnings(model->warnings);
   if (source.chain.empty()) return model;
   int ends[2];
@@ -124,6 +124,21 @@ void addRobotArguments(CLI::App& app, ProblemSource& source) {
   app.add_option("--robot", source.robot, "URDF of the robot")->type_name("URDF");
   app.add_option("--srdf", source.srdf, "SRDF of the robot: groups, states, pairs that may touch")
       ->type_name("SRDF");
+  app.add_option("--joint-limits", source.joint_limits,
+                 "MoveIt's joint_limits.yaml: velocities, accelerations, jerks, narrower positions")
+      ->type_name("YAML");
+  app.add_option("--bounds", source.bounds,
+                 "narrower limits of a joint [rad or m]; may be repeated")
+      ->type_name("JOINT LOWER UPPER")
+      ->type_size(3)
+      ->expected(1)
+      ->take_all();
+  app.add_option("--widen", source.widen,
+                 "a joint whose --bounds may reach beyond its limits; may be repeated")
+      ->type_name("JOINT")
+      ->type_size(1)
+      ->expected(1)
+      ->take_all();
   app.add_option("--package", source.packages, "where package://NAME/ lies; may be repeated")
       ->type_name("NAME=DIR");
   app.add_option("--xacro", source.xacro,
@@ -213,6 +228,59 @@ robots::LoadOptions loadOptions(const ProblemSource& source) {
 
 namespace {
 
+/// --bounds and --widen.
+robots::JointBounds boundsOf(const ProblemSource& source) {
+  constexpr std::size_t kWords = 3;
+  robots::JointBounds bounds;
+  const std::span<const std::string> words = source.bounds;
+  for (std::size_t i = 0; i + kWords <= words.size(); i += kWords) {
+    double ends[2];
+    for (std::size_t k = 0; k < 2; ++k) {
+      const std::optional<double> number = robots::parseFinite(words[i + 1 + k]);
+      if (!number)
+        badUsage(fmt::format("--bounds {}: '{}' is no finite number", words[i], words[i + 1 + k]));
+      ends[k] = *number;
+    }
+    const std::size_t slash = words[i].find('/');  // JOINT/x
+    const std::string joint = words[i].substr(0, slash);
+    const std::string axis = slash == std::string::npos ? "" : words[i].substr(slash + 1);
+    if (!bounds[joint]
+             .emplace(axis, robots::JointBound{ends[0], ends[1], false, "--bounds"})
+             .second)
+      badUsage(fmt::format("--bounds names '{}' twice; once is expected", words[i]));
+  }
+  for (const std::string& joint : source.widen) {
+    const auto found = bounds.find(joint);
+    if (found == bounds.end())
+      badUsage(
+          fmt::format("--widen {0} stands without its bounds; '--bounds {0} LOWER UPPER' is "
+                      "expected",
+                      joint));
+    for (auto& [axis, bound] : found->second) bound.widens = true;
+  }
+  return bounds;
+}
+
+}  // namespace
+
+std::shared_ptr<const robots::Model> loadRobotModel(const std::string& urdf,
+                                                    const std::string& srdf,
+                                                    const ProblemSource& source) {
+  const robots::JointBounds bounds = boundsOf(source);
+  const robots::LoadOptions options = loadOptions(source);
+  std::shared_ptr<const robots::Model> model = robots::loadModel(urdf, srdf, options);
+  if (!source.joint_limits.empty())
+    model = planner::withJointLimits(*model, source.joint_limits, options);
+  if (bounds.empty()) return model;
+  try {
+    return robots::withBounds(*model, bounds);
+  } catch (const std::invalid_argument& error) {
+    badUsage("--" + std::string(error.what()));
+  }
+}
+
+namespace {
+
 /// Notes what answers do not count: the balls that filters removed, and what was not seen.
 void printLeftOut(const planner::Problem& problem) {
   if (isQuiet()) return;
@@ -232,9 +300,11 @@ planner::Problem readProblem(const ProblemSource& source) {
         "a problem file is needed, or --robot with --group, --start and --goal, or --robot with "
         "--scene and --request");
   }
-  if (!source.problem.empty() && !(source.robot + source.srdf + source.scene + source.request +
-                                   plannedGroup(source) + source.start + source.goal)
-                                      .empty()) {
+  if (!source.problem.empty() &&
+      (!(source.robot + source.srdf + source.joint_limits + source.scene + source.request +
+         plannedGroup(source) + source.start + source.goal)
+            .empty() ||
+       !source.bounds.empty() || !source.widen.empty())) {
     badUsage(fmt::format(
         "{} names its robot, start and goal itself; leave the other problem options out",
         source.problem));
@@ -313,7 +383,8 @@ planner::Problem loadProblemOrRobot(const ProblemSource& source) {
 }
 
 std::vector<std::string> filesOf(const ProblemSource& source) {
-  return {source.problem, source.robot, source.srdf, source.scene, source.request};
+  return {source.problem,      source.robot, source.srdf,
+          source.joint_limits, source.scene, source.request};
 }
 
 std::string takePathFile(ProblemSource& source, const std::vector<std::string>& files) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,7 +14,9 @@ namespace leeway::tools {
 /// states, or a MoveIt scene and request.
 struct ProblemSource {
   std::string problem;
-  std::string robot, srdf;
+  std::string robot, srdf, joint_limits;
+  std::vector<std::string> bounds;  ///< JOINT lower upper; several
+  std::vector<std::string> widen;   ///< joints whose bounds may be wider than their own limits
   std::string group, start, goal;
   std::string scene, request;
   std::vector<std::string> goal_pose;  ///< FRAME x y z qx qy qz qw; several: at once
@@ -43,6 +46,11 @@ void refuseSteps(const planner::Problem& problem, const char* verb);
 /// Otherwise as loadProblem().
 planner::Problem loadProblemOrRobot(const ProblemSource& source);
 robots::LoadOptions loadOptions(const ProblemSource& source);
+/// The robot of these files, with the limits that the source names. Throws robots::InputError,
+/// robots::Stopped.
+std::shared_ptr<const robots::Model> loadRobotModel(const std::string& urdf,
+                                                    const std::string& srdf,
+                                                    const ProblemSource& source);
 /// The files that the source names; empty names among them.
 std::vector<std::string> filesOf(const ProblemSource& source);
 /// Moves the problem's file from `files` to `source` and returns the path's.

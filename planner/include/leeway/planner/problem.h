@@ -299,10 +299,12 @@ struct Execution {
   double step = 0.05;    ///< from one look at the world to the next [s]
   double duration = 30;  ///< a goal not reached within this is a failure [s]
   double speed = 1;      ///< share of the velocity limits that is used, in (0, 1]
-  std::map<std::string, double> velocities;  ///< by variable; default: the URDF's [rad/s or m/s]
-  /// By variable [rad/s^2 or m/s^2]; default: the velocity limit is reached in half a second.
+  std::map<std::string, double> velocities;  ///< by variable; default: the robot's [rad/s or m/s]
+  /// By variable [rad/s^2 or m/s^2]; default: the robot's; without one the velocity limit is
+  /// reached in half a second.
   std::map<std::string, double> accelerations;
-  std::map<std::string, double> jerks;  ///< by variable; default: no limit [rad/s^3 or m/s^3]
+  /// By variable [rad/s^3 or m/s^3]; default: the robot's; without one there is no limit.
+  std::map<std::string, double> jerks;
   Corners corners = Corners::kStop;
   Foresight foresight = Foresight::kMotion;
   /// Replanner prefers steps after which this much more motion or rest can be certified [s].
@@ -379,6 +381,15 @@ Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string
 /// `warnings`. Throws robots::InputError, robots::Stopped.
 World loadMoveitWorld(const std::string& scene_path, const ProblemOptions& options,
                       std::vector<std::string>& warnings);
+
+/// Returns the robot with the limits of MoveIt's joint_limits.yaml. Velocities, accelerations and
+/// jerks replace the robot's own; the lesser of acceleration and deceleration counts. Positions
+/// narrow its range (robots::withBounds()); where they are wider, the robot's own hold, with a
+/// warning of the model. A limit of a joint that follows another one limits that one. Throws
+/// robots::InputError, robots::Stopped. O(file + joints^2).
+std::shared_ptr<const robots::Model> withJointLimits(const robots::Model& model,
+                                                     const std::string& yaml_path,
+                                                     const robots::LoadOptions& options = {});
 
 /// Allows the pairs of links that touch with all joints at zero, or at the nearest limit: those of
 /// robots::touchingAtRest(), proven, which include all that touch everywhere. A warning of the

@@ -23,8 +23,8 @@ struct MotionLimits {
 /// times its speed; its accelerations and jerks. O(variables).
 MotionLimits motionLimits(const Problem& problem);
 
-/// The velocity limits of the URDF (kDefaultVelocity where a joint has none), and accelerations
-/// that reach them from rest in half a second; no limit on jerk. O(variables).
+/// The robot's own limits. Without one the velocity is at most kDefaultVelocity and reached in half
+/// a second, and jerk has no limit. O(variables).
 MotionLimits defaultMotionLimits(const ConfigurationSpace& space);
 
 /// The fastest motion from rest to rest over a way of 1 under constant limits on speed,

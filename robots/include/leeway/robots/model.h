@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -62,9 +64,21 @@ struct Variable {
   int joint = -1;
   double lower, upper;  ///< [rad or m]; -+infinity where unlimited
   double velocity;      ///< [rad/s or m/s]; infinity where not given
-  /// The limits of mimic joints that narrow the joint's own range, with file and line; empty if
-  /// there are none.
+  /// What narrows the range of the joint's own element, with file and line: limits of mimic joints,
+  /// withBounds(). Empty: nothing.
   std::string narrowed_by = {};
+  double acceleration = std::numeric_limits<double>::infinity();  ///< [rad/s^2 or m/s^2]
+  double jerk = std::numeric_limits<double>::infinity();          ///< [rad/s^3 or m/s^3]
+  /// The limits of the robot's file, where withBounds() has replaced them: touchRange().
+  std::optional<std::pair<double, double>> file_limits = {};
+
+  /// Returns the range in which it is decided whether links touch wherever their joint stands [rad
+  /// or m]: lower and upper, and at least the file's limits. Narrower limits must not make a pair
+  /// touch everywhere that does not.
+  std::pair<double, double> touchRange() const {
+    if (!file_limits) return {lower, upper};
+    return {std::min(lower, file_limits->first), std::max(upper, file_limits->second)};
+  }
 };
 
 struct Link {
@@ -189,6 +203,9 @@ class Model : public RobotDescription {
 
   /// All zeros, or the nearest value inside the limits; floating: identity.
   std::vector<double> defaultConfiguration() const;
+  /// The same within the limits of the robot's file, where withBounds() has replaced them: where
+  /// links touch at rest does not depend on what a problem narrows.
+  std::vector<double> fileConfiguration() const;
 };
 
 /// How a mesh is read.

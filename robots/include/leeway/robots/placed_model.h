@@ -3,23 +3,34 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <utility>
 
 #include "leeway/robots/model.h"
 
 namespace leeway::robots {
 
-/// Bounds of planar and floating joints: by joint and axis ("x", "y", of a floating joint also
-/// "z"), lower and upper coordinate of the child link's origin in the joint's frame [m].
-using OriginBounds = std::map<std::string, std::map<std::string, std::pair<double, double>>>;
+/// The range of a joint, in place of the one that the robot has.
+struct JointBound {
+  double lower, upper;  ///< [rad or m]
+  /// Whether the range may reach beyond the robot's own limits. If not, a wider one is refused.
+  bool widens = false;
+  std::string where = "bounds";  ///< in messages about what is outside: what says it
+};
 
-/// Returns the robot with these bounds. An axis that is not named keeps its own. Throws
-/// std::invalid_argument with the message of boundFault(). O(links + geometries).
-std::shared_ptr<const Model> withBounds(const Model& model, const OriginBounds& bounds);
+/// Bounds by joint and axis. Axes of planar and floating joints are "x", "y" and, of the latter,
+/// "z": coordinates of the child link's origin in the joint's frame. Revolute, continuous and
+/// prismatic joints have the axis "".
+using JointBounds = std::map<std::string, std::map<std::string, JointBound>>;
 
-/// Returns what is wrong with one bound, "joint 'elbow' is revolute; ..."; empty: nothing.
+/// Returns the robot with these bounds. An axis that is not named keeps its own. A continuous joint
+/// becomes revolute. Which links touch wherever their joint stands is still decided within the
+/// robot's own limits (Variable::touchRange()). Throws std::invalid_argument with the message of
+/// boundFault(). O(links + geometries).
+std::shared_ptr<const Model> withBounds(const Model& model, const JointBounds& bounds);
+
+/// Returns what is wrong with one bound, "joint 'elbow' follows another joint; ..."; empty:
+/// nothing.
 std::string boundFault(const RobotDescription& robot, const std::string& joint,
-                       const std::string& axis, const std::pair<double, double>& bound);
+                       const std::string& axis, const JointBound& bound);
 
 /// Returns a robot, whose root link is fixed to the world, with that link at X_WB. Throws
 /// std::invalid_argument with the message of basePoseFault(). O(links + geometries).
