@@ -17,17 +17,19 @@ OmplMotionValidator::OmplMotionValidator(const ob::SpaceInformationPtr& space_in
                                          std::shared_ptr<CertifierPool> pool)
     : MotionValidator(space_information), pool_(std::move(pool)) {}
 
-bool OmplMotionValidator::count(bool valid) const {
+bool OmplMotionValidator::count(const EdgeCheck& check, CertifierPool::Slot& slot) const {
+  const bool valid = check.verdict == Verdict::kFree;
+  if (!valid && check.pair >= 0) ++slot.blocked[check.pair];
   std::atomic_ref<unsigned int>(valid ? valid_ : invalid_).fetch_add(1, std::memory_order_relaxed);
   return valid;
 }
 
 bool OmplMotionValidator::checkMotion(const ob::State* s1, const ob::State* s2) const {
   const CompiledScene& scene = pool_->scene();
-  EdgeCertifier& certifier = pool_->local().certifier;
+  CertifierPool::Slot& slot = pool_->local();
   const EdgeCheck check =
-      certifier.certify(pointOf(s1, scene), pointOf(s2, scene), certifier.searching());
-  return count(check.verdict == Verdict::kFree);
+      slot.certifier.certify(pointOf(s1, scene), pointOf(s2, scene), slot.certifier.searching());
+  return count(check, slot);
 }
 
 bool OmplMotionValidator::checkMotion(const ob::State* s1, const ob::State* s2,
@@ -38,7 +40,7 @@ bool OmplMotionValidator::checkMotion(const ob::State* s1, const ob::State* s2,
   EdgeRequest request = slot.certifier.searching();
   request.last_valid = true;
   const EdgeCheck check = slot.certifier.certify(a, b, request);
-  if (check.verdict == Verdict::kFree) return count(true);
+  if (check.verdict == Verdict::kFree) return count(check, slot);
   double t = std::clamp(check.last_valid, 0.0, 1.0);
   // The end of the certified part is a rounded point next to the edge, so the edge to it is
   // certified again. `last_valid.first` may be s1 or s2 itself, so it is written last.
@@ -56,7 +58,7 @@ bool OmplMotionValidator::checkMotion(const ob::State* s1, const ob::State* s2,
   last_valid.second = t;
   if (last_valid.first != nullptr)
     std::copy(slot.point.begin(), slot.point.end(), pointOf(last_valid.first, scene).begin());
-  return count(false);
+  return count(check, slot);
 }
 
 ob::SpaceInformationPtr makeSpaceInformation(std::shared_ptr<const CompiledScene> scene,

@@ -27,6 +27,14 @@ EdgeCertifier::Statistics CertifierPool::statistics() const {
   return sum;
 }
 
+std::unordered_map<int, std::uint64_t> CertifierPool::blocked() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::unordered_map<int, std::uint64_t> sum = own_.blocked;
+  for (const auto& [thread, slot] : others_)
+    for (const auto& [pair, edges] : slot->blocked) sum[pair] += edges;
+  return sum;
+}
+
 OmplValidityChecker::OmplValidityChecker(const ompl::base::SpaceInformationPtr& space_information,
                                          std::shared_ptr<CertifierPool> pool, double tolerance)
     : StateValidityChecker(space_information), pool_(std::move(pool)), tolerance_(tolerance) {

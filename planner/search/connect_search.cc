@@ -61,6 +61,7 @@ class Worker {
           if (over_) return EdgeCheck{};
           EdgeCertifier& own = narrow_ ? narrow_->certifier : certifier_;
           const EdgeCheck check = own.certify(a, b, own.searching());
+          if (check.verdict != Verdict::kFree && check.pair >= 0) ++hindrance_.blocked[check.pair];
           if (check.verdict == Verdict::kFree && index_ == 0 && query_.on_edge)
             query_.on_edge(a, b);
           return check;
@@ -107,6 +108,12 @@ class Worker {
   std::uint64_t iterations() const { return iterations_; }
   std::size_t goalBatches() const { return goal_batches_; }
   Waypoints takePath() { return std::move(path_); }
+  /// Of all runs, the present one included.
+  Hindrance hindrance() const {
+    Hindrance all = hindrance_;
+    if (trees_) all += {{}, trees_->gap()};
+    return all;
+  }
   const EdgeCertifier::Statistics& work() const { return certifier_.statistics; }
   /// The statistics of narrow runs' certifiers, which work() does not include.
   EdgeCertifier::Statistics narrowWork() const {
@@ -163,6 +170,7 @@ class Worker {
   }
 
   void end() {
+    hindrance_ += {{}, trees_->gap()};
     trees_.reset();
     narrow_work_ = narrowWork();
     narrow_.reset();
@@ -183,6 +191,7 @@ class Worker {
   std::optional<ConstrainedWay> way_;
   std::optional<ConnectTrees> trees_;
   EdgeCertifier::Statistics narrow_work_;  ///< of runs that have ended
+  Hindrance hindrance_;                    ///< gaps: of runs that have ended
   std::uint64_t runs_ = 0, narrow_runs_ = 0, left_ = 0, iterations_ = 0;
   bool is_body_;
   std::uint64_t asked_ = 0;    ///< edges
@@ -200,9 +209,9 @@ ConnectResult searchAlone(const ConnectQuery& query, const ConnectSettings& sett
     const std::uint64_t before = worker.iterations();
     const bool found = worker.advance(std::min({kConnectTurn, limits.left(), query.most - before}));
     is_over = limits.iterate(worker.iterations() - before);
-    if (found) return {worker.takePath(), worker.narrowWork(), worker.goalBatches()};
+    if (found) return {worker.takePath(), worker.narrowWork(), worker.goalBatches(), {}};
   }
-  return {std::nullopt, worker.narrowWork(), worker.goalBatches()};
+  return {std::nullopt, worker.narrowWork(), worker.goalBatches(), worker.hindrance()};
 }
 
 /// Parallel workers, which take turns of kConnectTurn iterations. All of them make all turns up to
@@ -301,6 +310,9 @@ class Portfolio {
       iterations = winner->worker->iterations();
       result.goal_batches = winner->worker->goalBatches();
       result.path = winner->worker->takePath();
+    } else {
+      for (const Member& member : members_)
+        if (member.worker) result.hindrance += member.worker->hindrance();
     }
     query_.limits.iterate(iterations);
     return result;
@@ -317,6 +329,12 @@ class Portfolio {
 };
 
 }  // namespace
+
+Hindrance& Hindrance::operator+=(const Hindrance& more) {
+  for (const auto& [pair, edges] : more.blocked) blocked[pair] += edges;
+  if (more.gap.distance < gap.distance) gap = more.gap;
+  return *this;
+}
 
 ConnectChoice connectChoice(const std::map<std::string, std::string>& parameters,
                             const ConfigurationSpace& space) {

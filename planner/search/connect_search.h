@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
@@ -53,10 +54,18 @@ struct ConnectQuery {
   const Problem* constrained = nullptr;
 };
 
+/// What kept a search from a path.
+struct Hindrance {
+  std::unordered_map<int, std::uint64_t> blocked;  ///< edges, by the pair in the way
+  ConnectTrees::Gap gap;                           ///< the nearest of all runs
+  Hindrance& operator+=(const Hindrance& more);
+};
+
 struct ConnectResult {
   std::optional<Waypoints> path;
   EdgeCertifier::Statistics work;  ///< of all certifiers except the caller's
   std::size_t goal_batches = 0;    ///< used by the winner; without a winner, the most of any worker
+  Hindrance hindrance;             ///< without a path
 };
 
 /// Runs with rising budgets. Most problems have a path that some seed finds soon, so a long run is

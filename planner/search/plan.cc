@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 
@@ -144,6 +145,42 @@ class Plan {
     result_.offending_b = scene.bodies()[static_cast<std::size_t>(pair.body_b)].name;
   }
 
+  /// What kept a search from a path: pairs, and the gap that was left.
+  void explain(const Hindrance& hindrance) {
+    const collision::Scene& scene = scene_->scene();
+    std::vector<std::pair<int, std::uint64_t>> most(hindrance.blocked.begin(),
+                                                    hindrance.blocked.end());
+    std::sort(most.begin(), most.end(), [](const auto& x, const auto& y) {
+      return x.second != y.second ? x.second > y.second : x.first < y.first;
+    });
+    if (most.size() > PlanResult::kMostBlocked) most.resize(PlanResult::kMostBlocked);
+    for (const auto& [index, edges] : most) {
+      const collision::ScenePair& pair = scene.pairs()[at(index)];
+      result_.blocked.push_back(
+          {scene.bodies()[at(pair.body_a)].name, scene.bodies()[at(pair.body_b)].name, edges});
+    }
+    result_.gap = {hindrance.gap.distance, hindrance.gap.of_start, hindrance.gap.of_goals};
+    for (int i = 0; i < scene_->space().size(); ++i)
+      if (turnsLong(i)) result_.long_turns.push_back(variableName(i));
+  }
+
+  /// Whether a revolute joint's limits bar the shorter turn to every goal.
+  bool turnsLong(int i) const {
+    const robots::Variable& variable =
+        scene_->model().variables[at(scene_->space().variables()[at(i)])];
+    if (scene_->model().joints[at(variable.joint)].type != robots::JointType::kRevolute)
+      return false;
+    const double from = start_[at(i)];
+    return std::all_of(problem_.goals.begin(), problem_.goals.end(), [&](const Goal& goal) {
+      if (goal.ranges.empty()) return false;
+      const auto [lower, upper] = goal.ranges[at(i)];
+      const double to = std::clamp(from, lower, upper);
+      const double other = to > from ? to - 2 * std::numbers::pi : to + 2 * std::numbers::pi;
+      return std::abs(to - from) > std::numbers::pi &&
+             (other < variable.lower || other > variable.upper);
+    });
+  }
+
   SearchTask searchTask() {
     return {problem_, start_, goals_, limits_, options_.on_edge, nullptr, scene_.get()};
   }
@@ -165,6 +202,7 @@ class Plan {
       auto path = search.shortest(problem_.seed);
       work_ += search.work();
       work_ += supply.work();
+      if (!path) explain(search.hindrance());
       return std::move(path).value_or(Waypoints{});
     }
     limits_.reserve(kSimplifyShare);
@@ -174,10 +212,14 @@ class Plan {
     Search search(scene_, pool_, task);
     const bool is_limited =
         std::isfinite(std::get<MaximumClearance>(problem_.objective).at_most_longer);
-    if (traits_->optimizing && traits_->any_cost && !is_limited)
-      return search.widest(problem_.seed, bound - kClearanceTolerance).value_or(Waypoints{});
+    if (traits_->optimizing && traits_->any_cost && !is_limited) {
+      auto path = search.widest(problem_.seed, bound - kClearanceTolerance);
+      if (!path) explain(search.hindrance());
+      return std::move(path).value_or(Waypoints{});
+    }
     auto widest = searchClearance(scene_, search, task, bound);
     work_ += search.work();
+    if (!widest) explain(search.hindrance());
     if (!widest) return {};
     work_ += widest->work;
     result_.shortest_length = widest->shortest;
@@ -193,10 +235,14 @@ class Plan {
     for (const std::vector<double>& goal : goals_.points)
       bound = std::min(bound, cost_->leastBetween(start_, goal));
     enough_ = (1 + kCostTolerance) * bound;
-    if (traits_->optimizing)
-      return search.cheapest(problem_.seed, cost_, enough_).value_or(Waypoints{});
+    if (traits_->optimizing) {
+      auto path = search.cheapest(problem_.seed, cost_, enough_);
+      if (!path) explain(search.hindrance());
+      return std::move(path).value_or(Waypoints{});
+    }
     auto cheapest = searchCost(search, *cost_, task, enough_);
     work_ += search.work();
+    if (!cheapest) explain(search.hindrance());
     if (!cheapest) return {};
     simplified_ = cheapest->simplified;
     return std::move(cheapest->path);

@@ -152,7 +152,14 @@ std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budge
   ConnectResult result = searchConnect(query, choice, certifier());
   if (supply != nullptr) supply->close(result.goal_batches);
   work_ += result.work;
+  hindrance_ += result.hindrance;
   return std::move(result.path);
+}
+
+Hindrance Search::hindrance() const {
+  Hindrance all = hindrance_;
+  all += {pool_->blocked(), {}};
+  return all;
 }
 
 std::optional<Waypoints> Search::runOnce(const ob::OptimizationObjectivePtr& objective,

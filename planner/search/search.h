@@ -66,6 +66,8 @@ class Search {
   std::string describeLength(double length) const;
   /// The statistics of certifiers outside the pool.
   const EdgeCertifier::Statistics& work() const { return work_; }
+  /// What kept all searches that found no path from one.
+  Hindrance hindrance() const;
 
  private:
   std::optional<Waypoints> connect(std::uint64_t seed, std::uint64_t budget, double bound);
@@ -90,6 +92,7 @@ class Search {
   const PlannerTraits* traits_;
   bool own_;  ///< Connect: no OMPL object is made
   EdgeCertifier::Statistics work_;
+  Hindrance hindrance_;  ///< of Connect
 };
 
 /// Certified lower bound on a path's clearance, to within tolerance [m]; stops once it is below

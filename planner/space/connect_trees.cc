@@ -232,6 +232,15 @@ std::uint32_t ConnectTrees::slideTowards(Tree& tree, std::uint32_t node,
   return node;
 }
 
+void ConnectTrees::noteGap(std::uint32_t node, std::span<const double> to) {
+  const std::span<const double> from = pointOf(trees_[growing_], node);
+  const double distance = task_.space.distance(from, to);
+  if (!(distance < gap_.distance)) return;
+  gap_.distance = distance;
+  (growing_ == 0 ? gap_.of_start : gap_.of_goals).assign(from.begin(), from.end());
+  (growing_ == 0 ? gap_.of_goals : gap_.of_start).assign(to.begin(), to.end());
+}
+
 bool ConnectTrees::iterate() {
   const std::size_t sizes[2] = {trees_[0].nearest.size(), trees_[1].nearest.size()};
   growing_ =
@@ -275,7 +284,10 @@ bool ConnectTrees::iterate() {
       task_.space.interpolate(from_, to, i / steps, next_);
     if (!isFree(tree, pointOf(tree, node))) {
       node = slideTowards(tree, node, to);
-      if (!std::equal(to.begin(), to.end(), pointOf(tree, node).begin())) return false;
+      if (!std::equal(to.begin(), to.end(), pointOf(tree, node).begin())) {
+        noteGap(node, to);
+        return false;
+      }
       break;
     }
     if (i < steps) node = add(tree, next_, node, gap / steps);

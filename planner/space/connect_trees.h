@@ -84,7 +84,16 @@ class ConnectTrees {
   /// in which isFree() checked it; edges of slides in the goals' tree were checked in reverse.
   std::vector<std::vector<double>> path() const;
 
+  /// Two points of the trees that an edge did not join, the nearest that were tried.
+  struct Gap {
+    double distance = std::numeric_limits<double>::infinity();
+    std::vector<double> of_start, of_goals;  ///< empty: none was tried
+  };
+  const Gap& gap() const { return gap_; }
+
  private:
+  /// Notes that a node of the growing tree and `to`, of the other one, were not joined.
+  void noteGap(std::uint32_t node, std::span<const double> to);
   struct Tree {
     explicit Tree(const ConfigurationSpace& space) : nearest(space) {}
     NearestNodes nearest;
@@ -130,6 +139,7 @@ class ConnectTrees {
   Tree trees_[2];          ///< of the start, and of the goals
   int growing_ = 1;
   std::vector<double> sample_, next_, from_, focus_, drawn_, slid_;
+  Gap gap_;
   std::uint32_t met_[2] = {0, 0};  ///< nodes of both trees with the same point
 };
 

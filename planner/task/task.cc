@@ -229,6 +229,9 @@ class TaskPlan {
         result_.offending_a = planned.offending_a;
         result_.offending_b = planned.offending_b;
       }
+      result_.blocked = std::move(planned.blocked);
+      result_.gap = std::move(planned.gap);
+      result_.long_turns = std::move(planned.long_turns);
       std::string why = planned.reason;
       if (why.empty()) {
         why = planned.status == PlanStatus::kInvalidStart  ? "its start is not valid"

@@ -222,6 +222,30 @@ void defineResult(py::module_& module) {
       result, "unreachable", [](const Result& self) { return self.value.unreachable; },
       "Whether it is proven that a goal of poses has no configuration.");
   defineConstant(
+      result, "blocked",
+      [](const Result& self) {
+        py::list blocked;
+        for (const planner::BlockedPair& pair : self.value.blocked)
+          blocked.append(py::make_tuple(pair.a, pair.b, pair.edges));
+        return blocked;
+      },
+      "Unsolved: the pairs that were in the way of most edges, (a, b, edges) in falling order; of "
+      "a "
+      "task in the step that failed.");
+  defineConstant(
+      result, "gap",
+      [](const Result& self) -> py::object {
+        const planner::SearchGap& gap = self.value.gap;
+        if (gap.from.empty()) return py::none();
+        return py::make_tuple(gap.distance, array(std::span<const double>(gap.from)),
+                              array(std::span<const double>(gap.to)));
+      },
+      "Unsolved, by Connect: how near its two trees came, (distance, point of the start's, point "
+      "of the goals'); else None.");
+  defineConstant(
+      result, "long_turns", [](const Result& self) { return listOf(self.value.long_turns); },
+      "Unsolved: joints whose limits bar the shorter turn to every goal that joints give.");
+  defineConstant(
       result, "cost",
       [](const Result& self) {
         return std::isinf(self.value.cost.upper)

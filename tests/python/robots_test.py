@@ -65,6 +65,7 @@ def test_bounds_and_base_poses(tmp_path):
         ({"wheels": {"z": (0, 1)}}, "axis 'z' is not known; x or y is expected"),
         ({"wheels": {"x": (1, 0)}}, "the lower bound 1 is above the upper bound 0"),
         ({"wheels": {"x": (0,)}}, "bounds: wheels"),
+        ({"wheels": (0, 1)}, "joint 'wheels' is planar; bounds of x and y are expected"),
     ]:
         with pytest.raises(ValueError, match=words):
             leeway.Robot(file, bounds=bounds)
@@ -105,3 +106,48 @@ def test_margins_of_the_whole_world_hold_for_what_comes_later(robot):
     assert leeway.plan(problem).status == "invalid_start"
     problem.margins["hand", "world"] = 0.1
     assert problem.margins == {("robot", "world"): 5, ("hand", "world"): 0.1}
+
+
+BOOM = """<robot name="boom"><link name="base"/><link name="boom"><collision><origin xyz="0.5 0 0"/><geometry><box size="1 0.1 0.1"/></geometry></collision></link>
+<joint name="turn" type="revolute"><parent link="base"/><child link="boom"/><axis xyz="0 0 1"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>"""
+
+
+def test_limits_of_joints(tmp_path):
+    file = tmp_path / "boom.urdf"
+    file.write_text(BOOM)
+    limits = tmp_path / "joint_limits.yaml"
+    limits.write_text("joint_limits: {turn: {max_velocity: 0.5, max_position: 2}}")
+    robot = leeway.Robot(file, joint_limits=limits)
+    assert (robot.lower[0], robot.upper[0]) == (-3, 2)
+    assert leeway.plan(robot, leeway.World(), [0], [1]).status == "nothing_checked"
+    robot = leeway.Robot(file, joint_limits=limits, bounds={"turn": (-1, 1)})
+    assert (robot.lower[0], robot.upper[0]) == (-1, 1)
+    robot = leeway.Robot(file, bounds={"turn": {"range": (-4, 5), "widen": True}})
+    assert (robot.lower[0], robot.upper[0]) == (-4, 5)
+    for bounds, words in [
+        ({"turn": (-4, 5)}, "the bounds of joint 'turn' are -4 to 5, outside its own limits"),
+        ({"turn": {"range": (-4, 5)}}, "a range within -3 to 3, or 'widen', is expected"),
+        ({"turn": {"range": (-4, 5), "x": (0, 1)}}, "turn has 'x' beside 'range'"),
+        ({"turn": {"widen": True}}, "no 'range' beside 'widen'"),
+        ({"turn": {"range": (-4, 5), "widen": 1}}, "widen: True or False is expected"),
+    ]:
+        with pytest.raises((TypeError, ValueError), match=words):
+            leeway.Robot(file, bounds=bounds)
+    limits.write_text("joint_limits: {trun: {max_velocity: 1}}")
+    with pytest.raises(leeway.InputError, match="no joint 'trun'; did you mean 'turn'"):
+        leeway.Robot(file, joint_limits=limits)
+
+
+def test_unsolved_says_what_was_in_the_way(tmp_path):
+    file = tmp_path / "boom.urdf"
+    file.write_text(BOOM)
+    world = leeway.World()
+    world.add_box("post", (0.2, 0.2, 1), position=(0.7, 0, 0))
+    result = leeway.plan(leeway.Robot(file), world, [-2], [2], iterations=200)
+    assert result.status == "unsolved"
+    assert result.blocked[0][:2] == ("boom", "post") and result.blocked[0][2] > 0
+    distance, start, goal = result.gap
+    assert start[0] < 0 < goal[0] and distance > 0.2
+    assert result.long_turns == ["turn"]
+    wide = leeway.Robot(file, bounds={"turn": {"range": (-6, 6), "widen": True}})
+    assert leeway.plan(wide, world, [-2], [2 - 2 * np.pi]) and leeway.plan(wide, world, [-2], [-1]).gap is None

@@ -299,6 +299,49 @@ TEST_F(Plan, NoPathWithinTheLimitsIsStatus1) {
   EXPECT_EQ(document["status"], "unsolved");
   EXPECT_TRUE(document["path"].is_null());
   EXPECT_TRUE(document["certificate"].is_null());
+  ASSERT_FALSE(document["blocked"].empty());
+  EXPECT_EQ(document["blocked"][0]["b"], "wall");
+  EXPECT_EQ(document["gap"]["from"].size(), 2u);
+  EXPECT_TRUE(document["long_turns"].empty());
+  const std::string told = run("plan wall.yaml --time 0.2").out;
+  for (const char* words :
+       {"Most edges were blocked by: ", " and wall (", "Start and goal came within "})
+    EXPECT_NE(told.find(words), std::string::npos) << told;
+}
+
+TEST_F(Plan, LimitsOfJointsFromFilesAndOptions) {
+  write("joint_limits.yaml",
+        "joint_limits: {shoulder: {max_velocity: 0.25, min_position: -1, max_position: 2}}\n");
+  const std::string info = "info arm.urdf --srdf arm.srdf --json";
+  const auto variable = [&](const std::string& options) {
+    const Answer answer = run(info + options);
+    EXPECT_EQ(answer.status, 0) << answer.err;
+    return answer.document()["robot"]["variables"][0];
+  };
+  json shoulder = variable(" --joint-limits joint_limits.yaml");
+  EXPECT_EQ(shoulder["lower"], -1);
+  EXPECT_EQ(shoulder["velocity"], 0.25);
+  EXPECT_NE(shoulder["narrowed_by"].get<std::string>().find("joint_limits.yaml:1"),
+            std::string::npos);
+  shoulder = variable(" --joint-limits joint_limits.yaml --bounds shoulder -0.5 1.5");
+  EXPECT_EQ(shoulder["lower"], -0.5);
+  shoulder = variable(" --bounds shoulder -6 6 --widen shoulder");
+  EXPECT_EQ(shoulder["upper"], 6);
+  expectRefused(info + " --bounds shoulder -6 6",
+                {"--bounds", "'shoulder'", "outside its own limits"});
+  expectRefused(info + " --bounds shoulder -1 x", {"--bounds shoulder", "'x' is no finite number"});
+  expectRefused(info + " --bounds shouldre -1 1", {"did you mean 'shoulder'"});
+  expectRefused(info + " --bounds shoulder -1 1 --bounds shoulder 0 1", {"names 'shoulder' twice"});
+  expectRefused(info + " --widen shoulder", {"--widen shoulder stands without its bounds"});
+  expectRefused("plan reach.yaml --bounds shoulder -1 1", {"reach.yaml", "leave the other"});
+  // A path is verified within the same limits.
+  const std::string robot =
+      "--robot arm.urdf --srdf arm.srdf --group arm --start right --goal left";
+  const Answer planned = run("plan " + robot + " --output path.json");
+  EXPECT_EQ(planned.status, 0) << planned.err << planned.out;
+  EXPECT_EQ(run("verify path.json " + robot).status, 0);
+  const Answer narrow = run("verify path.json " + robot + " --bounds shoulder -0.1 0.1");
+  EXPECT_NE(narrow.status, 0) << narrow.out;
 }
 
 TEST_F(Plan, WritesEveryFormat) {

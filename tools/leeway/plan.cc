@@ -244,6 +244,33 @@ std::string limitsText(const planner::PlanningLimits& limits) {
              : fmt::format("limit: {} s", limits.time);
 }
 
+/// The pairs that were in the way of a search, and how near it came.
+std::string hindranceText(const planner::Problem& problem, const planner::PlanResult& result) {
+  constexpr std::size_t kPairs = 3;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kPairs, result.blocked.size()); ++i) {
+    const planner::BlockedPair& pair = result.blocked[i];
+    text += fmt::format("{}{} and {} ({})", text.empty() ? "" : ", ", pair.a, pair.b, pair.edges);
+  }
+  if (!text.empty()) text = fmt::format("Most edges were blocked by: {}.\n", text);
+  const auto nameOf = [&](std::size_t i) -> const std::string& {
+    const int v = problem.robot.variables[i];
+    return problem.robot.model->variables[static_cast<std::size_t>(v)].name;
+  };
+  const planner::SearchGap& gap = result.gap;
+  if (!gap.from.empty()) {
+    std::size_t most = 0;
+    for (std::size_t i = 0; i < gap.from.size(); ++i)
+      if (std::abs(gap.to[i] - gap.from[i]) > std::abs(gap.to[most] - gap.from[most])) most = i;
+    text += fmt::format(
+        "Start and goal came within {:.3g} of each other, most of it in '{}': {:.3g} and {:.3g}.\n",
+        gap.distance, nameOf(most), gap.from[most], gap.to[most]);
+  }
+  for (const std::string& name : result.long_turns)
+    text += fmt::format("The limits of '{}' bar the shorter turn to the goal.\n", name);
+  return text;
+}
+
 void printText(const planner::Problem& problem, const planner::PlanResult& result,
                const std::optional<planner::Trajectory>& trajectory, double load_s) {
   fmt::print("{}: {} with {}, seed {}{}{}\n", problem.name, planner::toString(result.status),
@@ -263,7 +290,7 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
       break;
     case planner::PlanStatus::kUnsolved:
       if (!result.reason.empty()) {
-        fmt::print("No further than {}.\n", result.reason);
+        fmt::print("No further than {}.\n{}", result.reason, hindranceText(problem, result));
         break;
       }
       fmt::print("No path after {:.2f} s of planning and {} iterations ({}).\n", result.plan_s,
@@ -271,6 +298,7 @@ void printText(const planner::Problem& problem, const planner::PlanResult& resul
       if (result.undecided_edges > 0)
         fmt::print("{} of {} edges were left undecided; the search went without them.\n",
                    result.undecided_edges, result.edges);
+      fmt::print("{}", hindranceText(problem, result));
       break;
     case planner::PlanStatus::kInvalidStart:
     case planner::PlanStatus::kInvalidGoal:

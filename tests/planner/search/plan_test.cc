@@ -15,6 +15,7 @@
 #include "leeway/planner/planners.h"
 #include "leeway/robots/input_error.h"
 #include "planner/search/goals.h"
+#include "tests/support/folder.h"
 #include "tests/support/small_problems.h"
 
 namespace leeway::planner {
@@ -194,6 +195,56 @@ TEST(Plan, UnsolvableProblemEndsAtItsIterations) {
     EXPECT_EQ(result.iterations, 500u) << planner;
     EXPECT_TRUE(result.path.positions.empty()) << planner;
   }
+}
+
+/// The result says which pair blocked the search and how near it came; the same for the same seed,
+/// and for several workers.
+TEST(Plan, UnsolvedTellsWhatWasInTheWay) {
+  Problem problem = test::wallProblem();
+  problem.world.objects[0] = test::box("wall", {0.05, 3, 0.5}, 0, 0, 0);
+  problem.limits.iterations = 500;
+  problem.limits.time = 0;
+  for (const std::string planner : {"Connect", "workers", "RRTConnect", "PRM", "RRTstar"}) {
+    const bool is_connect = planner == "Connect" || planner == "workers";
+    problem.planner.name = is_connect ? "Connect" : planner;
+    problem.planner.parameters.clear();
+    if (planner == "workers") problem.planner.parameters["workers"] = "3";
+    const PlanResult result = plan(problem);
+    ASSERT_FALSE(result.blocked.empty()) << planner;
+    EXPECT_EQ(std::minmax(result.blocked[0].a, result.blocked[0].b),
+              std::minmax(std::string("disc"), std::string("wall")));
+    EXPECT_GT(result.blocked[0].edges, 5U) << planner;
+    EXPECT_TRUE(result.long_turns.empty());
+    EXPECT_EQ(result.gap.from.empty(), !is_connect) << planner;
+    if (!is_connect) continue;
+    EXPECT_LT(result.gap.from[0], 0) << "on the start's side";
+    EXPECT_GT(result.gap.to[0], 0);
+    EXPECT_GE(result.gap.distance, 0.3) << "the wall and a disc's radius on either side";
+    EXPECT_LT(result.gap.distance, 2);
+    const PlanResult again = plan(problem);
+    EXPECT_EQ(again.gap.from, result.gap.from);
+    EXPECT_EQ(again.gap.to, result.gap.to);
+    EXPECT_EQ(again.blocked[0].edges, result.blocked[0].edges);
+  }
+}
+
+TEST(Plan, UnsolvedNamesJointsThatGoTheLongWay) {
+  // A boom that would have to pass through a post; the shorter turn is beyond its limits.
+  const Folder folder;
+  const auto model = robots::loadModel(
+      folder.write("boom.urdf", R"(<robot name="r"><link name="base"/><link name="boom"><collision>
+<origin xyz="0.5 0 0"/><geometry><box size="1 0.1 0.1"/></geometry></collision></link>
+<joint name="turn" type="revolute"><parent link="base"/><child link="boom"/><axis xyz="0 0 1"/>
+<limit lower="-3" upper="3" effort="1" velocity="1"/></joint></robot>)"),
+      "");
+  Problem problem = test::problemOf(model, {-2}, {2});
+  problem.world.objects.push_back(test::box("post", {0.1, 0.1, 0.5}, 0.7, 0, 0));
+  problem.limits.iterations = 200;
+  const PlanResult result = plan(problem);
+  EXPECT_EQ(result.status, PlanStatus::kUnsolved);
+  EXPECT_EQ(result.long_turns, std::vector<std::string>{"turn"});
+  problem.goals.push_back(test::pointGoal("other", {1}));
+  EXPECT_TRUE(plan(problem).long_turns.empty()) << "the shorter turn to this goal is within them";
 }
 
 TEST(Plan, UnsolvableProblemEndsAtItsTime) {

@@ -183,6 +183,17 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
     document["offending"] = result.reason.empty() ? offendingJson(problem, result) : Json();
     document["unreachable"] = result.unreachable;
   }
+  if (result.status == planner::PlanStatus::kUnsolved) {
+    document["blocked"] = Json::array();
+    for (const planner::BlockedPair& pair : result.blocked)
+      document["blocked"].push_back({{"a", pair.a}, {"b", pair.b}, {"edges", pair.edges}});
+    const planner::SearchGap& gap = result.gap;
+    document["gap"] =
+        gap.from.empty()
+            ? Json()
+            : Json({{"distance", jsonNumber(gap.distance)}, {"from", gap.from}, {"to", gap.to}});
+    document["long_turns"] = result.long_turns;
+  }
   if (!solved) document["reason"] = result.reason.empty() ? Json() : Json(result.reason);
   return document;
 }

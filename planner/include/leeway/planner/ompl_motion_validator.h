@@ -12,7 +12,8 @@
 namespace leeway::planner {
 
 /// A motion is valid if the whole edge between its states is certified; it has no resolution.
-/// States are those of OmplStateSpace. Thread-safe; allocates nothing after a thread's first call.
+/// States are those of OmplStateSpace. Thread-safe; allocates at a thread's first call, and when a
+/// pair is in the way for the first time.
 class OmplMotionValidator : public ompl::base::MotionValidator {
  public:
   OmplMotionValidator(const ompl::base::SpaceInformationPtr& space_information,
@@ -26,7 +27,7 @@ class OmplMotionValidator : public ompl::base::MotionValidator {
                    std::pair<ompl::base::State*, double>& last_valid) const override;
 
  private:
-  bool count(bool valid) const;
+  bool count(const EdgeCheck& check, CertifierPool::Slot& slot) const;
   std::shared_ptr<CertifierPool> pool_;
 };
 

@@ -3,11 +3,13 @@
 #include <ompl/base/StateValidityChecker.h>
 
 #include <atomic>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <span>
 #include <thread>
+#include <unordered_map>
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
@@ -23,6 +25,8 @@ class CertifierPool {
     explicit Slot(const std::shared_ptr<const CompiledScene>& scene);
     EdgeCertifier certifier;
     std::vector<double> point;  ///< scratch of the space's size
+    /// Motions that were not proven free, by the pair in the way (collision::Scene::pairs()).
+    std::unordered_map<int, std::uint64_t> blocked;
   };
 
   explicit CertifierPool(std::shared_ptr<const CompiledScene> scene);
@@ -31,6 +35,8 @@ class CertifierPool {
   Slot& local();
   /// Sums over all threads. Call it only while no thread uses a certifier.
   EdgeCertifier::Statistics statistics() const;
+  /// The sum of Slot::blocked over all threads. Call it when none of them is in a certifier.
+  std::unordered_map<int, std::uint64_t> blocked() const;
 
  private:
   std::shared_ptr<const CompiledScene> scene_;

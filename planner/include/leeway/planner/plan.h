@@ -100,6 +100,19 @@ struct PlanOptions {
   std::function<void(const std::vector<std::vector<double>>&, double)> on_path;
 };
 
+/// A pair of bodies that was in the way of edges.
+struct BlockedPair {
+  std::string a, b;
+  std::uint64_t edges = 0;  ///< that were not proven free because of it
+};
+
+/// Two points that a search could not join: of what is reached from the start, and of what reaches
+/// a goal.
+struct SearchGap {
+  double distance = std::numeric_limits<double>::infinity();  ///< in the space's distance
+  std::vector<double> from, to;  ///< one number a planned variable; empty: nothing is known
+};
+
 struct PlanResult {
   PlanStatus status = PlanStatus::kUnsolved;
   std::uint64_t seed = 0;
@@ -132,6 +145,15 @@ struct PlanResult {
   /// kNothingChecked and kNotCompiled: so in words. `offending` then says nothing.
   std::string reason;
   bool unreachable = false;  ///< that there is none is proven
+  /// Unsolved: the pairs that were in the way of most edges, in falling order, kMostBlocked at
+  /// most; of a task in the step that failed.
+  std::vector<BlockedPair> blocked;
+  static constexpr std::size_t kMostBlocked = 10;
+  /// Unsolved, by Connect: how near its two trees came, of the points that it tried to join.
+  SearchGap gap;
+  /// Unsolved: planned revolute joints whose limits bar the shorter turn from the start to every
+  /// goal that is given by joints.
+  std::vector<std::string> long_turns;
   /// Margins and objects that have no effect; goals left out.
   std::vector<std::string> warnings;
 };
