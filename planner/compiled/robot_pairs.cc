@@ -154,20 +154,23 @@ void RobotPairs::drop(int i, int j, const Reason& reason) {
 /// Drops parts that meet at a joint, in addition to the two links of the joint: they touch at every
 /// sample. Two links with several joints between them are checked.
 void RobotPairs::dropTouching(const robots::Stop& stop) {
-  std::vector<std::pair<int, int>> touching, bodies;
+  std::vector<std::pair<int, int>> neighbours, places, touching, bodies;
   for (int i = 0; i < count(); ++i)
     for (int j = i + 1; j < count(); ++j) {
       const Entry &a = entries_[at(i)], &b = entries_[at(j)];
-      if (!a.isLink() || !b.isLink() || is_dropped_.count({i, j}) != 0) continue;
-      robots::throwIfStopped(stop, "links that touch were looked for");
-      const int joint = robots::onlyJointBetween(model_, a.link, b.link);
-      if (joint < 0) continue;
-      const robots::Touch touch = robots::touchAtJoint(model_, a.link, b.link, joint);
-      if (touch == robots::Touch::kSometimes) warnOfTouch(i, j);
-      if (touch != robots::Touch::kEverywhere) continue;
-      touching.emplace_back(a.link, b.link);
-      bodies.emplace_back(i, j);
+      if (!a.isLink() || !b.isLink() || is_dropped_.count({i, j}) != 0 ||
+          robots::onlyJointBetween(model_, a.link, b.link) < 0)
+        continue;
+      neighbours.emplace_back(a.link, b.link);
+      places.emplace_back(i, j);
     }
+  const std::vector<robots::Touch> touches = robots::touchAtJoints(model_, neighbours, stop);
+  for (std::size_t k = 0; k < touches.size(); ++k) {
+    if (touches[k] == robots::Touch::kSometimes) warnOfTouch(places[k].first, places[k].second);
+    if (touches[k] != robots::Touch::kEverywhere) continue;
+    touching.push_back(neighbours[k]);
+    bodies.push_back(places[k]);
+  }
   const std::vector<std::pair<int, int>> always = robots::provenTouching(model_, touching, stop);
   for (std::size_t k = 0; k < touching.size(); ++k) {
     const bool is_proven = std::find(always.begin(), always.end(), touching[k]) != always.end();

@@ -28,6 +28,7 @@
 #include "robots/mjcf/mjcf.h"
 #include "robots/model/model_builder.h"
 #include "robots/motion/gap_file.h"
+#include "robots/motion/kept_proofs.h"
 #include "robots/motion/link_gaps.h"
 #include "robots/urdf/srdf.h"
 #include "robots/urdf/urdf_document.h"
@@ -338,32 +339,11 @@ void narrowMaster(const UrdfJoint& source, RobotDescription& model) {
     model.warnings.push_back(place + ": the limits of " + name + ", are left out: " + why);
 }
 
-void addPose(const Pose& pose, ContentKey& key) {
-  for (const double number : pose.rotation.reshaped()) key.add(number);
-  for (const double number : pose.translation) key.add(number);
-}
-
 /// The key of all that provenGaps() reads of a model, with the keys of its meshes in the order of
 /// the links. Empty where one of these is.
 std::string keyOfGaps(const Model& model, const std::vector<std::string>& meshes) {
   ContentKey key("gaps");
-  for (const Joint& joint : model.joints) {
-    key.add(std::string_view("joint"));
-    addPose(joint.X_PJ, key);
-    for (const double number : joint.axis) key.add(number);
-    for (const double number :
-         {static_cast<double>(joint.type), static_cast<double>(joint.parent_link),
-          static_cast<double>(joint.child_link), static_cast<double>(joint.first_variable),
-          static_cast<double>(joint.variable_count), static_cast<double>(joint.mimic),
-          joint.multiplier, joint.offset})
-      key.add(number);
-  }
-  for (const Variable& variable : model.variables) {
-    key.add(std::string_view("variable"));
-    for (const double number :
-         {static_cast<double>(variable.joint), variable.lower, variable.upper})
-      key.add(number);
-  }
+  addJoints(model, key);
   auto mesh = meshes.begin();
   for (const Link& link : model.links) {
     key.add(std::string_view("link"));
@@ -470,6 +450,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   robot.name = document.name;
   robot.urdf_file = urdf_path;
   robot.srdf_file = srdf_path;
+  robot.cache = options.cache;
   robot.warnings = document.warnings;
   const std::vector<std::pair<int, int>> order = treeOrder(document);
   std::vector<int> link_position(document.links.size());

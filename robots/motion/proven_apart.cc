@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <utility>
 
 #include "collision/base/numbers.h"
@@ -8,6 +9,7 @@
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/motion_bound.h"
 #include "robots/base/tolerances.h"
+#include "robots/motion/kept_proofs.h"
 
 namespace leeway::robots {
 namespace {
@@ -248,20 +250,25 @@ bool meet(const Link& a, const Pose& X_WA, const Link& b, const Pose& X_WB,
   return false;
 }
 
-/// Takes those pairs out that meet in one of some configurations: no proof needs to be tried.
-void leaveOutMeeting(const Model& model, std::vector<std::pair<int, int>>& pairs) {
+/// Where all links stand in some configurations: a pair that meets in one of them needs no proof.
+std::vector<std::vector<Pose>> samplePoses(const Model& model) {
   std::vector<double> q = model.defaultConfiguration();
-  std::vector<Pose> X_WL(model.links.size());
-  collision::Scratch scratch;
-  for (int i = 0; i < kApartSamples && !pairs.empty(); ++i) {
+  std::vector<std::vector<Pose>> looks(kApartSamples, std::vector<Pose>(model.links.size()));
+  for (int i = 0; i < kApartSamples; ++i) {
     sample(model, i, q);
-    forwardKinematics(model, q, X_WL);
-    const auto met = [&](const std::pair<int, int>& pair) {
-      const auto [a, b] = pair;
-      return meet(model.links[at(a)], X_WL[at(a)], model.links[at(b)], X_WL[at(b)], scratch);
-    };
-    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), met), pairs.end());
+    forwardKinematics(model, q, looks[at(i)]);
   }
+  return looks;
+}
+
+std::vector<std::pair<int, int>> thoseThatHold(const Model& model,
+                                               std::span<const std::pair<int, int>> pairs,
+                                               const DecidePair& question, const Stop& stop) {
+  const std::vector<unsigned char> holds = decidePairs(model, pairs, question, stop);
+  std::vector<std::pair<int, int>> proven;
+  for (std::size_t i = 0; i < holds.size(); ++i)
+    if (holds[i] == 1) proven.push_back(pairs[i]);
+  return proven;
 }
 
 }  // namespace
@@ -269,24 +276,26 @@ void leaveOutMeeting(const Model& model, std::vector<std::pair<int, int>>& pairs
 std::vector<std::pair<int, int>> provenApart(const Model& model,
                                              std::span<const std::pair<int, int>> candidates,
                                              const Stop& stop) {
-  std::vector<std::pair<int, int>> open(candidates.begin(), candidates.end()), proven;
-  leaveOutMeeting(model, open);
-  for (const auto& [a, b] : open) {
-    throwIfStopped(stop, "links were proven apart");
-    if (PairProof(model, a, b, Wanted::kApart).run()) proven.emplace_back(a, b);
-  }
-  return proven;
+  std::once_flag once;
+  std::vector<std::vector<Pose>> looks;
+  const auto decide = [&](const std::pair<int, int>& pair) -> unsigned char {
+    const auto [a, b] = pair;
+    std::call_once(once, [&] { looks = samplePoses(model); });
+    collision::Scratch scratch;  // of this pair: answers do not depend on what else was asked
+    for (const std::vector<Pose>& X_WL : looks)
+      if (meet(model.links[at(a)], X_WL[at(a)], model.links[at(b)], X_WL[at(b)], scratch)) return 0;
+    return PairProof(model, a, b, Wanted::kApart).run() ? 1 : 0;
+  };
+  return thoseThatHold(model, candidates, {"apart", "links were proven apart", decide}, stop);
 }
 
 std::vector<std::pair<int, int>> provenTouching(const Model& model,
                                                 std::span<const std::pair<int, int>> candidates,
                                                 const Stop& stop) {
-  std::vector<std::pair<int, int>> proven;
-  for (const auto& [a, b] : candidates) {
-    throwIfStopped(stop, "links were proven to touch");
-    if (PairProof(model, a, b, Wanted::kTouching).run()) proven.emplace_back(a, b);
-  }
-  return proven;
+  const auto decide = [&](const std::pair<int, int>& pair) -> unsigned char {
+    return PairProof(model, pair.first, pair.second, Wanted::kTouching).run() ? 1 : 0;
+  };
+  return thoseThatHold(model, candidates, {"touching", "links were proven to touch", decide}, stop);
 }
 
 }  // namespace leeway::robots

@@ -12,6 +12,7 @@
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/motion_bound.h"
 #include "robots/base/tolerances.h"
+#include "robots/motion/kept_proofs.h"
 
 namespace leeway::robots {
 namespace {
@@ -103,7 +104,11 @@ std::vector<std::pair<int, int>> touchingAtRest(const Model& model, const Stop& 
   return touching;
 }
 
-Touch touchAtJoint(const Model& model, int link_a, int link_b, int joint) {
+namespace {
+
+Touch touchAtJoint(const Model& model, int link_a, int link_b) {
+  const int joint = onlyJointBetween(model, link_a, link_b);
+  if (joint < 0) return Touch::kApart;
   std::vector<double> q = model.fileConfiguration();
   Looks looks(model, link_a, link_b);
   if (!looks.touch(q)) return Touch::kApart;
@@ -126,6 +131,20 @@ Touch touchAtJoint(const Model& model, int link_a, int link_b, int joint) {
     if (!looks.touch(q)) return Touch::kSometimes;
   }
   return Touch::kEverywhere;
+}
+
+}  // namespace
+
+std::vector<Touch> touchAtJoints(const Model& model, std::span<const std::pair<int, int>> pairs,
+                                 const Stop& stop) {
+  const auto decide = [&](const std::pair<int, int>& pair) {
+    return static_cast<unsigned char>(touchAtJoint(model, pair.first, pair.second));
+  };
+  std::vector<Touch> touches;
+  for (const unsigned char touch :
+       decidePairs(model, pairs, {"touch", "links that touch were looked for", decide}, stop))
+    touches.push_back(static_cast<Touch>(touch));
+  return touches;
 }
 
 }  // namespace leeway::robots

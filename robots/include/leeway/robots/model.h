@@ -168,6 +168,7 @@ struct RobotDescription {
   bool has_srdf = false;
   bool lacks_meshes = false;          ///< read with kinematics_only, and the URDF has some
   std::string urdf_file, srdf_file;   ///< as given to loadModel(); empty for a free body
+  std::string cache;                  ///< LoadOptions::cache, for proofs about its links
   std::vector<std::string> warnings;  ///< of the loaders, each with file and line
 
   int findLink(std::string_view name) const;  ///< -1 when unknown

@@ -89,7 +89,8 @@ MotionBound localMotionBound(const Model& model, const RelativeMotion& motion,
 
 /// Those of `candidates` that are proven never to touch at any configuration within the limits.
 /// Interval subdivision over the joints between the two links, with a work limit of milliseconds a
-/// pair, before each of which `stop` is asked: throws Stopped.
+/// pair, on all cores; `stop` is asked from this thread: throws Stopped. The answers are kept in
+/// the model's cache folder, by all that they depend on; they are the same without.
 std::vector<std::pair<int, int>> provenApart(const Model& model,
                                              std::span<const std::pair<int, int>> candidates,
                                              const Stop& stop = {});
@@ -111,11 +112,13 @@ enum class Touch : unsigned char {
   kEverywhere,  ///< they touch there and at every sample
 };
 
-/// Returns where two links touch. Samples are the joint's positions at even steps from limit to
-/// limit, or over a whole turn. `joint`: onlyJointBetween() them. Nothing is proven between the
-/// samples. One look at each sample until the links are apart, kTouchLooks + 2 at most; a look is a
-/// distance query for each pair of geometries.
-Touch touchAtJoint(const Model& model, int link_a, int link_b, int joint);
+/// Returns where the links of each pair touch; kApart for a pair without onlyJointBetween().
+/// Samples are the joint's positions at even steps over Variable::touchRange(), or over a whole
+/// turn. Nothing is proven between the samples. Kept and in parallel as provenApart(). One look at
+/// each sample until the links are apart, kTouchLooks + 2 at most; a look is a distance query for
+/// each pair of geometries.
+std::vector<Touch> touchAtJoints(const Model& model, std::span<const std::pair<int, int>> pairs,
+                                 const Stop& stop = {});
 
 /// The pairs of links that touch at the default configuration, proven to within kTouch
 /// (tolerances.h), the lower link first: those that joints move against each other, without
