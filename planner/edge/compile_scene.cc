@@ -151,7 +151,7 @@ class Surroundings {
           is_checked = is_checked || reason.empty();
         }
       if (!m.group.empty())
-        groups[m.group] |= is_checked;
+        groups[m.group] |= is_checked || isToCome(m.a) || isToCome(m.b);
       else if (!is_checked && !isToCome(m.a) && !isToCome(m.b))
         warnings_.push_back(
             fmt::format("the margin of '{}' and '{}' has no effect: the pair is not checked ({})",
@@ -180,8 +180,8 @@ class Surroundings {
   }
   /// An object without a shape, which may still be added.
   bool isToCome(const std::string& name) const {
-    return (words_.world && name == kWorldWord) ||
-           (namedInMargins(name).empty() && problem_.robot.model->findLink(name) < 0);
+    if (words_.world && name == kWorldWord) return objects_.empty();
+    return namedInMargins(name).empty() && problem_.robot.model->findLink(name) < 0;
   }
 
   /// Contacts of the robot with the world that the problem or the SRDF allows. Contacts between

@@ -267,6 +267,16 @@ def test_margins_of_groups_stay_groups(robot):
     assert leeway.plan(problem).warnings == ["the margin of 'link1' and 'link2' has no effect: the pair is not checked (adjacent)"]
 
 
+def test_margins_of_the_world_are_for_what_comes_later_too(robot):
+    """Without objects none of them is without effect; a link that does not move keeps none."""
+    empty = leeway.Problem(robot, leeway.World(), "ready", TUCKED, margins={("robot", "world"): 0.02, ("hand", "world"): 0.03})
+    assert leeway.plan(empty).warnings == []
+    problem = good(robot, margins={("robot", "world"): 0.02, ("hand", "world"): 0.03})
+    assert leeway.plan(problem).warnings == []
+    problem.margins[("base", "world")] = 0.1
+    assert leeway.plan(problem).warnings == ["the margin of 'base' and 'world' has no effect: the pair is not checked (neither moves)"]
+
+
 def test_a_problem_copies_what_it_is_given(robot):
     world, q, allowed = worlds(), np.array(TUCKED), []
     problem = leeway.Problem(robot, world, q, q, allowed=allowed)

@@ -62,21 +62,38 @@ TEST_F(Check, ClearanceIsTheDistance) {
 }
 
 TEST_F(Check, PenetrationWithDepthAndWitnesses) {
-  const Answer answer = run("check reach.yaml --state shoulder=0,elbow=0 --json");
+  const Answer answer = run("check reach.yaml --state shoulder=0,elbow=0 --depth --json");
   EXPECT_EQ(answer.status, 1);
   const json document = answer.document();
   EXPECT_EQ(document["status"], "invalid");
   const json state = document["states"][0];
   EXPECT_EQ(state["valid"], false);
   EXPECT_EQ(state["verdict"], "not_free");
+  EXPECT_EQ(state["in_collision"], true);
   EXPECT_LE(state["penetration"]["depth_lower"], 0.07 + 1e-9);
   EXPECT_GE(state["penetration"]["depth_upper"], 0.07 - 1e-9);
   EXPECT_EQ(state["closest"]["point_a"].size(), 3u);
-  const std::string text = run("check reach.yaml --state shoulder=0,elbow=0").out;
+  const std::string text = run("check reach.yaml --state shoulder=0,elbow=0 --depth").out;
   for (const char* word :
        {"not valid", "lower", "post", "in collision", "70.0", "deepest points"}) {
     EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
   }
+}
+
+TEST_F(Check, WithoutDepthTheSamePairsAreNamed) {
+  const std::string state = "check reach.yaml --state shoulder=0,elbow=0";
+  const Answer answer = run(state + " --json");
+  EXPECT_EQ(answer.status, 1);
+  const json plain = answer.document()["states"][0];
+  const json deep = run(state + " --depth --json").document()["states"][0];
+  for (const char* key : {"valid", "verdict", "limit", "in_collision", "too_near", "all_too_near"})
+    EXPECT_EQ(plain[key], deep[key]) << key;
+  for (const char* key : {"penetration", "closest", "clearance_lower", "clearance_upper"})
+    EXPECT_TRUE(plain[key].is_null()) << key;
+  EXPECT_TRUE(plain["world"]["clearance_upper"].is_null());
+  const std::string text = run(state).out;
+  EXPECT_NE(text.find("lower and post in collision (--depth"), std::string::npos) << text;
+  EXPECT_EQ(run("check reach.yaml --json").document()["states"][0]["in_collision"], false);
 }
 
 TEST_F(Check, MarginsOfPairsNameThePair) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -33,6 +34,7 @@ struct CheckArguments {
   PlanOverrides limits;
   std::vector<std::string> states;
   double tolerance = 1e-6;
+  bool depth = false;
   bool json = false;
 };
 
@@ -53,6 +55,7 @@ struct CheckedState {
   PairNames too_near;  ///< not free: a pair that does not keep its margin; the closest one may
   std::vector<PairNames> all_too_near = {};  ///< the same: all pairs
   std::string nothing_checked = {};          ///< why; else empty
+  PairNames overlapping = {};  ///< not measured: a pair in collision, without its depth
 
   bool valid() const {
     return limit.empty() && nothing_checked.empty() && check.verdict == planner::Verdict::kFree;
@@ -217,8 +220,26 @@ std::string brokenLimit(const planner::ConfigurationSpace& space,
   return {};
 }
 
+/// Returns whether bodies overlap, and names the pairs then. Clearances and depths, which take ten
+/// times as long, are not measured.
+bool isInCollision(planner::EdgeCertifier& certifier, CheckedState& checked) {
+  const std::vector<double>& point = checked.state.point;
+  if (certifier.decide(point) != planner::Verdict::kNotFree) return false;
+  checked.overlapping = overlappingPair(certifier.scene(), point);
+  if (checked.overlapping.a.empty()) return false;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  checked.check.verdict = planner::Verdict::kNotFree;
+  checked.check.clearance = {-kInfinity, kInfinity};  // not measured
+  checked.world.clearance = checked.self.clearance = checked.check.clearance;
+  const int pair = certifier.certify(point, point).pair;
+  checked.too_near = pair < 0 ? checked.overlapping : pairNames(certifier.scene(), pair);
+  checked.all_too_near = pairsTooNear(certifier.scene(), point, checked.too_near);
+  return true;
+}
+
 CheckedState checkState(planner::EdgeCertifier& certifier, const planner::Problem& problem,
-                        const NamedState& state, double tolerance) {
+                        const NamedState& state, const CheckArguments& arguments) {
+  const double tolerance = arguments.tolerance;
   CheckedState checked;
   checked.state = state;
   if (!state.fault.empty()) {
@@ -229,6 +250,7 @@ CheckedState checkState(planner::EdgeCertifier& certifier, const planner::Proble
   if (checked.limit.empty())
     checked.limit = planner::ConstraintProof(certifier.scene(), problem).fault(state.point);
   checked.nothing_checked = certifier.scene().nothingChecked();
+  if (!arguments.depth && isInCollision(certifier, checked)) return checked;
   checked.check = certifier.clearance(state.point, tolerance);
   checked.names = pairNames(certifier.scene(), checked.check.pair);
   const auto partOf = [&](planner::Pairs pairs) {  // a state is an edge without length
@@ -271,6 +293,13 @@ Json partJson(const planner::EdgeClearance& part, const PairNames& names) {
           {"closest", part.pair < 0 ? Json() : Json({{"a", names.a}, {"b", names.b}})}};
 }
 
+/// Whether bodies overlap; null: not decided, or without an answer.
+Json inCollision(const CheckedState& checked) {
+  if (!checked.state.fault.empty()) return {};
+  if (!checked.overlapping.a.empty() || checked.check.clearance.upper <= 0) return true;
+  return checked.check.clearance.lower > 0 ? Json(false) : Json();
+}
+
 Json stateJson(const CheckedState& checked) {
   const auto& check = checked.check;
   Json all_too_near = Json::array();
@@ -302,6 +331,7 @@ Json stateJson(const CheckedState& checked) {
       {"world", partJson(checked.world, checked.world_names)},
       {"self", partJson(checked.self, checked.self_names)},
       {"penetration", penetration},
+      {"in_collision", inCollision(checked)},
       {"too_near",
        checked.too_near.a.empty() ? Json() : Json({checked.too_near.a, checked.too_near.b})},
       {"all_too_near", all_too_near}};
@@ -330,6 +360,9 @@ std::string stateText(const CheckedState& checked) {
     return text + "\n";
   }
   if (!checked.nothing_checked.empty()) return text + ", nothing was checked\n";
+  if (!checked.overlapping.a.empty())
+    return text + fmt::format(", {} and {} in collision (--depth measures how deep)\n{}",
+                              checked.overlapping.a, checked.overlapping.b, allPairsText(checked));
   if (check.pair < 0) {
     return text + (check.verdict != planner::Verdict::kFree
                        ? ", its clearance could not be decided\n"
@@ -379,7 +412,7 @@ int runCheck(const CheckArguments& arguments) {
   bool all_valid = true;
   Json list = Json::array();
   for (const NamedState& state : states) {
-    const CheckedState checked = checkState(certifier, problem, state, arguments.tolerance);
+    const CheckedState checked = checkState(certifier, problem, state, arguments);
     all_valid = all_valid && checked.valid();
     if (arguments.json) {
       list.push_back(stateJson(checked));
@@ -421,6 +454,8 @@ Verb addCheck(CLI::App& command) {
       ->type_name("METRES")
       ->check(numberFrom(1e-12, 1e9))
       ->capture_default_str();
+  app->add_flag("--depth", arguments->depth,
+                "measure how deep bodies in collision are, which takes longer");
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer(
       "Examples:\n"

@@ -25,6 +25,7 @@ struct InfoArguments {
   std::string file;
   int samples = 500;
   std::uint64_t seed = 1;
+  bool all = false;
   bool json = false;
 };
 
@@ -51,10 +52,10 @@ int runInfo(const InfoArguments& arguments) {
   if (kind == info::FileKind::kProblem) {
     info::printProblem(document["problem"]);
   }
-  info::printRobot(document["robot"]);
-  info::printGeometries(document["geometries"]);
+  info::printRobot(document["robot"], arguments.all);
+  info::printGeometries(document["geometries"], arguments.all);
   if (scene) {
-    info::printCompiled(document["compiled"]);
+    info::printCompiled(document["compiled"], arguments.all);
   } else {
     fmt::print("no joint can move: there is nothing to plan\n");
   }
@@ -80,6 +81,8 @@ Verb addInfo(CLI::App& command) {
       ->check(seedError)
       ->type_name("N")
       ->capture_default_str();
+  app->add_flag("--all", arguments->all,
+                "print all rows, where one screen shows the first or sums");
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer("Example:\n  leeway info problems/shelf/reach.yaml");
   return {app, [arguments] { return runInfo(*arguments); }};

@@ -48,7 +48,8 @@ constexpr std::array kKinds = {
     Kind{"rigid", "Adjacent", "rigidly attached to each other", false, false},
     Kind{"file", "User", "the robot's file lets them touch", false, false},
     Kind{"always", "Always", "touch always (proven)", true, true},
-    Kind{"never", "Never", "never touch (proven)", false, false},
+    Kind{"never", "Never", "never touch within the limits of all joints, without margins (proven)",
+         false, false},
     Kind{"nearly_always", "Always", "touch nearly always (sampled)", true, true},
     Kind{"rest", "Default", "touch with all joints at zero, or at the nearest limit", true, true},
     Kind{"never_sampled", nullptr, "never touched in samples, which proves nothing", true, false},
@@ -90,6 +91,9 @@ std::set<NamePair> namesOf(const robots::Model& model,
   return names;
 }
 
+/// With fewer samples a share of them says little.
+constexpr int kFewestSamples = 100;
+
 /// All pairs of links with shapes: what compiling proves, then samples.
 std::vector<LinkPair> classify(const planner::CompiledScene& scene,
                                const SrdfArguments& arguments) {
@@ -106,7 +110,8 @@ std::vector<LinkPair> classify(const planner::CompiledScene& scene,
     PairNames names = pairNames(scene, entry.pair);
     if (model.findLink(names.a) > model.findLink(names.b)) std::swap(names.a, names.b);
     const NamePair pair = std::minmax(names.a, names.b);
-    const bool is_nearly_always = entry.hits > 0 && entry.hits >= kNearlyAlways * arguments.samples;
+    const bool is_nearly_always =
+        arguments.samples >= kFewestSamples && entry.hits >= kNearlyAlways * arguments.samples;
     const Why why = always.count(pair) != 0                    ? Why::kAlways
                     : is_nearly_always                         ? Why::kNearlyAlways
                     : at_rest.count(pair) != 0                 ? Why::kRest
@@ -139,6 +144,14 @@ std::string xmlText(const std::string& name) {
 std::string srdfText(const std::string& robot, const std::vector<LinkPair>& pairs,
                      const SrdfArguments& arguments) {
   std::string text = fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", xmlText(robot));
+  const bool has_never = std::any_of(pairs.begin(), pairs.end(), [](const LinkPair& pair) {
+    return pair.why == Why::kNever || pair.why == Why::kSampled;
+  });
+  if (has_never)
+    text +=
+        "  <!-- Pairs of reason \"Never\" touch nowhere within the joints' limits. Remove them "
+        "where "
+        "joints\n       stand outside, limits are widened, or such links keep a margin. -->\n";
   for (const LinkPair& pair : pairs)
     if (isProposed(pair, arguments)) {
       const char* const reason = kindOf(pair.why).reason;
@@ -202,6 +215,10 @@ int runSrdf(const SrdfArguments& arguments) {
   if (info::kindOf(arguments.file) != info::FileKind::kUrdf ||
       !(arguments.source.srdf + arguments.source.robot).empty())
     badUsage("srdf looks at a robot alone; one URDF or MJCF file is expected, without an SRDF");
+  if (!arguments.source.joint_limits.empty() || !arguments.source.bounds.empty())
+    badUsage(
+        "srdf proves what holds within the robot's own limits; it takes neither --joint-limits "
+        "nor --bounds");
   static constexpr std::string_view kEndings[] = {".srdf", ".yaml", ".yml"};
   if (!arguments.output.empty()) {
     checkOutputFile(arguments.output, kEndings);

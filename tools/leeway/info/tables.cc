@@ -58,8 +58,24 @@ void printDeforming(const Json& problem) {
       e["foresight"] == "motion" ? "motion" : "speed bound");
 }
 
-void printPairs(const char* text, const Json& pairs) {
+/// Rows of a table that one screen shows.
+constexpr std::size_t kRows = 12;
+
+/// Leaves the first of many rows, and says how many there are besides.
+void printRows(const std::vector<std::string>& heading, std::vector<std::vector<std::string>> rows,
+               const std::vector<std::size_t>& left, bool all) {
+  const std::size_t more = all || rows.size() <= kRows + 1 ? 0 : rows.size() - kRows;
+  if (more > 0) rows.resize(kRows);
+  fmt::print("{}", formatTable(heading, rows, left));
+  if (more > 0) fmt::print("and {} more (--all)\n", more);
+}
+
+void printPairs(const char* text, const Json& pairs, bool all) {
   if (pairs.empty()) {
+    return;
+  }
+  if (!all && pairs.size() > kRows) {
+    fmt::print("{}: {} pairs (--all)\n", text, pairs.size());
     return;
   }
   fmt::print("{}:\n", text);
@@ -74,7 +90,7 @@ void printPairs(const char* text, const Json& pairs) {
 
 }  // namespace
 
-void printRobot(const Json& robot) {
+void printRobot(const Json& robot, bool all) {
   std::string joints;
   for (const auto& [type, count] : robot["joints"].items()) {
     joints += fmt::format("{}{} {}", joints.empty() ? "" : ", ", count.get<int>(), type);
@@ -87,7 +103,7 @@ void printRobot(const Json& robot) {
     rows.push_back({variable["name"], limitText(variable["lower"]), limitText(variable["upper"]),
                     limitText(variable["velocity"])});
   }
-  fmt::print("{}", formatTable({"variable", "lower", "upper", "velocity"}, rows));
+  printRows({"variable", "lower", "upper", "velocity"}, rows, {}, all);
   for (const auto& variable : robot["variables"]) {
     const std::string by = variable["narrowed_by"];
     if (!by.empty()) fmt::print("{}: narrowed by {}\n", variable["name"].get<std::string>(), by);
@@ -137,7 +153,7 @@ std::vector<std::vector<std::string>> joined(const std::vector<std::vector<std::
   return shown;
 }
 
-void printGeometries(const Json& geometries) {
+void printGeometries(const Json& geometries, bool all) {
   std::vector<std::vector<std::string>> rows;
   std::string open, pieces;
   std::size_t bytes = 0;
@@ -175,11 +191,11 @@ void printGeometries(const Json& geometries) {
                           formatUpper(parts["excess"].get<double>() * 1e3, 6))
             : fmt::format("triangles, no convex pieces ({})\n", parts["reason"].get<std::string>());
   }
-  fmt::print("\n{}", formatTable({"of", "shape", "vertices", "triangles", "hull excess [mm]",
-                                  "closed", "size"},
-                                 joined(rows), {1}));
+  fmt::print("\n");
+  printRows({"of", "shape", "vertices", "triangles", "hull excess [mm]", "closed", "size"},
+            joined(rows), {1}, all);
   fmt::print("{} shapes, {}\n", geometries.size(), formatBytes(bytes));
-  if (!pieces.empty()) {
+  if (!pieces.empty() && all) {
     fmt::print("\nqueries of meshes use\n{}", pieces);
   }
   if (!open.empty()) {
@@ -187,7 +203,7 @@ void printGeometries(const Json& geometries) {
   }
 }
 
-void printCompiled(const Json& compiled) {
+void printCompiled(const Json& compiled, bool all) {
   fmt::print(
       "\ncompiled: {} moving and {} static bodies, {} pairs of shapes kept, {} pairs left out\n",
       compiled["moving_bodies"].get<int>(), compiled["static_bodies"].get<int>(),
@@ -204,9 +220,9 @@ void printCompiled(const Json& compiled) {
     fmt::print("nothing is checked: {}\n", compiled["nothing_checked"].get<std::string>());
   const std::string samples = compiled["samples"].dump();
   printPairs(("touching at all of " + samples + " random configurations, still checked").c_str(),
-             compiled["sampled_always_touching"]);
+             compiled["sampled_always_touching"], all);
   printPairs(("touching at none of " + samples + " random configurations, still checked").c_str(),
-             compiled["sampled_never_touching"]);
+             compiled["sampled_never_touching"], all);
 }
 
 }  // namespace leeway::tools::info

@@ -2,13 +2,14 @@
 
 #include "tools/leeway/support/json_result.h"
 
-// Print the JSON of description.h to stdout for people.
+// Print the JSON of description.h to stdout for people. Without `all` long tables show their first
+// rows, and how meshes are looked at is left out: one screen.
 
 namespace leeway::tools::info {
 
-void printRobot(const Json& robot);
+void printRobot(const Json& robot, bool all);
 void printProblem(const Json& problem);
-void printGeometries(const Json& geometries);
-void printCompiled(const Json& compiled);
+void printGeometries(const Json& geometries, bool all);
+void printCompiled(const Json& compiled, bool all);
 
 }  // namespace leeway::tools::info

@@ -58,9 +58,11 @@ void samplePoint(const planner::ConfigurationSpace& space, Random& random,
   }
 }
 
-/// Whether a pair is proven to keep its margin where the links stand.
-bool keepsMargin(const planner::CompiledScene& scene, const collision::ScenePair& pair,
-                 std::span<const robots::Pose> X_WL, collision::Scratch& scratch) {
+/// The distance of a pair where the links stand [m].
+collision::Interval distanceOf(const planner::CompiledScene& scene,
+                               const collision::ScenePair& pair, std::span<const robots::Pose> X_WL,
+                               const collision::DistanceRequest& request,
+                               collision::Scratch& scratch) {
   const auto bodies = scene.scene().bodies();
   const auto geometry = [&](int body, int index) -> const robots::Geometry& {
     return bodies[static_cast<std::size_t>(body)].geometries[static_cast<std::size_t>(index)];
@@ -73,12 +75,51 @@ bool keepsMargin(const planner::CompiledScene& scene, const collision::ScenePair
   };
   const robots::Geometry &a = geometry(pair.body_a, pair.geometry_a),
                          &b = geometry(pair.body_b, pair.geometry_b);
+  return collision::distance(a.shape, place(pair.body_a, a), b.shape, place(pair.body_b, b),
+                             request, scratch)
+      .distance;
+}
+
+/// The variables that are not planned and have limits.
+std::vector<int> limitedPassive(const planner::CompiledScene& scene) {
+  const std::span<const int> planned = scene.space().variables();
+  std::vector<int> passive;
+  for (int v = 0; v < static_cast<int>(scene.model().variables.size()); ++v) {
+    const robots::Variable& variable = scene.model().variables[static_cast<std::size_t>(v)];
+    const auto type = scene.model().joints[static_cast<std::size_t>(variable.joint)].type;
+    if ((type == robots::JointType::kRevolute || type == robots::JointType::kPrismatic) &&
+        std::find(planned.begin(), planned.end(), v) == planned.end())
+      passive.push_back(v);
+  }
+  return passive;
+}
+
+/// Whether a pair is not proven apart where the links stand.
+bool touches(const planner::CompiledScene& scene, const collision::ScenePair& pair,
+             std::span<const robots::Pose> X_WL, collision::Scratch& scratch) {
+  collision::DistanceRequest request;
+  request.depth = false;
+  request.threshold = 0;
+  return !(distanceOf(scene, pair, X_WL, request, scratch).lower > 0);
+}
+
+/// Whether a pair is proven to keep its margin where the links stand.
+bool keepsMargin(const planner::CompiledScene& scene, const collision::ScenePair& pair,
+                 std::span<const robots::Pose> X_WL, collision::Scratch& scratch) {
   collision::DistanceRequest request;
   request.depth = pair.margin < 0;
   request.threshold = pair.margin;
-  return collision::distance(a.shape, place(pair.body_a, a), b.shape, place(pair.body_b, b),
-                             request, scratch)
-             .distance.lower > pair.margin;
+  return distanceOf(scene, pair, X_WL, request, scratch).lower > pair.margin;
+}
+
+/// Where the links stand at a point of the space.
+std::vector<robots::Pose> linksAt(const planner::CompiledScene& scene,
+                                  std::span<const double> point) {
+  std::vector<double> q(scene.model().variables.size());
+  scene.expand(point, q);
+  std::vector<robots::Pose> X_WL(scene.model().links.size());
+  robots::forwardKinematics(scene.model(), q, X_WL);
+  return X_WL;
 }
 
 }  // namespace
@@ -95,6 +136,8 @@ std::vector<PairSamples> samplePairs(const planner::CompiledScene& scene, int sa
   std::vector<PairSamples> result;
   for (const auto& [bodies, numbers] : of_bodies)
     result.push_back({static_cast<int>(numbers.front()), 0});
+  // A pair that only joints beside the planned ones move would touch in all samples or none.
+  const std::vector<int> passive = limitedPassive(scene);
   Random random(seed);
   collision::Scratch scratch;
   std::vector<double> point(static_cast<std::size_t>(scene.space().size()));
@@ -104,11 +147,16 @@ std::vector<PairSamples> samplePairs(const planner::CompiledScene& scene, int sa
     robots::throwIfStopped(interrupted, "links that meet were looked for");
     samplePoint(scene.space(), random, point);
     scene.expand(point, q);
+    for (const int v : passive) {
+      const robots::Variable& variable = scene.model().variables[static_cast<std::size_t>(v)];
+      q[static_cast<std::size_t>(v)] =
+          variable.lower + random.uniform() * (variable.upper - variable.lower);
+    }
     robots::forwardKinematics(scene.model(), q, X_WL);
     auto entry = result.begin();
     for (const auto& [bodies, numbers] : of_bodies)
       (entry++)->hits += std::any_of(numbers.begin(), numbers.end(), [&](std::size_t number) {
-        return !keepsMargin(scene, pairs[number], X_WL, scratch);
+        return touches(scene, pairs[number], X_WL, scratch);
       });
   }
   return result;
@@ -132,10 +180,7 @@ std::string allowHint(const planner::Problem& problem, const std::vector<PairNam
 
 std::vector<PairNames> pairsTooNear(const planner::CompiledScene& scene,
                                     std::span<const double> point, const PairNames& known) {
-  std::vector<double> q(scene.model().variables.size());
-  scene.expand(point, q);
-  std::vector<robots::Pose> X_WL(scene.model().links.size());
-  robots::forwardKinematics(scene.model(), q, X_WL);
+  const std::vector<robots::Pose> X_WL = linksAt(scene, point);
   collision::Scratch scratch;
   std::vector<PairNames> near = {known};
   std::set<std::pair<int, int>> found;
@@ -149,6 +194,19 @@ std::vector<PairNames> pairsTooNear(const planner::CompiledScene& scene,
     if (std::minmax(names.a, names.b) != std::minmax(known.a, known.b)) near.push_back(names);
   }
   return near;
+}
+
+PairNames overlappingPair(const planner::CompiledScene& scene, std::span<const double> point) {
+  const std::vector<robots::Pose> X_WL = linksAt(scene, point);
+  collision::Scratch scratch;
+  collision::DistanceRequest request;
+  request.depth = false;
+  request.threshold = 0;
+  const auto& pairs = scene.scene().pairs();
+  for (auto at = pairs.begin(); at != pairs.end(); ++at)
+    if (distanceOf(scene, *at, X_WL, request, scratch).upper <= 0)
+      return pairNames(scene, static_cast<int>(at.number()));
+  return {};
 }
 
 std::vector<PairNames> pairsTooNear(const planner::Problem& problem,

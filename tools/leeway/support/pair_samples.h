@@ -11,16 +11,16 @@
 
 namespace leeway::tools {
 
-/// In how many random configurations two bodies of the robot were within their margin.
+/// In how many random configurations two bodies of the robot touched, whatever their margin.
 struct PairSamples {
   int pair = -1;  ///< one of their pairs of geometries
   int hits = 0;
 };
 
 /// Asks all pairs of two bodies of the robot at `samples` configurations, uniform within the limits
-/// of the planned variables (unlimited ones within +-pi, the others as in the problem). What this
-/// suggests is a hint to a user: every pair stays checked. Same seed, same counts. Throws
-/// robots::Stopped for an interrupt. O(samples * pairs).
+/// of the planned variables and of other joints with limits (unlimited planned ones within +-pi,
+/// all else as in the problem). What this suggests is a hint to a user: every pair stays checked.
+/// Same seed, same counts. Throws robots::Stopped for an interrupt. O(samples * pairs).
 std::vector<PairSamples> samplePairs(const planner::CompiledScene& scene, int samples,
                                      std::uint64_t seed);
 
@@ -35,6 +35,10 @@ std::string allowHint(const planner::Problem& problem, const std::vector<PairNam
 /// `known` first, which a query has found. One distance query a pair of geometries.
 std::vector<PairNames> pairsTooNear(const planner::CompiledScene& scene,
                                     std::span<const double> point, const PairNames& known);
+
+/// A pair of bodies that is proven to overlap at a point of the space, whatever its margin; empty
+/// names: there is none. Cost as pairsTooNear(), without depths.
+PairNames overlappingPair(const planner::CompiledScene& scene, std::span<const double> point);
 
 /// The same at the start that a plan has refused; of another state the pair that it names. Empty
 /// where a plan names no pair.
