@@ -120,12 +120,12 @@ class CompiledScene {
   ///
   /// `added` objects get the next body numbers, or those of removed bodies that an earlier call had
   /// added; objects without geometries get none. The problem's rules for pairs also hold for their
-  /// names. `removed` are body numbers (scene().find()); these bodies have no pairs any more. Throws
-  /// robots::InputError for poses and half-spaces as the constructor does, and for a name that is
-  /// empty or belongs to a link or a remaining object. Throws std::invalid_argument for a body of
-  /// the robot, or a removed one, in `removed`, and for a variant with other margins or pairs than
-  /// the problem's. The cost is that of collision::SceneChange; the first change also costs
-  /// O(objects of the world) for their names.
+  /// names. `removed` are body numbers (scene().find()); these bodies have no pairs any more.
+  /// Throws robots::InputError for poses and half-spaces as the constructor does, and for a name
+  /// that is empty or belongs to a link or a remaining object. Throws std::invalid_argument for a
+  /// body of the robot, or a removed one, in `removed`, and for a variant with other margins or
+  /// pairs than the problem's. The cost is that of collision::SceneChange; the first change also
+  /// costs O(objects of the world) for their names.
   std::shared_ptr<const CompiledScene> withObjects(std::span<const Object> added,
                                                    std::span<const int> removed = {}) const;
 
