@@ -745,6 +745,14 @@ constexpr long kVerifyWork = 10'000'000;   ///< on a whole path
 /// Additional looks for each pair of shapes on each edge; most pairs need one.
 constexpr double kVerifyLooks = 4;
 
+/// The widths [m] that the interval of a clearance is narrowed to in turn where a narrower one is
+/// asked for, each a tenth of the one before.
+constexpr double kVerifyWidest = 1e-3;
+constexpr double kVerifyNarrowest = 1e-8;
+/// And the looks and the cost that this may take, about 5 s.
+constexpr long kVerifyRefineWork = 1'000'000;
+constexpr std::int64_t kVerifyRefineCost = 5'000'000'000;
+
 /// The verifier replaces a ball around a part of a cloud by its parts if its radius exceeds this
 /// share of its distance, and the certified clearance would depend on the ball. Smaller bounds are
 /// tighter and slower.

@@ -57,8 +57,9 @@ VerifyStatus judgeLine(const LineStep& line, const LinePlace& place, const Frame
 
 class TaskCheck {
  public:
-  TaskCheck(const Problem& problem, const Path& path, const PlanOptions& options)
-      : problem_(problem), path_(path), options_(options) {}
+  TaskCheck(const Problem& problem, const Path& path, const PlanOptions& options,
+            const ClearanceWish& wish)
+      : problem_(problem), path_(path), options_(options), wish_(wish) {}
 
   VerifyResult run() {
     VerifyResult result = verifySteps();
@@ -139,11 +140,13 @@ class TaskCheck {
 
   std::optional<VerifyResult> checkStretch(std::size_t s, const Problem& stage,
                                            const Path& stretch) {
-    VerifyResult result = verifyValid(stage, stretch, options_);
+    wish_.others = {result_.clearance_lower, result_.clearance_upper};
+    VerifyResult result = verifyValid(stage, stretch, options_, wish_);
     const Pairs pairs = collectPairs(stage, collectBodies(stage));
     unchecked_.insert(pairs.unchecked.begin(), pairs.unchecked.end());
     if (result.status == VerifyStatus::kCertified) {
       result_.clearance_lower = std::min(result_.clearance_lower, result.clearance_lower);
+      result_.clearance_upper = std::min(result_.clearance_upper, result.clearance_upper);
       return std::nullopt;
     }
     if (result.segment >= 0) result.segment += path_.steps[s].first;
@@ -154,14 +157,16 @@ class TaskCheck {
   const Problem& problem_;
   const Path& path_;
   const PlanOptions& options_;
+  ClearanceWish wish_;
   VerifyResult result_;
   std::set<CompiledScene::Dropped> unchecked_;  // in some step
 };
 
 }  // namespace
 
-VerifyResult verifyTask(const Problem& problem, const Path& path, const PlanOptions& options) {
-  return TaskCheck(problem, path, options).run();
+VerifyResult verifyTask(const Problem& problem, const Path& path, const PlanOptions& options,
+                        const ClearanceWish& wish) {
+  return TaskCheck(problem, path, options, wish).run();
 }
 
 }  // namespace leeway::planner::verification

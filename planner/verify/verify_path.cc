@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <deque>
 #include <limits>
 #include <map>
@@ -63,11 +64,13 @@ struct CloudPair {
 
 class Verifier {
  public:
-  Verifier(const Problem& problem, const Path& path, const PlanOptions& options)
+  Verifier(const Problem& problem, const Path& path, const PlanOptions& options,
+           const ClearanceWish& wish)
       : problem_(problem),
         model_(*problem.robot.model),
         path_(path),
         options_(options),
+        wish_(wish),
         space_(problem.robot.model, problem.robot.variables) {
     result_.clearance_lower = kInfinity;
     q_ = problem.start;
@@ -106,10 +109,47 @@ class Verifier {
     }
     if (undecided_) return *undecided_;
     result_.status = VerifyStatus::kCertified;
+    refine(segments);
     return result_;
   }
 
  private:
+  /// Narrows the interval of a certified path's clearance: proves that every pair is farther apart
+  /// than the least distance met, less a width. A narrower interval takes more looks, by the root
+  /// of the width where pairs pass each other, in proportion where they keep their distance.
+  void refine(std::size_t segments) {
+    const double others = wish_.others.upper;
+    const auto is_enough = [&] {
+      return result_.clearance_lower >= others ||
+             wish_.is_enough({std::min(result_.clearance_lower, wish_.others.lower),
+                              std::min(result_.clearance_upper, others)});
+    };
+    if (!wish_.is_enough) return;
+    work_ = 0;
+    most_work_ = kVerifyRefineWork;
+    most_cost_ = cost_.done + kVerifyRefineCost;
+    for (width_ = kVerifyWidest; width_ >= kVerifyNarrowest && !is_enough(); width_ /= 10) {
+      for (std::size_t s = 0; s < segments; ++s)
+        if (!checkSegment(s) || undecided_) return;
+      const double least = std::min(result_.clearance_upper, others) - width_;
+      result_.clearance_lower = std::max(result_.clearance_lower, least);
+    }
+  }
+
+  /// The separation that a pair is proven to exceed [m].
+  double floorOf(const ShapePair& pair) const {
+    const double least = std::min(result_.clearance_upper, wish_.others.upper);
+    return std::max(provableMargin(pair), least - width_);  // of an infinite width: the first
+  }
+  /// How much of the room above the floor may be used up. While margins are proven, half: so the
+  /// clearance that is proven with them is not just the margin.
+  double roomShare() const { return isRefining() ? 1 : 0.5; }
+  bool isRefining() const { return width_ < kInfinity; }
+  /// A bound on some span. Refining, all spans have the same.
+  void proven(double bound) {
+    if (!isRefining()) result_.clearance_lower = std::min(result_.clearance_lower, bound);
+  }
+
   struct Span {
     double begin, end;
   };
@@ -128,6 +168,17 @@ class Verifier {
     }
     result.reason = reason;
     return result;
+  }
+
+  static std::string tooNear(double upper, double margin) {
+    char text[96];
+    if (upper <= 0)
+      std::snprintf(text, sizeof text, "at least %.3f mm deep", std::floor(-upper * 1e6) / 1e3);
+    else
+      std::snprintf(text, sizeof text, "at most %.3f mm apart", std::ceil(upper * 1e6) / 1e3);
+    const std::string found = text;
+    std::snprintf(text, sizeof text, ", more than %.6g mm apart is required", margin * 1e3);
+    return found + text;
   }
 
   void leaveOpen(std::size_t segment, const Span& span, const ShapePair* pair,
@@ -219,6 +270,12 @@ class Verifier {
     Motion a, b;
   };
 
+  /// A pair of shapes is as near as a look found it.
+  void met(const Look& look) {
+    if (look.status != DistanceStatus::kInvalid)
+      result_.clearance_upper = std::min(result_.clearance_upper, look.distance.upper + look.slack);
+  }
+
   /// The links at t. All pairs of an edge are first looked at in its middle.
   const std::vector<Pose>& poses(double t) {
     if (t == placed_at_) return X_WL_;
@@ -260,11 +317,11 @@ class Verifier {
   /// does, larger thresholds until the certified clearance does not depend on it; if not, its
   /// value.
   void measure(const ShapePair& pair, const Pose& X_WA, const Pose& X_WB, Look& look) {
-    const double margin = pair.bodies->margin;
+    const double margin = pair.bodies->margin, floor = isRefining() ? floorOf(pair) : margin;
     DistanceRequest request;
     request.depth = margin < 0;
     request.tolerance = kVerifyTolerance;
-    request.threshold = provableMargin(pair) + 2 * look.motion + look.slack;
+    request.threshold = floorOf(pair) + look.motion / roomShare() + look.slack;
     look.status = DistanceStatus::kInvalid;
     if (!std::isfinite(request.threshold))
       return;  // an unbounded shape turns: its motion has no bound
@@ -279,6 +336,7 @@ class Verifier {
     if (look.status == DistanceStatus::kInvalid || look.distance.upper + look.slack <= margin)
       return;
     if (look.distance.lower > request.threshold) {
+      if (isRefining()) return;
       // It suffices: double the threshold until the clearance so far is reached, or the truth.
       const double wanted = result_.clearance_lower + look.motion + look.slack;
       do {
@@ -295,20 +353,21 @@ class Verifier {
     do {
       if (!std::isfinite(look.distance.upper)) return;
       request.tolerance =
-          std::max(kVerifyTolerance, kVerifyFraction * (look.distance.upper - margin));
+          std::max(kVerifyTolerance, kVerifyFraction * (look.distance.upper - floor));
       ask();
     } while (look.status == DistanceStatus::kConverged && request.tolerance > kVerifyTolerance &&
              look.distance.upper - look.distance.lower >
-                 1.25 * kVerifyFraction * (look.distance.upper - margin));
+                 1.25 * kVerifyFraction * (look.distance.upper - floor));
   }
 
   /// False when the path is refuted or the work is used up.
   bool checkPair(std::size_t segment, const ShapePair& pair) {
-    const double margin = pair.bodies->margin, floor = provableMargin(pair);
+    const double margin = pair.bodies->margin;
     std::deque<Span> open{{0, 1}};
     long limit = kVerifyPairWork;
     cost_.limit = std::min(most_cost_, cost_.done + kVerifyPairCost);
     for (long work = 0; !open.empty(); ++work) {
+      if (isRefining() && undecided_) return false;
       const Span span = open.front();
       open.pop_front();
       if (work >= limit || ++work_ > most_work_ || cost_.isSpent()) {
@@ -322,20 +381,20 @@ class Verifier {
       const double t = span.begin + (span.end - span.begin) / 2;
       const double half = std::max(t - span.begin, span.end - t);
       const Look found = look(pair, t, half);
+      met(found);
+      const double floor = floorOf(pair);
       if (found.status == DistanceStatus::kInvalid) {
         leaveOpen(segment, span, &pair, "no distance can be had, or no bound of the motion");
         return true;
       }
       if (found.distance.upper + found.slack <= margin) {
         refuted_ = fail(VerifyStatus::kRefuted, segment, t, t, &pair,
-                        "not more than " + numberText(found.distance.upper) + " m apart, " +
-                            numberText(margin) + " m are required");
+                        tooNear(found.distance.upper, margin));
         return false;
       }
-      const double room = (found.distance.lower - found.slack - floor) / 2;
+      const double room = (found.distance.lower - found.slack - floor) * roomShare();
       if (room >= found.motion && room > 0) {
-        result_.clearance_lower =
-            std::min(result_.clearance_lower, found.distance.lower - found.slack - found.motion);
+        proven(found.distance.lower - found.slack - found.motion);
         continue;
       }
       if (found.distance.upper + found.slack <= floor) {
@@ -373,6 +432,7 @@ class Verifier {
         std::min(most_work_, work_ + kVerifyPairWork + static_cast<long>(pair.cloud->ballCount()));
     cost_.limit = most_cost_;
     while (!open.empty()) {
+      if (isRefining() && undecided_) return false;
       const OpenPart part = open.back();
       open.pop_back();
       const PointCloud::Ball& ball = pair.cloud->ball(part.node);
@@ -414,24 +474,24 @@ class Verifier {
     const double t = span.begin + (span.end - span.begin) / 2;
     const double half = std::max(t - span.begin, span.end - t);
     const Look found = look(shapes, t, half);
+    const bool is_ball = pair.cloud->isBall(node);
+    if (is_ball) met(found);
     if (found.status == DistanceStatus::kInvalid) {
       leaveOpen(segment, span, &shapes, "no distance can be had, or no bound of the motion");
       return PartAnswer::kUndecided;
     }
-    const bool is_ball = pair.cloud->isBall(node);
     if (is_ball && found.distance.upper + found.slack <= pair.bodies->margin) {
       refuted_ = fail(VerifyStatus::kRefuted, segment, t, t, &shapes,
-                      "not more than " + numberText(found.distance.upper) + " m apart, " +
-                          numberText(pair.bodies->margin) + " m are required");
+                      tooNear(found.distance.upper, pair.bodies->margin));
       return PartAnswer::kRefuted;
     }
-    const double room = (found.distance.lower - found.slack - provableMargin(shapes)) / 2;
+    const double room = (found.distance.lower - found.slack - floorOf(shapes)) * roomShare();
     const double clearance = found.distance.lower - found.slack - found.motion;
     // The certified clearance must not rest on a ball that is much larger than what it contains.
-    const bool is_coarse = !is_ball && clearance < result_.clearance_lower &&
+    const bool is_coarse = !isRefining() && !is_ball && clearance < result_.clearance_lower &&
                            radius > kVerifyCoarse * found.distance.lower;
     if (room >= found.motion && room > 0 && !is_coarse) {
-      result_.clearance_lower = std::min(result_.clearance_lower, clearance);
+      proven(clearance);
       return PartAnswer::kGoOn;
     }
     const bool is_short =
@@ -465,8 +525,7 @@ class Verifier {
     if (room > 0 && std::isfinite(found.motion)) {
       // The speed bounds of the whole half hold for any part of it.
       done = half * (room / found.motion) * (1 - kVerifyRounding);
-      result_.clearance_lower =
-          std::min(result_.clearance_lower, found.distance.lower - found.slack - room);
+      proven(found.distance.lower - found.slack - room);
     }
     if (t - done > span.begin) open.push_back({span.begin, t - done});
     if (t + done < span.end) open.push_back({t + done, span.end});
@@ -476,6 +535,7 @@ class Verifier {
   const Model& model_;
   const Path& path_;
   const PlanOptions& options_;
+  const ClearanceWish& wish_;
   const Clock::time_point begin_ = Clock::now();
   ConfigurationSpace space_;
   std::vector<Body> bodies_;
@@ -488,7 +548,8 @@ class Verifier {
   collision::Scratch scratch_;
   VerifyResult result_;
   std::optional<VerifyResult> refuted_, undecided_;
-  std::vector<Pose> X_WL_;  // at placed_at_
+  std::vector<Pose> X_WL_;    // at placed_at_
+  double width_ = kInfinity;  ///< finite while refining [m]
   double placed_at_ = std::numeric_limits<double>::quiet_NaN();
   long work_ = 0, most_work_ = 0;
   std::int64_t most_cost_ = 0;
@@ -497,16 +558,17 @@ class Verifier {
 }  // namespace
 
 VerifyResult verification::verifyValid(const Problem& problem, const Path& path,
-                                       const PlanOptions& options) {
-  return Verifier(problem, path, options).run();
+                                       const PlanOptions& options, const ClearanceWish& wish) {
+  return Verifier(problem, path, options, wish).run();
 }
 
-VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options) {
+VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options,
+                    const std::function<bool(const Interval&)>& is_enough) {
   validate(problem);
   requirePlaced(problem);
-  if (!problem.steps.empty()) return verifyTask(problem, path, options);
+  if (!problem.steps.empty()) return verifyTask(problem, path, options, {is_enough});
   requireGoals(problem, "verify()");
-  return verifyValid(problem, path, options);
+  return verifyValid(problem, path, options, {is_enough});
 }
 
 }  // namespace leeway::planner

@@ -112,6 +112,42 @@ TEST(Verify, FreePathIsCertifiedWithAClearanceThatHolds) {
   EXPECT_GE(result.clearance_lower, 0.1);
 }
 
+/// The interval of the clearance is refined as far as is asked, and holds the true one: 0.4 m at
+/// the start, where the tip is 2 m away.
+TEST(Verify, ProvesTheClearanceAsCloselyAsIsAsked) {
+  Problem problem = problemFor(arm(), {1.5, 0});
+  problem.world.objects.push_back(box("wall", {0.1, 0.1, 1}, 2.5, 0, 0));
+  const Path path = pathOf(problem, {{0, 0}, {0.5, 0.5}, {1.5, 0}});
+  const double least = verify(problem, path).clearance_upper;
+  for (const double width : {1e-2, 1e-4, 1e-6}) {
+    int asked = 0;
+    const VerifyResult result = verify(problem, path, {}, [&](const Interval& clearance) {
+      ++asked;
+      return clearance.width() <= width;
+    });
+    ASSERT_EQ(result.status, VerifyStatus::kCertified) << result.reason;
+    EXPECT_GT(asked, 0);
+    EXPECT_LE(result.clearance_upper - result.clearance_lower, width);
+    EXPECT_LE(result.clearance_upper, least);
+  }
+  // A path that is refuted stays so.
+  problem.margins.common = 0.45;
+  EXPECT_NE(verify(problem, path, {}, [](const Interval&) { return false; }).status,
+            VerifyStatus::kCertified);
+}
+
+/// Where a pair keeps its distance, no width is proven without end: what is proven still holds.
+TEST(Verify, AClearanceThatIsNotProvenCloselyIsABound) {
+  Problem problem = problemFor(arm(), {1.5, 0});
+  problem.world.objects.push_back(box("pillar", {0.1, 0.1, 1}, 0, 0, 3));
+  const Path path = pathOf(problem, {{0, 0}, {1.5, 0}});
+  const VerifyResult rough = verify(problem, path),
+                     close = verify(problem, path, {}, [](const Interval&) { return false; });
+  ASSERT_EQ(close.status, VerifyStatus::kCertified);
+  EXPECT_GE(close.clearance_lower, rough.clearance_lower);
+  EXPECT_LE(close.clearance_lower, close.clearance_upper);
+}
+
 /// A trajectory in samples has many edges: what they may cost grows with them.
 TEST(Verify, PathsOfManyEdgesAreDecided) {
   Problem problem = problemFor(arm(), {1.5, 0});

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,9 @@ struct VerifyResult {
   /// Lower bound of a certified path's clearance [m]; infinite without pairs. Rounding apart, it
   /// exceeds the margin by at least a quarter of what the true clearance does.
   double clearance_lower = 0;
+  /// Of a certified path: the least distance that the proof met [m]. Infinite where none was
+  /// needed.
+  double clearance_upper = std::numeric_limits<double>::infinity();
   std::string reason;  ///< in words; also a waypoint outside limits, a wrong start or goal
   std::vector<UncheckedPairs> unchecked;  ///< pairs that were not looked at; of a task in some step
 };
@@ -35,6 +40,11 @@ struct VerifyResult {
 /// steps each one's stretch is verified in the world as the steps before have left it, and lines
 /// are proven to be straight; the path must have its steps (Path::steps). Throws robots::InputError
 /// for a problem that validate() refuses, and for one without goals and steps.
-VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options = {});
+///
+/// `is_enough`: asked whether the interval of a certified path's clearance is narrow enough; if
+/// not, the verifier proves more with the same first-order bounds, about five seconds at most for
+/// each stretch. By default the proof of the margins is enough.
+VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options = {},
+                    const std::function<bool(const Interval&)>& is_enough = {});
 
 }  // namespace leeway::planner
