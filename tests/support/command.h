@@ -26,6 +26,12 @@ struct Answer {
   int status = -1;
   std::string out, err;
 
+  /// stdout with a space for each line break: prose is broken where it fits.
+  std::string flat() const {
+    std::string text = out;
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text;
+  }
   /// The JSON document on stdout; empty, with a test failure, if there is none.
   json document() const {
     const json parsed = json::parse(out, nullptr, false);

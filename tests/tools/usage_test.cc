@@ -98,7 +98,13 @@ TEST_F(Usage, ProgressIsForTerminals) {
   const std::string log = shown(improve);
   EXPECT_NE(log.find(" of at most 9 s: improve, length "), std::string::npos) << log;
   EXPECT_NE(log.find(", none is below "), std::string::npos) << log;
+  // The verdict has a colour, unless the user wants none.
+  const std::string silent = shown(improve + " --quiet");
+  EXPECT_EQ(silent.find("\x1b[K"), std::string::npos) << silent;
+  EXPECT_NE(silent.find("\x1b[1;32mcertified\x1b[0m, least"), std::string::npos) << silent;
+  ::setenv("NO_COLOR", "1", 1);
   EXPECT_EQ(shown(improve + " --quiet").find("\x1b"), std::string::npos);
+  ::unsetenv("NO_COLOR");
   EXPECT_EQ(run(improve).err, "");
   EXPECT_NE(shown("plan reach.yaml --planner RRTstar --time 0.4").find("plan, length "),
             std::string::npos);

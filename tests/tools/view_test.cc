@@ -124,7 +124,7 @@ TEST_F(View, DrawsAFailure) {
   write("inside.yaml", kInvalidStart);
   const Answer answer = run("view inside.yaml --svg inside.svg");
   EXPECT_EQ(answer.status, 1) << answer.err;
-  for (const char* word : {"start not valid", "lower and post", "69.99 mm deep", "way out"})
+  for (const char* word : {"start not valid", "lower and post", "70.00 mm deep", "way out"})
     EXPECT_NE(answer.out.find(word), std::string::npos) << word << "\n" << answer.out;
   EXPECT_NE(read("inside.svg").find("start not valid"), std::string::npos);
 }

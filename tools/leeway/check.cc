@@ -368,22 +368,21 @@ std::string stateText(const CheckedState& checked) {
                        ? ", its clearance could not be decided\n"
                    : std::isfinite(check.clearance.lower)
                        ? fmt::format(", nothing is nearer than {} mm\n",
-                                     formatLower(check.clearance.lower * 1e3, 3))
+                                     formatLower(check.clearance.lower * 1e3, 2))
                        : ", there is nothing else that it could touch\n");
   }
-  const double lower = check.clearance.lower * 1e3;
-  const double upper = check.clearance.upper * 1e3;
-  if (upper <= 0) {
-    text += fmt::format(", {} and {} in collision, {} to {} mm deep\n", checked.names.a,
-                        checked.names.b, formatLower(-upper, 3), formatUpper(-lower, 3));
+  const planner::Interval& clearance = check.clearance;
+  if (clearance.upper <= 0) {
+    text += fmt::format(", {} and {} in collision, {} deep\n", checked.names.a, checked.names.b,
+                        clearanceText({-clearance.upper, -clearance.lower}));
     text += fmt::format("  deepest points {} on {}, {} on {}\n", pointText(check.closest.point_a),
                         checked.names.a, pointText(check.closest.point_b), checked.names.b);
     text += fmt::format("  {} is clear once moved {} mm along {}\n", checked.names.b,
-                        formatUpper(-lower, 3), pointText(check.closest.normal));
+                        formatUpper(-clearance.lower * 1e3, 2), pointText(check.closest.normal));
     return text + allPairsText(checked);
   }
-  text += fmt::format(", clearance {} to {} mm between {} and {}", formatLower(lower, 3),
-                      formatUpper(upper, 3), checked.names.a, checked.names.b);
+  text += fmt::format(", clearance {} between {} and {}", clearanceText(clearance), checked.names.a,
+                      checked.names.b);
   if (checked.margin != 0) {
     text += fmt::format(" (margin {} mm)", checked.margin * 1e3);
   }
@@ -417,7 +416,7 @@ int runCheck(const CheckArguments& arguments) {
     if (arguments.json) {
       list.push_back(stateJson(checked));
     } else {
-      fmt::print("{}", stateText(checked));
+      fmt::print("{}", wrapped(stateText(checked)));
     }
   }
   if (arguments.json) {

@@ -22,6 +22,7 @@
 #include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/leeway/view/least_clearance.h"
 #include "tools/leeway/view/page.h"
 #include "tools/leeway/view/profile_svg.h"
 #include "tools/leeway/view/stages.h"
@@ -274,49 +275,63 @@ void writeSvg(const std::string& file, const planner::Problem& problem, const Pr
   planner::writeFileWhole(file, profileSvg(problem.name, note, "edge", stretches, margin));
 }
 
-void printText(const Profile& profile, bool steps) {
+/// A whole clearance with the place where it is least.
+planner::PathClearance placed(const Profile& profile, const Whole& whole, Near Stretch::*near) {
+  planner::PathClearance placed;
+  placed.clearance = whole.clearance;
+  if (whole.closest < 0) return placed;
+  const Stretch& stretch = profile.stretches[at(whole.closest)];
+  placed.closest_a = (stretch.*near).names.a;
+  placed.closest_b = (stretch.*near).names.b;
+  placed.closest_segment = stretch.segment;
+  placed.closest_t = (stretch.*near).t;
+  return placed;
+}
+
+/// A row for each stretch and each of world and robot; parts of edges have their t.
+std::string stretchTable(const Profile& profile, bool steps, bool parts) {
+  std::vector<std::string> heading = {"edge"};
+  if (parts) heading.insert(heading.end(), {"from t", "to t"});
+  if (steps) heading.emplace_back("step");
+  heading.insert(heading.end(), {"from", "lower [mm]", "upper [mm]", "at t", "proven", "between"});
   std::vector<std::vector<std::string>> rows;
   for (const Stretch& stretch : profile.stretches) {
     for (const Near* near : {&stretch.world, &stretch.self}) {
       if (near->names.a.empty()) continue;
-      rows.push_back({fmt::format("{}", stretch.segment), fmt::format("{:.4f}", stretch.t0),
-                      fmt::format("{:.4f}", stretch.t1), near == &stretch.world ? "world" : "self",
-                      formatLower(near->clearance.lower * 1e3, 3),
-                      formatUpper(near->clearance.upper * 1e3, 3), fmt::format("{:.4f}", near->t),
-                      fmt::format("{} - {}", near->names.a, near->names.b),
-                      stretch.keeps_margins ? "yes" : "no"});
-      if (steps) rows.back().push_back(stretch.step);
+      std::vector<std::string> row = {fmt::format("{}", stretch.segment)};
+      if (parts)
+        row.insert(row.end(),
+                   {fmt::format("{:.3f}", stretch.t0), fmt::format("{:.3f}", stretch.t1)});
+      if (steps) row.push_back(stretch.step);
+      row.insert(row.end(), {near == &stretch.world ? "world" : "self",
+                             formatLower(near->clearance.lower * 1e3, 3),
+                             formatUpper(near->clearance.upper * 1e3, 3),
+                             fmt::format("{:.3f}", near->t), stretch.keeps_margins ? "yes" : "no",
+                             fmt::format("{} - {}", near->names.a, near->names.b)});
+      rows.push_back(std::move(row));
     }
   }
-  std::vector<std::string> header = {"edge", "from t",        "to t",
-                                     "from", "at least [mm]", "at most [mm]",
-                                     "at t", "between",       "certified"};
-  if (steps) header.push_back("step");
+  if (rows.empty()) return "";
+  const std::size_t from = (parts ? 3U : 1U) + (steps ? 1U : 0U);
+  return formatTable(heading, rows, {from - (steps ? 1U : 0U), from, from + 4, from + 5});
+}
+
+void printText(const planner::Problem& problem, const Profile& profile,
+               const view::LeastClearance& least, bool parts) {
   if (!profile.nothing_checked.empty()) {
-    fmt::print("Nothing was checked: {}.\n", profile.nothing_checked);
+    fmt::print(
+        "{}", wrapped(fmt::format("{}: {}: {}.\n", problem.name,
+                                  verdictText("nothing checked", false), profile.nothing_checked)));
     return;
   }
-  if (!rows.empty()) fmt::print("{}", formatTable(header, rows, {3, 7, 8, 9}));
-  for (const auto& [name, whole] :
-       {std::pair("the world", &profile.world), std::pair("the robot itself", &profile.self)}) {
-    const std::string lower = formatLower(whole->clearance.lower * 1e3, 3),
-                      upper = formatUpper(whole->clearance.upper * 1e3, 3);
-    if (whole->closest >= 0 && std::isfinite(whole->clearance.lower))
-      fmt::print("The path's least clearance from {} is between {} and {} mm.\n", name, lower,
-                 upper);
-    else if (whole->closest >= 0)
-      fmt::print("The path's least clearance from {} is at most {} mm; nothing bounds it below.\n",
-                 name, upper);
-    else if (std::isfinite(whole->clearance.lower))
-      fmt::print("Nothing of {} comes nearer than {} mm.\n", name, lower);
-    else
-      fmt::print("{} {}.\n",
-                 whole->clearance.lower > 0 ? "There is nothing of" : "Not measured:", name);
-  }
-  fmt::print("{}\n{}.\n",
-             profile.certified ? "Every edge is certified to keep its margins."
-                               : "Not every edge is certified to keep its margins.",
-             planner::toString(profile.unchecked()));
+  const std::string verdict =
+      verdictText(profile.certified ? "certified" : "not certified", profile.certified);
+  const std::string table = stretchTable(profile, !problem.steps.empty(), parts);
+  fmt::print("{}{}{}{}{}",
+             wrapped(fmt::format("{}: {}, {}{}\n", problem.name, verdict, view::leastText(least),
+                                 obstaclesText(problem))),
+             table.empty() ? "" : "\n", table, table.empty() ? "" : "\n",
+             wrapped(view::nearestText(least) + planner::toString(profile.unchecked()) + ".\n"));
 }
 
 int runClearance(ClearanceArguments& arguments) {
@@ -371,7 +386,13 @@ int runClearance(ClearanceArguments& arguments) {
     printJson(document);
   } else {
     if (interrupted()) fmt::print("Interrupted: what is not measured yet is open.\n");
-    printText(profile, steps);
+    view::LeastClearance least = view::leastClearance(problem, path, interrupted);
+    view::narrow(least, placed(profile, profile.all, &Stretch::all),
+                 placed(profile, profile.world, &Stretch::world),
+                 placed(profile, profile.self, &Stretch::self));
+    const bool parts = std::any_of(profile.stretches.begin(), profile.stretches.end(),
+                                   [](const Stretch& s) { return s.t1 - s.t0 < 1; });
+    printText(problem, profile, least, parts);
   }
   return profile.certified && profile.nothing_checked.empty() ? kYes : kNo;
 }

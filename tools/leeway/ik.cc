@@ -155,8 +155,8 @@ std::string table(const robots::Model& model, const std::vector<int>& variables,
   std::vector<std::vector<std::string>> rows;
   for (const CheckedSolution& checked : list) {
     std::vector<std::string> row = {fmt::format("{}", rows.size() + 1)};
-    for (const double value : checked.solution.values) row.push_back(fmt::format("{:.6f}", value));
-    row.push_back(formatLower(checked.check.clearance.lower * 1e3, 3));
+    for (const double value : checked.solution.values) row.push_back(fmt::format("{:.4f}", value));
+    row.push_back(formatLower(checked.check.clearance.lower * 1e3, 2));
     row.push_back(!checked.is_checked                                     ? "not checked"
                   : checked.free()                                        ? "free"
                   : checked.check.verdict == planner::Verdict::kUndecided ? "undecided"
@@ -221,7 +221,7 @@ void printNone(const std::string& link, const robots::IkResult& result) {
           : fmt::format("no solution found from {} starts; there may be one", result.starts));
   const robots::IkSolution& nearest = result.nearest;
   if (!nearest.values.empty())
-    fmt::print("nearest found: {:.3f} mm and {:.6f} rad away, at {:.6f}\n",
+    fmt::print("nearest found: {:.3f} mm and {:.4f} rad away, at {:.4f}\n",
                nearest.error.position * 1e3, nearest.error.angle, fmt::join(nearest.values, ", "));
 }
 

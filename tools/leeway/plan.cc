@@ -24,8 +24,10 @@
 #include "tools/leeway/support/pair_samples.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
+#include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/leeway/view/least_clearance.h"
 #include "tools/leeway/view/page.h"
 
 namespace leeway::tools {
@@ -47,36 +49,34 @@ constexpr std::string_view kTrajectoryEndings[] = {".yaml", ".json", ".csv"};
 
 double millimetres(double metres) { return metres * 1e3; }
 
-/// Columns are headed by the joints' names while they are short enough to be read side by side,
-/// else q1, q2, ... with a key above.
+/// The proven clearance of an edge or a step: a bound, not the value.
+std::string keptText(double lower) {
+  return std::isfinite(lower) ? ">= " + formatLower(millimetres(lower), 2)
+         : lower > 0          ? "nothing near"
+                              : "not known";
+}
+
+/// The waypoints. Names of joints head the columns while that leaves them side by side, else q1,
+/// q2, ... with a key above.
 std::string pathTable(const planner::PlanResult& result) {
   const auto& names = result.path.names;
   std::size_t width = 0;
-  for (const std::string& name : names) {
-    width += std::max<std::size_t>(name.size(), 7) + 2;
-  }
+  for (const std::string& name : names) width += std::max<std::size_t>(name.size(), 7) + 2;
   std::string text;
   std::vector<std::string> heading = {""};
   for (std::size_t j = 0; j < names.size(); ++j) {
-    heading.push_back(width <= 90 ? names[j] : fmt::format("q{}", j + 1));
-    if (width > 90) {
-      text += fmt::format("q{} = {}\n", j + 1, names[j]);
-    }
+    heading.push_back(width <= 66 ? names[j] : fmt::format("q{}", j + 1));
+    if (width > 66) text += fmt::format("q{} = {}\n", j + 1, names[j]);
   }
-  heading.emplace_back("clearance to next [mm]");
+  heading.emplace_back("keeps [mm]");
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < result.path.positions.size(); ++i) {
     std::vector<std::string> row = {fmt::format("{}", i)};
-    for (const double position : result.path.positions[i]) {
+    for (const double position : result.path.positions[i])
       row.push_back(fmt::format("{:.4f}", position));
-    }
-    std::string clearance;
-    if (i < result.certificate.segments.size()) {
-      const double lower = result.certificate.segments[i].lower;
-      clearance =
-          std::isfinite(lower) ? ">= " + formatLower(millimetres(lower), 2) : "nothing near";
-    }
-    row.push_back(clearance);
+    row.push_back(i < result.certificate.segments.size()
+                      ? keptText(result.certificate.segments[i].lower)
+                      : "");
     rows.push_back(row);
   }
   return text + formatTable(heading, rows);
@@ -91,40 +91,17 @@ std::string stepTable(const planner::Problem& problem, const planner::PlanResult
     double least = std::numeric_limits<double>::infinity();
     for (int edge = step.first; edge < step.last; ++edge)
       least = std::min(least, result.certificate.segments[static_cast<std::size_t>(edge)].lower);
-    if (step.first < step.last)
-      clearance =
-          std::isfinite(least) ? ">= " + formatLower(millimetres(least), 2) : "nothing near";
+    if (step.first < step.last) clearance = keptText(least);
     if (std::holds_alternative<planner::LineStep>(problem.steps[i].action))
-      departure = fmt::format("<= {} mm, {} mrad", formatUpper(millimetres(step.deviation), 3),
-                              formatUpper(step.turn * 1e3, 3));
+      departure = fmt::format("<= {} mm, {} mrad", formatUpper(millimetres(step.deviation), 2),
+                              formatUpper(step.turn * 1e3, 2));
     rows.push_back({fmt::format("{}", i + 1), step.name,
                     step.first < step.last ? fmt::format("{} to {}", step.first, step.last)
                                            : fmt::format("{}", step.first),
                     clearance, departure});
   }
-  return formatTable({"step", "name", "waypoints", "clearance [mm]", "off its line"}, rows,
+  return formatTable({"step", "name", "waypoints", "keeps [mm]", "off its line"}, rows,
                      {1, 2, 3, 4});
-}
-
-std::string certificateText(const planner::Certificate& certificate) {
-  const planner::Interval& clearance = certificate.clearance;
-  const std::string lower = formatLower(millimetres(clearance.lower), 3);
-  const char* verdict = certificate.certified ? "Certified" : "Not certified against the margins";
-  std::string text;
-  if (std::isfinite(clearance.upper))
-    text = fmt::format(
-        "{}: every point of every edge keeps at least {} mm; the least clearance is between {} and "
-        "{} mm,\n"
-        "from {} to {} on edge {} at t = {:.3f}.\n",
-        verdict, lower, lower, formatUpper(millimetres(clearance.upper), 3), certificate.closest_a,
-        certificate.closest_b, certificate.closest_segment, certificate.closest_t);
-  else if (std::isfinite(clearance.lower))
-    text = fmt::format("{}: nothing comes nearer than {} mm to any point of any edge.\n", verdict,
-                       lower);
-  else
-    text = certificate.certified ? "Certified: there is nothing else that it could touch.\n"
-                                 : "Not certified.\n";
-  return text + planner::toString(certificate.unchecked) + ".\n";
 }
 
 /// Decimals that show a part of `allowed`.
@@ -220,10 +197,11 @@ std::string timeText(const planner::PlanResult& result, double load_s) {
   return fmt::format(
       "Time [ms]: load {:.2f}, compile {:.2f}, plan {:.2f}, simplify {:.2f}, {}push {:.2f}, "
       "certify {:.2f}.\n"
-      "Counts: {} iterations, {} states, {} edges ({} undecided), {} distance queries.\n",
+      "Counts: {}, {}, {} ({} undecided), {} distance queries.\n",
       load_s * 1e3, result.compile_s * 1e3, result.plan_s * 1e3, result.simplify_s * 1e3, improve,
-      result.push_s * 1e3, result.certify_s * 1e3, result.iterations, result.states, result.edges,
-      result.undecided_edges, result.distance_queries);
+      result.push_s * 1e3, result.certify_s * 1e3, counted(result.iterations, "iteration"),
+      counted(result.states, "state"), counted(result.edges, "edge"), result.undecided_edges,
+      result.distance_queries);
 }
 
 std::string durationText(const planner::Trajectory& trajectory) {
@@ -271,47 +249,92 @@ std::string hindranceText(const planner::Problem& problem, const planner::PlanRe
   return text;
 }
 
-void printText(const planner::Problem& problem, const planner::PlanResult& result,
-               const std::optional<planner::Trajectory>& trajectory, double load_s) {
-  fmt::print("{}: {} with {}, seed {}{}{}\n", problem.name, planner::toString(result.status),
-             result.planner, result.seed, interrupted() ? ", interrupted" : "",
-             result.deterministic
-                 ? ""
-                 : " (this planner keeps clocks or threads of its own: not deterministic)");
-  switch (result.status) {
+/// The word for a plan without a path.
+std::string verdictOf(planner::PlanStatus status) {
+  switch (status) {
     case planner::PlanStatus::kSolved:
-      fmt::print("\n{}\n", pathTable(result));
-      if (!result.path.steps.empty()) fmt::print("{}\n", stepTable(problem, result));
-      fmt::print("{}", certificateText(result.certificate));
-      fmt::print("{}", constraintsText(problem, result));
-      fmt::print("Length {:.4f}, {} edges.\n", result.length, result.certificate.segments.size());
-      fmt::print("{}", costText(problem, result));
-      fmt::print("{}", durationText(*trajectory));
+    case planner::PlanStatus::kUnsolved:
+      return "no path found";
+    case planner::PlanStatus::kInvalidStart:
+      return "start not valid";
+    case planner::PlanStatus::kInvalidGoal:
+      return "goal not valid";
+    case planner::PlanStatus::kNothingChecked:
+      return "nothing checked";
+    case planner::PlanStatus::kNotCompiled:
       break;
+  }
+  return "not compiled";
+}
+
+/// The planner and its seed.
+std::string methodText(const planner::PlanResult& result) {
+  return fmt::format("{}, seed {}{}{}", result.planner, result.seed,
+                     interrupted() ? ", interrupted" : "",
+                     result.deterministic
+                         ? ""
+                         : " (this planner keeps clocks or threads of its own: not deterministic)");
+}
+
+std::string solvedText(const planner::Problem& problem, const planner::PlanResult& result,
+                       const planner::Trajectory& trajectory) {
+  view::LeastClearance least = view::leastClearance(problem, result.path, interrupted);
+  const planner::Certificate& certificate = result.certificate;
+  view::narrow(least, certificate, certificate.world, certificate.self);
+  const std::string verdict = verdictText(
+      certificate.certified ? "certified" : "solved, but not certified", certificate.certified);
+  std::string text = wrapped(fmt::format("{}: {}, {}{}\n", problem.name, verdict,
+                                         view::leastText(least), obstaclesText(problem))) +
+                     "\n" + pathTable(result) + "\n";
+  if (!result.path.steps.empty()) text += stepTable(problem, result) + "\n";
+  return text +
+         wrapped(view::nearestText(least) + planner::toString(certificate.unchecked) + ".\n" +
+                 constraintsText(problem, result) + "Solved with " + methodText(result) +
+                 fmt::format(": {}, length {:.4f}.\n", counted(certificate.segments.size(), "edge"),
+                             result.length) +
+                 costText(problem, result) + durationText(trajectory));
+}
+
+/// The reason for a plan without a path.
+std::string failureText(const planner::Problem& problem, const planner::PlanResult& result) {
+  std::string text =
+      fmt::format("{}: {}\n", problem.name, verdictText(verdictOf(result.status), false));
+  switch (result.status) {
     case planner::PlanStatus::kUnsolved:
       if (!result.reason.empty()) {
-        fmt::print("No further than {}.\n{}", result.reason, hindranceText(problem, result));
+        text += fmt::format("No further than {}.\n{}", result.reason, hindranceText(problem, result));
         break;
       }
-      fmt::print("No path after {:.2f} s of planning and {} iterations ({}).\n", result.plan_s,
-                 result.iterations, interrupted() ? "interrupted" : limitsText(problem.limits));
+      text += fmt::format("No path after {:.2f} s of planning and {} iterations ({}).\n",
+                          result.plan_s, result.iterations,
+                          interrupted() ? "interrupted" : limitsText(problem.limits));
       if (result.undecided_edges > 0)
-        fmt::print("{} of {} edges were left undecided; the search went without them.\n",
-                   result.undecided_edges, result.edges);
-      fmt::print("{}", hindranceText(problem, result));
+        text += fmt::format("{} of {} edges were left undecided; the search went without them.\n",
+                            result.undecided_edges, result.edges);
+      text += hindranceText(problem, result);
       break;
     case planner::PlanStatus::kInvalidStart:
     case planner::PlanStatus::kInvalidGoal:
-      fmt::print("{}{}", offendingText(result), allPairsText(problem, result));
+      text += offendingText(result) + allPairsText(problem, result);
       break;
     case planner::PlanStatus::kNothingChecked:
-      fmt::print("Nothing was checked, and nothing planned: {}.\n", result.reason);
+      text += fmt::format("Nothing was checked, and nothing planned: {}.\n", result.reason);
       break;
     case planner::PlanStatus::kNotCompiled:
-      fmt::print("Nothing was planned: {}.\n", result.reason);
+      text += fmt::format("Nothing was planned: {}.\n", result.reason);
+      break;
+    case planner::PlanStatus::kSolved:
       break;
   }
-  fmt::print("{}", timeText(result, load_s));
+  return wrapped(text + "Planner: " + methodText(result) + ".\n");
+}
+
+void printText(const planner::Problem& problem, const planner::PlanResult& result,
+               const std::optional<planner::Trajectory>& trajectory, double load_s) {
+  const std::string text = result.status == planner::PlanStatus::kSolved
+                               ? solvedText(problem, result, *trajectory)
+                               : failureText(problem, result);
+  fmt::print("{}{}", text, wrapped(timeText(result, load_s)));
 }
 
 int listPlanners(bool json) {

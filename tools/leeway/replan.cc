@@ -162,7 +162,7 @@ class Rows {
            fmt::format("{:.1f}", run.compute * 1e3), run.because});
     }
     return formatTable(
-        {"from [s]", "to [s]", "decision", "steps", "clearance [mm]", "longest [ms]", "in the way"},
+        {"from [s]", "to [s]", "decision", "steps", "keeps [mm]", "longest [ms]", "in the way"},
         rows, {2, 6});
   }
 
@@ -178,28 +178,36 @@ class Rows {
   std::vector<Run> runs_;
 };
 
-void printSummary(const planner::Problem& problem, const planner::ReplanResult& result) {
+/// The first line: the verdict, and what is proven.
+std::string verdictLine(const planner::Problem& problem, const planner::ReplanResult& result) {
+  const bool nothing_checked = result.status == planner::ReplanStatus::kNothingChecked;
+  const bool good = result.status == planner::ReplanStatus::kReached && result.certified;
+  std::string words = nothing_checked ? "nothing checked" : planner::toString(result.status);
+  if (!nothing_checked) words += result.certified ? ", certified" : ", not certified";
+  std::string proven = "no pair of shapes is checked; `leeway info` lists them";
+  if (!nothing_checked && !result.certified)
+    proven = "the last step could not be certified";
+  else if (!nothing_checked)
+    proven = std::isfinite(result.clearance.lower)
+                 ? fmt::format("every step kept at least {} mm while the obstacles moved",
+                               formatLower(result.clearance.lower * 1e3, 2))
+                 : "there was nothing else that it could touch";
+  return wrapped(fmt::format("{}: {}; {}\n", problem.name, verdictText(words, good), proven));
+}
+
+std::string summaryText(const planner::ReplanResult& result) {
   const double lasted = result.trajectory.empty()
                             ? 0
                             : result.trajectory.back().time - result.trajectory.front().time;
-  fmt::print(
-      "{}: {} after {:.2f} s, {} steps: {} plans ({} of them new ones on the way), {} waits, {} "
-      "evasions; "
-      "seed {}\n",
-      problem.name, planner::toString(result.status), lasted, result.steps, result.plans,
-      result.replans, result.waits, result.evasions, result.seed);
-  if (result.status == planner::ReplanStatus::kNothingChecked) {
-    fmt::print("Nothing was checked: no pair of shapes is. `leeway info` lists them.\n");
-  } else if (result.certified && std::isfinite(result.clearance.lower)) {
-    fmt::print("Certified: every step kept at least {} mm while the obstacles moved.\n",
-               formatLower(result.clearance.lower * 1e3, 3));
-  } else if (result.certified) {
-    fmt::print("Certified: there was nothing else that it could touch.\n");
-  } else {
-    fmt::print("Not certified: the last step could not be.\n");
-  }
-  fmt::print("Computing: {:.2f} s in all, {:.1f} ms for the longest step.\n", result.compute_s,
-             result.longest_step_s * 1e3);
+  const auto some = [](int count, const char* what) {
+    return counted(static_cast<std::size_t>(count), what);
+  };
+  return wrapped(
+      fmt::format("{:.2f} s, {}: {} ({} of them on the way), {}, {}; seed {}.\n"
+                  "Computing: {:.2f} s in all, {:.1f} ms for the longest step.\n",
+                  lasted, some(result.steps, "step"), some(result.plans, "plan"), result.replans,
+                  some(result.waits, "wait"), some(result.evasions, "evasion"), result.seed,
+                  result.compute_s, result.longest_step_s * 1e3));
 }
 
 /// Warns of pairs that are checked though they touch at zero, and of parts of the problem that an
@@ -295,8 +303,7 @@ int runReplan(const ReplanArguments& arguments) {
   if (json) {
     fmt::print("{}\n", jsonText(versioned(summaryJson(problem, result, load_s))));
   } else {
-    fmt::print("{}", log.table());
-    printSummary(problem, result);
+    fmt::print("{}\n{}\n{}", verdictLine(problem, result), log.table(), summaryText(result));
   }
   return result.status == planner::ReplanStatus::kReached && result.certified ? kYes : kNo;
 }

@@ -14,6 +14,7 @@
 #include "tools/leeway/support/path_ends.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
+#include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
 
@@ -29,29 +30,33 @@ struct VerifyArguments {
   bool json = false;
 };
 
-std::string resultText(const planner::Path& path, const planner::VerifyResult& result) {
-  if (result.status == planner::VerifyStatus::kCertified) {
-    const std::string clearance = std::isfinite(result.clearance_lower)
-                                      ? fmt::format("every point keeps at least {} mm",
-                                                    formatLower(result.clearance_lower * 1e3, 3))
-                                      : "there is nothing else that it could touch";
-    return fmt::format("certified: {} edges, {}\n{}\n",
-                       path.positions.empty() ? 0 : path.positions.size() - 1, clearance,
-                       planner::toString(result.unchecked));
+/// The first line has the verdict.
+std::string resultText(const planner::Problem& problem, const planner::Path& path,
+                       const planner::VerifyResult& result) {
+  const bool certified = result.status == planner::VerifyStatus::kCertified;
+  std::string text =
+      verdictText(result.status == planner::VerifyStatus::kNothingChecked ? "nothing checked"
+                                                                          : toString(result.status),
+                  certified);
+  if (certified) {
+    const planner::Interval clearance{result.clearance_lower, result.clearance_upper};
+    return fmt::format("{}: {}, {}{}\n{}.\n", text,
+                       counted(path.positions.empty() ? 0 : path.positions.size() - 1, "edge"),
+                       std::isfinite(clearance.lower)
+                           ? "least clearance " + clearanceText(clearance)
+                           : "there is nothing else that it could touch",
+                       obstaclesText(problem), planner::toString(result.unchecked));
   }
-  std::string text = toString(result.status);
   if (result.status == planner::VerifyStatus::kNothingChecked)
-    return fmt::format("nothing checked: {}\n", result.reason);
+    return fmt::format("{}: {}\n", text, result.reason);
   if (result.segment >= 0) {
-    text += fmt::format(": edge {} between t = {:.6f} and {:.6f}", result.segment, result.t0,
-                        result.t1);
+    const std::string from = fmt::format("{:.6g}", result.t0),
+                      to = fmt::format("{:.6g}", result.t1);
+    text += from == to ? fmt::format(": edge {} at t = {}", result.segment, from)
+                       : fmt::format(": edge {} between t = {} and {}", result.segment, from, to);
   }
-  if (!result.a.empty()) {
-    text += fmt::format(", {} and {}", result.a, result.b);
-  }
-  if (!result.reason.empty()) {
-    text += fmt::format(": {}", result.reason);
-  }
+  if (!result.a.empty()) text += fmt::format(", {} and {}", result.a, result.b);
+  if (!result.reason.empty()) text += fmt::format(": {}", result.reason);
   return text + "\n";
 }
 
@@ -74,7 +79,11 @@ int runVerify(VerifyArguments& arguments) {
   planner::PlanOptions options = interactivePlanOptions(arguments.limits.timeLimit());
   UnitProgress progress(std::max<std::size_t>(2, path.positions.size()) - 1);
   options.progress = [&](const std::string& phase, double) { progress.next(phase); };
-  const planner::VerifyResult result = planner::verify(problem, path, options);
+  // People read the clearance to two digits; JSON has what the proof of the margins gives.
+  std::function<bool(const planner::Interval&)> is_enough;
+  if (!arguments.json)
+    is_enough = [](const planner::Interval& clearance) { return figureOf(clearance).has_value(); };
+  const planner::VerifyResult result = planner::verify(problem, path, options, is_enough);
   endProgress();
   if (arguments.json) {
     Json document = toJson(result);
@@ -84,7 +93,7 @@ int runVerify(VerifyArguments& arguments) {
     document["interrupted"] = interrupted();
     printJson(document);
   } else {
-    fmt::print("{}", resultText(path, result));
+    fmt::print("{}", wrapped(resultText(problem, path, result)));
   }
   return result.status == planner::VerifyStatus::kCertified ? kYes : kNo;
 }

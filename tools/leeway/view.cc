@@ -73,8 +73,12 @@ int runView(ViewArguments& arguments) {
   endProgress();
   if (!arguments.svg.empty()) planner::writeFileWhole(arguments.svg, view::pictureSvg(subject));
   if (!only_picture) view::writePage(arguments.page, subject);
-  fmt::print("{}: {}{}\n", problem.name, subject.verdict, interrupted() ? ", interrupted" : "");
-  for (const std::string& note : subject.notes) fmt::print("{}\n", note);
+  std::string text =
+      fmt::format("{}: {}{}\n", problem.name, verdictText(subject.verdict, subject.good),
+                  interrupted() ? ", interrupted" : "");
+  text += view::nearestText(subject.least);
+  for (const std::string& note : subject.notes) text += note + "\n";
+  fmt::print("{}", wrapped(text));
   if (!arguments.svg.empty()) fmt::print("{}\n", arguments.svg);
   if (!only_picture) fmt::print("{}\n", arguments.page.file);
   return subject.good ? kYes : kNo;

@@ -12,7 +12,9 @@ export class Controls {
     this.scrub = element('input', { id: 'scrub', type: 'range', min: motion.begin, max: motion.begin + motion.duration, step: 'any', value: motion.begin, 'aria-label': 'time', oninput: () => { const wanted = +this.scrub.value; app.pause(); app.seek(wanted); } });
     this.clock = element('output', { id: 'clock' });
     this.speed = element('select', { id: 'speed', 'aria-label': 'speed', onchange: () => { app.speed = +this.speed.value; } }, ...kSpeeds.map((s) => element('option', { value: s, text: `${s}\u00d7`, selected: s === 1 })));
-    this.root = element('div', { id: 'controls' }, this.play, this.scrub, this.clock, this.speed);
+    this.choice = element('select', { id: 'choice', 'aria-label': 'clearance', title: 'whose clearance is shown', onchange: () => app.choose(this.choice.value) }, ...app.near.choices().map(([value, text]) => element('option', { value, text, selected: value === app.near.choice })));
+    this.scale = element('button', { id: 'scale', text: 'Near', title: 'a scale that shows what is near (L)', 'aria-pressed': 'false', onclick: () => app.changeScale() });
+    this.root = element('div', { id: 'controls' }, this.play, this.scrub, this.clock, this.speed, this.choice, this.scale);
     const still = motion.duration === 0;
     this.root.hidden = still;
     window.addEventListener('keydown', (event) => this.key(event));
@@ -21,6 +23,7 @@ export class Controls {
     const { app } = this;
     this.play.textContent = app.playing ? 'Pause' : 'Play';
     this.scrub.value = app.time;
+    this.choice.value = app.near.choice;
     this.clock.textContent = `${app.time.toFixed(2)} / ${(app.motion.begin + app.motion.duration).toFixed(2)} s`;
   }
   faster(by) {
@@ -41,6 +44,9 @@ export class Controls {
       End: () => step(Infinity),
       '+': () => this.faster(1), '=': () => this.faster(1), '-': () => this.faster(-1),
       m: () => app.seekLeast(),
+      g: () => app.lookAtGap(),
+      l: () => app.changeScale(),
+      p: () => app.savePicture(),
       f: () => app.stage?.frame(app.box),
       1: () => from(0, -1, 0.05), 2: () => from(1, 0, 0.05), 3: () => from(0, -0.01, 1),
       Escape: () => app.select(-1),

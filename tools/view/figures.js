@@ -1,5 +1,5 @@
 // What is drawn over the bodies: the nearest pair, trails, the way out of a collision, the search, coarse bounds.
-import { BufferAttribute, BufferGeometry, ConeGeometry, CylinderGeometry, Group, InstancedMesh, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry, Vector3 } from 'three';
+import { AxesHelper, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, Group, InstancedMesh, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry, Vector3 } from 'three';
 import { positions } from './shapes.js';
 import { colours } from './theme.js';
 
@@ -27,7 +27,10 @@ export class NearestLine {
     if (!this.points) return;
     const [a, b] = this.points;
     this.material.color.set(colours().nearest);
-    const size = this.stage.camera.position.distanceTo(a) * 0.0022;
+    // From near by, thinner than the gap; from afar a mark of where it is.
+    const away = this.stage.camera.position.distanceTo(a);
+    const gap = a.distanceTo(b);
+    const size = gap > 0.03 * away ? Math.min(away * 0.0022, gap * 0.06) : away * 0.0022;
     this.tube.position.addVectors(a, b).multiplyScalar(0.5);
     const along = b.clone().sub(a);
     const length = along.length();
@@ -57,12 +60,23 @@ export class Trail {
 // The edges that a search found free, drawn where the middle of a body goes.
 export class Search {
   constructor(page, bodies) {
-    const { ends, low, step, points } = page.document.search;
+    const { ends, of_start, low, step, points } = page.document.search;
     this.bodies = bodies;
     this.points = positions(page.array(points), low, step);
-    this.lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: colours().search, transparent: true, opacity: 0.55 }));
-    this.lines.geometry.setIndex(new BufferAttribute(page.array(ends), 1));
+    this.lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.6 }));
+    const edges = page.array(ends);
+    this.shown = edges.length / 2;
+    this.ofStart = page.array(of_start);
+    this.lines.geometry.setIndex(new BufferAttribute(edges, 1));
+    this.paint();
     this.lines.frustumCulled = false;
+  }
+  // Nodes that hang from the start have its colour, the others the goal's.
+  paint() {
+    const [start, goal] = [new Color(colours().start), new Color(colours().goal)];
+    const all = new Float32Array(3 * this.ofStart.length);
+    this.ofStart.forEach((is, i) => (is ? start : goal).toArray(all, 3 * i));
+    this.lines.geometry.setAttribute('color', new BufferAttribute(all, 3));
   }
   set(body) {
     const k = this.bodies.indexOf(body);
@@ -88,6 +102,20 @@ export function wayOut(from, translation) {
   arrow.position.copy(from);
   arrow.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), way.normalize());
   return arrow;
+}
+
+// Frames in the world, x red, y green, z blue.
+export function frames(poses, size) {
+  const group = new Group();
+  for (let i = 0; i < poses.count; ++i) {
+    const axes = new AxesHelper(size);
+    axes.material.depthTest = false;
+    axes.renderOrder = 9;
+    axes.matrixAutoUpdate = false;
+    poses.matrix(i, axes.matrix);
+    group.add(axes);
+  }
+  return group;
 }
 
 // The balls that queries look at first.

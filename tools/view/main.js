@@ -2,8 +2,9 @@
 import { Matrix4, Vector3 } from 'three';
 import { Controls } from './controls.js';
 import { Deforming } from './deforming.js';
-import { Balls, NearestLine, Search, Trail, wayOut } from './figures.js';
+import { Balls, NearestLine, Search, Trail, frames, wayOut } from './figures.js';
 import { Motion, Poses } from './motion.js';
+import { Nearness } from './nearness.js';
 import { Panel } from './panel.js';
 import { picks } from './picking.js';
 import { ClearancePlot, JointPlot, decisionColour } from './plot.js';
@@ -22,6 +23,7 @@ class App {
     this.page = page;
     this.parts = new Parts(page);
     this.motion = new Motion(page);
+    this.near = new Nearness(page);
     this.positions = page.array(this.data.positions);
     this.bodyClearance = page.array(this.data.body_clearance);
     this.leastClearance = page.array(this.data.least_clearance);
@@ -44,7 +46,12 @@ class App {
     document.title = `${this.data.name} \u2013 Leeway`;
     this.view = element('div', { id: 'view' });
     this.nearestText = element('div', { id: 'nearest', role: 'status' });
-    this.view.append(this.nearestText);
+    const button = (id, text, title, onclick) => element('button', { id, text, title, onclick });
+    this.view.append(this.nearestText, element('div', { id: 'looks' },
+      button('look-least', 'Least', 'where the room is least (M)', () => this.seekLeast()),
+      button('look-gap', 'Gap', 'look at the gap (G)', () => this.lookAtGap()),
+      button('look-all', 'All', 'see all of it (F)', () => this.stage?.frame(this.box)),
+      button('save', 'PNG', 'save a picture (P)', () => this.savePicture())));
     try {
       this.stage = new Stage(this.view, this.parts.count > kMany);
       this.buildScene();
@@ -84,7 +91,7 @@ class App {
     if (this.moving.has(body)) return c.robot;
     if (this.links.has(body)) return c.base;
     if (this.parts.kind[part] === 'deformable') return c.deforming;
-    return c.world;
+    return c.worlds[body % c.worlds.length];
   }
 
   buildScene() {
@@ -125,11 +132,21 @@ class App {
       layer('robot along the path', false, show(this.pathGhosts));
       layer('trail of a link', true, show([this.trail.line]));
     }
-    if (data.searched > 0) layer(`what the search found free (${data.searched} edges)`, !data.good, show([this.search.lines]));
+    if (data.searched > 0) layer(this.searchText(), !data.good, show([this.search.lines]));
     layer('balls that queries ask first', false, (on) => { this.balls.mesh.visible = on; });
     if (data.parts.pieces.length > 0) layer(`convex pieces of meshes (${data.parts.pieces.length})`, false, (on) => this.showPieces(on));
     stage.controls.addEventListener('change', () => this.nearest.update());
-    picks(stage, () => [...Object.values(this.groups).flatMap(meshes), ...this.deforming.map((d) => d.mesh)], (body) => this.select(body));
+    picks(stage, () => this.targets(), (body) => this.select(body));
+  }
+  // Meshes that a ray can meet.
+  targets() {
+    return [...Object.values(this.groups).flatMap((group) => group.map((i) => i.mesh)), ...this.deforming.map((d) => d.mesh)];
+  }
+
+  searchText() {
+    const { searched } = this.data;
+    const { shown } = this.search;
+    return `what the search found free (${shown < searched ? `the first ${shown} of ${searched}` : searched} edges; blue from the start, orange from the goals)`;
   }
 
   // All of the robot's motion, and what is near it.
@@ -179,11 +196,11 @@ class App {
 
   endMatrices(end) {
     const poses = new Poses(this.page.array(end.poses));
-    return new Map(this.data.moving.map((body, k) => [body, poses.matrix(k, new Matrix4())]));
+    return new Map(end.bodies.map((body, k) => [body, poses.matrix(k, new Matrix4())]));
   }
 
   addGhosts(robot) {
-    const ghost = (matrices, colour, opacity) => this.parts.instances(robot, () => colour, { opacity }).map((i) => {
+    const ghost = (matrices, colour, opacity) => this.parts.instances(robot.filter((part) => matrices.has(this.parts.body[part])), () => colour, { opacity }).map((i) => {
       i.place(matrices);
       this.stage.scene.add(i.mesh);
       return i.mesh;
@@ -209,6 +226,12 @@ class App {
       this.search.set(data.tip);
       stage.scene.add(this.search.lines);
     }
+    const size = 0.08 * this.box.getSize(new Vector3()).length();
+    this.endFrames = data.ends.map((end) => {
+      const axes = frames(new Poses(this.page.array(end.frames)), size);
+      stage.scene.add(axes);
+      return axes;
+    });
     for (const end of data.ends) {
       if (end.valid || !end.closest) continue;
       const matrices = this.endMatrices(end);
@@ -253,6 +276,7 @@ class App {
     for (const group of Object.values(this.groups)) for (const i of group) i.paint(this.selected, colours().selected);
     for (const d of this.deforming) d.mesh.material.color.set(d.body === this.selected ? colours().selected : colours().deforming);
     this.trail.line.material.color.set(colours().trail);
+    this.search?.paint();
     this.refresh();
   }
 
@@ -287,13 +311,56 @@ class App {
     this.time = this.motion.times[this.motion.momentNear(time)];
     this.refresh();
   }
+  // Where the choice is least: with the choice that the page begins with, the certificate's place and value.
   seekLeast() {
-    const { closest } = this.data;
-    let least = -1;
-    closest.forEach((c, i) => { if (c && (least < 0 || c.lower < closest[least].lower)) least = i; });
+    const least = this.near.least();
     if (least < 0) return;
     this.pause();
     this.seek(this.motion.times[least]);
+  }
+  choose(choice) {
+    this.near.choice = choice;
+    this.plots.forEach((plot) => plot.choose?.());
+    this.refresh();
+  }
+  changeScale() {
+    const [clearance] = this.plots;
+    if (!clearance) return;
+    clearance.isNear = !clearance.isNear;
+    this.controls.scale.setAttribute('aria-pressed', `${clearance.isNear}`);
+    clearance.choose();
+    clearance.paint();
+  }
+  // From the open side of the nearest pair, near enough to see what parts it.
+  lookAtGap() {
+    const closest = this.near.at(this.moment);
+    if (!this.stage || !closest) return;
+    const [a, b] = [[closest.a, closest.point_a], [closest.b, closest.point_b]].map(([body, point]) => this.motion.toWorld(body, point));
+    this.stage.lookBetween(a, b, this.targets());
+    this.nearest.update();
+  }
+  // The scene with what is known now, as a picture.
+  savePicture() {
+    if (!this.stage) return;
+    const { canvas } = this.stage;
+    this.stage.renderNow();
+    const picture = document.createElement('canvas');
+    const ratio = canvas.width / canvas.clientWidth;
+    picture.width = canvas.width;
+    picture.height = canvas.height;
+    const c = picture.getContext('2d');
+    c.drawImage(canvas, 0, 0);
+    c.scale(ratio, ratio);
+    c.fillStyle = colours().ink;
+    c.textBaseline = 'top';
+    const lines = [`${this.data.name}: ${this.data.verdict}`, ...Array.from(this.nearestText.children, (line) => line.textContent)];
+    lines.forEach((line, i) => { c.font = `${i === 0 ? 600 : 400} 14px system-ui, sans-serif`; c.fillText(line, 12, 12 + 20 * i); });
+    picture.toBlob((blob) => {
+      const link = element('a', { href: URL.createObjectURL(blob), download: `${this.data.name.replace(/[^\p{L}\p{N}._-]+/gu, '-') || 'view'}.png` });
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+      this.saved = blob.size;
+    });
   }
 
   // The step of a task that goes on at a time; where nothing moves in one, the one before it.
@@ -320,20 +387,30 @@ class App {
     this.endGhosts.forEach((ghost, e) => ghost.forEach((mesh) => { mesh.visible = this.showEnds && !stands(e); }));
     (this.pieces ?? []).forEach((i) => i.mesh.visible && i.place(matrices));
     this.deforming.forEach((d) => d.setTime(this.time));
-    const closest = this.data.closest[this.moment];
+    this.endFrames.forEach((axes) => { axes.visible = this.showEnds; });
+    const closest = this.near.at(this.moment);
     if (closest && this.showNearest) this.nearest.set(this.motion.toWorld(closest.a, closest.point_a), this.motion.toWorld(closest.b, closest.point_b));
     else this.nearest.set(null, null);
     this.stage.draw();
   }
   showDistance() {
-    const { data } = this;
-    const closest = data.closest[this.moment];
-    const stretch = Math.min(this.motion.momentBefore(this.time), data.proven.length - 1);
-    const proven = stretch >= 0 ? data.proven[stretch] : null;
+    const { data, near } = this;
+    const closest = near.at(this.moment);
+    const still = this.motion.duration === 0;
+    const stretch = Math.min(this.motion.momentBefore(this.time), data.proven.all.length - 1);
+    const proven = stretch >= 0 ? near.proven(stretch) : undefined;
     const decision = data.decisions.length > 0 ? data.decisions[Math.min(this.motion.momentBefore(this.time), data.decisions.length - 1)][1] : null;
-    const lines = [element('strong', { id: 'distance', text: distanceText(closest) })];
+    const name = near.choices().find(([value]) => value === near.choice)[1];
+    const lines = [];
+    if (still && data.shown) lines.push(element('span', { id: 'shown', text: data.shown }));
+    lines.push(element('strong', { id: 'distance', text: distanceText(closest) }));
     if (closest) lines.push(element('span', { id: 'pair', text: `${data.bodies[closest.a]} \u2013 ${data.bodies[closest.b]}` }));
-    if (data.proven.length > 0) lines.push(element('span', { className: 'soft', text: proven === null ? 'not proven here' : `proven here: ${millimetres(proven)} mm` }));
+    if (near.choice === 'world' || near.choice === 'self') {
+      const other = near.choice === 'world' ? 'self' : 'world';
+      lines.push(element('span', { className: 'soft', id: 'other', text: `${name}; ${other === 'world' ? 'from the world' : 'from itself'} ${distanceText(near.at(this.moment, other))}` }));
+    }
+    if (closest) lines.push(element('span', { className: 'soft', text: `margin ${+(closest.margin * 1e3).toFixed(3)} mm` }));
+    if (proven !== undefined) lines.push(element('span', { className: 'soft', id: 'proven', text: proven === null ? 'not proven here' : `proven here: at least ${millimetres(proven)} mm` }));
     const step = this.stepAt(this.time);
     if (step) lines.push(element('span', { id: 'step', text: `${step.name} (${step.kind})` }));
     if (decision) {

@@ -1,5 +1,5 @@
 // The texts beside the scene: what came out, what is selected, layers, joints, pairs left out.
-import { distanceText, element, millimetres, shapeText } from './words.js';
+import { distanceText, element, shapeText } from './words.js';
 import { joints as jointColours } from './theme.js';
 
 export class Panel {
@@ -12,7 +12,7 @@ export class Panel {
       this.section('Result', true, ...this.result()),
       ...(app.stage ? [this.section('Selected', true, this.selection)] : []),
       ...(app.stage ? [this.section('Layers', true, ...this.layers())] : []),
-      this.section(`Joints (${data.joints.length})`, false, this.joints()),
+      this.section(`Joints (${data.joints.length})`, data.joints.length <= 8, this.joints()),
       this.section(`Pairs left out (${data.dropped_count})`, false, ...this.dropped()),
       this.section('Keys', false, ...keys()));
     this.select(-1);
@@ -24,10 +24,22 @@ export class Panel {
   result() {
     const { data } = this.app;
     const notes = data.notes.map((note) => element('p', { text: note }));
-    const count = `${data.bodies.length} bodies in ${data.parts.count} parts, ${data.pairs} pairs checked`;
+    const count = `${data.bodies.length} bodies in ${data.parts.count} parts, ${data.pair_count} pairs checked`;
     const error = data.triangles > 0 ? `; meshes are shown to within ${(data.mesh_error * 1e3).toPrecision(2)} mm` : '';
     const steps = data.steps.map((step) => element('button', { className: 'link', text: `${step.begin.toFixed(2)} s: ${step.name} (${step.kind})`, onclick: () => { this.app.pause(); this.app.seek(step.begin); } }));
-    return [...notes, ...steps, element('p', { className: 'soft', text: `${data.source}: ${count}${error}.` })];
+    return [...this.least(), ...notes, ...steps, element('p', { className: 'soft', text: `${data.source}: ${count}${error}.` })];
+  }
+
+  // The least clearances, which also go there.
+  least() {
+    const { app } = this;
+    return [['world', 'the world'], ['self', 'itself']].flatMap(([choice, what]) => {
+      const moment = app.near.least(choice);
+      const near = moment >= 0 ? app.near.at(moment, choice) : null;
+      if (!near || app.motion.duration === 0) return [];
+      const text = `nearest to ${what}: ${distanceText(near)}, ${app.data.bodies[near.a]} and ${app.data.bodies[near.b]}, ${app.motion.times[moment].toFixed(2)} s`;
+      return [element('button', { className: 'link', id: `least-${choice}`, text, onclick: () => { app.choose(choice); app.seekLeast(); } })];
+    });
   }
 
   layers() {
@@ -72,7 +84,7 @@ export class Panel {
     const moment = app.leastMoment[body] - 1;
     if (moment >= 0) {
       const time = app.motion.times[moment];
-      rows.push(element('button', { className: 'link', text: `least ${millimetres(app.leastClearance[body])} mm at ${time.toFixed(2)} s`, onclick: () => { app.pause(); app.seek(time); } }));
+      rows.push(element('button', { className: 'link', text: `least ${distanceText({ lower: app.leastClearance[body], upper: app.leastClearance[body] })} at ${time.toFixed(2)} s`, onclick: () => { app.pause(); app.seek(time); } }));
     }
     if (app.motion.matrices.has(body)) rows.push(element('button', { className: 'link', text: app.search ? 'show its trail and the search' : 'show its trail', onclick: () => app.showTrail(body) }));
     this.selection.replaceChildren(...rows);
@@ -87,15 +99,15 @@ export class Panel {
     });
     if (this.body < 0) return;
     const k = app.motion.bodies.indexOf(this.body);
-    const closest = app.data.closest[app.moment];
+    const closest = app.near.closest(app.moment);
     const mine = k >= 0 ? app.bodyClearance[app.moment * app.motion.bodies.length + k] : null;
-    if (mine !== null) this.clearanceNow.textContent = Number.isFinite(mine) ? `clearance now ${mine > 0 ? `${millimetres(mine)} mm` : `${millimetres(-mine)} mm deep`}` : 'checked against nothing near';
+    if (mine !== null) this.clearanceNow.textContent = Number.isFinite(mine) ? `clearance now ${distanceText({ lower: mine, upper: mine })}` : 'checked against nothing near';
     else if (closest && (closest.a === this.body || closest.b === this.body)) this.clearanceNow.textContent = `nearest now, ${distanceText(closest)}`;
     else this.clearanceNow.textContent = '';
   }
 }
 
 function keys() {
-  const all = [['Space', 'play or pause'], ['\u2190 \u2192', 'one moment back, on'], ['Home End', 'start, end'], ['\u2212 +', 'slower, faster'], ['M', 'where the room is least'], ['F', 'see all of it'], ['1 2 3', 'from the front, the side, above'], ['Esc', 'select nothing']];
+  const all = [['Space', 'play or pause'], ['\u2190 \u2192', 'one moment back, on'], ['Home End', 'start, end'], ['\u2212 +', 'slower, faster'], ['M', 'where the room is least'], ['G', 'look at the gap'], ['F', 'see all of it'], ['L', 'a scale that shows what is near'], ['P', 'save a picture'], ['1 2 3', 'from the front, the side, above'], ['Esc', 'select nothing']];
   return [element('dl', {}, ...all.flatMap(([key, what]) => [element('dt', { text: key }), element('dd', { text: what })]))];
 }

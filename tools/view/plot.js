@@ -1,5 +1,6 @@
 // The plots below the scene: clearance and joints over time, and the line that shows where one is.
 import { colours, joints as jointColours, onThemeChange } from './theme.js';
+import { distanceText, millimetres } from './words.js';
 
 const kLeft = 46, kRight = 10, kTop = 24, kBottom = 20;
 
@@ -25,14 +26,51 @@ class Plot {
       app.seek(app.motion.begin + Math.min(Math.max(share, 0), 1) * app.motion.duration);
     };
     canvas.addEventListener('pointerdown', (event) => { canvas.setPointerCapture(event.pointerId); app.pause(); seek(event); });
-    canvas.addEventListener('pointermove', (event) => { if (canvas.hasPointerCapture(event.pointerId)) seek(event); });
+    canvas.addEventListener('pointermove', (event) => {
+      if (canvas.hasPointerCapture(event.pointerId)) seek(event);
+      const box = canvas.getBoundingClientRect();
+      this.hover = event.pointerType === 'touch' ? null : [event.clientX - box.left, event.clientY - box.top];
+      this.paint();
+    });
+    canvas.addEventListener('pointerleave', () => { this.hover = null; this.paint(); });
+  }
+  // A box of values beside the pointer: `lines(moment, y)` of [text, colour].
+  tell(lines) {
+    if (!this.hover) return;
+    const { c, app } = this;
+    const share = (this.hover[0] - kLeft) / Math.max(this.width - kLeft - kRight, 1);
+    if (share < 0 || share > 1) return;
+    const moment = app.motion.momentNear(app.motion.begin + share * app.motion.duration);
+    const at = this.x(app.motion.times[moment]);
+    const all = [[`${app.motion.times[moment].toFixed(3)} s`, this.colours.ink], ...lines(moment, this.hover[1])];
+    c.strokeStyle = this.colours.soft;
+    c.lineWidth = 1;
+    this.stroke([[at, kTop - 4], [at, this.height - kBottom]], [2, 2]);
+    const width = Math.max(...all.map(([text]) => c.measureText(text).width)) + 12;
+    const x = at + width + 8 > this.width ? Math.max(at - width - 8, 0) : at + 8;
+    c.fillStyle = this.colours.page;
+    c.globalAlpha = 0.92;
+    c.fillRect(x, kTop, width, 15 * all.length + 6);
+    c.globalAlpha = 1;
+    c.strokeRect(x + 0.5, kTop + 0.5, width, 15 * all.length + 6);
+    c.textAlign = 'left';
+    c.textBaseline = 'top';
+    all.forEach(([text, colour], i) => { c.fillStyle = colour; c.fillText(text, x + 6, kTop + 5 + 15 * i); });
   }
   x(time) {
     const { begin, duration } = this.app.motion;
     return kLeft + (duration > 0 ? (time - begin) / duration : 0.5) * (this.width - kLeft - kRight);
   }
+  // A plot's own scale: numbers to numbers, rising.
+  scaled(value) {
+    return value;
+  }
   y(value) {
-    return kTop + (1 - (value - this.low) / (this.high - this.low)) * (this.height - kTop - kBottom);
+    const [low, high] = [this.scaled(this.low), this.scaled(this.high)];
+    return kTop + (1 - (this.scaled(value) - low) / (high - low)) * (this.height - kTop - kBottom);
+  }
+  rows() {
+    return ticks(this.low, this.high, 4);
   }
   begin() {
     const ratio = window.devicePixelRatio || 1;
@@ -54,7 +92,7 @@ class Plot {
     c.lineWidth = 1;
     c.textAlign = 'right';
     c.textBaseline = 'middle';
-    for (const value of ticks(this.low, this.high, 4)) {
+    for (const value of this.rows()) {
       const y = Math.round(this.y(value)) + 0.5;
       this.stroke([[kLeft, y], [this.width - kRight, y]]);
       c.fillText(format(value), kLeft - 6, y);
@@ -92,15 +130,34 @@ export class ClearancePlot extends Plot {
   constructor(canvas, app) {
     super(canvas, app);
     const { data } = app;
-    this.measured = data.closest.map((c) => (c ? c.lower * 1e3 : null));
-    this.proven = data.proven.map((p) => (p === null ? null : p * 1e3));
-    this.margin = data.margin === null ? null : data.margin * 1e3;
+    const millimetres = (values) => values.map((v) => (v === null ? null : v * 1e3));
+    this.groups = { world: millimetres(app.near.values('world')), self: millimetres(app.near.values('self')) };
     this.keep = data.keep === null ? null : data.keep * 1e3;
-    const values = [...this.measured, ...this.proven, this.margin, this.keep].filter((v) => v !== null && Number.isFinite(v));
+    this.isNear = false; // the scale that shows what is near
+    this.choose();
+  }
+  // The plot holds all of the chosen curve; the other one may leave it.
+  choose() {
+    const { near, data } = this.app;
+    const millimetres = (values) => values.map((v) => (v === null ? null : v * 1e3));
+    this.measured = this.groups[near.choice] ?? millimetres(near.values());
+    this.proven = millimetres(data.proven.all.map((_, i) => near.proven(i) ?? null));
+    this.margins = near.margins().map(([margin, of]) => [margin * 1e3, of]);
+    const values = [...this.measured, ...this.proven, ...this.margins.map(([m]) => m), ...(near.choice === 'world' ? [this.keep] : [])].filter((v) => v !== null && Number.isFinite(v));
     this.low = Math.min(0, ...values);
     // Names of steps stand above the curves.
-    this.high = Math.max(this.low + 1, ...values) * (data.steps.length > 0 ? 1.3 : 1.06);
-    this.empty = values.length === 0;
+    this.high = Math.max(this.low + 1, ...values) * (data.steps.length > 0 && !this.isNear ? 1.3 : 1.06);
+    this.empty = this.measured.every((v) => v === null);
+  }
+  // Even in millimetres up to about the margin, then in powers.
+  scaled(value) {
+    return this.isNear ? Math.asinh(value / 1) : value;
+  }
+  rows() {
+    if (!this.isNear) return super.rows();
+    const all = [0];
+    for (let power = 1; power < Math.max(this.high, -this.low); power *= 10) for (const x of [power, 2 * power, 5 * power]) all.push(x, -x);
+    return all.filter((x) => x >= this.low && x <= this.high);
   }
   paint() {
     if (this.canvas.clientWidth === 0) return;
@@ -114,6 +171,10 @@ export class ClearancePlot extends Plot {
       c.fillText('nothing is near', this.width / 2, this.height / 2);
     }
     const times = app.motion.times;
+    c.save();
+    c.beginPath();
+    c.rect(kLeft - 4, kTop - 4, this.width - kLeft - kRight + 8, this.height - kTop - kBottom + 8);
+    c.clip();
     // The proven bound, stretch by stretch, filled: room that is certain.
     c.fillStyle = c.strokeStyle = colour.proven;
     const fill = new Path2D();
@@ -131,16 +192,37 @@ export class ClearancePlot extends Plot {
     c.globalAlpha = 1;
     c.lineWidth = 1.6;
     c.stroke(edge);
-    this.curve();
-    for (const [value, dash] of [[this.margin, [6, 4]], [this.keep, [2, 3]]]) {
-      if (value === null) continue;
-      c.strokeStyle = colour.margin;
+    for (const group of ['world', 'self']) if (this.groups[group] !== this.measured) this.curve(this.groups[group], this.colourOf(group), 1, [5, 3]);
+    this.curve(this.measured, this.colourOf(app.near.choice), 1.6);
+    this.least();
+    c.restore();
+    const lines = [...this.margins.map(([value, of]) => [value, of, [6, 4]]), ...(this.keep !== null && app.near.choice === 'world' ? [[this.keep, '', [2, 3]]] : [])];
+    c.textAlign = 'right';
+    c.textBaseline = 'bottom';
+    for (const [value, of, dash] of lines) {
+      c.strokeStyle = c.fillStyle = colour.margin;
       c.lineWidth = 1.4;
       this.stroke([[kLeft, this.y(value)], [this.width - kRight, this.y(value)]], dash);
+      if (of) c.fillText(`${of}: ${+value.toFixed(3)}`, this.width - kRight - 2, this.y(value) - 1);
     }
     this.decisions();
     this.steps();
     this.cursor();
+    this.tell((moment) => this.lines(moment));
+  }
+  colourOf(choice) {
+    return { world: this.colours.measured, self: this.colours.self }[choice] ?? this.colours.goal;
+  }
+  // The values at a moment.
+  lines(moment) {
+    const { near, data, motion } = this.app;
+    const text = (name, closest) => `${name} ${distanceText(closest)}${closest ? `, ${data.bodies[closest.a]} \u2013 ${data.bodies[closest.b]}` : ''}`;
+    const all = [['world', 'from the world'], ['self', 'from itself']].map(([group, name]) => [text(name, near.at(moment, group)), this.colourOf(group)]);
+    if (!this.groups[near.choice]) all.unshift([text('chosen', near.at(moment)), this.colourOf(near.choice)]);
+    const stretch = Math.min(motion.momentBefore(motion.times[moment]), this.proven.length - 1);
+    const proven = near.proven(stretch);
+    if (proven !== undefined) all.push([proven === null ? 'not proven' : `proven at least ${millimetres(proven)} mm`, this.colours.proven]);
+    return all;
   }
   // Where the steps of a task begin. A name stands where its stretch has room for it.
   steps() {
@@ -156,23 +238,27 @@ export class ClearancePlot extends Plot {
       if (end > begin && next - x > c.measureText(name).width + 6) c.fillText(name, x + 3, kTop + 2);
     }
   }
-  curve() {
-    const { c, colours: colour, app } = this;
-    c.strokeStyle = colour.measured;
-    c.lineWidth = 1.1;
+  curve(values, colourOf, width, dash = []) {
+    const { c, app } = this;
+    c.strokeStyle = colourOf;
+    c.lineWidth = width;
+    c.setLineDash(dash);
     c.beginPath();
     let down = false;
-    let least = -1;
-    this.measured.forEach((value, i) => {
+    values.forEach((value, i) => {
       if (value === null) { down = false; return; }
       const [x, y] = [this.x(app.motion.times[i]), this.y(value)];
       if (down) c.lineTo(x, y);
       else c.moveTo(x, y);
       down = true;
-      if (least < 0 || value < this.measured[least]) least = i;
     });
     c.stroke();
-    if (least < 0) return;
+    c.setLineDash([]);
+  }
+  least() {
+    const { c, colours: colour, app } = this;
+    const least = app.near.least();
+    if (least < 0 || this.measured[least] === null) return;
     c.fillStyle = colour.nearest;
     c.beginPath();
     c.arc(this.x(app.motion.times[least]), this.y(this.measured[least]), 3.5, 0, 2 * Math.PI);
@@ -180,16 +266,19 @@ export class ClearancePlot extends Plot {
   }
   legend(from) {
     const { c, colours: colour } = this;
-    const entries = [['proven', colour.proven, []], ['at moments', colour.measured, []], ['margin', colour.margin, [4, 3]], ['least', colour.nearest, null]];
-    if (this.keep !== null) entries.splice(3, 0, ['kept from the world', colour.margin, [2, 3]]);
+    const { choice } = this.app.near;
+    const dash = (group) => (choice === group ? [] : [5, 3]);
+    const entries = [['proven', colour.proven, []], ['world', this.colourOf('world'), dash('world')], ['itself', this.colourOf('self'), dash('self')], ['margin', colour.margin, [6, 4]], ['least', colour.nearest, null]];
+    if (!this.groups[choice]) entries.splice(1, 0, ['pair', this.colourOf(choice), []]);
+    if (this.keep !== null && choice === 'world') entries.splice(4, 0, ['kept from the world', colour.margin, [2, 3]]);
     c.textBaseline = 'top';
     c.textAlign = 'left';
     let x = this.width - kRight - entries.reduce((sum, [name]) => sum + c.measureText(name).width + 30, 0);
     if (x < from) return;
-    for (const [name, colourOf, dash] of entries) {
+    for (const [name, colourOf, dashOf] of entries) {
       c.strokeStyle = c.fillStyle = colourOf;
       c.lineWidth = 2;
-      if (dash) this.stroke([[x, 8], [x + 16, 8]], dash);
+      if (dashOf) this.stroke([[x, 8], [x + 16, 8]], dashOf);
       else { c.beginPath(); c.arc(x + 10, 8, 3.5, 0, 2 * Math.PI); c.fill(); }
       c.fillStyle = colour.soft;
       c.fillText(name, x + 20, 2);
@@ -244,6 +333,33 @@ export class JointPlot extends Plot {
       this.stroke(app.motion.times.map((time, m) => [this.x(time), this.y((app.positions[m * n + j] - low) / (high - low))]), jointDash(j));
     });
     this.cursor();
+    this.names();
+    this.tell((moment, y) => this.line(moment, y));
+  }
+  // Names in the colours of the lines, as far as there is room.
+  names() {
+    const { c, app } = this;
+    c.textAlign = 'right';
+    c.textBaseline = 'top';
+    let x = this.width - kRight;
+    const shown = app.data.joints.map((joint, j) => [joint.name, j]).reverse();
+    const width = shown.reduce((sum, [name]) => sum + c.measureText(name).width + 9, 0);
+    if (x - width < 150) return;
+    for (const [name, j] of shown) {
+      c.fillStyle = jointColours[j % jointColours.length];
+      c.fillText(name, x, 2);
+      x -= c.measureText(name).width + 9;
+    }
+  }
+  // The joint whose line is nearest to the pointer.
+  line(moment, y) {
+    const { app } = this;
+    const n = app.data.joints.length;
+    const away = ([low, high], j) => Math.abs(this.y((app.positions[moment * n + j] - low) / (high - low)) - y);
+    const nearest = this.ranges.reduce((best, range, j) => (best < 0 || away(range, j) < away(this.ranges[best], best) ? j : best), -1);
+    if (nearest < 0) return [];
+    const { name, unit } = app.data.joints[nearest];
+    return [[`${name}: ${app.positions[moment * n + nearest].toFixed(4)} ${unit}`, jointColours[nearest % jointColours.length]]];
   }
 }
 

@@ -1,5 +1,5 @@
 // The 3D view: camera, lights, ground; draws when something has changed, and only then.
-import { AmbientLight, Box3, Color, DirectionalLight, GridHelper, HemisphereLight, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
+import { AmbientLight, Box3, Color, DirectionalLight, GridHelper, HemisphereLight, PerspectiveCamera, Raycaster, Scene, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { colours, onThemeChange } from './theme.js';
 
@@ -85,6 +85,41 @@ export class Stage {
     this.controls.target.copy(centre);
     this.controls.update();
     this.draw();
+  }
+
+  // Looks at the middle of two points, across the line between them, from where least is in the way. What is nearer than the points is cut away.
+  lookBetween(a, b, targets) {
+    const middle = a.clone().add(b).multiplyScalar(0.5);
+    const gap = Math.max(a.distanceTo(b), 1e-4);
+    const along = a.distanceTo(b) > 0 ? b.clone().sub(a).normalize() : new Vector3(0, 0, 1);
+    const side = new Vector3().crossVectors(along, Math.abs(along.z) < 0.9 ? this.camera.up : new Vector3(1, 0, 0)).normalize();
+    const other = new Vector3().crossVectors(along, side);
+    const away = Math.min(Math.max(7 * gap, 0.03), 0.6);
+    const ray = new Raycaster();
+    let best = -1;
+    let from = side;
+    for (let i = 0; i < 24; ++i) {
+      const angle = (i * Math.PI) / 12;
+      const way = side.clone().multiplyScalar(Math.cos(angle)).addScaledVector(other, Math.sin(angle));
+      ray.set(middle, way);
+      const free = Math.min(ray.intersectObjects(targets.filter((t) => t.visible), false)[0]?.distance ?? Infinity, 10 * away);
+      // Rather from above than from below.
+      const worth = free * (1 + 0.2 * way.z);
+      if (worth > best) [best, from] = [worth, way];
+    }
+    this.camera.near = Math.min(0.5 * away, Math.max(away - best, away / 200));
+    this.camera.far = 1e4 * away;
+    this.camera.position.copy(middle).addScaledVector(from, away);
+    this.camera.updateProjectionMatrix();
+    this.controls.target.copy(middle);
+    this.controls.update();
+    this.draw();
+  }
+
+  // For who reads the pixels in the same task.
+  renderNow() {
+    this.scene.background = new Color(colours().scene);
+    this.renderer.render(this.scene, this.camera);
   }
 
   // A grid where a half-space ends.

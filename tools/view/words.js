@@ -1,15 +1,25 @@
 // Numbers and elements. Whatever comes from a user's files goes through textContent: it is text, never markup.
 
-// Lower bounds are rounded down, so that what is shown is true, too.
+// A bound: rounded down, so that what is shown is true, too.
 export function millimetres(metres) {
   if (metres === null || !Number.isFinite(metres)) return '\u2013';
   return (Math.floor(metres * 1e5) / 100).toFixed(2);
 }
 
+// A value: the number that both ends of its interval round to. As clearanceText() of the command has it, in the same digits.
+const kNarrow = 2e-6; // m
+export function figure({ lower, upper }) {
+  const rounded = (metres) => (Math.round(metres * 1e5) / 100 + 0).toFixed(2);
+  if (lower !== null && upper !== null && (upper - lower <= kNarrow || rounded(lower) === rounded(upper))) return `${rounded(lower)} mm`;
+  const up = (Math.ceil(upper * 1e5) / 100).toFixed(2);
+  if (upper === null) return lower === null ? 'not known' : `at least ${millimetres(lower)} mm`;
+  return lower === null ? `at most ${up} mm` : `between ${millimetres(lower)} and ${up} mm`;
+}
+
 export function distanceText(closest) {
   if (!closest) return 'nothing near';
-  if (closest.upper !== null && closest.upper <= 0) return `${millimetres(-closest.upper)} mm deep`;
-  return `${millimetres(closest.lower)} mm`;
+  if (closest.upper !== null && closest.upper <= 0) return `${figure({ lower: -closest.upper, upper: closest.lower === null ? null : -closest.lower })} deep`;
+  return figure(closest);
 }
 
 export function element(tag, attributes = {}, ...children) {

@@ -59,8 +59,8 @@ struct Arguments {
 
 /// What became of the problems, for the end of stderr and for the exit status.
 struct Tally {
-  int solved = 0, unsolved = 0, invalid = 0, nothing_checked = 0, not_verified = 0, bad_input = 0,
-      faults = 0;
+  int solved = 0, standing = 0, unsolved = 0, invalid = 0, nothing_checked = 0, not_verified = 0,
+      bad_input = 0, faults = 0;
   std::vector<double> plan_s, total_s;
 
   int status() const {
@@ -231,6 +231,7 @@ void countLine(const Json& document, Tally& tally) {
              flag(document["certificate"], "certified")) {
     // A path without its proof is not an answer.
     ++tally.solved;
+    if (document.contains("obstacles_at") && document["obstacles_at"].is_number()) ++tally.standing;
   } else if (status == "nothing_checked") {
     ++tally.nothing_checked;
   } else {
@@ -349,8 +350,13 @@ class Jobs {
 
 void printSummary(const Tally& tally, std::size_t count, std::size_t kept, bool verified) {
   std::string text = fmt::format(
-      "{} problems: {} solved, {} unsolved, {} with an invalid start or goal, {} with bad input",
-      count, tally.solved, tally.unsolved, tally.invalid, tally.bad_input);
+      "{}: {} solved, {} unsolved, {} with an invalid start or goal, {} with bad input",
+      counted(count, "problem"), tally.solved, tally.unsolved, tally.invalid, tally.bad_input);
+  if (tally.standing > 0) {
+    text += fmt::format(
+        ", {} with moving obstacles as they stand at the start (`leeway replan` follows them)",
+        tally.standing);
+  }
   if (tally.nothing_checked > 0) {
     text += fmt::format(", {} with nothing to check", tally.nothing_checked);
   }
@@ -358,7 +364,8 @@ void printSummary(const Tally& tally, std::size_t count, std::size_t kept, bool 
     text += fmt::format(", {} not verified", tally.not_verified);
   }
   if (tally.faults > 0) {
-    text += fmt::format(", {} faults of this program", tally.faults);
+    text += fmt::format(", {} of this program",
+                        counted(static_cast<std::size_t>(tally.faults), "fault"));
   }
   if (kept > 0) {
     text += fmt::format("; {} kept from the run before", kept);
@@ -369,7 +376,7 @@ void printSummary(const Tally& tally, std::size_t count, std::size_t kept, bool 
         "and certifying",
         median(tally.plan_s) * 1e3, median(tally.total_s) * 1e3);
   }
-  fmt::print(stderr, "{}\n", text);
+  fmt::print(stderr, "{}", wrapped(text + "\n"));
 }
 
 void printInterrupted(std::size_t done, std::size_t count, const BatchOutput& output,
@@ -391,7 +398,7 @@ void printTable(const std::vector<Tallies::Folder>& folders) {
                     ms(quantile(tally.total_s, 0.95))});
   }
   fmt::print(stderr, "{}",
-             formatTable({"folder", "problems", "solved", "unsolved", "invalid", "plan [ms]",
+             formatTable({"folder", "all", "solved", "unsolved", "invalid", "plan [ms]",
                           "whole [ms]", "95 % [ms]"},
                          rows));
 }

@@ -51,11 +51,12 @@ void printDeforming(const Json& problem) {
   fmt::print("{}",
              formatTable({"deforming", "motion", "triangles", "at most [m/s]", "strategy", "size"},
                          rows, {1, 4}));
-  fmt::print(
-      "everything but replan sees them as they are at {} s; replan looks every {} s, for {} s at "
-      "most, and knows their {}\n\n",
-      e["start"].get<double>(), e["step"].get<double>(), e["duration"].get<double>(),
-      e["foresight"] == "motion" ? "motion" : "speed bound");
+  fmt::print("{}\n",
+             wrapped(fmt::format(
+                 "everything but replan sees them as they are at {} s; replan looks every "
+                 "{} s, for {} s at most, and knows their {}\n",
+                 e["start"].get<double>(), e["step"].get<double>(), e["duration"].get<double>(),
+                 e["foresight"] == "motion" ? "motion" : "speed bound")));
 }
 
 /// Rows of a table that one screen shows.
@@ -84,7 +85,7 @@ void printPairs(const char* text, const Json& pairs, bool all) {
     partners[pair[0].get<std::string>()] += " " + pair[1].get<std::string>();
   }
   for (const auto& [name, others] : partners) {
-    fmt::print("  {} with{}\n", name, others);
+    fmt::print("{}", wrapped(fmt::format("  {} with{}\n", name, others)));
   }
 }
 
@@ -125,12 +126,15 @@ void printRobot(const Json& robot, bool all) {
 
 void printProblem(const Json& problem) {
   fmt::print(
-      "problem {}: {} planned variables, {} goals, {} objects, {} attached, margin {} m, {} for "
-      "{}, {} s, seed {}\n\n",
-      problem["name"].get<std::string>(), problem["planned"].size(), problem["goals"].size(),
-      problem["objects"].size(), problem["attached"].size(), problem["margin"].get<double>(),
-      problem["planner"].get<std::string>(), problem["objective"].get<std::string>(),
-      problem["time_limit"].get<double>(), problem["seed"].get<std::uint64_t>());
+      "{}\n",
+      wrapped(fmt::format(
+          "problem {}: {}, {}, {}, {} attached, margin {:g} mm, {} for {}, {} s, seed {}\n",
+          problem["name"].get<std::string>(),
+          counted(problem["planned"].size(), "planned variable"),
+          counted(problem["goals"].size(), "goal"), counted(problem["objects"].size(), "object"),
+          problem["attached"].size(), problem["margin"].get<double>() * 1e3,
+          problem["planner"].get<std::string>(), problem["objective"].get<std::string>(),
+          problem["time_limit"].get<double>(), problem["seed"].get<std::uint64_t>())));
   printClouds(problem);
   printDeforming(problem);
 }
@@ -204,10 +208,9 @@ void printGeometries(const Json& geometries, bool all) {
 }
 
 void printCompiled(const Json& compiled, bool all) {
-  fmt::print(
-      "\ncompiled: {} moving and {} static bodies, {} pairs of shapes kept, {} pairs left out\n",
-      compiled["moving_bodies"].get<int>(), compiled["static_bodies"].get<int>(),
-      compiled["pairs_kept"].get<int>(), compiled["pairs_dropped"].get<int>());
+  fmt::print("\ncompiled: {} moving and {} static bodies, {} pairs of shapes kept, {} left out\n",
+             compiled["moving_bodies"].get<int>(), compiled["static_bodies"].get<int>(),
+             compiled["pairs_kept"].get<int>(), compiled["pairs_dropped"].get<int>());
   for (const auto& [reason, count] : compiled["dropped_by_reason"].items()) {
     fmt::print("  {} left out: {}\n", count.get<int>(), reason);
     // These pairs are assumed to touch, so they are listed by name.

@@ -60,6 +60,7 @@ std::string unexpectedWord(const CLI::App* verb, const std::vector<std::string>&
 
 /// One line on stderr; with --json the answer, too, is a document that says it.
 void reportError(const std::string& message, bool json) {
+  endProgress();
   fmt::print(stderr, "{}\n", message);
   if (json) printJson({{"status", "error"}, {"error", message}});
 }

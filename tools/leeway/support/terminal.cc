@@ -9,6 +9,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <limits>
 
@@ -68,6 +69,12 @@ std::string formatRounded(double value, int digits, double (*round)(double)) {
   const double scale = std::pow(10.0, digits);
   // + 0.0 turns -0 into 0.
   return fmt::format("{:.{}f}", round(value * scale) / scale + 0.0, digits);
+}
+
+/// Columns that UTF-8 text takes, a character each.
+std::size_t lengthOf(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(
+      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) >> 6) != 2; }));
 }
 
 std::string formatDuration(double seconds) {
@@ -172,41 +179,138 @@ void UnitProgress::next(const std::string& unit) {
   showProgress(fmt::format("{} of {}{}: {}", now, std::max(now, total_), left, unit));
 }
 
+std::string wrapped(const std::string& text) {
+  std::string result;
+  std::size_t column = 0;
+  for (std::size_t i = 0; i < text.size();) {
+    if (text[i] == '\n') {
+      result += '\n';
+      column = 0;
+      ++i;
+      continue;
+    }
+    const std::size_t end = std::min(text.find_first_of(" \n", i + 1), text.size());
+    const std::string word = text.substr(i, end - i);  // with the space before it
+    const std::size_t length = lengthOf(word);
+    if (column > 0 && column + length > kColumns) {
+      result += '\n';
+      const std::size_t bare = word[0] == ' ' ? 1 : 0;
+      result += word.substr(bare);
+      column = length - bare;
+    } else {
+      result += word;
+      column += length;
+    }
+    i = end;
+  }
+  return result;
+}
+
+std::string verdictText(const std::string& words, bool good) {
+  const char* no_colour = std::getenv("NO_COLOR");
+  const bool colours = isatty(STDOUT_FILENO) == 1 && (no_colour == nullptr || no_colour[0] == '\0');
+  return colours ? fmt::format("\x1b[{}m{}\x1b[0m", good ? "1;32" : "1;31", words) : words;
+}
+
+namespace {
+
+/// Columns of a table that stand side by side, and how wide they are.
+class Table {
+ public:
+  Table(const std::vector<std::string>& heading, const std::vector<std::vector<std::string>>& rows,
+        const std::vector<std::size_t>& left)
+      : heading_(heading), rows_(rows), left_(left) {
+    for (std::size_t c = 0; c < heading.size(); ++c) {
+      std::size_t width = lengthOf(heading[c]);
+      for (const auto& row : rows) width = std::max(width, lengthOf(row[c]));
+      widths_.push_back(width);
+    }
+  }
+
+  std::string text() {
+    wrapLast();
+    std::string text;
+    for (std::size_t first = 1; first == 1 || first < widths_.size();) {
+      std::vector<std::size_t> columns = {0};
+      std::size_t width = widths_[0];
+      while (first < widths_.size() &&
+             (columns.size() == 1 || width + 2 + widths_[first] <= kColumns)) {
+        width += 2 + widths_[first];
+        columns.push_back(first++);
+      }
+      if (!text.empty()) text += '\n';
+      text += line(heading_, columns) + std::string(width, '-') + "\n";
+      for (const auto& row : rows_) text += line(row, columns);
+      if (first == 1) break;  // there is one column
+    }
+    return text;
+  }
+
+ private:
+  static constexpr std::size_t kLeastWords = 16;
+
+  bool isLeft(std::size_t c) const {
+    return c == 0 || std::find(left_.begin(), left_.end(), c) != left_.end();
+  }
+
+  /// Words in the last column wrap where that makes the table fit.
+  void wrapLast() {
+    const std::size_t last = widths_.size() - 1;
+    std::size_t before = 0;
+    for (std::size_t c = 0; c < last; ++c) before += widths_[c] + 2;
+    if (last == 0 || !isLeft(last) || before + widths_[last] <= kColumns ||
+        before + std::max(kLeastWords, lengthOf(heading_[last])) > kColumns)
+      return;
+    widths_[last] = kColumns - before;
+    indent_ = before;
+  }
+
+  std::string line(const std::vector<std::string>& row,
+                   const std::vector<std::size_t>& columns) const {
+    std::string line;
+    for (const std::size_t c : columns) {
+      line += c == 0 ? "" : "  ";
+      if (c + 1 == row.size() && indent_ > 0) {
+        line += inParts(row[c]);
+        continue;
+      }
+      const std::string room(widths_[c] - std::min(widths_[c], lengthOf(row[c])), ' ');
+      line += isLeft(c) ? row[c] + room : room + row[c];
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    return line + "\n";
+  }
+
+  std::string inParts(const std::string& words) const {
+    std::string result;
+    std::size_t column = 0;
+    for (std::size_t i = 0; i < words.size();) {
+      const std::size_t end = std::min(words.find(' ', i), words.size());
+      const std::string word = words.substr(i, end - i);
+      if (column > 0 && column + 1 + lengthOf(word) > widths_.back()) {
+        result += "\n" + std::string(indent_, ' ');
+        column = 0;
+      }
+      result += (column > 0 ? " " : "") + word;
+      column += (column > 0 ? 1 : 0) + lengthOf(word);
+      i = end + 1;
+    }
+    return result;
+  }
+
+  const std::vector<std::string>& heading_;
+  const std::vector<std::vector<std::string>>& rows_;
+  const std::vector<std::size_t>& left_;
+  std::vector<std::size_t> widths_;
+  std::size_t indent_ = 0;  ///< of further lines of the last column; 0: it does not wrap
+};
+
+}  // namespace
+
 std::string formatTable(const std::vector<std::string>& heading,
                         const std::vector<std::vector<std::string>>& rows,
                         const std::vector<std::size_t>& left) {
-  const auto is_left = [&](std::size_t c) {
-    return c == 0 || std::find(left.begin(), left.end(), c) != left.end();
-  };
-  std::vector<std::size_t> widths;
-  for (std::size_t c = 0; c < heading.size(); ++c) {
-    std::size_t width = heading[c].size();
-    for (const auto& row : rows) {
-      width = std::max(width, row[c].size());
-    }
-    widths.push_back(width);
-  }
-  std::string text;
-  const auto append = [&](const std::vector<std::string>& row) {
-    std::string line;
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      line += c == 0 ? "" : "  ";
-      line += is_left(c) ? fmt::format("{:<{}}", row[c], widths[c])
-                         : fmt::format("{:>{}}", row[c], widths[c]);
-    }
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += line + "\n";
-  };
-  append(heading);
-  std::size_t total = 0;
-  for (std::size_t c = 0; c < widths.size(); ++c) {
-    total += widths[c] + (c == 0 ? 0 : 2);
-  }
-  text += std::string(total, '-') + "\n";
-  for (const auto& row : rows) {
-    append(row);
-  }
-  return text;
+  return Table(heading, rows, left).text();
 }
 
 std::string formatLower(double value, int digits) {
@@ -214,6 +318,35 @@ std::string formatLower(double value, int digits) {
 }
 std::string formatUpper(double value, int digits) {
   return formatRounded(value, digits, std::ceil);
+}
+
+std::optional<std::string> figureOf(const planner::Interval& clearance) {
+  constexpr double kOneNumber = 1e-8;  // [m]
+  const auto rounded = [](double metres) { return std::round(metres * 1e5) / 100 + 0.0; };
+  const double figure = rounded(clearance.lower);
+  if (!std::isfinite(clearance.lower) || !std::isfinite(clearance.upper)) return {};
+  if (rounded(clearance.upper) != figure && !(clearance.width() <= kOneNumber)) return {};
+  return fmt::format("{:.2f}", figure);
+}
+
+std::string clearanceText(const planner::Interval& clearance) {
+  if (clearance.upper < 0) return clearanceText({-clearance.upper, -clearance.lower}) + " deep";
+  constexpr double kNarrow = 2e-6;  // less than the last digit that is shown [m]
+  if (const auto figure = figureOf(
+          {clearance.lower, clearance.width() <= kNarrow ? clearance.lower : clearance.upper}))
+    return *figure + " mm";
+  const std::string lower = formatLower(clearance.lower * 1e3, 2),
+                    upper = formatUpper(clearance.upper * 1e3, 2);
+  if (std::isfinite(clearance.upper))
+    return std::isfinite(clearance.lower) ? fmt::format("between {} and {} mm", lower, upper)
+                                          : fmt::format("at most {} mm", upper);
+  return std::isfinite(clearance.lower) ? fmt::format("at least {} mm", lower)
+         : clearance.lower > 0          ? "nothing near"
+                                        : "not known";
+}
+
+std::string counted(std::size_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 std::string formatBytes(std::size_t bytes) {

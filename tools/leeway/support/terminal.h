@@ -59,8 +59,16 @@ class UnitProgress {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
+/// Columns of text: what an 80-column terminal shows.
+inline constexpr std::size_t kColumns = 80;
+/// Prose with its lines broken at spaces so that they fit kColumns; a longer word stays whole.
+std::string wrapped(const std::string& text);
+/// The words of a verdict, green or red where stdout is a terminal and NO_COLOR is not set.
+std::string verdictText(const std::string& words, bool good);
+
 /// A rule under the heading; the first column is left-aligned, the others right-aligned, and words
-/// (`left`) left-aligned too.
+/// (`left`) left-aligned too. Fits kColumns: words in the last column wrap, and columns that find
+/// no room follow in a further table, which begins with the first column again.
 std::string formatTable(const std::vector<std::string>& heading,
                         const std::vector<std::vector<std::string>>& rows,
                         const std::vector<std::size_t>& left = {});
@@ -69,6 +77,15 @@ std::string formatTable(const std::vector<std::string>& heading,
 /// decimals. Infinity is "-".
 std::string formatLower(double value, int digits);
 std::string formatUpper(double value, int digits);
+
+/// The number of millimetres that both ends of an interval [m] round to, at two decimals; nothing
+/// where they do not. Ends 1e-8 m apart count as one number, the lower.
+std::optional<std::string> figureOf(const planner::Interval& clearance);
+/// A clearance for people, with its unit: its figure, or the lower end's where the interval is at
+/// most 2e-6 m wide: within 0.01 mm of the true value. Where it is wider, "between", "at least" and
+/// "at most", rounded outwards. Overlaps are "deep". (inf, inf) is "nothing near".
+std::string clearanceText(const planner::Interval& clearance);
+std::string counted(std::size_t count, const std::string& what);  ///< "1 edge", "2 edges"
 std::string formatBytes(std::size_t bytes);
 
 }  // namespace leeway::tools

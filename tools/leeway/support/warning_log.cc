@@ -32,7 +32,9 @@ void WarningLog::print(const std::vector<std::string>& warnings) {
     const std::string place = placed ? warning.substr(0, end) : std::string();
     const auto [entry, first] = texts_.try_emplace(placed ? warning.substr(end + 2) : warning);
     if (entry->second.places.insert(place).second) entry->second.last = place;
-    if (first && !isQuiet()) fmt::print(stderr, "warning: {}\n", warning);
+    if (!first || isQuiet()) continue;
+    endProgress();
+    fmt::print(stderr, "warning: {}\n", warning);
   }
 }
 

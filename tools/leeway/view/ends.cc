@@ -24,6 +24,17 @@ double middle(double lower, double upper) {
   return std::clamp(0.0, lower, upper);
 }
 
+/// The frame in the middle of its region; X_WF.
+collision::Pose middleOf(const robots::PoseRegion& region) {
+  Eigen::Vector3d position, rpy;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    position[i] = middle(region.position[k].first, region.position[k].second);
+    rpy[i] = middle(region.rpy[k].first, region.rpy[k].second);
+  }
+  return region.X_WR * collision::Pose{robots::rotationOf(rpy), position};
+}
+
 class WayOut {
  public:
   WayOut(const CompiledScene& scene, const std::vector<double>& position) : scene_(scene) {
@@ -100,12 +111,21 @@ std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem&
     if (goal.poses.empty()) {
       for (const auto& [lower, upper] : goal.ranges) end.position.push_back(middle(lower, upper));
     } else {
+      for (const robots::PoseRegion& region : goal.poses) end.frames.push_back(middleOf(region));
       planner::Problem at_goal = problem;
       at_goal.start_poses = goal.poses;
       try {
         at_goal = planner::placeStart(at_goal);
       } catch (const robots::InputError&) {
-        continue;  // out of reach, which the plan says
+        end.unreachable = true;  // the plan says why
+        for (std::size_t i = 0; i < goal.poses.size(); ++i) {
+          const robots::PoseRegion& region = goal.poses[i];
+          const std::string& link = shown.model().links[at(region.link)].name;
+          if (const int body = shown.scene().find(link); body >= 0)
+            end.placed.emplace_back(body, end.frames[i] * region.X_LF.inverse());
+        }
+        ends.push_back(std::move(end));
+        continue;
       }
       for (const int v : problem.robot.variables) end.position.push_back(at_goal.start[at(v)]);
     }
@@ -113,6 +133,7 @@ std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem&
   }
   planner::EdgeCertifier certifier(scene);
   for (End& end : ends) {
+    if (end.unreachable) continue;
     end.check = certifier.clearance(end.position, kEndTolerance);
     end.closest = pairOf(end.check, *scene, shown);
     end.placed = placedObjects(problem, shown, first, end.position);

@@ -20,9 +20,14 @@ struct End {
   Eigen::Vector3d way_out = Eigen::Vector3d::Zero();
   Pair closest = {};
   std::vector<std::pair<int, collision::Pose>> placed = {};  ///< as Moment's
+  /// A goal of poses: where the frames are to be, in the middle of their regions: X_WF.
+  std::vector<collision::Pose> frames = {};
+  /// That no configuration was found for: where the links are to be, as `placed`; `position` is
+  /// empty.
+  bool unreachable = false;
 };
 
-/// The start, then all goals that have joint values or for which some are found. `scene` is that of
+/// The start, then all goals; of poses a configuration where one is found. `scene` is that of
 /// `first`, the world before the first step.
 std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem& first,
                         const std::shared_ptr<const planner::CompiledScene>& scene,

@@ -10,8 +10,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
 #include <map>
+#include <set>
 
 #include "collision/base/numbers.h"
 #include "collision/mesh/mesh_tree.h"
@@ -21,6 +21,7 @@
 #include "leeway/robots/kinematics.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/output_file.h"
+#include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/view/display_mesh.h"
 #include "tools/leeway/view/page_source.h"
 
@@ -33,7 +34,7 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kTriangles = 200'000;  // of all meshes of a page
 constexpr std::size_t kShownPairs = 400;     // pairs left out that are listed by name
-constexpr std::size_t kShownEdges = 6000;    // of a search
+constexpr std::size_t kShownEdges = 10'000;  // of a search
 constexpr std::string_view kEndings[] = {".html"};
 constexpr std::string_view kPictureEndings[] = {".svg"};
 
@@ -236,43 +237,69 @@ class Document {
     document["decisions"] = decisions;
   }
 
-  /// Names, points and both ends of the interval; points of what moves in its frame, others in the
-  /// world's.
-  template <class At>
-  Json closest(const At& moment) {
-    const planner::StateCheck& check = moment.check;
-    const Pair& pair = moment.closest;
-    if (check.pair < 0) return {};
-    place(moment.position, moment.placed);
-    const auto local = [&](int body, const Vector3d& p_W) {
-      return jsonVector(scene_.bodies()[at(body)].moving ? poseOf(body).inverse() * p_W : p_W);
-    };
-    return {{"a", pair.a},
-            {"b", pair.b},
-            {"lower", jsonNumber(check.clearance.lower)},
-            {"upper", jsonNumber(check.clearance.upper)},
-            {"point_a", local(pair.a, check.closest.point_a)},
-            {"point_b", local(pair.b, check.closest.point_b)},
-            {"margin", pair.margin}};
+  /// In the frame of what moves; of others in the world's.
+  Vector3d local(int body, const Vector3d& p_W) const {
+    return scene_.bodies()[at(body)].moving ? Vector3d(poseOf(body).inverse() * p_W) : p_W;
+  }
+
+  /// Bodies, points and both ends of the interval, with the bodies placed.
+  Json nearestJson(const Nearest& near) const {
+    if (near.pair.a < 0) return {};
+    return {{"a", near.pair.a},
+            {"b", near.pair.b},
+            {"lower", jsonNumber(near.clearance.lower)},
+            {"upper", jsonNumber(near.clearance.upper)},
+            {"point_a", jsonVector(local(near.pair.a, near.point_a))},
+            {"point_b", jsonVector(local(near.pair.b, near.point_b))},
+            {"margin", near.pair.margin}};
+  }
+
+  static Json lowerEnds(const std::vector<planner::Interval>& stretches) {
+    Json ends = Json::array();
+    for (const planner::Interval& stretch : stretches) ends.push_back(jsonNumber(stretch.lower));
+    return ends;
+  }
+
+  /// The margins of the pairs with the world or of the robot with itself, each once, with the
+  /// object or link that has it where only one does.
+  Json margins(bool of_robot) const {
+    std::map<double, std::set<int>> bodies;
+    const planner::CompiledScene& compiled = *subject_.first_scene;
+    for (const collision::ScenePair& pair : compiled.scene().pairs())
+      if (compiled.isOfRobot(pair) == of_robot)
+        bodies[pair.margin].insert(std::max(pair.body_a, pair.body_b));
+    constexpr std::size_t kMargins = 6;
+    Json list = Json::array();
+    for (const auto& [margin, of] : bodies) {
+      const bool is_one = bodies.size() > 1 && of.size() == 1;
+      if (list.size() < kMargins)
+        list.push_back({margin, is_one ? compiled.scene().bodies()[at(*of.begin())].name : ""});
+    }
+    return list;
   }
 
   void addClearance(Json& document) {
     const Timeline& timeline = subject_.timeline;
-    Json moments = Json::array();
-    for (const Moment& moment : timeline.moments) moments.push_back(closest(moment));
-    document["closest"] = moments;
-    Json proven = Json::array();
-    for (const planner::Interval& stretch : timeline.stretches)
-      proven.push_back(jsonNumber(stretch.lower));
-    document["proven"] = proven;
-    double margin = std::numeric_limits<double>::infinity();
-    const collision::ScenePairs& pairs = subject_.first_scene->scene().pairs();
-    for (const collision::ScenePair& pair : pairs) margin = std::min(margin, pair.margin);
-    document["margin"] = jsonNumber(margin);
+    Json world = Json::array(), self = Json::array();
+    for (const Moment& moment : timeline.moments) {
+      place(moment.position, moment.placed);
+      world.push_back(nearestJson(moment.world));
+      self.push_back(nearestJson(moment.self));
+    }
+    document["world"] = world;
+    document["self"] = self;
+    document["least"] = {{"world", timeline.least_world}, {"self", timeline.least_self}};
+    document["proven"] = {{"all", lowerEnds(timeline.stretches)},
+                          {"world", lowerEnds(timeline.world_stretches)},
+                          {"self", lowerEnds(timeline.self_stretches)}};
+    document["margins"] = {{"world", margins(false)}, {"self", margins(true)}};
+    document["obstacles"] = obstaclesText(subject_.problem);
+    document["shown"] = subject_.shown;
+    addPairs(document);
     // What a short path was asked to keep from the world.
     const auto* length = std::get_if<planner::MinimumLength>(&subject_.problem.objective);
     document["keep"] = length != nullptr ? jsonNumber(length->clearance) : Json();
-    document["pairs"] = pairs.size();
+    document["pair_count"] = subject_.first_scene->scene().pairs().size();
     std::vector<float> bodies;  // moment by moment, moving bodies alone
     for (const std::vector<double>& clearance : timeline.body_clearance)
       for (const int body : moving_) bodies.push_back(small(clearance[at(body)]));
@@ -283,6 +310,31 @@ class Document {
     for (const int m : timeline.least_moment) when.push_back(static_cast<std::uint32_t>(m + 1));
     document["least_clearance"] = pack_.add(least);
     document["least_moment"] = pack_.add(when);
+  }
+
+  /// Distances of the pairs that come nearest, and their points as six planes.
+  void addPairs(Json& document) {
+    const Timeline& timeline = subject_.timeline;
+    Json pairs = Json::array();
+    for (const PairCurve& curve : timeline.pairs) {
+      std::vector<float> distance, points(6 * curve.distance.size());
+      for (const double d : curve.distance) distance.push_back(small(d));
+      for (std::size_t m = 0; m < curve.distance.size(); ++m) {
+        place(timeline.moments[m].position, timeline.moments[m].placed);
+        const Vector3d a = local(curve.pair.a, curve.point_a[m]),
+                       b = local(curve.pair.b, curve.point_b[m]);
+        for (std::size_t k = 0; k < 3; ++k) {
+          points[k * curve.distance.size() + m] = small(a[static_cast<Eigen::Index>(k)]);
+          points[(3 + k) * curve.distance.size() + m] = small(b[static_cast<Eigen::Index>(k)]);
+        }
+      }
+      pairs.push_back({{"a", curve.pair.a},
+                       {"b", curve.pair.b},
+                       {"margin", curve.pair.margin},
+                       {"distance", pack_.add(distance)},
+                       {"points", pack_.add(points)}});
+    }
+    document["pairs"] = pairs;
   }
 
   void addJoints(Json& document) {
@@ -312,14 +364,32 @@ class Document {
   void addEnds(Json& document) {
     Json ends = Json::array();
     for (const End& end : subject_.ends) {
-      PoseColumns poses;
-      place(end.position, end.placed);
-      for (const int body : moving_) poses.add(poseOf(body));
+      PoseColumns poses, frames;
+      for (const Pose& X_WF : end.frames) frames.add(X_WF);
+      Json bodies = Json::array();
+      if (end.unreachable) {
+        for (const auto& [body, X_WB] : end.placed) {
+          bodies.push_back(body);
+          poses.add(X_WB);
+        }
+      } else {
+        place(end.position, end.placed);
+        for (const int body : moving_) {
+          bodies.push_back(body);
+          poses.add(poseOf(body));
+        }
+      }
+      const bool valid = !end.unreachable && end.check.verdict == planner::Verdict::kFree;
       ends.push_back({{"name", end.name},
-                      {"valid", end.check.verdict == planner::Verdict::kFree},
-                      {"closest", closest(end)},
+                      {"valid", valid},
+                      {"closest", end.unreachable ? Json()
+                                                  : nearestJson({end.check.clearance, end.closest,
+                                                                 end.check.closest.point_a,
+                                                                 end.check.closest.point_b})},
                       {"way_out", jsonVector(end.way_out)},
-                      {"poses", poses.pack(pack_)}});
+                      {"bodies", bodies},
+                      {"poses", poses.pack(pack_)},
+                      {"frames", frames.pack(pack_)}});
     }
     document["ends"] = ends;
   }
@@ -358,14 +428,14 @@ class Document {
   }
 
   /// Where each moving body's middle is at both ends of each edge: body by body. A tree's node ends
-  /// many edges, and is placed once.
+  /// many edges, and is placed once. The first edges come first, so that trees stay whole.
   void addSearch(Json& document) {
     const auto& searched = subject_.searched;
-    const std::size_t every = searched.size() / kShownEdges + 1;
+    const std::size_t shown = std::min(searched.size(), kShownEdges);
     std::map<std::vector<double>, std::uint32_t> nodes;
     std::vector<const std::vector<double>*> order;
     std::vector<std::uint32_t> ends;
-    for (std::size_t i = 0; i < searched.size(); i += every)
+    for (std::size_t i = 0; i < shown; ++i)
       for (const std::vector<double>* q : {&searched[i].first, &searched[i].second}) {
         const auto [node, is_new] = nodes.emplace(*q, static_cast<std::uint32_t>(order.size()));
         if (is_new) order.push_back(&node->first);
@@ -386,8 +456,39 @@ class Document {
     document["search"] = {{"ends", pack_.add(ends, by_two)},
                           {"low", jsonVector(q.low)},
                           {"step", q.step},
+                          {"of_start", pack_.add(nearerToStart(nodes, ends))},
                           {"points", pack_.add(q.numbers)}};
     document["searched"] = searched.size();
+  }
+
+  /// Returns for each node of a search whether fewer edges lead to it from the start than from the
+  /// goals or the path's end.
+  std::vector<std::uint8_t> nearerToStart(const std::map<std::vector<double>, std::uint32_t>& nodes,
+                                          const std::vector<std::uint32_t>& ends) const {
+    std::vector<std::vector<std::uint32_t>> next(nodes.size());
+    for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
+      next[ends[i]].push_back(ends[i + 1]);
+      next[ends[i + 1]].push_back(ends[i]);
+    }
+    std::vector<std::uint8_t> of_start(nodes.size(), 0), reached(nodes.size(), 0);
+    std::vector<std::uint32_t> queue;
+    const auto begin = [&](const std::vector<double>& q, bool start) {
+      const auto node = nodes.find(q);
+      if (node == nodes.end() || reached[node->second] != 0) return;
+      of_start[node->second] = start ? 1 : 0;
+      reached[node->second] = 1;
+      queue.push_back(node->second);
+    };
+    for (const End& end : subject_.ends) begin(end.position, &end == subject_.ends.data());
+    begin(subject_.timeline.moments.back().position, false);
+    for (std::size_t i = 0; i < queue.size(); ++i)
+      for (const std::uint32_t node : next[queue[i]]) {
+        if (reached[node] != 0) continue;
+        reached[node] = 1;
+        of_start[node] = of_start[queue[i]];
+        queue.push_back(node);
+      }
+    return of_start;
   }
 
   void addDropped(Json& document) const {

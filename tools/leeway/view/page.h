@@ -30,6 +30,8 @@ struct Subject {
   std::vector<Stage> stages;
   std::vector<End> ends;
   Timeline timeline;
+  LeastClearance least;            ///< of a path
+  std::string shown;               ///< where nothing moves: "start", or the goal that is not valid
   std::string verdict;             ///< one word: "certified", "unsolved", ...
   bool good = false;               ///< whether that is what the user hoped for
   std::vector<std::string> notes;  ///< sentences for people

@@ -9,6 +9,7 @@ namespace leeway::tools::view {
 /// One page of a folder, and what the index says of it. Empty: none.
 struct FolderPage {
   std::string html, entry;
+  bool good = false;  ///< as Subject's
 };
 /// May be called by several threads.
 FolderPage folderPage(const Subject& subject);
@@ -26,7 +27,7 @@ class PageFolder {
 
  private:
   std::string folder_, entries_;
-  int count_ = 0;
+  int count_ = 0, good_ = 0;
 };
 
 }  // namespace leeway::tools::view

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string_view>
+#include <utility>
 
 #include "leeway/robots/kinematics.h"
 #include "tools/leeway/view/display_mesh.h"
@@ -23,23 +25,24 @@ constexpr int kGhosts = 5;
 
 /// Which axes of the world lie to the right and up, and which points at the reader.
 struct View {
-  const char* name;
+  const char *name, *across, *upward;
   Vector3d right, up, out;
 };
 const std::array<View, 3> kViews = {{
-    {"from the front", Vector3d::UnitX(), Vector3d::UnitZ(), -Vector3d::UnitY()},
-    {"from the right", Vector3d::UnitY(), Vector3d::UnitZ(), Vector3d::UnitX()},
-    {"from above", Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()},
+    {"from the front", "x", "z", Vector3d::UnitX(), Vector3d::UnitZ(), -Vector3d::UnitY()},
+    {"from the right", "y", "z", Vector3d::UnitY(), Vector3d::UnitZ(), Vector3d::UnitX()},
+    {"from above", "x", "y", Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()},
 }};
 
 constexpr const char* kStyle = R"(<style>
 .page { fill: #ffffff } .frame { fill: #f3f4f6; stroke: #d5d8de } .world { fill: #b9b3a6 } .robot { fill: #7d9fc4 }
 .start { fill: #0072b2 } .goal { fill: #d98a00 } .trail { stroke: #009e73; fill: none } .near { stroke: #c8102e; fill: none }
+.trail-fill { fill: #009e73 } .near-fill { fill: #c8102e } .bar { stroke: #1c1e24; fill: none }
 .ink { fill: #1c1e24 } .soft { fill: #5b606b } .outline { stroke: #1c1e24; stroke-opacity: .25; stroke-width: .5 }
 text { font-family: "DejaVu Sans", "Liberation Sans", Arial, sans-serif }
 @media (prefers-color-scheme: dark) {
 .page { fill: #15171b } .frame { fill: #1b1e23; stroke: #3a3e47 } .world { fill: #968f80 } .start { fill: #56b4e9 }
-.goal { fill: #e69f00 } .ink { fill: #eceef2 } .soft { fill: #a3a9b5 } .near { stroke: #ff5a5f } .outline { stroke: #eceef2 }
+.goal { fill: #e69f00 } .ink { fill: #eceef2 } .bar { stroke: #eceef2 } .near-fill { fill: #ff5a5f } .soft { fill: #a3a9b5 } .near { stroke: #ff5a5f } .outline { stroke: #eceef2 }
 }
 </style>
 )";
@@ -198,6 +201,7 @@ class Picture {
         "font-size=\"12\">{2}{3}</text>\n",
         kGap, escaped(subject_.problem.name), escaped(subject_.verdict),
         subject_.notes.empty() ? "" : ": " + escaped(subject_.notes.front()));
+    writeLegend();
   }
 
   void writeView(const View& view, double x, double y) {
@@ -223,13 +227,41 @@ class Picture {
                      [&](std::size_t a, std::size_t b) { return depth(a) < depth(b); });
     for (const std::size_t i : order) writePart(parts_[i], start_, "world", 0.5);
     for (const std::vector<Pose>& ghost : ghosts_) writeRobot(ghost, "robot", 0.22);
-    writeRobot(start_, "start", 0.75);
-    writeRobot(goal_, "goal", 0.75);
+    // The start hides the goal where both are: together they would have a colour of neither.
+    writeRobot(goal_, "goal", 0.9);
+    writeRobot(start_, "start", 0.95);
     writeTrail();
     writeNearest();
+    writeScale(x, y);
     out_ += fmt::format(
-        "</svg>\n<text class=\"soft\" x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"11\">{}, {} m</text>\n",
-        x, y + kPanel + 15, view.name, fmt::format("{:.3g}", kPanel / scale_));
+        "</svg>\n<text class=\"soft\" x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"11\">{}, {} to the "
+        "right, {} up</text>\n",
+        x, y + kPanel + 15, view.name, view.across, view.upward);
+  }
+  /// A bar of a round length, about a fifth of the panel.
+  void writeScale(double x, double y) {
+    const double rough = 0.2 * kPanel / scale_, power = std::pow(10, std::floor(std::log10(rough)));
+    const double length = power * (rough >= 5 * power ? 5 : rough >= 2 * power ? 2 : 1);
+    const double left = x + 8, height = y + kPanel - 8;
+    out_ += fmt::format(
+        "<path class=\"bar\" d=\"M{0:.1f} {1:.1f}v4h{2:.1f}v-4\"/>\n<text class=\"ink\" "
+        "x=\"{0:.1f}\" "
+        "y=\"{3:.1f}\" font-size=\"10\">{4:g} m</text>\n",
+        left, height - 4, length * scale_, height - 7, length);
+  }
+  /// The legend, at the right of the title.
+  void writeLegend() {
+    double right = 3 * kPanel + 3 * kGap;
+    for (const auto& [style, words] :
+         {std::pair("near-fill", "nearest pair"), std::pair("trail-fill", "trail"),
+          std::pair("robot", "on the way"), std::pair("goal", "goal"),
+          std::pair("start", "start")}) {
+      right -= 6.2 * static_cast<double>(std::string_view(words).size()) + 26;
+      out_ += fmt::format(
+          "<rect class=\"{0}\" x=\"{1:.1f}\" y=\"17\" width=\"10\" height=\"10\"/>\n<text "
+          "class=\"soft\" x=\"{2:.1f}\" y=\"26\" font-size=\"11\">{3}</text>\n",
+          style, right, right + 14, words);
+    }
   }
   void writeRobot(const std::vector<Pose>& poses, const char* style, double opacity) {
     out_ += fmt::format("<g opacity=\"{}\">\n", opacity);

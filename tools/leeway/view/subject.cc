@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <filesystem>
 #include <span>
 
 #include "leeway/planner/verify.h"
@@ -13,8 +13,14 @@
 namespace leeway::tools::view {
 namespace {
 
+/// A file as a page names it: pages are passed on, and say nothing of the machine's folders.
+std::string shownName(const std::string& file) {
+  const std::filesystem::path path(file);
+  return path.is_absolute() ? (path.parent_path().filename() / path.filename()).string() : file;
+}
+
 Subject begin(const planner::Problem& problem, const std::string& source) {
-  Subject subject{problem, source, {}, {}, {}, {}, {}, {}, false, {}, {}, {}};
+  Subject subject{problem, shownName(source), {}, {}, {}, {}, {}, {}, {}, {}, false, {}, {}, {}};
   subject.scene = subject.first_scene =
       std::make_shared<const planner::CompiledScene>(shownProblem(problem));
   const planner::Problem first = firstProblem(problem);
@@ -24,16 +30,16 @@ Subject begin(const planner::Problem& problem, const std::string& source) {
   return subject;
 }
 
-std::string millimetresDown(double metres) { return formatLower(metres * 1e3, 2); }
-
 std::string endNote(const Subject& subject, const End& end) {
   const PairNames names = pairNames(*subject.first_scene, end.check.pair);
   const planner::Interval& clearance = end.check.clearance;
-  std::string text = clearance.upper <= 0
-                         ? fmt::format("{} is in collision: {} and {}, {} mm deep.", end.name,
-                                       names.a, names.b, millimetresDown(-clearance.upper))
-                         : fmt::format("{} is too near: {} and {}, {} mm apart.", end.name, names.a,
-                                       names.b, formatUpper(clearance.upper * 1e3, 2));
+  std::string text =
+      clearance.upper <= 0
+          ? fmt::format("{} is in collision: {} and {}, {} deep.", end.name, names.a, names.b,
+                        clearanceText({-clearance.upper, -clearance.lower}))
+          : fmt::format("{} is too near: {} and {}, {} apart; more than {:g} mm is required.",
+                        end.name, names.a, names.b, clearanceText(clearance),
+                        end.closest.margin * 1e3);
   if (end.way_out.norm() > 0)
     text += fmt::format(" The arrow shows a way out for {} alone: {} mm.", names.a,
                         formatUpper(end.way_out.norm() * 1e3, 1));
@@ -41,9 +47,13 @@ std::string endNote(const Subject& subject, const End& end) {
 }
 
 void noteEnds(Subject& subject) {
-  for (const End& end : subject.ends)
+  for (const End& end : subject.ends) {
+    if (end.unreachable)
+      subject.notes.push_back(
+          fmt::format("No configuration was found for {}: its pose is drawn.", end.name));
     if (end.check.verdict != planner::Verdict::kFree && end.check.pair >= 0)
       subject.notes.push_back(endNote(subject, end));
+  }
 }
 
 void noteNothingChecked(const std::string& why, Subject& subject) {
@@ -51,30 +61,13 @@ void noteNothingChecked(const std::string& why, Subject& subject) {
   subject.notes.push_back("Nothing was checked: " + why + ".");
 }
 
-/// Whether every stretch is proven above every margin, and the least bound of all.
-std::pair<bool, double> least(const Subject& subject) {
-  double margin = -std::numeric_limits<double>::infinity();
-  for (const collision::ScenePair& pair : subject.first_scene->scene().pairs())
-    margin = std::max(margin, pair.margin);
-  double lower = std::numeric_limits<double>::infinity();
-  for (const planner::Interval& stretch : subject.timeline.stretches)
-    lower = std::min(lower, stretch.lower);
-  return {lower >= margin, lower};
-}
-
 /// What was asked for besides the margins, and the clearances from the world and to itself.
-void noteClearances(const planner::Certificate& certificate, Subject& subject) {
-  // Stretch by stretch the page may have proven more.
-  const double all = least(subject).second;
-  const auto millimetres = [all](const planner::PathClearance& part) {
-    return fmt::format("at least {} mm ({} and {})",
-                       millimetresDown(std::max(part.clearance.lower, all)), part.closest_a,
-                       part.closest_b);
-  };
-  if (certificate.world.closest_segment >= 0)
-    subject.notes.push_back("From the world " + millimetres(certificate.world) + ".");
-  if (certificate.self.closest_segment >= 0)
-    subject.notes.push_back("The robot from itself " + millimetres(certificate.self) + ".");
+void noteClearances(Subject& subject) {
+  if (std::isfinite(subject.least.all.clearance.lower))
+    subject.notes.push_back(fmt::format("The {} is proven for every point of every edge{}.",
+                                        leastText(subject.least), obstaclesText(subject.problem)));
+  else if (subject.least.all.clearance.lower > 0)
+    subject.notes.push_back("There is nothing else that it could touch.");
   const planner::Objective& objective = subject.problem.objective;
   if (const auto* clearance = std::get_if<planner::MaximumClearance>(&objective))
     subject.notes.push_back(
@@ -101,9 +94,8 @@ void recordSearch(planner::PlanOptions& options, SearchEdges& edges) {
 
 namespace {
 
-/// Each edge, with what is wrong with it; and the path's clearances where they are not known yet.
-void certifyPath(const planner::PathEdges& edges, const planner::Certificate* certificate,
-                 Subject& subject) {
+/// Each edge, with what is wrong with it.
+void certifyPath(const planner::PathEdges& edges, Subject& subject) {
   planner::EdgeCertifier certifier(subject.scene);
   const planner::Path& path = edges.path;
   subject.good = true;
@@ -122,20 +114,13 @@ void certifyPath(const planner::PathEdges& edges, const planner::Certificate* ce
                                 : fmt::format("Edge {} {} at t = {:.3f}: {} and {}.", place.segment,
                                               what, t, names.a, names.b));
   }
-  if (!subject.good) return;
-  noteClearances(certificate != nullptr
-                     ? *certificate
-                     : planner::certify(certifier, path, 1e-4, planner::CertificateDetail::kPath),
-                 subject);
 }
 
 /// A path that has to keep lines or constraints, too: as `leeway verify` proves it.
-void verifyTask(const planner::Path& path, const planner::Certificate* certificate,
-                Subject& subject) {
+void verifyTask(const planner::Path& path, Subject& subject) {
   const planner::VerifyResult result = planner::verify(subject.problem, path);
   subject.good = result.status == planner::VerifyStatus::kCertified;
   if (!subject.good) subject.notes.push_back(result.reason);
-  if (subject.good && certificate != nullptr) noteClearances(*certificate, subject);
 }
 
 }  // namespace
@@ -146,7 +131,10 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
   const planner::PathEdges edges = planner::edgesOf(subject.scene->space(), given);
   const planner::Path& path = edges.path;
   subject.stages = stagesOf(problem, subject.scene, path);
-  subject.timeline = timelineOfPath(problem, subject.scene, path, subject.stages);
+  subject.least = leastClearance(subject.stages, edges, interrupted);
+  if (certificate != nullptr)
+    narrow(subject.least, *certificate, certificate->world, certificate->self);
+  subject.timeline = timelineOfPath(problem, subject.scene, edges, subject.stages, subject.least);
   std::string nothing;
   for (const Stage& stage : subject.stages)
     if (nothing.empty() && stage.scene) nothing = stage.scene->nothingChecked();
@@ -155,17 +143,11 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
     return subject;
   }
   if (problem.steps.empty() && problem.constraints.empty())
-    certifyPath(edges, certificate, subject);
+    certifyPath(edges, subject);
   else
-    verifyTask(path, certificate, subject);
+    verifyTask(path, subject);
   subject.verdict = subject.good ? "certified" : "not certified";
-  const double lower = least(subject).second;
-  if (subject.good)
-    subject.notes.push_back(
-        std::isfinite(lower)
-            ? fmt::format("Every point of every edge is proven to keep at least {} mm.",
-                          millimetresDown(lower))
-            : "There is nothing else that it could touch.");
+  if (subject.good) noteClearances(subject);
   subject.notes.push_back(toString(countUnchecked(subject.first_scene->dropped())) + ".");
   noteEnds(subject);
   return subject;
@@ -176,15 +158,20 @@ Subject subjectOfPlan(const planner::Problem& problem, const std::string& source
   if (result.status == planner::PlanStatus::kSolved) {
     Subject subject = subjectOfPath(problem, source, result.path, &result.certificate);
     subject.searched = std::move(searched);
-    subject.notes.push_back(fmt::format("{} with {}, seed {}: {} edges, length {:.3f}.",
-                                        toString(result.status), result.planner, result.seed,
-                                        result.certificate.segments.size(), result.length));
+    subject.notes.push_back(
+        fmt::format("Solved with {}, seed {}: {}, length {:.3f}.", result.planner, result.seed,
+                    counted(result.certificate.segments.size(), "edge"), result.length));
     return subject;
   }
   Subject subject = begin(problem, source);
   subject.searched = std::move(searched);
   const Stage first{{}, {}, 0, 0, firstProblem(problem), subject.first_scene};
-  subject.timeline = timelineOfState(problem, subject.scene, first, subject.ends.front().position);
+  const End* shown = &subject.ends.front();
+  if (result.status == planner::PlanStatus::kInvalidGoal)
+    for (auto end = subject.ends.rbegin(); end != subject.ends.rend(); ++end)
+      if (!end->unreachable && end->check.verdict != planner::Verdict::kFree) shown = &*end;
+  subject.shown = shown->name;
+  subject.timeline = timelineOfState(problem, subject.scene, first, shown->position);
   if (result.status == planner::PlanStatus::kNothingChecked)
     noteNothingChecked(result.reason, subject);
   else if (!result.reason.empty())
@@ -228,11 +215,12 @@ Subject subjectOfExecution(const planner::Problem& problem, const std::string& s
   subject.verdict = fmt::format("{}{}", toString(status), subject.good ? ", certified" : "");
   if (status == planner::ReplanStatus::kNothingChecked)
     noteNothingChecked(subject.scene->nothingChecked(), subject);
-  const double lower = least(subject).second;
+  double lower = kInfinity;
+  for (const planner::ReplanStep& step : steps) lower = std::min(lower, step.clearance.lower);
   if (certified && std::isfinite(lower))
     subject.notes.push_back(
         fmt::format("Every step is proven to keep at least {} mm while the obstacles move.",
-                    millimetresDown(lower)));
+                    formatLower(lower * 1e3, 2)));
   noteEnds(subject);
   return subject;
 }

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <map>
+#include <utility>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
@@ -67,7 +68,45 @@ class BodyClearances {
     return clearance;
   }
 
+  /// Adds the distance of two bodies of `shown` at a position. O(pairs of their geometries), of a
+  /// world with many objects O(pairs of the body).
+  void measure(const std::vector<double>& position, const CompiledScene& shown, PairCurve& curve) {
+    const auto body = [&](int b) {
+      return &shown == scene_.get() ? b : scene_->scene().find(shown.scene().bodies()[at(b)].name);
+    };
+    const int a = body(curve.pair.a), b = body(curve.pair.b);
+    place(position);
+    collision::DistanceResult nearest;
+    nearest.distance = {kNaN, kNaN};
+    const collision::Scene& scene = scene_->scene();
+    for (const std::size_t number : numbersOf(a, b)) {
+      const collision::ScenePair pair = scene.pairs()[number];
+      curve.pair.margin = pair.margin;
+      if (bound(pair) > nearest.distance.upper) continue;
+      collision::DistanceResult found = pairDistance(scene, workspace_, static_cast<int>(number),
+                                                     {.tolerance = kMomentTolerance});
+      if (found.distance.upper >= nearest.distance.upper) continue;
+      if (pair.body_a != a) std::swap(found.point_a, found.point_b);
+      nearest = found;
+    }
+    curve.distance.push_back(nearest.distance.upper);
+    curve.point_a.push_back(nearest.point_a);
+    curve.point_b.push_back(nearest.point_b);
+  }
+
  private:
+  /// The pairs of two bodies, looked for once.
+  const std::vector<std::size_t>& numbersOf(int a, int b) {
+    const auto [entry, is_new] = numbers_.try_emplace(std::minmax(a, b));
+    if (!is_new || a < 0 || b < 0) return entry->second;
+    const auto& pairs = scene_->scene().pairs();
+    for (auto p = pairs.begin(); p != pairs.end(); ++p)
+      if (const collision::ScenePair pair = *p;
+          std::minmax(pair.body_a, pair.body_b) == std::minmax(a, b))
+        entry->second.push_back(p.number());
+    return entry->second;
+  }
+
   void place(const std::vector<double>& position) {
     scene_->expand(position, q_);
     robots::forwardKinematics(scene_->model(), q_, X_WL_);
@@ -95,6 +134,7 @@ class BodyClearances {
   std::shared_ptr<const CompiledScene> scene_;
   collision::Workspace workspace_;
   bool all_;
+  std::map<std::pair<int, int>, std::vector<std::size_t>> numbers_;
   std::vector<double> q_;
   std::vector<collision::Pose> X_WL_;
 };
@@ -124,20 +164,41 @@ std::vector<double> inShown(std::vector<double> clearance, const CompiledScene& 
   return mapped;
 }
 
-double leastMargin(const CompiledScene& scene) { return scene.scene().pairs().leastMargin(); }
+/// Bounds on stretches of a path: from the world, of the robot from itself, and of all.
+class Bounds {
+ public:
+  explicit Bounds(EdgeCertifier& certifier) : certifier_(certifier) {
+    const collision::ScenePairs& pairs = certifier.scene().scene().pairs();
+    const int robot = certifier.scene().bodiesOfRobot();
+    world_margin_ = pairs.leastMargin(robot, true);
+    self_margin_ = pairs.leastMargin(robot, false);
+  }
 
-planner::Interval proven(EdgeCertifier& certifier, const Moment& from, const Moment& to,
-                         double margin) {
-  planner::Interval bound =
-      certifier
-          .edgeClearance(from.position, to.position,
-                         {.tolerance = kStretchTolerance, .work_limit = kStretchWork})
-          .clearance;
-  if (bound.lower < margin &&
-      certifier.certify(from.position, to.position).verdict == planner::Verdict::kFree)
-    bound.lower = margin;
-  return bound;
-}
+  void add(const Moment& from, const Moment& to, Timeline& timeline) {
+    planner::Interval world = bound(from, to, planner::Pairs::kWorld),
+                      self = bound(from, to, planner::Pairs::kSelf);
+    if ((world.lower < world_margin_ || self.lower < self_margin_) &&
+        certifier_.certify(from.position, to.position).verdict == planner::Verdict::kFree) {
+      world.lower = std::max(world.lower, world_margin_);
+      self.lower = std::max(self.lower, self_margin_);
+    }
+    timeline.world_stretches.push_back(world);
+    timeline.self_stretches.push_back(self);
+    timeline.stretches.push_back(
+        {std::min(world.lower, self.lower), std::min(world.upper, self.upper)});
+  }
+
+ private:
+  planner::Interval bound(const Moment& from, const Moment& to, planner::Pairs pairs) const {
+    return certifier_
+        .edgeClearance(from.position, to.position,
+                       {.tolerance = kStretchTolerance, .work_limit = kStretchWork, .pairs = pairs})
+        .clearance;
+  }
+
+  EdgeCertifier& certifier_;
+  double world_margin_, self_margin_;
+};
 
 /// The deforming obstacles at any time, and the scene with them.
 class Obstacles {
@@ -212,16 +273,146 @@ Pair pairOf(const planner::StateCheck& check, const CompiledScene& asked,
   return {body(pair.body_a), body(pair.body_b), pair.margin};
 }
 
+namespace {
+
+/// Measures a moment whose place is known.
+void measure(EdgeCertifier& certifier, const CompiledScene& asked, const CompiledScene& shown,
+             Moment& moment) {
+  moment.check = certifier.clearance(moment.position, kMomentTolerance);
+  moment.closest = pairOf(moment.check, asked, shown);
+  const bool is_self =
+      moment.check.pair >= 0 && asked.isOfRobot(asked.scene().pairs()[at(moment.check.pair)]);
+  for (const planner::Pairs pairs : {planner::Pairs::kWorld, planner::Pairs::kSelf}) {
+    Nearest& near = pairs == planner::Pairs::kWorld ? moment.world : moment.self;
+    planner::StateCheck found;
+    if (moment.check.pair >= 0 && is_self == (pairs == planner::Pairs::kSelf)) {
+      found = moment.check;
+    } else {
+      const planner::EdgeClearance edge = certifier.edgeClearance(
+          moment.position, moment.position, {.tolerance = kMomentTolerance, .pairs = pairs});
+      found.clearance = edge.clearance;
+      found.pair = edge.pair;
+      found.closest = edge.closest;
+    }
+    near = {found.clearance, pairOf(found, asked, shown), found.closest.point_a,
+            found.closest.point_b};
+  }
+}
+
+/// A place of a path at which its least clearance is.
+struct LeastPlace {
+  double time = 0;
+  std::vector<double> position;
+  const planner::PathClearance* least = nullptr;
+  bool is_self = false;
+};
+
+std::vector<LeastPlace> leastPlaces(const planner::Trajectory& trajectory,
+                                    const planner::ConfigurationSpace& space,
+                                    const planner::PathEdges& edges, const LeastClearance& least) {
+  std::vector<LeastPlace> places;
+  for (const planner::PathClearance* of : {&least.world, &least.self}) {
+    for (std::size_t k = 0; k < edges.places.size(); ++k) {
+      const planner::PathEdges::Place& place = edges.places[k];
+      if (place.segment != of->closest_segment || of->closest_t < place.t0 ||
+          of->closest_t > place.t1)
+        continue;
+      const double t = (of->closest_t - place.t0) / (place.t1 - place.t0);
+      std::vector<double> position(at(space.size()));
+      space.interpolate(edges.path.positions[k], edges.path.positions[k + 1], t, position);
+      if (const auto time = trajectory.passes(static_cast<int>(k), t))
+        places.push_back({*time, std::move(position), of, of == &least.self});
+      break;
+    }
+  }
+  return places;
+}
+
+/// A place's moment has the pair and the interval of the path's least clearance, which holds there,
+/// too.
+void keepPlaces(const std::vector<LeastPlace>& places, const CompiledScene& shown,
+                Timeline& timeline) {
+  for (std::size_t m = 0; m < timeline.moments.size(); ++m) {
+    Moment& moment = timeline.moments[m];
+    for (const LeastPlace& place : places) {
+      if (place.time != moment.time) continue;
+      Nearest& near = place.is_self ? moment.self : moment.world;
+      const int a = shown.scene().find(place.least->closest_a),
+                b = shown.scene().find(place.least->closest_b);
+      if (near.pair.a < 0 || a < 0 || b < 0) continue;
+      (place.is_self ? timeline.least_self : timeline.least_world) = static_cast<int>(m);
+      const bool is_all = moment.closest.a == near.pair.a && moment.closest.b == near.pair.b;
+      near = {place.least->clearance,
+              {a, b, near.pair.margin},
+              place.least->closest_point_a,
+              place.least->closest_point_b};
+      if (!is_all) continue;
+      moment.check.clearance = near.clearance;
+      moment.check.closest.point_a = near.point_a;
+      moment.check.closest.point_b = near.point_b;
+      moment.closest = near.pair;
+    }
+  }
+}
+
+/// Finds the least among the moments.
+void findLeast(Timeline& timeline) {
+  double world = kInfinity, self = kInfinity;
+  for (std::size_t m = 0; m < timeline.moments.size(); ++m) {
+    const Moment& moment = timeline.moments[m];
+    if (moment.world.clearance.upper < world) {
+      world = moment.world.clearance.upper;
+      timeline.least_world = static_cast<int>(m);
+    }
+    if (moment.self.clearance.upper < self) {
+      self = moment.self.clearance.upper;
+      timeline.least_self = static_cast<int>(m);
+    }
+  }
+}
+
+/// The pairs of bodies that are the nearest of some body at some moment: those that come nearest.
+void addPairs(const std::vector<Stage>& stages, const CompiledScene& shown, Timeline& timeline) {
+  constexpr std::size_t kPairs = 12;
+  std::map<std::pair<int, int>, double> least;
+  for (const Moment& moment : timeline.moments)
+    for (const Nearest* near : {&moment.world, &moment.self})
+      if (near->pair.a >= 0) {
+        double& known = least.try_emplace({near->pair.a, near->pair.b}, kInfinity).first->second;
+        known = std::min(known, near->clearance.upper);
+      }
+  std::vector<std::pair<double, std::pair<int, int>>> order;
+  for (const auto& [pair, distance] : least) order.emplace_back(distance, pair);
+  std::sort(order.begin(), order.end());
+  order.resize(std::min(order.size(), kPairs));
+  for (const auto& [distance, pair] : order)
+    timeline.pairs.push_back({{pair.first, pair.second}, {}, {}, {}});
+  std::size_t m = 0;
+  for (const Stage& stage : stages) {
+    if (!stage.scene) continue;
+    BodyClearances bodies(stage.scene, 1);
+    for (; m < timeline.moments.size() && timeline.moments[m].stage == &stage - stages.data(); ++m)
+      for (PairCurve& curve : timeline.pairs)
+        bodies.measure(timeline.moments[m].position, shown, curve);
+  }
+}
+
+}  // namespace
+
 Timeline timelineOfPath(const planner::Problem& problem,
                         const std::shared_ptr<const CompiledScene>& scene,
-                        const planner::Path& path, const std::vector<Stage>& stages) {
+                        const planner::PathEdges& edges, const std::vector<Stage>& stages,
+                        const LeastClearance& least) {
+  const planner::Path& path = edges.path;
   // Without blends: a page shows the edges that the certificate is about.
   const planner::ConfigurationSpace& space = scene->space();
   const planner::Trajectory trajectory(std::make_shared<const planner::ConfigurationSpace>(space),
                                        path.positions, planner::motionLimits(problem));
   Timeline timeline;
   timeline.waypoint_times.assign(trajectory.times().begin(), trajectory.times().end());
+  const std::vector<LeastPlace> places = leastPlaces(trajectory, space, edges, least);
   std::vector<double> times = timeline.waypoint_times;
+  for (const LeastPlace& place : places) times.push_back(place.time);
   const int count = momentsFor(*scene);
   for (int i = 0; i <= count; ++i) times.push_back(trajectory.duration() * i / count);
   std::sort(times.begin(), times.end());
@@ -233,7 +424,7 @@ Timeline timelineOfPath(const planner::Problem& problem,
     if (!stage.scene) continue;  // nothing moves
     EdgeCertifier certifier(stage.scene);
     BodyClearances bodies(stage.scene, times.size());
-    const double margin = leastMargin(*stage.scene);
+    Bounds bounds(certifier);
     const double end = timeline.waypoint_times[at(stage.last)];
     for (; time != times.end() && *time <= end; ++time) {
       Moment moment{*time, std::vector<double>(at(space.size())), {}, {}};
@@ -244,17 +435,21 @@ Timeline timelineOfPath(const planner::Problem& problem,
         if (timeline.waypoint_times[waypoint] == *time) moment.position = path.positions[waypoint];
         ++waypoint;
       }
-      moment.check = certifier.clearance(moment.position, kMomentTolerance);
-      moment.closest = pairOf(moment.check, *stage.scene, *scene);
+      for (const LeastPlace& place : places)
+        if (place.time == *time) moment.position = place.position;
+      moment.stage = static_cast<int>(&stage - stages.data());
+      measure(certifier, *stage.scene, *scene, moment);
       moment.placed = placedObjects(problem, *scene, stage.problem, moment.position);
       timeline.body_clearance.push_back(
           inShown(bodies.clearancesAt(moment.position), *stage.scene, *scene));
-      if (!timeline.moments.empty())
-        timeline.stretches.push_back(proven(certifier, timeline.moments.back(), moment, margin));
+      if (!timeline.moments.empty()) bounds.add(timeline.moments.back(), moment, timeline);
       timeline.moments.push_back(std::move(moment));
     }
   }
   keepLeast(timeline);
+  findLeast(timeline);
+  keepPlaces(places, *scene, timeline);
+  addPairs(stages, *scene, timeline);
   return timeline;
 }
 
@@ -277,8 +472,7 @@ Timeline timelineOfSteps(const planner::Problem& problem,
       if (timeline.moments.size() % every == 0 || last) obstacles.addFrames(time, timeline.frames);
     }
     Moment moment{time, std::move(position), {}, {}};
-    moment.check = certifier.clearance(moment.position, kMomentTolerance);
-    moment.closest = pairOf(moment.check, *scene, *scene);
+    measure(certifier, *scene, *scene, moment);
     timeline.body_clearance.push_back(bodies.clearancesAt(moment.position));
     timeline.moments.push_back(std::move(moment));
   };
@@ -293,6 +487,7 @@ Timeline timelineOfSteps(const planner::Problem& problem,
   else
     timeline.stretches.pop_back();
   keepLeast(timeline);
+  findLeast(timeline);
   return timeline;
 }
 
@@ -302,12 +497,13 @@ Timeline timelineOfState(const planner::Problem& problem,
   Timeline timeline;
   EdgeCertifier certifier(stage.scene);
   BodyClearances bodies(stage.scene, 1);
-  Moment moment{0, position, certifier.clearance(position, kMomentTolerance), {}};
-  moment.closest = pairOf(moment.check, *stage.scene, *scene);
+  Moment moment{0, position, {}, {}};
+  measure(certifier, *stage.scene, *scene, moment);
   moment.placed = placedObjects(problem, *scene, stage.problem, position);
   timeline.moments.push_back(std::move(moment));
   timeline.body_clearance.push_back(inShown(bodies.clearancesAt(position), *stage.scene, *scene));
   keepLeast(timeline);
+  findLeast(timeline);
   return timeline;
 }
 

@@ -4,9 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/replanner.h"
+#include "tools/leeway/view/least_clearance.h"
 #include "tools/leeway/view/stages.h"
 
 namespace leeway::tools::view {
@@ -20,12 +22,21 @@ struct Pair {
 Pair pairOf(const planner::StateCheck& check, const planner::CompiledScene& asked,
             const planner::CompiledScene& shown);
 
+/// The nearest pair at one instant, with the world or of the robot with itself.
+struct Nearest {
+  planner::Interval clearance{kInfinity, kInfinity};  ///< [m]
+  Pair pair;
+  Eigen::Vector3d point_a = Eigen::Vector3d::Zero(), point_b = Eigen::Vector3d::Zero();  ///< world
+};
+
 /// What is known at one instant.
 struct Moment {
   double time = 0;               ///< [s]
   std::vector<double> position;  ///< of the planned variables
   planner::StateCheck check;     ///< closest pair of its scene, clearance to kMomentTolerance
   Pair closest;
+  Nearest world = {}, self = {};  ///< one of them is `check`
+  int stage = 0;                  ///< of a path
   /// Bodies of the shown scene that are not where its robot would hold them: X_WB.
   std::vector<std::pair<int, collision::Pose>> placed = {};
 };
@@ -37,11 +48,24 @@ struct Frames {
   std::vector<std::vector<Eigen::Vector3d>> positions;  // [m]
 };
 
+/// The distances of two bodies at all moments; NaN where the pair is not checked.
+struct PairCurve {
+  Pair pair;
+  std::vector<double> distance;                   // upper ends [m]
+  std::vector<Eigen::Vector3d> point_a, point_b;  // in the world
+};
+
 /// A motion and the room that it leaves.
 struct Timeline {
   std::vector<Moment> moments;  ///< at least one
   /// Proven on the whole stretch from a moment to the next [m]; one fewer than moments.
   std::vector<planner::Interval> stretches;
+  /// The same from the world and of the robot from itself; empty for an execution.
+  std::vector<planner::Interval> world_stretches, self_stretches;
+  /// The moments of the least clearances; -1: nothing is near. Of a path the places of
+  /// leastClearance(), with its intervals.
+  int least_world = -1, least_self = -1;
+  std::vector<PairCurve> pairs;  ///< those that come nearest, the nearest first
   /// Clearance of each moving body at each moment, [moment][body of the scene], and the least of
   /// every body over all moments. Upper ends [m]; infinity: nothing that it is checked against, or
   /// not asked because there is too much.
@@ -56,11 +80,13 @@ struct Timeline {
 inline constexpr double kMomentTolerance = 1e-6;
 
 /// The path at the velocities of the problem's execution, at rest in each waypoint, among the
-/// obstacles as they stand at the start of the execution. About 250 moments and one for each
-/// waypoint; fewer where a scene has very many pairs. Of a task each stretch in its world.
+/// obstacles as they stand at the start of the execution. About 250 moments, one for each waypoint
+/// and those of `least`; fewer where a scene has very many pairs. Of a task each stretch in its
+/// world. `stages` are of `edges.path`.
 Timeline timelineOfPath(const planner::Problem& problem,
                         const std::shared_ptr<const planner::CompiledScene>& scene,
-                        const planner::Path& path, const std::vector<Stage>& stages);
+                        const planner::PathEdges& edges, const std::vector<Stage>& stages,
+                        const LeastClearance& least);
 
 /// What was executed, a moment a step, with the obstacles as they moved.
 Timeline timelineOfSteps(const planner::Problem& problem,

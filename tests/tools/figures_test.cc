@@ -1,0 +1,172 @@
+// Figures and text for people: all verbs show the same clearance, and everything fits a terminal.
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <sstream>
+
+#include "tests/support/command.h"
+#include "tools/leeway/support/terminal.h"
+
+namespace leeway::tools::testing {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+TEST(Figures, AreTheNumberThatBothEndsRoundTo) {
+  EXPECT_EQ(clearanceText({0.0105671, 0.0105674}), "10.57 mm");
+  EXPECT_EQ(clearanceText({0.0599996, 0.06}), "60.00 mm");  // was 59.99
+  EXPECT_EQ(clearanceText({0.06, 0.0600004}), "60.00 mm");
+  EXPECT_EQ(figureOf({0.0105671, 0.0105674}), "10.57");
+  EXPECT_EQ(figureOf({0.010564, 0.010566}), std::nullopt);
+  EXPECT_EQ(figureOf({0.010565 - 1e-9, 0.010565 + 1e-9}), "10.56") << "one number: the lower";
+  EXPECT_EQ(figureOf({0.01, kInf}), std::nullopt);
+}
+
+TEST(Figures, AreBoundsWhereTheyAreNotKnownBetter) {
+  EXPECT_EQ(clearanceText({0.0100001, 0.0107466}), "between 10.00 and 10.75 mm");
+  EXPECT_EQ(clearanceText({0.012348, kInf}), "at least 12.34 mm");
+  EXPECT_EQ(clearanceText({-kInf, 0.012341}), "at most 12.35 mm");
+  EXPECT_EQ(clearanceText({-kInf, kInf}), "not known");
+  EXPECT_EQ(clearanceText({kInf, kInf}), "nothing near");
+  EXPECT_EQ(clearanceText({-0.0123411, -0.0123409}), "12.34 mm deep");
+  EXPECT_EQ(clearanceText({0, 0}), "0.00 mm");
+}
+
+std::size_t longestLine(const std::string& text) {
+  std::size_t longest = 0;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) longest = std::max(longest, line.size());
+  return longest;
+}
+
+TEST(Terminal, ProseBreaksAtSpaces) {
+  const std::string words = "a sentence of some words that goes on and on, ";
+  const std::string text = wrapped(words + words + words + "end\nnext line\n");
+  EXPECT_LE(longestLine(text), kColumns);
+  EXPECT_EQ(text.substr(text.size() - 11), "\nnext line\n");
+  std::string joined = text;
+  std::replace(joined.begin(), joined.end(), '\n', ' ');
+  EXPECT_NE(joined.find("on, end next line"), std::string::npos) << text;
+  EXPECT_EQ(joined.find("  "), std::string::npos) << text;
+  EXPECT_NE(joined.find("goes on and on, a sentence"), std::string::npos);
+  const std::string path(200, 'x');
+  EXPECT_NE(wrapped("a " + path + " b").find(path), std::string::npos);
+}
+
+TEST(Terminal, TablesFit) {
+  const std::vector<std::string> heading = {"name", "one", "two", "three", "four", "words"};
+  const std::string number(12, '1');
+  std::vector<std::string> row = {"a", number, number, number, number, ""};
+  for (int i = 0; i < 12; ++i) row[5] += "word ";
+  const std::string wraps = formatTable(heading, {row}, {5});
+  EXPECT_LE(longestLine(wraps), kColumns) << wraps;
+  EXPECT_NE(wraps.find("\n                      "), std::string::npos) << wraps;
+  // Numbers that find no room follow below, each with its row's name.
+  const std::vector<std::string> many(12, number);
+  std::vector<std::string> long_row = {"row"};
+  long_row.insert(long_row.end(), many.begin(), many.end());
+  std::vector<std::string> long_heading = {""};
+  for (int i = 0; i < 12; ++i) long_heading.push_back("q" + std::to_string(i));
+  const std::string blocks = formatTable(long_heading, {long_row});
+  EXPECT_LE(longestLine(blocks), kColumns) << blocks;
+  std::size_t rows = 0, columns = 0;
+  for (std::size_t at = 0; (at = blocks.find("row", at)) != std::string::npos; ++at) ++rows;
+  for (std::size_t at = 0; (at = blocks.find(number, at)) != std::string::npos; at += 12) ++columns;
+  EXPECT_EQ(rows, 3u);
+  EXPECT_EQ(columns, 12u) << blocks;
+}
+
+TEST(Terminal, CountsSaySingularAndPlural) {
+  EXPECT_EQ(counted(1, "edge"), "1 edge");
+  EXPECT_EQ(counted(0, "edge"), "0 edges");
+  EXPECT_EQ(counted(2, "edge"), "2 edges");
+}
+
+std::vector<std::string> shippedProblems() {
+  std::vector<std::string> all;
+  for (const auto& entry : fs::recursive_directory_iterator(leeway::sourceFolder() + "/problems"))
+    if (entry.path().extension() == ".yaml" && entry.path().parent_path().filename() != "moveit")
+      all.push_back(entry.path().string());
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+using Shipped = CommandTest;
+
+/// "least clearance 10.57 mm" of an answer; empty: it has none, or a bound alone.
+std::string figureIn(const Answer& answer) {
+  const std::string text = answer.flat(), words = "least clearance ";
+  const std::size_t at = text.find(words);
+  if (at == std::string::npos) return "";
+  const std::string rest = text.substr(at + words.size());
+  return rest.substr(0, rest.find(" mm"));
+}
+
+TEST_F(Shipped, AllVerbsShowOneFigureAndOnePair) {
+  int solved = 0;
+  for (const std::string& file : shippedProblems()) {
+    const std::string problem = "'" + file + "' ";
+    const Answer planned = run("plan " + problem + "--output path.json");
+    if (planned.status != 0) continue;
+    ++solved;
+    const Answer verified = run("verify " + problem + "path.json"),
+                 measured = run("clearance " + problem + "path.json"),
+                 seen = run("view " + problem + "path.json --svg path.svg");
+    const std::string figure = figureIn(planned);
+    ASSERT_FALSE(figure.empty()) << planned.out;
+    EXPECT_EQ(figure.find_first_not_of("0123456789."), std::string::npos) << file << figure;
+    for (const Answer* answer : {&verified, &measured, &seen})
+      EXPECT_EQ(figureIn(*answer), figure) << file << "\n" << answer->out << answer->err;
+    // The place and the pair of the world and of the robot, word for word.
+    const auto nearest = [](const Answer& answer) {
+      const std::string text = answer.flat();
+      const std::size_t begin = text.find("Nearest to "), end = text.rfind(" at t = ");
+      return text.substr(begin, end + 13 - begin);
+    };
+    EXPECT_EQ(nearest(measured), nearest(planned)) << file;
+    EXPECT_EQ(nearest(seen), nearest(planned)) << file;
+    for (const Answer* answer : {&planned, &verified, &measured, &seen}) {
+      EXPECT_LE(longestLine(answer->out.substr(0, answer->out.find("path.svg"))), kColumns)
+          << file << "\n"
+          << answer->out;
+      EXPECT_EQ(answer->out.find('\x1b'), std::string::npos) << "no colour without a terminal";
+    }
+    // A figure is within 0.005 mm of what the certificate holds.
+    const json whole = run("clearance " + problem + "path.json --tolerance 1e-6 --json").document();
+    EXPECT_GE(std::stod(figure) / 1e3, whole["clearance_lower"].get<double>() - 5.1e-6) << file;
+    EXPECT_LE(std::stod(figure) / 1e3, whole["clearance_upper"].get<double>() + 5.1e-6) << file;
+  }
+  EXPECT_GE(solved, 15);
+}
+
+TEST_F(Shipped, PlansAmongMovingObstaclesSayForWhichMoment) {
+  const std::string curtain = "'" + leeway::sourceFolder() + "/problems/deforming/curtain.yaml' ";
+  const Answer planned = run("plan " + curtain + "--output path.json");
+  EXPECT_NE(planned.flat().find("; the obstacles stand as at 0 s"), std::string::npos)
+      << planned.out;
+  EXPECT_NE(run("verify " + curtain + "path.json").flat().find("stand as at 0 s"),
+            std::string::npos);
+  const Answer batch = run("batch " + curtain);
+  EXPECT_EQ(batch.lines()[0]["obstacles_at"], 0.0);
+  EXPECT_NE(batch.err.find("1 with moving obstacles as they stand"), std::string::npos)
+      << batch.err;
+  EXPECT_EQ(run("plan reach.yaml --json").document()["obstacles_at"], nullptr);
+}
+
+TEST_F(Shipped, TextFitsATerminal) {
+  const std::string root = leeway::sourceFolder() + "/problems/";
+  for (const std::string& words :
+       {std::string("plan --planners"), "replan '" + root + "deforming/curtain.yaml' --text",
+        "info '" + root + "dual_arm/swap.yaml'", "check '" + root + "dual_arm/swap.yaml'",
+        "fk '" + root + "dual_arm/swap.yaml'",
+        "ik '" + root + "shelf/reach.yaml' --link hand --position 0.55 0.25 0.45:0.5"}) {
+    const Answer answer = run(words);
+    EXPECT_LE(longestLine(answer.out), kColumns) << words << "\n" << answer.out;
+  }
+  const Answer batch = run("batch '" + root + "shelf' '" + root + "table' --output lines.json");
+  EXPECT_EQ(batch.err.find("1 problems"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace leeway::tools::testing
