@@ -302,7 +302,8 @@ std::string failureText(const planner::Problem& problem, const planner::PlanResu
   switch (result.status) {
     case planner::PlanStatus::kUnsolved:
       if (!result.reason.empty()) {
-        text += fmt::format("No further than {}.\n{}", result.reason, hindranceText(problem, result));
+        text +=
+            fmt::format("No further than {}.\n{}", result.reason, hindranceText(problem, result));
         break;
       }
       text += fmt::format("No path after {:.2f} s of planning and {} iterations ({}).\n",
