@@ -25,8 +25,8 @@ struct VerifyResult {
   /// Lower bound of a certified path's clearance [m]; infinite without pairs. Rounding apart, it
   /// exceeds the margin by at least a quarter of what the true clearance does.
   double clearance_lower = 0;
-  /// Of a certified path: the least distance that the proof met [m]. Infinite where none was
-  /// needed.
+  /// The least distance that the proof of a certified path met [m]; infinite where it needed
+  /// none.
   double clearance_upper = std::numeric_limits<double>::infinity();
   std::string reason;  ///< in words; also a waypoint outside limits, a wrong start or goal
   std::vector<UncheckedPairs> unchecked;  ///< pairs that were not looked at; of a task in some step
