@@ -63,7 +63,7 @@ def test_bounds_and_base_poses(tmp_path):
     for bounds, words in [
         ({"wheel": {"x": (0, 1)}}, "no joint is named 'wheel'; did you mean 'wheels'"),
         ({"wheels": {"z": (0, 1)}}, "axis 'z' is not known; x or y is expected"),
-        ({"wheels": {"x": (1, 0)}}, "the lower bound 1 is above the upper bound 0"),
+        ({"wheels": {"x": (1, 0)}}, "the lower bound 1 of joint 'wheels/x' is above the upper bound 0"),
         ({"wheels": {"x": (0,)}}, "bounds: wheels"),
         ({"wheels": (0, 1)}, "joint 'wheels' is planar; bounds of x and y are expected"),
     ]:
@@ -119,7 +119,7 @@ def test_limits_of_joints(tmp_path):
     limits.write_text("joint_limits: {turn: {max_velocity: 0.5, max_position: 2}}")
     robot = leeway.Robot(file, joint_limits=limits)
     assert (robot.lower[0], robot.upper[0]) == (-3, 2)
-    assert leeway.plan(robot, leeway.World(), [0], [1]).status == "nothing_checked"
+    assert leeway.plan(robot, leeway.World(), [0], [1]).trajectory().duration > 2  # at 0.5 rad/s
     robot = leeway.Robot(file, joint_limits=limits, bounds={"turn": (-1, 1)})
     assert (robot.lower[0], robot.upper[0]) == (-1, 1)
     robot = leeway.Robot(file, bounds={"turn": {"range": (-4, 5), "widen": True}})

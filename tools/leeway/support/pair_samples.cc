@@ -50,10 +50,11 @@ void samplePoint(const planner::ConfigurationSpace& space, Random& random,
       sampleRotation(random, &point[first]);
       continue;
     }
-    const double lower =
-        std::isfinite(space.lower(part.first)) ? space.lower(part.first) : -std::numbers::pi;
-    const double upper =
-        std::isfinite(space.upper(part.first)) ? space.upper(part.first) : std::numbers::pi;
+    // Narrower limits of a problem would make pairs touch nearly always that do not.
+    const int v = space.variables()[first];
+    auto [lower, upper] = space.model().variables[static_cast<std::size_t>(v)].touchRange();
+    if (!std::isfinite(lower)) lower = -std::numbers::pi;
+    if (!std::isfinite(upper)) upper = std::numbers::pi;
     point[first] = lower + random.uniform() * (upper - lower);
   }
 }
@@ -149,8 +150,10 @@ std::vector<PairSamples> samplePairs(const planner::CompiledScene& scene, int sa
     scene.expand(point, q);
     for (const int v : passive) {
       const robots::Variable& variable = scene.model().variables[static_cast<std::size_t>(v)];
-      q[static_cast<std::size_t>(v)] =
-          variable.lower + random.uniform() * (variable.upper - variable.lower);
+      const auto [lower, upper] = variable.touchRange();
+      q[static_cast<std::size_t>(v)] = std::isfinite(upper - lower)
+                                           ? lower + random.uniform() * (upper - lower)
+                                           : q[static_cast<std::size_t>(v)];
     }
     robots::forwardKinematics(scene.model(), q, X_WL);
     auto entry = result.begin();

@@ -18,9 +18,10 @@ struct PairSamples {
 };
 
 /// Asks all pairs of two bodies of the robot at `samples` configurations, uniform within the limits
-/// of the planned variables and of other joints with limits (unlimited planned ones within +-pi,
-/// all else as in the problem). What this suggests is a hint to a user: every pair stays checked.
-/// Same seed, same counts. Throws robots::Stopped for an interrupt. O(samples * pairs).
+/// of the robot's file, of the planned variables and of other joints with limits (unlimited planned
+/// ones within +-pi, all else as in the problem). What this suggests is a hint to a user: every
+/// pair stays checked. Same seed, same counts. Throws robots::Stopped for an interrupt. O(samples *
+/// pairs).
 std::vector<PairSamples> samplePairs(const planner::CompiledScene& scene, int samples,
                                      std::uint64_t seed);
 
