@@ -123,15 +123,16 @@ std::string ConstraintProof::fault(std::span<const double> point) {
     const Constraint& constraint = part.constraint;
     const Error error = errorOf(part, part.motion.poseAt(point));
     if (isWithin(constraint, over(error, error, part.motion.rounding()))) continue;
-    if (!(error.position <= kConstraintShare * constraint.position_tolerance))
+    const auto text = [&](const char* what, double off, const char* unit, double tolerance) {
       return fmt::format(
-          "constraint '{}': '{}' is {:.6g} m from where it may be, at most {:.6g} m "
-          "is allowed",
-          constraint.name, constraint.frame, error.position, constraint.position_tolerance);
-    return fmt::format(
-        "constraint '{}': '{}' is turned by {:.6g} rad, at most {:.6g} rad is "
-        "allowed",
-        constraint.name, constraint.frame, angleOf(constraint, error), constraint.angle);
+          "constraint '{}': '{}' is {} {:.6g} {}, at most {:.6g} {} is allowed ({:g} %"
+          " of its tolerance)",
+          constraint.name, constraint.frame, what, off, unit, kConstraintShare * tolerance, unit,
+          100 * kConstraintShare);
+    };
+    if (!(error.position <= kConstraintShare * constraint.position_tolerance))
+      return text("off where it may be by", error.position, "m", constraint.position_tolerance);
+    return text("turned by", angleOf(constraint, error), "rad", constraint.angle);
   }
   return {};
 }

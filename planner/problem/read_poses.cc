@@ -206,10 +206,14 @@ Constraint readConstraint(const YamlReader& map, const std::string& name, Proble
 void readConstraints(const YamlReader& list, Problem& problem) {
   int number = 0;
   list.eachItem([&](const YamlReader& map) {
-    const auto name = map.find("name");
+    const auto given = map.find("name");
     ++number;
-    problem.constraints.push_back(
-        readConstraint(map, name ? name->text() : fmt::format("constraint {}", number), problem));
+    const std::string name = given ? given->text() : fmt::format("constraint {}", number);
+    for (const Constraint& other : problem.constraints)
+      if (other.name == name)
+        given.value_or(map).fail(fmt::format(
+            "two constraints are named '{}'; a name of its own is expected for each", name));
+    problem.constraints.push_back(readConstraint(map, name, problem));
   });
   if (number == 0) list.fail("constraints is empty; at least one is expected");
   if (const auto fault = constraintsFault(problem)) list.fail(*fault);

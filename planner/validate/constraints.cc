@@ -5,7 +5,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <stdexcept>
+#include <string_view>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/planners.h"
@@ -146,6 +148,13 @@ std::optional<Fault> constraintFault(const Problem& problem, const Constraint& c
 
 std::optional<std::string> constraintsFault(const Problem& problem) {
   if (problem.constraints.empty()) return std::nullopt;
+  std::set<std::string_view> names;
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i)
+    if (const std::string& name = problem.constraints[i].name;
+        !name.empty() && !names.insert(name).second)
+      return fmt::format(
+          "constraints[{}]: two constraints are named '{}'; a name of its own is expected for each",
+          i, name);
   if (!problem.steps.empty())
     return "there are constraints beside steps, which do not keep them; goals are expected";
   if (!std::holds_alternative<MinimumLength>(problem.objective) || asksForCost(problem))

@@ -338,5 +338,20 @@ TEST(Constraints, AReplannerKeepsNone) {
   }
 }
 
+TEST(Constraint, TwoOfOneNameAreRefused) {
+  Problem problem = shipped("constrained/glass.yaml");
+  problem.constraints.push_back(problem.constraints[0]);
+  try {
+    plan(problem);
+    ADD_FAILURE() << "accepted";
+  } catch (const robots::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("constraints[1]: two constraints are named 'upright'"),
+              std::string::npos)
+        << error.what();
+  }
+  problem.constraints[1].name = "upright, too";
+  EXPECT_NO_THROW(validate(problem));
+}
+
 }  // namespace
 }  // namespace leeway::planner

@@ -202,6 +202,7 @@ void applyUpright(const PlanOverrides& overrides, planner::Problem& problem) {
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
   up[static_cast<Eigen::Index>(place)] = sign == 1 ? -1 : 1;
   problem.constraints.push_back(planner::upright(overrides.upright[0], up, *angle));
+  problem.constraints.back().name = "--upright";
   if (const auto fault =
           planner::constraintFault(problem, problem.constraints.back(), "the constraint"))
     refuse(fault->message);
