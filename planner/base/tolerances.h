@@ -590,6 +590,7 @@ constexpr unsigned long long kSimplifyStream = 1ULL << 42;  ///< simplification
 constexpr unsigned long long kReplanStream = 1ULL << 43;    ///< seeds of replanning
 constexpr unsigned long long kEvasionStream = 1ULL << 44;   ///< evasions
 constexpr unsigned long long kTaskStream = 1ULL << 45;      ///< steps of a task, one each
+constexpr unsigned long long kLineStream = 1ULL << 46;      ///< joints that a line leaves free
 
 // Tasks
 
@@ -602,10 +603,34 @@ constexpr int kTaskTries = 500;
 /// another configuration is more likely to succeed.
 constexpr int kStepIterations = 20'000;
 
-/// The first piece of a line that is tried, and the shortest, as shares of the line. In a shorter
-/// piece the joints would have to move faster than any joint does.
+/// The first piece of a line that is tried, and the shortest, as shares of the way to the next
+/// pose. In a shorter piece the joints would have to move faster than any joint does.
 constexpr double kFirstLinePiece = 0.25;
 constexpr double kShortestLinePiece = 1.0 / 4096;
+
+/// Tries of a line, in a row without gain, with other motions of the joints that it leaves free
+/// [count]. And how far a joint goes then besides what the line asks of it, at most, on the way
+/// from one pose to the next [rad or m].
+constexpr int kLineTries = 48;
+constexpr double kMostDrift = 6;
+
+/// Joint values from which a line is followed where its start is given by poses [count], and of
+/// these the ones from which it goes on longest that are tried with other motions.
+constexpr std::size_t kLineStarts = 64;
+constexpr std::size_t kLongestLines = 4;
+
+/// A joint is at its limit where it ends a line so near to it [rad or m].
+constexpr double kNearLimit = 1e-2;
+
+/// The step of differences that tell how a joint moves a frame [rad or m], and the least effect of
+/// one that does, as a share of the largest or per unit.
+constexpr double kDifferenceStep = 1e-5;
+constexpr double kLeastEffect = 1e-6;
+
+/// Turns as near as that to half a turn may go either way round [rad]; the sine of the least angle
+/// between the chords of an arc: its radius is at most a million times as long as they are.
+constexpr double kHalfTurnSlack = 1e-6;
+constexpr double kLeastArc = 1e-6;
 
 /// The least tolerance of a line [m, rad]. Its pieces are at least kShortestLinePiece long.
 constexpr double kLeastLineTolerance = 1e-7;
@@ -623,8 +648,8 @@ constexpr double kLeastConstraintTolerance = 1e-6;
 /// The least length of an axis or direction. The digits of a shorter one are rounding.
 constexpr double kLeastAxis = 1e-6;
 
-/// Share of its tolerance that a constraint may use on a path. The rest lets the verifier's
-/// first-order bounds prove the same.
+/// Share of its tolerance that a constraint or a line may use on a path. The rest lets the
+/// verifier's first-order bounds prove the same.
 constexpr double kConstraintShare = 0.999;
 
 /// How often an edge is halved to prove its constraints. Beyond that, shorter edges are cheaper.

@@ -70,6 +70,7 @@ Table readTrajectory(const YamlReader& file) {
       read.name = step.at("name", "the step's name").text();
       read.first = readWaypoint(step.at("first", "a waypoint"), table.rows.size());
       read.last = readWaypoint(step.at("last", "a waypoint"), table.rows.size());
+      if (const auto places = step.find("places")) read.places = places->numbers();
       table.steps.push_back(std::move(read));
     }
   return table;

@@ -88,9 +88,10 @@ std::string stepsText(const std::vector<PathStep>& steps) {
   std::string text = "[";
   for (const PathStep& step : steps)
     text += fmt::format(
-        "{}{{\"name\": {}, \"first\": {}, \"last\": {}, \"deviation\": {}, \"turn\": {}}}",
+        "{}{{\"name\": {}, \"first\": {}, \"last\": {}, \"deviation\": {}, \"turn\": {}, "
+        "\"places\": {}}}",
         text.size() > 1 ? ", " : "", quotedText(step.name), step.first, step.last,
-        numberText(step.deviation), numberText(step.turn));
+        numberText(step.deviation), numberText(step.turn), rowText(step.places));
   return text + "]";
 }
 

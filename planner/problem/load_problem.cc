@@ -544,13 +544,15 @@ void readStartAndGoals(const YamlReader& file, Problem& problem) {
   file.readOn([&] {
     readStart(file.at("start", "a group state, a list of values or a map by joint"), problem);
   });
-  const auto goal = file.find("goal"), goals = file.find("goals");
-  if (const auto steps = file.find("steps")) {
-    if (goal || goals)
-      steps->fail(fmt::format("key 'steps' stands beside '{}'; one of them is expected",
-                              goal ? "goal" : "goals"));
-    return readSteps(*steps, problem);
+  for (const auto& [key, read] : {std::pair("steps", &readSteps), {"waypoints", &readWay}}) {
+    const auto task = file.find(key);
+    if (!task) continue;
+    for (const std::string_view other : {"goal", "goals", "waypoints"})
+      if (other != key && file.has(other))
+        task->fail(fmt::format("key '{}' stands beside '{}'; one of them is expected", key, other));
+    return read(*task, problem);
   }
+  const auto goal = file.find("goal"), goals = file.find("goals");
   if (goal.has_value() == goals.has_value())
     file.fail(fmt::format("the file has {}; one of them is expected",
                           goal ? "both 'goal' and 'goals'" : "neither 'goal' nor 'goals'"));
@@ -570,7 +572,7 @@ void readStartAndGoals(const YamlReader& file, Problem& problem) {
 Problem fromMoveit(const YamlReader& file, const YamlReader& moveit, const ProblemOptions& options,
                    LinkPadding& padding) {
   moveit.expectKeys(keysOf("moveit"));
-  for (const char* key : {"body", "joints", "start", "goal", "goals", "steps"})
+  for (const char* key : {"body", "joints", "start", "goal", "goals", "steps", "waypoints"})
     if (const auto other = file.find(key))
       other->fail(fmt::format(
           "key '{}' stands beside 'moveit', whose request says it; one of them is expected", key));

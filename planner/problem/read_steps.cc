@@ -1,15 +1,24 @@
 #include "planner/problem/read_steps.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <cmath>
+#include <filesystem>
 #include <map>
+#include <optional>
 #include <stdexcept>
 
+#include "leeway/robots/text.h"
+#include "planner/base/tolerances.h"
 #include "planner/problem/read_motion.h"
 #include "planner/problem/read_poses.h"
+#include "planner/problem/read_shapes.h"
 #include "planner/problem/read_states.h"
+#include "planner/sensed/cloud_source.h"
 #include "planner/validate/checks.h"
 #include "planner/validate/format_keys.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::planner {
 namespace {
@@ -20,11 +29,160 @@ MoveStep readMove(const YamlReader& reader, const std::string& name, Problem& wo
   return {{}, readFramePoses(reader, world.warnings)};
 }
 
-LineStep readLine(const YamlReader& reader) {
+/// `rpy` or `orientation` of a map; nothing where neither is there.
+std::optional<Eigen::Matrix3d> readRotation(const YamlReader& map,
+                                            std::vector<std::string>& warnings) {
+  if (!map.has("rpy") && !map.has("orientation")) return std::nullopt;
+  return rotationFromQuaternion(readOrientation(map, warnings));
+}
+
+Waypoint readWaypoint(const YamlReader& map, std::vector<std::string>& warnings) {
+  map.expectKeys(keysOf("waypoint"));
+  Waypoint pose{map.at("position", "[x, y, z] in m").vector3()};
+  pose.rotation = readRotation(map, warnings);
+  if (const auto via = map.find("via")) pose.via = via->vector3();
+  return pose;
+}
+
+/// What the columns of a file of poses are, in this order.
+constexpr std::string_view kPosition[] = {"x", "y", "z"};
+constexpr std::string_view kQuaternion[] = {"qx", "qy", "qz", "qw"};
+constexpr std::string_view kTurns[] = {"roll", "pitch", "yaw"};
+
+/// Places of the numbers of a pose in a row.
+struct PoseColumns {
+  std::vector<std::size_t> position, quaternion, turns;
+};
+
+/// Columns by their names, or x y z alone, with a quaternion, or with turns, by their number.
+PoseColumns poseColumns(const CloudSource& source, const ColumnRow& first) {
+  PoseColumns columns;
+  const std::size_t count = first.cells.size();
+  const bool has_names = !robots::parseNumber(first.cells[0]).has_value();
+  if (!has_names && count != 3 && count != 6 && count != 7)
+    source.fail(
+        {first.line, 0},
+        fmt::format("the row has {} numbers; x y z, with roll pitch yaw or qx qy qz qw, are "
+                    "expected, or a line of names before",
+                    count));
+  std::vector<std::string_view> names = first.cells;
+  if (!has_names) {
+    names.assign(std::begin(kPosition), std::end(kPosition));
+    if (count == 7) names.insert(names.end(), std::begin(kQuaternion), std::end(kQuaternion));
+    if (count == 6) names.insert(names.end(), std::begin(kTurns), std::end(kTurns));
+  }
+  const auto take = [&](std::span<const std::string_view> wanted, std::vector<std::size_t>& into) {
+    for (const std::string_view name : wanted)
+      for (std::size_t i = 0; i < names.size(); ++i)
+        if (names[i] == name) into.push_back(i);
+  };
+  take(kPosition, columns.position);
+  take(kQuaternion, columns.quaternion);
+  take(kTurns, columns.turns);
+  const std::size_t known =
+      columns.position.size() + columns.quaternion.size() + columns.turns.size();
+  if (columns.position.size() != 3 || columns.quaternion.size() % 4 != 0 ||
+      columns.turns.size() % 3 != 0 || known != names.size() ||
+      (!columns.quaternion.empty() && !columns.turns.empty()))
+    source.fail({first.line, 0},
+                fmt::format("the columns are {}; x, y, z, with qx, qy, qz, qw or roll, pitch, yaw, "
+                            "are expected, each once",
+                            fmt::join(names, ", ")));
+  return columns;
+}
+
+std::vector<Waypoint> readPoseColumns(const std::string& file, std::vector<std::string>& warnings) {
+  const robots::Stop never;
+  const CloudSource source(file, robots::readTextFile(file, "a file of poses"), never);
+  std::optional<PoseColumns> columns;
+  std::vector<Waypoint> poses;
+  eachRow(source, [&](const ColumnRow& row) {
+    if (!columns) {
+      columns = poseColumns(source, row);
+      if (!robots::parseNumber(row.cells[0]).has_value()) return;
+    }
+    const auto numbers = [&](const std::vector<std::size_t>& places) {
+      std::vector<double> values;
+      for (const std::size_t place : places) {
+        const std::optional<double> value = robots::parseFinite(row.cells[place]);
+        if (!value)
+          source.fail({row.line, 0}, fmt::format("'{}' stands where a finite number is expected",
+                                                 row.cells[place]));
+        values.push_back(*value);
+      }
+      return values;
+    };
+    const std::vector<double> p = numbers(columns->position), q = numbers(columns->quaternion),
+                              rpy = numbers(columns->turns);
+    Waypoint pose{{p[0], p[1], p[2]}};
+    if (!q.empty()) {
+      Eigen::Vector4d xyzw(q[0], q[1], q[2], q[3]);
+      const double norm = xyzw.norm();
+      if (!(std::abs(norm - 1) <= kMendableQuaternion))
+        source.fail({row.line, 0},
+                    fmt::format("a quaternion of length {}; unit length (within {}) is expected",
+                                norm, kMendableQuaternion));
+      if (std::abs(norm - 1) > kSilentQuaternion)
+        warnings.push_back(
+            fmt::format("{}:{}: a quaternion of length {} was normalised", file, row.line, norm));
+      pose.rotation = rotationFromQuaternion(xyzw / norm);
+    }
+    if (!rpy.empty())
+      pose.rotation = rotationFromQuaternion(quaternionFromRpy({rpy[0], rpy[1], rpy[2]}));
+    poses.push_back(pose);
+  });
+  if (poses.empty()) throw robots::InputError(file, 0, "has no pose; at least one is expected");
+  return poses;
+}
+
+std::vector<Waypoint> readPoseList(const YamlReader& list, std::vector<std::string>& warnings) {
+  std::vector<Waypoint> poses;
+  list.eachItem([&](const YamlReader& item) { poses.push_back(readWaypoint(item, warnings)); });
+  if (poses.empty()) list.fail(list.where() + " has no pose; at least one is expected");
+  return poses;
+}
+
+bool isTable(const std::string& file) {
+  const std::string ending = std::filesystem::path(file).extension().string();
+  if (ending != ".csv" && ending != ".yaml" && ending != ".yml" && ending != ".json")
+    throw robots::InputError(
+        file, 0,
+        fmt::format("the ending '{}' names no format of poses; .csv, .yaml or .json is expected",
+                    ending));
+  return ending == ".csv";
+}
+
+/// A list of poses, or the name of a file of them.
+std::vector<Waypoint> readWaypoints(const YamlReader& reader, std::vector<std::string>& warnings) {
+  if (!reader.isScalar()) return readPoseList(reader, warnings);
+  const std::string file = resolvedPath(reader);
+  return isTable(file) ? readPoseColumns(file, warnings)
+                       : readPoseList(YamlReader::load(file), warnings);
+}
+
+/// A line whose frame is named `frame`, where that is not empty, or by the map.
+LineStep readLine(const YamlReader& reader, std::vector<std::string>& warnings,
+                  const std::string& frame = {}) {
   reader.expectKeys(keysOf("line"));
   LineStep line;
-  line.frame = reader.at("frame", "the name of a frame, link or attached object").text();
-  line.by = reader.at("by", "how far and where to: [x, y, z] in m").vector3();
+  line.frame = frame;
+  if (frame.empty())
+    line.frame = reader.at("frame", "the name of a frame, link or attached object").text();
+  else if (const auto named = reader.find("frame"))
+    named->fail("the file names its frame itself; one of both is expected");
+  const auto by = reader.find("by"), poses = reader.find("poses");
+  const std::optional<Eigen::Matrix3d> turn = readRotation(reader, warnings);
+  if (poses && (by || turn))
+    poses->fail(fmt::format("{} has 'poses' and '{}'; one of them is expected", reader.where(),
+                            by ? "by" : "a rotation"));
+  if (!poses && !by && !turn)
+    reader.fail(
+        fmt::format("{} goes nowhere; by, how far and where to [x, y, z] in m, or poses "
+                    "are expected",
+                    reader.where()));
+  if (by) line.by = by->vector3();
+  if (turn) line.turn = *turn;
+  if (poses) line.poses = readWaypoints(*poses, warnings);
   if (const auto axes = reader.find("relative_to")) line.relative_to = axes->text();
   line.position_tolerance = optionalNumber(reader, "position_tolerance", line.position_tolerance);
   line.angle_tolerance = optionalNumber(reader, "angle_tolerance", line.angle_tolerance);
@@ -55,6 +213,36 @@ void readAllowed(const YamlReader& reader, const Names& names, Step& step) {
 }
 
 }  // namespace
+
+void readWay(const YamlReader& reader, Problem& problem) {
+  Step step;
+  step.name = "waypoints";
+  step.action = readLine(reader, problem.warnings);
+  try {
+    takeStep(step, problem);
+  } catch (const std::invalid_argument& error) {
+    reader.fail(fmt::format("{}: {}", reader.where(), error.what()));
+  }
+  problem.steps.push_back(std::move(step));
+}
+
+LineStep loadWaypoints(const std::string& file, const std::string& frame,
+                       std::vector<std::string>& warnings) {
+  LineStep line;
+  line.frame = frame;
+  if (isTable(file)) {
+    line.poses = readPoseColumns(file, warnings);
+  } else {
+    const YamlReader reader = YamlReader::load(file);
+    if (reader.isMap()) return readLine(reader, warnings, frame);
+    line.poses = readPoseList(reader, warnings);
+  }
+  if (frame.empty())
+    throw robots::InputError(file, 0,
+                             "does not say which frame goes through its poses; the name of one is "
+                             "expected (--frame)");
+  return line;
+}
 
 void readSteps(const YamlReader& reader, Problem& problem) {
   // The world as each step finds it, as far as names go: objects are taken from where they stand.
@@ -87,7 +275,7 @@ void readSteps(const YamlReader& reader, Problem& problem) {
     if (action == "move") {
       step.action = readMove(value, step.name, world);
     } else if (action == "line") {
-      step.action = readLine(value);
+      step.action = readLine(value, world.warnings);
     } else if (action == "attach") {
       step.action = readAttach(value);
     } else {

@@ -9,4 +9,7 @@ namespace leeway::planner {
 /// by the time of their step, and for steps that contradict those before them.
 void readSteps(const YamlReader& reader, Problem& problem);
 
+/// `waypoints:` of a problem file: a task of one line.
+void readWay(const YamlReader& reader, Problem& problem);
+
 }  // namespace leeway::planner

@@ -199,6 +199,17 @@ PathEdges edgesOf(const ConfigurationSpace& space, const Path& path) {
     }
   }
   for (PathStep& step : edges.path.steps) {
+    if (step.places.size() == at(step.last - step.first) + 1) {
+      std::vector<double> places;
+      for (int row = step.first; row < step.last; ++row) {
+        const int parts = place.at(at(row) + 1) - place[at(row)];
+        const double from = step.places[at(row - step.first)];
+        const double to = step.places[at(row - step.first) + 1];
+        for (int k = 0; k < parts; ++k) places.push_back(from + (to - from) * k / parts);
+      }
+      places.push_back(step.places.back());
+      step.places = std::move(places);
+    }
     step.first = place.at(at(step.first));
     step.last = place.at(at(step.last));
   }

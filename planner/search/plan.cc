@@ -477,6 +477,8 @@ const char* toString(PlanStatus status) {
       return "solved";
     case PlanStatus::kUnsolved:
       return "unsolved";
+    case PlanStatus::kPartial:
+      return "partial";
     case PlanStatus::kInvalidStart:
       return "invalid_start";
     case PlanStatus::kInvalidGoal:

@@ -63,13 +63,6 @@ class PointSink {
 /// The words of a line.
 std::vector<std::string_view> wordsOf(std::string_view line);
 
-/// Calls visit(line, cells) for each line of numbers in columns, parted by blanks, commas or
-/// semicolons. Empty lines and comments (#, //) are left out. Fails for a line with another number
-/// of columns than the first, and for a byte that no text has.
-void eachRow(
-    const CloudSource& source,
-    const std::function<void(std::size_t line, const std::vector<std::string_view>&)>& visit);
-
 /// The next line of `rest`, without its end (LF, CR LF or CR), which is taken from `rest`.
 std::string_view takeLine(std::string_view& rest);
 
@@ -81,6 +74,16 @@ double readCoordinate(const CloudSource& source, std::string_view word, CloudPla
 /// A whole number that is not negative.
 std::size_t readCount(const CloudSource& source, std::string_view word, std::string_view what,
                       CloudPlace place);
+
+/// A line of numbers or names in columns.
+struct ColumnRow {
+  std::size_t line;
+  std::vector<std::string_view> cells;
+};
+/// Calls visit() for each line that is not blank and no comment: columns are parted by blanks,
+/// commas or semicolons, as the first has them. Fails for lines of another number of columns, and
+/// for a byte that no text has.
+void eachRow(const CloudSource& source, const std::function<void(const ColumnRow&)>& visit);
 
 // The readers. Each adds all points of its file, or throws.
 void readPly(const CloudSource& source, PointSink& sink);

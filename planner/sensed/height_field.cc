@@ -142,15 +142,16 @@ HeightField loadHeightField(const std::string& path, const HeightFile& file,
   const CloudSource source = readSource(path, "a height field", stop);
   const double scale = file.scale.value_or(1);
   std::size_t missing = 0;
-  eachRow(source, [&](std::size_t line, const std::vector<std::string_view>& cells) {
-    field.columns = cells.size();
+  eachRow(source, [&](const ColumnRow& row) {
+    const CloudPlace place{row.line, 0};
+    field.columns = row.cells.size();
     ++field.rows;
-    for (const std::string_view cell : cells) {
+    for (const std::string_view cell : row.cells) {
       const double value = cell.empty() ? std::numeric_limits<double>::quiet_NaN()
-                                        : readCoordinate(source, cell, {line, 0});
-      if (std::isinf(value)) source.fail({line, 0}, "a height is infinite; a number is expected");
+                                        : readCoordinate(source, cell, place);
+      if (std::isinf(value)) source.fail(place, "a height is infinite; a number is expected");
       if (std::isnan(value) && !file.missing)
-        source.fail({line, 0},
+        source.fail(place,
                     fmt::format("the height in column {} is missing; a number is expected, or "
                                 "'missing', the height where none is known",
                                 field.heights.size() % field.columns));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <optional>
 
 #include "leeway/robots/text.h"
@@ -56,8 +57,7 @@ std::array<std::size_t, 3> findColumns(const CloudSource& source,
 
 }  // namespace
 
-void eachRow(const CloudSource& source,
-             const std::function<void(std::size_t, const std::vector<std::string_view>&)>& visit) {
+void eachRow(const CloudSource& source, const std::function<void(const ColumnRow&)>& visit) {
   std::string_view rest = source.text();
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
   if (const std::size_t zero = rest.find('\0'); zero != std::string_view::npos)
@@ -73,30 +73,32 @@ void eachRow(const CloudSource& source,
       separator = text.find(';') != std::string_view::npos   ? ';'
                   : text.find(',') != std::string_view::npos ? ','
                                                              : ' ';
-    const std::vector<std::string_view> cells = cellsOf(text, separator);
-    if (width == 0) width = cells.size();
-    if (cells.size() != width)
+    const ColumnRow row{line, cellsOf(text, separator)};
+    if (width == 0) width = row.cells.size();
+    if (row.cells.size() != width)
       source.fail({line, 0}, fmt::format("the line has {} columns; {}, as the first, are expected",
-                                         cells.size(), width));
-    visit(line, cells);
+                                         row.cells.size(), width));
+    visit(row);
   }
 }
 
 void readColumns(const CloudSource& source, PointSink& sink) {
-  std::optional<std::array<std::size_t, 3>> columns;
-  eachRow(source, [&](std::size_t line, const std::vector<std::string_view>& cells) {
-    if (!columns) {
+  std::array<std::size_t, 3> columns{};
+  bool is_first = true;
+  eachRow(source, [&](const ColumnRow& row) {
+    if (std::exchange(is_first, false)) {
       bool is_header = false;
-      columns = findColumns(source, cells, line, is_header);
-      if (cells.size() < 3)
-        source.fail({line, 0}, fmt::format("the line has {} of x, y and z; all three are expected",
-                                           cells.size()));
+      columns = findColumns(source, row.cells, row.line, is_header);
+      if (row.cells.size() < 3)
+        source.fail({row.line, 0}, fmt::format("the line has {} of x, y and z; all three are "
+                                               "expected",
+                                               row.cells.size()));
       if (is_header) return;
     }
     double p[3];
     for (std::size_t axis = 0; axis < 3; ++axis)
-      p[axis] = readCoordinate(source, cells[(*columns)[axis]], {line, 0});
-    sink.add(p, {line, 0});
+      p[axis] = readCoordinate(source, row.cells[columns[axis]], {row.line, 0});
+    sink.add(p, {row.line, 0});
   });
 }
 

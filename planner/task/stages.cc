@@ -1,9 +1,7 @@
 #include "planner/task/stages.h"
 
 #include <algorithm>
-#include <numbers>
 
-#include "leeway/robots/kinematics.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {
@@ -36,24 +34,6 @@ Problem worldAfter(const Problem& world, const Step& step, std::span<const doubl
   if (const auto* detach = std::get_if<DetachStep>(&step.action))
     return detached(after, detach->object, {});
   return after;
-}
-
-LinePlace linePlace(const Problem& world, const LineStep& line,
-                    std::span<const double> configuration) {
-  const bool own_axes = line.relative_to.empty(), world_axes = line.relative_to == "world";
-  FramePose pose;
-  pose.frame = line.frame;
-  pose.relative_to = own_axes || world_axes ? "" : line.relative_to;
-  pose.position.fill({0, 0});
-  pose.rpy.fill({0, 0});
-  const robots::PoseRegion region = regionOf(world, pose);
-  std::vector<robots::Pose> X_WL(world.robot.model->links.size());
-  robots::forwardKinematics(*world.robot.model, configuration, X_WL);
-  LinePlace place{region.link, region.X_LF,
-                  X_WL[static_cast<std::size_t>(region.link)] * region.X_LF, line.by};
-  if (own_axes) place.along_W = place.X_WF.rotation * line.by;
-  if (!own_axes && !world_axes) place.along_W = region.X_WR.rotation * line.by;
-  return place;
 }
 
 std::string stepText(const Problem& problem, std::size_t step) {

@@ -20,16 +20,6 @@ Problem worldAfter(const Problem& world, const Step& step, std::span<const doubl
 /// The world before the first step.
 Problem firstWorld(const Problem& problem);
 
-/// The frame of a line, and where it goes from `configuration`.
-struct LinePlace {
-  int link;
-  robots::Pose X_LF;
-  robots::Pose X_WF;        ///< at the beginning
-  Eigen::Vector3d along_W;  ///< from its beginning to its end
-};
-LinePlace linePlace(const Problem& world, const LineStep& line,
-                    std::span<const double> configuration);
-
 /// A step in messages: "step 3 (lift)".
 std::string stepText(const Problem& problem, std::size_t step);
 

@@ -44,13 +44,23 @@ class TaskPlan {
       result_.path.names.push_back(problem_.robot.model->variables[at(v)].name);
     }
     stretches_.resize(problem_.steps.size());
-    if (solveFrom(0, firstWorld(problem_), start_)) {
-      result_.plan_s = secondsSince(begin_);
-      finish();
-    } else {
-      result_.plan_s = secondsSince(begin_);
-      if (result_.status != PlanStatus::kInvalidStart) result_.reason = fault_;
+    const bool is_whole = solveFrom(0, firstWorld(problem_), start_);
+    if (ended_ && at(ended_->end.step) != fault_step_)
+      ended_.reset();  // something else failed later
+    if (!is_whole && ended_ && !ended_->is_reached && !isDecided() && !isOver()) {
+      // Where that line begins no move has gone to yet.
+      takes_part_ = true;
+      tries_ = 0;
+      solveFrom(0, firstWorld(problem_), start_);
     }
+    const bool is_part = !is_whole && ended_ && ended_->is_reached && ended_->place > 0;
+    if (is_part) stretches_ = std::move(ended_->stretches);
+    result_.plan_s = secondsSince(begin_);
+    if (is_whole || is_part) finish(is_whole ? PlanStatus::kSolved : PlanStatus::kPartial);
+    if (is_whole) return std::move(result_);
+    if (ended_) result_.line_end = std::move(ended_->end);
+    if (result_.status != PlanStatus::kInvalidStart && result_.reason.empty())
+      result_.reason = fault_;
     return std::move(result_);
   }
 
@@ -64,6 +74,15 @@ class TaskPlan {
     Problem stage;  ///< with the names and the configuration that it began with
     Waypoints points;
     LineDeparture departure;
+    std::vector<double> places;  ///< of a line's points
+  };
+
+  /// A line that ends early: of the farthest step, the one that goes on longest.
+  struct Ended {
+    LineEnd end;
+    double place;                         ///< on its way
+    bool is_reached;                      ///< with the steps before it, which are:
+    std::vector<Stretch> stretches = {};  ///< and what there is of it
   };
 
   double timeLimit() const { return problem_.limits.time > 0 ? problem_.limits.time : kInfinity; }
@@ -104,13 +123,13 @@ class TaskPlan {
       return fail(step, nothing), false;
     }
     if (const auto* line = std::get_if<LineStep>(&now.action)) {
-      EdgeCertifier certifier(scene);
-      LineMotion motion = followLine(certifier, kinematics_, world, *line, point);
-      count(certifier);
-      if (motion.points.empty()) return fail(step, motion.fault), false;
+      LineMotion motion = follow(step, world, scene, *line, point, kLineTries);
       stretch.points = std::move(motion.points);
+      stretch.places = std::move(motion.places);
       stretch.departure = motion.departure;
-      return after(step, world);
+      if (!motion.end) return after(step, world);
+      remember(*motion.end, stretch.places.back(), true);
+      return takes_part_ && ended_->is_reached;
     }
     return move(step, world, scene, point);
   }
@@ -130,6 +149,39 @@ class TaskPlan {
     return solveFrom(step + 1, *next, end);
   }
 
+  /// Follows the line of a step.
+  LineMotion follow(std::size_t step, const Problem& world,
+                    const std::shared_ptr<const CompiledScene>& scene, const LineStep& line,
+                    const std::vector<double>& point, int tries) {
+    EdgeCertifier certifier(scene);
+    std::optional<LineMotion> motion;
+    try {
+      motion = followLine(certifier, kinematics_, world, line, point,
+                          {tries, problem_.seed, [this] { return isOver(); }});
+    } catch (const std::invalid_argument& error) {
+      refuse(stepText(problem_, step) + ": " + error.what());
+    }
+    count(certifier);
+    if (motion->end) motion->end->step = static_cast<int>(step);
+    return std::move(*motion);
+  }
+
+  /// Remembers a line that ends early, unless another one is as long.
+  void remember(const LineEnd& end, double place, bool is_reached) {
+    if (ended_) {
+      if (end.step < ended_->end.step) return;
+      const bool is_same = end.step == ended_->end.step;
+      if (is_same && place < ended_->place) return;
+      if (is_same && place == ended_->place && (ended_->is_reached || !is_reached)) return;
+    }
+    const std::size_t step = at(end.step);
+    ended_ = {end, place, is_reached, {}};
+    if (is_reached)
+      ended_->stretches.assign(stretches_.begin(),
+                               stretches_.begin() + static_cast<std::ptrdiff_t>(step) + 1);
+    fail(step, end.text);
+  }
+
   bool move(std::size_t step, const Problem& world,
             const std::shared_ptr<const CompiledScene>& scene, const std::vector<double>& point) {
     const Problem stage = stretches_[step].stage;  // the recursion overwrites stretches
@@ -145,22 +197,38 @@ class TaskPlan {
       count(certifier);
       return false;
     }
-    for (std::size_t i = 0; i < kStepSolutions; ++i) {
-      while (i >= points.points.size() && sampler.more(points) && !isOver()) {
-      }
-      if (i >= points.points.size() || tries_ >= kTaskTries || isOver()) break;
+    // Where the lines behind it end early from every one, those that go on longest are tried with
+    // other motions of what the lines leave free.
+    std::vector<Tried> ended;
+    const auto goesOn = [&](std::size_t i, int tries) {
       ++tries_;
       const std::vector<double>& goal = points.points[i];
-      if (!linesWork(step, world, goal)) continue;
+      Tried tried{i};
+      if (!linesWork(step, world, goal, tries, tried)) {
+        if (tries == 0) ended.push_back(tried);
+        return false;
+      }
       Problem to = stage;
       to.goals = {{problem_.steps[step].name, {}, {}}};
       for (const double x : goal) to.goals[0].ranges.emplace_back(x, x);
-      if (moveTo(step, world, to, scene, point)) {
-        count(certifier);
-        return true;
+      return moveTo(step, world, to, scene, point);
+    };
+    bool is_solved = false;
+    for (std::size_t i = 0; i < kStepSolutions && !is_solved && !isDecided(); ++i) {
+      while (i >= points.points.size() && sampler.more(points) && !isOver()) {
       }
-      if (isDecided()) break;
+      if (i >= points.points.size() || tries_ >= kTaskTries || isOver()) break;
+      is_solved = goesOn(i, 0);
     }
+    std::stable_sort(ended.begin(), ended.end(), [](const Tried& a, const Tried& b) {
+      return std::pair(a.step, a.place) > std::pair(b.step, b.place);
+    });
+    ended.resize(std::min(ended.size(), kLongestLines));
+    for (const Tried& tried : ended) {
+      if (is_solved || isDecided() || tries_ >= kTaskTries || isOver()) break;
+      is_solved = goesOn(tried.goal, kLineTries);
+    }
+    if (is_solved) return count(certifier), true;
     count(certifier);
     if (isOver()) fail(step, "the time limit was reached");
     return false;
@@ -172,8 +240,17 @@ class TaskPlan {
            scene.scene().bodies()[at(pair.body_b)].name;
   }
 
-  /// Whether the lines up to the next move succeed from `point`: much sooner known than a path.
-  bool linesWork(std::size_t step, const Problem& world, std::vector<double> point) {
+  /// One of a move's goals, and where the lines behind it end early.
+  struct Tried {
+    std::size_t goal;
+    std::size_t step = 0;
+    double place = 0;
+  };
+
+  /// Whether the lines up to the next move succeed from `point`: much sooner known than a path. Or
+  /// go on as far as any, where a part is taken.
+  bool linesWork(std::size_t step, const Problem& world, std::vector<double> point, int tries,
+                 Tried& tried) {
     Problem now = world;
     for (std::size_t next = step + 1;; ++next) {
       std::vector<double> configuration = now.start;
@@ -186,12 +263,17 @@ class TaskPlan {
           return true;
         const auto* line = std::get_if<LineStep>(&problem_.steps[next].action);
         if (line == nullptr) continue;
-        EdgeCertifier certifier(
-            std::make_shared<const CompiledScene>(stageOf(now, problem_.steps[next])));
-        LineMotion motion = followLine(certifier, kinematics_, now, *line, point);
-        count(certifier);
-        if (motion.points.empty()) return fail(next, motion.fault), false;
-        point = motion.points.back();
+        const auto scene =
+            std::make_shared<const CompiledScene>(stageOf(now, problem_.steps[next]));
+        LineMotion motion = follow(next, now, scene, *line, point, tries);
+        if (motion.end) {
+          tried.step = next;
+          tried.place = motion.places.back();
+          remember(*motion.end, tried.place, false);
+          return takes_part_ && motion.end->step == ended_->end.step &&
+                 tried.place >= ended_->place;
+        }
+        point = std::move(motion.points.back());
       } catch (const std::invalid_argument& error) {
         refuse(stepText(problem_, next) + ": " + error.what());
       }
@@ -294,7 +376,7 @@ class TaskPlan {
   }
 
   /// The stretches as one path, with one certificate.
-  void finish() {
+  void finish(PlanStatus status) {
     const Clock::time_point begin = Clock::now();
     Certificate& whole = result_.certificate;
     whole.clearance = whole.world.clearance = whole.self.clearance = {kInfinity, kInfinity};
@@ -308,7 +390,7 @@ class TaskPlan {
       path.positions.insert(path.positions.end(), stretch.points.begin() + 1, stretch.points.end());
       path.steps.push_back({problem_.steps[s].name, first,
                             static_cast<int>(path.positions.size()) - 1,
-                            stretch.departure.deviation, stretch.departure.turn});
+                            stretch.departure.deviation, stretch.departure.turn, stretch.places});
       if (stretch.points.size() < 2) continue;
       const auto scene = std::make_shared<const CompiledScene>(stretch.stage);
       // Keep the warnings that hold in every step.
@@ -341,7 +423,7 @@ class TaskPlan {
     const ConfigurationSpace space(problem_.robot.model, problem_.robot.variables);
     path.positions = unwrapped(space, std::move(path.positions));
     result_.length = pathLength(space, path.positions);
-    result_.status = PlanStatus::kSolved;
+    result_.status = status;
   }
 
   const Problem& problem_;
@@ -353,6 +435,8 @@ class TaskPlan {
   int tries_ = 0;
   std::size_t fault_step_ = 0;
   std::string fault_;
+  std::optional<Ended> ended_;
+  bool takes_part_ = false;  ///< the part of a line that ended_ remembers is enough
   PlanResult result_;
 };
 

@@ -78,7 +78,10 @@ constexpr Keys kConstraint[] = {
     "name", "frame",       "relative_to", "position",  "position_tolerance",
     "rpy",  "orientation", "axis",        "direction", "angle"};
 constexpr Keys kStep[] = {"name", "move", "line", "attach", "detach", "allowed"};
-constexpr Keys kLine[] = {"frame", "by", "relative_to", "position_tolerance", "angle_tolerance"};
+constexpr Keys kLine[] = {
+    "frame",          "by", "rpy", "orientation", "poses", "relative_to", "position_tolerance",
+    "angle_tolerance"};
+constexpr Keys kWaypoint[] = {"position", "rpy", "orientation", "via"};
 constexpr Keys kAttachStep[] = {"object", "link", "touch"};
 constexpr Keys kPlanarPose[] = {"position", "angle"};
 
@@ -138,6 +141,7 @@ const std::array kFormats = {MapFormat{"mesh_treatment", kMeshTreatment},
                              MapFormat{"constraint", kConstraint},
                              MapFormat{"step", kStep},
                              MapFormat{"line", kLine},
+                             MapFormat{"waypoint", kWaypoint},
                              MapFormat{"attach_step", kAttachStep}};
 
 /// The maps whose keys are in the table of settings, and where they stand in a file.

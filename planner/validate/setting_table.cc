@@ -111,6 +111,7 @@ constexpr Setting kSettings[] = {
     {.name = "steps",
      .key = "steps",
      .help = "A task in place of goals: TaskSteps, one after the other"},
+    {.name = "", .key = "waypoints"},
     {.name = "constraints",
      .key = "constraints",
      .help = "What frames keep on all of a path, proven everywhere: Constraints"},

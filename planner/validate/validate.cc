@@ -200,6 +200,38 @@ void checkSteps(const Problem& problem) {
   }
 }
 
+/// Throws std::invalid_argument for a line that goes nowhere, or not where it can be known.
+void checkWay(const LineStep& line) {
+  const auto refuse = [](const std::string& message) { throw std::invalid_argument(message); };
+  const auto text = [](const Eigen::Vector3d& v) {
+    return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z());
+  };
+  const auto checkRotation = [&](const std::string& key, const Eigen::Matrix3d& rotation) {
+    if (const std::string wrong = poseFault({rotation, Eigen::Vector3d::Zero()}); !wrong.empty())
+      refuse(key + " " + wrong);
+  };
+  if (line.poses.empty()) {
+    checkRotation("turn", line.turn);
+    const bool turns = !line.turn.isIdentity(0);
+    if (!(line.by.norm() > 0 || (turns && line.by.isZero(0))) || !line.by.allFinite())
+      refuse(fmt::format("by is {}; the way from here [x, y, z] in m is expected",
+                         line.by.isZero(0) ? "of no length" : text(line.by)));
+    return;
+  }
+  if (!line.by.isZero(0) || !line.turn.isIdentity(0))
+    refuse("it has both 'by' or a turn and 'poses'; one is expected");
+  for (std::size_t i = 0; i < line.poses.size(); ++i) {
+    const Waypoint& pose = line.poses[i];
+    const std::string where = fmt::format("poses[{}]", i);
+    for (const auto& [key, p] :
+         {std::pair("position", &pose.position), {"via", pose.via ? &*pose.via : &pose.position}})
+      if (!p->allFinite() || p->cwiseAbs().maxCoeff() > kAnyPosition)
+        refuse(fmt::format("{}.{} is {}; numbers up to {} m are expected", where, key, text(*p),
+                           kAnyPosition));
+    if (pose.rotation) checkRotation(where + ".rotation", *pose.rotation);
+  }
+}
+
 }  // namespace
 
 void checkRobot(const Problem& problem) {
@@ -225,12 +257,7 @@ void takeStep(const Step& step, Problem& world) {
     }
     if (const auto fault = goalFault(world, move->goal)) throw std::invalid_argument(*fault);
   } else if (const auto* line = std::get_if<LineStep>(&step.action)) {
-    if (!(line->by.norm() > 0) || !line->by.allFinite())
-      throw std::invalid_argument(
-          fmt::format("by is {}; the way from here [x, y, z] in m is expected",
-                      line->by.isZero(0)
-                          ? "of no length"
-                          : fmt::format("[{}, {}, {}]", line->by.x(), line->by.y(), line->by.z())));
+    checkWay(*line);
     for (const auto& [key, value] : {std::pair("position_tolerance", line->position_tolerance),
                                      {"angle_tolerance", line->angle_tolerance}})
       if (!(value >= kLeastLineTolerance) || !std::isfinite(value))
@@ -240,8 +267,7 @@ void takeStep(const Step& step, Problem& world) {
         world.robot.model->findLink("world") < 0)
       throw std::invalid_argument(
           "relative_to 'world' is the name of an object, and stands for the world's axes; an "
-          "object "
-          "of another name is expected");
+          "object of another name is expected");
     FramePose place;
     place.frame = line->frame;
     place.relative_to = line->relative_to == "world" ? "" : line->relative_to;

@@ -79,6 +79,8 @@ VerifyStatus FrameCheck::check(const std::vector<double>& a, const std::vector<d
     for (std::size_t i = 0; i < point.size(); ++i) q_[at(variables_[i])] = point[i];
     const std::vector<Pose> X_WL = placeLinks(model_, q_);
     FrameLook look;
+    look.t = t;
+    look.half = half;
     look.X_WF = X_WL[at(link_)] * X_LF_;
     const Motion origin = boundMotion(model_, joints_, X_WL, dq, look.X_WF.translation, 0, half);
     const Motion tips = boundMotion(model_, joints_, X_WL, dq, look.X_WF.translation, 1, half);

@@ -14,9 +14,10 @@ namespace leeway::planner::verification {
 /// A frame at one place of an edge, with first-order bounds for what is around it.
 struct FrameLook {
   robots::Pose X_WF;
-  double moves = 0;  ///< the origin over this part of the edge, at most [m]
-  double tips = 0;   ///< the ends of unit vectors fixed to the frame, from its rotation alone
-  double slack = 0;  ///< displacement of any of these by rounding [m]
+  double t = 0, half = 0;  ///< the place's, and half of what it stands for, as shares of the edge
+  double moves = 0;        ///< the origin over this part of the edge, at most [m]
+  double tips = 0;         ///< the ends of unit vectors fixed to the frame, from its rotation alone
+  double slack = 0;        ///< displacement of any of these by rounding [m]
 };
 
 /// Proves or refutes what a frame on a link keeps along edges, by halving them.

@@ -1,5 +1,7 @@
 #include "planner/verify/task_check.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -7,6 +9,7 @@
 
 #include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
+#include "planner/task/line_way.h"
 #include "planner/task/stages.h"
 #include "planner/verify/frame_check.h"
 #include "planner/verify/pairs.h"
@@ -17,18 +20,22 @@ namespace {
 
 using robots::Pose;
 
-/// Empty when the path's steps are the problem's, one behind the other from its first to its last
-/// waypoint.
+bool moves(const Step& step) {
+  return std::holds_alternative<MoveStep>(step.action) ||
+         std::holds_alternative<LineStep>(step.action);
+}
+
+/// Empty when the path's steps are the problem's, or its first ones, one behind the other from its
+/// first to its last waypoint.
 std::string wrongSteps(const Problem& problem, const Path& path) {
-  if (path.steps.size() != problem.steps.size())
+  if (path.steps.empty() || path.steps.size() > problem.steps.size())
     return "the path has " + std::to_string(path.steps.size()) + " steps, the problem " +
            std::to_string(problem.steps.size()) + " (only .json and .yaml files keep them)";
   int now = 0;
   for (std::size_t s = 0; s < path.steps.size(); ++s) {
     const PathStep& step = path.steps[s];
-    const bool moves = std::holds_alternative<MoveStep>(problem.steps[s].action) ||
-                       std::holds_alternative<LineStep>(problem.steps[s].action);
-    if (step.first != now || step.last < step.first || (!moves && step.last != step.first))
+    if (step.first != now || step.last < step.first ||
+        (!moves(problem.steps[s]) && step.last != step.first))
       return stepText(problem, s) + " has waypoints " + std::to_string(step.first) + " to " +
              std::to_string(step.last) + "; they do not follow those before";
     now = step.last;
@@ -38,19 +45,38 @@ std::string wrongSteps(const Problem& problem, const Path& path) {
   return {};
 }
 
-/// Judges a look at a line's frame.
-VerifyStatus judgeLine(const LineStep& line, const LinePlace& place, const FrameLook& look) {
-  const Eigen::Vector3d from = look.X_WF.translation - place.X_WF.translation;
-  const double length = place.along_W.norm();
-  const double way = std::clamp(from.dot(place.along_W) / length, 0.0, length) / length;
-  const double off = (from - way * place.along_W).norm();
+/// Empty when a step's places go along the way, from its beginning, no edge past a pose.
+std::string wrongPlaces(const PathStep& step, double size) {
+  const std::vector<double>& places = step.places;
+  if (places.size() != at(step.last - step.first) + 1)
+    return " has " + std::to_string(places.size()) +
+           " places on its line; one for each of its waypoints is expected";
+  bool fits = places.front() == 0;
+  for (std::size_t i = 0; i + 1 < places.size(); ++i)  // false for NaN
+    fits = fits && places[i] <= places[i + 1] && places[i + 1] <= std::floor(places[i]) + 1;
+  if (!fits || !(places.back() <= size))
+    return " has places that do not go along its line; they are expected to begin at 0, to rise, "
+           "and to hold the number of each pose between";
+  return {};
+}
+
+/// Judges a look at a line's frame, whose place on the line goes from `place` to `next` on the
+/// edge, by where that place is and how far it moves.
+VerifyStatus judgeLine(const LineStep& line, const LineWay& way, double place, double next,
+                       const FrameLook& look) {
+  const WayStretch& stretch =
+      way.stretches[std::min(static_cast<std::size_t>(place), way.stretches.size() - 1)];
+  const Pose X_WP = way.at(place + look.t * (next - place));
+  const double part = look.half * (next - place);
+  const double moves = look.moves + part * stretch.length();
+  const double tips = look.tips + part * stretch.turn;
+  const double off = (look.X_WF.translation - X_WP.translation).norm();
   // The longest chord between ends of a unit vector turned by either rotation.
-  const double chord = (look.X_WF.rotation - place.X_WF.rotation).norm() / std::sqrt(2.0);
+  const double chord = (look.X_WF.rotation - X_WP.rotation).norm() / std::sqrt(2.0);
   const double most = 2 * std::sin(std::min(line.angle_tolerance, 3.0) / 2);
-  if (off - look.slack > line.position_tolerance || chord - look.slack > most)
-    return VerifyStatus::kRefuted;
-  return off + look.slack + look.moves <= line.position_tolerance &&
-                 chord + 2 * look.slack + look.tips <= most
+  const double slack = look.slack + kVerifyPose * (1 + X_WP.translation.norm());
+  if (off - slack > line.position_tolerance || chord - slack > most) return VerifyStatus::kRefuted;
+  return off + slack + moves <= line.position_tolerance && chord + 2 * slack + tips <= most
              ? VerifyStatus::kCertified
              : VerifyStatus::kUndecided;
 }
@@ -73,7 +99,7 @@ class TaskCheck {
     if (std::string reason = wrongSteps(problem_, path_); !reason.empty())
       return refuted(0, std::move(reason));
     Problem world = firstWorld(problem_);
-    for (std::size_t s = 0; s < problem_.steps.size(); ++s) try {
+    for (std::size_t s = 0; s < path_.steps.size(); ++s) try {
         const int last = path_.steps[s].last;
         if (const auto fault = checkStep(s, stageOf(world, problem_.steps[s]))) return *fault;
         std::vector<double> configuration = world.start;
@@ -86,8 +112,28 @@ class TaskCheck {
       } catch (const std::invalid_argument& error) {
         return refuted(path_.steps[s].first, stepText(problem_, s) + ": " + error.what());
       }
+    // Last, so that what there is of the path is known to be good.
+    if (std::string reason = missing(); !reason.empty())
+      return refuted(std::max(0, static_cast<int>(path_.positions.size()) - 2), std::move(reason));
     result_.status = VerifyStatus::kCertified;
     return result_;
+  }
+
+  /// What the path lacks of the task; all that it has was certified.
+  std::string missing() const {
+    for (std::size_t s = 0; s < path_.steps.size(); ++s) {
+      const std::vector<double>& places = path_.steps[s].places;
+      const auto* line = std::get_if<LineStep>(&problem_.steps[s].action);
+      if (line == nullptr) continue;
+      const auto size = static_cast<double>(std::max<std::size_t>(1, line->poses.size()));
+      if (places.back() < size)
+        return fmt::format("{} ends early, at {:.6g} of {}; what there is of it is certified",
+                           stepText(problem_, s), places.back(), size);
+    }
+    if (path_.steps.size() < problem_.steps.size())
+      return fmt::format("the path has {} steps, the problem {}; these are certified",
+                         path_.steps.size(), problem_.steps.size());
+    return {};
   }
 
   VerifyResult refuted(int waypoint, std::string reason) const {
@@ -109,20 +155,24 @@ class TaskCheck {
     stretch.positions.assign(path_.positions.begin() + step.first,
                              path_.positions.begin() + step.last + 1);
     if (const auto* line = std::get_if<LineStep>(&asked.action)) {
-      const LinePlace place = linePlace(stage, *line, stage.start);
-      Pose end = place.X_WF;
-      end.translation += place.along_W;
-      robots::PoseRegion goal = robots::PoseRegion::exact(place.link, place.X_LF, end, Pose());
+      const LineWay way = lineWay(stage, *line, placeLinks(*stage.robot.model, stage.start));
+      if (const std::string wrong = wrongPlaces(step, way.size()); !wrong.empty())
+        return refuted(step.first, stepText(problem_, s) + wrong);
+      robots::PoseRegion goal =
+          robots::PoseRegion::exact(way.link, way.X_LF, way.at(step.places.back()), Pose());
       goal.position_tolerance = line->position_tolerance;
       goal.angle_tolerance = line->angle_tolerance;
       stage.goals = {{asked.name, {}, {goal}}};
       if (auto fault = checkStretch(s, stage, stretch)) return fault;
-      FrameCheck check(stage, place.link, place.X_LF);
+      FrameCheck check(stage, way.link, way.X_LF);
       for (std::size_t i = 0; i + 1 < stretch.positions.size(); ++i) {
         double t = 0;
         const VerifyStatus status = check.check(
             stretch.positions[i], stretch.positions[i + 1], kShortestLinePiece * kShortestLinePiece,
-            [&](const FrameLook& look) { return judgeLine(*line, place, look); }, t);
+            [&](const FrameLook& look) {
+              return judgeLine(*line, way, step.places[i], step.places[i + 1], look);
+            },
+            t);
         if (status == VerifyStatus::kCertified) continue;
         VerifyResult result;
         result.status = status;

@@ -168,8 +168,8 @@ py::dict counts(const Result& self) {
   return result;
 }
 
-void requireSolved(const Result& self, const char* what) {
-  if (self.value.status != planner::PlanStatus::kSolved)
+void requirePath(const Result& self, const char* what) {
+  if (self.value.path.positions.empty())
     throw py::value_error(std::string("no path to ") + what + ": the status is '" +
                           toString(self.value.status) + "'");
 }
@@ -184,7 +184,8 @@ void defineResult(py::module_& module) {
                             "proven to keep its margins.");
   defineConstant(
       result, "status", [](const Result& self) { return toString(self.value.status); },
-      "'solved', 'unsolved', 'invalid_start', 'invalid_goal', 'nothing_checked' (no pair of shapes "
+      "'solved', 'unsolved', 'partial' (a line of a task ends early, and the path is what there is "
+      "until then), 'invalid_start', 'invalid_goal', 'nothing_checked' (no pair of shapes "
       "is checked, and nothing is planned) or 'not_compiled' (the time limit was over, or it was "
       "stopped, before planning began).");
   defineConstant(
@@ -192,7 +193,7 @@ void defineResult(py::module_& module) {
       [](const Result& self) {
         return array(self.value.path.positions, self.problem->robot.variables.size());
       },
-      "The waypoints: (n, joints) [rad or m]; (0, joints) unless solved.");
+      "The waypoints: (n, joints) [rad or m]; (0, joints) unless solved or partial.");
   defineConstant(
       result, "joint_names", [](const Result& self) { return listOf(self.value.path.names); },
       "Names of the path's columns.");
@@ -218,6 +219,23 @@ void defineResult(py::module_& module) {
       "Why a task failed, a goal of poses has no configuration or nothing is checked, in words; "
       "else "
       "''.");
+  defineConstant(
+      result, "line_end",
+      [](const Result& self) -> py::object {
+        const auto& end = self.value.line_end;
+        if (!end) return py::none();
+        py::dict where;
+        where["step"] = self.problem->steps[static_cast<std::size_t>(end->step)].name;
+        where["waypoint"] = end->waypoint;
+        where["share"] = end->share;
+        where["why"] = toString(end->why);
+        return where;
+      },
+      "Where a line ends early: a dict of its `step`, the first `waypoint` of its poses that is "
+      "not "
+      "reached, the `share` of the way to it that is left behind, and `why`: 'limit', "
+      "'singularity' "
+      "or 'collision'; else None.");
   defineConstant(
       result, "unreachable", [](const Result& self) { return self.value.unreachable; },
       "Whether it is proven that a goal of poses has no configuration.");
@@ -304,7 +322,7 @@ void defineResult(py::module_& module) {
       "The path with times, within the limits of the problem's execution: along the certified "
       "edges, at rest at corners or through proven blends. `period` [s] is that of its arrays.",
       [](const Result& self, double period) {
-        requireSolved(self, "time");
+        requirePath(self, "time");
         return trajectoryObject(self, period);
       },
       py::arg("period") = 0.01);
@@ -313,7 +331,7 @@ void defineResult(py::module_& module) {
       "Writes path and certificate; the file's ending chooses: .json, .yaml, .csv, .path. Whole "
       "or not at all.",
       [](const Result& self, const py::object& file) {
-        requireSolved(self, "save");
+        requirePath(self, "save");
         const std::string path = fileName(file, "file");
         const Result held = self;
         released([&] { planner::writePath(path, *held.problem, held.value); });

@@ -40,25 +40,70 @@ TaskStep moveStep(const py::object& goal, const py::object& name, const py::obje
   return step;
 }
 
-TaskStep lineStep(const std::string& frame, const py::object& by, const py::object& relative_to,
+planner::Waypoint makeWaypoint(const py::object& position, const py::object& orientation,
+                               const py::object& rpy, const py::object& via) {
+  planner::Waypoint made{vector3(position, "position")};
+  if (!orientation.is_none() || !rpy.is_none())
+    made.rotation = pose(position, orientation, rpy).rotation;
+  if (!via.is_none()) made.via = vector3(via, "via");
+  return made;
+}
+
+/// Waypoints, or rows of arrays: positions, with quaternions, or matrices.
+std::vector<planner::Waypoint> waypointsOf(const py::object& poses) {
+  std::vector<planner::Waypoint> made;
+  for (const py::handle item : py::list(poses)) {
+    if (py::isinstance<planner::Waypoint>(item)) {
+      made.push_back(item.cast<const planner::Waypoint&>());
+      continue;
+    }
+    const collision::Pose at = pose(item, "poses");
+    made.push_back({at.translation});
+    if (py::len(item) != 3) made.back().rotation = at.rotation;
+  }
+  if (made.empty()) throw py::value_error("poses is empty; at least one is expected");
+  return made;
+}
+
+TaskStep lineStep(const std::string& frame, const py::object& by, const py::object& orientation,
+                  const py::object& rpy, const py::object& poses, const py::object& relative_to,
                   double position_tolerance, double angle_tolerance, const py::object& name,
                   const py::object& allowed) {
-  planner::LineStep straight;
-  straight.frame = frame;
-  straight.by = vector3(by, "by");
-  if (!(straight.by.norm() > 0))
+  planner::LineStep line;
+  line.frame = frame;
+  const bool turns = !orientation.is_none() || !rpy.is_none();
+  if (poses.is_none() == (by.is_none() && !turns))
+    throw py::value_error(
+        poses.is_none()
+            ? "the line goes nowhere; by, the way from here (x, y, z) [m], or poses are "
+              "expected"
+            : "by or a rotation stands beside poses; one of them is expected");
+  if (!by.is_none()) line.by = vector3(by, "by");
+  if (turns) line.turn = pose(py::none(), orientation, rpy).rotation;
+  if (!poses.is_none()) line.poses = waypointsOf(poses);
+  if (poses.is_none() && !turns && !(line.by.norm() > 0))
     throw py::value_error("by is of no length; the way from here (x, y, z) [m] is expected");
-  if (!relative_to.is_none()) straight.relative_to = relative_to.cast<std::string>();
+  if (!relative_to.is_none()) line.relative_to = relative_to.cast<std::string>();
   for (const auto& [value, what] : {std::pair(position_tolerance, "position_tolerance"),
                                     std::pair(angle_tolerance, "angle_tolerance")})
     if (!(value >= kLeastLineTolerance) || std::isinf(value))
       throw py::value_error(std::string(what) + " is " + text(value) + "; at least " +
                             text(kLeastLineTolerance) + " is expected");
-  straight.position_tolerance = position_tolerance;
-  straight.angle_tolerance = angle_tolerance;
-  TaskStep step = made(name, std::move(straight));
+  line.position_tolerance = position_tolerance;
+  line.angle_tolerance = angle_tolerance;
+  TaskStep step = made(name, std::move(line));
   step.allowed = allowed;
   return step;
+}
+
+TaskStep loadedLine(const py::object& file, const py::object& frame, const py::object& name) {
+  std::vector<std::string> warnings;
+  planner::LineStep line =
+      planner::loadWaypoints(fileName(file, "file"),
+                             frame.is_none() ? std::string() : frame.cast<std::string>(), warnings);
+  for (const std::string& warning : warnings)
+    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+  return made(name, std::move(line));
 }
 
 TaskStep attachStep(const std::string& object, const std::string& link,
@@ -103,13 +148,45 @@ void definePathStep(py::module_& module) {
   step.def_readonly("first", &PathStep::first, "Its first waypoint.");
   step.def_readonly("last", &PathStep::last,
                     "Its last waypoint; the first one where nothing moves.");
-  step.def_readonly("deviation", &PathStep::deviation,
-                    "Of a line: the frame's origin is proven to be this near to it [m].");
+  step.def_readonly(
+      "deviation", &PathStep::deviation,
+      "Of a line: the frame's origin is proven to be this near to its place on it, at "
+      "any time [m].");
   step.def_readonly("turn", &PathStep::turn,
-                    "Of a line: the frame is proven to turn by no more [rad].");
+                    "Of a line: the frame is proven to be turned by no more from its rotation "
+                    "there [rad].");
+  defineConstant(
+      step, "places",
+      [](const PathStep& self) { return array(std::span<const double>(self.places)); },
+      "Of a line: where each of the step's waypoints is on it. Number k of its poses, from 1, is "
+      "at "
+      "k, its beginning at 0; between waypoints the place moves at a constant rate.");
   step.def("__repr__", [](const PathStep& self) {
     return "<leeway.PathStep '" + self.name + "': waypoints " + std::to_string(self.first) +
            " to " + std::to_string(self.last) + ">";
+  });
+}
+
+void defineWaypoint(py::module_& module) {
+  using planner::Waypoint;
+  const std::string init = "(position, orientation=None, rpy=None, *, via=None)";
+  py::class_<Waypoint> waypoint(
+      module, "Waypoint",
+      withSignature("Waypoint", init,
+                    "A place on a line's way, for TaskStep.line(poses=): the position of the "
+                    "frame's origin [m], its rotation (orientation x y z w, or rpy [rad]; neither: "
+                    "as at the place before), and a point through which an arc goes there (via; "
+                    "None: straight).")
+          .c_str());
+  defineInit(waypoint, init, makeWaypoint, py::arg("position"), py::arg("orientation") = py::none(),
+             py::arg("rpy") = py::none(), py::kw_only(), py::arg("via") = py::none());
+  defineCopiesOfConstant(waypoint);
+  defineConstant(
+      waypoint, "position", [](const Waypoint& self) { return array(self.position); },
+      "Of the frame's origin: (3,) [m].");
+  waypoint.def("__repr__", [](const Waypoint& self) {
+    return "<leeway.Waypoint at (" + text(self.position.x()) + ", " + text(self.position.y()) +
+           ", " + text(self.position.z()) + ")>";
   });
 }
 
@@ -151,6 +228,7 @@ py::object stepList(const planner::Problem& problem) {
 
 void defineTasks(py::module_& module) {
   definePathStep(module);
+  defineWaypoint(module);
   py::class_<TaskStep> step(
       module, "TaskStep",
       "A step of a task: Problem(..., steps=[TaskStep.move(...), TaskStep.attach(...), ...]). "
@@ -162,17 +240,27 @@ void defineTasks(py::module_& module) {
                "To a goal, as Problem has it, by whatever path is found.", moveStep,
                py::arg("goal"), py::kw_only(), py::arg("name") = py::none(),
                py::arg("allowed") = py::list());
-  defineStatic(step, "line",
-               "(frame, by, *, relative_to=None, position_tolerance=0.001, angle_tolerance=0.01, "
-               "name=None, allowed=[])",
-               "The origin of a frame, link or held object moves along a straight line, and the "
-               "frame does not turn. by: (x, y, z) from where it is [m], in the frame's own axes, "
-               "or in those of `relative_to`: an object, frame or link, or 'world'. Every point of "
-               "the motion is proven to be as near to the line as the tolerances say [m, rad].",
-               lineStep, py::arg("frame"), py::arg("by"), py::kw_only(),
-               py::arg("relative_to") = py::none(), py::arg("position_tolerance") = 1e-3,
-               py::arg("angle_tolerance") = 1e-2, py::arg("name") = py::none(),
-               py::arg("allowed") = py::list());
+  defineStatic(
+      step, "line",
+      "(frame, by=None, *, orientation=None, rpy=None, poses=None, relative_to=None, "
+      "position_tolerance=0.001, angle_tolerance=0.01, name=None, allowed=[])",
+      "A frame, link or held object goes straight and turns at a constant rate. by: (x, y, z) from "
+      "where it is [m], and a turn, in the frame's own axes, or in those of `relative_to`: an "
+      "object, frame or link, or 'world'. Or through poses, in the world or seen from "
+      "`relative_to`: Waypoints, or an array of positions (n, 3), with quaternions (n, 7), or of "
+      "matrices (n, 4, 4). At every time of the motion the frame is proven to be as near to its "
+      "place on the line as the tolerances say [m, rad].",
+      lineStep, py::arg("frame"), py::arg("by") = py::none(), py::kw_only(),
+      py::arg("orientation") = py::none(), py::arg("rpy") = py::none(),
+      py::arg("poses") = py::none(), py::arg("relative_to") = py::none(),
+      py::arg("position_tolerance") = 1e-3, py::arg("angle_tolerance") = 1e-2,
+      py::arg("name") = py::none(), py::arg("allowed") = py::list());
+  defineStatic(
+      step, "load_line", "(file, frame=None, *, name=None)",
+      "A line through the poses of a file: .csv with columns x, y, z and qx, qy, qz, qw or "
+      "roll, pitch, yaw; .yaml or .json. frame: where the file does not name it.",
+      loadedLine, py::arg("file"), py::arg("frame") = py::none(), py::kw_only(),
+      py::arg("name") = py::none());
   defineStatic(step, "attach", "(object, link, touch_links=[], *, name=None)",
                "A link takes hold of an object where it stands. It may touch the link and "
                "`touch_links`.",

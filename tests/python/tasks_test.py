@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import leeway
-from leeway import FramePose, TaskStep
+from leeway import FramePose, TaskStep, Waypoint
 
 
 @pytest.fixture
@@ -115,3 +115,54 @@ def test_a_task_that_fails_says_where(robot, world):
     with pytest.raises(ValueError, match="beside a goal"):
         leeway.plan(robot, world, start, "tucked", steps=[TaskStep.move("ready")])
     assert leeway.plan(stuck.problem, goal="tucked").steps == []
+
+
+def test_a_line_goes_through_poses(robot):
+    world = leeway.World()
+    X = robot.pose("hand", robot.state("ready"))
+    X[:3, 3] = (0.5, 0.1, 0.45)
+    way = [Waypoint((0.5, 0.1, 0.45), rpy=(3, 0.1, 3)), Waypoint((0.5, -0.1, 0.45), via=(0.47, 0, 0.47))]
+    for poses, count in ((way, 2), (np.array([[0.5, 0.1, 0.45], [0.5, 0, 0.45]]), 2), ([X], 1), ([(0.5, 0.1, 0.45, 0.8, 0.6, 0, 0)], 1)):
+        result = leeway.plan(robot, world, "ready", steps=[TaskStep.line("hand", poses=poses)])
+        assert result and result.line_end is None, result.reason
+        assert result.steps[0].places[0] == 0 and result.steps[0].places[-1] == count
+        assert len(result.steps[0].places) == len(result.path) and result.steps[0].deviation <= 1e-3
+        assert leeway.verify(result.problem, result)
+    assert "Waypoint at (0.5, 0.1, 0.45)" in repr(way[0]) and way[0].position.tolist() == [0.5, 0.1, 0.45]
+
+
+def test_a_line_that_ends_early_gives_its_part(robot, tmp_path):
+    result = leeway.plan(robot, leeway.World(), "ready", steps=[TaskStep.line("hand", poses=[(0.5, 0.1, 0.45), (0.5, 0.1, 2)], name="up")])
+    assert result.status == "partial" and not result and len(result.path) > 1 and "it ends after" in result.reason
+    assert result.line_end["step"] == "up" and result.line_end["waypoint"] == 1 and 0 < result.line_end["share"] < 1
+    assert result.line_end["why"] in ("limit", "singularity")
+    assert result.steps[0].places[-1] == 1 + result.line_end["share"] and result.certificate.certified
+    assert leeway.verify(result.problem, result).status == "refuted"
+    result.save(tmp_path / "part.json")
+    assert result.trajectory().duration > 0
+
+
+def test_a_line_turns(robot):
+    result = leeway.plan(robot, leeway.World(), "ready", steps=[TaskStep.line("hand", (0, 0, 0.05), rpy=(0, 0, 0.3)), TaskStep.line("hand", rpy=(0, 0, -0.3))])
+    assert result and leeway.verify(result.problem, result)
+
+
+def test_a_line_of_a_file(robot, tmp_path):
+    file = tmp_path / "way.csv"
+    file.write_text("x,y,z\n0.5,0.1,0.45\n")
+    result = leeway.plan(robot, leeway.World(), "ready", steps=[TaskStep.load_line(file, "hand")])
+    assert result and result.steps[0].places[-1] == 1
+    with pytest.raises(leeway.InputError, match="does not say which frame"):
+        TaskStep.load_line(file)
+    (tmp_path / "long.csv").write_text("0.5,0.1,0.45,1.00001,0,0,0\n")
+    with pytest.warns(UserWarning, match="long.csv:1"):
+        TaskStep.load_line(tmp_path / "long.csv", "hand")
+
+
+def test_wrong_lines_are_refused(robot):
+    for arguments, message in (({}, "goes nowhere"), ({"by": (0, 0, 0)}, "of no length"), ({"by": (0, 0, 1), "poses": [(0, 0, 1)]}, "stands beside poses"),
+                               ({"poses": []}, "poses is empty"), ({"poses": [(0, 0)]}, "poses"), ({"rpy": (0, 0, float("nan"))}, "rpy")):
+        with pytest.raises(ValueError, match=message):
+            TaskStep.line("hand", **arguments)
+    with pytest.raises(leeway.InputError, match="did you mean 'hand'"):
+        leeway.plan(robot, leeway.World(), "ready", steps=[TaskStep.line("hnd", poses=[(0.5, 0, 0.4)])])

@@ -253,6 +253,9 @@ std::string hindranceText(const planner::Problem& problem, const planner::PlanRe
 std::string verdictOf(planner::PlanStatus status) {
   switch (status) {
     case planner::PlanStatus::kSolved:
+    case planner::PlanStatus::kPartial:
+      if (!result.reason.empty())
+        fmt::print("Only a part of it, which is certified: {}.\n", result.reason);
     case planner::PlanStatus::kUnsolved:
       return "no path found";
     case planner::PlanStatus::kInvalidStart:
@@ -385,11 +388,12 @@ int runPlan(const PlanArguments& arguments) {
   endProgress();
   printWarnings(result.warnings);
   const bool solved = result.status == planner::PlanStatus::kSolved;
-  if (solved && !arguments.output.empty()) {
+  const bool has_path = solved || result.status == planner::PlanStatus::kPartial;
+  if (has_path && !arguments.output.empty()) {
     planner::writePath(arguments.output, problem, result);
   }
   std::optional<planner::Trajectory> trajectory;
-  if (solved) {
+  if (has_path) {
     trajectory = planner::trajectoryOf(problem, result.path);
     if (!arguments.trajectory.empty()) {
       planner::writeTrajectory(arguments.trajectory, problem, result, *trajectory,
@@ -437,7 +441,8 @@ Verb addPlan(CLI::App& command) {
       "  leeway plan problems/shelf/reach.yaml\n"
       "  leeway plan problems/shelf/reach.yaml --planner BITstar --objective clearance --time 1 "
       "--json\n"
-      "  leeway plan problems/pick_place/can.yaml --output path.json");
+      "  leeway plan problems/pick_place/can.yaml --output path.json\n"
+      "  leeway plan problems/constrained/wipe.yaml");
   return {app, [arguments] { return runPlan(*arguments); }};
 }
 

@@ -135,6 +135,7 @@ Json cloudsJson(const planner::Problem& problem) {
 Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
             const std::optional<planner::Trajectory>& trajectory, double load_s) {
   const bool solved = result.status == planner::PlanStatus::kSolved;
+  const bool has_path = solved || result.status == planner::PlanStatus::kPartial;
   const bool invalid = result.status == planner::PlanStatus::kInvalidStart ||
                        result.status == planner::PlanStatus::kInvalidGoal;
   Json document = {{"status", planner::toString(result.status)},
@@ -170,14 +171,15 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
   document["wishes"] = wishesJson(problem, result);
   document["certificate"] = Json();
   document["trajectory"] = Json();
-  if (solved) {
+  if (has_path) {
     document["path"] = {{"joint_names", result.path.names}, {"positions", result.path.positions}};
     for (const planner::PathStep& step : result.path.steps)
       document["path"]["steps"].push_back({{"name", step.name},
                                            {"first", step.first},
                                            {"last", step.last},
                                            {"deviation", step.deviation},
-                                           {"turn", step.turn}});
+                                           {"turn", step.turn},
+                                           {"places", step.places}});
     document["length"] = jsonNumber(result.length);
     document["certificate"] = certificateJson(problem, result.certificate, trajectory);
     if (trajectory) document["trajectory"] = trajectoryJson(*trajectory);
@@ -186,6 +188,11 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
     document["offending"] = result.reason.empty() ? offendingJson(problem, result) : Json();
     document["unreachable"] = result.unreachable;
   }
+  if (const auto& end = result.line_end)
+    document["line_end"] = {{"step", problem.steps[static_cast<std::size_t>(end->step)].name},
+                            {"waypoint", end->waypoint},
+                            {"share", end->share},
+                            {"why", planner::toString(end->why)}};
   if (result.status == planner::PlanStatus::kUnsolved) {
     document["blocked"] = Json::array();
     for (const planner::BlockedPair& pair : result.blocked)

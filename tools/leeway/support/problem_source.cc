@@ -16,6 +16,7 @@
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
+#include "planner/validate/checks.h"
 #include "robots/urdf/srdf.h"
 #include "tools/leeway/support/terminal.h"
 
@@ -57,9 +58,10 @@ std::shared_ptr<const robots::Model> loadRobot(const ProblemSource& source) {
 planner::Problem loadFromRobot(const ProblemSource& source) {
   const bool moveit = !source.scene.empty() || !source.request.empty();
   const bool states = !(plannedGroup(source) + source.start + source.goal).empty();
-  const bool pose = !source.goal_pose.empty();
+  const bool pose = !source.goal_pose.empty() || !source.waypoints.empty();
   if (pose && !source.goal.empty())
-    badUsage("--goal and --goal-pose both say the goal; one is expected");
+    badUsage(fmt::format("--goal and {} both say where to go; one is expected",
+                         source.waypoints.empty() ? "--goal-pose" : "--waypoints"));
   if (moveit && states) {
     badUsage(
         "--scene and --request name start and goal already; leave --group, --chain, --start and "
@@ -74,7 +76,8 @@ planner::Problem loadFromRobot(const ProblemSource& source) {
   }
   if (plannedGroup(source).empty() || source.start.empty() || (source.goal.empty() && !pose)) {
     badUsage(
-        "beside --robot either --group or --chain, --start and --goal (or --goal-pose) are needed, "
+        "beside --robot either --group or --chain, --start and --goal (or --goal-pose, "
+        "or --waypoints) are needed, "
         "or --scene and --request");
   }
   return planner::problemFromStates(loadRobot(source), plannedGroup(source), source.start,
@@ -116,6 +119,24 @@ void takeGoalPose(const ProblemSource& source, planner::Problem& problem) {
       badUsage(fmt::format("--goal-pose {}: {}", words[i], error.what()));
     }
   problem.goals = {goal};
+}
+
+/// Puts the line of --waypoints in place of the problem's goals.
+void takeWaypoints(const ProblemSource& source, planner::Problem& problem) {
+  if (!problem.steps.empty()) badUsage("--waypoints: the problem has steps, no goal");
+  if (!source.goal_pose.empty())
+    badUsage("--goal-pose and --waypoints both say where to go; one is expected");
+  std::vector<std::string> warnings;
+  planner::Step step{
+      "waypoints", planner::loadWaypoints(source.waypoints, source.frame, warnings), {}};
+  printWarnings(warnings);
+  try {
+    planner::takeStep(step, problem);
+  } catch (const std::invalid_argument& error) {
+    badUsage(fmt::format("--waypoints {}: {}", source.waypoints, error.what()));
+  }
+  problem.goals.clear();
+  problem.steps = {std::move(step)};
 }
 
 }  // namespace
@@ -172,6 +193,17 @@ void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
       ->type_size(8)
       ->expected(1)
       ->take_all();
+  app.add_option(
+         "--waypoints", source.waypoints,
+         "poses that a frame goes through on straight lines from the start, in place of the "
+         "goal: .csv (x, y, z, qx, qy, qz, qw), .yaml or .json")
+      ->type_name("FILE");
+  app.add_option(
+         "--frame", source.frame,
+         "the frame, link or attached object that goes through them, where the file does not "
+         "name it")
+      ->type_name("NAME")
+      ->needs("--waypoints");
   app.add_option("--allowed", source.allowed,
                  "auto: links that touch with all joints at zero, or at the nearest limit, may "
                  "touch; a warning names them")
@@ -319,7 +351,10 @@ planner::Problem readProblem(const ProblemSource& source) {
   if (!source.allowed.empty()) planner::allowTouching(problem, source.stop);
   printWarnings(problem.warnings);
   printLeftOut(problem);
-  if (!source.goal_pose.empty()) takeGoalPose(source, problem);
+  if (!source.waypoints.empty())
+    takeWaypoints(source, problem);
+  else if (!source.goal_pose.empty())
+    takeGoalPose(source, problem);
   return problem;
 }
 
@@ -383,8 +418,8 @@ planner::Problem loadProblemOrRobot(const ProblemSource& source) {
 }
 
 std::vector<std::string> filesOf(const ProblemSource& source) {
-  return {source.problem,      source.robot, source.srdf,
-          source.joint_limits, source.scene, source.request};
+  return {source.problem, source.robot,   source.srdf,     source.joint_limits,
+          source.scene,   source.request, source.waypoints};
 }
 
 std::string takePathFile(ProblemSource& source, const std::vector<std::string>& files) {

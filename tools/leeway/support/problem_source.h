@@ -19,6 +19,7 @@ struct ProblemSource {
   std::vector<std::string> widen;   ///< joints whose bounds may be wider than their own limits
   std::string group, start, goal;
   std::string scene, request;
+  std::string waypoints, frame;        ///< a file of poses, and what goes through them
   std::vector<std::string> goal_pose;  ///< FRAME x y z qx qy qz qw; several: at once
   std::vector<std::string> chain;      ///< BASE, TIP: the links of a chain in place of `group`
   std::string allowed;                 ///< "auto": planner::allowTouching()

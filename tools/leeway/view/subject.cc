@@ -155,7 +155,8 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
 
 Subject subjectOfPlan(const planner::Problem& problem, const std::string& source,
                       const planner::PlanResult& result, SearchEdges searched) {
-  if (result.status == planner::PlanStatus::kSolved) {
+  if (result.status == planner::PlanStatus::kSolved ||
+      result.status == planner::PlanStatus::kPartial) {
     Subject subject = subjectOfPath(problem, source, result.path, &result.certificate);
     subject.searched = std::move(searched);
     subject.notes.push_back(

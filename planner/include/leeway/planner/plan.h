@@ -16,22 +16,44 @@ namespace leeway::planner {
 enum class PlanStatus : unsigned char {
   kSolved,
   kUnsolved,
+  kPartial,  ///< a line of a task ends early: the path is what there is of the task until then
   kInvalidStart,
   kInvalidGoal,
   kNothingChecked,  ///< no pair of shapes is checked: no path could be proven
   kNotCompiled,  ///< compiling took longer than the time limit, or was stopped: nothing was tried
 };
-/// "solved", "unsolved", "invalid_start", "invalid_goal", "nothing_checked", "not_compiled"
+/// "solved", "unsolved", "partial", "invalid_start", "invalid_goal", "nothing_checked",
+/// "not_compiled"
 const char* toString(PlanStatus status);
 
 /// The stretch of a task's path that is one of Problem::steps.
 struct PathStep {
   std::string name;
   int first = 0, last = 0;  ///< waypoints; the same where nothing moves
-  /// Of a line: proven bounds on how far the frame's origin is from it [m], and the frame turned
-  /// [rad], anywhere.
+  /// Of a line: proven bounds on how far the frame's origin is from its place on the line [m], and
+  /// the frame turned from its rotation there [rad], at any time.
   double deviation = 0, turn = 0;
+  /// Of a line: where each of the step's waypoints is on it. Number k of the line's poses, from 1,
+  /// is at k, its beginning at 0. Between waypoints the place moves at a constant rate.
+  std::vector<double> places = {};
 };
+
+/// Where a line ends early, and why.
+struct LineEnd {
+  enum class Why : unsigned char {
+    kLimit,        ///< a joint is at its limit
+    kSingularity,  ///< the joints would have to jump, or the frame is out of reach
+    kCollision,    ///< margins are not kept, or not proven to be
+  };
+  int step = 0;      ///< of Problem::steps
+  int waypoint = 0;  ///< the first of the line's poses that is not reached
+  double share = 0;  ///< of the way to that one, how much is left behind, in [0, 1)
+  Why why = Why::kLimit;
+  std::string
+      text;  ///< "after 0.31 of the way to pose 2 of 5 (...): joint 'elbow' is at its limit"
+};
+/// "limit", "singularity", "collision"
+const char* toString(LineEnd::Why why);
 
 /// A path in the space of a group: rows of planned variables, with straight lines between them. A
 /// continuous joint that goes from 3 to -3 turns by 6 rad, through 0; where it is to go the shorter
@@ -125,9 +147,10 @@ struct PlanResult {
   /// Edges that were neither proven free nor in contact, mostly for their work limit; the search
   /// goes without them.
   std::uint64_t undecided_edges = 0;
-  Path path;          ///< empty unless solved
-  int goal = -1;      ///< index of the goal reached
-  double length = 0;  ///< in the space's distance
+  Path path;                        ///< empty unless solved or partial
+  std::optional<LineEnd> line_end;  ///< why a task failed, where a line ends early
+  int goal = -1;                    ///< index of the goal reached
+  double length = 0;                ///< in the space's distance
   /// MaximumClearance::at_most_longer: length of the shortest path that was found; otherwise
   /// infinity.
   double shortest_length = std::numeric_limits<double>::infinity();
@@ -196,9 +219,10 @@ PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& probl
                 const PlanOptions& options = {});
 
 /// The problem with a start for its start_poses: of the configurations that inverse kinematics
-/// finds for them the valid one nearest to `start` in the space's distance; without a valid one the
-/// nearest, and without any the problem is refused (robots::InputError), as by validate().
-/// Deterministic. The problem itself without start_poses. Compiles the problem.
+/// finds for them the valid one nearest to `start` in the space's distance, and of a task that
+/// begins with a line, the one from which it goes on longest; without a valid one the nearest, and
+/// without any the problem is refused (robots::InputError), as by validate(). Deterministic. The
+/// problem itself without start_poses. Compiles the problem.
 Problem placeStart(const Problem& problem);
 
 /// The certificate of any path, its clearances to within tolerance [m]. `world_guess`: a clearance

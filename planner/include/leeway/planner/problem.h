@@ -113,13 +113,27 @@ struct MoveStep {
   std::vector<FramePose> poses;  ///< looked up when the step begins; empty: `goal` holds
 };
 
-/// A frame's origin moves along a straight line, and the frame does not turn.
+/// A place on a frame's way.
+struct Waypoint {
+  Eigen::Vector3d position;  ///< of the frame's origin [m]
+  /// The frame's; nothing: as at the place before.
+  std::optional<Eigen::Matrix3d> rotation = {};
+  /// The origin goes there on the circle's arc through this point; nothing: straight.
+  std::optional<Eigen::Vector3d> via = {};
+};
+
+/// A frame goes along lines or arcs, and turns about one axis, at a constant rate, on each.
 struct LineStep {
   std::string frame;                             ///< a frame, a link or an attached object
-  Eigen::Vector3d by = Eigen::Vector3d::Zero();  ///< from where it is [m], in the axes of
-  std::string relative_to;           ///< as in FramePose; "world"; empty: the frame's own
-  double position_tolerance = 1e-3;  ///< every point of the motion is as near to the line [m],
-  double angle_tolerance = 1e-2;     ///< and turned by no more [rad]: proven
+  Eigen::Vector3d by = Eigen::Vector3d::Zero();  ///< from where it is [m]; 0 beside `poses`
+  /// As in FramePose, or "world": what `by`, `turn` and `poses` are seen from. Empty: for `by` and
+  /// `turn` the frame's own axes, for `poses` the world.
+  std::string relative_to;
+  /// At every time of the motion the origin is as near to its place on the way [m], and the frame
+  /// as little turned from its rotation there [rad]: proven.
+  double position_tolerance = 1e-3, angle_tolerance = 1e-2;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< beside `by`: how the frame turns
+  std::vector<Waypoint> poses = {};  ///< in place of `by`: it goes through all, in their order
 };
 
 /// A link takes hold of an object where it stands; see attachObject().
@@ -371,6 +385,13 @@ struct ProblemOptions {
 /// The project's own YAML (problems/README.md, problems/schema.json). Throws robots::InputError,
 /// and robots::Stopped where options.load.stop says so.
 Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options = {});
+
+/// Poses of a frame from a file: .csv with columns x, y, z and qx, qy, qz, qw or roll, pitch, yaw;
+/// .yaml or .json with a list of poses, or what problem files have under `waypoints`. `frame` may
+/// be empty where the file names it. Quaternions that are not quite of unit length add to
+/// `warnings`. Throws robots::InputError.
+LineStep loadWaypoints(const std::string& file, const std::string& frame,
+                       std::vector<std::string>& warnings);
 
 /// MoveIt planning scene and motion plan request, as MotionBenchMaker writes them. Calls may share
 /// the model. Throws robots::InputError, robots::Stopped.
