@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
 #include <optional>
+#include <utility>
 
 #include "leeway/robots/text.h"
 #include "planner/sensed/cloud_source.h"
