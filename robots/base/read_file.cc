@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <filesystem>
 
 #include "leeway/robots/input_error.h"
 
@@ -76,6 +77,17 @@ std::string readBinaryFile(const std::string& path, std::string_view kind, std::
     if (text.size() > limit) failAsTooLong();
   }
   return text;
+}
+
+std::string endingOf(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  return ending;
+}
+
+bool lastLineEnds(std::string_view text) {
+  const std::size_t last = text.find_last_not_of(" \t");
+  return last == std::string_view::npos || text[last] == '\n' || text[last] == '\r';
 }
 
 std::string readTextFile(const std::string& path, std::string_view kind, std::size_t limit) {

@@ -21,4 +21,15 @@ std::string readTextFile(const std::string& path, std::string_view kind,
 /// Returns the bytes of a file or pipe with any content; otherwise as readTextFile().
 std::string readBinaryFile(const std::string& path, std::string_view kind, std::size_t limit);
 
+/// The last dot of a file's name and the text after it, in lower case: ".csv". Empty without one.
+std::string endingOf(const std::string& path);
+
+/// Whether the last line of a text has an end (a line feed or carriage return), or nothing is in
+/// it. If not, the file may have been cut within a number that still reads as one.
+bool lastLineEnds(std::string_view text);
+/// What a warning says of such a line.
+inline constexpr std::string_view kLastLineOpen =
+    "the last line does not end; if the file was cut, a number may have lost digits, and lines may "
+    "be missing";
+
 }  // namespace leeway::robots

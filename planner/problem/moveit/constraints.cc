@@ -131,7 +131,7 @@ PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& prob
   // The other form bounds the rotation vector's components: three turns of a third of the least
   // are no longer together.
   const auto form = constraint.find("parameterization");
-  if (form && form->isScalar() && form->text() != "0") {
+  if (hasContent(form) && form->text() != "0") {
     const double least = *std::min_element(tolerance, tolerance + 3) / 3;
     std::fill(tolerance, tolerance + 3, least);
   }
@@ -184,7 +184,7 @@ Constraint readPathOrientation(const YamlReader& constraint, Problem& problem) {
   const Eigen::Matrix3d wanted = rotationFromQuaternion(readMoveitQuaternion(
       constraint.at("orientation", "a quaternion [x, y, z, w]"), problem.warnings));
   const auto form = constraint.find("parameterization");
-  const bool is_vector = form && form->isScalar() && form->text() != "0";
+  const bool is_vector = hasContent(form) && form->text() != "0";
   bool any[3];
   double least = kInfinity;
   const char* keys[] = {"absolute_x_axis_tolerance", "absolute_y_axis_tolerance",

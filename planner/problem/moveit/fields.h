@@ -1,7 +1,8 @@
 #pragma once
 
-// Private to planner/: fields of MoveIt's messages, as YAML. Fields without a bearing on geometry
-// or joints are ignored. One that would change the problem and is not supported is an error.
+// Private to planner/: fields of MoveIt's messages, as YAML. Fields that change neither geometry
+// nor joints are ignored. A field that would change the problem and is not supported is an error,
+// and so is one that the message does not have.
 
 #include <optional>
 #include <string>
@@ -14,6 +15,10 @@
 #include "planner/yaml/yaml_reader.h"
 
 namespace leeway::planner {
+
+/// Fails if the message `name` ("PlanningScene") or one inside it has a key that is not a field of
+/// it, or a value that is not a message where one is expected. O(keys * fields).
+void expectMessage(const YamlReader& reader, std::string_view name);
 
 /// True for a value that is there and not empty.
 bool hasContent(const std::optional<YamlReader>& value);

@@ -7,6 +7,7 @@
 #include "planner/problem/fail_at.h"
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_meshes.h"
+#include "robots/base/read_file.h"
 #include "robots/base/read_on.h"
 
 namespace leeway::planner {
@@ -16,18 +17,21 @@ Problem loadMoveitUnpadded(std::shared_ptr<const robots::Model> model,
                            const ProblemOptions& options, LinkPadding& padding) {
   Problem problem;
   problem.robot.model = std::move(model);
-  const std::filesystem::path path = scene_path;
-  problem.name = path.stem().string();
+  problem.name = std::filesystem::path(scene_path).stem().string();
   problem.start = problem.robot.model->defaultConfiguration();
 
   robots::InputErrors* errors = options.load.errors;
   const YamlReader request = YamlReader::load(request_path, options.load.stop, errors);
+  robots::readOn(errors, [&] { expectMessage(request, "MotionPlanRequest"); });
   readRequestGroup(request, problem);
   std::optional<YamlReader> scene;
-  if (path.extension() == ".scene")
+  if (robots::endingOf(scene_path) == ".scene")
     readTextScene(scene_path, options.load, problem);
   else
     scene = YamlReader::load(scene_path, options.load.stop, errors);
+  robots::readOn(errors, [&] {
+    if (scene) expectMessage(*scene, "PlanningScene");
+  });
   robots::readOn(errors, [&] {
     if (scene) readSceneObjects(*scene, options.load, problem);
   });

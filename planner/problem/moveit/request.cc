@@ -177,9 +177,6 @@ void readPathConstraints(const YamlReader& request, Problem& problem) {
   const auto constraints = request.find("path_constraints");
   refuseContent(request, "trajectory_constraints", "a path without these");
   if (!hasContent(constraints)) return;
-  constexpr std::string_view kKeys[] = {"name", "joint_constraints", "position_constraints",
-                                        "orientation_constraints", "visibility_constraints"};
-  constraints->expectKeys(kKeys);
   for (const char* key : {"joint_constraints", "visibility_constraints"})
     refuseContent(*constraints, key, "a path without these");
   if (const auto positions = constraints->find("position_constraints"); hasContent(positions))

@@ -22,7 +22,7 @@ using robots::Pose;
 /// MoveIt writes an empty text where it has nothing to say.
 std::string optionalText(const YamlReader& map, std::string_view key) {
   const auto value = map.find(key);
-  return value && value->isScalar() && !value->isEmpty() ? value->text() : std::string();
+  return hasContent(value) ? value->text() : std::string();
 }
 
 /// Frames that objects may stand in, each with its pose in the planning frame (the robot's root).

@@ -41,6 +41,8 @@ const std::vector<std::string> kKeys = {
     "start.z",      "start.theta",  "start.axis.x", "start.axis.y", "start.axis.z", "goal.x",
     "goal.y",       "goal.z",       "goal.theta",   "goal.axis.x",  "goal.axis.y",  "goal.axis.z",
     "volume.min.x", "volume.min.y", "volume.min.z", "volume.max.x", "volume.max.y", "volume.max.z"};
+const std::vector<std::string> kBenchmarkKeys = {"time_limit", "mem_limit",  "run_count",
+                                                 "output",     "save_paths", "description"};
 /// How OMPL samples, steps and stops: edges here have no resolution, and goals are reached.
 const std::set<std::string> kOfNoUse = {"objective.threshold",
                                         "threshold",
@@ -94,7 +96,7 @@ class Config {
   const Entry& at(const std::string& key, std::string_view accepted) const {
     const Entry* entry = find(key);
     if (entry == nullptr)
-      fail(0, fmt::format("[problem] has no '{}'{}; {} is expected", key, misspelt(key), accepted));
+      fail(0, fmt::format("[problem] has no '{}'; {} is expected", key, accepted));
     return *entry;
   }
   double number(const std::string& key, std::string_view accepted) const {
@@ -109,21 +111,15 @@ class Config {
   }
 
  private:
-  /// The key that was probably meant to be `key`, if there is one.
-  std::string misspelt(const std::string& key) const {
-    for (const auto& [full, entry] : entries_) {
-      if (!full.starts_with("problem.")) continue;
-      const std::string* meant = robots::nearestName(full.substr(8), kKeys);
-      if (meant != nullptr && *meant == key && full.substr(8) != key)
-        return fmt::format(", but '{}' on line {}", full.substr(8, kShown), entry.line);
-    }
-    return {};
-  }
-
   void readLine(std::string_view row, int line, std::string& section) {
     if (row.empty()) return;
     if (row.front() == '[' && row.back() == ']') {
       section = std::string(trimmed(row.substr(1, row.size() - 2))) + ".";
+      static const std::vector<std::string> kSections = {"problem", "planner", "benchmark"};
+      if (std::find(kSections.begin(), kSections.end(), section.substr(0, section.size() - 1)) ==
+          kSections.end())
+        fail(line, fmt::format("unknown section {}{}", row.substr(0, kShown),
+                               didYouMean(trimmed(row.substr(1, row.size() - 2)), kSections)));
       return;
     }
     const std::size_t equals = row.find('=');
@@ -176,19 +172,30 @@ class Loader {
  private:
   int line(const std::string& key) const { return config_.find(key)->line; }
 
+  /// Refuses keys that seem to be misspelt. Other keys that are not known have a warning.
   void checkKeys() {
     for (const auto& [full, entry] : config_.entries()) {
-      if (!full.starts_with("problem.")) continue;
-      const std::string key = full.substr(8);
-      if (kRefused.count(key) != 0)
+      const bool is_problem = full.starts_with("problem.");
+      if (!is_problem && !full.starts_with("benchmark.")) continue;
+      const std::string section = full.substr(0, full.find('.') + 1);
+      const std::string key = full.substr(section.size());
+      const std::vector<std::string>& known = is_problem ? kKeys : kBenchmarkKeys;
+      if (is_problem && kRefused.count(key) != 0)
         config_.fail(entry.line,
                      fmt::format("{} = {}: only rigid bodies that move freely in SE(2) or SE(3) "
                                  "are planned; leave it out for such a one",
                                  key, entry.text.substr(0, kShown)));
-      if (kOfNoUse.count(key) == 0 && std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end())
-        problem_.warnings.push_back(fmt::format("{}:{}: '{}' has no effect{}", config_.file(),
-                                                entry.line, key.substr(0, kShown),
-                                                didYouMean(key, kKeys)));
+      if ((is_problem && kOfNoUse.count(key) != 0) ||
+          std::find(known.begin(), known.end(), key) != known.end())
+        continue;
+      const std::string name = key.substr(0, kShown);
+      // Where the nearest name is given, too, this one is hardly meant for it.
+      const std::string* meant = robots::nearestName(key, known);
+      if (meant != nullptr && config_.entries().count(section + *meant) == 0)
+        config_.fail(entry.line, fmt::format("unknown key '{}' in [{}]; did you mean '{}'?", name,
+                                             section.substr(0, section.size() - 1), *meant));
+      problem_.warnings.push_back(fmt::format("{}:{}: '{}' has no effect{}", config_.file(),
+                                              entry.line, name, didYouMean(key, known)));
     }
   }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -524,6 +525,123 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
                   "joint_names: [left_joint], transforms: [{rotation: [0, 0, 1, 0]"),
          "request.yaml:7: joint 'left_joint' is not floating, but placed elsewhere; the identity "
          "is expected");
+}
+
+/// A field that is misspelt would otherwise be taken for one that is not there: the world with it.
+TEST_F(MoveitImport, KeysThatTheMessagesDoNotHaveAreRefused) {
+  const std::string scene = R"(name: s
+robot_model_name: twins
+is_diff: false
+robot_state:
+  joint_state: {header: {seq: 0, stamp: {secs: 0, nsecs: 0}, frame_id: ""}, name: [], position: [], velocity: [], effort: []}
+  multi_dof_joint_state: {header: {stamp: 0}, joint_names: [], transforms: [], twist: [], wrench: []}
+  attached_collision_objects:
+    - link_name: left
+      touch_links: [left_tip]
+      weight: 0
+      detach_posture: {header: {}, joint_names: [], points: [{positions: [], velocities: [], accelerations: [], effort: [], time_from_start: {sec: 0, nanosec: 0}}]}
+      object: {id: held, header: {frame_id: left}, primitives: [{type: sphere, dimensions: [0.01]}], primitive_poses: [{position: [0, 0, 1]}]}
+fixed_frame_transforms:
+  - {header: {frame_id: torso}, child_frame_id: hall, transform: {translation: {x: 0, y: 0, z: 9}, rotation: {x: 0, y: 0, z: 0, w: 1}}}
+allowed_collision_matrix:
+  entry_names: [left]
+  entry_values: [{enabled: [false]}]
+  default_entry_names: [torso]
+  default_entry_values: [true]
+link_padding: [{link_name: left, padding: 0.1}]
+link_scale: [{link_name: left, scale: 1}]
+object_colors: [{id: can, color: {r: 0, g: 0, b: 0, a: 1}}]
+world:
+  collision_objects:
+    - header: {frame_id: hall}
+      id: can
+      type: {key: "", db: ""}
+      operation: 0
+      pose: {position: {x: 5, y: 0, z: 0}, orientation: {x: 0, y: 0, z: 0, w: 1}}
+      primitives: [{type: sphere, dimensions: [0.1], polygon: {points: []}}]
+      primitive_poses: [{position: {x: 0, y: 0, z: 1}, orientation: {x: 0, y: 0, z: 0, w: 1}}]
+      meshes: [{vertices: [{x: 0, y: 0, z: 0}, {x: 1, y: 0, z: 0}, {x: 0, y: 1, z: 0}, {x: 0, y: 0, z: 1}], triangles: [{vertex_indices: [0, 2, 1]}, [0, 1, 3], [0, 3, 2], [1, 2, 3]]}]
+      mesh_poses: [{position: {x: 0, y: 0, z: 3}}]
+      planes: [{coef: [0, 0, 1, 9]}]
+      plane_poses: [{position: {x: 0, y: 0, z: 0}}]
+      subframe_names: [tip]
+      subframe_poses: [{position: {x: 0, y: 0, z: 0}}]
+  octomap: {header: {}, origin: {position: {x: 0, y: 0, z: 0}}, octomap: {header: {}, binary: false, id: "", resolution: 0, data: []}}
+)";
+  const std::string request =
+      R"(workspace_parameters: {header: {frame_id: ""}, min_corner: {x: -1, y: -1, z: -1}, max_corner: {x: 1, y: 1, z: 1}}
+planner_id: ""
+pipeline_id: ompl
+num_planning_attempts: 1
+max_velocity_scaling_factor: 1
+max_acceleration_scaling_factor: 1
+max_cartesian_speed: 0
+cartesian_speed_limited_link: ""
+reference_trajectories: []
+trajectory_constraints: {constraints: []}
+allowed_planning_time: 5
+group_name: both
+start_state:
+  is_diff: true
+  joint_state: {name: [right_joint, left_tip_joint, left_joint], position: [0.5, 0, 0.25]}
+  multi_dof_joint_state: {joint_names: [base_joint], transforms: [{translation: {x: 0, y: 0, z: 0}, rotation: {x: 0, y: 0, z: 0, w: 1}}], twist: [{linear: {x: 0, y: 0, z: 0}, angular: [0, 0, 0]}]}
+path_constraints:
+  name: level
+  orientation_constraints:
+    - {header: {frame_id: ""}, link_name: right, weight: 1, orientation: {x: 0, y: 0, z: 0, w: 1}, parameterization: 0, absolute_x_axis_tolerance: 0.1, absolute_y_axis_tolerance: 0.1, absolute_z_axis_tolerance: 0.1}
+goal_constraints:
+  - name: g
+    visibility_constraints: []
+    joint_constraints:
+      - {joint_name: left_joint, position: 1, tolerance_above: 0.1, tolerance_below: 0.1, weight: 1}
+      - {joint_name: right_joint, position: 1}
+      - {joint_name: left_tip_joint, position: -0.5}
+)";
+  ASSERT_EQ(messageOf(scene, request), "accepted");
+
+  // Every key of both files, misspelt once.
+  int misspelt = 0;
+  const auto misspell = [&](const std::string& text, const auto& messageWith) {
+    for (std::size_t end = text.find(':'); end != std::string::npos;
+         end = text.find(':', end + 1)) {
+      std::size_t begin = end;
+      while (begin > 0 && (std::isalpha(static_cast<unsigned char>(text[begin - 1])) != 0 ||
+                           text[begin - 1] == '_'))
+        --begin;
+      const std::string key = text.substr(begin, end - begin);
+      const auto line =
+          std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
+      std::string changed = text;
+      changed.insert(end, "q");
+      const std::string message = messageWith(changed);
+      EXPECT_NE(message.find(":" + std::to_string(line + 1) + ": unknown key '" + key + "q' in "),
+                std::string::npos)
+          << key << ": " << message;
+      EXPECT_TRUE(key.size() <= 3 || message.find("; did you mean '") != std::string::npos)
+          << key << ": " << message;
+      ++misspelt;
+    }
+  };
+  misspell(scene, [&](const std::string& changed) { return messageOf(changed, request); });
+  misspell(request, [&](const std::string& changed) { return messageOf(scene, changed); });
+  EXPECT_GT(misspelt, 150);
+
+  EXPECT_EQ(messageOf(replaced(scene, "world:\n", "wrld:\n"), request),
+            "scene.yaml:23: unknown key 'wrld' in the file; did you mean 'world'?");
+  EXPECT_EQ(messageOf(replaced(scene, "pose: {position", "pose: {positon"), request),
+            "scene.yaml:29: unknown key 'positon' in world.collision_objects[0].pose; did you mean "
+            "'position'?");
+  EXPECT_EQ(messageOf(scene, replaced(request, "path_constraints", "path_constrants")),
+            "request.yaml:17: unknown key 'path_constrants' in the file; did you mean "
+            "'path_constraints'?");
+  // What is no message where one is expected is not taken for none.
+  EXPECT_EQ(messageOf(replaced(scene, "header: {frame_id: hall}", "header: hall"), request),
+            "scene.yaml:25: world.collision_objects[0].header is 'hall'; a map (key: value) is "
+            "expected");
+  EXPECT_EQ(
+      messageOf(replaced(scene, "header: {frame_id: hall}", "header: {frame_id: [hall]}"), request),
+      "scene.yaml:25: world.collision_objects[0].header.frame_id is a list of 1; a text is "
+      "expected");
 }
 
 TEST_F(MoveitImport, MeshesAndPlanesStandWhereTheirPosesSay) {

@@ -147,12 +147,26 @@ TEST_F(OmplApp, MeshesAreReadExactly) {
 }
 
 TEST_F(OmplApp, UnknownKeysAreTold) {
-  const Problem problem = load(kSpace + kVolume + "volum.min.x = 3\n");
-  ASSERT_EQ(problem.warnings.size(), 1U);
-  EXPECT_NE(problem.warnings[0].find("p.cfg:25: 'volum.min.x' has no effect; did you mean "
+  const Problem problem = load(kSpace + kVolume + "volum.min.x = 3\n[benchmark]\nturbo = 1\n");
+  ASSERT_EQ(problem.warnings.size(), 2U);
+  EXPECT_NE(problem.warnings[0].find("p.cfg:27: 'turbo' has no effect"), std::string::npos)
+      << problem.warnings[0];
+  EXPECT_NE(problem.warnings[1].find("p.cfg:25: 'volum.min.x' has no effect; did you mean "
                                      "'volume.min.x'?"),
             std::string::npos)
-      << problem.warnings[0];
+      << problem.warnings[1];
+}
+
+/// With a volume the problem would be solved without its world.
+TEST_F(OmplApp, MisspeltKeysAreRefused) {
+  expectRefused(replaced(kSpace, "world = ", "wrld = ") + kVolume, 4,
+                {"unknown key 'wrld' in [problem]; did you mean 'world'?"});
+  expectRefused(kSpace + kVolume + "objectve = max_min_clearance\n", 25,
+                {"did you mean 'objective'?"});
+  expectRefused(kSpace + kVolume + "[benchmark]\ntime_limt = 1\n", 26,
+                {"unknown key 'time_limt' in [benchmark]; did you mean 'time_limit'?"});
+  expectRefused(kSpace + kVolume + "[benchmrk]\ntime_limit = 1\n", 25,
+                {"unknown section [benchmrk]; did you mean 'benchmark'?"});
 }
 
 TEST_F(OmplApp, MessagesNameLineAndKey) {
@@ -162,8 +176,8 @@ TEST_F(OmplApp, MessagesNameLineAndKey) {
   expectRefused(replaced(kSpace, "start.y = 1", "start.y = one"), 6,
                 {"start.y is 'one'", "a length is expected"});
   expectRefused(replaced(kSpace, "goal.x = -7", "goal.x = nan"), 12, {"goal.x is 'nan'"});
-  expectRefused(replaced(kSpace, "goal.axis.y = 0\n", "goal.axis.why = 0\n"), 0,
-                {"no 'goal.axis.y'", "'goal.axis.why' on line 17"});
+  expectRefused(replaced(kSpace, "goal.axis.y = 0\n", "goal.axis.why = 0\n"), 17,
+                {"unknown key 'goal.axis.why' in [problem]; did you mean 'goal.axis.y'?"});
   expectRefused(replaced(kSpace, "start.axis.x = 1", "start.axis.x = 0"), 9,
                 {"start.axis is 0 0 0"});
   expectRefused(kSpace + "start.x = 3\n", 19, {"'problem.start.x' again, after line 5"});
