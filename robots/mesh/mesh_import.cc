@@ -276,7 +276,7 @@ IndexedMesh importIndexed(const std::string& path, const Eigen::Vector3d& scale,
   const CutMesh cut = triangulate(mesh, Bent::kCut);
   if (cut.triangles.empty()) source.fail("holds no faces; at least one would be accepted");
   for (Eigen::Vector3d& v : mesh.vertices) v = v.cwiseProduct(scale);
-  std::vector<MeshNote> notes;
+  std::vector<MeshNote> notes = std::move(contents.notes);
   noteWhatIsNotSolid(contents.not_solid, notes);
   noteUnusedVertices(mesh, notes);
   FaceNote bent, crossing;

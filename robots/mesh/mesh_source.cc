@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "leeway/robots/input_error.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::robots {
 namespace {
@@ -59,11 +60,7 @@ std::string_view MeshSource::text() const {
   return text;
 }
 
-std::string MeshSource::ending() const {
-  std::string ending = std::filesystem::path(path_).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), lowered);
-  return ending;
-}
+std::string MeshSource::ending() const { return endingOf(path_); }
 
 std::string MeshSource::where(FilePlace place) const {
   return "mesh " + path_ + place.text() + (place.code() == 0 ? " " : ": ");

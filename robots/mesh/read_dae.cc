@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstring>
 #include <map>
@@ -40,6 +41,10 @@ bool isNamed(const XMLElement& element, const char* name) {
 FilePlace placeOf(const XMLElement& element) { return FilePlace::line(element.GetLineNum()); }
 
 std::string tagOf(const XMLElement& element) { return '<' + std::string(element.Name()) + '>'; }
+
+std::string lineOf(const XMLElement& element) {
+  return "line " + std::to_string(element.GetLineNum());
+}
 
 /// The names that may occur in an element.
 struct KnownNames {
@@ -89,6 +94,11 @@ void parse(const MeshSource& source, tinyxml2::XMLDocument& document) {
   const XMLElement* root = document.RootElement();
   if (root == nullptr || !isNamed(*root, "COLLADA"))
     source.fail("has no element <COLLADA> as its root; a DAE file would be accepted");
+  // TinyXML2 accepts more elements after the root.
+  if (const XMLElement* second = root->NextSiblingElement())
+    source.failAt(placeOf(*second), "a second root element, " + tagOf(*second) +
+                                        ", after that of " + lineOf(*root) +
+                                        "; one <COLLADA> would be accepted");
 }
 
 class DaeReader {
@@ -121,6 +131,34 @@ class DaeReader {
     source_.failAt(placeOf(at), message);
   }
 
+  [[noreturn]] void failTwice(const XMLElement& second, const XMLElement& first,
+                              const std::string& what) const {
+    fail(second, "a second " + what + ", after that of " + lineOf(first) +
+                     "; one would be accepted, as which one is meant cannot be known");
+  }
+
+  /// The child of that name, null without one. Refuses two.
+  const XMLElement* onlyChild(const XMLElement& parent, const char* name) const {
+    const XMLElement* child = parent.FirstChildElement(name);
+    if (child != nullptr)
+      if (const XMLElement* second = child->NextSiblingElement(name))
+        failTwice(*second, *child, tagOf(*child) + " in " + tagOf(parent));
+    return child;
+  }
+  /// The <input> of that semantic, null without one. Refuses two.
+  const XMLElement* onlyInput(const XMLElement& parent, const char* semantic) const {
+    const XMLElement* found = nullptr;
+    for (const XMLElement* input = parent.FirstChildElement("input"); input != nullptr;
+         input = input->NextSiblingElement("input")) {
+      if (input->Attribute("semantic", semantic) == nullptr) continue;
+      if (found != nullptr)
+        failTwice(*input, *found,
+                  std::string("<input> of the semantic ") + semantic + " in " + tagOf(parent));
+      found = input;
+    }
+    return found;
+  }
+
   /// Rejects children with misspelt names that matter, and counts other unknown ones.
   void checkChildren(const XMLElement& parent, const KnownNames& known) {
     eachChild(parent, [&](const XMLElement& child) {
@@ -140,10 +178,12 @@ class DaeReader {
   // ----------------------------------------------------------------------------------------------
   // references
 
-  /// Indexes elements by kind and id; the first of two with the same id counts.
+  /// Indexes elements by kind and id.
   void index(const XMLElement& element) {
-    if (const char* id = element.Attribute("id"))
-      by_id_.try_emplace(std::string(element.Name()) + '#' + id, &element);
+    if (const char* id = element.Attribute("id")) {
+      const std::string key = std::string(element.Name()) + '#' + id;
+      if (!by_id_.try_emplace(key, &element).second) again_.try_emplace(key, &element);
+    }
     eachChild(element, [&](const XMLElement& child) { index(child); });
   }
 
@@ -158,19 +198,27 @@ class DaeReader {
     return text + 1;
   }
 
-  /// The element of this kind that `element` refers to: one below `near`, or any.
+  /// The element of that kind that `element` refers to: one below `near`, or any. Refuses an id
+  /// that two have.
   const XMLElement& referred(const XMLElement& element, const char* attribute, const char* kind,
                              const XMLElement* near = nullptr) const {
     const std::string id = reference(element, attribute);
     if (near != nullptr) {
+      const XMLElement* found = nullptr;
       for (const XMLElement* child = near->FirstChildElement(kind); child != nullptr;
-           child = child->NextSiblingElement(kind))
-        if (child->Attribute("id", id.c_str()) != nullptr) return *child;
+           child = child->NextSiblingElement(kind)) {
+        if (child->Attribute("id", id.c_str()) == nullptr) continue;
+        if (found != nullptr) failTwice(*child, *found, tagOf(*child) + " of the id " + shown(id));
+        found = child;
+      }
+      if (found != nullptr) return *found;
     }
     const auto found = by_id_.find(std::string(kind) + '#' + id);
     if (found == by_id_.end())
       fail(element, tagOf(element) + " refers to " + shown('#' + id) + ", and there is no <" +
                         kind + "> of that id; the id of one would be accepted");
+    if (const auto again = again_.find(found->first); again != again_.end())
+      failTwice(*again->second, *found->second, tagOf(*found->second) + " of the id " + shown(id));
     return *found->second;
   }
 
@@ -222,10 +270,10 @@ class DaeReader {
 
   /// The unit in <asset>, in metres.
   double unitOf(const XMLElement& root) {
-    const XMLElement* asset = root.FirstChildElement("asset");
+    const XMLElement* asset = onlyChild(root, "asset");
     if (asset == nullptr) return 1;
     checkChildren(*asset, kInAsset);
-    const XMLElement* unit = asset->FirstChildElement("unit");
+    const XMLElement* unit = onlyChild(*asset, "unit");
     if (unit == nullptr) return 1;
     const char* text = unit->Attribute("meter");
     for (const tinyxml2::XMLAttribute* a = unit->FirstAttribute(); a != nullptr; a = a->Next()) {
@@ -259,9 +307,9 @@ class DaeReader {
   // the scene
 
   const XMLElement& visualScene(const XMLElement& root) const {
-    const XMLElement* scene = root.FirstChildElement("scene");
+    const XMLElement* scene = onlyChild(root, "scene");
     const XMLElement* instance =
-        scene == nullptr ? nullptr : scene->FirstChildElement("instance_visual_scene");
+        scene == nullptr ? nullptr : onlyChild(*scene, "instance_visual_scene");
     if (instance == nullptr)
       source_.fail("has no visual scene; <scene> with <instance_visual_scene> would be accepted");
     return referred(*instance, "url", "visual_scene");
@@ -304,26 +352,25 @@ class DaeReader {
   /// The instanced node, by its id; some exporters write its name.
   const XMLElement& instanced(const XMLElement& instance) const {
     const std::string id = reference(instance, "url");
-    if (by_id_.count("node#" + id) == 0)
-      if (const XMLElement* named = findNamed(*document_.RootElement(), id)) return *named;
-    return referred(instance, "url", "node");
+    const XMLElement* named = nullptr;
+    if (by_id_.count("node#" + id) == 0) findNamed(*document_.RootElement(), id, named);
+    return named != nullptr ? *named : referred(instance, "url", "node");
   }
-  static const XMLElement* findNamed(const XMLElement& element, const std::string& name) {
-    if (isNamed(element, "node") && element.Attribute("name", name.c_str()) != nullptr)
-      return &element;
-    const XMLElement* found = nullptr;
-    eachChild(element, [&](const XMLElement& child) {
-      if (found == nullptr) found = findNamed(child, name);
-    });
-    return found;
+  void findNamed(const XMLElement& element, const std::string& name,
+                 const XMLElement*& found) const {
+    if (isNamed(element, "node") && element.Attribute("name", name.c_str()) != nullptr) {
+      if (found != nullptr) failTwice(element, *found, "<node> of the name " + shown(name));
+      found = &element;
+    }
+    eachChild(element, [&](const XMLElement& child) { findNamed(child, name, found); });
   }
 
   /// The geometry below skins and morphs, in its undeformed state.
   const XMLElement& controlled(const XMLElement& instance) {
     const XMLElement* controller = &referred(instance, "url", "controller");
     for (int i = 0; i < kMostControllers; ++i) {
-      const XMLElement* deformer = controller->FirstChildElement("skin");
-      if (deformer == nullptr) deformer = controller->FirstChildElement("morph");
+      const XMLElement* deformer = onlyChild(*controller, "skin");
+      if (deformer == nullptr) deformer = onlyChild(*controller, "morph");
       if (deformer == nullptr)
         fail(*controller, "the controller has neither <skin> nor <morph>; one would be accepted");
       if (i == 0 && !has_controllers_) {
@@ -463,15 +510,18 @@ class DaeReader {
   // geometries
 
   void readGeometry(const XMLElement& geometry, FileMesh& mesh) {
-    const XMLElement* body = geometry.FirstChildElement("mesh");
-    if (body == nullptr) body = geometry.FirstChildElement("convex_mesh");
+    const XMLElement* body = onlyChild(geometry, "mesh");
+    const XMLElement* convex = onlyChild(geometry, "convex_mesh");
+    if (body != nullptr && convex != nullptr)
+      failTwice(*convex, *body, "mesh, " + tagOf(*convex) + ", in <geometry>");
+    if (body == nullptr) body = convex;
     if (body == nullptr) {
       NotSolid& left_out = contents_.not_solid;
       if (geometry.FirstChildElement("spline") == nullptr)
         fail(geometry, "the geometry has no <mesh>, which would be accepted");
       return left_out.count(left_out.curves, placeOf(geometry));
     }
-    const XMLElement* vertices = body->FirstChildElement("vertices");
+    const XMLElement* vertices = onlyChild(*body, "vertices");
     eachChild(*body, [&](const XMLElement& child) {
       NotSolid& left_out = contents_.not_solid;
       if (isNamed(child, "lines") || isNamed(child, "linestrips")) {
@@ -497,15 +547,12 @@ class DaeReader {
 
   /// Reads the source of the vertices' positions.
   void readVertices(const XMLElement& body, const XMLElement& vertices, FileMesh& mesh) {
-    const XMLElement* input = vertices.FirstChildElement("input");
-    while (input != nullptr && input->Attribute("semantic", "POSITION") == nullptr)
-      input = input->NextSiblingElement("input");
+    const XMLElement* input = onlyInput(vertices, "POSITION");
     if (input == nullptr)
       fail(vertices, "<vertices> has no <input> of the semantic POSITION, which would be accepted");
     const XMLElement& source = referred(*input, "source", "source", &body);
-    const XMLElement* common = source.FirstChildElement("technique_common");
-    const XMLElement* accessor =
-        common == nullptr ? nullptr : common->FirstChildElement("accessor");
+    const XMLElement* common = onlyChild(source, "technique_common");
+    const XMLElement* accessor = common == nullptr ? nullptr : onlyChild(*common, "accessor");
     if (accessor == nullptr)
       fail(source,
            "<source> has no <technique_common> with an <accessor>, which would be accepted");
@@ -515,12 +562,7 @@ class DaeReader {
     const std::vector<double> values = numbers(array);
     if (const std::size_t said = attribute(array, "count", values.size()); said != values.size())
       failCount(array, values.size(), " numbers", said);
-    std::size_t axes[3] = {0, 1, 2};
-    std::size_t place = 0;
-    for (const XMLElement* param = accessor->FirstChildElement("param"); param != nullptr;
-         param = param->NextSiblingElement("param"), ++place)
-      for (std::size_t k = 0; k < 3; ++k)
-        if (param->Attribute("name", std::string(1, "XYZ"[k]).c_str()) != nullptr) axes[k] = place;
+    const std::array<std::size_t, 3> axes = axesOf(*accessor);
     const std::size_t count = attribute(*accessor, "count", 0);
     const std::size_t stride = attribute(*accessor, "stride", 1);
     const std::size_t offset = attribute(*accessor, "offset", 0);
@@ -539,20 +581,42 @@ class DaeReader {
     }
   }
 
+  /// The places of X, Y and Z by the names of the accessor's params; where none has one of these
+  /// names, the first three.
+  std::array<std::size_t, 3> axesOf(const XMLElement& accessor) const {
+    std::array<std::size_t, 3> axes = {0, 1, 2};
+    const XMLElement* named[3] = {};
+    std::size_t place = 0;
+    for (const XMLElement* param = accessor.FirstChildElement("param"); param != nullptr;
+         param = param->NextSiblingElement("param"), ++place)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::string axis(1, "XYZ"[k]);
+        if (param->Attribute("name", axis.c_str()) == nullptr) continue;
+        if (named[k] != nullptr)
+          failTwice(*param, *named[k], "<param> of the name " + axis + " in <accessor>");
+        named[k] = param;
+        axes[k] = place;
+      }
+    if (axes[0] == axes[1] || axes[1] == axes[2] || axes[2] == axes[0])
+      fail(accessor,
+           "<accessor> names some of X, Y and Z and not the others; all three, or none, would be "
+           "accepted");
+    return axes;
+  }
+
   /// The position of the vertices' numbers in <p>, which also has numbers of normals and others.
   struct Inputs {
     std::size_t stride = 1, offset = 0;
   };
   Inputs inputsOf(const XMLElement& faces, const XMLElement& vertices) const {
     Inputs inputs;
-    bool found = false;
+    const XMLElement* of_vertices = onlyInput(faces, "VERTEX");
     for (const XMLElement* input = faces.FirstChildElement("input"); input != nullptr;
          input = input->NextSiblingElement("input")) {
       const std::size_t offset = attribute(*input, "offset", 0);
       if (offset > 1000) fail(*input, "an offset above 1000; a smaller one would be accepted");
       inputs.stride = std::max(inputs.stride, offset + 1);
-      if (input->Attribute("semantic", "VERTEX") == nullptr) continue;
-      found = true;
+      if (input != of_vertices) continue;
       inputs.offset = offset;
       const char* id = vertices.Attribute("id");
       if (id == nullptr || reference(*input, "source") != id)
@@ -560,7 +624,7 @@ class DaeReader {
              "<input> of the semantic VERTEX does not name the mesh's <vertices>, which "
              "would be accepted");
     }
-    if (!found)
+    if (of_vertices == nullptr)
       fail(faces, tagOf(faces) + " has no <input> of the semantic VERTEX, which would be accepted");
     return inputs;
   }
@@ -628,9 +692,7 @@ class DaeReader {
                 FileMesh& mesh) {
     const std::size_t begin = mesh.corners.size();
     const std::size_t corners = readCorners(p, inputs, mesh);
-    if (p.NextSiblingElement("p") != nullptr)
-      fail(*p.NextSiblingElement("p"),
-           "a second <p> in " + tagOf(faces) + "; one with all faces would be accepted");
+    onlyChild(faces, "p");
     const FilePlace place = placeOf(p);
     if (isNamed(faces, "triangles")) {
       const std::size_t said = attribute(faces, "count", corners / 3);
@@ -638,7 +700,7 @@ class DaeReader {
       for (std::size_t i = 0; i < corners; i += 3) addFace(begin + i, begin + i + 3, place, mesh);
       return;
     }
-    const XMLElement* sizes = faces.FirstChildElement("vcount");
+    const XMLElement* sizes = onlyChild(faces, "vcount");
     if (sizes == nullptr) fail(faces, "<polylist> has no <vcount>, which would be accepted");
     std::size_t at = 0, count = 0;
     eachWord(*sizes, [&](std::string_view word, FilePlace where) {
@@ -683,7 +745,7 @@ class DaeReader {
 
   const MeshSource& source_;
   tinyxml2::XMLDocument document_;
-  std::unordered_map<std::string, const XMLElement*> by_id_;
+  std::unordered_map<std::string, const XMLElement*> by_id_, again_;  // again_: a second one
   std::map<const XMLElement*, std::size_t> meshes_;
   std::vector<const XMLElement*> path_;
   int nodes_ = 0;

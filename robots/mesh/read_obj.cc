@@ -2,6 +2,7 @@
 #include <charconv>
 #include <iterator>
 
+#include "robots/base/read_file.h"
 #include "robots/mesh/readers.h"
 #include "robots/mesh/scan.h"
 
@@ -17,6 +18,7 @@ class ObjReader {
 
   MeshContents run() {
     while (nextStatement()) readStatement();
+    noteOpenEnd();
     FileMesh& mesh = mesh_;
     const auto count = static_cast<std::int32_t>(mesh.vertices.size());
     for (const FileMesh::Face& face : mesh.faces)
@@ -38,6 +40,13 @@ class ObjReader {
   }
 
  private:
+  /// A file that was cut in `f 1 2 34` may end in `f 1 2 3`.
+  void noteOpenEnd() {
+    const bool is_comment = text_.find('#', std::min(last_line_, text_.size())) != text_.npos;
+    if (!is_comment && !lastLineEnds(text_))
+      contents_.notes.push_back({FilePlace::line(lines_read_), std::string(kLastLineOpen)});
+  }
+
   /// Reads a line without its comment. If it is a vertex or a face and ends with a backslash, the
   /// lines that continue it are included. (Comments, names and paths may end with a backslash by
   /// chance.)
@@ -63,6 +72,7 @@ class ObjReader {
   std::string_view takeLine() {
     const std::size_t end = std::min(text_.find(line_end_, at_), text_.size());
     std::string_view line = text_.substr(at_, end - at_);
+    last_line_ = at_;
     at_ = end + 1;
     ++lines_read_;
     line = line.substr(0, line.find('#'));
@@ -83,6 +93,10 @@ class ObjReader {
     if (word == "curv" || word == "curv2") left_out.count(left_out.curves, place());
     if (word == "surf")
       source_.failAt(place(), "a free-form surface (surf); polygons would be accepted");
+    if (word == "call" || word == "csh")
+      source_.failAt(place(), shown(word) +
+                                  " brings in what is not in this file; a file that holds "
+                                  "all of its faces would be accepted");
     if (word == "V" || word == "F")
       source_.failAt(place(), shown(word) + " begins the line; " + (word == "V" ? "v" : "f") +
                                   " would be accepted");
@@ -92,16 +106,16 @@ class ObjReader {
   /// Statements of the format that do not describe polygons.
   static bool isKnown(std::string_view word) {
     static constexpr std::string_view kKnown[] = {
-        "l",      "p",     "curv",   "curv2",    "vt",       "vn",         "vp",
-        "g",      "o",     "s",      "mg",       "mtllib",   "usemtl",     "usemap",
-        "maplib", "bevel", "lod",    "c_interp", "d_interp", "shadow_obj", "trace_obj",
-        "ctech",  "stech", "cstype", "deg",      "bmat",     "step",       "parm",
-        "trim",   "hole",  "scrv",   "sp",       "end",      "con",        "call",
-        "csh",    "bsp",   "bzp",    "cdc",      "cdp",      "res"};
+        "l",   "p",        "curv",     "curv2",      "vt",        "vn",     "vp",     "g",
+        "o",   "s",        "mg",       "mtllib",     "usemtl",    "usemap", "maplib", "bevel",
+        "lod", "c_interp", "d_interp", "shadow_obj", "trace_obj", "ctech",  "stech",  "cstype",
+        "deg", "bmat",     "step",     "parm",       "trim",      "hole",   "scrv",   "sp",
+        "end", "con",      "bsp",      "bzp",        "cdc",       "cdp",    "res"};
     return std::find(std::begin(kKnown), std::end(kKnown), word) != std::end(kKnown);
   }
 
-  /// X Y Z, with a weight W, three colours or four.
+  /// X Y Z, with a weight W, three colours or four. W is the weight of a control point of rational
+  /// curves and surfaces; programs disagree on what another one than 1 means for polygons.
   void readVertex(Words& words) {
     Eigen::Vector3d& v = mesh_.vertices.emplace_back();
     requireCountable(source_, mesh_.vertices.size(), place());
@@ -120,9 +134,7 @@ class ObjReader {
       source_.failAt(place(), "a vertex of " + std::to_string(3 + more) +
                                   " numbers; v X Y Z, with W or colours behind it, would be "
                                   "accepted");
-    if (more != 1 || weight == 1) return;
-    v /= weight;  // the same as in Assimp
-    if (!(v.cwiseAbs().maxCoeff() <= kGreatestCoordinate))
+    if (more == 1 && weight != 1)
       source_.failAt(
           place(), "a vertex whose weight is " + std::to_string(weight) + "; 1 would be accepted");
   }
@@ -174,7 +186,7 @@ class ObjReader {
   std::string_view text_, statement_;
   std::string joined_;
   char line_end_;
-  std::size_t at_ = 0, statements_ = 0;
+  std::size_t at_ = 0, last_line_ = 0, statements_ = 0;
   std::int64_t lines_read_ = 0, line_ = 0;
   FileMesh mesh_;
   MeshContents contents_;

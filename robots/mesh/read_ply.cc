@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "robots/base/read_file.h"
 #include "robots/mesh/number_type.h"
 #include "robots/mesh/readers.h"
 #include "robots/mesh/scan.h"
@@ -148,6 +149,8 @@ class PlyReader {
       }
     }
     body.finish();
+    if (!order_ && !lastLineEnds(text_))
+      contents_.notes.push_back({body.place(), std::string(kLastLineOpen)});
     const auto count = static_cast<std::int32_t>(mesh_.vertices.size());
     for (const FileMesh::Face& face : mesh_.faces)
       for (const std::int32_t corner : mesh_.cornersOf(face))

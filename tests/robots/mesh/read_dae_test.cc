@@ -293,5 +293,63 @@ TEST(ReadDae, DamagedFiles) {
   }
 }
 
+/// A reader that takes the first of two, or the last, reads another mesh than the next reader.
+TEST(ReadDae, WhatStandsTwiceIsRefused) {
+  const std::string whole = dae(kTriangle, node(kInstance));
+  const auto refused = [&](const std::string& a, const std::string& b, const std::string& line,
+                           const std::string& what) {
+    std::string text = whole;
+    ASSERT_NE(text.find(a), std::string::npos) << a;
+    text.replace(text.find(a), a.size(), b);
+    expectRefused(readDae, {text, line, {what}});
+  };
+  ASSERT_EQ(readAs(readDae, whole).meshes.size(), 1U);
+  const std::string unit = "<unit meter=\"1\"/>", mesh = "<mesh>" + kSource + kVertices + kTriangle;
+  refused(unit, unit + "\n<unit meter=\"0.001\"/>", ":2",
+          "a second <unit> in <asset>, after that of line 1; one would be accepted");
+  refused("</asset>", "</asset>\n<asset/>", ":2", "a second <asset> in <COLLADA>");
+  refused("</geometry>", "\n" + mesh + "</mesh></geometry>", ":8", "a second <mesh> in <geometry>");
+  refused("</geometry>", "<convex_mesh/></geometry>", ":7", "a second mesh, <convex_mesh>");
+  refused("</geometry>", "</geometry>\n<geometry id=\"g\">" + mesh + "</mesh></geometry>", ":8",
+          "a second <geometry> of the id 'g', after that of line 2");
+  refused(kSource, kSource + kSource, ":5",
+          "a second <source> of the id 'p', after that of line 3");
+  refused(kVertices, kVertices + kVertices, ":6", "a second <vertices> in <mesh>");
+  refused("source=\"#p\"/>", "source=\"#p\"/><input semantic=\"POSITION\" source=\"#p\"/>", ":5",
+          "a second <input> of the semantic POSITION in <vertices>");
+  refused(kInput, kInput + kInput, ":6", "a second <input> of the semantic VERTEX in <triangles>");
+  refused("</technique_common>", "</technique_common>\n<technique_common/>", ":5",
+          "a second <technique_common>");
+  refused("</accessor>", "</accessor><accessor source=\"#pa\"/>", ":4",
+          "a second <accessor> in <technique_common>");
+  refused("name=\"Y\"", "name=\"X\"", ":4", "a second <param> of the name X in <accessor>");
+  refused("<param name=\"X\"", "<param/><param name=\"X\"/><param name=\"W\"", ":4",
+          "names some of X, Y and Z");
+  refused("</float_array>", "</float_array>\n<float_array id=\"pa\" count=\"0\"/>", ":5",
+          "a second <float_array> of the id 'pa'");
+  refused("</p>", "</p><p>0 1 3</p>", ":6", "a second <p> in <triangles>");
+  refused(kTriangle,
+          "<polylist count=\"1\">" + kInput +
+              "<vcount>3</vcount><vcount>4</vcount><p>0 1 2</p></polylist>\n",
+          ":6", "a second <vcount> in <polylist>");
+  refused("</visual_scene>", "</visual_scene>\n<visual_scene id=\"s\"/>", ":9",
+          "a second <visual_scene> of the id 's'");
+  refused("<scene>", "<scene/><scene>", ":9", "a second <scene> in <COLLADA>");
+  refused("</scene>", "<instance_visual_scene url=\"#t\"/></scene>", ":9",
+          "a second <instance_visual_scene> in <scene>");
+  refused("</COLLADA>\n", "</COLLADA>\n" + whole, ":10",
+          "a second root element, <COLLADA>, after that of line 1");
+  refused(kInstance, "<instance_node url=\"#n\"/></node><node name=\"n\"/><node name=\"n\">", ":8",
+          "a second <node> of the name 'n'");
+  // What nothing refers to, and what stands in several geometries, may have one id.
+  const auto accepted = [&](const std::string& a, const std::string& b) {
+    std::string text = whole;
+    text.replace(text.find(a), a.size(), b);
+    EXPECT_EQ(readAs(readDae, text).instances.size(), 1U) << b;
+  };
+  accepted("</geometry>", "</geometry><geometry id=\"h\">" + mesh + "</mesh></geometry>");
+  accepted("</visual_scene>", "</visual_scene><visual_scene id=\"t\"/><visual_scene id=\"t\"/>");
+}
+
 }  // namespace
 }  // namespace leeway::robots

@@ -14,7 +14,7 @@ using mesh_texts::readAs;
 TEST(ReadObj, VerticesInAllTheirForms) {
   const MeshContents contents = readAs(
       readObj,
-      "# v 9 9 9\nv 0.1 -2e-3 +3 # a comment\n\tv  1 2\t3 1\nv 2 4 6 2\nv 1 2 3 0.5 0.5 0.5\n"
+      "# v 9 9 9\nv 0.1 -2e-3 +3 # a comment\n\tv  1 2\t3 1\nv 1 2 3 1.0\nv 1 2 3 0.5 0.5 0.5\n"
       "v 1 2 3 1 0 0 1\nvn 0 0 1\nvt 0 0\nvp 0.5\nv \\\n 7 \\\n8 9\nf 1 2 3\n");
   const FileMesh& mesh = contents.meshes.at(0);
   ASSERT_EQ(mesh.vertices.size(), 6U);
@@ -74,7 +74,11 @@ TEST(ReadObj, DamagedFiles) {
   refused({"v 0 0 x\n", ":1", {"'x' stands where a coordinate is expected"}});
   refused({"v 0 0 1.5.5\n", ":1", {"'1.5.5'"}});
   refused({"v 0 0 inf\n", ":1", {"'inf' is not finite"}});
-  refused({"v 0 0 0 0\n", ":1", {"weight"}});
+  // A weight is of rational curves, and divides coordinates in some programs only.
+  for (const char* weight : {"0", "2", "-1", "nan"})
+    refused({std::string("v 0 0 0 ") + weight + "\n", ":1", {"weight", "1 would be accepted"}});
+  refused({triangle + "f 1 2 3\ncall other.obj\n", ":5", {"'call' brings in what is not in"}});
+  refused({triangle + "f 1 2 3\ncsh -cat other.obj\n", ":5", {"'csh' brings in"}});
   refused({"v 0 0 0 1 2\n", ":1", {"a vertex of 5 numbers", "W or colours"}});
   refused({"v 0 0 0 1 2 red\n", ":1", {"'red' stands where a number is expected"}});
   refused({triangle + "f 1 2\n", ":4", {"a face of 2 corners", "at least three"}});
@@ -87,6 +91,19 @@ TEST(ReadObj, DamagedFiles) {
   refused({triangle + "f 1 2 3.5\n", ":4", {"'3.5'"}});
   refused({triangle + "f 1 2 99999999999\n", ":4", {"'99999999999'"}});
   refused({triangle + "surf 0 1 0 1 1 2 3\n", ":4", {"free-form surface"}});
+}
+
+/// `f 1 2 34` that was cut is `f 1 2 3`.
+TEST(ReadObj, ALastLineWithoutItsEndIsTold) {
+  const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3";
+  for (const char* end : {"", " ", "\nvn 0 0 1", "\ng"}) {
+    const MeshContents contents = readAs(readObj, text + end);
+    ASSERT_EQ(contents.notes.size(), 1U) << end;
+    EXPECT_EQ(contents.notes[0].place.text(), *end == '\n' ? ":5" : ":4") << end;
+    EXPECT_EQ(contents.notes[0].text.find("the last line does not end; if the file was cut"), 0U);
+  }
+  for (const char* end : {"\n", "\r\n", " \n", "\n\n  ", "\n# a comment", " # a comment"})
+    EXPECT_TRUE(readAs(readObj, text + end).notes.empty()) << end;
 }
 
 }  // namespace
