@@ -133,7 +133,32 @@ class SrdfReader {
       const auto same = [&](const char* name) { return std::strcmp(name, e->Name()) == 0; };
       if (std::none_of(std::begin(kKnown), std::end(kKnown), same))
         file_.leaveOut(*e, "<" + std::string(e->Name()) + "> is not known and is left out");
+      else
+        leaveOutUnknownIn(*e);
     }
+  }
+
+  /// Attributes and text that have no meaning in an element, and in those inside it.
+  void leaveOutUnknownIn(const XMLElement& e) {
+    static const std::map<std::string, std::vector<std::string>> kAttributes = {
+        {"group", {"name"}},
+        {"chain", {"base_link", "tip_link"}},
+        {"joint", {"name", "value"}},
+        {"link", {"name"}},
+        {"group_state", {"name", "group"}},
+        {"disable_collisions", {"link1", "link2", "reason"}},
+        {"enable_collisions", {"link1", "link2", "reason"}},
+        {"disable_default_collisions", {"link"}},
+        {"virtual_joint", {"name", "type", "parent_frame", "child_link"}},
+        {"end_effector", {"name", "parent_link", "group", "parent_group"}},
+        {"passive_joint", {"name"}},
+        {"joint_property", {"joint_name", "property_name", "value"}}};
+    const auto known = kAttributes.find(e.Name());
+    if (known == kAttributes.end()) return;
+    file_.allowAttributes(e, known->second, XmlFile::Misspelt::kLeftOut);
+    for (const XMLElement* child = e.FirstChildElement(); child != nullptr;
+         child = child->NextSiblingElement())
+      leaveOutUnknownIn(*child);
   }
 
   template <typename Item>

@@ -134,6 +134,7 @@ class UrdfReader {
     link.line = element.GetLineNum();
     link_index_[link.name] = static_cast<int>(document_.links.size());
     link_names_.push_back(link.name);
+    file_.allowAttributes(element, {"name"});
     leaveOutUnknown(element, {"collision"},
                     {"visual", "inertial", "contact", "sensor", "material", "gravity"});
     const auto add = [&](const XMLElement& shape) {
@@ -186,12 +187,15 @@ class UrdfReader {
   }
 
   UrdfCollision readCollision(const XMLElement& element) {
+    file_.allowAttributes(element, {"name"});
     leaveOutUnknown(element, {"origin", "geometry"},
                     {"material", "verbose", "contact_coefficients"});
     UrdfCollision collision;
     if (const char* name = element.Attribute("name")) collision.name = name;
     collision.X_LG = readOrigin(element);
-    const XMLElement& shape = shapeOf(file_.requiredChild(element, "geometry"));
+    const XMLElement& geometry = file_.requiredChild(element, "geometry");
+    file_.allowAttributes(geometry, {});
+    const XMLElement& shape = shapeOf(geometry);
     collision.file = file_.path();
     collision.line = shape.GetLineNum();
     const std::string kind = shape.Name();
@@ -286,6 +290,7 @@ class UrdfReader {
     joint.file = file_.path();
     joint.line = element.GetLineNum();
     joint.type = readType(element);
+    file_.allowAttributes(element, {"name", "type"});
     leaveOutUnknown(element,
                     {"origin", "parent", "child", "axis", "limit", "mimic", "safety_controller"},
                     {"dynamics", "calibration", "sensor", "gazebo"});
@@ -371,10 +376,11 @@ class UrdfReader {
     } catch (const InputError& error) {
       file_.leaveOut(error, "; it is not used");
     }
-    joint.velocity = file_.number(limit, "velocity").value_or(0);
+    const char* given = limit.Attribute("velocity");
+    const bool is_endless = given != nullptr && parseNumber(given) && !parseFinite(given);
+    joint.velocity = is_endless ? 0 : file_.number(limit, "velocity").value_or(0);
     if (joint.velocity > 0 && joint.velocity <= kGreatestLimit) return;
     joint.velocity = 0;
-    const char* given = limit.Attribute("velocity");
     if (moves)
       file_.warn(limit, (given ? "the velocity limit " + inQuotes(given) + " of joint " +
                                      inQuotes(joint.name) + " is taken for none"
@@ -386,6 +392,9 @@ class UrdfReader {
   void noteSoftLimits(const XMLElement& element, UrdfJoint& joint) {
     const XMLElement* safety = file_.onlyChild(element, "safety_controller");
     if (safety == nullptr || joint.type == JointType::kFixed) return;
+    file_.allowAttributes(*safety,
+                          {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"},
+                          XmlFile::Misspelt::kLeftOut);
     try {
       const auto lower = file_.number(*safety, "soft_lower_limit"),
                  upper = file_.number(*safety, "soft_upper_limit");

@@ -188,8 +188,8 @@ const XMLElement& XmlFile::requiredChild(const XMLElement& parent, const char* n
   return *child;
 }
 
-void XmlFile::allowAttributes(const XMLElement& element, std::initializer_list<const char*> names) {
-  const std::vector<std::string> known(names.begin(), names.end());
+void XmlFile::allowAttributes(const XMLElement& element, const std::vector<std::string>& known,
+                              Misspelt misspelt) {
   std::string list;
   for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
   for (const tinyxml2::XMLAttribute* a = element.FirstAttribute(); a != nullptr; a = a->Next()) {
@@ -199,7 +199,8 @@ void XmlFile::allowAttributes(const XMLElement& element, std::initializer_list<c
     const std::string message =
         "<" + std::string(element.Name()) + "> has the unknown attribute " + inQuotes(name);
     // Where the nearest name is given, too, this one is hardly meant for it.
-    const std::string* meant = isExtension(name) ? nullptr : nearestName(name, known);
+    const std::string* meant =
+        isExtension(name) || misspelt == Misspelt::kLeftOut ? nullptr : nearestName(name, known);
     if (meant != nullptr && element.Attribute(meant->c_str()) == nullptr)
       throwOrKeep(
           InputError(path_, a->GetLineNum(),
@@ -207,6 +208,20 @@ void XmlFile::allowAttributes(const XMLElement& element, std::initializer_list<c
           errors_);
     else
       leaveOut(InputError(path_, a->GetLineNum(), message + ", which is left out"), "");
+  }
+  for (const tinyxml2::XMLNode* child = element.FirstChild(); child != nullptr;
+       child = child->NextSibling()) {
+    if (child->ToText() == nullptr) continue;
+    const std::string_view text = child->Value();
+    const std::size_t first = text.find_first_not_of(kSpace);
+    if (first == std::string_view::npos) continue;
+    constexpr std::size_t kShown = 40;
+    leaveOut(InputError(path_, child->GetLineNum(),
+                        "<" + std::string(element.Name()) + "> holds the text " +
+                            inQuotes(text.substr(first, text.find_last_not_of(kSpace) + 1 - first)
+                                         .substr(0, kShown)) +
+                            ", which is left out"),
+             "");
   }
 }
 

@@ -3,7 +3,6 @@
 #include <tinyxml2.h>
 
 #include <Eigen/Core>
-#include <initializer_list>
 #include <map>
 #include <optional>
 #include <span>
@@ -67,10 +66,11 @@ class XmlFile {
   const tinyxml2::XMLElement* onlyChild(const tinyxml2::XMLElement& parent, const char* name) const;
   const tinyxml2::XMLElement& requiredChild(const tinyxml2::XMLElement& parent,
                                             const char* name) const;
-  /// Leaves out attributes other than these. One that seems to be a misspelt name of these is an
-  /// error.
-  void allowAttributes(const tinyxml2::XMLElement& element,
-                       std::initializer_list<const char*> names);
+  enum class Misspelt { kRefused, kLeftOut };
+  /// Leaves out attributes other than these, and text inside the element. An attribute that seems
+  /// to be a misspelt name of these is an error, unless `misspelt` says otherwise.
+  void allowAttributes(const tinyxml2::XMLElement& element, const std::vector<std::string>& names,
+                       Misspelt misspelt = Misspelt::kRefused);
 
  private:
   struct Seen {

@@ -65,6 +65,28 @@ TEST_F(LeftOutOfUrdf, ExtensionsOfLimitsAndAxes) {
   EXPECT_EQ(model->joints[1].axis, Eigen::Vector3d::UnitZ());
 }
 
+/// What looks as if it placed or limited something is not lost in silence.
+TEST_F(LeftOutOfUrdf, AttributesAndTextThatNobodyReads) {
+  const auto model = load(
+      "<link name=\"b\" concave=\"yes\">\n<collision xyz=\"0.5 0 0\" scale=\"2\">\n<origin>0.5 0 "
+      "0</origin>\n<geometry size=\"1\"><sphere "
+      "radius=\"1\">2</sphere></geometry></collision></link>"
+      "\n<joint name=\"j\" type=\"revolute\" axis=\"0 0 1\" lower=\"-1\">\n<parent "
+      "link=\"a\"/><child link=\"b\"/>\n<limit lower=\"-1\" upper=\"1\" effort=\"1\" "
+      "velocity=\"1\">\n</limit>\n<safety_controller soft_lower=\"-0.5\"/></joint>");
+  expectWarnings(
+      *model,
+      {":3: <link> has the unknown attribute \"concave\", which is left out",
+       ":4: <collision> has the unknown attribute \"xyz\", which is left out",
+       ":4: <collision> has the unknown attribute \"scale\", which is left out",
+       ":5: <origin> holds the text \"0.5 0 0\", which is left out",
+       ":6: <geometry> has the unknown attribute \"size\", which is left out",
+       ":6: <sphere> holds the text \"2\", which is left out",
+       ":7: <joint> has the unknown attribute \"axis\", which is left out",
+       ":7: <joint> has the unknown attribute \"lower\", which is left out",
+       ":11: <safety_controller> has the unknown attribute \"soft_lower\", which is left out"});
+}
+
 TEST_F(LeftOutOfUrdf, ElementsBesideAShape) {
   const auto model =
       load("<drake:proximity/>\n" +
@@ -81,7 +103,7 @@ TEST_F(LeftOutOfUrdf, LimitsThatPlanningDoesNotNeed) {
                  {":5: <limit> has no effort, which is not used"});
   expectWarnings(*load(joint("\n" + limit("velocity=\"3\" effort=\"much\""))),
                  {":5: effort of <limit> holds \"much\""});
-  for (const char* none : {"-1", "0", "1e17"}) {
+  for (const char* none : {"-1", "0", "1e17", "inf", "nan", "1e999"}) {
     const auto model =
         load(joint("\n" + limit("effort=\"1\" velocity=\"" + std::string(none) + "\"")));
     expectWarnings(*model, {":5: the velocity limit \"" + std::string(none) +
