@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <sstream>
 
 #include "collision/base/numbers.h"
@@ -127,7 +126,8 @@ double readField(const std::string& file, int line, const std::string& field) {
 }
 
 /// Lines that are not blank, with their numbers.
-std::vector<std::pair<int, std::string>> readLines(const std::string& file) {
+std::vector<std::pair<int, std::string>> readLines(const std::string& file,
+                                                   std::vector<std::string>* warnings) {
   const std::string text = robots::readTextFile(file, "a path file");
   std::vector<std::pair<int, std::string>> lines;
   int number = 0;
@@ -139,6 +139,8 @@ std::vector<std::pair<int, std::string>> readLines(const std::string& file) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (!trimmed(line).empty()) lines.emplace_back(number, std::move(line));
   }
+  if (warnings != nullptr && !robots::lastLineEnds(text))
+    warnings->push_back(fmt::format("{}:{}: {}", file, number, robots::kLastLineOpen));
   return lines;
 }
 
@@ -150,9 +152,9 @@ bool areNumbers(const std::vector<std::string>& fields) {
 }
 
 /// With a header of names, or rows alone in the group's order, these with commas or blanks.
-Table readCsv(const std::string& file) {
+Table readCsv(const std::string& file, std::vector<std::string>* warnings) {
   Table table;
-  for (const auto& [number, line] : readLines(file)) {
+  for (const auto& [number, line] : readLines(file, warnings)) {
     std::vector<std::string> fields = csvFields(file, number, line);
     if (table.names.empty() && fields.size() == 1)
       if (std::vector<std::string> row = blankFields(line); areNumbers(row)) fields.swap(row);
@@ -172,9 +174,9 @@ Table readCsv(const std::string& file) {
 }
 
 /// Rows of numbers in the group's order, with blanks or commas between them.
-Table readMatrix(const std::string& file) {
+Table readMatrix(const std::string& file, std::vector<std::string>* warnings) {
   Table table;
-  for (const auto& [number, line] : readLines(file)) {
+  for (const auto& [number, line] : readLines(file, warnings)) {
     Table::Row row{{}, number};
     const bool commas = line.find(',') != std::string::npos;
     for (const std::string& field : commas ? csvFields(file, number, line) : blankFields(line))
@@ -293,12 +295,12 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
 
 Path readPath(const std::string& file, const Problem& problem, const PathReading& options) {
   validate(problem);
-  const std::string ending = std::filesystem::path(file).extension().string();
+  const std::string ending = robots::endingOf(file);
   if (ending == ".json" || ending == ".yaml" || ending == ".yml")
     return matched(file, readTrajectory(YamlReader::load(file)), problem, options);
-  if (ending == ".csv") return matched(file, readCsv(file), problem, options);
+  if (ending == ".csv") return matched(file, readCsv(file, options.warnings), problem, options);
   if (ending == ".path" || ending == ".txt")
-    return matched(file, readMatrix(file), problem, options);
+    return matched(file, readMatrix(file, options.warnings), problem, options);
   throw InputError(
       file, 0,
       fmt::format("the ending '{}' names no format; .json, .yaml, .csv, .path or .txt is expected",

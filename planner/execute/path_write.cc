@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -14,6 +13,7 @@
 #include "planner/base/tolerances.h"
 #include "planner/execute/trajectory_samples.h"
 #include "planner/execute/unchecked_json.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::planner {
 namespace {
@@ -255,7 +255,7 @@ void requireResultOf(const Problem& problem, const PlanResult& result) {
 void writePath(const std::string& file, const Problem& problem, const PlanResult& result) {
   requireResultOf(problem, result);
   const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
-  const std::string ending = std::filesystem::path(file).extension().string();
+  const std::string ending = robots::endingOf(file);
   if (ending == ".json") return writeFileWhole(file, jsonText(file, problem, space, result));
   if (ending == ".yaml" || ending == ".yml")
     return writeFileWhole(file, yamlText(file, problem, space, result));
@@ -274,7 +274,7 @@ void writePath(const std::string& file, const Problem& problem, const PlanResult
 void writeTrajectory(const std::string& file, const Problem& problem, const PlanResult& result,
                      const Trajectory& trajectory, double period) {
   requireResultOf(problem, result);
-  const std::string ending = std::filesystem::path(file).extension().string();
+  const std::string ending = robots::endingOf(file);
   const bool json = ending == ".json", yaml = ending == ".yaml" || ending == ".yml";
   if (!json && !yaml && ending != ".csv")
     throw InputError(

@@ -27,6 +27,7 @@
 #include "planner/validate/checks.h"
 #include "planner/validate/format_keys.h"
 #include "planner/yaml/yaml_reader.h"
+#include "robots/base/read_file.h"
 #include "robots/base/read_on.h"
 
 namespace leeway::planner {
@@ -314,13 +315,19 @@ void expectKnown(const YamlReader& item, const YamlReader& list, const KnownName
 /// Groups of links and objects, which stand for all of their members.
 void readGroups(const YamlReader& groups, KnownNames& known) {
   groups.eachEntry([&](const std::string& name, const YamlReader& list) {
-    if (known.things.isKnown(name) || name == kRobotWord)
+    if (known.things.isKnown(name) || name == kRobotWord || name == kWorldWord)
       list.fail(fmt::format("group '{}' has the name of {}; a name of its own is expected", name,
-                            name == kRobotWord ? "the whole robot" : "a link or object"));
+                            name == kRobotWord   ? "the whole robot"
+                            : name == kWorldWord ? "all objects"
+                                                 : "a link or object"));
     if (list.items().empty())
       list.fail(fmt::format("group '{}' is empty; names of links or objects are expected", name));
     std::vector<std::string>& members = known.groups[name];
     list.eachItem([&](const YamlReader& item) {
+      if (const std::string member = item.text();
+          known.groups.count(member) != 0 && !known.things.isKnown(member))
+        item.fail(fmt::format("{}: '{}' is a group; names of links or objects are expected",
+                              list.where(), member));
       expectKnown(item, list, known);
       members.push_back(item.text());
     });
@@ -342,9 +349,7 @@ NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known, bool ta
   const std::string names[] = {items[0].text(), items[1].text()};
   NamePairs read;
   std::vector<std::string> sides[2];
-  const auto isWorld = [&](const std::string& name) {
-    return name == kWorldWord && known.groups.count(kWorldWord) == 0;
-  };
+  const auto isWorld = [](const std::string& name) { return name == kWorldWord; };
   for (std::size_t i = 0; i < 2; ++i) {
     const std::string& other = names[1 - i];
     // Words stay words, so that they hold for what comes later, too.
@@ -622,7 +627,7 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
 }  // namespace
 
 Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
-  if (std::filesystem::path(yaml_path).extension() == ".cfg") return loadOmplApp(yaml_path, given);
+  if (robots::endingOf(yaml_path) == ".cfg") return loadOmplApp(yaml_path, given);
   ProblemOptions options = given;
   const robots::ErrorsSince wrong(options.load.errors);
   const YamlReader file = YamlReader::load(yaml_path, options.load.stop, options.load.errors);

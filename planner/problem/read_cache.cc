@@ -10,6 +10,7 @@
 #include "planner/problem/read_shapes.h"
 #include "planner/problem/vertex_cache.h"
 #include "planner/validate/format_keys.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::planner {
 namespace {
@@ -39,8 +40,7 @@ std::shared_ptr<const VertexMotion> readCache(const YamlReader& cache, const Ver
   cache.expectKeys(keysOf("cache"));
   const YamlReader file = cache.at("file", "a PC2 or MDD file");
   const std::string path = resolvedPath(file);
-  std::string ending = std::filesystem::path(path).extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = robots::endingOf(path);
   if (ending != ".pc2" && ending != ".mdd")
     file.fail(
         fmt::format("{} has the ending '{}'; .pc2 or .mdd is expected", file.where(), ending));

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <stdexcept>
 
 #include "leeway/planner/depth_image.h"
@@ -8,6 +9,7 @@
 #include "planner/sensed/cloud_source.h"
 #include "planner/validate/checks.h"
 #include "planner/validate/format_keys.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::planner {
 namespace {
@@ -83,7 +85,7 @@ DepthCamera readCamera(const YamlReader& map) {
 /// The points of the file, or the pixels of a depth image, with their radii.
 PointCloud loadFile(const YamlReader& cloud, const YamlReader& file, double radius,
                     std::vector<std::string>& warnings, const robots::Stop& stop) {
-  const std::string path = resolvedPath(file), ending = endingOf(path);
+  const std::string path = resolvedPath(file), ending = robots::endingOf(path);
   const auto camera = cloud.find("camera");
   const bool is_picture = ending == ".png" || ending == ".pgm";
   if (!is_picture && camera)
@@ -113,6 +115,10 @@ std::shared_ptr<const PointCloud> readCloud(const YamlReader& cloud,
   const YamlReader radius = cloud.at("radius", "the radius of each point's ball [m]");
   if (const auto margin = cloud.find("carve_margin"); margin && !cloud.has("carve"))
     margin->fail("key 'carve_margin' stands without 'carve'; both are expected");
+  const std::string path = resolvedPath(file);
+  if (!std::filesystem::exists(path))
+    file.fail(fmt::format("{} names '{}', and there is no such file; an existing file is expected",
+                          file.where(), path));
   if (const auto unseen = cloud.find("unseen"); unseen && unseen->text() != "free")
     unseen->fail(
         fmt::format("{} is '{}'; only 'free' is accepted: add shapes where something that "

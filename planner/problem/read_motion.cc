@@ -7,6 +7,7 @@
 
 #include "planner/problem/read_shapes.h"
 #include "planner/validate/format_keys.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::planner {
 namespace {
@@ -225,8 +226,8 @@ robots::IndexedMesh readVertices(const YamlReader& map) {
   if (!std::filesystem::is_regular_file(path))
     file.fail(fmt::format("{} names '{}', which does not exist; an existing file is expected",
                           file.where(), path));
-  const std::string ending = std::filesystem::path(path).extension().string();
-  if (ending != ".obj" && ending != ".OBJ")
+  const std::string ending = robots::endingOf(path);
+  if (ending != ".obj")
     file.fail(
         fmt::format("{} has the ending '{}'; an OBJ is expected, whose vertices have numbers "
                     "that a motion can go by",

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <stdexcept>
 
 #include "collision/base/tolerances.h"
@@ -34,13 +33,8 @@ CloudSource readSource(const std::string& path, std::string_view kind, const rob
   return source;
 }
 
-std::string endingOf(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ending;
-}
-
 void PointSink::add(const double (&p)[3], CloudPlace place) {
+  last_line_ = place.line;
   if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
     ++dropped_;
     return;
@@ -97,7 +91,7 @@ std::size_t readCount(const CloudSource& source, std::string_view word, std::str
 
 PointCloud loadCloud(const std::string& path, double radius, std::vector<std::string>& warnings,
                      const robots::Stop& stop) {
-  const std::string ending = endingOf(path);
+  const std::string ending = robots::endingOf(path);
   const bool in_columns = ending == ".xyz" || ending == ".txt" || ending == ".csv";
   if (ending != ".ply" && ending != ".pcd" && !in_columns)
     throw robots::InputError(
@@ -113,6 +107,8 @@ PointCloud loadCloud(const std::string& path, double radius, std::vector<std::st
     readPcd(source, warnings, sink);
   else
     readColumns(source, sink);
+  if (sink.lastLine() > 0 && !robots::lastLineEnds(source.text()))
+    warnings.push_back(fmt::format("{}:{}: {}", path, sink.lastLine(), robots::kLastLineOpen));
   if (sink.points().empty())
     throw robots::InputError(
         path, 0,

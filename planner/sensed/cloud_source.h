@@ -43,9 +43,6 @@ class CloudSource {
 /// robots::InputError for what cannot be read and for a pointer of Git LFS.
 CloudSource readSource(const std::string& path, std::string_view kind, const robots::Stop& stop);
 
-/// The end of a path from its last point on, in small letters; empty without one.
-std::string endingOf(const std::string& path);
-
 /// Collects points, and drops those that are not numbers.
 class PointSink {
  public:
@@ -53,11 +50,13 @@ class PointSink {
   void add(const double (&p)[3], CloudPlace place);
   std::vector<Eigen::Vector3d>& points() { return points_; }
   std::size_t dropped() const { return dropped_; }
+  /// The line of the last point; 0 in binary data.
+  std::size_t lastLine() const { return last_line_; }
 
  private:
   const CloudSource& source_;
   std::vector<Eigen::Vector3d> points_;
-  std::size_t dropped_ = 0;
+  std::size_t dropped_ = 0, last_line_ = 0;
 };
 
 /// The words of a line.

@@ -9,6 +9,7 @@
 
 #include "leeway/robots/text.h"
 #include "planner/sensed/cloud_source.h"
+#include "robots/base/read_file.h"
 #include "robots/mesh/scan.h"
 
 namespace leeway::planner {
@@ -242,7 +243,7 @@ class PgmFile {
 }  // namespace
 
 GrayImage readGrayImage(const std::string& path, std::string_view kind, const robots::Stop& stop) {
-  const std::string ending = endingOf(path);
+  const std::string ending = robots::endingOf(path);
   if (ending != ".png" && ending != ".pgm")
     throw robots::InputError(
         path, 0,

@@ -12,6 +12,7 @@
 #include "leeway/collision/triangle_mesh.h"
 #include "planner/sensed/cloud_source.h"
 #include "planner/sensed/gray_image.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::planner {
 namespace {
@@ -119,7 +120,7 @@ collision::Shape heightFieldShape(const HeightField& field) {
 HeightField loadHeightField(const std::string& path, const HeightFile& file,
                             std::vector<std::string>& warnings, const robots::Stop& stop) {
   HeightField field;
-  const std::string ending = endingOf(path);
+  const std::string ending = robots::endingOf(path);
   if (ending == ".png" || ending == ".pgm") {
     if (!file.scale)
       throw std::invalid_argument(

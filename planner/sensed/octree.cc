@@ -12,6 +12,7 @@
 
 #include "leeway/robots/text.h"
 #include "planner/sensed/cloud_source.h"
+#include "robots/base/read_file.h"
 #include "robots/mesh/scan.h"
 
 // The formats: OctoMap's OccupancyOcTreeBase::readBinaryNode() and
@@ -236,7 +237,7 @@ std::vector<robots::Geometry> octreeBoxes(const OctreeData& octree, Unseen unsee
 
 std::vector<robots::Geometry> loadOctree(const std::string& path, Unseen unseen,
                                          const robots::Stop& stop) {
-  const std::string ending = endingOf(path);
+  const std::string ending = robots::endingOf(path);
   if (ending != ".bt" && ending != ".ot")
     throw robots::InputError(
         path, 0,

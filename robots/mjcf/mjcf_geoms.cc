@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "leeway/robots/text.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::robots {
 
@@ -76,10 +77,7 @@ GeomReader::Mesh GeomReader::resolved(const XMLElement& e) const {
   if (e.Attribute("file") == nullptr)
     file_.fail(e, "<mesh> has no file; file=\"...\" is needed, other meshes are not read");
   path file = file_.of(e).attribute(e, "file");
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  if (ending == ".msh")
+  if (endingOf(file.string()) == ".msh")
     a.fail("file", "MuJoCo's own .msh is not read; .stl and .obj would be accepted");
   if (settings_.strips_paths) file = file.filename();
   Mesh mesh;

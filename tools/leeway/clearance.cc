@@ -348,8 +348,10 @@ int runClearance(ClearanceArguments& arguments) {
   expectApart(std::array{arguments.svg, arguments.csv, arguments.view.file}, inputs);
   planner::Problem problem = loadProblem(arguments.source, arguments.limits.timeLimit());
   apply(arguments.limits, problem);
-  const planner::Path path =
-      planner::readPath(path_file, problem, {.shortest = arguments.shortest});
+  std::vector<std::string> warnings;
+  const planner::Path path = planner::readPath(
+      path_file, problem, {.shortest = arguments.shortest, .warnings = &warnings});
+  printWarnings(warnings);
   if (path.positions.size() < 2) {
     throw robots::InputError(path_file, 0,
                              "has fewer than two waypoints: there is no edge to measure");

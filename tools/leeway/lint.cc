@@ -10,6 +10,7 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/robots/input_error.h"
+#include "robots/base/read_file.h"
 #include "tools/leeway/info/input.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
@@ -138,7 +139,7 @@ std::string requestOf(const std::string& scene) {
 }
 
 void read(const std::string& file, const ProblemSource& source, Findings& findings) {
-  if (std::filesystem::path(file).extension() == ".scene") {
+  if (robots::endingOf(file) == ".scene") {
     std::vector<std::string> warnings;
     planner::loadMoveitWorld(file, {.load = loadOptions(source)}, warnings);
     findings.addWarnings(warnings, file);

@@ -66,14 +66,13 @@ int runVerify(VerifyArguments& arguments) {
   arguments.source.no_cache = true;
   planner::Problem problem = loadProblem(arguments.source, arguments.limits.timeLimit());
   apply(arguments.limits, problem);
-  const planner::Path path =
-      planner::readPath(path_file, problem, {.shortest = arguments.shortest});
   std::vector<std::string> warnings;
-  if (arguments.ends == "near") {
-    warnings = takeNearEnds(path, problem);
-    for (std::string& warning : warnings) warning.insert(0, path_file + ": ");
-    printWarnings(warnings);
-  }
+  const planner::Path path = planner::readPath(
+      path_file, problem, {.shortest = arguments.shortest, .warnings = &warnings});
+  if (arguments.ends == "near")
+    for (const std::string& warning : takeNearEnds(path, problem))
+      warnings.push_back(path_file + ": " + warning);
+  printWarnings(warnings);
   // The proof takes nothing from this scene.
   printWarnings(planner::CompiledScene(problem).warnings());
   planner::PlanOptions options = interactivePlanOptions(arguments.limits.timeLimit());

@@ -65,11 +65,13 @@ int runView(ViewArguments& arguments) {
               inputs);
   planner::Problem problem = loadProblem(arguments.source, arguments.overrides.timeLimit());
   apply(arguments.overrides, problem);
+  std::vector<std::string> warnings;
+  const planner::PathReading reading{.shortest = arguments.shortest, .warnings = &warnings};
   const view::Subject subject =
       path_file.empty() ? solve(problem, arguments)
                         : view::subjectOfPath(problem, arguments.source.problem,
-                                              planner::readPath(path_file, problem,
-                                                                {.shortest = arguments.shortest}));
+                                              planner::readPath(path_file, problem, reading));
+  printWarnings(warnings);
   endProgress();
   if (!arguments.svg.empty()) planner::writeFileWhole(arguments.svg, view::pictureSvg(subject));
   if (!only_picture) view::writePage(arguments.page, subject);

@@ -475,6 +475,20 @@ TEST_F(PathIo, BareRowsAreRead) {
   }
 }
 
+/// A number that was cut is still a number.
+TEST_F(PathIo, ALastLineWithoutItsEndIsTold) {
+  const Problem problem = armProblem();
+  for (const char* name : {"a.csv", "A.CSV", "a.path", "a.TXT"}) {
+    std::vector<std::string> warnings;
+    readPath(write(name, "1 2 3 4 5 6 7\n1 2 3 4 5 6 7\n"), problem, {.warnings = &warnings});
+    EXPECT_TRUE(warnings.empty()) << name;
+    const std::string open = write(name, "1 2 3 4 5 6 7\n1 2 3 4 5 6 7");
+    readPath(open, problem, {.warnings = &warnings});
+    ASSERT_EQ(warnings.size(), 1U) << name;
+    EXPECT_EQ(warnings[0].find(open + ":2: the last line does not end"), 0U) << warnings[0];
+  }
+}
+
 TEST_F(PathIo, OtherShapesOfTrajectoryAreRead) {
   const Problem problem = armProblem();
   const std::string names =

@@ -86,7 +86,13 @@ TEST(ProblemMessages, TheWordForTheWholeRobot) {
         "expected"},
        {withLink("margins: [{between: [robot, post], margin: 0.1}]\n"), 6,
         "margins[0].between: 'robot' is the name of a link, and stands for all links and what they "
-        "hold; a group of the links that are meant is expected"}});
+        "hold; a group of the links that are meant is expected"},
+       {withLink("groups: {world: [post]}\n"), 6,
+        "group 'world' has the name of all objects; a name of its own is expected"},
+       {withRobot("groups: {it: [robot]}\n"), 8,
+        "groups.it: 'robot' is a group; names of links or objects are expected"},
+       {withLink("groups: {a: [post], it: [a]}\n"), 6,
+        "groups.it: 'a' is a group; names of links or objects are expected"}});
   const Problem problem = loadProblem(folder.write(
       "group.yaml",
       withLink("groups: {it: [robot]}\nmargins: [{between: [it, post], margin: 0.1}]\n")));

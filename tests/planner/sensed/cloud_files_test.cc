@@ -126,6 +126,30 @@ TEST_F(CloudFiles, EveryFormReadsTheSame) {
   EXPECT_TRUE(warnings_.empty());
 }
 
+/// A number that was cut is still a number.
+TEST_F(CloudFiles, ALastLineWithoutItsEndIsTold) {
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float "
+      "z\nend_header\n";
+  const std::string pcd =
+      "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nDATA ascii\n";
+  for (const auto& [name, head, line] : {std::tuple("a.xyz", std::string(), 2),
+                                         {"A.CSV", std::string("x,y,z\n"), 3},
+                                         {"a.ply", ply, 9},
+                                         {"a.pcd", pcd, 9}}) {
+    const bool commas = head.find("x,") == 0;
+    const std::string points = commas ? "1,2,3\n4,5,0.25" : "1 2 3\n4 5 0.25";
+    warnings_.clear();
+    load(name, head + points + "\n");
+    EXPECT_TRUE(warnings_.empty()) << name;
+    load(name, head + points);
+    ASSERT_EQ(warnings_.size(), 1U) << name;
+    EXPECT_NE(warnings_[0].find(":" + std::to_string(line) + ": the last line does not end"),
+              std::string::npos)
+        << warnings_[0];
+  }
+}
+
 TEST_F(CloudFiles, PointsThatAreNotNumbersAreDroppedAndCounted) {
   for (const char* file : {"1 2 3\nnan nan nan\n0 inf 0\n", "1 2 3\n-nan 0 0\n1 1 -inf\n"}) {
     const PointCloud cloud = load("a.xyz", file);

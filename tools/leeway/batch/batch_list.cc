@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "leeway/robots/input_error.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::tools {
 namespace {
@@ -19,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool isYaml(const fs::path& path) {
-  return path.extension() == ".yaml" || path.extension() == ".yml";
+  const std::string ending = robots::endingOf(path.string());
+  return ending == ".yaml" || ending == ".yml";
 }
 
 /// All files of a folder and the folders in it that `isOf`, sorted by path.
@@ -34,7 +36,9 @@ std::vector<fs::path> filesBelow(const fs::path& folder, bool (*isOf)(const fs::
   return files;
 }
 
-bool isYamlOrCfg(const fs::path& path) { return isYaml(path) || path.extension() == ".cfg"; }
+bool isYamlOrCfg(const fs::path& path) {
+  return isYaml(path) || robots::endingOf(path.string()) == ".cfg";
+}
 
 /// Whether a file found in a folder says that it is a problem: a line begins with the key `leeway`,
 /// of OMPL.app's with the section [problem].

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "leeway/robots/input_error.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::tools::info {
 namespace {
@@ -37,7 +38,7 @@ std::string findUrdfOf(const std::string& srdf) {
   for (const fs::path& place : {folder, folder.parent_path()}) {
     for (const auto& entry : fs::directory_iterator(place)) {
       std::string name;
-      if (entry.path().extension() == ".urdf" &&
+      if (robots::endingOf(entry.path().string()) == ".urdf" &&
           rootElementName(entry.path().string(), name) == "robot" && name == robot_name) {
         found.push_back(entry.path().string());
       }
@@ -75,7 +76,7 @@ planner::Problem robotProblem(const std::string& urdf, const std::string& srdf,
 }  // namespace
 
 FileKind kindOf(const std::string& file) {
-  const std::string ending = fs::path(file).extension().string();
+  const std::string ending = robots::endingOf(file);
   if (ending == ".srdf") {
     return FileKind::kSrdf;
   }

@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "leeway/robots/input_error.h"
+#include "robots/base/read_file.h"
 
 namespace leeway::tools {
 namespace {
@@ -27,7 +28,7 @@ std::filesystem::path placeOf(const std::string& file) {
 
 void checkOutputFile(const std::string& file, std::span<const std::string_view> endings) {
   const std::filesystem::path path(file);
-  const std::string ending = path.extension().string();
+  const std::string ending = robots::endingOf(file);
   if (std::find(endings.begin(), endings.end(), ending) == endings.end()) {
     throw robots::InputError(
         file, 0,

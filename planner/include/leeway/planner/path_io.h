@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "leeway/planner/plan.h"
 #include "leeway/planner/trajectory.h"
@@ -11,6 +12,8 @@ struct PathReading {
   /// Continuous joints go the shorter way from row to row, where they would go straight: rows are
   /// read with whole turns added, see unwrapped(). Files whose angles are wrapped mean that.
   bool shortest = false;
+  /// Receives what is to be said of a file that can be used. Null: nothing is said.
+  std::vector<std::string>* warnings = nullptr;
 };
 
 /// Reads a .json, .yaml, .csv or .path file, whose rows mean straight lines. Columns are matched to
