@@ -323,8 +323,7 @@ TEST(ReadDae, WhatStandsTwiceIsRefused) {
   refused("</accessor>", "</accessor><accessor source=\"#pa\"/>", ":4",
           "a second <accessor> in <technique_common>");
   refused("name=\"Y\"", "name=\"X\"", ":4", "a second <param> of the name X in <accessor>");
-  refused("<param name=\"X\"", "<param/><param name=\"X\"/><param name=\"W\"", ":4",
-          "names some of X, Y and Z");
+  refused("<param name=\"X\" type=\"float\"/>", "", ":4", "names some of X, Y and Z");
   refused("</float_array>", "</float_array>\n<float_array id=\"pa\" count=\"0\"/>", ":5",
           "a second <float_array> of the id 'pa'");
   refused("</p>", "</p><p>0 1 3</p>", ":6", "a second <p> in <triangles>");
