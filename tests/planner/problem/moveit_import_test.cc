@@ -578,7 +578,7 @@ max_acceleration_scaling_factor: 1
 max_cartesian_speed: 0
 cartesian_speed_limited_link: ""
 reference_trajectories: []
-trajectory_constraints: {constraints: []}
+trajectory_constraints: {}
 allowed_planning_time: 5
 group_name: both
 start_state:
