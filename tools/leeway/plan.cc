@@ -254,8 +254,7 @@ std::string verdictOf(planner::PlanStatus status) {
   switch (status) {
     case planner::PlanStatus::kSolved:
     case planner::PlanStatus::kPartial:
-      if (!result.reason.empty())
-        fmt::print("Only a part of it, which is certified: {}.\n", result.reason);
+      break;
     case planner::PlanStatus::kUnsolved:
       return "no path found";
     case planner::PlanStatus::kInvalidStart:
@@ -265,9 +264,9 @@ std::string verdictOf(planner::PlanStatus status) {
     case planner::PlanStatus::kNothingChecked:
       return "nothing checked";
     case planner::PlanStatus::kNotCompiled:
-      break;
+      return "not compiled";
   }
-  return "not compiled";
+  return "solved";
 }
 
 /// The planner and its seed.
@@ -284,15 +283,24 @@ std::string solvedText(const planner::Problem& problem, const planner::PlanResul
   view::LeastClearance least = view::leastClearance(problem, result.path, interrupted);
   const planner::Certificate& certificate = result.certificate;
   view::narrow(least, certificate, certificate.world, certificate.self);
-  const std::string verdict = verdictText(
-      certificate.certified ? "certified" : "solved, but not certified", certificate.certified);
+  const bool is_part = result.status == planner::PlanStatus::kPartial;
+  const std::string verdict = verdictText(is_part                 ? "only a part of the line"
+                                          : certificate.certified ? "certified"
+                                                                  : "solved, but not certified",
+                                          certificate.certified && !is_part);
   std::string text = wrapped(fmt::format("{}: {}, {}{}\n", problem.name, verdict,
                                          view::leastText(least), obstaclesText(problem))) +
                      "\n" + pathTable(result) + "\n";
   if (!result.path.steps.empty()) text += stepTable(problem, result) + "\n";
+  const std::string part =
+      is_part ? fmt::format("{}: {}.\n",
+                            certificate.certified ? "Only a part of it, which is certified"
+                                                  : "Only a part of it, which is not certified",
+                            result.reason)
+              : "";
   return text +
-         wrapped(view::nearestText(least) + planner::toString(certificate.unchecked) + ".\n" +
-                 constraintsText(problem, result) + "Solved with " + methodText(result) +
+         wrapped(part + view::nearestText(least) + planner::toString(certificate.unchecked) +
+                 ".\n" + constraintsText(problem, result) + "Solved with " + methodText(result) +
                  fmt::format(": {}, length {:.4f}.\n", counted(certificate.segments.size(), "edge"),
                              result.length) +
                  costText(problem, result) + durationText(trajectory));
@@ -328,6 +336,7 @@ std::string failureText(const planner::Problem& problem, const planner::PlanResu
       text += fmt::format("Nothing was planned: {}.\n", result.reason);
       break;
     case planner::PlanStatus::kSolved:
+    case planner::PlanStatus::kPartial:
       break;
   }
   return wrapped(text + "Planner: " + methodText(result) + ".\n");
@@ -335,9 +344,8 @@ std::string failureText(const planner::Problem& problem, const planner::PlanResu
 
 void printText(const planner::Problem& problem, const planner::PlanResult& result,
                const std::optional<planner::Trajectory>& trajectory, double load_s) {
-  const std::string text = result.status == planner::PlanStatus::kSolved
-                               ? solvedText(problem, result, *trajectory)
-                               : failureText(problem, result);
+  const std::string text =
+      trajectory ? solvedText(problem, result, *trajectory) : failureText(problem, result);
   fmt::print("{}{}", text, wrapped(timeText(result, load_s)));
 }
 
