@@ -89,34 +89,43 @@ std::string shortText(double length) {
   return {text, end.ptr};
 }
 
-// Throws InvalidShape for a weld that is not small against the facets: it would join corners of one
-// facet, and could fold the surface onto itself instead of closing it.
+// Throws InvalidShape for a weld that is not small against the facets of an open part: it would
+// join corners of one facet, and could fold the surface onto itself instead of closing it. Parts of
+// fewer facets than a solid has are looked at together.
 void requireSmallWeld(std::span<const Vector3d> vertices, std::span<const Triangle> triangles,
-                      double weld) {
+                      const MeshComponents& components, double weld) {
   struct Facet {
+    std::int32_t part;
     double height, area;  // the least height
   };
+  std::vector<std::int32_t> size(components.closed.size(), 0);
+  for (const std::int32_t c : components.component) ++size[at(c)];
   std::vector<Facet> facets;
-  facets.reserve(triangles.size());
-  double all = 0;
-  for (const Triangle& t : triangles) {
-    const Vector3d &a = vertices[at(t[0])], &b = vertices[at(t[1])], &c = vertices[at(t[2])];
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const std::int32_t part = components.component[i];
+    if (components.closed[at(part)] != 0) continue;
+    const Vector3d &a = vertices[at(triangles[i][0])], &b = vertices[at(triangles[i][1])],
+                   &c = vertices[at(triangles[i][2])];
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     const double area = 0.5 * (b - a).cross(c - a).norm();
-    all += area;
-    if (longest > 0) facets.push_back({2 * area / longest, area});
+    if (longest > 0) facets.push_back({size[at(part)] < 4 ? -1 : part, 2 * area / longest, area});
   }
-  std::sort(facets.begin(), facets.end(),
-            [](const Facet& a, const Facet& b) { return a.height < b.height; });
-  double lower = 0;  // area of the lowest
-  for (const Facet& facet : facets) {
-    lower += facet.area;
-    if (!(lower > kWeldedShare * all)) continue;
-    const double most = facet.height / kWeldHeights;
-    if (weld <= most) return;
-    throw InvalidShape("mesh: weld is " + shortText(weld) +
-                       " m, which is not small against its facets; at most " +
-                       shortText(0.99 * most) + " m is expected");
+  std::sort(facets.begin(), facets.end(), [](const Facet& a, const Facet& b) {
+    return a.part != b.part ? a.part < b.part : a.height < b.height;
+  });
+  for (std::size_t begin = 0, end = 0; begin < facets.size(); begin = end) {
+    double all = 0, lower = 0;  // area of the part; of its lowest facets
+    for (end = begin; end < facets.size() && facets[end].part == facets[begin].part; ++end)
+      all += facets[end].area;
+    for (std::size_t i = begin; i < end; ++i) {
+      lower += facets[i].area;
+      if (!(lower > kWeldedShare * all)) continue;
+      const double most = facets[i].height / kWeldHeights;
+      if (weld <= most) break;
+      throw InvalidShape("mesh: weld is " + shortText(weld) +
+                         " m, which is not small against the facets; at most " +
+                         shortText(0.99 * most) + " m is expected");
+    }
   }
 }
 
@@ -128,7 +137,7 @@ MeshComponents closeCracks(std::span<const Vector3d> vertices, std::vector<Trian
   const std::size_t given = triangles.size();
   MeshComponents components = findComponents(vertices, triangles);
   if (weld > 0 && components.open_edges > 0) {
-    requireSmallWeld(vertices, triangles, weld);
+    requireSmallWeld(vertices, triangles, components, weld);
     components = findComponents(vertices, triangles, weld);
   }
   std::set<Triangle> added;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -82,6 +83,12 @@ PointCloud makeCloud(const DepthImage& image, const DepthCamera& camera, double 
         continue;
       }
       const double value = depthAt(bytes + r * image.stride + c * size, image.number);
+      if (value == -std::numeric_limits<double>::infinity())
+        throw std::invalid_argument(
+            fmt::format("the pixel at row {}, column {} has the depth -inf, so that something is "
+                        "nearer than the camera measures; a depth, 0, nan or inf is expected, or a "
+                        "mask that leaves the pixel out",
+                        r, c));
       if (value == 0 || !std::isfinite(value)) {
         ++dropped;
         continue;

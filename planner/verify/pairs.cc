@@ -177,6 +177,10 @@ class Rules {
       begin = zero;
       length = 2 * std::numbers::pi / std::abs(ratio);
     }
+    // One turn of a joint has all that further turns repeat, and even steps over many turns could
+    // repeat the same few angles.
+    if (model_.joints[at(joint)].type != JointType::kPrismatic)
+      length = std::min(length, 2 * std::numbers::pi / std::abs(ratio));
     for (int k = kVerifyTouchLooks; k >= 0; --k)
       if (gap(a, b, v, begin + length * k / kVerifyTouchLooks) > kVerifyTouch) return false;
     return true;

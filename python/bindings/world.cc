@@ -222,7 +222,10 @@ py::list addDepthImage(World& world, const std::string& name, const py::object& 
                               number(cy, "cy")};
   if (!scale.is_none()) camera.scale = number(scale, "scale");
   camera.slant = number(slant, "slant");
-  return addFiltered(world, name, planner::makeCloud(image, camera, number(radius, "radius")),
+  planner::PointCloud cloud = planner::makeCloud(image, camera, number(radius, "radius"));
+  if (cloud.balls.empty())
+    throw py::value_error("depth: no pixel is a measurement; at least one above 0 is expected");
+  return addFiltered(world, name, std::move(cloud),
                      {thin, most_balls, carve, carve_margin, position, orientation, rpy});
 }
 

@@ -125,6 +125,9 @@ Touch touchAtJoint(const Model& model, int link_a, int link_b) {
     lower = q[v];
     upper = q[v] + 2 * std::numbers::pi / std::abs(multiplier);
     if (!std::isfinite(upper)) return Touch::kSometimes;
+  } else if (const double turn = 2 * std::numbers::pi / std::abs(multiplier);
+             model.joints[at(joint)].type != JointType::kPrismatic && upper - lower > turn) {
+    upper = lower + turn;  // steps over many turns could meet the same few angles again and again
   }
   for (int k = 0; k <= kTouchLooks; ++k) {
     q[v] = lower + (upper - lower) * k / kTouchLooks;

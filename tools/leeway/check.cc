@@ -295,7 +295,7 @@ Json partJson(const planner::EdgeClearance& part, const PairNames& names) {
 
 /// Whether bodies overlap; null: not decided, or without an answer.
 Json inCollision(const CheckedState& checked) {
-  if (!checked.state.fault.empty()) return {};
+  if (!checked.state.fault.empty() || !checked.nothing_checked.empty()) return {};
   if (!checked.overlapping.a.empty() || checked.check.clearance.upper <= 0) return true;
   return checked.check.clearance.lower > 0 ? Json(false) : Json();
 }

@@ -103,12 +103,20 @@ class JointLimits {
     for (const char* key : {"has_effort_limits", "has_soft_limits", "angle_wraparound"})
       if (const auto flag = entry.find(key); flag && flag->boolean())
         warn(*flag, fmt::format("'{}' of joint '{}' is left out: nothing here uses it", key, name));
-    readRates(entry, master, std::abs(ratio), joint.mimic >= 0);
+    readRates(entry, master, std::abs(ratio), isFollowed(master));
     readPositions(name, entry, master, joint.mimic < 0 ? 0 : joint.offset, ratio);
   }
 
-  /// Limits of a joint that follows another one are limits of that one, too.
-  void readRates(const YamlReader& entry, const robots::Joint& master, double ratio, bool follows) {
+  bool isFollowed(const robots::Joint& master) const {
+    return std::any_of(model_->joints.begin(), model_->joints.end(), [&](const robots::Joint& j) {
+      return j.mimic >= 0 && &model_->joints[at(j.mimic)] == &master;
+    });
+  }
+
+  /// Limits of joints that follow another one are limits of that one, too. Where `is_shared`, the
+  /// least of all holds, in whatever order they are read.
+  void readRates(const YamlReader& entry, const robots::Joint& master, double ratio,
+                 bool is_shared) {
     const auto rate = [&](const char* has, const char* key) -> std::optional<double> {
       const auto value = limit(entry, has, key);
       if (!value) return std::nullopt;
@@ -139,7 +147,7 @@ class JointLimits {
       robots::Variable& variable = model_->variables[at(master.first_variable + k)];
       const auto take = [&](double& held, const std::optional<double>& given) {
         if (!given) return;
-        held = follows && held > 0 ? std::min(held, *given) : *given;
+        held = is_shared && held > 0 ? std::min(held, *given) : *given;
       };
       take(variable.velocity, velocity);
       take(variable.acceleration, acceleration);

@@ -216,6 +216,16 @@ TEST(SolidParts, AWeldThatIsNotSmallAgainstTheFacetsIsRefused) {
   EXPECT_EQ(TriangleMesh::make(corners, closed, {.weld = 2})->closedComponentCount(), 1);
 }
 
+/// Nor may it be small against another part alone.
+TEST(SolidParts, AWeldThatIsNotSmallAgainstOnePartIsRefused) {
+  TriangleSoup soup = boxSoup({0.5, 0.5, 0.5});
+  soup.triangles.pop_back();
+  append(soup, boxSoup({20, 20, 20}), {Eigen::Matrix3d::Identity(), {100, 0, 0}});
+  for (const double weld : {1.0, 2.0, 5.0})
+    EXPECT_THROW(TriangleMesh::make(soup.vertices, soup.triangles, {.weld = weld}), InvalidShape);
+  EXPECT_GT(TriangleMesh::make(soup.vertices, soup.triangles, {.weld = 1e-3})->openEdgeCount(), 0U);
+}
+
 /// A crack between two halves of a fine ball is closed, or the weld is refused.
 TEST(SolidParts, TwoHalvesOfABallAreWeldedOrRefused) {
   Random random(3);

@@ -373,7 +373,7 @@ TEST_F(MoveitImport, SeveralGoalsAndTolerancesAreTaken) {
       "0.1, tolerance_below: 0.2}\n"
       "      - {joint_name: right_joint, position: 0}\n      - {joint_name: left_tip_joint, "
       "position: 0}\n";
-  const Problem problem = load(kScene, kRequest + more + "allowed_planning_time: 3\n");
+  const Problem problem = load(kScene, kRequest + more);
   ASSERT_EQ(problem.goals.size(), 2U);
   EXPECT_NEAR(problem.goals[1].ranges[0].first, 2.9, 1e-12);
   EXPECT_EQ(problem.goals[1].ranges[0].second, 3.14159);  // the limit ends the range

@@ -268,7 +268,7 @@ TEST(ProblemMessages, Shapes) {
   expectMessages({
       {object(""), 9,
        "objects[0] has no shape; box, sphere, cylinder, capsule, cone, ellipsoid, half_space, mesh "
-       "or convex_hull or 'shapes' is expected"},
+       "convex_hull or height_field or 'shapes' is expected"},
       {object("    box: {size: [1, 1, 1]}\n    sphere: {radius: 1}\n"), 9,
        "objects[0] has both 'box' and 'sphere'; one shape is expected (several go under 'shapes')"},
       {object("    box: {size: [1, 1, 1]}\n    shapes: []\n"), 9,

@@ -121,6 +121,7 @@ TEST(Problem, EveryWordForAShapeHasAReader) {
        {ShapeType::kConvexHull, "{points: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}"}},
   };
   for (const std::string_view word : shapeWords()) {
+    if (word == "height_field") continue;  // a file of heights; HeightField's tests read them
     ASSERT_TRUE(shapes.contains(word)) << word;
     const auto& [type, sizes] = shapes.at(word);
     const Problem problem = load(robot("arm6", "arm") + kArm6Ends + "objects: [{name: it, " +

@@ -113,7 +113,7 @@ const std::string kPlyText = "2 1 2 0.5\n1 128 2 3\n-0.5 128 .25 8\n0 128 0 1.02
 TEST_F(CloudFiles, EveryFormReadsTheSame) {
   expectThree("a.xyz", "1 2 3\n-0.5\t0.25  8\n\n0 0 1024\n");
   expectThree("a.txt", "# x y z i\r\n1 2 3 7\r\n-0.5 0.25 8 7\r\n0 0 1024 7\r\n");
-  expectThree("a.csv", "1,2,3\n-0.5, 0.25 ,8\n0,0,1024");
+  expectThree("a.csv", "1,2,3\n-0.5, 0.25 ,8\n0,0,1024\n");
   expectThree("b.csv", "\xEF\xBB\xBF\"id\";Z;X;Y\n1;3;1;2\n2;8;-0.5;0.25\n3;1024;0;0\n");
   expectThree("a.ply", ply("ascii") + kPlyText);
   expectThree("b.ply", ply("binary_little_endian") + plyRecords(false));

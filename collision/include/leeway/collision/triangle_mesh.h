@@ -44,8 +44,8 @@ struct MeshOptions {
   /// each other, and between edges and vertices this close to them [m]. They are part of the mesh:
   /// it becomes larger than the given mesh, by points that are at most twice as far from it. 0:
   /// only triangles without area are added, at vertices that lie exactly on edges.
-  /// An open mesh is refused (InvalidShape) if facets lower than four times this have more than a
-  /// hundredth of its area: welding would join corners of one facet.
+  /// A mesh is refused (InvalidShape) if facets lower than four times this have more than a
+  /// hundredth of the area of an open part: welding would join corners of one facet.
   double weld = 0;
 };
 
