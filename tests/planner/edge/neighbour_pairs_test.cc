@@ -133,6 +133,16 @@ TEST_F(NeighbourPairs, WhatAJointCarriesThroughAPartOfTheRobotIsChecked) {
             "");
 }
 
+/// Regression: even steps over 2 n turns met the same few angles, at which boom and mast overlap.
+TEST_F(NeighbourPairs, RangesOfManyTurnsAreLookedAtOverOne) {
+  for (const char* range : {"3.141592653589793", "50.26548245743669", "100.53096491487338",
+                            "201.06192982974676", "402.1238596594935", "804.247719318987"})
+    EXPECT_EQ(why(load(mastAndBoom("0.6 0 0", "revolute", limits(std::string("-") + range, range))),
+                  "mast", "boom"),
+              "")
+        << range;
+}
+
 TEST_F(NeighbourPairs, ASliderThatPassesAStopIsChecked) {
   const auto rail = [&](const std::string& lower, const std::string& upper) {
     return load("<robot name=\"r\">" + link("rail", box("2 0.1 0.1"), "0 0 0") +

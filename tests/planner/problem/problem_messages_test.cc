@@ -267,7 +267,8 @@ TEST(ProblemMessages, Shapes) {
   };
   expectMessages({
       {object(""), 9,
-       "objects[0] has no shape; box, sphere, cylinder, capsule, cone, ellipsoid, half_space, mesh "
+       "objects[0] has no shape; box, sphere, cylinder, capsule, cone, ellipsoid, half_space, "
+       "mesh, "
        "convex_hull or height_field or 'shapes' is expected"},
       {object("    box: {size: [1, 1, 1]}\n    sphere: {radius: 1}\n"), 9,
        "objects[0] has both 'box' and 'sphere'; one shape is expected (several go under 'shapes')"},
