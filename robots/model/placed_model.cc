@@ -1,6 +1,7 @@
 #include "leeway/robots/placed_model.h"
 
 #include <Eigen/Geometry>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -71,6 +72,40 @@ std::string axisFault(const Joint& joint, const std::string& axis) {
   return {};
 }
 
+/// Whether a joint, or one that follows it, moves two links against each other.
+bool movesApart(const RobotDescription& robot, int joint, int link_a, int link_b) {
+  const auto isBelow = [&](int link, int j) {
+    for (; link >= 0; link = robot.joints[at(robot.links[at(link)].joint)].parent_link)
+      if (robot.links[at(link)].joint == j) return true;
+    return false;
+  };
+  for (int j = 0; j < static_cast<int>(robot.joints.size()); ++j) {
+    int master = j;
+    while (robot.joints[at(master)].mimic >= 0) master = robot.joints[at(master)].mimic;
+    if (master == joint && isBelow(link_a, j) != isBelow(link_b, j)) return true;
+  }
+  return false;
+}
+
+/// The pairs that the SRDF leaves out because they never meet within limits that a joint now
+/// exceeds.
+std::string neverPairs(const RobotDescription& robot, int joint) {
+  constexpr int kNamed = 5;
+  std::string named;
+  int count = 0;
+  for (const DisabledPair& pair : robot.disabled_pairs) {
+    std::string reason = pair.reason;
+    for (char& c : reason) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (reason.find("never") == std::string::npos ||
+        !movesApart(robot, joint, pair.link_a, pair.link_b))
+      continue;
+    if (++count <= kNamed)
+      named += (named.empty() ? "" : ", ") + robot.links[at(pair.link_a)].name + " and " +
+               robot.links[at(pair.link_b)].name;
+  }
+  return count > kNamed ? named + ", and " + std::to_string(count - kNamed) + " more" : named;
+}
+
 }  // namespace
 
 std::string boundFault(const RobotDescription& robot, const std::string& joint,
@@ -107,6 +142,13 @@ std::shared_ptr<const Model> withBounds(const Model& model, const JointBounds& b
       if (!variable.file_limits) variable.file_limits = {variable.lower, variable.upper};
       std::tie(variable.lower, variable.upper) = std::pair(bound.lower, bound.upper);
       if (axis.empty()) variable.narrowed_by = bound.where;
+      if (bound.lower < variable.file_limits->first || bound.upper > variable.file_limits->second)
+        if (const std::string pairs = neverPairs(*bounded, variable.joint); !pairs.empty())
+          bounded->warnings.push_back(
+              "bounds of joint '" + joint +
+              "' are wider than the robot's limits, within which the SRDF says that pairs never "
+              "meet; these are not checked: " +
+              pairs);
       Joint& limited = bounded->joints[at(variable.joint)];
       if (limited.type == JointType::kContinuous) limited.type = JointType::kRevolute;
     }

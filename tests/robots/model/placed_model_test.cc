@@ -83,6 +83,21 @@ TEST(PlacedModel, AContinuousJointThatIsLimitedBecomesRevolute) {
     EXPECT_EQ(X_WL[l].translation, X_WM[l].translation) << l;
 }
 
+/// What was proven or sampled within the limits says nothing of wider ones.
+TEST(PlacedModel, PairsThatNeverMeetWithinTheLimitsAreNamedWhereTheseAreWider) {
+  const auto model = cart(R"(<robot name="cart">
+<disable_collisions link1="odom" link2="arm" reason="Never"/>
+<disable_collisions link1="odom" link2="base" reason="Never"/>
+<disable_collisions link1="base" link2="arm" reason="Adjacent"/></robot>)");
+  const auto wide = withBounds(*model, {{"elbow", {{"", {-2, 1, true}}}}});
+  ASSERT_EQ(wide->warnings.size(), model->warnings.size() + 1);
+  EXPECT_EQ(wide->warnings.back(),
+            "bounds of joint 'elbow' are wider than the robot's limits, within which the SRDF says "
+            "that pairs never meet; these are not checked: odom and arm");
+  const auto narrow = withBounds(*model, {{"elbow", {{"", {-1, 0.5}}}}});
+  EXPECT_EQ(narrow->warnings.size(), model->warnings.size());
+}
+
 TEST(PlacedModel, WrongBoundsAreNamed) {
   const auto model = cart();
   const std::pair<JointBounds, std::string> wrong[] = {
