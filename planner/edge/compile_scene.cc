@@ -276,7 +276,19 @@ struct CompiledScene::NamedRules {
     std::unique_ptr<const NameTable> names;
   };
   std::shared_ptr<Index> index = std::make_shared<Index>();
+  /// Objects whose clouds were cropped or carved for the place where they stand.
+  std::set<std::string> fitted = {};
 };
+
+namespace {
+
+bool isFitted(const Object& object) {
+  return object.cloud != nullptr &&
+         std::any_of(object.cloud->filters.begin(), object.cloud->filters.end(),
+                     [](const CloudFilter& f) { return f.name == "crop" || f.name == "carve"; });
+}
+
+}  // namespace
 
 CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
     : model_((validate(problem), problem.robot.model)),
@@ -285,9 +297,12 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
   const std::shared_ptr<const PreparedRobot> robot = PreparedRobot::of(problem, *space_, stop);
   Surroundings world(problem, *robot, stop);
   dropped_ = world.dropped();
-  rules_ = std::make_shared<const NamedRules>(
-      NamedRules{problem.name, problem.margins, mostMargin(problem), MarginWords(problem),
-                 problem.execution.start, world.objects(), problem.world.deforming});
+  NamedRules rules{problem.name,           problem.margins,         mostMargin(problem),
+                   MarginWords(problem),   problem.execution.start, world.objects(),
+                   problem.world.deforming};
+  for (const Object& object : problem.world.objects)
+    if (isFitted(object)) rules.fitted.insert(object.name);
+  rules_ = std::make_shared<const NamedRules>(std::move(rules));
   std::vector<std::string> warnings = robot->warnings();
   // Later steps may change the objects that have no effect now.
   if (problem.steps.empty())
@@ -387,6 +402,15 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjects(
         "says; the scene that was compiled is expected");
   auto changed = std::make_shared<CompiledScene>(*this);
   changed->pairs_token_ = std::make_shared<const int>();
+  for (const Object& object : added)
+    if (isFitted(object) != (rules_->fitted.count(object.name) != 0)) {
+      NamedRules rules = *changed->rules_;
+      if (isFitted(object))
+        rules.fitted.insert(object.name);
+      else
+        rules.fitted.erase(object.name);
+      changed->rules_ = std::make_shared<const NamedRules>(std::move(rules));
+    }
   collision::SceneChange change(std::move(changed->scene_));
   std::set<std::string> removed_names;
   for (const int body : removed) {
@@ -417,6 +441,11 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjectAt(const std::stri
         fmt::format("CompiledScene::withObjectAt(): '{}' is {}; the name of an object of the world "
                     "is expected",
                     name, body < bodiesOfRobot() ? "no object" : "a deforming obstacle"));
+  if (rules_->fitted.count(name) != 0)
+    throw std::invalid_argument(fmt::format(
+        "CompiledScene::withObjectAt(): the cloud of '{}' was cropped or carved for its "
+        "place; withObjects() with a cloud made for the new one is expected",
+        name));
   const Object moved{name, scene_.bodies()[at(body)].geometries, X_WO};
   return withObjects({&moved, 1}, {&body, 1});
 }

@@ -15,6 +15,7 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/plan.h"
+#include "leeway/planner/point_cloud.h"
 #include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
 #include "tests/support/random_model.h"
@@ -241,6 +242,26 @@ TEST(ChangedWorld, AnObjectThatMovesLeavesNothingBehind) {
   EXPECT_THROW(scene->withObjectAt("moon", {}), std::invalid_argument);
   EXPECT_THROW(scene->withObjectAt("disc", {}), std::invalid_argument);
   EXPECT_THROW(scene->withObjectAt("stone", test::at(2e9, 0, 0)), robots::InputError);
+}
+
+/// What a filter removed is missing at another place.
+TEST(ChangedWorld, CloudsThatWereFittedToTheirPlaceDoNotMove) {
+  const Problem problem = test::wallProblem();
+  PointCloud cloud;
+  cloud.balls.push_back({{0, 0, 0}, 0.01});
+  Object whole{"dust", {}, test::at(-1, 0, 0), std::make_shared<const PointCloud>(cloud)};
+  cloud.filters.push_back({"crop", 3});
+  Object cropped = whole;
+  cropped.cloud = std::make_shared<const PointCloud>(cloud);
+  const auto scene = std::make_shared<const CompiledScene>(problem);
+  const auto with_cropped = scene->withObjects(std::vector<Object>{cropped});
+  EXPECT_THROW(with_cropped->withObjectAt("dust", {}), std::invalid_argument);
+  const std::vector<int> gone{with_cropped->scene().find("dust")};
+  const auto with_whole = with_cropped->withObjects(std::vector<Object>{whole}, gone);
+  EXPECT_NE(with_whole->withObjectAt("dust", {}), nullptr);
+  Problem compiled = problem;
+  compiled.world.objects.push_back(cropped);
+  EXPECT_THROW(CompiledScene(compiled).withObjectAt("dust", {}), std::invalid_argument);
 }
 
 TEST(ChangedWorld, RefusesWhatItCannotChange) {

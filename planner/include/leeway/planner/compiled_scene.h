@@ -131,8 +131,8 @@ class CompiledScene {
 
   /// The same world with one of its objects elsewhere: withObjects() that removes it, and adds it
   /// at X_WO. Thousands of such moves cost as much each, because numbers of bodies are used again.
-  /// Throws std::invalid_argument for a name that no object of the world has, or a deforming
-  /// obstacle, and as withObjects().
+  /// Throws std::invalid_argument for a name that no object of the world has, a deforming obstacle,
+  /// or a cloud that was cropped or carved, and as withObjects().
   std::shared_ptr<const CompiledScene> withObjectAt(const std::string& name,
                                                     const robots::Pose& X_WO) const;
 
