@@ -250,7 +250,7 @@ TEST(ChangedWorld, CloudsThatWereFittedToTheirPlaceDoNotMove) {
   PointCloud cloud;
   cloud.balls.push_back({{0, 0, 0}, 0.01});
   Object whole{"dust", {}, test::at(-1, 0, 0), std::make_shared<const PointCloud>(cloud)};
-  cloud.filters.push_back({"crop", 3});
+  cloud.filters.push_back({"crop", "balls", 1});
   Object cropped = whole;
   cropped.cloud = std::make_shared<const PointCloud>(cloud);
   const auto scene = std::make_shared<const CompiledScene>(problem);
