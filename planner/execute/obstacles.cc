@@ -105,16 +105,28 @@ void Obstacles::set(const std::string& object, std::span<const Eigen::Vector3d> 
   if (!(speed_bound >= 0))
     throw std::invalid_argument(fmt::format(
         "obstacle '{}': the speed bound is {}; at least 0 m/s is expected", object, speed_bound));
+  // Between the two observations it kept the bound from before, unless it jumped.
+  const bool kept = time >= o->seen && jump(object, vertices, time) <= kGuardJump;
+  const double bound_before = kept ? speedBetween(*o, o->seen, time) : kInfinity;
   const UpdateStatus status = o->present.update(vertices, time, speed_bound);
   if (status != UpdateStatus::kUpdated)
     throw std::invalid_argument(fmt::format(
         "obstacle '{}': {}{}; {} finite vertices are expected", object, collision::toString(status),
         o->present.badVertex() >= 0 ? fmt::format(" (vertex {})", o->present.badVertex()) : "",
         o->source->mesh->vertexCount()));
+  o->bound_before = bound_before;
+  o->seen_before = o->seen;
   o->own = true;
   o->predicted = false;
   o->speed_bound = speed_bound;
   o->seen = time;
+}
+
+bool Obstacles::widens(const std::string& object, double speed_bound) const {
+  const Followed& o = obstacles_[indexOf(object)];
+  const bool by_motion =
+      o.predicted || (o.source->motion != nullptr && !o.own && !std::isfinite(o.speed_bound));
+  return by_motion || !(speed_bound <= o.speed_bound);
 }
 
 double Obstacles::speedBetween(const Followed& o, double t0, double t1) const {
@@ -124,10 +136,13 @@ double Obstacles::speedBetween(const Followed& o, double t0, double t1) const {
 }
 
 double Obstacles::agedGrowth(const Followed& o, double time) const {
-  if (!(time > o.seen)) return 0;
+  if (time == o.seen) return 0;
+  if (o.own && time < o.seen)
+    return time >= o.seen_before ? upwards(o.bound_before * (o.seen - time)) : kInfinity;
+  const double from = std::min(o.seen, time), to = std::max(o.seen, time);
   const double rounding =
-      o.own || o.source->motion == nullptr ? 0 : 2 * o.source->motion->rounding(o.seen, time);
-  return upwards(speedBetween(o, o.seen, time) * (time - o.seen)) + rounding;
+      o.own || o.source->motion == nullptr ? 0 : 2 * o.source->motion->rounding(from, to);
+  return upwards(speedBetween(o, from, to) * (to - from)) + rounding;
 }
 
 Obstacles::Replacements Obstacles::seen(double growth) const {
@@ -143,7 +158,8 @@ Obstacles::Replacements Obstacles::during(double t0, double t1) {
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
     Followed& o = obstacles_[i];
     if (!o.predicted) {
-      shapes.push_back({bodies_[i], 0, Shape::deformable(o.present.snapshot()), agedGrowth(o, t1)});
+      shapes.push_back({bodies_[i], 0, Shape::deformable(o.present.snapshot()),
+                        std::max(agedGrowth(o, t0), agedGrowth(o, t1))});
       continue;
     }
     if (o.future.update(middle) != UpdateStatus::kUpdated) {

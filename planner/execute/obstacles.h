@@ -38,6 +38,9 @@ class Obstacles {
   /// Throws std::invalid_argument for an unknown obstacle.
   double jump(const std::string& object, std::span<const Eigen::Vector3d> vertices,
               double time) const;
+  /// Whether vertices with this speed bound may move farther than was bounded before; so they may
+  /// where a motion told until now. Throws as jump() does.
+  bool widens(const std::string& object, double speed_bound) const;
   /// How many vertices an obstacle has; when it was last seen [s]. Both throw
   /// std::invalid_argument for an unknown one.
   std::size_t vertexCount(const std::string& object) const {
@@ -63,6 +66,8 @@ class Obstacles {
     double seen = 0;     ///< time of `present` [s]
     double speed_bound;  ///< the program's, with set vertices, or the problem's [m/s]
     bool own = false;    ///< the program has set its vertices
+    // With `own`: when it was seen before that, and the speed bound from then until `seen`.
+    double seen_before = 0, bound_before = 0;
   };
   std::size_t indexOf(const std::string& object) const;
   double speedBetween(const Followed& obstacle, double t0, double t1) const;

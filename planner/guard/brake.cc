@@ -52,13 +52,13 @@ Brake::Brake(MotionLimits limits, double period) : limits_(std::move(limits)), p
 }
 
 int Brake::stop(std::span<const double> place, std::span<const double> velocity,
-                std::span<const double> acceleration, std::span<double> rows) const {
+                std::span<const double> acceleration, std::span<double> rows, double first) const {
   return limits_jerk_ ? stopEach(place, velocity, acceleration, rows)
-                      : stopOnLine(place, velocity, rows);
+                      : stopOnLine(place, velocity, rows, first > 0 ? first : period_);
 }
 
 int Brake::stopOnLine(std::span<const double> place, std::span<const double> velocity,
-                      std::span<double> rows) const {
+                      std::span<double> rows, double first) const {
   const std::size_t n = place.size();
   double rate = kInfinity;  // the share of its velocity that the robot loses in a second
   for (std::size_t i = 0; i < n; ++i)
@@ -66,7 +66,7 @@ int Brake::stopOnLine(std::span<const double> place, std::span<const double> vel
   const auto most = static_cast<int>(rows.size() / n);
   double way = 0;  // [s at full velocity]
   int count = 0;
-  for (double share = 1 - rate * period_; share > 0; share = 1 - (count + 1) * rate * period_) {
+  for (double share = 1 - rate * first; share > 0; share = 1 - rate * (first + count * period_)) {
     if (count == most) return -1;
     way += share * period_;
     for (std::size_t i = 0; i < n; ++i)

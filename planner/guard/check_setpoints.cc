@@ -69,10 +69,29 @@ GuardOptions checked(GuardOptions options, const Problem& problem) {
   return options;
 }
 
+/// The problem with all margins greater. Pairs with a margin above 0 are checked even where they
+/// are proven never to meet: that proof covers neither margins nor errors.
+Problem grown(Problem problem, double growth) {
+  problem.margins.common += growth;
+  for (PairMargin& m : problem.margins.pairs) m.margin += growth;
+  return problem;
+}
+
+/// How much greater margins must be for all of them to be above 0 [m].
+double growthAboveZero(const Problem& problem) {
+  double least = std::min(0.0, problem.margins.common);
+  for (const PairMargin& m : problem.margins.pairs) least = std::min(least, m.margin);
+  return kGuardChordRounding - least;
+}
+
 /// The scene whose margins hold for the robot's motion as it is commanded.
 std::shared_ptr<const CompiledScene> withErrors(const Problem& problem,
                                                 const GuardOptions& options) {
-  auto scene = std::make_shared<const CompiledScene>(problem);
+  const bool has_errors = options.point_error > 0 ||
+                          std::any_of(options.joint_errors.begin(), options.joint_errors.end(),
+                                      [](double e) { return e > 0; });
+  auto scene = std::make_shared<const CompiledScene>(
+      has_errors ? grown(problem, growthAboveZero(problem)) : problem);
   const auto refuse = [&](const std::string& message) {
     throw robots::InputError(problem.name, 0, "Guard: " + message);
   };
@@ -80,6 +99,7 @@ std::shared_ptr<const CompiledScene> withErrors(const Problem& problem,
     refuse("a planned joint is floating; joints with a position each are expected");
   if (const std::string why = scene->nothingChecked(); !why.empty())
     refuse("no pair is checked: " + why);
+  if (!has_errors) return scene;
   Displacement displacement(*scene);
   const double errors = displacement.beyondLimits(options.joint_errors) + 2 * options.point_error;
   if (!(errors < kInfinity))
@@ -87,7 +107,9 @@ std::shared_ptr<const CompiledScene> withErrors(const Problem& problem,
         "joint_errors are too large for a bound on how far the robot is off; less than 1 rad in "
         "all is "
         "expected, and 0 for what is behind a prismatic joint without limits");
-  return errors > 0 ? scene->withMarginsGrown(errors * (1 + kGuardChordShare)) : scene;
+  const Problem with_errors = grown(problem, errors * (1 + kGuardChordShare) + kGuardChordRounding);
+  validate(with_errors);  // a cloud may lack points that these margins reach
+  return std::make_shared<const CompiledScene>(with_errors);
 }
 
 std::vector<double> startOf(const Problem& problem) {
@@ -180,6 +202,7 @@ struct Guard::Impl {
   /// Sets `next` to begin where `known` is at a time.
   void beginOn(double time) {
     next.time = time;
+    next.since = 0;
     next.rows = next.passed = 0;
     const double periods =
         std::min((time - known.time) / options.period, static_cast<double>(known.rows + 1));
@@ -194,6 +217,17 @@ struct Guard::Impl {
       next.row(0)[i] = to > row ? p + (known.row(to)[i] - p) * share : p;
       next.velocity[i] = rests ? 0 : known.velocityTo(to, i, options.period);
       next.acceleration[i] = rests ? 0 : known.accelerationTo(to, i, options.period);
+    }
+    // In the middle of a period the velocity may have changed at its begin.
+    if (whole == known.rows && between) {
+      bool stopped = false;
+      for (std::size_t i = 0; i < size; ++i)
+        stopped = stopped || known.velocityTo(known.rows, i, options.period) != 0;
+      if (stopped) next.since = share * options.period;
+    } else if (between && !rests) {
+      next.since = share * options.period;
+    } else if (!rests && to == 0) {
+      next.since = known.since;
     }
   }
 
@@ -210,8 +244,13 @@ struct Guard::Impl {
     for (std::size_t i = 0; i < request.position.size(); ++i)
       leaves = leaves || !(std::abs(request.position[i] - next.row(0)[i]) <=
                            options.joint_errors[i] + kVerifyWaypoint);
+    if (is_lost && !request.position.empty()) {
+      leaves = true;
+      is_lost = false;
+    }
     if (!leaves) return true;
     known_holds = false;
+    next.since = 0;
     if (!request.position.empty())
       std::copy(request.position.begin(), request.position.end(), next.row(0).begin());
     if (!request.velocity.empty())
@@ -241,17 +280,18 @@ struct Guard::Impl {
       const double q = next.row(k)[i];
       const bool is_circle = part.kind == ConfigurationSpace::Kind::kCircle;
       if (!is_circle && !keepsRange(part.first, q)) return false;
+      const double dt = next.timeTo(k, T);
       const double before = next.velocityTo(k - 1, i, T), now = next.velocityTo(k, i, T);
-      const double earlier = next.accelerationTo(k - 1, i, T), a = (now - before) / T;
+      const double earlier = next.accelerationTo(k - 1, i, T), a = (now - before) / dt;
       const double rounding = kGuardDifference * (std::abs(q) + 1) / T;
       // A circle that turns farther would go the other way.
       const double fastest = is_circle ? kLongestLineTurn / T : kInfinity;
       if (!keeps(MotionLimit::kVelocity, part.first, now,
                  std::min(options.limits.velocity[i], fastest), rounding) ||
           !keeps(MotionLimit::kAcceleration, part.first, a, options.limits.acceleration[i],
-                 rounding * 4 / T) ||
-          !keeps(MotionLimit::kJerk, part.first, (a - earlier) / T, options.limits.jerk[i],
-                 rounding * 16 / (T * T)))
+                 rounding * 4 / dt) ||
+          !keeps(MotionLimit::kJerk, part.first, (a - earlier) / dt, options.limits.jerk[i],
+                 rounding * 16 / (dt * dt)))
         return false;
     }
     return true;
@@ -298,10 +338,39 @@ struct Guard::Impl {
       velocity[i] = next.velocityTo(k, i, options.period);
       acceleration[i] = next.accelerationTo(k, i, options.period);
     }
-    const int stop = brake.stop(next.row(k), velocity, acceleration, next.from(k + 1));
+    const int stop = brake.stop(next.row(k), velocity, acceleration, next.from(k + 1),
+                                next.timeTo(k + 1, options.period));
     next.passed = k;
     next.rows = k + std::max(0, stop);
     return stop >= 0;
+  }
+
+  /// Whether a row of the stop after k setpoints keeps the limits that a stop may break. Where k is
+  /// 0 the robot may be faster than its limits already: there is no slower stop.
+  bool stopKeepsLimits(int k, int row) {
+    const double T = options.period;
+    for (const ConfigurationSpace::Part& part : scene->space().parts()) {
+      const std::size_t i = at(part.first);
+      const double q = next.row(row)[i];
+      const bool is_circle = part.kind == ConfigurationSpace::Kind::kCircle;
+      if (!is_circle && !keepsRange(part.first, q)) return false;
+      const double now = next.velocityTo(row, i, T);
+      const double rounding = kGuardDifference * (std::abs(q) + 1) / T;
+      // A circle that turns farther would go the other way.
+      const double fastest = is_circle ? kLongestLineTurn / T : kInfinity;
+      if (!keeps(MotionLimit::kVelocity, part.first, now,
+                 k > 0 ? std::min(options.limits.velocity[i], fastest) : fastest, rounding))
+        return false;
+      // Under limits on jerk a stop takes whole periods, of which the first may have begun before.
+      if (row > 1 || !(next.since > 0)) continue;
+      const double a = next.accelerationTo(1, i, T);
+      if (!keeps(MotionLimit::kAcceleration, part.first, a, options.limits.acceleration[i],
+                 rounding * 4 / next.since) ||
+          !keeps(MotionLimit::kJerk, part.first, (a - next.acceleration[i]) / next.since,
+                 options.limits.jerk[i], rounding * 16 / (next.since * next.since)))
+        return false;
+    }
+    return true;
   }
 
   /// Whether k setpoints, which are proven, have a stop that is proven. Where k is 0, the reason
@@ -313,10 +382,8 @@ struct Guard::Impl {
     }
     const GuardAnswer before = answer;
     bool keeps = true;
-    for (int row = k + 1; row <= next.rows && keeps; ++row)
-      for (const ConfigurationSpace::Part& part : scene->space().parts())
-        keeps = keeps && (part.kind == ConfigurationSpace::Kind::kCircle ||
-                          keepsRange(part.first, next.row(row)[at(part.first)]));
+    proof.charge(static_cast<std::int64_t>(next.rows - k) * static_cast<std::int64_t>(size));
+    for (int row = k + 1; row <= next.rows && keeps; ++row) keeps = stopKeepsLimits(k, row);
     if (!keeps) {
       answer.in_stop = true;
     } else {
@@ -335,6 +402,10 @@ struct Guard::Impl {
     if (!begin(request) || given % size != 0 || given / size > at(options.most_setpoints) ||
         !isFinite(request.setpoints)) {
       fail(GuardReason::kInvalid);
+      if (is_lost) return false;
+    } else if (is_lost) {  // where the robot is, and whether it is at rest, is not known
+      fail(GuardReason::kNotCertified, true);
+      return false;
     } else if (!jumped.empty()) {
       fail(GuardReason::kJumped, false, jumped.front());
     } else {
@@ -345,8 +416,10 @@ struct Guard::Impl {
         count = free;
       }
     }
-    for (int k = count; k >= 0; --k)
+    for (int k = count; k >= 0; --k) {
       if (hasStop(k)) return true;
+      if (proof.isSpent()) break;
+    }
     return false;
   }
 
@@ -360,6 +433,7 @@ struct Guard::Impl {
     }
     for (int k = row; k <= known.rows; ++k)
       std::copy(known.row(k).begin(), known.row(k).end(), next.row(k - row).begin());
+    next.since = row == 0 ? known.since : 0;
     next.time = periods >= known.rows ? time : known.time + row * options.period;
     next.rows = known.rows - row;
     next.passed = 0;
@@ -376,8 +450,8 @@ struct Guard::Impl {
       answer.goes_on = true;
       // At rest it is proven that nothing touches as long as nothing else moves.
       answer.certified = next.rows > 0 || !proof.hasObstacles();
-    } else {
-      appendStop(0);
+    } else if (!appendStop(0)) {
+      is_lost = true;  // it is faster than any stop that there is room for
     }
     std::swap(known, next);
     has_begun = true;
@@ -405,15 +479,19 @@ struct Guard::Impl {
     if (vertices.size() != proof.obstacles().vertexCount(object)) return Observation::kInvalid;
     const double jump = proof.obstacles().jump(object, vertices, time);
     if (std::isnan(jump)) return Observation::kInvalid;
+    const bool widens = proof.obstacles().widens(object, speed_bound);
     try {
       proof.obstacles().set(object, vertices, time, speed_bound);
     } catch (const std::invalid_argument&) {  // a coordinate that is too large
       return Observation::kInvalid;
     }
     std::erase(jumped, object);
+    if (widens || jump > kGuardJump) {  // what has been proven was proven from what does not hold
+      known_holds = false;
+      proof.forget();
+    }
     if (!(jump > kGuardJump)) return Observation::kTaken;
     jumped.push_back(object);
-    known_holds = false;  // it was proven from what does not hold
     return Observation::kJumped;
   }
 
@@ -426,6 +504,7 @@ struct Guard::Impl {
   SetpointMotion known, next;  ///< of the last answer; of the one that is made
   bool has_begun = false;      ///< there was a call
   bool known_holds = false;    ///< `known` is proven, and the robot is on it
+  bool is_lost = false;        ///< there was no stop; until a position is given
   std::vector<double> velocity, acceleration;
   std::vector<std::string> jumped;  ///< obstacles
   GuardAnswer answer;

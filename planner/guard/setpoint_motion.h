@@ -23,6 +23,7 @@ struct SetpointMotion {
     std::fill(velocity.begin(), velocity.end(), 0);
     std::fill(acceleration.begin(), acceleration.end(), 0);
     time = when;
+    since = 0;
     rows = passed = 0;
   }
 
@@ -39,15 +40,20 @@ struct SetpointMotion {
   }
   double accelerationTo(int k, std::size_t i, double period) const {
     return k == 0 ? acceleration[i]
-                  : (velocityTo(k, i, period) - velocityTo(k - 1, i, period)) / period;
+                  : (velocityTo(k, i, period) - velocityTo(k - 1, i, period)) / timeTo(k, period);
   }
+  /// The time in which the velocity before row k - 1 becomes that after it.
+  double timeTo(int k, double period) const { return k == 1 && since > 0 ? since : period; }
 
   std::size_t size;
   std::vector<double> values;
   std::vector<double> velocity, acceleration;  ///< at the start
   double time = 0;                             ///< of the start [s]
-  int rows = 0;                                ///< setpoints
-  int passed = 0;                              ///< those before the stop
+  /// How long the joints had their velocity at the start, where that is less than a period [s]; 0:
+  /// a period at least.
+  double since = 0;
+  int rows = 0;    ///< setpoints
+  int passed = 0;  ///< those before the stop
 };
 
 }  // namespace leeway::planner

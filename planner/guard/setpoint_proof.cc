@@ -30,6 +30,11 @@ double Displacement::beyondLimits(std::span<const double> changes) {
   return turn < 1 ? within / (1 - turn) * (1 + kGuardChordShare) : kInfinity;
 }
 
+SetpointProof::Margins SetpointProof::marginsOf(const CompiledScene& scene) {
+  const double most = scene.scene().pairs().mostMargin();
+  return {most, scene.scene().pairs().leastMargin() == most};
+}
+
 SetpointProof::SetpointProof(const Problem& problem, const GuardOptions& options,
                              std::shared_ptr<const CompiledScene> scene)
     : scene_(std::move(scene)),
@@ -37,7 +42,7 @@ SetpointProof::SetpointProof(const Problem& problem, const GuardOptions& options
       horizon_(options.horizon),
       obstacles_(problem, *scene_),
       still_(obstacles_.bodies().empty() ? scene_ : obstacles_.pairsOfOthers(*scene_)),
-      still_margin_(still_.scene().scene().pairs().mostMargin()),
+      still_margins_(marginsOf(still_.scene())),
       displacement_(*scene_),
       departure_(at(scene_->space().size())),
       chord_(departure_),
@@ -50,6 +55,7 @@ SetpointProof::SetpointProof(const Problem& problem, const GuardOptions& options
 
 void SetpointProof::look(double time) {
   if (!moving_) return;
+  is_stale_ = true;  // until all is bounded: a motion may fail
   obstacles_.look(time);
   for (int k = 0; k < kGuardSlices; ++k) {
     Slice& slice = slices_[at(k)];
@@ -57,9 +63,10 @@ void SetpointProof::look(double time) {
     const double share = (k + 1.0) / kGuardSlices;
     slice.end = time + horizon_ * share * share;  // near ones are short: less is grown in them
     slice.scene = moving_scene_->withShapes(obstacles_.during(slice.begin, slice.end));
-    slice.most_margin = slice.scene->scene().pairs().mostMargin();
+    slice.margins = marginsOf(*slice.scene);
     moving_->rebind(slice.scene);  // makes what certifiers share, which allocates
   }
+  is_stale_ = false;
 }
 
 void SetpointProof::begin(std::int64_t work) {
@@ -131,12 +138,13 @@ double SetpointProof::growthOf(const SetpointMotion& motion, int from, int to) {
     for (std::size_t i = 0; i < row.size(); ++i) along += (row[i] - a[i]) * chord_[i];
     const double t = squared > 0 ? std::clamp(along / squared, 0.0, 1.0) : 0;
     for (std::size_t i = 0; i < row.size(); ++i)
-      departure_[i] = std::max(departure_[i], std::abs(row[i] - a[i] - t * chord_[i]));
+      if (const double d = std::abs(row[i] - a[i] - t * chord_[i]); !(d <= departure_[i]))
+        departure_[i] = d;  // NaN as well
   }
   return displacement_.of(departure_);
 }
 
-int SetpointProof::untilIn(EdgeCertifier& certifier, double most_margin,
+int SetpointProof::untilIn(EdgeCertifier& certifier, const Margins& margins,
                            const SetpointMotion& motion, int from, int to, bool all) {
   if (to - from <= 1) {
     if (edgeFree(certifier, motion, from, to, -kInfinity, EdgeRequest::persistent().work_limit))
@@ -145,27 +153,30 @@ int SetpointProof::untilIn(EdgeCertifier& certifier, double most_margin,
   }
   const double growth = growthOf(motion, from, to);
   if (growth <= growth_limit_) {
-    const double separation = std::max(0.0, most_margin) + growth;
+    const double separation = std::max(0.0, margins.most) + growth;
     if (edgeFree(certifier, motion, from, to, separation, kGuardChordWork)) {
       growth_limit_ = std::min(kGuardMostGrowth, std::max(growth_limit_, 1.5 * growth));
       return to;
     }
-    if (isSpent() || (all && growth < kGuardOnLine)) return from;
+    if (isSpent() || (all && margins.are_equal && growth < kGuardOnLine)) return from;
     if (growth > kGuardLeastGrowth) growth_limit_ = std::max(kGuardLeastGrowth, growth / 2);
   }
   const int middle = from + (to - from) / 2;
-  const int first = untilIn(certifier, most_margin, motion, from, middle, all);
-  return first < middle ? first : untilIn(certifier, most_margin, motion, middle, to, all);
+  const int first = untilIn(certifier, margins, motion, from, middle, all);
+  return first < middle ? first : untilIn(certifier, margins, motion, middle, to, all);
 }
 
 int SetpointProof::untilAmongObstacles(const SetpointMotion& motion, int from, int to, bool all) {
-  const double begin = motion.time + from * period_, end = motion.time + to * period_;
+  double begin = motion.time + from * period_, end = motion.time + to * period_;
   const double same = kGuardSameTime * period_;
   const auto stale = [&] { failure_ = {GuardReason::kStale, {}, {}}; };
-  if (begin < slices_.front().begin - same || begin > slices_.back().end) {
+  if (is_stale_ || begin < slices_.front().begin - same || begin > slices_.back().end) {
     stale();
     return from - 1;
   }
+  // Rest just before the first slice is looked at in that one.
+  begin = std::max(begin, slices_.front().begin);
+  end = std::max(end, slices_.front().begin);
   for (const Slice& slice : slices_) {
     if (slice.end < begin || slice.begin > end) continue;
     const int first =
@@ -173,7 +184,7 @@ int SetpointProof::untilAmongObstacles(const SetpointMotion& motion, int from, i
     const int last =
         std::min(to, static_cast<int>(std::ceil((slice.end - motion.time + same) / period_)));
     moving_->rebind(slice.scene);
-    const int reached = untilIn(*moving_, slice.most_margin, motion, first, last, all);
+    const int reached = untilIn(*moving_, slice.margins, motion, first, last, all);
     if (reached < last) return reached;
   }
   if (end <= slices_.back().end) return to;
@@ -182,7 +193,7 @@ int SetpointProof::untilAmongObstacles(const SetpointMotion& motion, int from, i
 }
 
 int SetpointProof::until(const SetpointMotion& motion, int from, int to, bool all) {
-  int reached = untilIn(still_, still_margin_, motion, from, to, all);
+  int reached = untilIn(still_, still_margins_, motion, from, to, all);
   if (moving_ && reached >= from && (reached == to || !all)) {
     const Failure of_still = failure_;
     const int among = untilAmongObstacles(motion, from, reached, all);

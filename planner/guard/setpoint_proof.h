@@ -45,11 +45,15 @@ class SetpointProof {
 
   /// See Guard::look().
   void look(double time);
+  /// What was bounded does not hold: nothing passes obstacles until the next look().
+  void forget() { is_stale_ = true; }
   Obstacles& obstacles() { return obstacles_; }
   bool hasObstacles() const { return moving_.has_value(); }
 
   /// Begins a call: what it may cost.
   void begin(std::int64_t work);
+  /// Takes work that was done elsewhere from what the call may cost.
+  void charge(std::int64_t work) { left_ -= work; }
   /// The last row up to which the motion is proven from row `from` on; at most `to`, and `from` - 1
   /// where not even that row is known to be free. Where it is less than `to`, failure() says why.
   int freeUntil(const SetpointMotion& motion, int from, int to) {
@@ -70,16 +74,22 @@ class SetpointProof {
   EdgeCertifier::Statistics statistics() const;
 
  private:
+  /// Of the pairs of a scene.
+  struct Margins {
+    double most = 0;  ///< [m]
+    bool are_equal = false;
+  };
+  static Margins marginsOf(const CompiledScene& scene);
   /// Where the obstacles can be from one time to another.
   struct Slice {
     double begin = 0, end = 0;  ///< [s]
     std::shared_ptr<const CompiledScene> scene;
-    double most_margin = 0;  ///< of its pairs [m]
+    Margins margins;
   };
   int until(const SetpointMotion& motion, int from, int to, bool all);
   int untilAmongObstacles(const SetpointMotion& motion, int from, int to, bool all);
-  int untilIn(EdgeCertifier& certifier, double most_margin, const SetpointMotion& motion, int from,
-              int to, bool all);
+  int untilIn(EdgeCertifier& certifier, const Margins& margins, const SetpointMotion& motion,
+              int from, int to, bool all);
   /// How far rows between two are from their chord [m]; infinity: no chord is tried.
   double growthOf(const SetpointMotion& motion, int from, int to);
   bool edgeFree(EdgeCertifier& certifier, const SetpointMotion& motion, int from, int to,
@@ -91,9 +101,10 @@ class SetpointProof {
   Obstacles obstacles_;
   std::shared_ptr<const CompiledScene> moving_scene_;
   EdgeCertifier still_;
-  double still_margin_;
+  Margins still_margins_;
   std::optional<EdgeCertifier> moving_;
   std::vector<Slice> slices_;
+  bool is_stale_ = false;  ///< `slices_` do not hold
   Displacement displacement_;
   std::vector<double> departure_, chord_;
   double growth_limit_;

@@ -116,6 +116,8 @@ TEST_F(GuardVerb, WrongLinesStopTheRobotAndTheNextAreRead) {
       {"{\"observe\": {}}", "observe has no 'object'"},
       {"{\"observe\": {\"object\": \"post\", \"vertices\": [], \"time\": 0, \"speed_bound\": 0}}",
        "there is no deforming obstacle 'post'"},
+      {"{\"observe\": {\"object\": \"\", \"vertices\": [], \"time\": 0, \"speed_bound\": 0}}",
+       "there is no deforming obstacle ''"},
       {"{\"observe\": 1}", "observe is no object"},
       {"{\"observe\": {}, \"time\": 1}", "'time' is no key"}};
   for (const auto& [text, message] : wrong) {
@@ -134,6 +136,12 @@ TEST_F(GuardVerb, WrongLinesStopTheRobotAndTheNextAreRead) {
   const Answer header = guard("reach.yaml", "elbow,shoulde\n-1,0\n");
   EXPECT_EQ(header.status, 2);
   EXPECT_NE(header.err.find("did you mean 'shoulder'?"), std::string::npos) << header.err;
+  // Rows of numbers are not taken for the group's order after that; JSON is read.
+  const std::vector<json> after = guard("reach.yaml", "elbow,shoulde\n-1,0\n[[-1,0]]\n").lines();
+  ASSERT_EQ(after.size(), 3u);
+  EXPECT_NE(after[1]["message"].get<std::string>().find("first line"), std::string::npos);
+  EXPECT_EQ(after[1]["passed"], 0);
+  EXPECT_EQ(after[2]["passed"], 1);
   EXPECT_EQ(guard("reach.yaml", "elbow,elbow\n").status, 2);
   EXPECT_EQ(guard("reach.yaml", "elbow\n").status, 2);
   // Numbers that are not finite are a fault of the policy, and stop the robot as well.

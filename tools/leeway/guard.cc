@@ -69,7 +69,8 @@ struct GuardArguments {
 struct Line {
   std::vector<double> setpoints, position, velocity;
   std::optional<double> time;
-  std::string object;  ///< an observation; else empty
+  bool is_observation = false;
+  std::string object;  ///< of an observation
   std::vector<Eigen::Vector3d> vertices;
   double speed_bound = 0;
 };
@@ -103,9 +104,15 @@ class LineReader {
     }
     if (is_first && std::any_of(fields.begin(), fields.end(),
                                 [](const std::string& field) { return !numberOf(field); })) {
+      is_header_bad_ = true;
       takeHeader(fields);
+      is_header_bad_ = false;
       return std::nullopt;
     }
+    if (is_header_bad_)
+      throw LineFault{
+          "the first line names no order of the joints that is known; rows of numbers are not read "
+          "after it"};
     return fromFields(fields);
   }
 
@@ -222,6 +229,7 @@ class LineReader {
       if (!value.contains(key)) throw LineFault{fmt::format("observe has no '{}'", key)};
     if (!value["object"].is_string()) throw LineFault{"observe.object is no text"};
     Line line;
+    line.is_observation = true;
     line.object = value["object"].get<std::string>();
     const std::vector<double> numbers = rowsOf(value["vertices"], 3, "observe.vertices");
     for (std::size_t i = 0; i < numbers.size(); i += 3)
@@ -234,6 +242,7 @@ class LineReader {
   std::vector<std::string> names_;
   std::vector<std::size_t> order_;  // of the columns: which joint
   bool has_begun_ = false;
+  bool is_header_bad_ = false;  // the first line is neither numbers nor the names of columns
 };
 
 Json rowJson(std::span<const double> row) {
@@ -311,7 +320,7 @@ class Session {
             fmt::format("{} bytes; at most {} are expected", text.size(), kLongestLine)};
       const std::optional<Line> line = reader_.read(text);
       if (!line) return;
-      if (!line->object.empty()) {
+      if (line->is_observation) {
         document["observation"] = observe(*line);
         return tell({});
       }

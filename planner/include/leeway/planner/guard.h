@@ -107,9 +107,10 @@ const char* toString(Observation observation);  ///< "taken", "jumped", "invalid
 ///
 /// The motion. From setpoint to setpoint joints go in straight lines at constant speed, as position
 /// controllers interpolate. Acceleration is the change of that velocity over a period, jerk that of
-/// acceleration. A stop is further setpoints. Without limits on jerk it goes on along the line of
-/// the last two setpoints and brakes as hard as the limits allow; with them each joint brakes for
-/// itself.
+/// acceleration. Where a call comes within a period, the velocity may change by as much as the
+/// acceleration allows in the time since that period began. A stop is further setpoints. Without
+/// limits on jerk it goes on along the line of the last two setpoints and brakes as hard as the
+/// limits allow; with them each joint brakes for itself.
 ///
 /// Guarantees, if the robot follows the answer's motion to within the tracking error of the
 /// options:
@@ -143,14 +144,18 @@ class Guard {
 
   /// The vertices of a deforming obstacle as seen at `time` [s], in its frame, and a bound on their
   /// speed from then on [m/s]. Both replace its motion for good, and count from the next look() on.
-  /// After a jump nothing passes until an observation agrees with the one before. Throws
+  /// After a jump nothing passes until an observation agrees with the one before. After a jump, a
+  /// greater bound, or the end of a motion nothing is proven until the next look(), not even what
+  /// was left of the last answer's motion: call both together. Throws
   /// std::invalid_argument for an unknown obstacle, and a speed bound that is not >= 0.
   Observation setVertices(const std::string& object, std::span<const Eigen::Vector3d> vertices,
                           double time, double speed_bound);
   /// Bounds where obstacles can be from `time` [s] on: by their motions, or by what was seen of
-  /// them, grown by their speed bounds times its age. Costs the update of their hierarchies; call
-  /// it before check(). Without obstacles that deform it does nothing. Throws robots::InputError
-  /// for a motion that fails, std::invalid_argument for a time that is not finite.
+  /// them, grown by their speed bounds times its age (and backwards, by the bound before, for times
+  /// between the last two observations; earlier nothing passes). Costs the update of their
+  /// hierarchies; call it before check(). Without obstacles that deform it does nothing. Throws
+  /// robots::InputError for a motion that fails, std::invalid_argument for a time that is not
+  /// finite.
   void look(double time);
 
   /// The time of a request without one [s].
