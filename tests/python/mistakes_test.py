@@ -325,7 +325,7 @@ def objects(robot):
     ball = leeway.Shape.sphere(1)
     return [robot, problem.world, result, result.certificate, result.certificate.world, result.trajectory(), scene, scene.check("start"),
             scene.certify(TUCKED, TUCKED), leeway.verify(problem, result), replanner, step, guard, guard.check(), leeway.replan(robot, moving, "ready", TUCKED, steps=1), monitor,
-            monitor.look(0, TUCKED, [0] * 7, horizon=1), task.steps[0], FramePose("hand", (0, 0, 0)), UPRIGHT, TaskStep.move(TUCKED), ball,
+            monitor.look(0, TUCKED, [0] * 7, horizon=1), task.steps[0], FramePose("hand", (0, 0, 0)), leeway.Waypoint((0, 0, 0)), UPRIGHT, TaskStep.move(TUCKED), ball,
             leeway.Shape.mesh(vertices=np.eye(3), triangles=[[0, 1, 2]]), leeway.distance(ball, None, ball, (3, 0, 0)), leeway.separation(ball, None, ball, None),
             leeway.inverse_kinematics(robot, "hand", robot.pose("hand", TUCKED)), DEFORMABLE, result.problem, scene.problem]
 

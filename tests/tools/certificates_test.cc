@@ -137,7 +137,7 @@ TEST_F(Certificates, ARobotIsNotSweptThroughItself) {
   EXPECT_EQ(swept["status"], "refuted");
   EXPECT_EQ(swept["where"]["a"].get<std::string>() + swept["where"]["b"].get<std::string>(),
             "mastboom");
-  const json state = run("check mast.yaml --state 0 --json").document()["states"][0];
+  const json state = run("check mast.yaml --state 0 --depth --json").document()["states"][0];
   EXPECT_NEAR(state["penetration"]["depth_lower"].get<double>(), 0.05, 1e-5);
 }
 
