@@ -893,5 +893,28 @@ TEST(Guard, UnequalMarginsDoNotStopTheRobot) {
   EXPECT_EQ(guard.check({.setpoints = rows}).passed, 20);
 }
 
+TEST(Guard, StopsThatLeaveTheLimitsAreWork) {
+  Problem problem = test::wallProblem();
+  problem.execution.velocities = {{"disc/x", 1}};
+  problem.execution.accelerations = {{"disc/x", 0.1}};
+  std::vector<double> rows;
+  double x = -1, v = 0;
+  for (int k = 0; k < 220; ++k) {
+    v -= 0.1 * 0.02;
+    x += v * 0.02;
+    rows.insert(rows.end(), {x, -1, 0});
+  }
+  GuardOptions options;
+  options.most_setpoints = 300;
+  // From halfway on there is no room for a stop: some 65 stops of up to 220 rows.
+  EXPECT_GT(Guard(problem, options).check({.setpoints = rows}).passed, 100);
+  options.work = 20'000;
+  Guard guard(problem, options);
+  const GuardAnswer& answer = guard.check({.setpoints = rows});
+  EXPECT_EQ(answer.passed, 0);
+  EXPECT_TRUE(answer.in_stop);
+  EXPECT_EQ(answer.limit, MotionLimit::kPosition);
+}
+
 }  // namespace
 }  // namespace leeway::planner
