@@ -608,10 +608,10 @@ constexpr int kStepIterations = 20'000;
 constexpr double kFirstLinePiece = 0.25;
 constexpr double kShortestLinePiece = 1.0 / 4096;
 
-/// Tries of a line, in a row without gain, with other motions of the joints that it leaves free
-/// [count]. And how far a joint goes then besides what the line asks of it, at most, on the way
-/// from one pose to the next [rad or m].
+/// A line is tried again with other motions of the joints that it leaves free, until this number of
+/// tries in a row has gained nothing [count].
 constexpr int kLineTries = 48;
+/// The largest extra motion of a joint in such a try, from one pose to the next [rad or m].
 constexpr double kMostDrift = 6;
 
 /// Joint values from which a line is followed where its start is given by poses [count], and of

@@ -345,8 +345,8 @@ struct Guard::Impl {
     return stop >= 0;
   }
 
-  /// Whether a row of the stop after k setpoints keeps the limits that a stop may break. Where k is
-  /// 0 the robot may be faster than its limits already: there is no slower stop.
+  /// Returns whether a row of the stop after k setpoints keeps the limits that a stop may break.
+  /// With k = 0 the robot may already be faster than its limits, and no stop can be slower.
   bool stopKeepsLimits(int k, int row) {
     const double T = options.period;
     for (const ConfigurationSpace::Part& part : scene->space().parts()) {
@@ -504,7 +504,7 @@ struct Guard::Impl {
   SetpointMotion known, next;  ///< of the last answer; of the one that is made
   bool has_begun = false;      ///< there was a call
   bool known_holds = false;    ///< `known` is proven, and the robot is on it
-  bool is_lost = false;        ///< there was no stop; until a position is given
+  bool is_lost = false;        ///< no stop was found; holds until a position is given
   std::vector<double> velocity, acceleration;
   std::vector<std::string> jumped;  ///< obstacles
   GuardAnswer answer;

@@ -45,7 +45,7 @@ class SetpointProof {
 
   /// See Guard::look().
   void look(double time);
-  /// What was bounded does not hold: nothing passes obstacles until the next look().
+  /// Drops the bounds on obstacles: no motion is proven free of them until the next look().
   void forget() { is_stale_ = true; }
   Obstacles& obstacles() { return obstacles_; }
   bool hasObstacles() const { return moving_.has_value(); }
@@ -74,7 +74,7 @@ class SetpointProof {
   EdgeCertifier::Statistics statistics() const;
 
  private:
-  /// Of the pairs of a scene.
+  /// The margins of a scene's pairs.
   struct Margins {
     double most = 0;  ///< [m]
     bool are_equal = false;

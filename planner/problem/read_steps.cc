@@ -44,7 +44,7 @@ Waypoint readWaypoint(const YamlReader& map, std::vector<std::string>& warnings)
   return pose;
 }
 
-/// What the columns of a file of poses are, in this order.
+/// The names of columns in a file of poses, in this order.
 constexpr std::string_view kPosition[] = {"x", "y", "z"};
 constexpr std::string_view kQuaternion[] = {"qx", "qy", "qz", "qw"};
 constexpr std::string_view kTurns[] = {"roll", "pitch", "yaw"};

@@ -108,7 +108,7 @@ class Worker {
   std::uint64_t iterations() const { return iterations_; }
   std::size_t goalBatches() const { return goal_batches_; }
   Waypoints takePath() { return std::move(path_); }
-  /// Of all runs, the present one included.
+  /// The hindrance of all runs, including the present one.
   Hindrance hindrance() const {
     Hindrance all = hindrance_;
     if (trees_) all += {{}, trees_->gap()};

@@ -54,7 +54,7 @@ struct ConnectQuery {
   const Problem* constrained = nullptr;
 };
 
-/// What kept a search from a path.
+/// The reasons why a search found no path.
 struct Hindrance {
   std::unordered_map<int, std::uint64_t> blocked;  ///< edges, by the pair in the way
   ConnectTrees::Gap gap;                           ///< the nearest of all runs

@@ -145,7 +145,7 @@ class Plan {
     result_.offending_b = scene.bodies()[static_cast<std::size_t>(pair.body_b)].name;
   }
 
-  /// What kept a search from a path: pairs, and the gap that was left.
+  /// Stores the reasons why a search found no path: pairs in the way, and the gap that was left.
   void explain(const Hindrance& hindrance) {
     const collision::Scene& scene = scene_->scene();
     std::vector<std::pair<int, std::uint64_t>> most(hindrance.blocked.begin(),

@@ -66,7 +66,7 @@ class Search {
   std::string describeLength(double length) const;
   /// The statistics of certifiers outside the pool.
   const EdgeCertifier::Statistics& work() const { return work_; }
-  /// What kept all searches that found no path from one.
+  /// The reasons of all searches that found no path.
   Hindrance hindrance() const;
 
  private:

@@ -38,7 +38,7 @@ LineDeparture errorAt(const Pose& X_WP, const Pose& X_WF) {
           (X_WF.rotation - X_WP.rotation).norm() / std::sqrt(2.0)};
 }
 
-/// How joints move besides what the line asks of them: by so much a stretch [rad or m].
+/// The extra motion of each joint in a stretch, beside the motion that follows the line [rad or m].
 using Drift = std::vector<double>;
 
 /// One call of followLine().

@@ -42,9 +42,9 @@ struct LineTries {
 
 /// Follows a line from `start`, in pieces whose departure is proven to be within the step's
 /// tolerances and which are certified to keep all margins: half as long where one fails, twice
-/// where one succeeds. Where it ends early and joints are left free, it is tried again from places
-/// behind with their motion changed at random; the longest is returned. Deterministic, but for
-/// `stop`. Throws std::invalid_argument as lineWay().
+/// where one succeeds. If the motion ends early and the line leaves joints free, it is tried again
+/// from earlier places with random motions of these joints; the longest motion is returned.
+/// Deterministic, except where `stop` ends it. Throws std::invalid_argument as lineWay().
 LineMotion followLine(EdgeCertifier& certifier, const robots::InverseKinematics& kinematics,
                       const Problem& world, const LineStep& line, const std::vector<double>& start,
                       const LineTries& tries);

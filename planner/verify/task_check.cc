@@ -119,7 +119,7 @@ class TaskCheck {
     return result_;
   }
 
-  /// What the path lacks of the task; all that it has was certified.
+  /// Returns the part of the task that the path lacks. Its own part was certified.
   std::string missing() const {
     for (std::size_t s = 0; s < path_.steps.size(); ++s) {
       const std::vector<double>& places = path_.steps[s].places;

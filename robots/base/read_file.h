@@ -27,7 +27,7 @@ std::string endingOf(const std::string& path);
 /// Whether the last line of a text has an end (a line feed or carriage return), or nothing is in
 /// it. If not, the file may have been cut within a number that still reads as one.
 bool lastLineEnds(std::string_view text);
-/// What a warning says of such a line.
+/// The text of a warning about such a line.
 inline constexpr std::string_view kLastLineOpen =
     "the last line does not end; if the file was cut, a number may have lost digits, and lines may "
     "be missing";

@@ -51,7 +51,7 @@ std::string variableName(const std::string& joint, const std::string& axis) {
   return axis.empty() ? joint : joint + "/" + axis;
 }
 
-/// What is wrong with the axis of a bound, or with the joint that it is of.
+/// Returns the fault of a bound's axis or of its joint; empty if there is none.
 std::string axisFault(const Joint& joint, const std::string& axis) {
   const std::string name = "joint '" + joint.name + "'";
   const bool is_planar = joint.type == JointType::kPlanar;

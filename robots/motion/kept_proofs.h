@@ -16,7 +16,8 @@ namespace leeway::robots {
 void addJoints(const Model& model, ContentKey& key);
 void addPose(const Pose& pose, ContentKey& key);
 
-/// A number for a pair of links, which depends on nothing but the model; below `DecidePair::kMost`.
+/// A question about pairs of links. Its answer is a number below kMost that depends on the model
+/// alone.
 struct DecidePair {
   static constexpr unsigned char kMost = 8;
   const char* kind;  ///< names the question in the cache

@@ -55,7 +55,7 @@ TEST(ObstacleBoxes, FindsWhatAListFinds) {
       }
       const ObstacleBoxes boxes(all);
       ASSERT_EQ(boxes.slots() % ObstacleBoxes::kWidth, 0U);
-      // Also if some boxes were added later.
+      // The same holds if some boxes are added later.
       const std::size_t first = all.size() / 3;
       const ObstacleBoxes both(
           std::span<const Box>(all).subspan(first),

@@ -217,7 +217,7 @@ TEST(SolidParts, AWeldThatIsNotSmallAgainstTheFacetsIsRefused) {
   EXPECT_EQ(TriangleMesh::make(corners, closed, {.weld = 2})->closedComponentCount(), 1);
 }
 
-/// Nor may it be small against another part alone.
+/// A weld must be small against the open part, not only against a larger part beside it.
 TEST(SolidParts, AWeldThatIsNotSmallAgainstOnePartIsRefused) {
   TriangleSoup soup = boxSoup({0.5, 0.5, 0.5});
   soup.triangles.pop_back();

@@ -193,7 +193,7 @@ TEST(SceneChange, ChangesFurther) {
       changed.setPose(0, X);
       testing::expectSameAnswers(twins, listed, changed);
     }
-    // Also as the base of another builder.
+    // The same holds if the scene is the base of another builder.
     SceneBuilder again(twins.table);
     again.add({"last", {{Shape::sphere(0.1), {}, ""}}, false, {}});
     SceneBuilder twin(twins.listed);

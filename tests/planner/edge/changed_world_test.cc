@@ -244,7 +244,7 @@ TEST(ChangedWorld, AnObjectThatMovesLeavesNothingBehind) {
   EXPECT_THROW(scene->withObjectAt("stone", test::at(2e9, 0, 0)), robots::InputError);
 }
 
-/// What a filter removed is missing at another place.
+/// Balls that a filter removed are missing at another place.
 TEST(ChangedWorld, CloudsThatWereFittedToTheirPlaceDoNotMove) {
   const Problem problem = test::wallProblem();
   PointCloud cloud;

@@ -668,7 +668,7 @@ TEST(EdgeCertifier, ASeparationIsKeptAlongTheEdge) {
             ++near;
             cautious += dense > separation + 0.02 && dense < kInfinity ? 1 : 0;
           }
-          // The request alone asks for it.
+          // The separation belongs to one request; the next one does not have it.
           const Verdict plain = asked->certify(a, b, EdgeRequest::persistent()).verdict;
           EXPECT_TRUE(plain != Verdict::kFree || dense > -1e-9) << replay(a, b);
         }

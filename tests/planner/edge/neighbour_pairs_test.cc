@@ -279,7 +279,7 @@ TEST_F(NeighbourPairs, NarrowerLimitsMakeNoPairTouchEverywhere) {
       EXPECT_EQ(why(narrow, "mast", "boom"), "") << lower << " to " << upper;
       EXPECT_EQ(why(within(narrow, 0.012, 0.013, true), "mast", "boom"), "") << "narrowed twice";
     }
-  // What is proven apart holds within the limits, which a path keeps.
+  // A proof that links are apart holds within the limits, which a path keeps.
   EXPECT_EQ(why(within(revolute, 0.5, 1.5), "mast", "boom"), "proven never to meet");
   Problem problem = problemOf(within(revolute, -0.02, 0.02));
   problem.start = {-0.02};

@@ -840,7 +840,7 @@ TEST(Guard, VelocityChangesWithinAPeriodAreAccelerations) {
   EXPECT_EQ(ask(0.1099), 1);
   EXPECT_EQ(ask(0.0901), 1);
   EXPECT_EQ(ask(0), 0);
-  // Nor does a stop brake harder.
+  // A stop does not brake harder either.
   Guard guard(problem);
   guard.check({.setpoints = first, .time = 0});
   const GuardAnswer& stop = guard.check({.time = 0.002});
@@ -906,7 +906,7 @@ TEST(Guard, StopsThatLeaveTheLimitsAreWork) {
   }
   GuardOptions options;
   options.most_setpoints = 300;
-  // From halfway on there is no room for a stop: some 65 stops of up to 220 rows.
+  // Setpoints beyond the middle have no room for a stop, so stops of up to 220 rows are tried.
   EXPECT_GT(Guard(problem, options).check({.setpoints = rows}).passed, 100);
   options.work = 20'000;
   Guard guard(problem, options);

@@ -110,7 +110,7 @@ TEST_F(JointLimits, OfAJointThatFollowsLimitTheOneItFollows) {
   EXPECT_EQ(of("shoulder").velocity, 1);
 }
 
-/// What is left out is told with its line.
+/// Warnings name the line of each entry that is left out.
 TEST_F(JointLimits, WarnOfWhatIsLeftOut) {
   const std::pair<std::string, std::string> kinds[] = {
       {"gripper_left: {max_velocity: 1}", "has no joint 'gripper_left': its limits are left out"},

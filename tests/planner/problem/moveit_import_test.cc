@@ -634,7 +634,7 @@ goal_constraints:
   EXPECT_EQ(messageOf(scene, replaced(request, "path_constraints", "path_constrants")),
             "request.yaml:17: unknown key 'path_constrants' in the file; did you mean "
             "'path_constraints'?");
-  // What is no message where one is expected is not taken for none.
+  // A plain value in place of a message is refused.
   EXPECT_EQ(messageOf(replaced(scene, "header: {frame_id: hall}", "header: hall"), request),
             "scene.yaml:25: world.collision_objects[0].header is 'hall'; a map (key: value) is "
             "expected");

@@ -112,7 +112,7 @@ TEST(Verify, FreePathIsCertifiedWithAClearanceThatHolds) {
   EXPECT_GE(result.clearance_lower, 0.1);
 }
 
-/// The interval of the clearance is refined as far as is asked, and holds the true one: 0.4 m at
+/// The interval of the clearance is as narrow as requested, and holds the true clearance: 0.4 m at
 /// the start, where the tip is 2 m away.
 TEST(Verify, ProvesTheClearanceAsCloselyAsIsAsked) {
   Problem problem = problemFor(arm(), {1.5, 0});

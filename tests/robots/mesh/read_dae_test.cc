@@ -340,7 +340,7 @@ TEST(ReadDae, WhatStandsTwiceIsRefused) {
           "a second root element, <COLLADA>, after that of line 1");
   refused(kInstance, "<instance_node url=\"#n\"/></node><node name=\"n\"/><node name=\"n\">", ":8",
           "a second <node> of the name 'n'");
-  // What nothing refers to, and what stands in several geometries, may have one id.
+  // Elements without references, and elements of different geometries, may share an id.
   const auto accepted = [&](const std::string& a, const std::string& b) {
     std::string text = whole;
     text.replace(text.find(a), a.size(), b);

@@ -83,7 +83,7 @@ TEST(PlacedModel, AContinuousJointThatIsLimitedBecomesRevolute) {
     EXPECT_EQ(X_WL[l].translation, X_WM[l].translation) << l;
 }
 
-/// What was proven or sampled within the limits says nothing of wider ones.
+/// Proofs and samples within the limits do not hold for wider limits.
 TEST(PlacedModel, PairsThatNeverMeetWithinTheLimitsAreNamedWhereTheseAreWider) {
   const auto model = cart(R"(<robot name="cart">
 <disable_collisions link1="odom" link2="arm" reason="Never"/>

@@ -44,7 +44,7 @@ Pairs allPairs(const Model& model) {
   return pairs;
 }
 
-/// How often a question was decided anew.
+/// Counts how often a question was decided instead of read from the cache.
 int asked(const Model& model, const Pairs& pairs, const char* kind = "test") {
   std::atomic<int> count = 0;
   const auto decide = [&](const std::pair<int, int>& pair) {

@@ -65,7 +65,7 @@ TEST_F(LeftOutOfUrdf, ExtensionsOfLimitsAndAxes) {
   EXPECT_EQ(model->joints[1].axis, Eigen::Vector3d::UnitZ());
 }
 
-/// What looks as if it placed or limited something is not lost in silence.
+/// Unread attributes and text that look like poses or limits have a warning.
 TEST_F(LeftOutOfUrdf, AttributesAndTextThatNobodyReads) {
   const auto model = load(
       "<link name=\"b\" concave=\"yes\">\n<collision xyz=\"0.5 0 0\" scale=\"2\">\n<origin>0.5 0 "
@@ -283,7 +283,7 @@ TEST_F(LeftOutOfUrdf, AMimicsOwnLimitsNarrowItsMaster) {
   EXPECT_EQ(range("lower=\"0.5\" upper=\"2\"", "offset=\"0.5\""), Range(0, 0.8));
   // The same up to rounding.
   EXPECT_EQ(range("lower=\"-0.22\" upper=\"0.88\"", "multiplier=\"1.1\""), Range(-0.2, 0.8));
-  // Not given, or for a joint that does not move.
+  // Limits that are not given, or belong to a joint that does not move, change nothing.
   EXPECT_EQ(range("", ""), Range(-0.2, 0.8));
   EXPECT_EQ(range("lower=\"0\" upper=\"0.4\"", "multiplier=\"0\""), Range(-0.2, 0.8));
   const auto narrowed = model(turns, "lower=\"0\" upper=\"0.4\"", "");

@@ -431,7 +431,7 @@ TEST(Urdf, VelocityLimitsOfMimicJointsBoundTheirMaster) {
   EXPECT_EQ(velocity("3", limit("5") + half, limit("100") + chained), 2.5);
   EXPECT_EQ(velocity("3", limit("5") + half, limit("10") + chained), 1.25);  // -8 times the master
   EXPECT_EQ(velocity("1", limit("5") + half, limit("100") + chained), 1);
-  // Without a limit on the master, on the follower, or on a fixed joint.
+  // Cases without a limit on the master, on the follower, or on a fixed joint.
   EXPECT_EQ(velocity("0", limit("5") + half, limit("100") + chained), 2.5);
   EXPECT_EQ(velocity("3", limit("0") + half, limit("0") + chained), 3);
   EXPECT_EQ(velocity("3", limit("5") + "<mimic joint=\"m\" multiplier=\"0\"/>",

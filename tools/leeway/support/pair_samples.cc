@@ -207,7 +207,7 @@ PairNames overlappingPair(const planner::CompiledScene& scene, std::span<const d
   request.threshold = 0;
   const auto& pairs = scene.scene().pairs();
   for (auto at = pairs.begin(); at != pairs.end(); ++at)
-    // A negative margin allows an overlap, which is no collision then.
+    // A negative margin allows an overlap, so such a pair is not in collision.
     if ((*at).margin >= 0 && distanceOf(scene, *at, X_WL, request, scratch).upper <= 0)
       return pairNames(scene, static_cast<int>(at.number()));
   return {};

@@ -26,7 +26,7 @@ std::vector<double> configuration(const Problem& problem, const std::vector<doub
 }
 
 void expectSteps(const Problem& problem, const planner::Path& path) {
-  // Of a task that was planned in part the first ones.
+  // A path of a task that was planned in part has the first steps.
   bool fits = !path.steps.empty() && path.steps.size() <= problem.steps.size();
   int next = 0;
   for (const planner::PathStep& step : path.steps) {

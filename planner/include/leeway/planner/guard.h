@@ -107,8 +107,8 @@ const char* toString(Observation observation);  ///< "taken", "jumped", "invalid
 ///
 /// The motion. From setpoint to setpoint joints go in straight lines at constant speed, as position
 /// controllers interpolate. Acceleration is the change of that velocity over a period, jerk that of
-/// acceleration. Where a call comes within a period, the velocity may change by as much as the
-/// acceleration allows in the time since that period began. A stop is further setpoints. Without
+/// acceleration. If a call comes within a period, the acceleration limit applies to the time since
+/// that period began. A stop is further setpoints. Without
 /// limits on jerk it goes on along the line of the last two setpoints and brakes as hard as the
 /// limits allow; with them each joint brakes for itself.
 ///

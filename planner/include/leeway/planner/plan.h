@@ -30,11 +30,11 @@ const char* toString(PlanStatus status);
 struct PathStep {
   std::string name;
   int first = 0, last = 0;  ///< waypoints; the same where nothing moves
-  /// Of a line: proven bounds on how far the frame's origin is from its place on the line [m], and
-  /// the frame turned from its rotation there [rad], at any time.
+  /// Lines: proven bounds, at any time, on the distance of the frame's origin from its place on the
+  /// line [m], and on the angle between the frame and its rotation there [rad].
   double deviation = 0, turn = 0;
-  /// Of a line: where each of the step's waypoints is on it. Number k of the line's poses, from 1,
-  /// is at k, its beginning at 0. Between waypoints the place moves at a constant rate.
+  /// Lines: the place of each of the step's waypoints on the line. The line begins at place 0; its
+  /// pose number k, from 1, is at place k. Between waypoints the place moves at a constant rate.
   std::vector<double> places = {};
 };
 
@@ -231,8 +231,8 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
                     CertificateDetail detail = CertificateDetail::kEveryEdge,
                     double world_guess = 0);
 
-/// What is proven of a problem's constraints along a path, one result each; nothing where one is
-/// not proven everywhere. `scene`: the problem's, or a variant. Errors as edgesOf(). O(edges *
+/// Returns what is proven about each constraint of a problem along a path; nothing if one of them
+/// is not proven everywhere. `scene`: the problem's, or a variant. Errors as edgesOf(). O(edges *
 /// constraints * joints), more where an edge is long.
 std::optional<std::vector<ConstraintResult>> proveConstraints(const CompiledScene& scene,
                                                               const Problem& problem,

@@ -317,7 +317,7 @@ struct Execution {
   /// By variable [rad/s^2 or m/s^2]; default: the robot's; without one the velocity limit is
   /// reached in half a second.
   std::map<std::string, double> accelerations;
-  /// By variable [rad/s^3 or m/s^3]; default: the robot's; without one there is no limit.
+  /// By variable [rad/s^3 or m/s^3]; default: the robot's, or no limit.
   std::map<std::string, double> jerks;
   Corners corners = Corners::kStop;
   Foresight foresight = Foresight::kMotion;

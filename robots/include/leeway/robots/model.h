@@ -64,8 +64,8 @@ struct Variable {
   int joint = -1;
   double lower, upper;  ///< [rad or m]; -+infinity where unlimited
   double velocity;      ///< [rad/s or m/s]; infinity where not given
-  /// What narrows the range of the joint's own element, with file and line: limits of mimic joints,
-  /// withBounds(). Empty: nothing.
+  /// The source of a range that is narrower than the joint element's own, with file and line: a
+  /// limit of a mimic joint, or withBounds(). Empty if the range is the element's own.
   std::string narrowed_by = {};
   double acceleration = std::numeric_limits<double>::infinity();  ///< [rad/s^2 or m/s^2]
   double jerk = std::numeric_limits<double>::infinity();          ///< [rad/s^3 or m/s^3]

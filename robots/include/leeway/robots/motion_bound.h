@@ -89,8 +89,9 @@ MotionBound localMotionBound(const Model& model, const RelativeMotion& motion,
 
 /// Those of `candidates` that are proven never to touch at any configuration within the limits.
 /// Interval subdivision over the joints between the two links, with a work limit of milliseconds a
-/// pair, on all cores; `stop` is asked from this thread: throws Stopped. The answers are kept in
-/// the model's cache folder, by all that they depend on; they are the same without.
+/// pair, on all cores. Calls `stop` from this thread, and throws Stopped. Answers are kept in the
+/// model's cache folder, by a digest of everything that they depend on; they are the same without
+/// it.
 std::vector<std::pair<int, int>> provenApart(const Model& model,
                                              std::span<const std::pair<int, int>> candidates,
                                              const Stop& stop = {});
