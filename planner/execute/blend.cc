@@ -55,7 +55,7 @@ class Blending {
 
  private:
   /// Whether a circle passes from pi to -pi within the cut, where a mimic might jump between chord
-  /// and curve, or turns by about half a turn, where rounding might send the chord the other way.
+  /// and curve, or turns by about half a turn, where rounding might reverse the chord.
   bool wraps(std::span<const double> corner, std::span<const double> before,
              std::span<const double> after, double a, double b) const {
     for (const ConfigurationSpace::Part& part : space_.parts()) {
@@ -68,8 +68,8 @@ class Blending {
     return false;
   }
 
-  /// Bound on the motion of any body's points, seen from any body that it is checked against, over
-  /// a joint motion of bend_ [m].
+  /// Bounds the motion of any body's points for a joint motion of bend_, as seen from any body that
+  /// it is checked against [m].
   double displacement() {
     expandDifference(space_, bend_, dq_);
     robots::jointMotion(scene_.model(), dq_, motion_);
@@ -113,7 +113,7 @@ void blendPoint(const ConfigurationSpace& space, std::span<const double> corner,
                 std::span<const double> before, std::span<const double> after, double length,
                 double t, std::span<double> result) {
   const double a = length * (1 - t) * (1 - t) / norm(before), b = length * t * t / norm(after);
-  // Each number of the result depends on its own of these alone: there are no rotations.
+  // Without rotations, each number of the result depends only on the same number of the inputs.
   for (std::size_t i = 0; i < corner.size(); ++i) result[i] = b * after[i] - a * before[i];
   space.advance(corner, result, 1, result);
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 // Private to planner/: the geometry of cut corners. `before` and `after` are the differences of the
-// edges at the corner, see ConfigurationSpace::difference().
+// two edges at the corner; see ConfigurationSpace::difference().
 
 #include <span>
 

@@ -9,7 +9,7 @@
 namespace leeway::planner {
 namespace {
 
-/// The robot's own; without one `velocity` is reached in half a second [rad/s^2 or m/s^2].
+/// The robot's own limit, or one that reaches `velocity` in half a second [rad/s^2 or m/s^2].
 double accelerationLimit(const robots::Variable& variable, double velocity) {
   const double own = variable.acceleration;
   return own > 0 && own <= kMostLimit ? own : velocity / kTimeToVelocityLimit;

@@ -12,7 +12,7 @@ namespace leeway::planner {
 /// Velocity limits of the planned variables in an execution [rad/s or m/s].
 std::vector<double> velocityLimits(const Problem& problem);
 
-/// A variable's own velocity limit, kDefaultVelocity where it has none [rad/s or m/s].
+/// A variable's own velocity limit; kDefaultVelocity if it has none [rad/s or m/s].
 double velocityLimit(const robots::Variable& variable);
 
 }  // namespace leeway::planner

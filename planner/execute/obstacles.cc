@@ -20,8 +20,8 @@ using collision::Deformable;
 using collision::Shape;
 using collision::UpdateStatus;
 
-/// A product of a speed bound and a time, rounded up: rounded to nearest it is no bound. NaN, from
-/// 0 m/s for an infinite time, is infinite.
+/// A product of a speed bound and a time, rounded up, because rounding to nearest gives no bound.
+/// NaN, the product of 0 m/s and an infinite time, becomes infinity.
 double upwards(double x) { return x >= 0 ? x * (1 + kGrowthRounding) : kInfinity; }
 
 }  // namespace
@@ -105,7 +105,7 @@ void Obstacles::set(const std::string& object, std::span<const Eigen::Vector3d> 
   if (!(speed_bound >= 0))
     throw std::invalid_argument(fmt::format(
         "obstacle '{}': the speed bound is {}; at least 0 m/s is expected", object, speed_bound));
-  // Between the two observations it kept the bound from before, unless it jumped.
+  // Between the two observations the earlier bound held, unless the obstacle jumped.
   const bool kept = time >= o->seen && jump(object, vertices, time) <= kGuardJump;
   const double bound_before = kept ? speedBetween(*o, o->seen, time) : kInfinity;
   const UpdateStatus status = o->present.update(vertices, time, speed_bound);

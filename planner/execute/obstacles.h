@@ -11,38 +11,38 @@
 
 namespace leeway::planner {
 
-/// Where the obstacles were last seen, and where they can be after that. One thread at a time; any
-/// thread may read the snapshots that it hands out.
+/// Where the obstacles were last seen, and where they can be after that. For one thread at a time;
+/// any thread may read the snapshots that it returns.
 class Obstacles {
  public:
   using Replacements = std::vector<CompiledScene::Replacement>;
 
   Obstacles(const Problem& problem, const CompiledScene& scene);
 
-  /// Scene bodies, one an obstacle.
+  /// Scene bodies, one per obstacle.
   const std::vector<int>& bodies() const { return bodies_; }
   bool has(int body) const;
-  /// Variants of a scene: without pairs of obstacles, and with no others.
+  /// Variants of a scene: without the pairs of obstacles, and with only these pairs.
   std::shared_ptr<const CompiledScene> pairsOfOthers(const CompiledScene& scene) const;
   std::shared_ptr<const CompiledScene> pairsOfThese(const CompiledScene& scene) const;
-  /// True when all motions are known beyond the last look.
+  /// Whether the motions of all obstacles are known beyond the last look.
   bool arePredicted() const;
 
-  /// Moves all that have a motion to `time` [s].
+  /// Moves all obstacles that have a motion to `time` [s].
   void look(double time);
   /// See Replanner::setVertices().
   void set(const std::string& object, std::span<const Eigen::Vector3d> vertices, double time,
            double speed_bound);
-  /// How much farther these vertices, seen at `time`, are from those of the last look than the
-  /// obstacle's speed bound allows [m]; at most 0 where it holds, NaN where some are not finite.
-  /// Throws std::invalid_argument for an unknown obstacle.
+  /// Returns how much farther these vertices, seen at `time`, are from those of the last look than
+  /// the obstacle's speed bound allows [m]: at most 0 if the bound holds, NaN if a vertex is not
+  /// finite. Throws std::invalid_argument for an unknown obstacle.
   double jump(const std::string& object, std::span<const Eigen::Vector3d> vertices,
               double time) const;
-  /// Whether vertices with this speed bound may move farther than was bounded before; so they may
-  /// where a motion told until now. Throws as jump() does.
+  /// Whether vertices with this speed bound may move farther than the bound so far allows. True if
+  /// a motion has placed the obstacle so far. Throws as jump() does.
   bool widens(const std::string& object, double speed_bound) const;
-  /// How many vertices an obstacle has; when it was last seen [s]. Both throw
-  /// std::invalid_argument for an unknown one.
+  /// The number of an obstacle's vertices, and the time when it was last seen [s]. Both throw
+  /// std::invalid_argument for an unknown obstacle.
   std::size_t vertexCount(const std::string& object) const {
     return static_cast<std::size_t>(obstacles_[indexOf(object)].source->mesh->vertexCount());
   }
@@ -50,9 +50,9 @@ class Obstacles {
 
   /// The shapes at the last look, each grown by `growth` [m].
   Replacements seen(double growth = 0) const;
-  /// Grown shapes that hold every obstacle at every time from t0 to t1 [s].
+  /// Grown shapes that contain every obstacle at every time from t0 to t1 [s].
   Replacements during(double t0, double t1);
-  /// The shapes of during(t0, t1), grown to hold every obstacle at the middle of that time only.
+  /// The shapes of during(t0, t1), grown to contain every obstacle only at the middle of that time.
   Replacements atMiddle(Replacements during, double t0, double t1) const;
 
   const std::vector<ObstacleUpdate>& updates() const { return updates_; }
@@ -61,12 +61,12 @@ class Obstacles {
   struct Followed {
     std::string object;
     const DeformingObstacle* source;
-    bool predicted;  ///< `motion` tells where it is after the last look
+    bool predicted;  ///< `motion` gives its place after the last look
     collision::Deformable present, future;
     double seen = 0;     ///< time of `present` [s]
-    double speed_bound;  ///< the program's, with set vertices, or the problem's [m/s]
+    double speed_bound;  ///< from the program with set vertices, else from the problem [m/s]
     bool own = false;    ///< the program has set its vertices
-    // With `own`: when it was seen before that, and the speed bound from then until `seen`.
+    // If `own`: the time of the look before `seen`, and the speed bound between the two.
     double seen_before = 0, bound_before = 0;
   };
   std::size_t indexOf(const std::string& object) const;

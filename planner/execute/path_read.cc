@@ -18,7 +18,7 @@ namespace {
 
 using robots::InputError;
 
-/// The contents of a file: columns by name (without names: by order), and rows with their lines.
+/// The contents of a file: columns by name, or by order without names, and rows with their lines.
 struct Table {
   std::vector<std::string> names;
   int names_line = 0;
@@ -111,7 +111,7 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
 }
 
-/// Short enough for a message.
+/// Shortens a text for a message.
 std::string elided(const std::string& text) {
   constexpr std::size_t kLongest = 60;
   return text.size() > kLongest ? text.substr(0, kLongest) + "..." : text;
@@ -125,7 +125,7 @@ double readField(const std::string& file, int line, const std::string& field) {
   return *value;
 }
 
-/// Lines that are not blank, with their numbers.
+/// Returns the lines that are not blank, with their numbers.
 std::vector<std::pair<int, std::string>> readLines(const std::string& file,
                                                    std::vector<std::string>* warnings) {
   const std::string text = robots::readTextFile(file, "a path file");
@@ -144,14 +144,14 @@ std::vector<std::pair<int, std::string>> readLines(const std::string& file,
   return lines;
 }
 
-/// Whether a row has numbers alone: a header has none.
+/// Whether all fields of a row are numbers. No field of a header is one.
 bool areNumbers(const std::vector<std::string>& fields) {
   return std::all_of(fields.begin(), fields.end(), [](const std::string& field) {
     return robots::parseNumber(trimmed(field)).has_value();
   });
 }
 
-/// With a header of names, or rows alone in the group's order, these with commas or blanks.
+/// Reads a header of names and rows, or only rows in the group's order with commas or blanks.
 Table readCsv(const std::string& file, std::vector<std::string>* warnings) {
   Table table;
   for (const auto& [number, line] : readLines(file, warnings)) {
@@ -190,7 +190,7 @@ Table readMatrix(const std::string& file, std::vector<std::string>* warnings) {
 
 constexpr int kIgnored = -1;  // the column of times
 
-/// A column of writeTrajectory()'s CSV that a path has no use for.
+/// Whether a column of writeTrajectory()'s CSV is a derivative, which a path does not use.
 bool isDerivative(const std::string& name, const Problem& problem) {
   for (const std::string_view ending : {kVelocityEnding, kAccelerationEnding})
     if (name.ends_with(ending) &&
@@ -248,7 +248,7 @@ void normaliseRotations(const std::string& file, int line, const ConfigurationSp
   }
 }
 
-/// Refuses turns that no certifier takes.
+/// Refuses turns that no certifier accepts.
 void expectEdges(const std::string& file, const Table& table, const ConfigurationSpace& space,
                  const Path& path) {
   for (std::size_t i = 1; i < path.positions.size(); ++i)

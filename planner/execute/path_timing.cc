@@ -39,8 +39,8 @@ class Timing {
   std::vector<TimedPhase> phases() const {
     std::vector<TimedPhase> result;
     double time = 0, x = 0;
-    // Ways count from the beginning of their piece: in a sum over all, short pieces would vanish in
-    // rounding.
+    // Distances count from the beginning of their piece. In a sum over all pieces, rounding would
+    // hide short pieces.
     const auto phase = [&](int piece, double way, double length, double u, double next) {
       const double rate = std::sqrt(x), then = std::sqrt(next);
       x = next;
@@ -71,7 +71,7 @@ class Timing {
   }
 
  private:
-  /// q' at a place of a piece.
+  /// q' at a point of a piece.
   static double slope(const CurvePiece& piece, double s, std::size_t i) {
     const double share = s / piece.length;
     return (1 - share) * piece.first[i] + share * piece.last[i];
@@ -95,13 +95,14 @@ class Timing {
     return most;
   }
 
-  /// All u that keep the acceleration limits over the cell from x, and end at `next` at most.
+  /// All u that keep the acceleration limits over the cell from x and end at `next` or less.
   Range accelerations(const Cell& cell, double x, double next) const {
     const double twice = 2 * cell.length;
     Range range{-x / twice, (next - x) / twice};
     for (std::size_t i = 0; i < acceleration_.size(); ++i) {
       const double bend = (cell.piece->last[i] - cell.piece->first[i]) / cell.piece->length;
-      // d2q/dt2 = q' u + q'' x at the cell's begin; at its end x has become x + 2 length u.
+      // d2q/dt2 = q' u + q'' x at the beginning of the cell. At its end, x has become x + 2 length
+      // u.
       const double slopes[2] = {slope(*cell.piece, cell.begin, i),
                                 slope(*cell.piece, cell.begin + cell.length, i) + bend * twice};
       for (const double factor : slopes) {
@@ -117,7 +118,7 @@ class Timing {
     return range;
   }
 
-  /// most_[i]: the largest x at the begin of cell i from which the end can be reached.
+  /// most_[i]: the largest x at the beginning of cell i from which the end can be reached.
   void limitBackwards() {
     most_.assign(cells_.size() + 1, 0);
     for (std::size_t i = cells_.size(); i-- > 0;) {

@@ -20,10 +20,10 @@ namespace {
 
 using robots::InputError;
 
-/// 17 digits: every double reads back to the bit. JSON has no number that is not finite.
+/// 17 digits, so that every double is read back exactly. JSON has only finite numbers.
 std::string numberText(double x) { return std::isfinite(x) ? fmt::format("{:.17g}", x) : "null"; }
 
-/// JSON is YAML, too.
+/// The text of a JSON value, which is also YAML.
 std::string dumped(const nlohmann::ordered_json& value) {
   return value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
@@ -41,7 +41,7 @@ std::string namesText(const std::vector<std::string>& names) {
   return text + "]";
 }
 
-/// Refuses durations beyond the range of time stamps, and periods that make too many rows.
+/// Refuses durations beyond the range of time stamps, and periods that give too many rows.
 void checkTimes(const std::string& file, double duration, double period) {
   if (!(duration <= kLatestStamp))
     throw InputError(file, 0,
@@ -55,7 +55,7 @@ void checkTimes(const std::string& file, double duration, double period) {
                                  duration, kMostRows, period));
 }
 
-/// When each row is passed by a trajectory that stops at the corners [s].
+/// The time at which a trajectory that stops at the corners passes each row [s].
 std::vector<double> rowTimes(const std::string& file, const Problem& problem,
                              const ConfigurationSpace& space, const Path& path) {
   if (path.positions.empty()) return {};
@@ -75,8 +75,8 @@ std::string timeText(double seconds) {
                      whole % 1'000'000'000);
 }
 
-/// How far every point of the robot may be off the path while margins hold [m]: half of the
-/// clearance above the largest margin, because two links may both be off, towards each other.
+/// How far every point of the robot may depart from the path while margins hold [m]. It is half of
+/// the clearance above the largest margin, because two links may depart towards each other.
 double trackingTolerance(const Problem& problem, const Certificate& certificate) {
   double margin = problem.margins.common;
   for (const PairMargin& pair : problem.margins.pairs) margin = std::max(margin, pair.margin);
@@ -95,7 +95,7 @@ std::string stepsText(const std::vector<PathStep>& steps) {
   return text + "]";
 }
 
-/// Keys and values of a certificate in the order in which they are written; values are JSON.
+/// Keys and values of a certificate in their order in files. The values are JSON.
 std::vector<std::pair<std::string, std::string>> certificateEntries(
     const Problem& problem, const ConfigurationSpace& space, const Certificate& certificate) {
   std::string closest = "null", segments = "[";
@@ -169,9 +169,9 @@ std::string yamlText(const std::string& file, const Problem& problem,
   return text + yamlTail(certificateEntries(problem, space, result.certificate), result.path.steps);
 }
 
-/// The certificate of the timed motion. Blends are proven to keep the margins, no more, so these
-/// bound the clearance below; a blend may cut off the path's closest place, and then nothing bounds
-/// it above.
+/// The certificate of the timed motion. Blends are proven only to keep the margins, so the margins
+/// bound the clearance from below. A blend may cut off the closest place of the path, and then
+/// there is no upper bound.
 Entries trajectoryEntries(const Problem& problem, const Trajectory& trajectory,
                           Certificate certificate) {
   std::string corners = "[";
@@ -191,7 +191,7 @@ Entries trajectoryEntries(const Problem& problem, const Trajectory& trajectory,
   return entries;
 }
 
-/// RFC 4180: a field with a comma, a quote or a line end stands in quotes, quotes doubled.
+/// RFC 4180: a field with a comma, a quote or a line end is quoted, and its quotes are doubled.
 std::string csvField(const std::string& name) {
   if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
   std::string text = "\"";
@@ -234,7 +234,7 @@ std::string matrixText(const PlanResult& result) {
   return text;
 }
 
-/// Refuses a result of other variables than the problem plans.
+/// Refuses a result whose variables are not the planned variables of the problem.
 void requireResultOf(const Problem& problem, const PlanResult& result) {
   validate(problem);
   const std::vector<int>& variables = problem.robot.variables;

@@ -9,7 +9,7 @@
 namespace leeway::planner {
 namespace {
 
-/// By Newton's method: the same on every C library.
+/// Uses Newton's method, which gives the same result with every C library.
 double cubeRoot(double x) {
   if (!(x > 0) || !std::isfinite(x)) return 0;
   double root = std::max(1.0, x);
@@ -26,8 +26,8 @@ double cubeRoot(double x) {
 RestToRest::RestToRest(double speed, double acceleration, double jerk) : jerk_(jerk) {
   if (!(speed > 0 && acceleration > 0 && jerk > 0))
     throw std::invalid_argument("RestToRest: limits above 0 are expected");
-  // Speeding up to v takes v / a + a / j if a is reached, else 2 sqrt(v / j), and covers v / 2
-  // times that time.
+  // Speeding up to v takes v / a + a / j if a is reached, else 2 sqrt(v / j). It covers v / 2 times
+  // that time.
   const double a = acceleration, reached = jerk == kInfinity ? 0 : a / jerk * a;
   const auto rise = [&](double v) {
     return v >= reached ? v / a + (jerk == kInfinity ? 0 : a / jerk) : 2 * std::sqrt(v / jerk);

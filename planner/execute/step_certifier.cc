@@ -99,7 +99,7 @@ bool StepCertifier::certifyPart(std::span<const TimedPoint> motion, double t0, d
   }
   const double middle = t0 + (t1 - t0) / 2;
   if (depth == 0 || known.growth <= kLeastGrowth || !(middle > t0 && middle < t1)) return false;
-  // If the middle is not free, neither is the half that holds it.
+  // If the robot is not free at the middle, neither half is free.
   moving_.rebind(known.middle);
   if (moving_.decide(partOf(space, motion, t0, middle).back().position) != Verdict::kFree)
     return false;
@@ -116,7 +116,7 @@ double StepCertifier::certify(std::span<const TimedPoint> motion, std::span<cons
         still_.certify(motion[i - 1].position, motion[i].position, EdgeRequest::persistent());
     if (check.verdict == Verdict::kFree) continue;
     broken = names(*still_scene_, check.pair);
-    return until;  // not split at the failing edge: a shorter proof is of no use
+    return until;  // not split at the failing edge: a shorter proof is useless
   }
   for (std::size_t k = 0; k < marks.size(); ++k) {
     if (!certifyPart(motion, until, marks[k], k == 0 ? kMustHalvings : kAheadHalvings, broken))

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to planner/: motions in time among obstacles that deform.
+// Private to planner/: certifies timed motions among deforming obstacles.
 
 #include <map>
 #include <memory>
@@ -15,33 +15,34 @@
 namespace leeway::planner {
 
 /// Certifies paths in the world as last seen, and motions over a time. Pairs with deforming
-/// obstacles have a certifier of their own: the others stay certified along a path.
+/// obstacles have their own certifier, so that the other pairs stay certified along a path.
 class StepCertifier {
  public:
   StepCertifier(std::shared_ptr<const CompiledScene> scene, Obstacles& obstacles);
 
-  /// Drops all placements of obstacles: they have been seen anew.
+  /// Drops all placements of obstacles, because the obstacles have been observed again.
   void begin();
 
-  /// Names of two bodies; empty where unknown.
+  /// The names of two bodies; empty if unknown.
   struct Bodies {
     std::string a, b;
   };
-  /// True when every edge of the path is certified in the world as last seen; `broken` names the
-  /// bodies of the first that is not. `first_edge_known`: the first edge, as all others, is
-  /// certified against the bodies that do not deform.
+  /// Whether every edge of the path is certified in the world as last seen. Sets `broken` to the
+  /// bodies of the first edge that is not. `first_edge_known`: the first edge is already certified
+  /// against the bodies that do not deform, as are all others.
   bool holds(const std::vector<std::vector<double>>& path, bool first_edge_known, Bodies& broken);
 
-  /// The last of `marks` up to which the motion is proven to keep all margins, or its beginning.
-  /// `marks` are increasing times [s], the last is the motion's end. Intervals are halved
-  /// kMustHalvings times before the first mark, kAheadHalvings times after it.
+  /// Returns the last of `marks` up to which the motion is proven to keep all margins, or the
+  /// motion's beginning. `marks` are increasing times [s]; the last one is the motion's end. Halves
+  /// intervals kMustHalvings times before the first mark and kAheadHalvings times after it.
   double certify(std::span<const TimedPoint> motion, std::span<const double> marks, Bodies& broken);
 
-  /// The least separation over the motion from its beginning to `end` [m]. The last certify() must
-  /// have proven it.
+  /// Returns the least separation over the motion from its beginning to `end` [m]. The last call of
+  /// certify() must have proven this part.
   Interval clearance(std::span<const TimedPoint> motion, double end, double tolerance,
                      Bodies& closest);
-  /// Clearance of the robot at `point` from the deforming obstacles at `time` [m]: to rank places.
+  /// Clearance of the robot at `point` from the deforming obstacles at `time` [m]. Used to rank
+  /// points.
   double roomAt(std::span<const double> point, double time);
 
   const CompiledScene& all() const { return *scene_; }
@@ -51,9 +52,9 @@ class StepCertifier {
  private:
   /// Where the obstacles can be from one time to another.
   struct Placement {
-    std::shared_ptr<const CompiledScene> grown;   ///< at any time of it
-    std::shared_ptr<const CompiledScene> middle;  ///< at its middle
-    double growth = 0;                            ///< largest of `grown` [m]
+    std::shared_ptr<const CompiledScene> grown;   ///< at any of these times
+    std::shared_ptr<const CompiledScene> middle;  ///< at the middle time
+    double growth = 0;                            ///< the largest growth in `grown` [m]
   };
   const Placement& placement(double t0, double t1);
   bool certifyPart(std::span<const TimedPoint> motion, double t0, double t1, int depth,

@@ -9,7 +9,7 @@
 namespace leeway::planner {
 namespace {
 
-/// The point at t of the edge; never outside the limits that its ends keep, whatever the rounding.
+/// The point at t of the edge. Rounding never moves it outside limits that both ends keep.
 std::vector<double> pointOn(const ConfigurationSpace& space, std::span<const double> a,
                             std::span<const double> b, double t) {
   std::vector<double> point(a.size());

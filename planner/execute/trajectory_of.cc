@@ -15,7 +15,7 @@
 namespace leeway::planner {
 namespace {
 
-/// Limit on the rate of an edge's t: the least limit / |dq|; infinite where nothing moves.
+/// Limit on the rate of an edge's t: the least limit / |dq|; infinite if nothing moves.
 double rateLimit(const ConfigurationSpace& space, std::span<const double> dq,
                  std::span<const double> limits) {
   return 1 / timeAtLimits(space, limits, dq);
@@ -203,7 +203,7 @@ Trajectory trajectoryOf(const Problem& problem, const Path& path) {
   std::vector<Blend> blends;
   const bool smooth = std::any_of(limits.jerk.begin(), limits.jerk.end(),
                                   [](double jerk) { return jerk < kInfinity; });
-  // The corners of a task lie in different worlds.
+  // The corners of a task are in different worlds.
   if (problem.execution.corners == Corners::kBlend && !smooth && path.steps.empty())
     blends = certifiedBlends(std::make_shared<const CompiledScene>(problem), waypoints);
   return {space, waypoints, limits, blends};

@@ -1,4 +1,4 @@
-// Where a trajectory is at a time, and when it is at a place.
+// Computes where a trajectory is at a time, and the time at which it passes a place.
 
 #include <algorithm>
 #include <cmath>
@@ -70,7 +70,8 @@ Trajectory::Place Trajectory::placeOn(const Stretch& stretch, double time) const
 
 std::optional<double> Trajectory::passes(int edge, double t) const {
   if (edge < 0 || at(edge) >= differences_.size() || !(t >= 0 && t <= 1)) return std::nullopt;
-  // The last stretch that begins at this edge or before. Edges of no length belong to none.
+  // Find the last stretch that begins at or before this edge. Edges without length belong to no
+  // stretch.
   auto stretch = std::upper_bound(stretches_.begin(), stretches_.end(), edge,
                                   [](int e, const Stretch& s) { return e < s.first_edge; });
   if (stretch == stretches_.begin()) return times_[at(edge)];
@@ -86,7 +87,8 @@ std::optional<double> Trajectory::passes(int edge, double t) const {
   const double way = t * lengths_[at(edge)], begin = before != nullptr ? before->length : 0;
   if (way < begin || (after != nullptr && way > lengths_[at(edge)] - after->length))
     return std::nullopt;
-  // The edge's own straight piece, or, if the cuts at its ends meet and leave none, the next piece.
+  // The straight piece of the edge, or the next piece if the cuts at both ends meet and leave no
+  // piece.
   const auto piece = std::find_if(stretch->pieces.begin(), stretch->pieces.end(),
                                   [&](const Piece& p) { return p.edge >= edge; });
   const bool whole = piece != stretch->pieces.end() && piece->edge == edge && piece->blend < 0;

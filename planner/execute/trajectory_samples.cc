@@ -8,7 +8,7 @@
 namespace leeway::planner {
 namespace {
 
-/// Replaces the derivatives of a rotation vector in the body's frame, w and a, by those of the
+/// Replaces the derivatives w and a of a rotation vector in the body's frame by those of the
 /// quaternion: q' = q w / 2, q'' = q a / 2 - |w|^2 q / 4.
 void quaternionRates(const double* q, double* velocity, double* acceleration) {
   const auto times = [q](const double* v, double* result) {
@@ -28,8 +28,8 @@ void quaternionRates(const double* q, double* velocity, double* acceleration) {
   }
 }
 
-/// Times of the rows, ascending. Of those that fall on one nanosecond the last is kept, because a
-/// row's acceleration holds from its time on; the start is always kept.
+/// Times of the rows, ascending. Keeps the last of several times within one nanosecond, because a
+/// row's acceleration holds from its time on. Always keeps the start.
 std::vector<double> sampleTimes(const Trajectory& trajectory, double period) {
   std::vector<double> times = trajectory.knots();
   if (period > 0)
@@ -61,7 +61,7 @@ Samples sample(const Trajectory& trajectory, double period) {
     for (const ConfigurationSpace::Part& part : space.parts())
       if (part.kind == ConfigurationSpace::Kind::kRotation) {
         double* q = &position[at(part.first)];
-        // q and -q are one orientation, and waypoints may have either.
+        // q and -q are the same orientation, and waypoints may have either.
         if (!samples.positions.empty()) {
           const double* last = &samples.positions.back()[at(part.first)];
           if (q[0] * last[0] + q[1] * last[1] + q[2] * last[2] + q[3] * last[3] < 0)

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to planner/: rows of a trajectory, as files have them.
+// Private to planner/: the rows of a trajectory in files.
 
 #include <cstdint>
 #include <string_view>
@@ -10,22 +10,22 @@
 
 namespace leeway::planner {
 
-/// What follows a joint's name in the head of a CSV's column.
+/// Endings of a joint's name in the header of a CSV file.
 constexpr std::string_view kVelocityEnding = ".velocity";
 constexpr std::string_view kAccelerationEnding = ".acceleration";
 
-/// A trajectory at some times [s], one row each. Velocities and accelerations are the derivatives
-/// of the numbers in `positions`, quaternions included.
+/// A trajectory at a number of times [s], one row each. Velocities and accelerations are the
+/// derivatives of the numbers in `positions`, also for quaternions.
 struct Samples {
   std::vector<double> times;
   std::vector<std::vector<double>> positions, velocities, accelerations;
 };
 
-/// At the trajectory's knots, and every `period` seconds if that is above 0. Circles are unwrapped,
-/// and successive quaternions are in one half of the sphere. O(rows).
+/// Samples the trajectory at its knots, and every `period` seconds if that is above 0. Unwraps
+/// circles, and keeps successive quaternions in one half of the sphere. O(rows).
 Samples sample(const Trajectory& trajectory, double period);
 
-/// The resolution of times in files.
+/// Rounds a time to the resolution of times in files.
 std::int64_t nanoseconds(double seconds);
 
 }  // namespace leeway::planner

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private: how documents and files tell which pairs a certificate does not speak of.
+// Private: how documents and files list the pairs that a certificate does not cover.
 
 #include <nlohmann/json_fwd.hpp>
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace leeway::planner {
 
-/// {"pairs": how many, "reasons": [{"reason", "pairs", "names": where they are assumed}, ...]}.
+/// {"pairs": count, "reasons": [{"reason", "pairs", "names": where they are assumed}, ...]}.
 nlohmann::ordered_json uncheckedJson(std::span<const UncheckedPairs> unchecked);
 
 }  // namespace leeway::planner

@@ -34,7 +34,7 @@ int writeText(int descriptor, const std::string& text) {
 /// Writes all of `text` and flushes it to the disk; returns 0 or the error number.
 int writeAll(int descriptor, const std::string& text) {
   if (const int error = writeText(descriptor, text); error != 0) return error;
-  // A full disk may show only here.
+  // A full disk may be reported only here.
   return ::fsync(descriptor) == 0 ? 0 : errno;
 }
 
@@ -47,13 +47,14 @@ int writeThrough(const std::string& file, const std::string& text) {
   return error;
 }
 
-/// The end of a chain of symbolic links, whether it exists or not.
+/// Returns the target of a chain of symbolic links, which need not exist.
 std::string linkTarget(const std::string& name) {
   constexpr int kLongestChain = 40;  // as Linux
   std::filesystem::path path = name;
   std::error_code error;
   for (int i = 0; i < kLongestChain && std::filesystem::is_symlink(path, error); ++i) {
-    // /proc's links to pipes and sockets name no path: only the link itself can be opened.
+    // Links in /proc to pipes and sockets have no path as target. Only the link itself can be
+    // opened.
     if (std::filesystem::exists(path, error) && !std::filesystem::is_regular_file(path, error))
       break;
     const std::filesystem::path target = std::filesystem::read_symlink(path, error);
@@ -77,7 +78,7 @@ void writeFileWhole(const std::string& name, const std::string& text) {
     failWriting(file, EISDIR);
   std::string temporary;
   int descriptor = -1;
-  // A name may be taken by another run that writes this file, or died while it did.
+  // Another run may use the name: one that writes this file now, or one that died while it did.
   for (int attempt = 0; descriptor < 0 && attempt < 100; ++attempt) {
     temporary = fmt::format("{}.{}.{}.tmp", file, ::getpid(), attempt);
     descriptor = ::open(temporary.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);

@@ -30,7 +30,7 @@ LineWay wayFrom(const CompiledScene& scene, const Problem& world, const LineStep
   return lineWay(world, line, X_WL);
 }
 
-/// The error of a frame at X_WF that should be at X_WP; its turn as the longest chord between ends
+/// The error of a frame at X_WF that should be at X_WP. Its turn is the longest chord between ends
 /// of unit vectors.
 LineDeparture errorAt(const Pose& X_WP, const Pose& X_WF) {
   // |A - B| (Frobenius) of two rotations is sqrt(2) times the longest chord.
@@ -38,7 +38,8 @@ LineDeparture errorAt(const Pose& X_WP, const Pose& X_WF) {
           (X_WF.rotation - X_WP.rotation).norm() / std::sqrt(2.0)};
 }
 
-/// The extra motion of each joint in a stretch, beside the motion that follows the line [rad or m].
+/// The motion of each joint along a stretch in addition to the motion that follows the line [rad or
+/// m].
 using Drift = std::vector<double>;
 
 /// One call of followLine().
@@ -65,7 +66,7 @@ class LineSearch {
     for (int failed = 0; best.end && !joints.empty() && failed < tries.free; ++failed) {
       if (tries.stop && tries.stop()) break;
       Run run = best;
-      // From late places more often: what is behind them stays.
+      // Prefers late places, because the run keeps its points up to there.
       const double back = random.uniform();
       const auto kept = static_cast<std::size_t>(
           std::ceil((1 - back * back) * static_cast<double>(run.points.size())));
@@ -96,7 +97,7 @@ class LineSearch {
     std::optional<LineEnd> end;
   };
 
-  /// Goes on from the run's last point as far as the line can be followed.
+  /// Extends the run from its last point as far as the line can be followed.
   void extend(Run& run, const Drift& drift) {
     run.end.reset();
     double piece = kFirstLinePiece;
@@ -163,7 +164,7 @@ class LineSearch {
     return end;
   }
 
-  /// Where a run ends, and why in words.
+  /// Fills in where a run ends, and the reason in words.
   LineEnd named(LineEnd end, const Run& run) {
     const double place = run.places.back(), stretch = std::floor(place);
     end.waypoint = static_cast<int>(stretch);
@@ -193,8 +194,8 @@ class LineSearch {
     return end;
   }
 
-  /// The planned variables that move the frame, where there are more of them than it needs at
-  /// `point`; else none.
+  /// The planned variables that move the frame, if there are more of them than the frame needs at
+  /// `point`; else empty.
   std::vector<int> freeJoints(const std::vector<double>& point) {
     const ConfigurationSpace& space = scene_.space();
     for (const ConfigurationSpace::Part& part : space.parts())
@@ -221,7 +222,8 @@ class LineSearch {
     return joints;
   }
 
-  /// A drift of these joints: towards the middle of their limits, seen from `from`, or any.
+  /// A drift of these joints: from `from` towards the middle of their limits, or random if it is
+  /// null.
   Drift drift(const std::vector<int>& joints, Random& random,
               const std::vector<double>* from) const {
     const ConfigurationSpace& space = scene_.space();

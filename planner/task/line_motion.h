@@ -13,38 +13,38 @@
 
 namespace leeway::planner {
 
-/// How far a frame departs from its places on a line, on an edge.
+/// How far a frame departs from its places on a line during an edge.
 struct LineDeparture {
   double deviation = 0;  ///< of its origin [m]
   double turn = 0;       ///< of its rotation [rad]
 };
 
-/// Bounds on both over the whole edge from a to b, while the place on the line goes from `place` to
-/// `next`, in one stretch, at a constant rate. What the errors are at both ends bounds those
-/// between, up to how far the frame and its place leave their chords. O(joints).
+/// Returns bounds on both over the whole edge from a to b. The place on the line goes from `place`
+/// to `next` at a constant rate, within one stretch. The errors at both ends bound those between
+/// them, up to how far the frame and its place leave their chords. O(joints).
 LineDeparture lineDeparture(FrameMotion& frame, const LineWay& way, double place, double next,
                             std::span<const double> a, std::span<const double> b);
 
-/// A line in joint pieces, as far as it was had.
+/// A line as joint motions, up to where it could be followed.
 struct LineMotion {
-  std::vector<std::vector<double>> points;  ///< the start first
+  std::vector<std::vector<double>> points;  ///< begin with the start
   std::vector<double> places;               ///< of each point, on the way
-  LineDeparture departure;                  ///< the largest
-  std::optional<LineEnd> end;               ///< nothing: all of it
+  LineDeparture departure;                  ///< the largest of all edges
+  std::optional<LineEnd> end;               ///< where and why it ends early; else nothing
 };
 
-/// How much a line is tried.
+/// Limits the tries to follow a line.
 struct LineTries {
-  int free = 0;                     ///< with other motions of joints that the line leaves free
-  std::uint64_t seed = 1;           ///< of these
-  std::function<bool()> stop = {};  ///< called before each; may be empty
+  int free = 0;                     ///< failed tries to move free joints before giving up
+  std::uint64_t seed = 1;           ///< of the random motions
+  std::function<bool()> stop = {};  ///< called before each try; may be empty
 };
 
-/// Follows a line from `start`, in pieces whose departure is proven to be within the step's
-/// tolerances and which are certified to keep all margins: half as long where one fails, twice
-/// where one succeeds. If the motion ends early and the line leaves joints free, it is tried again
-/// from earlier places with random motions of these joints; the longest motion is returned.
-/// Deterministic, except where `stop` ends it. Throws std::invalid_argument as lineWay().
+/// Follows a line from `start` in pieces. Each piece is proven to stay within the step's tolerances
+/// and certified to keep all margins. The length is halved after a piece that fails and doubled
+/// after one that succeeds. If the motion ends early and the line leaves joints free, tries again
+/// from earlier places with random motions of these joints, and returns the longest motion.
+/// Deterministic, unless `stop` ends it. Throws std::invalid_argument as lineWay() does.
 LineMotion followLine(EdgeCertifier& certifier, const robots::InverseKinematics& kinematics,
                       const Problem& world, const LineStep& line, const std::vector<double>& start,
                       const LineTries& tries);

@@ -26,7 +26,8 @@ Eigen::Vector3d turned(const Eigen::Vector3d& v, const Eigen::Vector3d& axis, do
   return cosine * v + sine * axis.cross(v) + (1 - cosine) * axis.dot(v) * axis;
 }
 
-/// The arc from the beginning of a stretch through `via` to its end. False for points of one line.
+/// Computes the arc from the beginning of a stretch through `via` to its end. Returns false if the
+/// three points are on one line.
 bool makeArc(const Eigen::Vector3d& via, WayStretch& stretch) {
   const Eigen::Vector3d u = via - stretch.from.translation, v = stretch.along;
   const Eigen::Vector3d n = u.cross(v);
@@ -43,7 +44,7 @@ bool makeArc(const Eigen::Vector3d& via, WayStretch& stretch) {
   return true;
 }
 
-/// Adds the stretch to a place.
+/// Adds the stretch between two poses. `what` names the second one in messages.
 void add(LineWay& way, const Pose& from, const Pose& to, const Eigen::Vector3d* via,
          const std::string& what) {
   WayStretch stretch;
@@ -105,7 +106,7 @@ LineWay lineWay(const Problem& world, const LineStep& line, std::span<const Pose
   LineWay way{region.link, region.X_LF, {}};
   Pose at = X_WL[leeway::at(region.link)] * region.X_LF;
   if (line.poses.empty()) {
-    // The axes of R, with the frame's own where nothing is named.
+    // `by` and `turn` refer to the axes of the frame itself if `relative_to` is empty.
     const Eigen::Matrix3d R = line.relative_to.empty() ? at.rotation : region.X_WR.rotation;
     Pose to = at;
     to.translation += R * line.by;

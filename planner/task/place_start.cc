@@ -12,14 +12,14 @@
 namespace leeway::planner {
 namespace {
 
-/// A start, and how far a line goes on from there.
+/// A start, and how far the line can be followed from there.
 struct Candidate {
   std::vector<double> point;
   double place = -1;
   bool is_whole = false;
 };
 
-/// Looks for the start from which a task's first line goes on longest.
+/// Searches for the start from which the first line of a task can be followed farthest.
 class LongestLine {
  public:
   LongestLine(EdgeCertifier& certifier, const Problem& world, const LineStep& line,
@@ -59,7 +59,7 @@ class LongestLine {
     return {point, motion.places.back(), !motion.end};
   }
 
-  /// The same with joints a whole turn further on, where that is longer.
+  /// Tries the candidate with joints a whole turn away, and returns the one with the longest line.
   Candidate withTurns(Candidate best) {
     const ConfigurationSpace& space = certifier_.scene().space();
     for (bool gains = true; gains && !best.is_whole;) {
@@ -118,7 +118,7 @@ Problem placeStart(const Problem& problem) {
   if (!points.reason.empty()) throw robots::InputError(problem.name, 0, points.reason);
   std::vector<double> start;
   if (points.points.empty())
-    // Planning says what is in the way of the nearest.
+    // Planning from the nearest configuration reports the obstacle.
     start = sampler.found(0).front();
   else if (line != nullptr)
     start = LongestLine(certifier, world, *line, problem.seed).choose(sampler, points);

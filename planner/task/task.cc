@@ -27,7 +27,7 @@
 namespace leeway::planner {
 namespace {
 
-/// One call of planTask(). Depth first: a step that has succeeded calls the next one.
+/// One call of planTask(). Searches depth first: a step that succeeds calls the next one.
 class TaskPlan {
  public:
   TaskPlan(const Problem& problem, const PlanOptions& options)
@@ -48,7 +48,7 @@ class TaskPlan {
     if (ended_ && at(ended_->end.step) != fault_step_)
       ended_.reset();  // something else failed later
     if (!is_whole && ended_ && !ended_->is_reached && !isDecided() && !isOver()) {
-      // Where that line begins no move has gone to yet.
+      // No move has yet gone to the beginning of that line.
       takes_part_ = true;
       tries_ = 0;
       solveFrom(0, firstWorld(problem_), start_);
@@ -69,20 +69,20 @@ class TaskPlan {
     throw robots::InputError(problem_.name, 0, message);
   }
 
-  /// What is known of a step that has succeeded.
+  /// The result of a step that has succeeded.
   struct Stretch {
-    Problem stage;  ///< with the names and the configuration that it began with
+    Problem stage;  ///< with names and the configuration at its beginning
     Waypoints points;
     LineDeparture departure;
-    std::vector<double> places;  ///< of a line's points
+    std::vector<double> places;  ///< of the points of a line
   };
 
-  /// A line that ends early: of the farthest step, the one that goes on longest.
+  /// A line that ends early: of all lines of the farthest step, the longest one.
   struct Ended {
     LineEnd end;
-    double place;                         ///< on its way
-    bool is_reached;                      ///< with the steps before it, which are:
-    std::vector<Stretch> stretches = {};  ///< and what there is of it
+    double place;                         ///< where it ends on its way
+    bool is_reached;                      ///< the steps before it have succeeded
+    std::vector<Stretch> stretches = {};  ///< if so, these steps and the part of the line
   };
 
   double timeLimit() const { return problem_.limits.time > 0 ? problem_.limits.time : kInfinity; }
@@ -90,7 +90,7 @@ class TaskPlan {
     return secondsSince(begin_) > timeLimit() || (options_.stop && options_.stop());
   }
 
-  /// Whether no other way to an end of a step can help.
+  /// Whether planning a step in another way cannot change the outcome.
   bool isDecided() const {
     return result_.status == PlanStatus::kInvalidStart ||
            result_.status == PlanStatus::kNothingChecked;
@@ -134,7 +134,7 @@ class TaskPlan {
     return move(step, world, scene, point);
   }
 
-  /// Goes on with the next step from the end of this one.
+  /// Continues with the next step from the end of this one.
   bool after(std::size_t step, const Problem& world) {
     const std::vector<double> end = stretches_[step].points.back();
     std::vector<double> configuration = world.start;
@@ -166,7 +166,7 @@ class TaskPlan {
     return std::move(*motion);
   }
 
-  /// Remembers a line that ends early, unless another one is as long.
+  /// Remembers a line that ends early, unless a line that is remembered is as long.
   void remember(const LineEnd& end, double place, bool is_reached) {
     if (ended_) {
       if (end.step < ended_->end.step) return;
@@ -197,8 +197,8 @@ class TaskPlan {
       count(certifier);
       return false;
     }
-    // Where the lines behind it end early from every one, those that go on longest are tried with
-    // other motions of what the lines leave free.
+    // If the lines that follow end early from every goal, those that go farthest are tried again
+    // with other motions of the joints that the lines leave free.
     std::vector<Tried> ended;
     const auto goesOn = [&](std::size_t i, int tries) {
       ++tries_;
@@ -240,15 +240,15 @@ class TaskPlan {
            scene.scene().bodies()[at(pair.body_b)].name;
   }
 
-  /// One of a move's goals, and where the lines behind it end early.
+  /// One goal of a move, and where the lines that follow it end early.
   struct Tried {
     std::size_t goal;
     std::size_t step = 0;
     double place = 0;
   };
 
-  /// Whether the lines up to the next move succeed from `point`: much sooner known than a path. Or
-  /// go on as far as any, where a part is taken.
+  /// Whether the lines up to the next move succeed from `point`, which takes much less time than a
+  /// path. If a part is enough, whether they go as far as the longest remembered line.
   bool linesWork(std::size_t step, const Problem& world, std::vector<double> point, int tries,
                  Tried& tried) {
     Problem now = world;
@@ -280,10 +280,10 @@ class TaskPlan {
     }
   }
 
-  /// Plans to the goal of `stage` and goes on.
+  /// Plans to the goal of `stage` and continues with the next step.
   bool moveTo(std::size_t step, const Problem& world, Problem stage,
               const std::shared_ptr<const CompiledScene>& scene, const std::vector<double>& point) {
-    // Objectives that use all of their time leave the later moves theirs.
+    // The remaining time is shared among the moves, because some objectives use all of it.
     const auto moves = std::count_if(
         problem_.steps.begin() + static_cast<std::ptrdiff_t>(step), problem_.steps.end(),
         [](const Step& s) { return std::holds_alternative<MoveStep>(s.action); });
@@ -339,7 +339,7 @@ class TaskPlan {
     result_.undecided_edges += work.undecided_edges;
   }
 
-  /// The least of a path and of a part of it that begins with edge `first`.
+  /// Takes the lesser clearance of a path and of a part of it that begins with edge `first`.
   static void takeLeast(PathClearance& whole, const PathClearance& part, int first) {
     const double lower = std::min(whole.clearance.lower, part.clearance.lower);
     if (part.clearance.upper < whole.clearance.upper) {
@@ -349,7 +349,7 @@ class TaskPlan {
     whole.clearance.lower = lower;
   }
 
-  /// What a stretch costs, where it is asked for.
+  /// Adds the cost of a stretch, if the problem has costs.
   void addCost(const Stretch& stretch) {
     const auto cost = PathCost::of(CompiledScene(stretch.stage), stretch.stage);
     if (cost == nullptr) return;
@@ -375,7 +375,7 @@ class TaskPlan {
       whole.kept = std::nullopt;
   }
 
-  /// The stretches as one path, with one certificate.
+  /// Joins the stretches to one path with one certificate.
   void finish(PlanStatus status) {
     const Clock::time_point begin = Clock::now();
     Certificate& whole = result_.certificate;
@@ -436,7 +436,7 @@ class TaskPlan {
   std::size_t fault_step_ = 0;
   std::string fault_;
   std::optional<Ended> ended_;
-  bool takes_part_ = false;  ///< the part of a line that ended_ remembers is enough
+  bool takes_part_ = false;  ///< accept the part of a line that ended_ remembers
   PlanResult result_;
 };
 

@@ -20,7 +20,7 @@ namespace {
 
 using Turn = Constraint::Turn;
 
-/// The frame's pose, free in all.
+/// A pose of the frame that leaves position and rotation free.
 FramePose anyPose(const Constraint& constraint) {
   FramePose pose;
   pose.frame = constraint.frame;
@@ -87,11 +87,11 @@ std::vector<robots::PoseRegion> regionsOf(const Problem& problem, const Constrai
     regions.back().X_WR = regions.back().X_WR * constraint.X_SR;
   };
   if (has_place || constraint.turn == Turn::kFixed) add(place);
-  // Wide cones are seldom left.
+  // Configurations seldom leave wide cones.
   if (constraint.turn != Turn::kAxis || constraint.angle > kMostTilt * std::numbers::sqrt2)
     return regions;
-  // With F' and R' whose z is the axis and its direction, cos(tilt) = cos(roll) cos(pitch): turns
-  // of angle / sqrt(2) each tilt by less than the angle.
+  // Let F' and R' have the axis and its direction as z. Then cos(tilt) = cos(roll) cos(pitch), and
+  // a roll and a pitch of angle / sqrt(2) each tilt by less than the angle.
   FramePose tilt = anyPose(constraint);
   tilt.rotation = withAxis(constraint.axis).transpose();
   const double most = std::min(kTiltShare * constraint.angle / std::numbers::sqrt2, kMostTilt);

@@ -144,7 +144,7 @@ const std::array kFormats = {MapFormat{"mesh_treatment", kMeshTreatment},
                              MapFormat{"waypoint", kWaypoint},
                              MapFormat{"attach_step", kAttachStep}};
 
-/// The maps whose keys are in the table of settings, and where they stand in a file.
+/// The maps whose keys are in the table of settings, and their places in a file.
 struct SettingMap {
   std::string_view name, place;
 };

@@ -7,9 +7,9 @@
 
 namespace leeway::planner {
 
-/// The keys of one kind of map in a problem file: the loader's only list of them, from the table of
-/// settings where they stand there. A test compares it with problems/schema.json, which has each
-/// kind under this name (the file itself at its top).
+/// The keys of one kind of map in a problem file. The loader has no other list of them. Keys that
+/// are settings come from the table of settings. A test compares this list with
+/// problems/schema.json, which has each kind under this name (the file itself at its top).
 struct MapFormat {
   std::string_view name;
   std::span<const std::string_view> keys;

@@ -88,8 +88,8 @@ std::string Names::marginFault(const std::string& a, const std::string& b) const
            (!isKnown(side) || isBareLink(*problem_.robot.model, side));
   };
   for (const auto& [side, other] : {std::pair(a, b), std::pair(b, a)}) {
-    // An object of that name beside other things, too: it may come and go, and the word's meaning
-    // with it.
+    // Such an object counts even if other things have its name, because it may come and go and
+    // would change the word's meaning.
     const bool is_object = isKnown(kWorldWord) && problem_.robot.model->findLink(kWorldWord) < 0;
     if (other == kWorldWord && (isWord(side) ? !isWord(other) : is_object))
       return fmt::format(

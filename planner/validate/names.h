@@ -14,8 +14,8 @@
 
 namespace leeway::planner {
 
-/// Numbers by name. The names stand elsewhere: nameOf(number) returns that of an inserted number.
-/// 16 to 32 bytes a name. O(1) a call.
+/// Numbers by name. Does not store the names: nameOf(number) returns the name of an inserted
+/// number. 16 to 32 bytes per name. O(1) per call.
 class NameTable {
  public:
   /// Room for `count` names.
@@ -33,7 +33,7 @@ class NameTable {
     if (place.number < 0) place = {bits(hash), number};
     return place.number;
   }
-  /// The number that has the name; -1: none.
+  /// The number that has the name; -1 if there is none.
   template <class NameOf>
   int numberOf(std::string_view name, const NameOf& nameOf) const {
     return places_[find(name, hashOf(name), nameOf)].number;
@@ -46,7 +46,7 @@ class NameTable {
   };
   static std::size_t hashOf(std::string_view name) { return std::hash<std::string_view>()(name); }
   static std::uint32_t bits(std::size_t hash) { return static_cast<std::uint32_t>(hash >> 32U); }
-  /// The place of the name, or the empty one where it would be.
+  /// The place of the name, or the empty place where it would be inserted.
   template <class NameOf>
   std::size_t find(std::string_view name, std::size_t hash, const NameOf& nameOf) const {
     const std::size_t mask = places_.size() - 1;
@@ -57,26 +57,27 @@ class NameTable {
     return i;
   }
 
-  std::vector<Place> places_;  // a power of two, at most half of them taken
+  std::vector<Place> places_;  // a power of two; at most half of them are in use
 };
 
-/// The links, held objects, objects and deforming obstacles of a problem by name. Borrows from the
+/// The links, attached objects, objects and deforming obstacles of a problem by name. Refers to the
 /// problem. O(things).
 class Names {
  public:
   explicit Names(const Problem& problem);
 
   bool isKnown(std::string_view name) const;
-  /// The message about a name that is not known: "no link or object is named 'psot'; did you mean
-  /// 'post'?". `others`: names that are accepted besides.
+  /// Returns the message about an unknown name: "no link or object is named 'psot'; did you mean
+  /// 'post'?". `others`: further names that are accepted.
   std::string unknown(std::string_view name, std::vector<std::string> others = {}) const;
-  /// Returns the fault of a pair of names; empty: there is none.
+  /// Returns the fault of a pair of names; empty if the pair is valid.
   std::string pairFault(const std::string& a, const std::string& b) const;
-  /// The same in margins, which also know kRobotWord and kWorldWord, unless something with a shape
-  /// has that name.
+  /// The same for margins, which also accept kRobotWord and kWorldWord, unless something with a
+  /// shape has that name.
   std::string marginFault(const std::string& a, const std::string& b) const;
-  /// The fault of the first name that is empty, reserved or used twice, and its place:
-  /// "world.objects[3].name 'a' is the name of another object or link; ..."; empty: nothing.
+  /// The fault of the first name that is empty, reserved or used twice, with its place:
+  /// "world.objects[3].name 'a' is the name of another object or link; ..."; empty if there is no
+  /// fault.
   const std::string& fault() const { return fault_; }
 
  private:
@@ -90,30 +91,31 @@ class Names {
   std::string fault_;
 };
 
-/// The message about a pair of one name.
+/// The message about a pair that has the same name twice.
 std::string sameName(const std::string& name);
-/// The end of a message about a name that stands for something else already.
+/// The end of a message about a name that is already in use.
 inline constexpr const char* kNameTaken =
     "is the name of another object or link; a name of its own is expected";
 
-/// In margins, wishes and contacts: all links and what they hold. No object may have this name.
+/// In margins, wishes and contacts: all links and attached objects. No object may have this name.
 inline constexpr const char* kRobotWord = "robot";
 inline constexpr const char* kNameReserved =
     "stands for all links and what they hold; another name is expected";
-/// In margins: all objects and deforming obstacles, those included that come later.
+/// In margins: all objects and deforming obstacles, including those that are added later.
 inline constexpr const char* kWorldWord = "world";
 inline constexpr const char* kWorldTaken =
     "is the word for all objects in the margins; another name is expected";
 /// Whether the robot has a link of this name without shapes. Many URDFs have one named "world".
 bool isBareLink(const robots::Model& model, std::string_view name);
-/// Whether kRobotWord and kWorldWord stand for all in the margins of a problem: these name the
-/// word, and no object and no link with shapes has that name. O(pairs + things).
+/// Whether kRobotWord and kWorldWord stand for all bodies of their kind in the margins of a
+/// problem. They do if the margins use the word and no object and no link with shapes has it as its
+/// name. O(pairs + things).
 struct MarginWords {
   explicit MarginWords(const Problem& problem);
   bool robot, world;
 };
 
-/// The end of a message about an object's name; empty: nothing is wrong with it.
+/// Returns the end of a message about an object's name; empty if the name is valid.
 std::string objectNameFault(std::string_view name, bool is_taken);
 
 }  // namespace leeway::planner

@@ -38,7 +38,7 @@ bool moves(const Problem& problem, int link) {
   return false;
 }
 
-/// The frame of that name on the robot: a frame, a link or an attached object.
+/// Finds the frame of that name on the robot: a frame, a link or an attached object.
 bool findOnRobot(const Problem& problem, const std::string& name, Place& place) {
   for (const Frame& frame : problem.robot.frames)
     if (frame.name == name) return place = {frame.link, frame.X_LF}, true;
@@ -92,8 +92,8 @@ robots::PoseRegion regionOf(const Problem& problem, const FramePose& pose) {
         "'{}' is not moved by the planned joints; a frame that they move is expected", pose.frame));
   robots::PoseRegion region;
   region.link = place.link;
-  // With R_RF = turn * rotation, F turned back by `rotation` has the orientation `turn` in R, and
-  // the same origin.
+  // With R_RF = turn * rotation, the frame F turned back by `rotation` has the orientation `turn`
+  // in R. Its origin stays.
   region.X_LF = place.X_LF * Pose{pose.rotation.transpose(), Eigen::Vector3d::Zero()};
   region.X_WR = referencePose(problem, pose.relative_to);
   region.position = pose.position;

@@ -1,4 +1,4 @@
-// Where the shapes of a problem stand, and how far the robot reaches.
+// Places the shapes of a problem, and bounds how far the robot reaches.
 
 #include <fmt/format.h>
 
@@ -80,7 +80,7 @@ std::vector<Ball> robotReach(const Problem& problem) {
     const Eigen::Vector3d center_L = X_LB * (geometry.X_BG * geometry.shape.boundingCenter());
     const double radius = geometry.shape.boundingRadius();
     const auto motion = robots::relativeMotion(model, link, -1, center_L, radius, ranges);
-    // Seen from the parent of the first joint that moves: nearer than the world's origin.
+    // The parent of the first joint that moves is nearer than the world's origin.
     const int base =
         motion.terms.empty() ? -1 : model.joints[at(motion.terms.front().joint)].parent_link;
     Ball ball{Eigen::Vector3d::Zero(), motion.base_reach};

@@ -1,4 +1,4 @@
-// Limits, execution, objective and planner of a problem.
+// Checks the limits, execution, objective and planner of a problem.
 
 #include <fmt/format.h>
 
@@ -25,7 +25,7 @@ Fault faultAt(const std::string& where, const char* key, double value,
   return {fmt::format("{}.{} is {}; {} is expected", where, key, value, expected), key, {}};
 }
 
-/// Returns the fault of limits by the names of planned variables.
+/// Returns the fault of limits that are given by the names of planned variables.
 std::optional<Fault> byVariableFault(const Problem& problem, const Setting& setting,
                                      const std::map<std::string, double>& limits) {
   if (limits.empty()) return std::nullopt;

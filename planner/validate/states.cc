@@ -1,4 +1,4 @@
-// States, goals and poses: what a problem's configurations and frames may be.
+// Checks the states, goals and poses of a problem.
 
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@ bool isOfOrientation(const Model& model, int variable) {
   return joint.type == robots::JointType::kFloating && variable - joint.first_variable >= 3;
 }
 
-/// Returns the fault of four ranges of a goal that are an orientation: one, or any.
+/// Returns the fault of four ranges of a goal that must be one orientation or any orientation.
 std::optional<std::string> orientationFault(const Model& model, const Goal& goal, std::size_t first,
                                             int variable) {
   bool is_free = true, is_given = true;

@@ -1,4 +1,4 @@
-// One validation of a whole problem, for programs, files and Python alike.
+// Validates a whole problem. Programs, files and Python all use this function.
 
 #include <fmt/format.h>
 
@@ -100,7 +100,7 @@ void checkCarried(const Problem& problem) {
   }
 }
 
-/// Returns the fault of a deforming obstacle, which execution sees as it is when it begins.
+/// Returns the fault of a deforming obstacle. Execution sees it as it is at the beginning.
 std::string deformingFault(const DeformingObstacle& obstacle, const Execution& execution) {
   const collision::DeformableSnapshot* snapshot =
       obstacle.mesh && obstacle.object.geometries.size() == 1
@@ -135,7 +135,7 @@ void checkWorld(const Problem& problem) {
   }
 }
 
-/// That names are those of one thing each, and that what is said of names is said of something.
+/// Checks the names of frames, and the pairs of names in contacts, margins, wishes and steps.
 void checkNames(const Problem& problem) {
   const Names names(problem);
   if (!names.fault().empty()) refuse(problem, names.fault());
@@ -200,7 +200,7 @@ void checkSteps(const Problem& problem) {
   }
 }
 
-/// Throws std::invalid_argument for a line that goes nowhere, or not where it can be known.
+/// Throws std::invalid_argument for a line without motion, and for invalid numbers or rotations.
 void checkWay(const LineStep& line) {
   const auto refuse = [](const std::string& message) { throw std::invalid_argument(message); };
   const auto text = [](const Eigen::Vector3d& v) {

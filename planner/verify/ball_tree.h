@@ -9,7 +9,7 @@
 namespace leeway::planner::verification {
 
 /// The balls of a cloud as a binary tree: the ball of each node contains those of its children.
-/// Node 0 is the root. Nothing of it is shared with the hierarchies that plan.
+/// Node 0 is the root. The tree shares nothing with the hierarchies that the planner uses.
 class BallTree {
  public:
   /// `cloud` has at least one ball and must outlive the tree. O(n log n).
@@ -27,7 +27,8 @@ class BallTree {
   }
 
  private:
-  /// Nodes, or, where `second` is 0, a ball of the cloud.
+  /// The numbers of the two children. If `second` is 0, `first` is the number of a ball of the
+  /// cloud.
   struct Node {
     PointCloud::Ball around;
     std::uint32_t first = 0, second = 0;

@@ -15,10 +15,10 @@ namespace {
 
 using robots::Pose;
 
-/// The most that directions can turn whose unit vectors' ends move by `tips`.
+/// The greatest angle of a rotation that moves the ends of unit vectors by at most `tips` [rad].
 double turnOf(double tips) { return tips < 2 ? 2 * std::asin(tips / 2) : kInfinity; }
 
-/// Judges a look at a constraint's frame.
+/// Compares a look at a constraint's frame with the constraint's tolerances.
 VerifyStatus judge(const Constraint& constraint, const Pose& X_WR, const FrameLook& look) {
   const Pose X_RF = X_WR.inverse() * look.X_WF;
   // Rounding of placing F in R.

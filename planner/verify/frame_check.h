@@ -11,30 +11,30 @@
 
 namespace leeway::planner::verification {
 
-/// A frame at one place of an edge, with first-order bounds for what is around it.
+/// A frame at one point of an edge, with first-order bounds on its motion around that point.
 struct FrameLook {
   robots::Pose X_WF;
-  double t = 0, half = 0;  ///< the place's, and half of what it stands for, as shares of the edge
-  double moves = 0;        ///< the origin over this part of the edge, at most [m]
-  double tips = 0;         ///< the ends of unit vectors fixed to the frame, from its rotation alone
+  double t = 0, half = 0;  ///< the point, and half the part's length, as shares of the edge
+  double moves = 0;        ///< bound on the motion of the origin over this part of the edge [m]
+  double tips = 0;         ///< the same for ends of unit vectors fixed to the frame, by rotation
   double slack = 0;        ///< displacement of any of these by rounding [m]
 };
 
-/// Proves or refutes what a frame on a link keeps along edges, by halving them.
+/// Proves or refutes a condition on the frame of a link along edges. Halves edges as needed.
 class FrameCheck {
  public:
   /// `problem` must outlive it.
   FrameCheck(const Problem& problem, int link, const robots::Pose& X_LF);
 
-  /// Returns what a look proves about its part of an edge: kCertified, it holds on all of it;
-  /// kRefuted, it does not hold at its middle; kUndecided, the part is halved.
+  /// Returns what a look proves about its part of an edge. kCertified: the condition holds on all
+  /// of it. kRefuted: it does not hold at the middle. kUndecided: the part is halved.
   using Judge = std::function<VerifyStatus(const FrameLook&)>;
-  /// The answer for the line from a to b. `t`: where it is refuted or undecided. `least`: parts of
-  /// half that length are not halved.
+  /// Checks the line from a to b. Sets `t` to the point where the condition is refuted or
+  /// undecided. Does not halve parts that are shorter than 2 * `least`.
   VerifyStatus check(const std::vector<double>& a, const std::vector<double>& b, double least,
                      const Judge& judge, double& t);
   /// check() leaves the rest of an edge undecided after `most` looks, counted over all edges, and
-  /// once `stop` returns true; it may be empty.
+  /// after `stop` returns true. `stop` may be empty.
   void limit(long most, const std::function<bool()>& stop) { most_ = most, stop_ = stop; }
 
  private:
@@ -49,10 +49,10 @@ class FrameCheck {
   std::function<bool()> stop_;
 };
 
-/// The first place of a path where a constraint of the problem is not proven to hold; nothing when
-/// all are, on every line between its rows. Shares nothing with planner/constraint.
-/// An edge is left undecided after kVerifyPairWork looks at a constraint, and once `stop`, which is
-/// called often, returns true; it may be empty.
+/// Returns the first place of a path where a constraint of the problem is not proven to hold;
+/// nothing if all constraints are proven on every line between the path's rows. Leaves an edge
+/// undecided after kVerifyPairWork looks at a constraint, and after `stop` returns true. `stop` is
+/// called often and may be empty. Shares nothing with planner/constraint.
 std::optional<VerifyResult> findBrokenConstraint(const Problem& problem, const Path& path,
                                                  const std::function<bool()>& stop);
 

@@ -23,8 +23,9 @@ using robots::JointType;
 using robots::Model;
 using robots::Pose;
 
-/// The rotation by `angle` about a unit axis: the part of a vector along the axis stays, the part
-/// across turns in its plane. The sine is rounded once, from long double: C libraries agree on it.
+/// The rotation by `angle` about a unit axis: it keeps the part of a vector along the axis and
+/// turns the part across it. Sine and cosine are rounded from long double, because C libraries
+/// agree on that.
 Matrix3d rotationAbout(const Vector3d& axis, double angle) {
   const double s = static_cast<double>(std::sin(static_cast<long double>(angle)));
   const double c = static_cast<double>(std::cos(static_cast<long double>(angle)));
@@ -37,8 +38,8 @@ Matrix3d rotationAbout(const Vector3d& axis, double angle) {
   return R;
 }
 
-/// The rotation of a quaternion xyzw of any length but zero, by turning the unit vectors: v + 2 w
-/// (u x v) + 2 u x (u x v), u and w normalised.
+/// The rotation of a quaternion xyzw whose length is not zero. Turns the unit vectors: v + 2 w (u x
+/// v) + 2 u x (u x v), where u and w are normalised.
 Matrix3d rotationOf(const double* q) {
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   const Vector3d u = Vector3d(q[0], q[1], q[2]) / norm;
@@ -52,7 +53,8 @@ Matrix3d rotationOf(const double* q) {
 }
 
 /// Directions of a planar joint's x and y: the unit vectors under the shortest rotation of the z
-/// axis onto the normal. That is two reflections: in z, then in the bisector of z and the normal.
+/// axis onto the normal. This rotation is two reflections: in z, then in the bisector of z and the
+/// normal.
 void planeDirections(const Vector3d& normal, Vector3d& u, Vector3d& v) {
   if (normal.x() * normal.x() + normal.y() * normal.y() <= kVerifyAcross) {
     u = Vector3d::UnitX();
@@ -71,13 +73,13 @@ void planeDirections(const Vector3d& normal, Vector3d& u, Vector3d& v) {
   v = reflect(Vector3d::UnitY());
 }
 
-/// Position of a joint with one variable, its own or its master's.
+/// The position of a joint with one variable. A mimic joint follows its master's variable.
 double position(const Model& model, const Joint& joint, std::span<const double> q) {
   if (joint.mimic < 0) return q[at(joint.first_variable)];
   return joint.multiplier * position(model, model.joints[at(joint.mimic)], q) + joint.offset;
 }
 
-/// The change of that position under dq: without the offsets.
+/// The change of that position under dq. Offsets do not contribute.
 double change(const Model& model, const Joint& joint, std::span<const double> dq) {
   if (joint.mimic < 0) return dq[at(joint.first_variable)];
   return joint.multiplier * change(model, model.joints[at(joint.mimic)], dq);

@@ -9,19 +9,19 @@
 
 namespace leeway::planner::verification {
 
-/// Poses of all links in the world at the configuration q of all variables, from the Joint structs
-/// alone. O(links).
+/// Returns the poses of all links in the world at the configuration q of all variables, computed
+/// from the Joint structs alone. O(links).
 std::vector<robots::Pose> placeLinks(const robots::Model& model, std::span<const double> q);
 
-/// A sphere that holds the shape, in its frame, from sizes and vertices. A half-space has an
-/// infinite radius.
+/// A sphere in the frame of a shape that contains the shape, computed from sizes and vertices. Its
+/// radius is infinite for a half-space.
 struct Sphere {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   double radius = 0;
 };
 Sphere enclosingSphere(const collision::Shape& shape);
 
-/// The joints above a link, nearest first; none for the world (-1).
+/// The joints above a link, nearest first; empty for the world (-1).
 std::vector<int> jointsAbove(const robots::Model& model, int link);
 
 /// Bounds on a body's motion while t changes by at most `half` from the instant of X_WL.
@@ -30,9 +30,9 @@ struct Motion {
   double slack = 0;  ///< displacement of any point by rounding of q and of placeLinks() [m]
 };
 
-/// For a body in the sphere (center_W, radius). `joints`: those above the body that move it,
-/// nearest first. `dq`: change of every variable over t from 0 to 1, orientations as rotation
-/// vectors in their first three places. O(joints).
+/// Bounds the motion of a body in the sphere (center_W, radius). `joints`: the joints above the
+/// body that move it, nearest first. `dq`: the change of every variable while t goes from 0 to 1;
+/// an orientation has its rotation vector in its first three places. O(joints).
 Motion boundMotion(const robots::Model& model, std::span<const int> joints,
                    std::span<const robots::Pose> X_WL, std::span<const double> dq,
                    const Eigen::Vector3d& center_W, double radius, double half);

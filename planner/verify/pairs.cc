@@ -38,7 +38,8 @@ class Rules {
         robot_is_word_(isWord("robot")),
         world_is_word_(isWord("world")) {}
 
-  /// Why two bodies that move against each other are not checked; nothing: they are.
+  /// Returns why two bodies that move against each other are not checked; nothing if they are
+  /// checked.
   std::optional<Unchecked> reason(const Body& a, const Body& b, const BodyPair& pair) {
     const bool link_a = a.link >= 0 && !a.attached, link_b = b.link >= 0 && !b.attached;
     const bool links = link_a && link_b;
@@ -58,8 +59,8 @@ class Rules {
     return std::nullopt;
   }
 
-  /// Whether a word stands for all bodies of its kind in margins: no object and no link with
-  /// shapes has it as its name.
+  /// Whether a word stands for all bodies of its kind in margins. It does not if an object, or a
+  /// link with shapes, has this word as its name.
   bool isWord(const std::string& word) const {
     const std::vector<Body> bodies = collectBodies(problem_);
     return std::none_of(bodies.begin(), bodies.end(), [&](const Body& body) {
@@ -97,7 +98,7 @@ class Rules {
  private:
   int parent(int link) const { return model_.joints[at(model_.links[at(link)].joint)].parent_link; }
 
-  /// Links with one joint between them touch there.
+  /// A joint between two links makes them touch.
   bool adjacent(int a, int b) const {
     return (parent(a) == b || parent(b) == a) &&
            !contains(model_.enabled_pairs, std::pair(std::min(a, b), std::max(a, b)));
@@ -121,7 +122,7 @@ class Rules {
     return false;
   }
 
-  /// The pair's joint that is not fixed; -1: there are several.
+  /// The only joint of the pair that is not fixed; -1 if there is another number of them.
   int onlyJoint(const BodyPair& pair) const {
     int only = -1;
     for (const std::vector<int>* joints : {&pair.joints_a, &pair.joints_b})
@@ -133,7 +134,8 @@ class Rules {
     return only;
   }
 
-  /// How far apart two links are, at least, with all joints but one at zero [m].
+  /// A lower bound on the distance of two links with one joint at `position` and all others at zero
+  /// [m].
   double gap(const Body& a, const Body& b, std::size_t variable, double position) {
     std::vector<double> q = model_.fileConfiguration();
     q[variable] = position;
@@ -149,8 +151,8 @@ class Rules {
     return gap;
   }
 
-  /// Whether two links touch with all joints at zero and wherever the joint between them is looked
-  /// at. One look at which they are apart is enough to check the pair.
+  /// Whether two links touch with all joints at zero, and at every sampled position of the joint
+  /// between them. A single position at which they are apart means that the pair is checked.
   bool touch(const Body& a, const Body& b, int joint) {
     if (a.geometries->empty() || b.geometries->empty()) return false;
     double ratio = 1;
@@ -164,7 +166,8 @@ class Rules {
     const double zero = model_.fileConfiguration()[v];
     if (gap(a, b, v, zero) > kVerifyTouch) return false;
     if (type == JointType::kPlanar || type == JointType::kFloating) return false;
-    // Limits that a problem narrows do not count, wider ones do.
+    // Samples the file's limits even if the problem narrows them, but wider limits of the problem
+    // count.
     const robots::Variable& limits = model_.variables[v];
     double begin = limits.lower, end = limits.upper;
     if (limits.file_limits) {
@@ -177,8 +180,8 @@ class Rules {
       begin = zero;
       length = 2 * std::numbers::pi / std::abs(ratio);
     }
-    // One turn of a joint has all that further turns repeat, and even steps over many turns could
-    // repeat the same few angles.
+    // One turn of a joint shows everything that further turns repeat, and even steps over many
+    // turns could repeat the same few angles.
     if (model_.joints[at(joint)].type != JointType::kPrismatic)
       length = std::min(length, 2 * std::numbers::pi / std::abs(ratio));
     for (int k = kVerifyTouchLooks; k >= 0; --k)
@@ -220,7 +223,7 @@ Pairs collectPairs(const Problem& problem, const std::vector<Body>& bodies) {
   Pairs pairs;
   const auto moves = [&](int joint) { return rules.moves(joint); };
   bool can_move = false, is_checked = false, has_world = false;  // something with a shape
-  // Bodies of the world come last; one of a pair is the robot's.
+  // Bodies of the world come last, and one body of each pair belongs to the robot.
   for (std::size_t a = 0; a < bodies.size() && bodies[a].link >= 0; ++a) {
     const std::vector<int> above = jointsAbove(*problem.robot.model, bodies[a].link);
     can_move = can_move || (bodies[a].hasShape() && std::any_of(above.begin(), above.end(), moves));

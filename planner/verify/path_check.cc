@@ -27,7 +27,7 @@ class PathCheck {
   }
 
  private:
-  /// Empty without a fault. Sets `waypoint`.
+  /// Returns the first fault, or an empty text. Sets `waypoint`.
   std::string fault(std::size_t& waypoint) const {
     if (path_.positions.empty()) return "the path has no waypoints";
     if (path_.names.size() != problem_.robot.variables.size()) return columns();
@@ -80,7 +80,7 @@ class PathCheck {
     return std::remainder(a - b, 2 * std::numbers::pi);
   }
 
-  /// Angle between two orientations [rad], for small angles.
+  /// The angle between two orientations [rad]. Accurate for small angles only.
   static double turnBetween(const double* a, const double* b) {
     double minus = 0, plus = 0;
     for (int k = 0; k < 4; ++k) {
@@ -129,7 +129,7 @@ class PathCheck {
         if (!(q[i] >= low - kVerifyWaypoint && q[i] <= high + kVerifyWaypoint)) return false;
         continue;
       }
-      // An angle may be whole turns away from the range as written.
+      // An angle may differ from the written range by whole turns.
       const double middle = low / 2 + high / 2, half = high / 2 - low / 2;
       if (half < std::numbers::pi &&
           !(std::abs(angleBetween(q[i], middle)) <= half + kVerifyWaypoint))
@@ -138,7 +138,7 @@ class PathCheck {
     return true;
   }
 
-  /// A goal's orientation is one quaternion, or free: four times [-1, 1].
+  /// The orientation of a goal is one quaternion, or it is free, which is four times [-1, 1].
   static bool orientationMeets(const Goal& goal, const std::vector<double>& q, std::size_t i) {
     double given[4];
     bool free = true;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to planner/: what the verifier demands of a path before it looks at any geometry.
+// Private to planner/: the verifier's checks of a path that need no geometry.
 
 #include <cstddef>
 #include <optional>
@@ -15,8 +15,9 @@ struct PathFault {
   std::string reason;
 };
 
-/// The first fault of a path: wrong columns, a waypoint that is not finite or outside the limits,
-/// a first one that is not the start, a last one in no goal. Nothing when there is none.
+/// Returns the first fault of a path: wrong columns, a waypoint that is not finite or is outside
+/// the limits, a first waypoint that is not the start, a last waypoint that is in no goal. Returns
+/// nothing if the path has no fault.
 std::optional<PathFault> findFault(const Problem& problem, const ConfigurationSpace& space,
                                    const Path& path);
 

@@ -31,7 +31,7 @@ Matrix3d turned(double roll, double pitch, double yaw) {
       .toRotationMatrix();
 }
 
-/// The angle between R and the nearest of a few rotations of the box, none of which is outside it.
+/// The angle between R and the nearest of a few rotations, all of them inside the ranges [rad].
 double angleOutside(const std::array<Range, 3>& rpy, const Matrix3d& R) {
   double least = std::numeric_limits<double>::infinity();
   const auto consider = [&](double roll, double pitch, double yaw) {
@@ -40,13 +40,13 @@ double angleOutside(const std::array<Range, 3>& rpy, const Matrix3d& R) {
     const double sine = (R - nearest).norm() / std::sqrt(8.0);
     least = std::min(least, 2 * std::asin(std::min(1.0, sine)));
   };
-  // Both sets of angles that give R, ...
+  // Try both sets of angles that give R.
   const double roll = std::atan2(R(2, 1), R(2, 2)), yaw = std::atan2(R(1, 0), R(0, 0));
   const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
   consider(roll, pitch, yaw);
   consider(roll + std::numbers::pi, std::numbers::pi - pitch, yaw + std::numbers::pi);
-  // ... and, as roll and yaw are one near a pitch of 90 degrees, the other two angles with one of
-  // them in its range.
+  // Near a pitch of 90 degrees, roll and yaw turn about the same axis. So also fix one of them in
+  // its range and solve for the other two angles.
   for (const double x : {rpy[0].first, rpy[0].second, into(rpy[0], roll), into(rpy[0], 0)}) {
     const Matrix3d S = R * turned(-x, 0, 0);
     consider(x, std::atan2(-S(2, 0), S(2, 2)), std::atan2(-S(0, 1), S(1, 1)));
@@ -71,7 +71,7 @@ bool isInRegion(const robots::PoseRegion& region, std::span<const robots::Pose> 
   }
   // Rounding grows with the coordinates' size.
   const double size = 1 + X_WF.translation.norm() + region.X_WR.translation.norm();
-  // Written so that NaN is outside.
+  // Both comparisons are false for NaN, which is therefore outside.
   return outside.norm() <= region.position_tolerance + kVerifyPose * size &&
          angleOutside(region.rpy, X_RF.rotation) <= region.angle_tolerance + kVerifyPose;
 }

@@ -25,8 +25,8 @@ bool moves(const Step& step) {
          std::holds_alternative<LineStep>(step.action);
 }
 
-/// Empty when the path's steps are the problem's, or its first ones, one behind the other from its
-/// first to its last waypoint.
+/// Returns an empty text if the path's steps are the problem's steps, or the first of them, and
+/// each step begins at the last waypoint of the step before.
 std::string wrongSteps(const Problem& problem, const Path& path) {
   if (path.steps.empty() || path.steps.size() > problem.steps.size())
     return "the path has " + std::to_string(path.steps.size()) + " steps, the problem " +
@@ -45,7 +45,7 @@ std::string wrongSteps(const Problem& problem, const Path& path) {
   return {};
 }
 
-/// Empty when a step's places go along the way, from its beginning, no edge past a pose.
+/// Returns an empty text if the places begin at 0 and never decrease, and no edge skips a pose.
 std::string wrongPlaces(const PathStep& step, double size) {
   const std::vector<double>& places = step.places;
   if (places.size() != at(step.last - step.first) + 1)
@@ -60,8 +60,8 @@ std::string wrongPlaces(const PathStep& step, double size) {
   return {};
 }
 
-/// Judges a look at a line's frame, whose place on the line goes from `place` to `next` on the
-/// edge, by where that place is and how far it moves.
+/// Compares a look at a line's frame with the line. The frame's place on the line goes from `place`
+/// to `next` along the edge.
 VerifyStatus judgeLine(const LineStep& line, const LineWay& way, double place, double next,
                        const FrameLook& look) {
   const WayStretch& stretch =
@@ -112,14 +112,14 @@ class TaskCheck {
       } catch (const std::invalid_argument& error) {
         return refuted(path_.steps[s].first, stepText(problem_, s) + ": " + error.what());
       }
-    // Last, so that what there is of the path is known to be good.
+    // This check comes last, so that the existing part of the path is known to be good.
     if (std::string reason = missing(); !reason.empty())
       return refuted(std::max(0, static_cast<int>(path_.positions.size()) - 2), std::move(reason));
     result_.status = VerifyStatus::kCertified;
     return result_;
   }
 
-  /// Returns the part of the task that the path lacks. Its own part was certified.
+  /// Returns the part of the task that the path lacks. The existing part is certified.
   std::string missing() const {
     for (std::size_t s = 0; s < path_.steps.size(); ++s) {
       const std::vector<double>& places = path_.steps[s].places;
@@ -144,7 +144,7 @@ class TaskCheck {
     return result;
   }
 
-  /// What is wrong with a step; nothing when it is certified.
+  /// Returns the fault of a step; nothing if the step is certified.
   std::optional<VerifyResult> checkStep(std::size_t s, Problem stage) {
     const PathStep& step = path_.steps[s];
     const Step& asked = problem_.steps[s];

@@ -1,13 +1,13 @@
-// Conservative advancement, after Mirtich (1996) and Zhang, Lee and Kim (2006), in its plainest
-// form. For each edge and each pair of shapes a queue holds the open intervals of t. The distance d
-// at an interval's middle and the pair's speed bound v prove the part of it where
+// Conservative advancement, after Mirtich (1996) and Zhang, Lee and Kim (2006), in its simplest
+// form. A queue holds the open intervals of t for each edge and each pair of shapes. The distance d
+// at an interval's middle and the pair's speed bound v prove the part of the interval where
 //
 //   |t - middle| v < (d - margin) / 2
 //
-// The remains on both sides go back to the queue.
+// The rest on both sides goes back to the queue.
 //
-// A cloud is a tree of balls, each of which contains those below it. An interval is first looked at
-// with the tree's root, and goes on with the children of a ball that does not suffice.
+// A cloud is a tree of balls, and each ball contains those below it. An interval is checked with
+// the tree's root first. If a ball does not suffice, the interval is checked with its children.
 
 #include <algorithm>
 #include <chrono>
@@ -92,9 +92,9 @@ class Verifier {
     result_.unchecked = countUnchecked(pairs_.unchecked);
     if (!pairs_.nothing_checked.empty())
       return fail(VerifyStatus::kNothingChecked, 0, 0, 1, nullptr, pairs_.nothing_checked);
-    // One waypoint is an edge without motion.
+    // A path of one waypoint is an edge without motion.
     const std::size_t segments = std::max<std::size_t>(1, path_.positions.size() - 1);
-    // A trajectory in samples has many edges: what it may cost grows with them.
+    // A sampled trajectory has many edges, so the work limit grows with their number.
     std::size_t pairs = shapes_.size();
     for (const CloudPair& pair : clouds_) pairs += pair.cloud->ballCount();
     const double looks = kVerifyLooks * static_cast<double>(segments * pairs);
@@ -114,9 +114,9 @@ class Verifier {
   }
 
  private:
-  /// Narrows the interval of a certified path's clearance: proves that every pair is farther apart
-  /// than the least distance met, less a width. A narrower interval takes more looks, by the root
-  /// of the width where pairs pass each other, in proportion where they keep their distance.
+  /// Narrows the interval of a certified path's clearance. Proves that every pair is farther apart
+  /// than the least distance found so far minus a width. The number of looks is inverse to the
+  /// width for pairs that keep their distance, and to its root for pairs that pass each other.
   void refine(std::size_t segments) {
     const double others = wish_.others.upper;
     const auto is_enough = [&] {
@@ -139,13 +139,13 @@ class Verifier {
   /// The separation that a pair is proven to exceed [m].
   double floorOf(const ShapePair& pair) const {
     const double least = std::min(result_.clearance_upper, wish_.others.upper);
-    return std::max(provableMargin(pair), least - width_);  // of an infinite width: the first
+    return std::max(provableMargin(pair), least - width_);  // an infinite width: the margin
   }
-  /// How much of the room above the floor may be used up. While margins are proven, half: so the
-  /// clearance that is proven with them is not just the margin.
+  /// The share of the room above the floor that a proof may use up. Proofs of margins use half of
+  /// it, so that they also prove a clearance that is larger than the margin.
   double roomShare() const { return isRefining() ? 1 : 0.5; }
   bool isRefining() const { return width_ < kInfinity; }
-  /// A bound on some span. Refining, all spans have the same.
+  /// Records a bound that was proven for some span. While refining, all spans have the same bound.
   void proven(double bound) {
     if (!isRefining()) result_.clearance_lower = std::min(result_.clearance_lower, bound);
   }
@@ -200,7 +200,7 @@ class Verifier {
     }
   }
 
-  /// The shapes of one body of the pair, and the cloud of the other.
+  /// Pairs each shape of one body with the cloud of the other body.
   void collectClouds(const BodyPair& pair, bool is_of_a) {
     const Body& body = bodies_[is_of_a ? pair.a : pair.b];
     const PointCloud* const cloud = bodies_[is_of_a ? pair.b : pair.a].cloud;
@@ -210,7 +210,7 @@ class Verifier {
       clouds_.push_back({&pair, is_of_a, &shape, enclosingSphere(shape.shape), &tree});
   }
 
-  /// False when the whole path is decided or the work is used up.
+  /// Returns false if the whole path is decided or the work limit is reached.
   bool checkSegment(std::size_t segment) {
     if (options_.progress) options_.progress("edge", secondsSince(begin_));
     a_ = path_.positions[segment];
@@ -231,8 +231,8 @@ class Verifier {
     return true;
   }
 
-  /// Why the edge is not a continuous motion; empty when it is one. The planner's circles wrap to
-  /// [-pi, pi); a mimic that does not turn by whole multiples of its master jumps there.
+  /// Returns why the edge is not a continuous motion; empty if it is one. The planner wraps circles
+  /// to [-pi, pi). A mimic joint that does not turn by whole multiples of its master jumps there.
   std::string notContinuous() const {
     for (const ConfigurationSpace::Part& part : space_.parts()) {
       const std::size_t i = at(part.first);
@@ -261,7 +261,7 @@ class Verifier {
     return {};
   }
 
-  /// A pair at the middle of a span.
+  /// The result for a pair at the middle of a span.
   struct Look {
     Interval distance;  ///< [m]
     DistanceStatus status = DistanceStatus::kInvalid;
@@ -270,13 +270,14 @@ class Verifier {
     Motion a, b;
   };
 
-  /// A pair of shapes is as near as a look found it.
+  /// Records that a pair of shapes is as near as the look found.
   void met(const Look& look) {
     if (look.status != DistanceStatus::kInvalid)
       result_.clearance_upper = std::min(result_.clearance_upper, look.distance.upper + look.slack);
   }
 
-  /// The links at t. All pairs of an edge are first looked at in its middle.
+  /// The poses of the links at t. Kept, because all pairs of an edge are looked at in its middle
+  /// first.
   const std::vector<Pose>& poses(double t) {
     if (t == placed_at_) return X_WL_;
     space_.alongLine(a_, b_, t, point_);
@@ -306,16 +307,16 @@ class Verifier {
     return look;
   }
 
-  /// The separation that is proven for a pair: its margin, for meshes at least 0. The depth of
-  /// overlapping meshes may change faster than their points move.
+  /// The separation that can be proven for a pair: its margin, but at least 0 for meshes, because
+  /// the depth of overlapping meshes may change faster than their points move.
   static double provableMargin(const ShapePair& pair) {
     const bool convex = pair.a->shape.isConvex() && pair.b->shape.isConvex();
     return convex ? pair.bodies->margin : std::max(pair.bodies->margin, 0.0);
   }
 
-  /// The distance, as exactly as it is needed: first whether it suffices for the whole span. If it
-  /// does, larger thresholds until the certified clearance does not depend on it; if not, its
-  /// value.
+  /// Computes the distance as exactly as needed. The first request is whether it suffices for the
+  /// whole span. If it does, raises the threshold until the certified clearance does not depend on
+  /// it. If not, computes its value.
   void measure(const ShapePair& pair, const Pose& X_WA, const Pose& X_WB, Look& look) {
     const double margin = pair.bodies->margin, floor = isRefining() ? floorOf(pair) : margin;
     DistanceRequest request;
@@ -324,7 +325,7 @@ class Verifier {
     request.threshold = floorOf(pair) + look.motion / roomShare() + look.slack;
     look.status = DistanceStatus::kInvalid;
     if (!std::isfinite(request.threshold))
-      return;  // an unbounded shape turns: its motion has no bound
+      return;  // the rotation of an unbounded shape has no speed bound
     const auto ask = [&] {
       const DistanceResult answer =
           collision::distance(pair.a->shape, X_WA, pair.b->shape, X_WB, request, scratch_);
@@ -337,7 +338,8 @@ class Verifier {
       return;
     if (look.distance.lower > request.threshold) {
       if (isRefining()) return;
-      // It suffices: double the threshold until the clearance so far is reached, or the truth.
+      // It suffices. Double the threshold until it reaches the clearance so far or the true
+      // distance.
       const double wanted = result_.clearance_lower + look.motion + look.slack;
       do {
         const double lower = look.distance.lower;
@@ -347,8 +349,8 @@ class Verifier {
       } while (look.status == DistanceStatus::kAboveThreshold);
       return;
     }
-    // It does not: measure, to a fraction of the distance. The tolerance follows the upper end,
-    // which is an estimate at first.
+    // It does not suffice. Measure to a fraction of the distance. The tolerance follows the upper
+    // bound, which is an estimate at first.
     request.threshold = std::numeric_limits<double>::quiet_NaN();
     do {
       if (!std::isfinite(look.distance.upper)) return;
@@ -360,7 +362,7 @@ class Verifier {
                  1.25 * kVerifyFraction * (look.distance.upper - floor));
   }
 
-  /// False when the path is refuted or the work is used up.
+  /// Returns false if the path is refuted or the work limit is reached.
   bool checkPair(std::size_t segment, const ShapePair& pair) {
     const double margin = pair.bodies->margin;
     std::deque<Span> open{{0, 1}};
@@ -398,7 +400,7 @@ class Verifier {
         continue;
       }
       if (found.distance.upper + found.slack <= floor) {
-        // The edge cannot be proven here.
+        // No proof is possible here, so the edge stays undecided or is refuted.
         leaveOpen(segment, {t, t}, &pair, "a mesh that overlaps within its margin is not proven");
         onlyRefute(work, limit);
       }
@@ -412,20 +414,20 @@ class Verifier {
     return true;
   }
 
-  /// Where a shape and a part of a cloud are still to be proven.
+  /// A part of a cloud, and the span in which its distance from the shape is still to be proven.
   struct OpenPart {
     std::size_t node;
     Span span;
   };
 
-  /// The shapes of a pair, with `part`, a ball, in the place of the cloud.
+  /// The shapes of a pair, with the ball `part` in place of the cloud.
   static ShapePair withPart(const CloudPair& pair, const robots::Geometry& part) {
     const Sphere around = enclosingSphere(part.shape);
     return pair.is_of_a ? ShapePair{pair.bodies, pair.shape, &part, pair.sphere, around}
                         : ShapePair{pair.bodies, &part, pair.shape, around, pair.sphere};
   }
 
-  /// checkPair() of a shape with all balls of a cloud at once.
+  /// checkPair() for a shape and all balls of a cloud at once.
   bool checkCloud(std::size_t segment, const CloudPair& pair) {
     std::vector<OpenPart> open{{0, {0, 1}}};
     const long limit =
@@ -467,7 +469,7 @@ class Verifier {
 
   enum class PartAnswer : unsigned char { kGoOn, kUndecided, kRefuted };
 
-  /// Adds to `open` what a look at the middle of the span leaves.
+  /// Looks at the middle of the span and adds what remains open to `open`.
   PartAnswer checkPart(std::size_t segment, const CloudPair& pair, const OpenPart& part,
                        double radius, const ShapePair& shapes, std::vector<OpenPart>& open) {
     const auto [node, span] = part;
@@ -487,7 +489,7 @@ class Verifier {
     }
     const double room = (found.distance.lower - found.slack - floorOf(shapes)) * roomShare();
     const double clearance = found.distance.lower - found.slack - found.motion;
-    // The certified clearance must not rest on a ball that is much larger than what it contains.
+    // The certified clearance must not depend on a ball that is much larger than its contents.
     const bool is_coarse = !isRefining() && !is_ball && clearance < result_.clearance_lower &&
                            radius > kVerifyCoarse * found.distance.lower;
     if (room >= found.motion && room > 0 && !is_coarse) {
@@ -512,18 +514,18 @@ class Verifier {
     return PartAnswer::kGoOn;
   }
 
-  /// Reduces the pair's limits: with part of the edge undecided only a refutation still counts.
+  /// Reduces the pair's limits, because after an undecided part only a refutation matters.
   void onlyRefute(long work, long& limit) {
     limit = std::min(limit, work + kVerifyOpenWork);
     cost_.limit = std::min(cost_.limit, cost_.done + kVerifyOpenCost);
   }
 
-  /// Proves what the room covers around t; the remains of the span go back to the queue.
+  /// Proves the part around t that the room covers. Puts the rest of the span back into the queue.
   void split(const Span& span, double t, double half, double room, const Look& found,
              std::deque<Span>& open) {
     double done = 0;
     if (room > 0 && std::isfinite(found.motion)) {
-      // The speed bounds of the whole half hold for any part of it.
+      // The speed bounds of half the span hold for any part of it.
       done = half * (room / found.motion) * (1 - kVerifyRounding);
       proven(found.distance.lower - found.slack - room);
     }
