@@ -113,7 +113,7 @@ void blendPoint(const ConfigurationSpace& space, std::span<const double> corner,
                 std::span<const double> before, std::span<const double> after, double length,
                 double t, std::span<double> result) {
   const double a = length * (1 - t) * (1 - t) / norm(before), b = length * t * t / norm(after);
-  // Without rotations, each number of the result depends only on the same number of the inputs.
+  // Each number of the result depends only on the same number of the inputs, without rotations.
   for (std::size_t i = 0; i < corner.size(); ++i) result[i] = b * after[i] - a * before[i];
   space.advance(corner, result, 1, result);
 }

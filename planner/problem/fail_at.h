@@ -9,7 +9,7 @@
 
 namespace leeway::planner {
 
-/// Fails at the line where a section says what is wrong with it.
+/// Fails with the fault of a section, at the line of the key or name with the fault.
 [[noreturn]] inline void failAt(const YamlReader& section, const Fault& fault) {
   std::optional<YamlReader> place = section.find(fault.key);
   std::string message = fault.message;
@@ -21,8 +21,8 @@ namespace leeway::planner {
   place.value_or(section).fail(message);
 }
 
-/// A problem that was read, if validate() finds nothing wrong with it. Readers name the line of
-/// what is wrong; this is for what they do not look at.
+/// Returns a problem that was read, after validate(). Readers report their own faults with a line;
+/// this check finds the faults that they do not look for.
 inline Problem validated(Problem problem, const std::string& file) {
   std::string name = std::exchange(problem.name, file);  // for the message
   validate(problem);

@@ -50,8 +50,7 @@ void requireVersion(const YamlReader& file) {
                               version->isScalar() ? version->text() : "?"));
 }
 
-/// Calls load(path) with the path at `place`; what is wrong with that file as a whole also names
-/// `place`.
+/// Calls load(path) with the path at `place`. Errors about that file as a whole also name `place`.
 template <class Load>
 auto loadNamedAt(const YamlReader& place, const Load& load) {
   const std::string path = resolvedPath(place);
@@ -66,7 +65,7 @@ auto loadNamedAt(const YamlReader& place, const Load& load) {
   }
 }
 
-/// `bounds:` of joints.
+/// Reads `bounds:` of joints.
 std::shared_ptr<const Model> bounded(std::shared_ptr<const Model> model, const YamlReader& bounds) {
   robots::JointBounds read;
   bounds.eachEntry([&](const std::string& joint, const YamlReader& given) {
@@ -104,7 +103,7 @@ std::shared_ptr<const Model> bounded(std::shared_ptr<const Model> model, const Y
   return robots::withBounds(*model, read);
 }
 
-/// `position`, and `orientation` or `rpy`, of `robot:`.
+/// Reads `position`, and `orientation` or `rpy`, of `robot:`.
 std::shared_ptr<const Model> placed(std::shared_ptr<const Model> model, const YamlReader& robot,
                                     std::vector<std::string>& warnings) {
   std::optional<YamlReader> first;
@@ -117,7 +116,7 @@ std::shared_ptr<const Model> placed(std::shared_ptr<const Model> model, const Ya
   return robots::withBasePose(*model, X_WB);
 }
 
-/// The robot of a problem file, where it stands, and its bounds.
+/// Loads the robot of a problem file, with its place and its bounds.
 std::shared_ptr<const Model> loadRobot(const YamlReader& file, const YamlReader& robot,
                                        const ProblemOptions& options,
                                        std::vector<std::string>& warnings) {
@@ -132,7 +131,7 @@ std::shared_ptr<const Model> loadRobot(const YamlReader& file, const YamlReader&
       load.packages.emplace_back(name, path);
     }
   if (const auto xacro = robot.find("xacro")) {
-    // The command line's come last and win.
+    // Arguments of the command line come last and take precedence.
     decltype(load.xacro) arguments;
     for (const auto& [name, value] : xacro->entries()) arguments.emplace_back(name, value.text());
     load.xacro.insert(load.xacro.begin(), arguments.begin(), arguments.end());
@@ -232,7 +231,7 @@ int readLink(const YamlReader& reader, const Model& model) {
   return link;
 }
 
-/// Which link holds an object, and what it may touch.
+/// Reads which link holds an object, and which links it may touch.
 Attachment readAttachment(const YamlReader& attach, const Model& model) {
   attach.expectKeys(keysOf("attach"));
   Attachment attachment;
@@ -275,7 +274,7 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
   if (const std::string fault = objectNameFault(name.text(), is_taken); !fault.empty())
     name.fail(fmt::format("{} '{}' {}", name.where(), name.text(), fault));
   Object object{name.text(), {}, {}};
-  // Where something of it is wrong, and reading goes on, its name is still known.
+  // If reading goes on after a fault in it, the object's name is still known.
   map.readOn([&] {
     readBody(map, load, problem, object);
     object.X_WO = readPose(map, problem.warnings);
@@ -312,7 +311,7 @@ void expectKnown(const YamlReader& item, const YamlReader& list, const KnownName
   item.fail(fmt::format("{}: {}", list.where(), known.things.unknown(item.text(), groups)));
 }
 
-/// Groups of links and objects, which stand for all of their members.
+/// Reads groups of links and objects. A group stands for all of its members.
 void readGroups(const YamlReader& groups, KnownNames& known) {
   groups.eachEntry([&](const std::string& name, const YamlReader& list) {
     if (known.things.isKnown(name) || name == kRobotWord || name == kWorldWord)
@@ -337,10 +336,10 @@ void readGroups(const YamlReader& groups, KnownNames& known) {
 /// The pairs that two names of links, objects or groups stand for.
 struct NamePairs {
   std::vector<std::pair<std::string, std::string>> pairs;
-  std::string group = {};  ///< "robot and boxes", where one of them is a group
+  std::string group = {};  ///< "robot and boxes", if one of them is a group
 };
 
-/// `takes_world`: whether kWorldWord stands for all objects.
+/// Reads two names. `takes_world`: whether kWorldWord stands for all objects.
 NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known, bool takes_world = false) {
   const std::vector<YamlReader> items = pair.items();
   if (items.size() != 2)
@@ -352,7 +351,7 @@ NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known, bool ta
   const auto isWorld = [](const std::string& name) { return name == kWorldWord; };
   for (std::size_t i = 0; i < 2; ++i) {
     const std::string& other = names[1 - i];
-    // Words stay words, so that they hold for what comes later, too.
+    // Words stay words, so that they also hold for objects that are added later.
     if (takes_world && (isWorld(names[i]) || (names[i] == kRobotWord && isWorld(other) &&
                                               !known.things.isKnown(kRobotWord)))) {
       const std::string& side = known.groups.count(other) != 0 && other != kRobotWord
@@ -371,7 +370,7 @@ NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known, bool ta
       continue;
     }
     sides[i] = group->second;
-    // A body of one link may be named so.
+    // A robot of one link may have a link of this name.
     if (names[i] == kRobotWord && sides[i].size() > 1 && known.things.isKnown(kRobotWord))
       items[i].fail(fmt::format(
           "{}: 'robot' is the name of a link, and stands for all links and what they hold; a "
@@ -379,7 +378,7 @@ NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known, bool ta
           pair.where()));
     read.group = names[0] + " and " + names[1];
   }
-  // A group beside itself: the pairs within it.
+  // A group paired with itself means the pairs within it.
   if (names[0] == names[1] && read.group.empty())
     pair.fail(fmt::format("{}: {}", pair.where(), sameName(names[0])));
   for (const std::string& a : sides[0])
@@ -398,15 +397,15 @@ void readObjects(const YamlReader& objects, const robots::LoadOptions& load, Pro
   objects.eachItem([&](const YamlReader& object) { readObject(object, taken, load, problem); });
 }
 
-/// Warns of a negative margin: some are meant, for models fatter than the robot, more are mistyped,
-/// and the answers still say certified.
+/// Warns of a negative margin. Some are intended, for models that are larger than the robot, but
+/// most are mistakes, and answers would still be certified.
 void warnOfOverlap(double value, const YamlReader& margin, Problem& problem) {
   if (value < 0)
     problem.warnings.push_back(fmt::format("{}:{}: {} is {}: bodies may overlap by that much",
                                            margin.file(), margin.line(), margin.where(), value));
 }
 
-/// A wish between the pairs of an entry of `margins`.
+/// Reads a wish for the pairs of an entry of `margins`.
 void readWish(const YamlReader& entry, const YamlReader& clearance, const NamePairs& read,
               double margin, Problem& problem) {
   Wish wish{read.group.empty() ? fmt::format("{} and {}", read.pairs[0].first, read.pairs[0].second)
@@ -426,7 +425,7 @@ void readPairMargin(const YamlReader& entry, const KnownNames& known, Problem& p
     weight->fail("key 'weight' stands without 'wish', whose weight it is; both are expected");
   const auto wish = entry.find("wish");
   const NamePairs read = readNamePairs(entry.at("between", "two names"), known, !wish);
-  // A wish alone leaves the margin as it is.
+  // An entry with only a wish keeps the margin as it is.
   double margin = problem.margins.common;
   if (!wish || entry.has("margin")) {
     const YamlReader given = entry.at("margin", "a number [m]");
@@ -438,7 +437,7 @@ void readPairMargin(const YamlReader& entry, const KnownNames& known, Problem& p
   if (wish) readWish(entry, *wish, read, margin, problem);
 }
 
-/// `auto` in `allowed`.
+/// Reads `auto` in `allowed`.
 void readAuto(const YamlReader& word, const robots::Stop& stop, Problem& problem) {
   allowTouching(problem, stop);
   std::string& warning = problem.warnings.back();
@@ -474,7 +473,7 @@ void readPairs(const YamlReader& file, const LinkPadding& padding, const robots:
   margins->eachItem([&](const YamlReader& entry) { readPairMargin(entry, known, problem); });
 }
 
-/// The names that stand in `list`, groups replaced by their members.
+/// Returns the names in `list`, with groups replaced by their members.
 std::vector<std::string> readNames(const YamlReader& list, const KnownNames& known) {
   std::vector<std::string> names;
   for (const YamlReader& item : list.items()) {
@@ -489,7 +488,7 @@ std::vector<std::string> readNames(const YamlReader& list, const KnownNames& kno
   return names;
 }
 
-/// Filters the clouds, once all that they may name is known.
+/// Filters the clouds, after all things that they may name are known.
 void filterClouds(const YamlReader& file, Problem& problem) {
   const auto objects = file.find("objects");
   if (!objects) return;
@@ -572,8 +571,8 @@ void readStartAndGoals(const YamlReader& file, Problem& problem) {
   });
 }
 
-/// Robot, start, goals and objects from MoveIt's files. The problem file may add objects, but not
-/// repeat the others.
+/// Reads robot, start, goals and objects from MoveIt's files. The problem file may add objects, but
+/// must not repeat the rest.
 Problem fromMoveit(const YamlReader& file, const YamlReader& moveit, const ProblemOptions& options,
                    LinkPadding& padding) {
   moveit.expectKeys(keysOf("moveit"));
@@ -599,7 +598,8 @@ Problem fromMoveit(const YamlReader& file, const YamlReader& moveit, const Probl
   return problem;
 }
 
-/// Of a deforming obstacle that is wrong, where reading goes on: others may name it.
+/// Keeps the name of a faulty deforming obstacle if reading goes on, because others may refer to
+/// it.
 void keepName(const YamlReader& entry, Problem& problem) {
   if (const auto name = entry.find("name")) problem.world.objects.push_back({name->text(), {}, {}});
 }
@@ -647,7 +647,7 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
   const bool has_robot = file.readOn([&] {
     problem = moveit ? fromMoveit(file, *moveit, options, padding) : fromOwnKeys(file, options);
   });
-  // Where reading goes on without its robot: nothing is a link then.
+  // If reading goes on without the robot, no name is a link.
   if (!has_robot) problem.robot.model = std::make_shared<const Model>(robots::RobotDescription());
   problem.name = std::filesystem::path(yaml_path).stem().string();
   readSettings(file, "", problem);
@@ -668,7 +668,7 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
     });
   });
   if (has_robot) {
-    // Poses may be relative to anything above.
+    // Poses may be relative to anything that was read before.
     file.readOn([&] {
       if (!moveit) readStartAndGoals(file, problem);
     });

@@ -18,12 +18,12 @@ namespace {
 using collision::VertexMotion;
 using Vertices = std::vector<Eigen::Vector3d>;
 
-/// Frames a second of a PC2 whose problem names none: that of film. (Blender's default is 24, 3ds
-/// Max's 30.)
+/// Frames per second of a PC2 if the problem gives none: the rate of film. (Blender's default is
+/// 24, 3ds Max's 30.)
 constexpr double kFrameRate = 25;
 
 std::vector<char> fileBytes(const YamlReader& file, const std::string& path) {
-  // A folder opens, and throws when it is read.
+  // Opening a folder succeeds, but reading it throws.
   std::ifstream stream;
   if (std::filesystem::is_regular_file(path)) stream.open(path, std::ios::binary);
   std::vector<char> text;
@@ -51,7 +51,7 @@ std::shared_ptr<const VertexMotion> readCache(const YamlReader& cache, const Ver
   if (rate && ending == ".mdd")
     rate->fail(fmt::format("{} goes with PC2 only: an MDD has times", rate->where()));
   const double frames_per_second = rate ? rate->number() : kFrameRate;
-  // Errors in the cache name its file, and the place in the problem file that asks for it.
+  // Errors in the cache name its file, and the place in the problem file that refers to it.
   const auto namingFile = [&](const auto& read) {
     try {
       return read();

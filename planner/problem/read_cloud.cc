@@ -16,7 +16,7 @@ namespace {
 
 using robots::Geometry;
 
-/// Whether `name` moves with the robot. A start by poses does not place it until it is solved.
+/// Whether `name` moves with the robot. A start by poses places the robot only after it is solved.
 bool isOfRobot(const Problem& problem, const std::string& name) {
   return problem.robot.model->findLink(name) >= 0 ||
          std::any_of(problem.robot.attachments.begin(), problem.robot.attachments.end(),
@@ -28,7 +28,8 @@ bool isCloud(const Problem& problem, const std::string& name) {
                      [&](const Object& o) { return o.name == name && o.cloud; });
 }
 
-/// Refuses a crop in a task that attaches an object: the robot then reaches farther than now.
+/// Refuses a crop in a task that attaches an object, because the robot then reaches farther than
+/// now.
 void requireNoGrasp(const YamlReader& crop, const Problem& problem) {
   for (const Step& step : problem.steps)
     if (std::holds_alternative<AttachStep>(step.action))
@@ -82,7 +83,7 @@ DepthCamera readCamera(const YamlReader& map) {
   return camera;
 }
 
-/// The points of the file, or the pixels of a depth image, with their radii.
+/// Reads the points of the file, or the pixels of a depth image, with their radii.
 PointCloud loadFile(const YamlReader& cloud, const YamlReader& file, double radius,
                     std::vector<std::string>& warnings, const robots::Stop& stop) {
   const std::string path = resolvedPath(file), ending = robots::endingOf(path);

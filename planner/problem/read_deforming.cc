@@ -66,8 +66,8 @@ DeformOptions readOptions(const YamlReader& entry) {
   return options;
 }
 
-/// A rectangle of `size` in the plane z = 0, its middle at the origin, in cells of two triangles.
-/// Vertices row by row, x fastest. All arguments positive.
+/// A rectangle of the given size in the plane z = 0 with its middle at the origin. Each cell has
+/// two triangles. Vertices go row by row, x fastest. All arguments are positive.
 IndexedMesh gridMesh(double size_x, double size_y, int cells_x, int cells_y) {
   IndexedMesh mesh;
   for (int j = 0; j <= cells_y; ++j)
@@ -107,7 +107,7 @@ IndexedMesh readRestMesh(const YamlReader& entry) {
   return gridMesh(s[0], s[1], static_cast<int>(x), static_cast<int>(y));
 }
 
-/// Whether `meshes` leaves what the obstacle encloses solid.
+/// Whether `meshes` keeps the space that the obstacle encloses solid.
 bool isSolid(const YamlReader& name, const robots::LoadOptions& load) {
   const robots::MeshTreatment* treatment = robots::treatmentOf(load, {name.text()});
   if (treatment == nullptr) return true;

@@ -5,7 +5,7 @@
 
 namespace leeway::planner {
 
-/// One entry of `deforming:`. After readExecution().
+/// Reads one entry of `deforming:`. Call it after readExecution().
 void readDeforming(const YamlReader& reader, const robots::LoadOptions& load, Problem& problem);
 
 }  // namespace leeway::planner

@@ -36,7 +36,7 @@ MeshTreatment readTreatment(const YamlReader& entry) {
   return treatment;
 }
 
-/// Whose meshes a name may mean.
+/// The names of links and objects with meshes.
 std::vector<std::string> ownersOfMeshes(const Problem& problem) {
   std::vector<std::string> owners;
   const auto add = [&](const std::string& owner, const std::vector<robots::Geometry>& of) {
@@ -85,7 +85,7 @@ void expectMeshesFound(const robots::LoadOptions& load, const std::set<std::stri
 
 void warnOfOpenMeshes(const std::string& file, Problem& problem) {
   robots::OpenMeshes open;
-  // (The loader of a URDF has told of its links.)
+  // The loader of a URDF has already warned about its links.
   if (problem.robot.model->urdf_file.empty())
     for (const robots::Link& link : problem.robot.model->links)
       open.add(link.name, link.geometries);

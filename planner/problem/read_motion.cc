@@ -19,8 +19,8 @@ using Vertices = std::vector<Eigen::Vector3d>;
 // ------------------------------------------------------------------------------------------------
 // displaced vertices
 
-/// Displaces vertices by `by` times (1 - (d / radius)^2)^2, d being their distance from the centre;
-/// not beyond the radius.
+/// Displaces vertices by `by` times (1 - (d / radius)^2)^2, where d is their distance from the
+/// centre. Vertices beyond the radius stay.
 void addBump(const YamlReader& bump, const Vertices& rest, Vertices& displaced) {
   bump.expectKeys(keysOf("bump"));
   const Eigen::Vector3d center = bump.at("center", "three numbers [m]").vector3();
@@ -43,7 +43,7 @@ void addBump(const YamlReader& bump, const Vertices& rest, Vertices& displaced) 
                     bump.where(), radius));
 }
 
-/// The vertices of `file`, or the rest displaced by `bumps`, or the rest.
+/// The vertices of `file`, the rest displaced by `bumps`, or the rest.
 Vertices readTarget(const YamlReader& target, const Vertices& rest) {
   target.expectKeys(keysOf("target"));
   const auto file = target.find("file"), bumps = target.find("bumps");

@@ -11,31 +11,31 @@
 
 namespace leeway::planner {
 
-/// Largest number of cells of a generated grid (two million triangles): more are a mistake.
+/// Largest number of cells of a generated grid (two million triangles). A larger one is a mistake.
 inline constexpr int kMostGridCells = 1'000'000;
 
-/// `file` and `scale` of a map: an OBJ, whose vertices keep their order.
+/// Reads `file` and `scale` of a map: an OBJ, whose vertices keep their order.
 robots::IndexedMesh readVertices(const YamlReader& map);
 
-/// `motion:` of a deforming obstacle whose vertices rest at `rest`.
+/// Reads `motion:` of a deforming obstacle whose vertices rest at `rest`.
 std::shared_ptr<const collision::VertexMotion> readMotion(const YamlReader& motion,
                                                           const robots::IndexedMesh& rest,
                                                           std::vector<std::string>& warnings);
 
-/// `skinned:`, bones that carry the vertices (read_skinning.cc).
+/// Reads `skinned:`, bones that carry the vertices (read_skinning.cc).
 std::shared_ptr<const collision::VertexMotion> readSkinned(const YamlReader& skinned,
                                                            const std::vector<Eigen::Vector3d>& rest,
                                                            std::vector<std::string>& warnings);
 
-/// `cache:`, a PC2 or MDD file, told apart by its ending; `start` shifts it in time
+/// Reads `cache:`, a PC2 or MDD file, distinguished by its ending. `start` shifts it in time
 /// (read_cache.cc).
 std::shared_ptr<const collision::VertexMotion> readCache(const YamlReader& cache,
                                                          const std::vector<Eigen::Vector3d>& rest);
 
-/// `interpolation:` of a map with keys: linear unless it says smooth.
+/// Reads `interpolation:` of a map with keys: linear by default, or smooth.
 collision::Interpolation readInterpolation(const YamlReader& map);
 
-/// The number of a key, `otherwise` where there is none.
+/// The number of a key; `otherwise` without the key.
 double optionalNumber(const YamlReader& map, std::string_view key, double otherwise);
 
 }  // namespace leeway::planner

@@ -14,7 +14,7 @@
 namespace leeway::planner {
 namespace {
 
-/// An objective with settings of its own.
+/// Reads an objective that has settings.
 Objective readSettingsOf(const Objective& objective, const YamlReader& map) {
   const std::string word = toString(objective);
   map.expectKeys(keysOf(word + "_objective"));
@@ -32,7 +32,7 @@ Pairs readPairsOf(const YamlReader& of) {
       fmt::format("{} '{}' is not known; world, self or all is expected", of.where(), of.text()));
 }
 
-/// Of a map whose keys have been checked.
+/// Reads a term of a cost from a map whose keys have been checked.
 CostTerm readTerm(const YamlReader& reader) {
   const auto hinge = reader.find("hinge"), inverse = reader.find("inverse");
   if (hinge.has_value() == inverse.has_value())

@@ -5,8 +5,8 @@
 
 namespace leeway::planner {
 
-/// What a problem file's `objective` asks for: a word, or a map of one word with what is asked
-/// besides.
+/// Reads `objective:` of a problem file: a word, or a map of one word with the objective's
+/// settings.
 Objective readObjective(const YamlReader& objective);
 
 }  // namespace leeway::planner

@@ -20,7 +20,7 @@ namespace {
 
 using Range = std::pair<double, double>;
 
-/// A number, a pair [from, to], or `any`: from -most to most.
+/// Reads a number, a pair [from, to], or `any`, which means from -any to any.
 Range readRange(const YamlReader& reader, double any, double most) {
   if (reader.isScalar() && reader.text() == "any") return {-any, any};
   Range range;
@@ -51,9 +51,9 @@ void readRanges(const YamlReader& reader, double any, double most, std::array<Ra
   for (std::size_t i = 0; i < 3; ++i) ranges[i] = readRange(items[i], any, most);
 }
 
-/// Turns about x and y that are single values move from the ranges into the rotation, in their
-/// order, and so do all three: a pose that is exact then has no angle near a pitch of 90 degrees,
-/// where roll and yaw are one.
+/// Moves turns with a single value from the ranges into the rotation: those about x and y in their
+/// order, or all three. An exact pose then has no angles near a pitch of 90 degrees, where roll and
+/// yaw turn about the same axis.
 void takeExactTurns(FramePose& pose) {
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < 3 && pose.rpy[i].first == pose.rpy[i].second; ++i) {
@@ -115,7 +115,7 @@ void readFrames(const YamlReader& reader, Problem& problem) {
     if (names.isKnown(name))
       map.fail(fmt::format(
           "frame '{}' has the name of a link or object; a name of its own is expected", name));
-    // Where something of it is wrong, and reading goes on, its name is still known.
+    // If reading goes on after a fault in it, the frame's name is still known.
     Frame frame{name, 0, {}};
     map.readOn([&] {
       frame.link = readFrameLink(map, model);

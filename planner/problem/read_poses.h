@@ -7,20 +7,21 @@
 
 namespace leeway::planner {
 
-/// `frames:`, names of frames fixed to links. After the objects, whose names they must not have.
+/// Reads `frames:`, names of frames fixed to links. Call it after reading the objects, because
+/// frames must not have their names.
 void readFrames(const YamlReader& reader, Problem& problem);
 
-/// Whether a state's map gives poses: it has `pose` or `poses`, and the robot no joint of that
+/// Whether a state's map gives poses: it has `pose` or `poses`, and no joint of the robot has that
 /// name.
 bool givesPoses(const YamlReader& map, const robots::Model& model);
 
-/// The poses of such a map, without looking up their names.
+/// Reads the poses of such a map without looking up their names.
 std::vector<FramePose> readFramePoses(const YamlReader& map, std::vector<std::string>& warnings);
 
-/// The same, looked up: poseRegion(), errors with file and line.
+/// The same with poseRegion() of each pose. Errors have file and line.
 std::vector<robots::PoseRegion> readPoseRegions(const YamlReader& map, Problem& problem);
 
-/// `constraints:`, after the objects and frames that they name.
+/// Reads `constraints:`. Call it after reading the objects and frames that they name.
 void readConstraints(const YamlReader& list, Problem& problem);
 
 }  // namespace leeway::planner

@@ -58,7 +58,7 @@ struct Read {
     }
     value.fail(fmt::format("{} is '{}'; {} is expected", value.where(), value.text(), expected));
   }
-  /// Read by readPlannerOf() and others.
+  /// readPlannerOf() and others read these.
   void operator()(SettingPlace<std::map<std::string, std::string>>) const {}
   void operator()(PlannerParameterSetting) const {}
   void operator()(std::monostate) const {}

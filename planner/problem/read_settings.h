@@ -7,9 +7,10 @@
 
 namespace leeway::planner {
 
-/// Reads the settings (settings.h) that stand in `map` itself into `problem`, whose objective must
-/// have them. `place`: of the map in the file, "limits"; empty: the file. Settings that have a
-/// reader of their own are left out. After an error with the next one where errors are gathered.
+/// Reads the settings (settings.h) with keys in `map` itself into `problem`, whose objective must
+/// have them. `place`: the map's place in the file, such as "limits"; empty for the file. Skips
+/// settings that have a reader of their own. If errors are gathered, goes on with the next setting
+/// after an error.
 void readSettings(const YamlReader& map, std::string_view place, Problem& problem);
 
 void readExecution(const YamlReader& reader, Problem& problem);

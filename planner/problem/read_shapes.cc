@@ -106,7 +106,7 @@ Shape readShape(std::string_view word, const YamlReader& sizes, const std::strin
   throw std::logic_error("no reader for the shape: " + std::string(word));
 }
 
-/// The key of the map that is a shape; empty without one. Fails for two.
+/// The key of the map that is a shape; empty if it has none. Fails if it has two.
 std::string_view shapeWord(const YamlReader& map) {
   std::string_view found;
   for (const std::string_view word : shapeWords()) {

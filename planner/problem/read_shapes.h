@@ -13,58 +13,59 @@ namespace leeway::planner {
 /// The rotation of a unit quaternion xyzw.
 Eigen::Matrix3d rotationFromQuaternion(const Eigen::Vector4d& xyzw);
 
-/// The unit quaternion xyzw of turns about the fixed axes x, then y, then z (URDF's rpy) [rad].
+/// The unit quaternion xyzw of rotations about the fixed axes x, then y, then z (URDF's rpy) [rad].
 Eigen::Vector4d quaternionFromRpy(const Eigen::Vector3d& rpy);
 
-/// A unit quaternion xyzw. A length within kMendableQuaternion of 1 is normalised, with a warning
-/// above kSilentQuaternion; any other is an error.
+/// Reads a unit quaternion xyzw. Normalises one whose length is within kMendableQuaternion of 1,
+/// and warns if it is off by more than kSilentQuaternion. Any other length is an error.
 Eigen::Vector4d readQuaternion(const YamlReader& reader, std::vector<std::string>& warnings);
 
-/// The same of the numbers x y z w that stand at `reader`.
+/// The same for the numbers x y z w that were read at `reader`.
 Eigen::Vector4d unitQuaternion(const YamlReader& reader, const std::vector<double>& xyzw,
                                std::vector<std::string>& warnings);
 
-/// `orientation` (quaternion) or `rpy` of a map, as a quaternion xyzw. Neither: the identity. Both:
-/// an error.
+/// Reads `orientation` (quaternion) or `rpy` of a map as a quaternion xyzw. Returns the identity if
+/// the map has neither. Both together are an error.
 Eigen::Vector4d readOrientation(const YamlReader& map, std::vector<std::string>& warnings);
 
-/// `position`, and `orientation` or `rpy`, of a map. Absent ones are the identity's.
+/// Reads `position`, and `orientation` or `rpy`, of a map. The default is the identity.
 collision::Pose readPose(const YamlReader& map, std::vector<std::string>& warnings);
 
-/// The one shape of a map, with its pose. `name` is the geometry's unless the map has one.
+/// Reads the one shape of a map, with its pose. `name` is the geometry's name unless the map has
+/// one.
 collision::Geometry readGeometry(const YamlReader& map, const std::string& name,
                                  std::vector<std::string>& warnings,
                                  const robots::LoadOptions& load);
 
-/// `shapes:`, a list of at least one shape, or the single shape in the map itself, in the map's own
-/// frame. `owner` names geometries without a name.
+/// Reads `shapes:`, a list of at least one shape, or the single shape in the map itself, in the
+/// map's frame. `owner` names geometries without a name.
 std::vector<collision::Geometry> readGeometries(const YamlReader& map, const std::string& owner,
                                                 std::vector<std::string>& warnings,
                                                 const robots::LoadOptions& load);
 
-/// `scale` of a map, one factor or three; ones without it.
+/// Reads `scale` of a map, one factor or three; ones by default.
 Eigen::Vector3d readScale(const YamlReader& map);
 
-/// `cloud:` of an object: its points with their radius, before any filter.
+/// Reads `cloud:` of an object: its points with their radius, before any filter.
 std::shared_ptr<const PointCloud> readCloud(const YamlReader& cloud,
                                             std::vector<std::string>& warnings,
                                             const robots::Stop& stop);
 
-/// `octree:` of an object: the boxes of a file, named `owner`. Adds to `warnings` how many they
-/// are, and what unseen space counts as.
+/// Reads `octree:` of an object: the boxes of a file, named `owner`. Adds a warning with their
+/// number and with what unseen space counts as.
 std::vector<collision::Geometry> readOctree(const YamlReader& octree, const std::string& owner,
                                             std::vector<std::string>& warnings,
                                             const robots::Stop& stop);
 
-/// The boxes of an octree, named `owner`, with a warning at `place` as readOctree() has it.
+/// Names the boxes of an octree `owner`, and adds the warning of readOctree() for `place`.
 std::vector<collision::Geometry> namedOctree(const YamlReader& place,
                                              std::vector<collision::Geometry> boxes,
                                              const std::string& owner, Unseen unseen,
                                              std::vector<std::string>& warnings);
 
-/// Applies the filters of `cloud:` to the cloud of `object`: carves out what `carve` names (links,
-/// objects, held objects; already looked up), crops, thins in both ways. `problem` has all but
-/// goals that need the cloud: its start and its objects.
+/// Applies the filters of `cloud:` to the cloud of `object`: removes points inside the bodies in
+/// `carve` (links, objects and attached objects that were looked up), crops, and thins in both
+/// ways. `problem` must have its start and its objects; goals are not needed.
 void filterCloud(const YamlReader& cloud, const std::vector<std::string>& carve,
                  const Problem& problem, Object& object);
 

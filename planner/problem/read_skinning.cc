@@ -96,7 +96,7 @@ class Skinning {
   }
 
   /// Weights by distance: a bone at distance d weighs (1 - (d - least) / reach)^2 where the base is
-  /// positive, `least` being the distance of the nearest bone, which weighs 1.
+  /// positive. `least` is the distance of the nearest bone, which therefore weighs 1.
   void weighByNearness() {
     for (std::size_t v = 0; v < rest_.size(); ++v) {
       double least = std::numeric_limits<double>::infinity();

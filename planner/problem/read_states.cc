@@ -31,8 +31,8 @@ bool planned(const Problem& problem, int variable) {
          problem.robot.variables.end();
 }
 
-/// The planar or floating joint that a pose without a joint's name means: the only planned one,
-/// else -1.
+/// The planar or floating joint of a pose without a joint's name: the only planned one; -1 if there
+/// is another number of them.
 int plannedBodyJoint(const Problem& problem) {
   int found = -1;
   for (const int v : problem.robot.variables) {
@@ -59,7 +59,7 @@ std::string plannedNames(const Problem& problem) {
   return names;
 }
 
-/// Reads one state. Ranges are for goals only.
+/// Reads one state. Only goals may have ranges.
 class StateReader {
  public:
   StateReader(Problem& problem, bool goal)
@@ -82,7 +82,7 @@ class StateReader {
     return ranges_;
   }
 
-  /// By joint; for a single planned body also its pose.
+  /// Reads values by joint. For a single planned body, also reads its pose.
   void readMap(const YamlReader& reader) {
     const int body = plannedBodyJoint(problem_);
     if (body >= 0 && reader.has("position") && model_.findJoint("position") < 0) {
@@ -119,7 +119,7 @@ class StateReader {
       value.fail(fmt::format("joint '{}' in {} {}; a planned joint is expected: {}", name,
                              map.where(), joint.mimic >= 0 ? "follows another joint" : "is fixed",
                              plannedNames(problem_)));
-    // Drivers report such joints, too; a configuration has no value for them.
+    // Drivers report such joints too, but a configuration has no value for them.
     problem_.warnings.push_back(fmt::format(
         "{}:{}: {} = {} has no effect: joint '{}' {}", value.file(), value.line(), value.where(),
         number, name, joint.mimic >= 0 ? "follows another joint" : "is fixed"));
@@ -189,7 +189,7 @@ class StateReader {
   VariableRanges ranges_;
 };
 
-/// Throws unless every planned variable is given and inside its limits. `what` is "start" or the
+/// Throws unless every planned variable is given and within its limits. `what` is "start" or the
 /// goal's name.
 void checkPlanned(const std::string& file, int line, const std::string& what,
                   const VariableRanges& given, const Problem& problem) {
@@ -241,7 +241,7 @@ VariableRanges groupStateRanges(const std::string& file, int line, const std::st
       return std::any_of(state.values.begin(), state.values.end(),
                          [&](const auto& value) { return value.first == v; });
     };
-    // A state of another group serves if it has all planned variables.
+    // A state of another group is usable if it has all planned variables.
     if (!std::all_of(problem.robot.variables.begin(), problem.robot.variables.end(), covers))
       continue;
     if (state.name != name) {
@@ -299,7 +299,7 @@ Goal readGoal(const YamlReader& reader, const std::string& name, Problem& proble
 
 namespace {
 
-/// `joints: open`: the state's values of the joints that are not planned.
+/// Takes the values of the joints that are not planned from a state: `joints: open`.
 void takePassiveState(const YamlReader& reader, Problem& problem) {
   const Model& model = *problem.robot.model;
   const std::string name = reader.text();

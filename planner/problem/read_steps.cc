@@ -25,11 +25,11 @@ namespace {
 
 MoveStep readMove(const YamlReader& reader, const std::string& name, Problem& world) {
   if (!givesPoses(reader, *world.robot.model)) return {readGoal(reader, name, world), {}};
-  readPoseRegions(reader, world);  // for the lines of what is wrong
+  readPoseRegions(reader, world);  // for errors with lines
   return {{}, readFramePoses(reader, world.warnings)};
 }
 
-/// `rpy` or `orientation` of a map; nothing where neither is there.
+/// Reads `rpy` or `orientation` of a map; returns nothing without either.
 std::optional<Eigen::Matrix3d> readRotation(const YamlReader& map,
                                             std::vector<std::string>& warnings) {
   if (!map.has("rpy") && !map.has("orientation")) return std::nullopt;
@@ -49,12 +49,13 @@ constexpr std::string_view kPosition[] = {"x", "y", "z"};
 constexpr std::string_view kQuaternion[] = {"qx", "qy", "qz", "qw"};
 constexpr std::string_view kTurns[] = {"roll", "pitch", "yaw"};
 
-/// Places of the numbers of a pose in a row.
+/// The columns with the numbers of a pose.
 struct PoseColumns {
   std::vector<std::size_t> position, quaternion, turns;
 };
 
-/// Columns by their names, or x y z alone, with a quaternion, or with turns, by their number.
+/// Finds columns by their names. Without names, their number decides: x y z alone, with a
+/// quaternion, or with roll, pitch and yaw.
 PoseColumns poseColumns(const CloudSource& source, const ColumnRow& first) {
   PoseColumns columns;
   const std::size_t count = first.cells.size();
@@ -152,7 +153,7 @@ bool isTable(const std::string& file) {
   return ending == ".csv";
 }
 
-/// A list of poses, or the name of a file of them.
+/// Reads a list of poses, or a file of poses by its name.
 std::vector<Waypoint> readWaypoints(const YamlReader& reader, std::vector<std::string>& warnings) {
   if (!reader.isScalar()) return readPoseList(reader, warnings);
   const std::string file = resolvedPath(reader);
@@ -160,7 +161,7 @@ std::vector<Waypoint> readWaypoints(const YamlReader& reader, std::vector<std::s
                        : readPoseList(YamlReader::load(file), warnings);
 }
 
-/// A line whose frame is named `frame`, where that is not empty, or by the map.
+/// Reads a line. Its frame is `frame`, or is named in the map if `frame` is empty.
 LineStep readLine(const YamlReader& reader, std::vector<std::string>& warnings,
                   const std::string& frame = {}) {
   reader.expectKeys(keysOf("line"));
@@ -245,10 +246,11 @@ LineStep loadWaypoints(const std::string& file, const std::string& frame,
 }
 
 void readSteps(const YamlReader& reader, Problem& problem) {
-  // The world as each step finds it, as far as names go: objects are taken from where they stand.
+  // The world before each step, as far as names go: objects are attached where they are at the
+  // start.
   Problem world = problem;
   const Names names(problem);
-  std::map<std::string, int> named;  // how many steps have no name but that
+  std::map<std::string, int> named;  // the number of steps that have only a default name
   for (const YamlReader& map : reader.items()) {
     map.expectKeys(keysOf("step"));
     std::string action;

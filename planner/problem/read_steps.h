@@ -5,11 +5,11 @@
 
 namespace leeway::planner {
 
-/// `steps:` of a problem file; after start, objects and frames. Errors for names that do not exist
-/// by the time of their step, and for steps that contradict those before them.
+/// Reads `steps:` of a problem file, after start, objects and frames. Fails for names that do not
+/// exist when their step begins, and for steps that contradict those before them.
 void readSteps(const YamlReader& reader, Problem& problem);
 
-/// `waypoints:` of a problem file: a task of one line.
+/// Reads `waypoints:` of a problem file: a task of one line.
 void readWay(const YamlReader& reader, Problem& problem);
 
 }  // namespace leeway::planner

@@ -18,7 +18,7 @@ constexpr char kPc2Mark[12] = "POINTCACHE2";  // with its zero
 constexpr std::size_t kPc2Header = 32, kMddHeader = 8;
 constexpr std::size_t kVertexBytes = 12;
 
-/// Reads numbers of four bytes in sequence. Does not check that they are there.
+/// Reads numbers of four bytes in sequence. Does not check that the bytes exist.
 class Words {
  public:
   Words(std::span<const std::byte> bytes, bool big_endian)
@@ -39,7 +39,7 @@ class Words {
   bool big_endian_;
 };
 
-/// The shortest text that reads back to the bit.
+/// The shortest text that is read back as exactly the same number.
 std::string shortNumber(double x) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, x).ptr};
@@ -59,7 +59,8 @@ void requireCount(const char* format, const char* things, std::int32_t count) {
   refuse(format, std::to_string(count) + " " + things + "; at least 1 is needed");
 }
 
-/// `rest` bytes are left for `frames` frames of `vertices` vertices, with `extra` bytes a frame.
+/// Throws unless the remaining `rest` bytes hold `frames` frames of `vertices` vertices with
+/// `extra` bytes per frame.
 void requireSize(const char* format, std::size_t rest, std::int32_t frames, std::int32_t vertices,
                  std::size_t extra) {
   const auto f = static_cast<std::uint64_t>(frames);
@@ -100,7 +101,7 @@ CacheMotion parsePc2(std::span<const std::byte> bytes, double frames_per_second,
     refuse(kFormat, shortNumber(frames_per_second) +
                         " frames per second; a finite number above 0 is accepted");
   }
-  // The mark before the length: a short file of another kind is no PC2 in the first place.
+  // Check the mark before the length, because a short file of another kind is not a PC2 at all.
   const std::span<const std::byte> mark = std::as_bytes(std::span(kPc2Mark));
   const std::size_t marked = std::min(bytes.size(), mark.size());
   if (!std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(marked), mark.begin()))

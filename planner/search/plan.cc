@@ -33,7 +33,7 @@
 namespace leeway::planner {
 namespace {
 
-/// One call of plan(), its stages in their order.
+/// One call of plan(). The stages are in their order.
 class Plan {
  public:
   Plan(std::shared_ptr<const CompiledScene> scene, const Problem& problem,
@@ -110,7 +110,7 @@ class Plan {
         .name;
   }
 
-  /// Whether the start and some goal are valid. If not, the result says what is in the way.
+  /// Whether the start and some goal are valid. If not, the result names the bodies in collision.
   bool checkEnds() {
     if (certifier().decide(start_) != Verdict::kFree) {
       offend(PlanStatus::kInvalidStart, certifier().clearance(start_, kReportTolerance));
@@ -130,7 +130,7 @@ class Plan {
     if (!goals_.points.empty()) return true;
     result_.reason = goals_.reason;
     result_.unreachable = goals_.unreachable;
-    // A goal range that the limits left unexplored is not known to be invalid.
+    // A goal range that was not fully explored within the limits may still be valid.
     if (!goals_.stopped) offend(PlanStatus::kInvalidGoal, goals_.closest);
     return false;
   }
@@ -145,7 +145,7 @@ class Plan {
     result_.offending_b = scene.bodies()[static_cast<std::size_t>(pair.body_b)].name;
   }
 
-  /// Stores the reasons why a search found no path: pairs in the way, and the gap that was left.
+  /// Stores why a search found no path: the pairs in the way, and the remaining gap.
   void explain(const Hindrance& hindrance) {
     const collision::Scene& scene = scene_->scene();
     std::vector<std::pair<int, std::uint64_t>> most(hindrance.blocked.begin(),
@@ -164,7 +164,7 @@ class Plan {
       if (turnsLong(i)) result_.long_turns.push_back(variableName(i));
   }
 
-  /// Whether a revolute joint's limits bar the shorter turn to every goal.
+  /// Whether the limits of a revolute joint block the shorter turn to every goal.
   bool turnsLong(int i) const {
     const robots::Variable& variable =
         scene_->model().variables[at(scene_->space().variables()[at(i)])];
@@ -185,7 +185,7 @@ class Plan {
     return {problem_, start_, goals_, limits_, options_.on_edge, nullptr, scene_.get()};
   }
 
-  /// A path with every edge certified; empty when none is found within the limits.
+  /// Returns a path with every edge certified; empty if none is found within the limits.
   Waypoints search() {
     if (Waypoints path = direct(); !path.empty()) return path;
     const bool lazy = wantsLength() && traits_->name == kOwnPlanner;
@@ -248,8 +248,8 @@ class Plan {
     return std::move(cheapest->path);
   }
 
-  /// The straight edge to the nearest goal, when length is the objective and it is free: no path is
-  /// shorter. Where the start is a goal, a path that stays.
+  /// The straight edge to the nearest goal, if length is the objective and the edge is free,
+  /// because no path is shorter. If the start is a goal, a path that stays there.
   Waypoints direct() {
     const ConfigurationSpace& space = scene_->space();
     for (const Goal& goal : problem_.goals)
@@ -265,7 +265,7 @@ class Plan {
     return {start_, *nearest};
   }
 
-  /// The most clearance that a path can have: that of its start, or of the best goal point [m].
+  /// The greatest clearance that a path can have: that of its start, or of the best goal point [m].
   double clearanceBound() {
     const auto most = [&](const std::vector<double>& point) {
       return certifier()
@@ -286,7 +286,7 @@ class Plan {
       timed("push", result_.push_s, [&] { wantsLength() ? pushPath(path) : pushElsewhere(path); });
     for (int i = 0; i < scene_->space().size(); ++i) result_.path.names.push_back(variableName(i));
     timed("certify", result_.certify_s, [&] {
-      // Every edge was certified before, but only what is certified now, as it stands, is reported.
+      // Every edge was certified before, but the report contains only what is certified now.
       if (certifyPath(std::move(path)) || certifyPath(unsimplified)) return report();
       result_.warnings.emplace_back("a path was found whose certificate could not be repeated");
       result_.path = {};
@@ -305,7 +305,7 @@ class Plan {
   bool certifyPath(Waypoints path) {
     splitHalfTurns(scene_->space(), path);
     result_.path.positions = unwrapped(scene_->space(), std::move(path));
-    // Who asks for clearance wants to know how much there is.
+    // With clearance as objective, the certificate reports it for every edge.
     const CertificateDetail detail =
         wantsClearance() ? CertificateDetail::kEveryEdge : options_.detail;
     result_.certificate =
@@ -331,10 +331,11 @@ class Plan {
 
   double timeLimit() const { return problem_.limits.time > 0 ? problem_.limits.time : kInfinity; }
 
-  /// Looks for shorter paths as long as it is asked to. Each search has a multiple of the best
-  /// length as its bound; one in vain leaves the best path to other random cuts.
+  /// Searches for shorter paths for the time that the parameter `improve` gives. Each search is
+  /// bounded by a multiple of the best length. After a search without success, the best path is
+  /// simplified again with other random numbers.
   void improve(Waypoints& path) {
-    // Of Connect alone, and no work where nobody asks for it.
+    // Only Connect has this parameter. Without it, no work is done.
     if (problem_.planner.parameters.count("improve") == 0) return;
     const SearchTask task = searchTask();
     Search search(scene_, pool_, task);
@@ -353,7 +354,7 @@ class Plan {
       if (!(straight < aim) || limits_.searchOver() || limits_.elapsed() - begin > seconds) break;
       Waypoints next =
           search.shorter(runSeed(problem_.seed, kImproveRuns * round), bound).value_or(path);
-      if (limits_.iterations() == before) break;  // it would give up for ever
+      if (limits_.iterations() == before) break;  // it would never stop
       if (problem_.planner.simplify) simplifyPath(next, round);
       const double now = pathLength(scene_->space(), next);
       if (!(now < length)) continue;
@@ -370,7 +371,7 @@ class Plan {
     options.seed = Random(problem_.seed, kSimplifyStream + round).next();
     options.stop = [this] { return limits_.over(); };
     if (options_.stop && options_.stop()) {
-      // A path that was cut short is still made shorter for a moment.
+      // After a stop, the path is still simplified for a short time.
       const double end = limits_.elapsed() + kLastSimplification;
       options.stop = [this, end] { return limits_.elapsed() > std::min(end, timeLimit()); };
     }
@@ -398,7 +399,7 @@ class Plan {
       lowerCost(certifier(), *cost_, path, {options.seed, enough_, options.stop});
       return;
     }
-    // What was won is a margin from here on.
+    // From here on, the clearance reached so far is a margin.
     const Pairs of = clearanceOf();
     if (!kept_)
       kept_ = pathClearance(certifier(), path, kBoundTolerance, -kInfinity, of) - kBoundTolerance;
@@ -419,7 +420,7 @@ class Plan {
       pushed_ = std::max(kPushEnough, push(certifier(), path, options));
   }
 
-  /// Whether there is a path that keeps what a push should have left, elsewhere.
+  /// Searches for a path elsewhere that keeps the clearance which a push should have reached.
   bool searchRoomier(Waypoints& path, double longest) {
     if (traits_->name != kOwnPlanner || limits_.searchOver()) return false;
     const auto wider = scene_->withWorldMarginAtLeast(kPushEnough);
@@ -436,7 +437,7 @@ class Plan {
     return true;
   }
 
-  /// What does not limit the least clearance is pushed, too.
+  /// Pushes also the parts of the path that do not limit the least clearance.
   void pushElsewhere(Waypoints& path) {
     if (!kept_ || !std::isfinite(*kept_) || limits_.over()) return;
     PushOptions options;
@@ -459,13 +460,13 @@ class Plan {
   std::unique_ptr<GoalSampler> sampler_;
   GoalPoints goals_;
   EdgeCertifier::Statistics work_;
-  std::int64_t simplify_work_ = 0;  ///< what the last simplification cost [units of Work]
+  std::int64_t simplify_work_ = 0;  ///< work of the last simplification [units of Work]
   double pushed_ = 0;               ///< clearance from the world that the path was pushed to [m]
-  std::optional<double> kept_;      ///< clearance that a search for clearance has won [m]
-  double longest_ = kInfinity;      ///< length that its path may have
-  std::shared_ptr<PathCost> cost_;  ///< null: none is asked for
-  double enough_ = 0;               ///< no path costs less, but for the tolerance
-  bool simplified_ = false;         ///< its path is
+  std::optional<double> kept_;      ///< the clearance that a search for clearance has reached [m]
+  double longest_ = kInfinity;      ///< bound on the length of its path
+  std::shared_ptr<PathCost> cost_;  ///< null: the problem has no cost
+  double enough_ = 0;               ///< lower bound on the cost of any path, up to the tolerance
+  bool simplified_ = false;         ///< the path of a search is already simplified
   PlanResult result_;
 };
 

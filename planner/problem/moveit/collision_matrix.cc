@@ -32,10 +32,10 @@ struct Matrix {
     const auto found = entries.find(name);
     return found == entries.end() ? Entry() : found->second;
   }
-  /// Whether two names may touch: by their own entry, else by their defaults, both of which must
-  /// allow it. Nothing where the matrix does not say.
+  /// Whether two names may touch: by their own entry, else by their defaults, which must both allow
+  /// it. Nothing if the matrix has neither.
   std::optional<bool> allows(const Entry& a, const Entry& b) const {
-    // A matrix that is not symmetric contradicts itself: a pair needs both entries.
+    // A matrix that is not symmetric contradicts itself, so both entries of a pair must allow it.
     if (a.row >= 0 && b.row >= 0)
       return allowed[at(a.row)][at(b.row)] && allowed[at(b.row)][at(a.row)];
     if (!a.by_default && !b.by_default) return std::nullopt;
@@ -92,9 +92,9 @@ Matrix readMatrix(const YamlReader& map) {
   return matrix;
 }
 
-/// The name by which the matrix has a link; its own where it has none. A link without an entry that
-/// is fixed to a link with one and named after it (`torso_2` on `torso`) was split off that link's
-/// geometry, and shares its entry.
+/// The name of a link in the matrix; its own name if the matrix has none. A link may lack an entry
+/// and be fixed to a link with one after which it is named (`torso_2` on `torso`). It was then
+/// split off that link's geometry, and shares its entry.
 const std::string& matrixName(const Model& model, const Matrix& matrix, int link) {
   const std::string& name = model.links[at(link)].name;
   while (true) {
@@ -108,7 +108,7 @@ const std::string& matrixName(const Model& model, const Matrix& matrix, int link
   }
 }
 
-/// Allows pairs by the matrix, and pairs that it does not have by the SRDF.
+/// Allows pairs by the matrix. Pairs that are not in the matrix follow the SRDF.
 void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
   const Model& model = *problem.robot.model;
   // Defaults without an SRDF do not say which links are neighbours.
@@ -119,7 +119,7 @@ void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
   const auto allow = [&](const std::string& a, const std::string& b) {
     problem.contacts.allowed.emplace_back(a, b);
   };
-  std::map<std::string, Entry> bodies, known;  // of them the matrix says something
+  std::map<std::string, Entry> bodies, known;  // `known`: those in the matrix
   for (const Object& object : problem.world.objects)
     bodies.emplace(object.name, matrix.entry(object.name));
   for (const Attachment& held : problem.robot.attachments)
@@ -131,7 +131,7 @@ void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
       warn(fmt::format("the matrix names '{}', which is no link and no object", name));
 
   struct LinkEntry : Entry {
-    const std::string* name;  ///< the matrix's
+    const std::string* name;  ///< in the matrix
   };
   std::vector<LinkEntry> links;
   for (std::size_t l = 0; l < model.links.size(); ++l) {
@@ -157,7 +157,7 @@ void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
     for (const auto& [name, entry] : links[a].by_default || is_unchecked ? bodies : known)
       if (matrix.allows(links[a], entry).value_or(is_unchecked)) allow(name, model.links[a].name);
   }
-  // Things of the world do not move against each other.
+  // Objects of the world do not move against each other.
   for (const Attachment& held : problem.robot.attachments) {
     const Entry of_held = matrix.entry(held.object.name);
     for (const auto& [name, entry] : of_held.by_default ? bodies : known)

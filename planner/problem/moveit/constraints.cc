@@ -21,14 +21,14 @@ namespace {
 using robots::Pose;
 using robots::PoseRegion;
 
-/// The pose of the frame that a header names, in the world; without a name, the planning frame.
+/// The pose in the world of the frame in a header; without a name, of the planning frame.
 Pose headerPose(const YamlReader& constraint, const Problem& problem) {
   const auto header = constraint.find("header");
   const auto id = header && header->isMap() ? header->find("frame_id") : std::nullopt;
   if (!hasContent(id)) return Pose();
   const std::string name = id->text();
   if (name == "world" || name == problem.robot.model->links[0].name) return Pose();
-  FramePose pose;  // of any frame: only what it is relative to matters
+  FramePose pose;  // of any frame, because only its reference matters
   pose.frame = constraint.at("link_name", "the name of a link").text();
   pose.relative_to = name;
   pose.position.fill({0, 0});
@@ -50,7 +50,7 @@ int constrainedLink(const YamlReader& constraint, const Problem& problem) {
                         didYouMean(name.text(), known)));
 }
 
-/// Half the edges of a box within the primitive.
+/// Half the edges of a box that fits into the primitive.
 Eigen::Vector3d boxWithin(const YamlReader& primitive) {
   const YamlReader type = primitive.at("type", "box, sphere or cylinder");
   const YamlReader sizes = primitive.at("dimensions", "a list of numbers");
@@ -74,7 +74,7 @@ Eigen::Vector3d boxWithin(const YamlReader& primitive) {
   return half;
 }
 
-/// Tolerances of an angle from here on are taken for any turn, as they are written for it.
+/// Tolerances of an angle from this value on mean any turn, because files write them for that.
 constexpr double kAnyTurn = 3.14;
 /// Where cosines are positive, an angle bounds each of three turns.
 constexpr double kMostEulerTurn = 1.57;
@@ -128,14 +128,15 @@ PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& prob
       value.fail(fmt::format("{} is {}; at least {} rad is expected", value.where(),
                              value.sizeNumber(), kConstraintSlack));
   }
-  // The other form bounds the rotation vector's components: three turns of a third of the least
-  // are no longer together.
+  // The other form bounds the components of the rotation vector. Three turns by a third of the
+  // least tolerance stay within it together.
   const auto form = constraint.find("parameterization");
   if (hasContent(form) && form->text() != "0") {
     const double least = *std::min_element(tolerance, tolerance + 3) / 3;
     std::fill(tolerance, tolerance + 3, least);
   }
-  // Near a pitch of 90 degrees a solution's error would change the other two more than the slack.
+  // Near a pitch of 90 degrees, a solution's error would change roll and yaw by more than the
+  // slack.
   tolerance[1] = std::min(tolerance[1], 1.5);
   for (std::size_t i = 0; i < 3; ++i) region.rpy[i] = {-tolerance[i], tolerance[i]};
   return region;
@@ -143,7 +144,7 @@ PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& prob
 
 namespace {
 
-/// The constraint, if it can be kept; else an error at its place.
+/// Returns the constraint if it is valid; else fails at its place.
 Constraint checked(Constraint constraint, const YamlReader& place, const Problem& problem) {
   constraint.name = fmt::format("path constraint {}", problem.constraints.size() + 1);
   if (const auto fault = constraintFault(problem, constraint, place.where()))
@@ -173,10 +174,10 @@ Constraint readPathPosition(const YamlReader& constraint, Problem& problem) {
   return checked(std::move(path), constraint, problem);
 }
 
-/// (All up to a right angle.) Turns of a frame by D = Rx(a) Ry(b) Rz(c): with an angle of D of at
-/// most t, |a|, |b| and |c| are at most t, as cos(a) cos(b), cos(b) cos(c) and sin(b) are entries
-/// of D. With any c, a tilt of the frame's z of at most t has |a| and |b| at most t; with any a,
-/// one of its x has |b| and |c|.
+/// All angles are at most a right angle. D = Rx(a) Ry(b) Rz(c) turns a frame. If D turns by at most
+/// t, then |a|, |b| and |c| are at most t, because cos(a) cos(b), cos(b) cos(c) and sin(b) are
+/// entries of D. If D may have any c and tilts the frame's z by at most t, then |a| and |b| are at
+/// most t. If it may have any a and tilts x by at most t, then |b| and |c| are.
 Constraint readPathOrientation(const YamlReader& constraint, Problem& problem) {
   Constraint path;
   path.frame = problem.robot.model->links[at(constrainedLink(constraint, problem))].name;

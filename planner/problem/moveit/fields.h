@@ -1,8 +1,8 @@
 #pragma once
 
 // Private to planner/: fields of MoveIt's messages, as YAML. Fields that change neither geometry
-// nor joints are ignored. A field that would change the problem and is not supported is an error,
-// and so is one that the message does not have.
+// nor joints are ignored. A field that would change the problem and is not supported is an error. A
+// field that the message does not have is an error too.
 
 #include <optional>
 #include <string>
@@ -20,32 +20,33 @@ namespace leeway::planner {
 /// it, or a value that is not a message where one is expected. O(keys * fields).
 void expectMessage(const YamlReader& reader, std::string_view name);
 
-/// True for a value that is there and not empty.
+/// Whether a value exists and is not empty.
 bool hasContent(const std::optional<YamlReader>& value);
 
-/// Fails if the key has content. `accepted` names what is expected in its place.
+/// Fails if the key has content. `accepted` says what is expected instead.
 void refuseContent(const YamlReader& map, std::string_view key, std::string_view accepted);
 
-/// A point: a list of three numbers, or x, y, z.
+/// Reads a point: a list of three numbers, or x, y, z.
 Eigen::Vector3d readMoveitVector(const YamlReader& reader);
 
-/// A unit quaternion: a list x y z w, or a map. All zeros are the identity, with a warning.
+/// Reads a unit quaternion: a list x y z w, or a map. Takes all zeros for the identity, with a
+/// warning.
 Eigen::Vector4d readMoveitQuaternion(const YamlReader& reader, std::vector<std::string>& warnings);
 
-/// {position, orientation} or {translation, rotation}.
+/// Reads {position, orientation} or {translation, rotation}.
 robots::Pose readMoveitPose(const YamlReader& map, const char* translation, const char* rotation,
                             std::vector<std::string>& warnings);
 
 /// The pose of a half-space (z <= 0 of its frame) whose surface is the plane normal . p + offset =
-/// 0, and which fills the side against the normal. Empty for a normal of no length.
+/// 0, and which fills the side opposite to the normal. Empty if the normal is zero.
 std::optional<robots::Pose> halfSpacePose(const Eigen::Vector3d& normal, double offset);
 
-/// A moveit_msgs/CollisionObject, in the frame of its header: primitives, meshes and planes. No
-/// shape at all is the caller's to judge.
+/// Reads a moveit_msgs/CollisionObject in the frame of its header: primitives, meshes and planes.
+/// The caller checks that there is a shape.
 Object readCollisionObject(const YamlReader& map, const robots::LoadOptions& load,
                            std::vector<std::string>& warnings);
 
-/// Adds objects to problem.world, each with a shape and a name of its own.
+/// Adds objects to problem.world. Each must have a shape and a unique name.
 class SceneObjects {
  public:
   explicit SceneObjects(Problem& problem);
@@ -56,25 +57,27 @@ class SceneObjects {
   std::unordered_set<std::string> names_;
 };
 
-/// Objects of a moveit_msgs/PlanningScene, into problem.world.
+/// Reads objects of a moveit_msgs/PlanningScene into problem.world.
 void readSceneObjects(const YamlReader& scene, const robots::LoadOptions& load, Problem& problem);
 
-/// Objects of MoveIt's text format (.scene), into problem.world.
+/// Reads objects of MoveIt's text format (.scene) into problem.world.
 void readTextScene(const std::string& path, const robots::LoadOptions& load, Problem& problem);
 
-/// What the robot holds at the problem's start, by the request's start_state and the scene's
-/// robot_state (null: none), into problem.robot.attachments; after start and objects.
+/// Reads the objects that the robot holds at the problem's start into problem.robot.attachments,
+/// from the request's start_state and the scene's robot_state. `scene` may be null. Call it after
+/// reading start and objects.
 void readAttachedObjects(const YamlReader* scene, const YamlReader& request,
                          const robots::LoadOptions& load, Problem& problem);
 
-/// `link_padding` of a scene, and refuses a `link_scale` other than 1.
+/// Reads `link_padding` of a scene, and refuses a `link_scale` other than 1.
 LinkPadding readLinkPadding(const YamlReader& scene, const robots::Model& model);
 
-/// The allowed_collision_matrix, into problem.contacts; after the objects, those held too.
+/// Reads allowed_collision_matrix into problem.contacts. Call it after reading all objects,
+/// including attached ones.
 void readAllowedCollisions(const YamlReader& scene, Problem& problem);
 
-/// One entry of position_constraints: the point of a link in a box within its primitive. And one of
-/// orientation_constraints. Neither allows more than MoveIt does (constraints.cc).
+/// Reads one entry of position_constraints (the point of a link in a box within its primitive) or
+/// of orientation_constraints. Neither allows more than MoveIt does (constraints.cc).
 robots::PoseRegion readPositionConstraint(const YamlReader& constraint, Problem& problem);
 robots::PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& problem);
 
@@ -82,7 +85,8 @@ robots::PoseRegion readOrientationConstraint(const YamlReader& constraint, Probl
 Constraint readPathPosition(const YamlReader& constraint, Problem& problem);
 Constraint readPathOrientation(const YamlReader& constraint, Problem& problem);
 
-/// Group, start and goals of a moveit_msgs/MotionPlanRequest. Goals may be relative to all else.
+/// Read group, start and goals of a moveit_msgs/MotionPlanRequest. Goals may be relative to all
+/// else.
 void readRequestGroup(const YamlReader& request, Problem& problem);
 void readRequestStart(const YamlReader& request, Problem& problem);
 void readRequestGoals(const YamlReader& request, Problem& problem);

@@ -65,8 +65,8 @@ class JointLimits {
     model_->warnings.push_back(fmt::format("{}: {}", placeOf(place), what));
   }
 
-  /// Whether the robot has the joint. A name near that of a joint is refused: the limit would be
-  /// lost. Any other is of a part that this robot lacks, such as a gripper.
+  /// Whether the robot has the joint. Refuses a name that is close to that of a joint, because its
+  /// limit would be lost. Other names belong to parts that this robot lacks, such as a gripper.
   bool knows(const std::string& joint, const YamlReader& entry) {
     if (model_->findJoint(joint) >= 0) return true;
     std::vector<std::string> known;
@@ -80,7 +80,7 @@ class JointLimits {
     return false;
   }
 
-  /// The value of a limit that holds. As in MoveIt one that is given holds unless has_... is false.
+  /// The value of an active limit. As in MoveIt, a given limit is active unless has_... is false.
   static std::optional<YamlReader> limit(const YamlReader& entry, const char* has,
                                          const char* key) {
     const auto flag = entry.find(has);
@@ -113,14 +113,14 @@ class JointLimits {
     });
   }
 
-  /// Limits of joints that follow another one are limits of that one, too. Where `is_shared`, the
-  /// least of all holds, in whatever order they are read.
+  /// Limits of joints that follow another one also limit that one. If `is_shared`, the least limit
+  /// holds, in any order of reading.
   void readRates(const YamlReader& entry, const robots::Joint& master, double ratio,
                  bool is_shared) {
     const auto rate = [&](const char* has, const char* key) -> std::optional<double> {
       const auto value = limit(entry, has, key);
       if (!value) return std::nullopt;
-      // Decelerations are given with either sign.
+      // Decelerations are written with either sign.
       const bool is_signed = std::string_view(key) == "max_deceleration";
       const double number = is_signed ? std::abs(value->number()) : value->number();
       if (!(number >= kLeastLimit && number <= kMostLimit))

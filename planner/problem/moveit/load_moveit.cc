@@ -1,4 +1,4 @@
-// MoveIt's planning scene and motion plan request as YAML, as MotionBenchMaker writes them.
+// Reads MoveIt's planning scene and motion plan request as YAML, as MotionBenchMaker writes them.
 
 #include <filesystem>
 #include <set>
@@ -35,8 +35,8 @@ Problem loadMoveitUnpadded(std::shared_ptr<const robots::Model> model,
   robots::readOn(errors, [&] {
     if (scene) readSceneObjects(*scene, options.load, problem);
   });
-  // The start is the request's: the scene's robot_state is all zeros in every file of
-  // MotionBenchMaker.
+  // The start comes from the request, because robot_state in the scene is all zeros in every file
+  // of MotionBenchMaker.
   robots::readOn(errors, [&] { readRequestStart(request, problem); });
   robots::readOn(errors, [&] {
     readAttachedObjects(scene ? &*scene : nullptr, request, options.load, problem);

@@ -1,6 +1,6 @@
-// The fields of the messages that MoveIt's scenes and requests are made of (moveit_msgs,
-// shape_msgs, geometry_msgs, ... of ROS 1 and ROS 2). Most readers ask for a field by its name and
-// take one that is not there for its default, so a misspelt field would be lost without this check.
+// The fields of the messages in MoveIt's scenes and requests (moveit_msgs, shape_msgs,
+// geometry_msgs, ... of ROS 1 and ROS 2). Most readers look up a field by its name and use the
+// default if it is missing. Without this check, they would ignore a misspelt field.
 
 #include <map>
 #include <string_view>
@@ -18,7 +18,7 @@ struct Field {
 
 struct Message {
   std::vector<Field> fields;
-  bool may_be_plain = false;  ///< a list of values, or a time's number, in place of the map
+  bool may_be_plain = false;  ///< accepts a list of values, or a number for a time, as well
 };
 
 const std::map<std::string_view, Message>& messages() {
@@ -93,7 +93,7 @@ const std::map<std::string_view, Message>& messages() {
       {"ObjectType", {{{"key", ""}, {"db", ""}}}},
       {"SolidPrimitive", {{{"type", ""}, {"dimensions", ""}, {"polygon", "Polygon"}}}},
       {"Polygon", {{{"points", "Point[]"}}}},
-      // `resource` and `dimensions` are Robowflex's and MotionBenchMaker's.
+      // Robowflex and MotionBenchMaker add `resource` and `dimensions`.
       {"Mesh",
        {{{"triangles", "MeshTriangle[]"},
          {"vertices", "Point[]"},

@@ -16,7 +16,7 @@ namespace {
 using robots::Pose;
 using Shape = collision::Shape;
 
-/// Makes a shape; what it refuses is an error of `place`.
+/// Makes a shape. Errors from it become errors at `place`.
 template <class Make>
 Shape makeShape(const YamlReader& place, const Make& make) {
   try {
@@ -26,8 +26,8 @@ Shape makeShape(const YamlReader& place, const Make& make) {
   }
 }
 
-/// `type` and `dimensions`: full edges for a box; height and radius, in this order, for cylinder
-/// and cone.
+/// Reads `type` and `dimensions`: full edges for a box; height and radius, in this order, for
+/// cylinder and cone.
 Shape readPrimitive(const YamlReader& primitive) {
   const YamlReader type = primitive.at("type", "box, sphere, cylinder or cone");
   const YamlReader sizes = primitive.at("dimensions", "a list of numbers");
@@ -49,13 +49,13 @@ Shape readPrimitive(const YamlReader& primitive) {
   return makeShape(sizes, [&] {
     if (box) return Shape::box(Eigen::Vector3d(d[0], d[1], d[2]) / 2);
     if (sphere) return Shape::sphere(d[0]);
-    // MoveIt's cone has its apex at +z and its origin at half the height, as ours.
+    // MoveIt's cone has its apex at +z and its origin at half the height, like ours.
     return cylinder ? Shape::cylinder(d[1], d[0] / 2) : Shape::cone(d[1], d[0] / 2);
   });
 }
 
-/// Points, and triangles as their indices: shape_msgs/Mesh. Or, as Robowflex and MotionBenchMaker
-/// write it, `resource`, a file by its package, path or URI, and `dimensions`, its scale.
+/// Reads points and triangles of their indices: shape_msgs/Mesh. Robowflex and MotionBenchMaker
+/// instead write `resource`, a file by its package, path or URI, and `dimensions`, its scale.
 Shape readSceneMesh(const YamlReader& mesh, std::vector<std::string>& warnings,
                     const robots::LoadOptions& load) {
   if (const auto resource = mesh.find("resource")) {
@@ -106,8 +106,8 @@ Pose readPlane(const YamlReader& plane) {
   return *pose;
 }
 
-/// Shapes of one key with their poses. Without any, they stand at the object's pose, as MoveIt has
-/// it; where some are missing, which ones is not known.
+/// Reads the shapes of one key with their poses. As in MoveIt, without any poses the shapes are at
+/// the object's pose. If only some poses are missing, it is unknown which ones.
 template <class Read>
 void readShapes(const YamlReader& map, const char* key, const char* poses_key, Object& object,
                 std::vector<std::string>& warnings, const Read& read) {

@@ -1,4 +1,4 @@
-// Group, start and goals of MoveIt's motion plan request (moveit_msgs/MotionPlanRequest).
+// Reads group, start and goals of MoveIt's motion plan request (moveit_msgs/MotionPlanRequest).
 
 #include <fmt/format.h>
 
@@ -52,7 +52,7 @@ void takeStartJoint(const YamlReader& place, const std::string& name, double val
     given[at(v)] = {true, value, value, place.line()};
     return;
   }
-  // Fixed and mimic joints may be named. A name without a joint is from another version of the
+  // Fixed and mimic joints may be named. A name without a joint belongs to another version of the
   // robot.
   if (model.findJoint(name) < 0)
     problem.warnings.push_back(
@@ -60,7 +60,8 @@ void takeStartJoint(const YamlReader& place, const std::string& name, double val
                     place.line(), name, value));
 }
 
-/// {joint_names, transforms}: poses of planar and floating joints, above all the virtual joint's.
+/// Reads {joint_names, transforms}: poses of planar and floating joints, mainly of the virtual
+/// joint.
 void readMultiDof(const YamlReader& state, VariableRanges& given, Problem& problem) {
   const auto names = state.find("joint_names");
   if (!hasContent(names)) return;
@@ -134,7 +135,7 @@ void readJointConstraint(const YamlReader& constraint, VariableRanges& given, Pr
     const auto found = constraint.find(key);
     return found ? found->sizeNumber() : 0;
   };
-  // A tolerance of zero, as MotionBenchMaker writes it, means the position itself.
+  // A tolerance of zero, which MotionBenchMaker writes, means the exact position.
   double lower = value - tolerance("tolerance_below"), upper = value + tolerance("tolerance_above");
   if (value >= variable.lower && value <= variable.upper) {
     lower = std::max(lower, variable.lower);

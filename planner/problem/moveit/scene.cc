@@ -1,4 +1,4 @@
-// Objects of MoveIt's planning scene (moveit_msgs/PlanningScene).
+// Reads the objects of MoveIt's planning scene (moveit_msgs/PlanningScene).
 
 #include <fmt/format.h>
 
@@ -19,13 +19,13 @@ namespace {
 using robots::Model;
 using robots::Pose;
 
-/// MoveIt writes an empty text where it has nothing to say.
+/// Reads a text that may be missing. MoveIt writes an empty text if a value is not set.
 std::string optionalText(const YamlReader& map, std::string_view key) {
   const auto value = map.find(key);
   return hasContent(value) ? value->text() : std::string();
 }
 
-/// Frames that objects may stand in, each with its pose in the planning frame (the robot's root).
+/// The frames that objects may refer to, with their poses in the planning frame (the robot's root).
 using Frames = std::map<std::string, Pose>;
 
 Frames readFrames(const YamlReader& scene, const Model& model, std::vector<std::string>& warnings) {
@@ -76,7 +76,7 @@ Eigen::Vector4d readMoveitQuaternion(const YamlReader& reader, std::vector<std::
     for (const char* key : {"x", "y", "z", "w"}) q.push_back(reader.at(key, "a number").number());
   else
     q = reader.numbers();
-  // A message that nobody filled in: MoveIt takes it so, too.
+  // A message with all fields at their defaults. MoveIt also takes it as the identity.
   if (q == std::vector<double>(4, 0.0)) {
     warnings.push_back(fmt::format("{}:{}: {} is all 0, taken as no rotation", reader.file(),
                                    reader.line(), reader.where()));
@@ -112,7 +112,7 @@ void SceneObjects::add(const std::string& file, int line, Object object) {
 
 namespace {
 
-/// The content of octomap_msgs/Octomap: a list of bytes, signed or not.
+/// Reads the content of octomap_msgs/Octomap: a list of bytes, signed or unsigned.
 std::string readBytes(const YamlReader& data) {
   std::string bytes;
   for (const YamlReader& item : data.items()) {
@@ -125,8 +125,8 @@ std::string readBytes(const YamlReader& data) {
   return bytes;
 }
 
-/// octomap_msgs/OctomapWithPose, as an object of the name that MoveIt's matrices give it. Unknown
-/// space is free, as in MoveIt.
+/// Reads octomap_msgs/OctomapWithPose as an object with the name that MoveIt's matrices use for it.
+/// Unknown space is free, as in MoveIt.
 void readOctomap(const YamlReader& map, const Frames& frames, SceneObjects& objects,
                  std::vector<std::string>& warnings) {
   const auto octree = map.find("octomap");
@@ -169,7 +169,7 @@ void readSceneObjects(const YamlReader& scene, const robots::LoadOptions& load, 
       object.X_WO = framePose(entry, frames) * object.X_WO;
       objects.add(entry.file(), entry.line(), std::move(object));
     });
-    // Where reading goes on, what is held may still name it.
+    // If reading goes on, attached objects may still name this one.
     if (!is_whole)
       problem.world.objects.push_back({entry.at("id", "the object's name").text(), {}, {}});
   });
@@ -186,8 +186,8 @@ int readLink(const YamlReader& name, const Model& model) {
                         didYouMean(name.text(), known)));
 }
 
-/// One moveit_msgs/AttachedCollisionObject, held while the robot stands at the problem's start. An
-/// object without shapes is the world's of that name.
+/// Reads one moveit_msgs/AttachedCollisionObject, attached while the robot is at the problem's
+/// start. An object without shapes is the object of the world with that name.
 void readAttached(const YamlReader& map, const Frames& scene_frames,
                   const robots::LoadOptions& load, Problem& problem) {
   const Model& model = *problem.robot.model;
@@ -219,11 +219,11 @@ void readAttached(const YamlReader& map, const Frames& scene_frames,
     const bool is_taken = in_world != world.end() || model.findLink(held.object.name) >= 0;
     if (const std::string fault = objectNameFault(held.object.name, is_taken); !fault.empty())
       of.fail(fmt::format("object '{}' {}", held.object.name, fault));
-    // In the frame of a link, mostly its own, or of the scene.
+    // Its pose is in the frame of a link, usually its own, or in a frame of the scene.
     Frames frames = scene_frames;
     for (std::size_t i = 0; i < X_WL.size(); ++i) frames[model.links[i].name] = X_WL[i];
     for (auto& [name, pose] : frames) pose = X_WL[link].inverse() * pose;
-    frames[model.links[link].name] = Pose();  // to the bit
+    frames[model.links[link].name] = Pose();  // exactly the identity
     held.X_LO = framePose(of, frames) * held.object.X_WO;
   }
   held.object.X_WO = Pose();
@@ -249,7 +249,8 @@ void readAttachedObjects(const YamlReader* scene, const YamlReader& request,
   };
   for (const YamlReader& map : heldIn(request.find("start_state"))) read(map);
   if (scene == nullptr) return;
-  // The start is the request's: what it holds, it may hold elsewhere than the scene says.
+  // The start comes from the request, which may place an attached object elsewhere than the scene
+  // does.
   const std::set<std::string> requested = names;
   for (const YamlReader& map : heldIn(scene->find("robot_state"))) {
     const auto object = map.find("object");

@@ -7,7 +7,8 @@
 //     type and sizes / x y z / qx qy qz qw / r g b a
 //   number of subframes, then for each name / x y z / qx qy qz qw: newer files only
 //
-// and a dot at the end. Poses of shapes are in the object's frame, that one in the planning frame.
+// and a dot at the end. Poses of shapes are in the object's frame; that frame is in the planning
+// frame.
 
 #include <fmt/format.h>
 
@@ -28,7 +29,7 @@ namespace {
 using robots::Pose;
 using Shape = collision::Shape;
 
-/// Words of a text with the lines that they stand on.
+/// Words of a text with their lines.
 class Words {
  public:
   Words(std::string file, std::string text) : file_(std::move(file)), text_(std::move(text)) {}
@@ -40,7 +41,7 @@ class Words {
     throw robots::InputError(file_, line_, message);
   }
 
-  /// The rest of this line, without blanks at its ends.
+  /// The rest of this line, without blanks at both ends.
   std::string_view restOfLine() {
     std::size_t end = text_.find('\n', place_);
     if (end == std::string::npos) end = text_.size();
@@ -67,7 +68,7 @@ class Words {
     return *value;
   }
 
-  /// A count of things that take at least two bytes each, which bounds it by what is left.
+  /// Reads a count of things that take at least two bytes each. The remaining text bounds it.
   std::size_t count(std::string_view accepted) {
     const double value = number(accepted);
     if (!(value >= 0 && value == std::floor(value) &&
@@ -76,7 +77,7 @@ class Words {
     return static_cast<std::size_t>(value);
   }
 
-  /// Whether the line after this one holds several words.
+  /// Whether the next line has several words.
   bool severalOnNextLine() {
     skipBlanks();
     const std::size_t end = std::min(text_.find('\n', place_), text_.size());
@@ -134,7 +135,7 @@ Shape readMesh(Words& words) {
   return Shape::mesh(collision::TriangleMesh::make(vertices, triangles));
 }
 
-/// A shape and its pose in the frame that the following lines place. Sizes are whole ones.
+/// Reads a shape, and its pose in the frame that the following lines place. Sizes are full sizes.
 std::pair<Shape, Pose> readShape(Words& words) {
   constexpr std::string_view kKinds = "box, sphere, cylinder, cone, plane or mesh";
   const std::string word(words.next(kKinds));
@@ -175,7 +176,7 @@ void readTextScene(const std::string& path, const robots::LoadOptions& load, Pro
   Words words(path, robots::readTextFile(path, "a scene as MoveIt saves it"));
   SceneObjects objects(problem);
   words.restOfLine();  // the scene's name
-  // Newer files give each object a pose. All objects of a file are of one kind.
+  // Newer files give each object a pose. Either all objects of a file have one or none has.
   std::optional<bool> objects_have_poses;
   while (true) {
     const std::string_view marker = words.next("'*' and an object, or '.' at the end");

@@ -1,9 +1,9 @@
-// OMPL.app's problems (.cfg): sections of `key = value`, meshes beside the file. What is meant is
-// what OMPL.app's benchmark program makes of them (ompl.kavrakilab.org/benchmark.html):
+// Reads OMPL.app's problems (.cfg): sections of `key = value`, with meshes next to the file. Keys
+// mean what they mean to OMPL.app's benchmark program (ompl.kavrakilab.org/benchmark.html):
 //
-// - The robot's mesh is moved so that the mean of its vertices is the body's origin; in the plane,
-//   so that their mean x and y are.
-// - Bounds are the volume's, else the world's; start and goal widen them.
+// - The robot's mesh is moved so that the mean of its vertices is the body's origin. In the plane,
+//   this holds for x and y of the mean.
+// - The bounds are those of the volume, else of the world. Start and goal widen them.
 
 #include <fmt/format.h>
 
@@ -34,7 +34,7 @@ namespace {
 
 using robots::InputError;
 
-constexpr std::size_t kShown = 40;  // of what is wrong [B]
+constexpr std::size_t kShown = 40;  // of a wrong text [B]
 
 const std::vector<std::string> kKeys = {
     "name",         "robot",        "world",        "objective",    "start.x",      "start.y",
@@ -43,14 +43,14 @@ const std::vector<std::string> kKeys = {
     "volume.min.x", "volume.min.y", "volume.min.z", "volume.max.x", "volume.max.y", "volume.max.z"};
 const std::vector<std::string> kBenchmarkKeys = {"time_limit", "mem_limit",  "run_count",
                                                  "output",     "save_paths", "description"};
-/// How OMPL samples, steps and stops: edges here have no resolution, and goals are reached.
+/// How OMPL samples, steps and stops. Edges here have no resolution, and goals are reached exactly.
 const std::set<std::string> kOfNoUse = {"objective.threshold",
                                         "threshold",
                                         "solution_length",
                                         "sampler",
                                         "longest_valid_segment_fraction",
                                         "projection.cellsize_factor"};
-/// Motions that are no straight ones in SE(2) or SE(3).
+/// Keys of motions other than straight ones in SE(2) or SE(3).
 const std::set<std::string> kRefused = {"control", "statespace"};
 
 std::string_view trimmed(std::string_view text) {
@@ -60,8 +60,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Its entries by section and key: "problem.start.x". Of [planner], which may say things again,
-/// nothing is kept.
+/// The entries by section and key: "problem.start.x". Skips [planner], which may repeat keys.
 class Config {
  public:
   struct Entry {
@@ -147,7 +146,7 @@ class Loader {
     const Config::Entry* name = config_.find("name");
     problem_.name =
         name != nullptr ? name->text : std::filesystem::path(config_.file()).stem().string();
-    // What tells them apart in OMPL.app, too.
+    // These keys distinguish problems in space from planar ones, as in OMPL.app.
     for (const char* key : {"start.z", "goal.z", "start.axis.x", "goal.axis.x"})
       planar_ = planar_ && config_.find(key) == nullptr;
     start_ = pose("start");
@@ -172,7 +171,7 @@ class Loader {
  private:
   int line(const std::string& key) const { return config_.find(key)->line; }
 
-  /// Refuses keys that seem to be misspelt. Other keys that are not known have a warning.
+  /// Refuses keys that seem to be misspelt. Warns of other unknown keys.
   void checkKeys() {
     for (const auto& [full, entry] : config_.entries()) {
       const bool is_problem = full.starts_with("problem.");
@@ -189,7 +188,7 @@ class Loader {
           std::find(known.begin(), known.end(), key) != known.end())
         continue;
       const std::string name = key.substr(0, kShown);
-      // Where the nearest name is given, too, this one is hardly meant for it.
+      // If the nearest name is also given, this key is probably not a misspelling of it.
       const std::string* meant = robots::nearestName(key, known);
       if (meant != nullptr && config_.entries().count(section + *meant) == 0)
         config_.fail(entry.line, fmt::format("unknown key '{}' in [{}]; did you mean '{}'?", name,
@@ -199,7 +198,7 @@ class Loader {
     }
   }
 
-  /// x y angle, or x y z and a quaternion.
+  /// Reads x y angle, or x y z and a quaternion.
   std::vector<double> pose(const std::string& end) const {
     const auto number = [&](const char* key, const char* accepted) {
       return config_.number(end + key, accepted);
