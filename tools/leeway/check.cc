@@ -46,16 +46,16 @@ struct NamedState {
 
 struct CheckedState {
   NamedState state;
-  std::string limit;  ///< the first limit that it breaks, in words; empty: none
+  std::string limit;  ///< the first limit that it breaks, in words; else empty
   planner::StateCheck check;
   PairNames names;
   planner::EdgeClearance world, self;
   PairNames world_names, self_names;
   double margin = 0;
-  PairNames too_near;  ///< not free: a pair that does not keep its margin; the closest one may
-  std::vector<PairNames> all_too_near = {};  ///< the same: all pairs
+  PairNames too_near;  ///< if not free: a pair that breaks its margin; the closest pair may not
+  std::vector<PairNames> all_too_near = {};  ///< if not free: all such pairs
   std::string nothing_checked = {};          ///< why; else empty
-  PairNames overlapping = {};  ///< not measured: a pair in collision, without its depth
+  PairNames overlapping = {};                ///< without clearances: a pair in collision
 
   bool valid() const {
     return limit.empty() && nothing_checked.empty() && check.verdict == planner::Verdict::kFree;
@@ -70,7 +70,7 @@ std::vector<double> startPoint(const planner::Problem& problem) {
   return point;
 }
 
-/// The middle of the goal's ranges; where a range has no middle, its finite end, else the start's
+/// The middle of the goal's ranges. If a range has no middle, its finite end, else the start's
 /// value.
 std::vector<double> goalPoint(const planner::Problem& problem, const planner::Goal& goal) {
   std::vector<double> point = startPoint(problem);
@@ -85,7 +85,7 @@ std::vector<double> goalPoint(const planner::Problem& problem, const planner::Go
   return point;
 }
 
-/// Of a goal of poses: the configuration that planning would try first.
+/// The configuration that planning would try first for a goal of poses.
 NamedState solvedGoal(const planner::Problem& problem, const planner::Goal& goal) {
   planner::Problem at_goal = problem;
   at_goal.start_poses = goal.poses;
@@ -113,8 +113,8 @@ std::vector<std::string> plannedNames(const planner::Problem& problem) {
   return names;
 }
 
-/// "1,2,3" (every planned variable, in group order) or "elbow=1,wrist=2" (the others as at the
-/// start).
+/// Parses "1,2,3" (every planned variable, in group order) or "elbow=1,wrist=2" (other variables as
+/// at the start).
 std::vector<double> parseValues(const planner::Problem& problem, const std::string& text) {
   const std::vector<std::string> parts = splitAt(',', text), names = plannedNames(problem);
   std::vector<double> point = startPoint(problem);
@@ -220,8 +220,8 @@ std::string brokenLimit(const planner::ConfigurationSpace& space,
   return {};
 }
 
-/// Returns whether bodies overlap, and names the pairs then. Clearances and depths, which take ten
-/// times as long, are not measured.
+/// Returns whether bodies overlap, and names the pairs if they do. Does not measure clearances and
+/// depths, because that takes ten times as long.
 bool isInCollision(planner::EdgeCertifier& certifier, CheckedState& checked) {
   const std::vector<double>& point = checked.state.point;
   if (certifier.decide(point) != planner::Verdict::kNotFree) return false;
@@ -293,7 +293,7 @@ Json partJson(const planner::EdgeClearance& part, const PairNames& names) {
           {"closest", part.pair < 0 ? Json() : Json({{"a", names.a}, {"b", names.b}})}};
 }
 
-/// Whether bodies overlap; null: not decided, or without an answer.
+/// Whether bodies overlap; null if this is undecided or there is no state to check.
 Json inCollision(const CheckedState& checked) {
   if (!checked.state.fault.empty() || !checked.nothing_checked.empty()) return {};
   if (!checked.overlapping.a.empty() || checked.check.clearance.upper <= 0) return true;
@@ -341,7 +341,7 @@ std::string pointText(const Eigen::Vector3d& p) {
   return fmt::format("({:.4f}, {:.4f}, {:.4f})", p.x(), p.y(), p.z());
 }
 
-/// All pairs that are too near, where there are several.
+/// Lists all pairs that are too near, if there are several.
 std::string allPairsText(const CheckedState& checked) {
   const std::vector<PairNames>& pairs = checked.all_too_near;
   return pairs.size() < 2 ? std::string()

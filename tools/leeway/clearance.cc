@@ -45,28 +45,28 @@ struct ClearanceArguments {
   bool json = false;
 };
 
-/// The certified clearance of a stretch from something.
+/// The certified clearance of a stretch from the world or of the robot from itself.
 struct Near {
   planner::Interval clearance;
-  double t = 0;  ///< of the segment, where the upper end was found
+  double t = 0;  ///< of the segment, at the place of the upper bound
   collision::DistanceResult closest;
-  PairNames names;  ///< empty: nothing is near
+  PairNames names;  ///< empty if nothing is near
 };
 
-/// A stretch of the path: all of an edge, or a part.
+/// A stretch of the path: a whole edge, or a part of it.
 struct Stretch {
   int segment = 0;
   double t0 = 0, t1 = 1;  ///< of the segment
   std::string step;       ///< of a task; else empty
   Near world, self;
-  Near all;  ///< the nearer of the two, with the lesser lower end
+  Near all;  ///< the nearer of the two, with the lesser lower bound
   bool keeps_margins = false;
 };
 
-/// The clearance of a path from something.
+/// The clearance of a whole path from the world or of the robot from itself.
 struct Whole {
   planner::Interval clearance{kInfinity, kInfinity};
-  int closest = -1;  ///< index of the stretch with the least upper end; -1: nothing is near
+  int closest = -1;  ///< index of the stretch with the least upper bound; -1: nothing is near
 
   void add(const Near& near, int stretch) {
     clearance.lower = std::min(clearance.lower, near.clearance.lower);
@@ -88,7 +88,7 @@ struct Profile {
   }
 };
 
-/// RFC 4180: a field with a comma, a quote or a line end stands in quotes, quotes doubled.
+/// RFC 4180: a field with a comma, a quote or a line end is quoted, and its quotes are doubled.
 std::string csvField(const std::string& name) {
   if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
   std::string text = "\"";
@@ -100,7 +100,7 @@ double leastMargin(const planner::CompiledScene& scene) {
   return scene.scene().pairs().leastMargin();
 }
 
-/// Part `part` of `parts` of a segment.
+/// Measures part `part` of `parts` of a segment.
 Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, int segment, int part,
                 int parts, double tolerance) {
   const auto& space = certifier.scene().space();
@@ -122,8 +122,8 @@ Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, in
     Near near{found.clearance, stretch.t0 + found.t * (stretch.t1 - stretch.t0), found.closest,
               pairNames(certifier.scene(), found.pair)};
     if (stretch.keeps_margins) {
-      // Every pair is proven to keep its margin, which may say more than an interval of that
-      // tolerance.
+      // Every pair is proven to keep its margin, which may be a better bound than an interval of
+      // that tolerance.
       near.clearance.lower = std::max(near.clearance.lower, leastMargin(certifier.scene()));
     }
     return near;
@@ -137,25 +137,25 @@ Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, in
   return stretch;
 }
 
-/// Every stretch of a path in the world of its step; without steps there is one world.
+/// Measures every stretch of a path in the world of its step. Without steps there is one world.
 Profile measure(const std::vector<view::Stage>& stages, const planner::Path& path,
                 const ClearanceArguments& arguments, const planner::PlanOptions& options) {
   Profile profile;
   UnitProgress progress(path.positions.size() - 1);
   for (const view::Stage& stage : stages) {
-    if (stage.last == stage.first) continue;  // an object is taken or put down
+    if (stage.last == stage.first) continue;  // an object is attached or detached
     profile.dropped.insert(stage.scene->dropped().begin(), stage.scene->dropped().end());
     if (profile.nothing_checked.empty()) profile.nothing_checked = stage.scene->nothingChecked();
     planner::EdgeCertifier certifier(stage.scene);
     for (int segment = stage.first; segment < stage.last; ++segment) {
       progress.next("edge");
-      // A line on which a continuous joint makes more than half a turn is measured in more parts.
+      // A line with more than half a turn of a continuous joint is measured in more parts.
       const auto i = static_cast<std::size_t>(segment);
       const int parts = arguments.parts * stage.scene->space().edgesAlongLine(
                                               path.positions[i], path.positions[i + 1]);
       for (int part = 0; part < parts; ++part) {
         if (options.stop()) {
-          // What was not looked at may be anything.
+          // The clearance of the rest is unknown.
           for (Whole* whole : {&profile.all, &profile.world, &profile.self}) {
             whole->clearance.lower = -kInfinity;
           }
@@ -235,8 +235,8 @@ Json profileJson(const planner::Problem& problem, const Profile& profile) {
   return document;
 }
 
-/// One row a stretch; a field is empty where there is nothing to be near. Of a task, the last
-/// column names the step.
+/// Writes one row per stretch. Fields are empty if nothing is near. For a task, the last column
+/// names the step.
 void writeCsv(const std::string& file, const Profile& profile, bool steps) {
   std::string text = "segment,t0,t1";
   for (const char* part : {"world", "self"}) {
@@ -275,7 +275,7 @@ void writeSvg(const std::string& file, const planner::Problem& problem, const Pr
   planner::writeFileWhole(file, profileSvg(problem.name, note, "edge", stretches, margin));
 }
 
-/// A whole clearance with the place where it is least.
+/// The clearance of a whole path, with the place where it is least.
 planner::PathClearance placed(const Profile& profile, const Whole& whole, Near Stretch::*near) {
   planner::PathClearance placed;
   placed.clearance = whole.clearance;
@@ -288,7 +288,7 @@ planner::PathClearance placed(const Profile& profile, const Whole& whole, Near S
   return placed;
 }
 
-/// A row for each stretch and each of world and robot; parts of edges have their t.
+/// One row for each stretch, for the world and for the robot itself. Parts of edges have their t.
 std::string stretchTable(const Profile& profile, bool steps, bool parts) {
   std::vector<std::string> heading = {"edge"};
   if (parts) heading.insert(heading.end(), {"from t", "to t"});

@@ -35,7 +35,7 @@ struct IkArguments {
   bool json = false;
 };
 
-/// "0.4" or "0.4:0.5"; for angles also "any".
+/// Parses "0.4" or "0.4:0.5", and "any" for angles.
 std::pair<double, double> parseRange(const std::string& option, const std::string& text,
                                      bool angle) {
   if (angle && text == "any") return {-std::numbers::pi, std::numbers::pi};
@@ -72,7 +72,7 @@ robots::PoseRegion parseRegion(const IkArguments& arguments, int link) {
   return region;
 }
 
-/// Planned variables that move the link.
+/// The planned variables that move the link.
 std::vector<int> variablesOf(const robots::Model& model, const std::vector<int>& planned,
                              int link) {
   std::vector<char> moves(model.variables.size(), 0);
@@ -97,7 +97,8 @@ struct CheckedSolution {
   bool free() const { return is_checked && check.verdict == planner::Verdict::kFree; }
 };
 
-/// With the clearance of the problem's scene, free ones first; without meshes, as they are found.
+/// Measures solutions in the problem's scene and puts free ones first. Without meshes, keeps the
+/// order.
 std::vector<CheckedSolution> checkAll(const planner::Problem& problem, const std::vector<double>& q,
                                       const std::vector<int>& variables,
                                       const robots::IkResult& result, bool by_clearance) {
@@ -169,7 +170,7 @@ std::string table(const robots::Model& model, const std::vector<int>& variables,
   return formatTable(heading, rows, {words, words + 1});
 }
 
-/// The variables of --group, or those that the problem plans, that move the link; at least one.
+/// The variables of --group, or else of the problem, that move the link; at least one.
 std::vector<int> solvedVariables(const IkArguments& arguments, const planner::Problem& problem,
                                  int link) {
   const robots::Model& model = *problem.robot.model;
@@ -236,8 +237,8 @@ void printSolutions(const IkArguments& arguments, const robots::Model& model,
              table(model, variables, list));
 }
 
-/// A robot whose meshes cannot be read still has kinematics: it is read without them, with a
-/// warning, unless clearance is asked for.
+/// Loads a robot. If its meshes cannot be read, loads it without them and warns, because kinematics
+/// do not need meshes. Fails instead if clearance is wanted.
 planner::Problem loadForIk(const IkArguments& arguments) {
   const info::FileKind kind = info::kindOf(arguments.file);
   try {
@@ -250,7 +251,7 @@ planner::Problem loadForIk(const IkArguments& arguments) {
       planner::Problem problem = info::loadFile(arguments.file, kind, source);
       printWarnings({fmt::format("{}; solutions are not checked for collisions", error.what())});
       return problem;
-    } catch (const robots::InputError&) {  // it is not the meshes
+    } catch (const robots::InputError&) {  // the meshes are not the cause
     }
     throw;
   }
@@ -265,7 +266,7 @@ int runIk(const IkArguments& arguments) {
   const int link = parseLink(model, arguments.link);
   const std::vector<int> variables = solvedVariables(arguments, problem, link);
   const std::vector<double> q = parseConfiguration(problem, arguments.state);
-  // Clearance is asked of the variables that are solved; the others stay.
+  // Only the solved variables count for clearance. The other variables stay.
   problem.start = q;
   problem.robot.variables = variables;
   problem.goals.clear();

@@ -31,14 +31,14 @@ struct LintArguments {
 
 struct Finding {
   std::string file;
-  int line = 0;  ///< 0: none
+  int line = 0;  ///< 0 without one
   bool error = false;
   std::string message;
 
   bool operator==(const Finding&) const = default;
 };
 
-/// A warning is "FILE:LINE: text". Without a place it concerns `file` as a whole.
+/// A warning is "FILE:LINE: text". Without a line, it concerns `file` as a whole.
 Finding findingOf(const std::string& warning, const std::string& file) {
   for (std::size_t end = warning.find(": "); end != std::string::npos;
        end = warning.find(": ", end + 1)) {
@@ -63,7 +63,7 @@ Finding findingOf(const robots::InputError& error, const std::string& file) {
 
 class Findings {
  public:
-  /// Files that share a robot find the same of it.
+  /// Adds a finding once, because files that share a robot have the same findings about it.
   void add(const Finding& finding) {
     if (std::find(list_.begin(), list_.end(), finding) == list_.end()) list_.push_back(finding);
   }
@@ -76,7 +76,7 @@ class Findings {
   std::vector<Finding> list_;
 };
 
-/// Wishes of pairs that may touch cost nothing.
+/// Reports wishes for pairs that may touch, because these cost nothing.
 void lintWishes(const planner::Problem& problem, const planner::CompiledScene& scene,
                 const std::string& file, Findings& findings) {
   std::set<std::pair<std::string, std::string>> checked;
@@ -94,7 +94,8 @@ void lintWishes(const planner::Problem& problem, const planner::CompiledScene& s
                                 wish.clearance, wish.name)});
 }
 
-/// What only the compiled scene shows: a start or goal that keeps no margins, wishes of nothing.
+/// Reports faults that only the compiled scene shows: a start or goal that breaks margins, wishes
+/// without effect.
 void lintScene(const planner::Problem& problem, const std::string& file, Findings& findings) {
   planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
   lintWishes(problem, certifier.scene(), file, findings);
@@ -121,12 +122,12 @@ void lintScene(const planner::Problem& problem, const std::string& file, Finding
     std::vector<double> point;
     for (const auto& [low, high] : goal.ranges)
       if (low == high) point.push_back(low);
-    // Of a range no single point stands for all.
+    // A single point does not represent a range.
     if (point.size() == start.size()) look(goal.name, point);
   }
 }
 
-/// requestNNNN.yaml beside sceneNNNN.yaml.
+/// The name requestNNNN.yaml for sceneNNNN.yaml.
 std::string requestOf(const std::string& scene) {
   const std::filesystem::path path(scene);
   std::string name = path.filename().string();
@@ -166,13 +167,13 @@ void lint(const std::string& file, ProblemSource source, Findings& findings) {
   try {
     read(file, source, findings);
   } catch (const robots::InputError& error) {
-    has_more = !errors.keep(error);  // mostly the first of them
+    has_more = !errors.keep(error);  // usually the first of them
   }
   for (const robots::InputError& error : errors.list()) findings.add(findingOf(error, file));
   if (has_more) findings.add({file, 0, true, "has more errors than are told"});
 }
 
-/// RFC 3986: what is no letter, digit or one of "-._~/" is written by its bytes.
+/// RFC 3986: escapes the bytes of all characters except letters, digits and "-._~/".
 std::string uriOf(const std::string& file) {
   std::string uri;
   for (const char c : file) {
@@ -195,7 +196,7 @@ Json documentOf(const std::vector<Finding>& findings) {
   return {{"status", findings.empty() ? "clean" : "findings"}, {"findings", list}};
 }
 
-/// Static Analysis Results Interchange Format 2.1.0, which editors and forges read.
+/// Static Analysis Results Interchange Format 2.1.0, which editors and code hosts read.
 Json sarifOf(const std::vector<Finding>& findings) {
   Json results = Json::array();
   for (const Finding& finding : findings) {

@@ -1,5 +1,5 @@
-// The `leeway` command: one verb, its answer on stdout, everything else on stderr, and an exit
-// status that scripts can rely on.
+// The `leeway` command. It runs one verb, prints the answer on stdout and everything else on
+// stderr, and returns an exit status for scripts.
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -31,8 +31,8 @@ std::vector<Verb> addVerbs(CLI::App& app) {
   return verbs;
 }
 
-/// Reports are a program of their own, so that the command builds and installs without them and
-/// what they need. Replaces this process by it; returns only where that fails.
+/// Replaces this process by the program for reports, and returns only if that fails. Reports are a
+/// separate program, so that the command builds and installs without their dependencies.
 int startReport(char** argv) {
   std::error_code error;
   const std::string program =
@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
   using namespace leeway::tools;
   if (argc > 1 && std::string_view(argv[1]) == kReport) return startReport(argv);
   if (argc > 2 && std::string_view(argv[1]) == kHelp && std::string_view(argv[2]) == kReport) {
-    // `help report motion` is `report motion --help`.
+    // `help report motion` means `report motion --help`.
     std::string help = "--help";
     std::vector<char*> report = {argv[0]};
     report.insert(report.end(), argv + 2, argv + argc);

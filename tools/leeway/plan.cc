@@ -49,15 +49,15 @@ constexpr std::string_view kTrajectoryEndings[] = {".yaml", ".json", ".csv"};
 
 double millimetres(double metres) { return metres * 1e3; }
 
-/// The proven clearance of an edge or a step: a bound, not the value.
+/// The proven clearance of an edge or a step: a lower bound.
 std::string keptText(double lower) {
   return std::isfinite(lower) ? ">= " + formatLower(millimetres(lower), 2)
          : lower > 0          ? "nothing near"
                               : "not known";
 }
 
-/// The waypoints. Names of joints head the columns while that leaves them side by side, else q1,
-/// q2, ... with a key above.
+/// The waypoints as a table. Columns have the names of joints if they then fit side by side, else
+/// q1, q2, ... with a key above the table.
 std::string pathTable(const planner::PlanResult& result) {
   const auto& names = result.path.names;
   std::size_t width = 0;
@@ -82,7 +82,7 @@ std::string pathTable(const planner::PlanResult& result) {
   return text + formatTable(heading, rows);
 }
 
-/// Of a task: what each step does, and what of it is proven.
+/// The steps of a task, with what each one does and what is proven for it.
 std::string stepTable(const planner::Problem& problem, const planner::PlanResult& result) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < result.path.steps.size(); ++i) {
@@ -104,12 +104,12 @@ std::string stepTable(const planner::Problem& problem, const planner::PlanResult
                      {1, 2, 3, 4});
 }
 
-/// Decimals that show a part of `allowed`.
+/// The number of decimals that shows a fraction of `allowed`.
 int decimalsOf(double allowed) {
   return std::clamp(3 - static_cast<int>(std::floor(std::log10(allowed))), 3, 9);
 }
 
-/// Returns a line for each constraint, with the bounds that are proven.
+/// Returns a line for each constraint, with the proven bounds.
 std::string constraintsText(const planner::Problem& problem, const planner::PlanResult& result) {
   std::string text;
   for (std::size_t i = 0; i < result.certificate.constraints.size(); ++i) {
@@ -131,7 +131,7 @@ std::string constraintsText(const planner::Problem& problem, const planner::Plan
   return text;
 }
 
-/// What the path costs, and which wishes it keeps.
+/// The cost of the path, and the wishes that it keeps.
 std::string costText(const planner::Problem& problem, const planner::PlanResult& result) {
   if (!std::isfinite(result.cost.upper)) return "";
   std::string text = fmt::format("Cost between {} and {}.\n", formatLower(result.cost.lower, 5),
@@ -153,8 +153,8 @@ std::string costText(const planner::Problem& problem, const planner::PlanResult&
   return text;
 }
 
-/// All pairs that are too near at the start, where there are more than the one that is named, and
-/// those that one might allow.
+/// All pairs that are too near at the start, if there are more than the named one, and those that a
+/// user might allow.
 std::string allPairsText(const planner::Problem& problem, const planner::PlanResult& result) {
   const std::vector<PairNames> pairs = pairsTooNear(problem, result);
   if (pairs.empty()) return {};
@@ -222,7 +222,7 @@ std::string limitsText(const planner::PlanningLimits& limits) {
              : fmt::format("limit: {} s", limits.time);
 }
 
-/// The pairs that were in the way of a search, and how near it came.
+/// The pairs that blocked a search, and how near to a goal it came.
 std::string hindranceText(const planner::Problem& problem, const planner::PlanResult& result) {
   constexpr std::size_t kPairs = 3;
   std::string text;

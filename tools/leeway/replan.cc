@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::string_view kRowsEndings[] = {".csv"};
 
-// What the JSON documents hold, for --help; a test looks that no key is missing.
+// The keys of the JSON documents, for --help. A test checks that none is missing.
 constexpr const char* kKeys =
     R"(JSON, a document a step (metres, radians, seconds; null: nothing, or nothing known):
   version                 of these documents (docs/json.md)
@@ -132,7 +132,7 @@ Json summaryJson(const planner::Problem& problem, const planner::ReplanResult& r
        {{"load", load_s}, {"compute", result.compute_s}, {"longest_step", result.longest_step_s}}}};
 }
 
-/// What people read: a row for every run of steps with one decision.
+/// The table for people: one row for every run of steps with the same decision.
 class Rows {
  public:
   void add(const planner::ReplanStep& step) {
@@ -178,7 +178,7 @@ class Rows {
   std::vector<Run> runs_;
 };
 
-/// The first line: the verdict, and what is proven.
+/// The first line: the verdict, and the proven bounds.
 std::string verdictLine(const planner::Problem& problem, const planner::ReplanResult& result) {
   const bool nothing_checked = result.status == planner::ReplanStatus::kNothingChecked;
   const bool good = result.status == planner::ReplanStatus::kReached && result.certified;
@@ -210,7 +210,7 @@ std::string summaryText(const planner::ReplanResult& result) {
                   result.compute_s, result.longest_step_s * 1e3));
 }
 
-/// Warns of pairs that are checked though they touch at zero, and of parts of the problem that an
+/// Warns of pairs that are checked although they touch at zero, and of parts of the problem that an
 /// execution does not use.
 void warnOfProblem(const planner::Problem& problem, const std::string& file) {
   printWarnings(planner::CompiledScene(problem).warnings());
@@ -230,8 +230,8 @@ void warnOfProblem(const planner::Problem& problem, const std::string& file) {
   }
 }
 
-/// What steps leave while they come: JSON lines, or rows of a table for the end; how far the
-/// execution is, for progress; and the steps themselves, where a page will show them.
+/// Handles each step when it is done. Prints JSON lines, or collects rows of a table for the end;
+/// shows progress; and keeps the steps for a page.
 class StepLog {
  public:
   StepLog(int most_steps, bool json, bool keep)

@@ -34,14 +34,14 @@ struct SrdfArguments {
   bool sampled = false, json = false;
 };
 
-/// What is known of a pair of links, strongest first.
+/// The findings about a pair of links, strongest first.
 enum class Why { kAdjacent, kRigid, kFile, kAlways, kNever, kNearlyAlways, kRest, kSampled, kSome };
 
 struct Kind {
   const char* word;         ///< in JSON and in files
-  const char* reason;       ///< MoveIt's, in SRDF; null: the pair stays checked
+  const char* reason;       ///< MoveIt's reason in an SRDF; null: the pair stays checked
   const char* text;         ///< for people
-  bool in_problems, named;  ///< problem files need it; people want to see the names
+  bool in_problems, named;  ///< a problem file needs it; people need the names
 };
 constexpr std::array kKinds = {
     Kind{"adjacent", "Adjacent", "a joint joins them", false, false},
@@ -91,16 +91,16 @@ std::set<NamePair> namesOf(const robots::Model& model,
   return names;
 }
 
-/// With fewer samples a share of them says little.
+/// A share of fewer samples means little.
 constexpr int kFewestSamples = 100;
 
-/// All pairs of links with shapes: what compiling proves, then samples.
+/// Classifies all pairs of links with shapes: by proofs of the compiler first, then by samples.
 std::vector<LinkPair> classify(const planner::CompiledScene& scene,
                                const SrdfArguments& arguments) {
   const robots::Model& model = scene.model();
   const auto touching = robots::touchingAtRest(model, interrupted);
   const std::set<NamePair> at_rest = namesOf(model, touching);
-  // Compiling looks at pairs with one joint between them.
+  // The compiler checks only pairs with one joint between them.
   const std::set<NamePair> always =
       namesOf(model, robots::provenTouching(model, touching, interrupted));
   std::vector<LinkPair> pairs;

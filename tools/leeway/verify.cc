@@ -30,7 +30,7 @@ struct VerifyArguments {
   bool json = false;
 };
 
-/// The first line has the verdict.
+/// The result for people. The first line has the verdict.
 std::string resultText(const planner::Problem& problem, const planner::Path& path,
                        const planner::VerifyResult& result) {
   const bool certified = result.status == planner::VerifyStatus::kCertified;
@@ -62,7 +62,7 @@ std::string resultText(const planner::Problem& problem, const planner::Path& pat
 
 int runVerify(VerifyArguments& arguments) {
   const std::string path_file = takePathFile(arguments.source, arguments.files);
-  // A proof takes nothing over that an earlier run made.
+  // A proof uses no results of earlier runs.
   arguments.source.no_cache = true;
   planner::Problem problem = loadProblem(arguments.source, arguments.limits.timeLimit());
   apply(arguments.limits, problem);
@@ -73,12 +73,12 @@ int runVerify(VerifyArguments& arguments) {
     for (const std::string& warning : takeNearEnds(path, problem))
       warnings.push_back(path_file + ": " + warning);
   printWarnings(warnings);
-  // The proof takes nothing from this scene.
+  // The proof does not use this scene.
   printWarnings(planner::CompiledScene(problem).warnings());
   planner::PlanOptions options = interactivePlanOptions(arguments.limits.timeLimit());
   UnitProgress progress(std::max<std::size_t>(2, path.positions.size()) - 1);
   options.progress = [&](const std::string& phase, double) { progress.next(phase); };
-  // People read the clearance to two digits; JSON has what the proof of the margins gives.
+  // People see the clearance with two decimals. JSON has the bound that proving the margins gives.
   std::function<bool(const planner::Interval&)> is_enough;
   if (!arguments.json)
     is_enough = [](const planner::Interval& clearance) { return figureOf(clearance).has_value(); };

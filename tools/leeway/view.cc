@@ -29,7 +29,7 @@ struct ViewArguments {
   bool shortest = false;
 };
 
-/// What to show without a path: a plan, or where obstacles move an execution.
+/// The subject if no path is given: a plan, or an execution if obstacles move.
 view::Subject solve(const planner::Problem& problem, const ViewArguments& arguments) {
   const std::string& name = arguments.source.problem;
   for (const planner::DeformingObstacle& obstacle : problem.world.deforming) {

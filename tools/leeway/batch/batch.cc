@@ -57,7 +57,7 @@ struct Arguments {
   int repeat = 1, jobs = 1;
 };
 
-/// What became of the problems, for the end of stderr and for the exit status.
+/// Counts of the problems by outcome, for the end of stderr and for the exit status.
 struct Tally {
   int solved = 0, standing = 0, unsolved = 0, invalid = 0, nothing_checked = 0, not_verified = 0,
       bad_input = 0, faults = 0;
@@ -74,17 +74,17 @@ struct Tally {
   }
 };
 
-/// What became of one problem: kept apart until its turn, whoever solved it.
+/// The outcome of one problem. Any thread may solve it; it is kept until its turn.
 struct Outcome {
   Json line;
   std::vector<std::string> warnings;
-  std::string error;      ///< for stderr; empty: none
-  bool cut = false;       ///< short, by an interrupt: no part of the answer
-  double time_limit = 0;  ///< of the plan [s]; 0: none
+  std::string error;      ///< for stderr; empty without one
+  bool cut = false;       ///< cut short by an interrupt: not part of the answer
+  double time_limit = 0;  ///< of the plan [s]; 0 without one
   view::FolderPage page;
 };
 
-/// The least value that a share of them does not exceed.
+/// The least value that this share of all values does not exceed.
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -101,8 +101,8 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
-/// Of goals that are single configurations the poses that the last moved link has there: the same
-/// tasks for inverse kinematics.
+/// Replaces goals that are single configurations by the poses that the last moved link has there.
+/// This turns them into the same tasks for inverse kinematics.
 void posesForGoals(planner::Problem& problem) {
   const robots::Model& model = *problem.robot.model;
   const int link =
@@ -143,8 +143,8 @@ planner::Problem load(const Arguments& arguments, const std::shared_ptr<const ro
   return planner::placeStart(problem);
 }
 
-/// Whether the clock decides what comes out: a planner improves its path as long as it may, or a
-/// plan took most of its time.
+/// Whether the clock affects the result: the planner improves its path until its time is over, or
+/// the plan took most of its time.
 bool isTimed(const planner::Problem& problem, const planner::PlanResult& result) {
   const planner::PlannerTraits* traits = planner::findPlanner(problem.planner.name);
   return !result.deterministic || traits == nullptr || traits->optimizing ||
@@ -154,8 +154,8 @@ bool isTimed(const planner::Problem& problem, const planner::PlanResult& result)
              0.5 * problem.limits.time;
 }
 
-/// Plans a problem some times: its times are the medians. What the clock does not decide must come
-/// out the same each time.
+/// Plans a problem `repeat` times and reports median times. Results that the clock does not affect
+/// must be the same each time.
 planner::PlanResult planRepeatedly(const planner::Problem& problem,
                                    const planner::PlanOptions& options, int repeat) {
   planner::PlanResult result = planner::solve(problem, options);
@@ -192,7 +192,7 @@ Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model
   const double load_s = secondsSince(start);
   outcome.time_limit = problem.limits.time;
   planner::PlanOptions options = planOptions(arguments.overrides, problem);
-  // How many problems are done is shown, not how far each is.
+  // The progress line shows how many problems are done, not the progress of each.
   options.progress = nullptr;
   const planner::PlanResult result = planRepeatedly(problem, options, arguments.repeat);
   outcome.warnings.insert(outcome.warnings.end(), result.warnings.begin(), result.warnings.end());
@@ -217,7 +217,7 @@ Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model
   return document;
 }
 
-/// A line counts by what it says, whether this run made it or the one before.
+/// Counts a line by its contents, so that lines of an earlier run count too.
 void countLine(const Json& document, Tally& tally) {
   const std::string status = document["status"];
   const auto flag = [](const Json& object, const char* key) {
@@ -251,7 +251,7 @@ void countLine(const Json& document, Tally& tally) {
   }
 }
 
-/// What became of all problems, and of those of each folder, in the order of their first problems.
+/// Counts of all problems and of each folder, with folders in the order of their first problems.
 class Tallies {
  public:
   using Folder = std::pair<std::string, Tally>;
@@ -273,8 +273,8 @@ class Tallies {
   std::vector<Folder> folders_;
 };
 
-/// One line, whatever happens: bad input and faults of our own are told in it and on stderr, and
-/// the batch goes on.
+/// Always returns one line. Bad input and internal faults are reported in it and on stderr, and the
+/// batch goes on.
 Outcome solveOrReport(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
                       const BatchItem& item) {
   Outcome outcome;
@@ -294,7 +294,7 @@ Outcome solveOrReport(const Arguments& arguments, const std::shared_ptr<const ro
   return outcome;
 }
 
-/// Solves problems in as many threads as there are jobs, and hands them out in their order.
+/// Solves problems in one thread per job, and returns them in their order.
 class Jobs {
  public:
   Jobs(const Arguments& arguments, std::shared_ptr<const robots::Model> model,
@@ -314,7 +314,8 @@ class Jobs {
   Jobs(const Jobs&) = delete;
   Jobs& operator=(const Jobs&) = delete;
 
-  /// The next problem's outcome. Waits for it; one job solves it here.
+  /// Waits for the outcome of the next problem and returns it. A single job solves it in this
+  /// thread.
   Outcome take() {
     const std::size_t i = taken_++;
     if (threads_.empty()) return solveOrReport(arguments_, model_, *items_[i]);
@@ -403,8 +404,8 @@ void printTable(const std::vector<Tallies::Folder>& folders) {
                          rows));
 }
 
-/// What the command line says of how problems are answered, as it is kept in each line: lines that
-/// were made otherwise are not mixed.
+/// The options of the command line that affect answers. Each line keeps them, so that lines with
+/// different options are not mixed.
 Json optionsJson(const Arguments& arguments) {
   Json options = Json::object();
   if (!arguments.source.robot.empty()) options["robot"] = arguments.source.robot;
@@ -438,7 +439,7 @@ std::string oneWord(std::string text) {
   return text;
 }
 
-/// The problems of the command line, none of which an output of its would overwrite.
+/// The problems of the command line. No output may overwrite one of them.
 std::vector<BatchItem> checkedItems(const Arguments& arguments) {
   if (arguments.resume && arguments.output.empty()) {
     throw robots::InputError("command line", 0, "--resume continues a file: name it with --output");
@@ -451,7 +452,7 @@ std::vector<BatchItem> checkedItems(const Arguments& arguments) {
   return items;
 }
 
-/// The robot of --robot; without it each problem names its own.
+/// The robot of --robot. Without it, each problem names its own robot.
 std::shared_ptr<const robots::Model> commonRobot(const Arguments& arguments, WarningLog& warnings) {
   const ProblemSource& source = arguments.source;
   if (source.robot.empty()) return nullptr;
@@ -460,7 +461,7 @@ std::shared_ptr<const robots::Model> commonRobot(const Arguments& arguments, War
   return model;
 }
 
-/// The log of --ompl-log; without it nothing is kept.
+/// The log of --ompl-log. Without it, nothing is kept.
 class OmplLogFile {
  public:
   explicit OmplLogFile(std::string file) : file_(std::move(file)), begin_(Clock::now()) {
@@ -471,7 +472,7 @@ class OmplLogFile {
   void add(const Json& line) {
     if (!file_.empty()) lines_.push_back(line);
   }
-  /// The log names the longest limit of its runs [s].
+  /// The log contains the longest time limit of its runs [s].
   void limit(double time) { head_.time_limit = std::max(head_.time_limit, time); }
 
   void write(const Json& options, const std::vector<BatchItem>& items) {
@@ -522,7 +523,7 @@ int run(const Arguments& arguments) {
       endProgress();
       fmt::print(stderr, "{}\n", outcome.error);
     }
-    if (outcome.cut) {  // no part of the answer
+    if (outcome.cut) {  // not part of the answer
       endProgress();
       warnings.printCounts();
       printInterrupted(done, items.size(), output, arguments);

@@ -24,7 +24,7 @@ bool isYaml(const fs::path& path) {
   return ending == ".yaml" || ending == ".yml";
 }
 
-/// All files of a folder and the folders in it that `isOf`, sorted by path.
+/// All files below a folder for which `isOf` holds, sorted by path.
 std::vector<fs::path> filesBelow(const fs::path& folder, bool (*isOf)(const fs::path&)) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -40,8 +40,8 @@ bool isYamlOrCfg(const fs::path& path) {
   return isYaml(path) || robots::endingOf(path.string()) == ".cfg";
 }
 
-/// Whether a file found in a folder says that it is a problem: a line begins with the key `leeway`,
-/// of OMPL.app's with the section [problem].
+/// Whether a file in a folder is a problem: a line begins with the key `leeway`, or with the
+/// section [problem] in a file of OMPL.app.
 bool isProblemFile(const fs::path& file) {
   std::ifstream in(file);
   const char* word = isYaml(file) ? "leeway:" : "[problem]";
@@ -59,7 +59,7 @@ void requireExists(const std::string& input) {
   }
 }
 
-/// What a file name says: "scene0042.yaml" is scene 42.
+/// The kind and number in a file name: "scene0042.yaml" is scene 42.
 struct NumberedName {
   enum class Kind { kScene, kRequest, kOther } kind = Kind::kOther;
   long number = -1;
@@ -112,7 +112,7 @@ void appendFolder(const Folder& folder, std::vector<BatchItem>& items) {
   }
 }
 
-/// The scene given by name, with the request of its number from its folder.
+/// Pairs a scene that was given by name with the request of its number in its folder.
 BatchItem pairScene(const fs::path& scene) {
   const NumberedName wanted = parseName(scene);
   if (wanted.kind != NumberedName::Kind::kScene) {
@@ -135,7 +135,7 @@ BatchItem pairScene(const fs::path& scene) {
   return items.front();
 }
 
-/// "i/N" with 0 <= i <= N; false when it is not that.
+/// Parses "i/N" with 0 <= i <= N. Returns false for any other text.
 bool parseShard(const std::string& text, std::size_t& index, std::size_t& count) {
   const char* end = text.data() + text.size();
   const auto first = std::from_chars(text.data(), end, index);
@@ -146,7 +146,7 @@ bool parseShard(const std::string& text, std::size_t& index, std::size_t& count)
   return second.ec == std::errc() && second.ptr == end && count > 0 && index <= count;
 }
 
-/// Each problem once, however often and under whatever names its file is given.
+/// Keeps each problem once, even if its file is given several times or under several names.
 std::vector<BatchItem> withoutRepeats(std::vector<BatchItem> items) {
   std::set<fs::path> seen;
   std::erase_if(items, [&](const BatchItem& item) {

@@ -10,15 +10,15 @@
 
 namespace leeway::tools {
 
-/// Where a batch's lines go: stdout, or FILE by way of FILE.partial, which grows line by line and
-/// is what --resume continues from. FILE itself appears, in the order of the problems, when all are
-/// done.
+/// Writes the lines of a batch to stdout, or to FILE. With FILE, lines are appended to
+/// FILE.partial, from which --resume continues. FILE itself is written when all problems are done,
+/// in their order.
 class BatchOutput {
  public:
-  /// `path` empty: stdout. With `resume`, lines of an interrupted (or finished) run are kept; lines
-  /// that report bad input are not, so that these problems are tried again. Throws
-  /// robots::InputError when a kept line is no line of this batch or was made with other `options`
-  /// than this run's, which its key `options` tells.
+  /// `path` empty: stdout. With `resume`, keeps the lines of an interrupted (or finished) run,
+  /// except lines that report bad input, so that these problems are tried again. Throws
+  /// robots::InputError if a kept line does not belong to this batch, or if its key `options`
+  /// differs from `options`.
   BatchOutput(std::string path, const std::vector<BatchItem>& items, bool resume,
               const Json& options);
   ~BatchOutput();
@@ -26,12 +26,12 @@ class BatchOutput {
   BatchOutput& operator=(const BatchOutput&) = delete;
 
   bool has(const std::string& problem) const { return lines_.count(problem) != 0; }
-  /// The line of a problem that has one.
+  /// The line of a problem, which must have one.
   const std::string& line(const std::string& problem) const { return lines_.at(problem); }
   std::size_t keptCount() const { return kept_; }
-  /// Throws robots::InputError when the line cannot be written.
+  /// Throws robots::InputError if the line cannot be written.
   void add(const std::string& problem, const std::string& line);
-  /// All done: FILE.partial becomes FILE.
+  /// Call it when all problems are done. FILE.partial becomes FILE.
   void finish();
   std::string partialPath() const { return path_ + ".partial"; }
 

@@ -33,7 +33,7 @@ std::string statusWords() {
 
 bool isSolved(const Json& line) { return statusOf(line) == PlannerStatus::EXACT_SOLUTION; }
 
-/// The value below two keys; null where it is not there.
+/// The value below two keys; null if it is missing.
 Json at(const Json& line, const char* group, const char* key) {
   if (!line.contains(group) || !line[group].is_object()) return {};
   return line[group].value(key, Json());
@@ -44,8 +44,8 @@ struct Property {
   Json (*value)(const Json& line);
 };
 
-// Names that OMPL's own benchmarks have mean the same here. `time` is what OMPL measures: until the
-// planner has its path.
+// Names from OMPL's own benchmarks mean the same here. `time` is what OMPL measures: the time until
+// the planner has its path.
 const Property kProperties[] = {
     {"time REAL", [](const Json& l) { return at(l, "time_s", "plan"); }},
     {"solved BOOLEAN", [](const Json& l) { return Json(isSolved(l) ? 1 : 0); }},
@@ -72,7 +72,7 @@ const Property kProperties[] = {
     {"distance queries INTEGER", [](const Json& l) { return at(l, "counts", "distance_queries"); }},
 };
 
-/// One line; what OMPL's script leaves open is null there.
+/// The log's line of one run. OMPL's script reads empty fields as null.
 std::string runOf(const Json& line) {
   std::string text;
   for (const Property& property : kProperties) {

@@ -7,19 +7,19 @@
 
 namespace leeway::tools {
 
-/// What a benchmark log says besides its runs.
+/// The head of a benchmark log, before its runs.
 struct OmplLogHead {
-  std::string experiment;  ///< one word: of several OMPL's script reads the last
+  std::string experiment;  ///< one word, because OMPL's script reads only the last of several
   std::string started;     ///< ISO 8601
   std::string setup;       ///< lines of text
-  double time_limit = 0;   ///< of a run [s]; 0: none
-  double total_s = 0;      ///< that collecting the runs took [s]
+  double time_limit = 0;   ///< of a run [s]; 0 without one
+  double total_s = 0;      ///< the time in which the runs were collected [s]
 };
 
-/// The lines of a batch as OMPL's benchmark log, which ompl_benchmark_statistics.py and Planner
-/// Arena read (https://ompl.kavrakilab.org/benchmark.html, "The benchmark log file format"): one
-/// experiment, in which each planner has a run for each of its problems, in their order. Lines of
-/// bad input, which no planner saw, are left out.
+/// Returns the lines of a batch as OMPL's benchmark log, which ompl_benchmark_statistics.py and
+/// Planner Arena read (https://ompl.kavrakilab.org/benchmark.html, "The benchmark log file
+/// format"). It is one experiment, in which each planner has a run for each of its problems, in
+/// their order. Skips lines of bad input, because no planner saw it.
 std::string omplLog(const OmplLogHead& head, const std::vector<Json>& lines);
 
 }  // namespace leeway::tools

@@ -49,7 +49,7 @@ std::size_t shapeBytes(const collision::Shape& shape) {
   return bytes;
 }
 
-/// Number of triangles of each component that is not closed: a surface without an inside.
+/// The number of triangles of each component that is not closed and so has no inside.
 std::map<int, int> openComponents(const collision::TriangleMesh& mesh) {
   std::map<int, int> triangles;
   for (int t = 0; t < static_cast<int>(mesh.triangles().size()); ++t) {
@@ -61,7 +61,7 @@ std::map<int, int> openComponents(const collision::TriangleMesh& mesh) {
   return triangles;
 }
 
-/// Why a mesh has no convex pieces.
+/// The reason why a mesh has no convex pieces.
 const char* reason(collision::PieceSummary::Use use) {
   using Use = collision::PieceSummary::Use;
   switch (use) {
@@ -123,7 +123,7 @@ Json geometryJson(const std::string& owner, const robots::Geometry& geometry) {
   return json;
 }
 
-/// Obstacles that deform: strategy, bytes and bounds at the start.
+/// Deforming obstacles: strategy, bytes, and bounds at the start.
 Json deformingJson(const planner::Problem& problem) {
   Json list = Json::array();
   for (const planner::DeformingObstacle& obstacle : problem.world.deforming) {

@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The name of an XML file's root element, empty where it cannot be read, and that element's
-/// attribute `name`.
+/// The name of an XML file's root element, or an empty text if the file cannot be read. Sets
+/// `robot_name` to the element's attribute `name`.
 std::string rootElementName(const std::string& file, std::string& robot_name) {
   tinyxml2::XMLDocument document;
   if (document.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS ||
@@ -28,8 +28,8 @@ std::string rootElementName(const std::string& file, std::string& robot_name) {
   return document.RootElement()->Name();
 }
 
-/// An SRDF says little without its URDF: the one with the SRDF's robot name in its folder or the
-/// folder above.
+/// Finds the URDF that an SRDF belongs to, because an SRDF alone describes little. It is the URDF
+/// with the SRDF's robot name in its folder or in the folder above.
 std::string findUrdfOf(const std::string& srdf) {
   std::string robot_name;
   rootElementName(srdf, robot_name);

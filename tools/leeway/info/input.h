@@ -9,12 +9,12 @@ namespace leeway::tools::info {
 
 enum class FileKind { kUrdf, kSrdf, kProblem };
 
-/// By the file's ending. Throws robots::InputError for another one.
+/// The kind by the file's ending. Throws robots::InputError for other endings.
 FileKind kindOf(const std::string& file);
 
-/// Reads a problem, or a robot as a problem that plans every variable and has no objects.
-/// `source`: options of the robot, and the URDF or SRDF that belongs to the file; the URDF of an
-/// SRDF is looked for beside it where `source` names none. Throws robots::InputError.
+/// Reads a problem, or a robot as a problem that plans every variable and has no objects. `source`:
+/// options of the robot, and the URDF or SRDF that belongs to the file. If it names no URDF for an
+/// SRDF, looks for one next to the SRDF. Throws robots::InputError.
 planner::Problem loadFile(const std::string& file, FileKind kind, ProblemSource source);
 
 }  // namespace leeway::tools::info

@@ -59,10 +59,10 @@ void printDeforming(const Json& problem) {
                  e["foresight"] == "motion" ? "motion" : "speed bound")));
 }
 
-/// Rows of a table that one screen shows.
+/// The number of rows of a table that fit on a screen.
 constexpr std::size_t kRows = 12;
 
-/// Leaves the first of many rows, and says how many there are besides.
+/// Prints the first of many rows, and the number of the others.
 void printRows(const std::vector<std::string>& heading, std::vector<std::vector<std::string>> rows,
                const std::vector<std::size_t>& left, bool all) {
   const std::size_t more = all || rows.size() <= kRows + 1 ? 0 : rows.size() - kRows;
@@ -139,7 +139,7 @@ void printProblem(const Json& problem) {
   printDeforming(problem);
 }
 
-/// Puts runs of equal rows, as the boxes of an octree make them, into one row with their number.
+/// Joins runs of equal rows, such as the boxes of an octree, into one row with their number.
 std::vector<std::vector<std::string>> joined(const std::vector<std::vector<std::string>>& rows) {
   constexpr std::size_t kMostAlike = 16;
   std::vector<std::vector<std::string>> shown;
@@ -213,7 +213,7 @@ void printCompiled(const Json& compiled, bool all) {
              compiled["pairs_kept"].get<int>(), compiled["pairs_dropped"].get<int>());
   for (const auto& [reason, count] : compiled["dropped_by_reason"].items()) {
     fmt::print("  {} left out: {}\n", count.get<int>(), reason);
-    // These pairs are assumed to touch, so they are listed by name.
+    // Lists these pairs by name, because they are only assumed to touch.
     if (reason != toString(planner::Unchecked::kTouchSampled)) continue;
     for (const Json& pair : compiled["dropped"])
       if (pair["reason"] == reason)

@@ -2,8 +2,8 @@
 
 #include "tools/leeway/support/json_result.h"
 
-// Print the JSON of description.h to stdout for people. Without `all` long tables show their first
-// rows, and how meshes are looked at is left out: one screen.
+// Print the JSON of description.h to stdout for people. Without `all`, the output fits on one
+// screen: long tables show their first rows, and the treatment of meshes is not shown.
 
 namespace leeway::tools::info {
 

@@ -12,7 +12,7 @@ std::vector<std::string> verbNames(const CLI::App& app) {
   return names;
 }
 
-/// Within single quotes of a shell.
+/// Quotes a text for a shell with single quotes.
 std::string shellQuoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) {
@@ -25,7 +25,7 @@ std::string shellQuoted(const std::string& text) {
   return result + "'";
 }
 
-/// Words of _arguments and _describe, where brackets and colons have a meaning.
+/// Escapes words of _arguments and _describe, where brackets and colons have a meaning.
 std::string zshText(const std::string& text) {
   std::string result;
   for (const char c : text) {

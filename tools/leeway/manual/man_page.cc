@@ -7,7 +7,7 @@
 namespace leeway::tools {
 namespace {
 
-/// Text as roff prints it: no backslash, hyphen or leading dot is taken for more than it is.
+/// Escapes a text for roff, so that backslashes, hyphens and leading dots are printed as they are.
 std::string escaped(const std::string& text) {
   std::string result;
   bool line_start = true;
@@ -25,7 +25,7 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-/// Footers are prose, and examples that are indented by two blanks.
+/// Formats a footer: prose, and examples that are indented by two blanks.
 std::string footer(const std::string& text) {
   std::string page;
   std::istringstream in(text);

@@ -17,7 +17,7 @@ using collision::Pose;
 using collision::Shape;
 using robots::InputError;
 
-/// The words of one line, taken one by one; every complaint knows the place.
+/// Reads the words of one line one by one. Every error has the file and line.
 class LineReader {
  public:
   LineReader(const std::string& file, int line, const std::string& text)
@@ -84,13 +84,13 @@ class LineReader {
 };
 
 Shape readHull(LineReader& line, std::vector<Eigen::Vector3d>& vertices) {
-  // A limit that no file meets and that keeps a mistyped count from asking for all memory.
+  // No valid file reaches this limit. It keeps a mistyped count from requesting all memory.
   constexpr std::int64_t kMost = 10'000'000;
   const std::int64_t vertex_count = line.integer("the number of vertices", 1, kMost);
   const std::int64_t face_count = line.integer("the number of faces", 0, kMost);
   for (std::int64_t i = 0; i < vertex_count; ++i)
     vertices.push_back(line.vector("a vertex coordinate"));
-  // The engine makes its own facets; the file's are read so that a broken line does not pass.
+  // The engine computes its own facets. The file's are read only to report broken lines.
   for (std::int64_t i = 0; i < 3 * face_count; ++i)
     line.integer("a vertex index of a face", 0, vertex_count - 1);
   return Shape::convexHull(std::span<const Eigen::Vector3d>(vertices));
@@ -115,7 +115,7 @@ Shape readShape(LineReader& line, std::vector<Eigen::Vector3d>& points) {
             "'; box, sphere, capsule, cylinder or hull is expected");
 }
 
-/// Calls f(line reader, first word) for every line that says something.
+/// Calls f(line reader, first word) for every line with contents.
 template <typename Function>
 void forEachLine(const std::string& file, const Function& f) {
   std::ifstream stream(file);

@@ -34,8 +34,8 @@ constexpr const char* kDescription = R"(Plans motions of robots and proves how m
 
 Exit status: 0 yes (solved, valid, certified), 1 no, 2 bad usage or input, 70 a fault of this program.)";
 
-/// What was meant by a word that nothing expects: the nearest verb or option, as a clause; empty:
-/// none is near.
+/// Returns the verb or option that is nearest to an unexpected word, as a clause; empty if none is
+/// near.
 std::string suggestion(const CLI::App& app, const std::string& word) {
   std::vector<std::string> known;
   for (const CLI::App* verb : app.get_subcommands({})) known.push_back(verb->get_name());
@@ -46,8 +46,8 @@ std::string suggestion(const CLI::App& app, const std::string& word) {
   return nearest == nullptr ? "" : fmt::format(" (did you mean {}?)", *nearest);
 }
 
-/// The first word that is given and that nothing expects: no verb where one must stand, or an
-/// option that the verb does not have. Empty: none of these.
+/// The first unexpected word: a word in the place of the verb that is not a verb, or an option that
+/// the verb does not have. Empty if there is neither.
 std::string unexpectedWord(const CLI::App* verb, const std::vector<std::string>& words) {
   if (verb == nullptr) return words.empty() ? "" : words.front();
   for (const std::string& word : words) {
@@ -58,7 +58,7 @@ std::string unexpectedWord(const CLI::App* verb, const std::vector<std::string>&
   return {};
 }
 
-/// One line on stderr; with --json the answer, too, is a document that says it.
+/// Prints one line on stderr. With --json, also prints a document with the error as the answer.
 void reportError(const std::string& message, bool json) {
   endProgress();
   fmt::print(stderr, "{}\n", message);
@@ -85,7 +85,8 @@ int reportUsage(const CLI::App& app, const CLI::ParseError& error,
   return kBadInput;
 }
 
-/// An empty value, as a script's variable that was never set leaves it, is not an option left out.
+/// Refuses empty values. A script's unset variable leaves one, and it differs from a missing
+/// option.
 void refuseEmptyValues(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     if (option->get_type_size() > 0) {
@@ -105,7 +106,7 @@ bool hasVerb(const CLI::App& app, const std::string& name) {
                      [&](const CLI::App* verb) { return verb->get_name() == name; });
 }
 
-/// For every verb alike.
+/// Adds --quiet to every verb.
 void addQuiet(CLI::App& app) {
   for (CLI::App* verb : app.get_subcommands({})) {
     verb->add_flag_callback("--quiet", setQuiet, "errors alone on stderr: no warnings or progress");
@@ -113,7 +114,7 @@ void addQuiet(CLI::App& app) {
   }
 }
 
-/// `help`, `help VERB` and `help report VERB`: what is meant by them, `VERB --help`.
+/// Turns `help`, `help VERB` and `help report VERB` into `VERB --help`.
 std::vector<std::string> wordsOf(int argc, char** argv) {
   std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
   if (!words.empty() && words.front() == kHelp) {
@@ -140,7 +141,7 @@ int run(std::vector<std::string> words, bool json, const AddVerbs& add_verbs) {
     if (words.size() > 1 && words.back() == "--help" && !words.front().starts_with("-") &&
         !hasVerb(app, words.front()))
       throw CLI::ExtrasError({words.front()});
-    // CLI11 takes them from the end.
+    // CLI11 takes the words from the end.
     app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::ParseError& error) {
     return reportUsage(app, error, words, json);
@@ -153,8 +154,8 @@ int run(std::vector<std::string> words, bool json, const AddVerbs& add_verbs) {
   return kInternal;
 }
 
-/// Where no handler is left, in a destructor or a thread of a library: a message and a status all
-/// the same. Neither allocates.
+/// Ends the program with a message and a status where no handler is left, such as in a destructor
+/// or in a thread of a library. Does not allocate.
 [[noreturn]] void onTerminate() {
   constexpr std::string_view kMessage =
       "leeway: a fault of this program, for which memory may lack\n";
@@ -188,7 +189,7 @@ int runGuarded(int argc, char** argv, const AddVerbs& add_verbs) {
                 json);
     return kBadInput;
   } catch (const std::bad_alloc&) {
-    // Words made from more memory would fail again.
+    // A longer message would need memory and fail again.
     std::fputs("leeway: out of memory\n", stderr);
     return kInternal;
   } catch (const std::exception& error) {
@@ -198,8 +199,8 @@ int runGuarded(int argc, char** argv, const AddVerbs& add_verbs) {
   }
 }
 
-/// An answer that could not be written is none, whatever it said. A full disk may show only when
-/// the buffers are emptied.
+/// Whether the whole answer was written; otherwise its status does not count. A full disk may be
+/// reported only when the buffers are flushed.
 bool answerIsWritten() {
   const bool failed_before = std::ferror(stdout) != 0;
   if (std::fflush(stdout) == 0 && !failed_before) {
@@ -213,12 +214,12 @@ bool answerIsWritten() {
 }  // namespace
 
 int runCommandLine(int argc, char** argv, const AddVerbs& add_verbs) {
-  // glibc looks for its unwinder when an exception first leaves a frame of its own, as those of
-  // std::call_once, and ends the process where memory has run out by then. So it looks now.
+  // glibc loads its unwinder when an exception first leaves one of its own frames, such as those of
+  // std::call_once. If memory has run out by then, it ends the process. So load it now.
   void* frame = nullptr;
   static_cast<void>(::backtrace(&frame, 1));
   std::set_terminate(onTerminate);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is one that cannot be written
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit cannot be written
   const int status = runGuarded(argc, argv, add_verbs);
   return answerIsWritten() || status >= kBadInput ? status : kBadInput;
 }

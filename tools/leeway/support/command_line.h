@@ -9,8 +9,8 @@ namespace leeway::tools {
 
 constexpr const char* kHelp = "help";  ///< `leeway help VERB` is `leeway VERB --help`
 
-/// Parses the command line against the verbs that `add_verbs` declares and runs the one that it
-/// names. Faults go to stderr. Returns the ExitStatus; kBadInput, too, where stdout takes no more.
+/// Parses the command line with the verbs that `add_verbs` declares, and runs the chosen verb.
+/// Faults go to stderr. Returns the ExitStatus; kBadInput also if stdout cannot be written.
 int runCommandLine(int argc, char** argv,
                    const std::function<std::vector<Verb>(CLI::App&)>& add_verbs);
 

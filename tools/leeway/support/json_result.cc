@@ -212,7 +212,7 @@ Json toJson(const planner::VerifyResult& result) {
   const bool certified = result.status == planner::VerifyStatus::kCertified;
   Json document = {{"status", toString(result.status)},
                    {"clearance_lower", certified ? jsonNumber(result.clearance_lower) : Json()}};
-  Json where;  // null: certified, or the failure is not at a place of the path
+  Json where;  // null: certified, or the failure has no place on the path
   if (!certified && result.status != planner::VerifyStatus::kNothingChecked &&
       result.segment >= 0) {
     where = {{"segment", result.segment}, {"t0", result.t0}, {"t1", result.t1}};

@@ -12,34 +12,33 @@ namespace leeway::tools {
 
 using Json = nlohmann::ordered_json;
 
-/// Infinity and NaN become null: where there is nothing to be near, there is no clearance.
+/// Infinity and NaN become null. A clearance is null if nothing is near.
 Json jsonNumber(double value);
 Json jsonVector(const Eigen::Vector3d& v);
 
-/// The clouds of the world, with the number of balls that each filter removed: an answer holds for
-/// the rest.
+/// The clouds of the world, with the number of balls that each filter removed. An answer is valid
+/// for the remaining balls.
 Json cloudsJson(const planner::Problem& problem);
 
-/// The document of `plan --json`. `trajectory`: of a solved problem. `load_s`: what reading the
-/// files took [s].
+/// The document of `plan --json`. `trajectory`: for a solved problem. `load_s`: the time in which
+/// the files were read [s].
 Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
             const std::optional<planner::Trajectory>& trajectory, double load_s);
 /// The document of `verify --json`.
 Json toJson(const planner::VerifyResult& result);
 const char* toString(planner::VerifyStatus status);  ///< "certified", "refuted", ...
 
-/// As text: `indent` -1 for one line. Names and paths that are not UTF-8 are shown with the
-/// replacement character, as JSON has no other way.
+/// A document as text, in one line if `indent` is -1. Names and paths that are not UTF-8 get the
+/// replacement character, because JSON cannot contain them.
 std::string jsonText(const Json& document, int indent = -1);
 
-/// Of all documents that the command prints (docs/json.md); rises when a key goes or changes its
-/// meaning, not when one is added.
+/// The version of all documents that the command prints (docs/json.md). It rises when a key is
+/// removed or changes its meaning, not when a key is added.
 constexpr int kJsonVersion = 1;
-/// The object with `version` before its keys.
+/// The object with `version` as its first key.
 Json versioned(const Json& document);
 
-/// versioned(), one line with a line break, to stdout, or an indented document for people's eyes
-/// when stdout is a terminal.
+/// Prints versioned() to stdout: one line, or an indented document if stdout is a terminal.
 void printJson(const Json& document);
 
 }  // namespace leeway::tools

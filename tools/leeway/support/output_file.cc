@@ -15,8 +15,8 @@
 namespace leeway::tools {
 namespace {
 
-/// Where a file is, or would be, by links. Absolute first: names of no existing file stay relative
-/// otherwise.
+/// The place where a file is or would be, with links resolved. Makes the name absolute first,
+/// because weakly_canonical() leaves names of missing files relative.
 std::filesystem::path placeOf(const std::string& file) {
   std::error_code error;
   const std::filesystem::path absolute = std::filesystem::absolute(file, error);
@@ -54,7 +54,7 @@ void checkOutputFile(const std::string& file, std::span<const std::string_view> 
 void expectApart(std::span<const std::string> outputs, std::span<const std::string> inputs) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (outputs[i].empty()) continue;
-    std::error_code none;  // what is not there is not the same
+    std::error_code none;  // a missing file is a different file
     for (const std::string& input : inputs)
       if (!input.empty() && std::filesystem::equivalent(outputs[i], input, none))
         throw robots::InputError(outputs[i], 0,

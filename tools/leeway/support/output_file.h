@@ -6,13 +6,12 @@
 
 namespace leeway::tools {
 
-/// Throws robots::InputError for a name whose ending is none of `endings` (".csv", ...) and for one
-/// in a folder that is not there or may not be written: found out before the work is done rather
-/// than after it.
+/// Throws robots::InputError unless the name has one of `endings` (".csv", ...) and its folder
+/// exists and may be written. Verbs call it before their work, so that no work is lost.
 void checkOutputFile(const std::string& file, std::span<const std::string_view> endings);
 
-/// Throws robots::InputError where an output is the same file as an input or another output, by
-/// whatever name: it would be lost. Empty names are none.
+/// Throws robots::InputError if an output is the same file as an input or another output, even
+/// under another name, because it would be overwritten. Ignores empty names.
 void expectApart(std::span<const std::string> outputs, std::span<const std::string> inputs);
 
 }  // namespace leeway::tools

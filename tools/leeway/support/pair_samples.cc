@@ -15,7 +15,7 @@
 namespace leeway::tools {
 namespace {
 
-/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers with every library.
+/// SplitMix64 (Steele, Lea, Flood 2014): gives the same numbers with every library.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -50,7 +50,7 @@ void samplePoint(const planner::ConfigurationSpace& space, Random& random,
       sampleRotation(random, &point[first]);
       continue;
     }
-    // Narrower limits of a problem would make pairs touch nearly always that do not.
+    // With a problem's narrower limits, other pairs would seem to touch nearly always.
     const int v = space.variables()[first];
     auto [lower, upper] = space.model().variables[static_cast<std::size_t>(v)].touchRange();
     if (!std::isfinite(lower)) lower = -std::numbers::pi;
@@ -59,7 +59,7 @@ void samplePoint(const planner::ConfigurationSpace& space, Random& random,
   }
 }
 
-/// The distance of a pair where the links stand [m].
+/// The distance of a pair with the links at X_WL [m].
 collision::Interval distanceOf(const planner::CompiledScene& scene,
                                const collision::ScenePair& pair, std::span<const robots::Pose> X_WL,
                                const collision::DistanceRequest& request,
@@ -95,7 +95,7 @@ std::vector<int> limitedPassive(const planner::CompiledScene& scene) {
   return passive;
 }
 
-/// Whether a pair is not proven apart where the links stand.
+/// Whether a pair is not proven apart with the links at X_WL.
 bool touches(const planner::CompiledScene& scene, const collision::ScenePair& pair,
              std::span<const robots::Pose> X_WL, collision::Scratch& scratch) {
   collision::DistanceRequest request;
@@ -104,7 +104,7 @@ bool touches(const planner::CompiledScene& scene, const collision::ScenePair& pa
   return !(distanceOf(scene, pair, X_WL, request, scratch).lower > 0);
 }
 
-/// Whether a pair is proven to keep its margin where the links stand.
+/// Whether a pair is proven to keep its margin with the links at X_WL.
 bool keepsMargin(const planner::CompiledScene& scene, const collision::ScenePair& pair,
                  std::span<const robots::Pose> X_WL, collision::Scratch& scratch) {
   collision::DistanceRequest request;
@@ -113,7 +113,7 @@ bool keepsMargin(const planner::CompiledScene& scene, const collision::ScenePair
   return distanceOf(scene, pair, X_WL, request, scratch).lower > pair.margin;
 }
 
-/// Where the links stand at a point of the space.
+/// The poses of the links at a point of the space.
 std::vector<robots::Pose> linksAt(const planner::CompiledScene& scene,
                                   std::span<const double> point) {
   std::vector<double> q(scene.model().variables.size());
@@ -137,7 +137,7 @@ std::vector<PairSamples> samplePairs(const planner::CompiledScene& scene, int sa
   std::vector<PairSamples> result;
   for (const auto& [bodies, numbers] : of_bodies)
     result.push_back({static_cast<int>(numbers.front()), 0});
-  // A pair that only joints beside the planned ones move would touch in all samples or none.
+  // Otherwise a pair that only joints outside the plan move would touch in all samples or in none.
   const std::vector<int> passive = limitedPassive(scene);
   Random random(seed);
   collision::Scratch scratch;

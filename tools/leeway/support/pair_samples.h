@@ -11,42 +11,43 @@
 
 namespace leeway::tools {
 
-/// In how many random configurations two bodies of the robot touched, whatever their margin.
+/// The number of random configurations in which two bodies of the robot touch; margins do not
+/// count.
 struct PairSamples {
   int pair = -1;  ///< one of their pairs of geometries
   int hits = 0;
 };
 
-/// Asks all pairs of two bodies of the robot at `samples` configurations, uniform within the limits
-/// of the robot's file, of the planned variables and of other joints with limits (unlimited planned
-/// ones within +-pi, all else as in the problem). What this suggests is a hint to a user: every
-/// pair stays checked. Same seed, same counts. Throws robots::Stopped for an interrupt. O(samples *
-/// pairs).
+/// Checks all pairs of two bodies of the robot at `samples` configurations. Planned variables and
+/// other joints with limits are uniform within the limits of the robot's file; unlimited planned
+/// ones are within +-pi, and all others are as in the problem. The result is a hint for a user:
+/// every pair stays checked. The same seed gives the same counts. Throws robots::Stopped for an
+/// interrupt. O(samples * pairs).
 std::vector<PairSamples> samplePairs(const planner::CompiledScene& scene, int samples,
                                      std::uint64_t seed);
 
-/// Bodies that touch in this share of the samples touch nearly always, as MoveIt's assistant has
-/// it.
+/// Bodies that touch in this share of the samples touch nearly always. MoveIt's assistant uses the
+/// same share.
 inline constexpr double kNearlyAlways = 0.95;
 
-/// What to do about those of `pairs` that touch nearly always, in words; empty: there are none.
+/// Returns advice about those of `pairs` that touch nearly always; empty without such pairs.
 std::string allowHint(const planner::Problem& problem, const std::vector<PairNames>& pairs);
 
-/// All pairs of bodies that are not proven to keep their margin at a point of the space, each once,
-/// `known` first, which a query has found. One distance query a pair of geometries.
+/// All pairs of bodies that are not proven to keep their margin at a point of the space, each once.
+/// `known`, which an earlier query found, comes first. One distance query per pair of geometries.
 std::vector<PairNames> pairsTooNear(const planner::CompiledScene& scene,
                                     std::span<const double> point, const PairNames& known);
 
-/// A pair of bodies that is proven to overlap at a point of the space, whatever its margin; empty
-/// names: there is none. Cost as pairsTooNear(), without depths.
+/// A pair of bodies that is proven to overlap at a point of the space, regardless of its margin;
+/// empty names if none is. Costs as much as pairsTooNear() without depths.
 PairNames overlappingPair(const planner::CompiledScene& scene, std::span<const double> point);
 
-/// The same at the start that a plan has refused; of another state the pair that it names. Empty
-/// where a plan names no pair.
+/// The same at the start that a plan has refused. For another state, returns the pair that the plan
+/// names; empty if it names none.
 std::vector<PairNames> pairsTooNear(const planner::Problem& problem,
                                     const planner::PlanResult& result);
 
-/// "a and b; c and d", all of them.
+/// The text "a and b; c and d" with all pairs.
 std::string pairsText(const std::vector<PairNames>& pairs);
 
 }  // namespace leeway::tools

@@ -11,10 +11,10 @@
 namespace leeway::tools {
 namespace {
 
-/// Half a unit in the last place of a joint value of 8 rad in single precision is 2.4e-7; no robot
-/// could tell.
+/// Half a unit in the last place of a joint value of 8 rad in single precision is 2.4e-7. Robots
+/// are not that accurate.
 constexpr double kNearEnd = 1e-6;
-/// The verifier itself takes what is nearer than this.
+/// The verifier itself accepts ends that are nearer than this.
 constexpr double kExactEnd = 1e-9;
 
 using Kind = planner::ConfigurationSpace::Kind;
@@ -26,7 +26,7 @@ std::vector<double> nearestInGoal(const planner::ConfigurationSpace& space,
     const auto i = static_cast<std::size_t>(part.first);
     const auto [low, high] = goal.ranges[i];
     if (part.kind == Kind::kRotation) {
-      // A quaternion is given whole, or free.
+      // A quaternion is given as a whole, or it is free.
       if (low != high) continue;
       for (std::size_t k = i; k < i + 4; ++k) q[k] = goal.ranges[k].first;
       continue;

@@ -21,7 +21,7 @@
 namespace leeway::tools {
 namespace {
 
-// Limits of --time [s]: a clock tick, and thirty years.
+// Limits of --time [s]: about a clock tick, and thirty years.
 constexpr double kLeastTime = 1e-6;
 constexpr double kMostTime = 1e9;
 
@@ -60,13 +60,13 @@ CLI::Validator countFrom(std::int64_t lower, std::int64_t upper) {
 
 namespace {
 
-/// "METRES": what stands for an option's value.
+/// The placeholder of an option's value in the help: "METRES".
 std::string valueName(const planner::Setting& setting) {
   if (setting.unit == "m") return "METRES";
   if (setting.unit == "s") return "SECONDS";
   if (std::holds_alternative<planner::SettingPlace<double>>(setting.value)) return "SHARE";
   if (!std::holds_alternative<planner::SettingPlace<std::string>>(setting.value)) return "N";
-  std::string name(setting.name);  // PLANNER, which completions know
+  std::string name(setting.name);  // PLANNER, which completions use
   for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   return name;
 }
@@ -92,13 +92,13 @@ CLI::Validator validatorOf(const planner::Setting& setting) {
   return {[](const std::string&) { return std::string(); }, ""};
 }
 
-/// Adds the option of a setting. `more`: what its help says besides.
+/// Adds the option of a setting. `more`: a further sentence of its help.
 void addSetting(CLI::App& app, const planner::Setting& setting, PlanOverrides& overrides,
                 const std::string& more = "") {
   const std::string option(setting.option), name(setting.name);
   std::string help(setting.help);
   help[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(help[0])));
-  if (!setting.unit.empty())  // behind the first sentence
+  if (!setting.unit.empty())  // after the first sentence
     help.insert(std::min(help.find(". "), help.size()), fmt::format(" [{}]", setting.unit));
   help += more;
   if (std::holds_alternative<planner::SettingPlace<bool>>(setting.value)) {
@@ -168,7 +168,7 @@ bool hasObjectiveOption(const PlanOverrides& overrides) {
   });
 }
 
-/// --hinge, --inverse, --length-weight: an objective of their own.
+/// Applies --hinge, --inverse and --length-weight, which form an objective.
 void applyCost(const PlanOverrides& overrides, planner::Problem& problem) {
   if (!overrides.hinge && !overrides.inverse) {
     if (overrides.length_weight)
@@ -186,7 +186,7 @@ void applyCost(const PlanOverrides& overrides, planner::Problem& problem) {
   problem.objective = planner::MinimumCost{overrides.length_weight.value_or(0), {term}};
 }
 
-/// --upright: a constraint besides the problem's.
+/// Applies --upright, a constraint in addition to the problem's.
 void applyUpright(const PlanOverrides& overrides, planner::Problem& problem) {
   if (overrides.upright.empty()) return;
   const std::string &axis = overrides.upright[1], text = overrides.upright[2];
@@ -209,7 +209,7 @@ void applyUpright(const PlanOverrides& overrides, planner::Problem& problem) {
   if (const auto fault = planner::constraintsFault(problem)) refuse(*fault);
 }
 
-/// --improve is of one search and one objective: elsewhere it would be ignored.
+/// Refuses --improve with another search or objective than its own, because it would be ignored.
 void expectImproves(const std::string& improve, const planner::Problem& problem) {
   if (planner::parameterNumber(improve) == 0.0) return;
   const auto refuse = [&](const std::string& why) {
@@ -226,7 +226,7 @@ void expectImproves(const std::string& improve, const planner::Problem& problem)
         "--time");
 }
 
-/// The value of a text that its validator has accepted.
+/// The value of a text that the option's validator has accepted.
 template <class Integer>
 Integer wholeNumber(const std::string& text) {
   Integer value = 0;
@@ -234,7 +234,7 @@ Integer wholeNumber(const std::string& text) {
   return value;
 }
 
-/// Puts the text of a setting, which its validator has accepted, into a problem.
+/// Puts the text of a setting, which the option's validator has accepted, into a problem.
 struct Apply {
   const planner::Setting& setting;
   const std::string& text;
@@ -308,11 +308,11 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
   for (const planner::Setting& setting : planner::settings()) {
     const auto given = overrides.given.find(setting.name);
     if (given == overrides.given.end()) continue;
-    // Parameters belong to the planner that the file names.
+    // The file's parameters belong to the file's planner.
     if (setting.name == "planner" && given->second != problem.planner.name)
       problem.planner.parameters.clear();
-    // --at-most-longer alone means the objective clearance. (Length is the objective where nothing
-    // is said: --keep beside another one in the file contradicts it.)
+    // --at-most-longer alone implies the objective clearance. --keep alone does not imply length,
+    // which is the default: beside another objective in the file, it contradicts the file.
     if (setting.objective() == "clearance" && !overrides.given.contains("objective") &&
         !overrides.given.contains("keep") &&
         !std::holds_alternative<planner::MaximumClearance>(problem.objective))

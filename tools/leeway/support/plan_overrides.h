@@ -15,7 +15,7 @@
 
 namespace leeway::tools {
 
-/// Settings from the command line, which take the place of the problem's.
+/// Settings from the command line, which replace the problem's.
 struct PlanOverrides {
   /// The text of each setting (leeway/planner/settings.h) that was given, by the setting's name.
   std::map<std::string, std::string, std::less<>> given;
@@ -25,22 +25,22 @@ struct PlanOverrides {
   std::string certificate = "path";
 
   std::optional<double> timeLimit() const;  ///< [s]
-  /// Each setting that was given, by its name.
+  /// The given settings by their names.
   Json json() const;
 };
-/// interactivePlanOptions() for a plan of `problem`, with the certificate that is asked for.
+/// interactivePlanOptions() for a plan of `problem`, with the certificate detail for its output.
 planner::PlanOptions planOptions(const PlanOverrides& overrides, const planner::Problem& problem);
 
-/// What is wrong with the text of a seed; empty: nothing. CLI11 alone takes -1 for the largest.
+/// Returns the fault of a seed's text; else empty. CLI11 alone would accept -1 as the largest seed.
 std::string seedError(const std::string& text);
-/// Validators of option values, as CLI::Range but for NaN, which that takes, and counts too large
+/// Validators of option values. Unlike CLI::Range, they refuse NaN, and counts that are too large
 /// for their type.
 CLI::Validator numberFrom(double lower, double upper);
 CLI::Validator countFrom(std::int64_t lower,
                          std::int64_t upper = std::numeric_limits<std::int64_t>::max());
-/// --seed and --time: for verbs that answer questions about what is given.
+/// Adds --seed and --time, for verbs that check given states or paths.
 void addRunLimits(CLI::App& app, PlanOverrides& overrides);
-/// Those and the options of all other settings: for verbs that plan.
+/// Adds those and the options of all other settings, for verbs that plan.
 void addPlanOverrides(CLI::App& app, PlanOverrides& overrides);
 
 void apply(const PlanOverrides& overrides, planner::Problem& problem);

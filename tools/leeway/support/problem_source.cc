@@ -26,7 +26,7 @@ void badUsage(const std::string& message) { throw robots::InputError("command li
 
 namespace {
 
-/// The planned group: that of --group, or the one that --chain adds.
+/// The planned group: the group of --group, or the one that --chain adds.
 std::string plannedGroup(const ProblemSource& source) {
   if (source.chain.empty()) return source.group;
   if (!source.group.empty())
@@ -84,7 +84,7 @@ planner::Problem loadFromRobot(const ProblemSource& source) {
                                     pose ? source.start : source.goal);
 }
 
-/// FRAME x y z qx qy qz qw: one pose of --goal-pose.
+/// Parses FRAME x y z qx qy qz qw, one pose of --goal-pose.
 planner::FramePose parseFramePose(std::span<const std::string> words) {
   planner::FramePose pose;
   pose.frame = words[0];
@@ -107,7 +107,7 @@ planner::FramePose parseFramePose(std::span<const std::string> words) {
   return pose;
 }
 
-/// Puts the goal of --goal-pose in place of the problem's.
+/// Replaces the problem's goals by the goal of --goal-pose.
 void takeGoalPose(const ProblemSource& source, planner::Problem& problem) {
   constexpr std::size_t kWords = 8;
   if (!problem.steps.empty()) badUsage("--goal-pose: the problem has steps, no goal");
@@ -121,7 +121,7 @@ void takeGoalPose(const ProblemSource& source, planner::Problem& problem) {
   problem.goals = {goal};
 }
 
-/// Puts the line of --waypoints in place of the problem's goals.
+/// Replaces the problem's goals by the line of --waypoints.
 void takeWaypoints(const ProblemSource& source, planner::Problem& problem) {
   if (!problem.steps.empty()) badUsage("--waypoints: the problem has steps, no goal");
   if (!source.goal_pose.empty())
@@ -260,7 +260,7 @@ robots::LoadOptions loadOptions(const ProblemSource& source) {
 
 namespace {
 
-/// --bounds and --widen.
+/// Parses --bounds and --widen.
 robots::JointBounds boundsOf(const ProblemSource& source) {
   constexpr std::size_t kWords = 3;
   robots::JointBounds bounds;
@@ -313,7 +313,7 @@ std::shared_ptr<const robots::Model> loadRobotModel(const std::string& urdf,
 
 namespace {
 
-/// Notes what answers do not count: the balls that filters removed, and what was not seen.
+/// Notes what the answers do not cover: the balls that filters removed, and unseen space.
 void printLeftOut(const planner::Problem& problem) {
   if (isQuiet()) return;
   for (const planner::Object& object : problem.world.objects) {
@@ -368,12 +368,12 @@ planner::Problem loadProblem(const ProblemSource& given, std::optional<double> t
     source.stop = reading.stop();
     problem = readProblem(source);
     if (source.kinematics_only && !problem.start_poses.empty()) {
-      // Joint values of such a start are those that collide with nothing.
+      // Such a start needs collisions, because its joint values must be free.
       source.kinematics_only = false;
       problem = readProblem(source);
     }
   }
-  robots::throwIfStopped(interrupted, "the problem was read");  // after the last question
+  robots::throwIfStopped(interrupted, "the problem was read");  // after the last call of stop()
   return planner::placeStart(problem);
 }
 

@@ -21,7 +21,7 @@ std::string meantState(const robots::Model& model, const std::string& text,
                        std::vector<std::string> words) {
   if (text.find_first_of(",=") != std::string::npos || robots::parseNumber(text)) return "";
   for (const robots::GroupState& state : robots::namedStates(model)) {
-    // Groups may have states of one name.
+    // Several groups may have states of the same name.
     if (std::find(words.begin(), words.end(), state.name) == words.end())
       words.push_back(state.name);
   }

@@ -7,27 +7,28 @@
 
 namespace leeway::tools {
 
-/// A configuration of the whole robot, one number a variable, from `--state TEXT`: "start", a group
-/// state, all planned values (1,0,2) or some variables' (elbow=1,wrist=2). What it does not name is
-/// as at the problem's start. Throws robots::InputError.
+/// Parses `--state TEXT` into a configuration of the whole robot, one number per variable. The text
+/// is "start", a group state, all planned values (1,0,2) or the values of some variables
+/// (elbow=1,wrist=2). Other variables are as at the problem's start. Throws robots::InputError.
 std::vector<double> parseConfiguration(const planner::Problem& problem, const std::string& text);
 
-/// The link of that name. Throws robots::InputError, which names those that there are.
+/// The link of that name. Throws robots::InputError with the names of all links.
 int parseLink(const robots::Model& model, const std::string& name);
 
-/// Like std::stod() of a whole text, and finite. Throws robots::InputError that names `option`.
+/// Parses a whole text as std::stod() does, as a finite number. Throws robots::InputError that
+/// names `option`.
 double parseNumber(const std::string& option, const std::string& text);
 
 /// Throws robots::InputError about `--state TEXT`.
 [[noreturn]] void badState(const std::string& text, const std::string& message);
 
-/// The end of a message about a `--state` that is no state: where it is a word, which of `words`
-/// and of the group states may be meant. Empty for anything else, such as too few numbers.
+/// The end of a message about an invalid `--state`: for a word, which of `words` or of the group
+/// states may be meant. Empty for other texts, such as too few numbers.
 std::string meantState(const robots::Model& model, const std::string& text,
                        std::vector<std::string> words);
 
-/// Throws robots::InputError where `text` names a group state that is left out, of a group that has
-/// the planned joints.
+/// Throws robots::InputError if `text` names a group state that the loader left out, of a group
+/// that has the planned joints.
 void refuseLeftOut(const planner::Problem& problem, const std::string& text);
 
 std::vector<std::string> splitAt(char separator, const std::string& text);

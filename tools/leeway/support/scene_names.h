@@ -7,16 +7,16 @@
 
 namespace leeway::tools {
 
-/// The two things of a scene's pair, as a user named them: links and objects. Empty for pair -1.
+/// The two links or objects of a scene's pair, by their names. Empty for pair -1.
 struct PairNames {
   std::string a, b;
 };
 PairNames pairNames(const planner::CompiledScene& scene, int pair);
 
-/// Where obstacles move: the time of their motions [s] at which plans, checks and proofs look at
-/// them. Nothing where all stand still.
+/// If obstacles move, the time of their motions [s] at which plans, checks and proofs place them.
+/// Nothing if all are at rest.
 std::optional<double> obstaclesAt(const planner::Problem& problem);
-/// The same for the end of a sentence, with a space before it.
+/// The same as the end of a sentence, with a space before it.
 std::string obstaclesText(const planner::Problem& problem);
 
 }  // namespace leeway::tools

@@ -23,13 +23,13 @@ timespec first_interrupt{};
 bool progress_shown = false;
 bool quiet = false;
 
-constexpr double kQuietReading = 1;       // what is read sooner is not shown [s]
-constexpr double kRedraw = 0.1;           // from one progress line to the next, where many come [s]
-constexpr std::size_t kManyUnits = 1000;  // of more, not each one redraws the line
+constexpr double kQuietReading = 1;       // faster reading is not shown [s]
+constexpr double kRedraw = 0.1;           // least time between two progress lines [s]
+constexpr std::size_t kManyUnits = 1000;  // above this, not every unit redraws the line
 
-/// The first interrupt ends planning with the best path so far; one more ends the program. What
-/// follows within a quarter of a second is the same interrupt: timeout(1) signals its child and
-/// then the child's group, a shell may do as much.
+/// The first interrupt ends planning with the best path so far. Another one ends the program.
+/// Signals within a quarter of a second are the same interrupt, because timeout(1), and perhaps a
+/// shell, signals its child and then the child's group.
 void onInterrupt(int signal) {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);  // may be called in a handler, unlike std::chrono's clocks
@@ -45,7 +45,7 @@ void onInterrupt(int signal) {
   std::raise(signal);
 }
 
-/// Both signals wait while one is handled.
+/// Blocks both signals while one is handled.
 void handleInterrupts() {
   struct sigaction action {};
   action.sa_handler = onInterrupt;
@@ -71,7 +71,7 @@ std::string formatRounded(double value, int digits, double (*round)(double)) {
   return fmt::format("{:.{}f}", round(value * scale) / scale + 0.0, digits);
 }
 
-/// Columns that UTF-8 text takes, a character each.
+/// The number of columns of a UTF-8 text, one per character.
 std::size_t lengthOf(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) >> 6) != 2; }));
@@ -141,7 +141,7 @@ bool isQuiet() { return quiet; }
 
 void showProgress(const std::string& text) {
   if (!showsProgress()) return;
-  // A line that wraps around could not be rewritten.
+  // A line that wraps around cannot be rewritten.
   winsize window{};
   std::size_t width = 79;
   if (ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 1)
@@ -214,7 +214,7 @@ std::string verdictText(const std::string& words, bool good) {
 
 namespace {
 
-/// Columns of a table that stand side by side, and how wide they are.
+/// Columns of a table that fit side by side, and their widths.
 class Table {
  public:
   Table(const std::vector<std::string>& heading, const std::vector<std::vector<std::string>>& rows,
@@ -253,7 +253,7 @@ class Table {
     return c == 0 || std::find(left_.begin(), left_.end(), c) != left_.end();
   }
 
-  /// Words in the last column wrap where that makes the table fit.
+  /// Wraps words in the last column if that makes the table fit.
   void wrapLast() {
     const std::size_t last = widths_.size() - 1;
     std::size_t before = 0;
@@ -302,7 +302,7 @@ class Table {
   const std::vector<std::vector<std::string>>& rows_;
   const std::vector<std::size_t>& left_;
   std::vector<std::size_t> widths_;
-  std::size_t indent_ = 0;  ///< of further lines of the last column; 0: it does not wrap
+  std::size_t indent_ = 0;  ///< of further lines of the last column; 0 if it does not wrap
 };
 
 }  // namespace
@@ -331,7 +331,7 @@ std::optional<std::string> figureOf(const planner::Interval& clearance) {
 
 std::string clearanceText(const planner::Interval& clearance) {
   if (clearance.upper < 0) return clearanceText({-clearance.upper, -clearance.lower}) + " deep";
-  constexpr double kNarrow = 2e-6;  // less than the last digit that is shown [m]
+  constexpr double kNarrow = 2e-6;  // less than the last shown digit [m]
   if (const auto figure = figureOf(
           {clearance.lower, clearance.width() <= kNarrow ? clearance.lower : clearance.upper}))
     return *figure + " mm";

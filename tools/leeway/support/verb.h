@@ -5,13 +5,13 @@
 
 namespace leeway::tools {
 
-/// A verb of the command: its arguments, declared on `app`, and what it does once they are parsed.
+/// A verb of the command: its arguments, declared on `app`, and the function that runs it.
 struct Verb {
   CLI::App* app = nullptr;
   std::function<int()> run;  ///< returns an ExitStatus; throws robots::InputError for bad input
 };
 
-// One file each, named like the verb.
+// Each has its own file with the verb's name.
 Verb addPlan(CLI::App& command);
 Verb addCheck(CLI::App& command);
 Verb addVerify(CLI::App& command);

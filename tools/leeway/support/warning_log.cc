@@ -11,8 +11,8 @@ namespace {
 
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
-// Where the ": " stands that follows the first ":line"; npos when there is none. By hand, since
-// std::regex ends the process on texts that are long enough, and files may say anything.
+// The position of the ": " after the first ":line"; npos if there is none. Searches by hand,
+// because std::regex ends the process on long texts, and files may contain anything.
 std::size_t endOfPlace(const std::string& warning) {
   for (std::size_t end = warning.find(": "); end != std::string::npos;
        end = warning.find(": ", end + 1)) {

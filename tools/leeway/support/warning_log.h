@@ -7,14 +7,15 @@
 
 namespace leeway::tools {
 
-/// Warnings of a run that reads many files, to stderr. Of those that say the same of other files or
-/// lines only the first is printed when it comes: a hundred scenes of one robot tend to share what
-/// is odd about them. What followed is counted.
+/// Warnings on stderr of a run that reads many files. Many scenes of one robot often have the same
+/// warnings. So if warnings differ only in file or line, only the first is printed, and the others
+/// are counted.
 class WarningLog {
  public:
-  /// Each warning once, in order, as "warning: file:line: text".
+  /// Prints each warning once, in order, as "warning: file:line: text".
   void print(const std::vector<std::string>& warnings);
-  /// One line for each text that came again, with how often and the file and line of the last.
+  /// Prints one line for each repeated text, with the count and the file and line of the last
+  /// warning.
   void printCounts() const;
 
  private:
