@@ -293,7 +293,7 @@ Json partJson(const planner::EdgeClearance& part, const PairNames& names) {
           {"closest", part.pair < 0 ? Json() : Json({{"a", names.a}, {"b", names.b}})}};
 }
 
-/// Whether bodies overlap; null if this is undecided or there is no state to check.
+/// Whether bodies overlap; null if this is undecided or not checked.
 Json inCollision(const CheckedState& checked) {
   if (!checked.state.fault.empty() || !checked.nothing_checked.empty()) return {};
   if (!checked.overlapping.a.empty() || checked.check.clearance.upper <= 0) return true;

@@ -21,8 +21,7 @@ struct Case {
 
 struct CaseFile {
   std::vector<collision::Shape> shapes;
-  std::vector<std::vector<Eigen::Vector3d>>
-      points;  ///< of each shape; a hull has those of the file
+  std::vector<std::vector<Eigen::Vector3d>> points;  ///< of each shape: a hull's as given
   std::vector<Case> cases;
 };
 

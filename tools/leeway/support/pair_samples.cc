@@ -137,7 +137,7 @@ std::vector<PairSamples> samplePairs(const planner::CompiledScene& scene, int sa
   std::vector<PairSamples> result;
   for (const auto& [bodies, numbers] : of_bodies)
     result.push_back({static_cast<int>(numbers.front()), 0});
-  // Otherwise a pair that only joints outside the plan move would touch in all samples or in none.
+  // A pair that only joints outside the plan move would otherwise touch in all samples or in none.
   const std::vector<int> passive = limitedPassive(scene);
   Random random(seed);
   collision::Scratch scratch;

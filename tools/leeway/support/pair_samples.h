@@ -39,7 +39,7 @@ std::vector<PairNames> pairsTooNear(const planner::CompiledScene& scene,
                                     std::span<const double> point, const PairNames& known);
 
 /// A pair of bodies that is proven to overlap at a point of the space, regardless of its margin;
-/// empty names if none is. Costs as much as pairsTooNear() without depths.
+/// empty names if none is. The cost is that of pairsTooNear() without depths.
 PairNames overlappingPair(const planner::CompiledScene& scene, std::span<const double> point);
 
 /// The same at the start that a plan has refused. For another state, returns the pair that the plan

@@ -34,7 +34,7 @@ Box boxOf(std::span<const Vector3d> points) {
   return box;
 }
 
-/// One clustering, with cells of the given side.
+/// Clusters the vertices once, with cells of the given side.
 DisplayMesh clustered(std::span<const Vector3d> vertices, std::span<const Triangle> triangles,
                       double side) {
   DisplayMesh mesh;
@@ -63,7 +63,7 @@ DisplayMesh clustered(std::span<const Vector3d> vertices, std::span<const Triang
   return mesh;
 }
 
-/// Rings of points around z, joined to a closed surface. A ring of radius 0 is a point.
+/// A ring of points around z. Rings are joined to a closed surface. A ring of radius 0 is a point.
 struct Ring {
   double radius, z;
 };
@@ -168,11 +168,11 @@ DisplayMesh displayMesh(const Shape& shape, std::size_t most) {
 }
 
 Quantised quantised(std::span<const Vector3d> points) {
-  constexpr double kFineStep = 1e-4;  // [m]: half of it is what no screen shows
+  constexpr double kFineStep = 1e-4;  // [m]: screens do not show half of it
   const Box box = boxOf(points);
   Quantised result{box.low, 0, {}};
   result.step = std::max((box.high - box.low).maxCoeff() / 65535, kFineStep);
-  // A small thing keeps its shape.
+  // Small objects keep their shape.
   if (const double extent = (box.high - box.low).maxCoeff(); extent > 0 && extent < 0.1)
     result.step = extent / 1023;
   result.numbers.reserve(3 * points.size());
@@ -198,7 +198,7 @@ int MeshStore::add(const Shape& shape) {
                              : shape.deformable() != nullptr
                                  ? shape.deformable()->mesh().triangles().size()
                                  : 0;
-  // One mesh takes at most half of what is left; a thousand triangles are always granted.
+  // A mesh gets at most half of the remaining budget, but always a thousand triangles.
   const std::size_t left = budget_ > triangles_ ? budget_ - triangles_ : 0;
   const int index = add(displayMesh(shape, std::max<std::size_t>(left / 2, 1000)), before);
   if (owner != nullptr) by_owner_[owner] = index;

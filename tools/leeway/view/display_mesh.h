@@ -15,22 +15,22 @@ namespace leeway::tools::view {
 
 using Triangle = std::array<std::int32_t, 3>;
 
-/// A mesh to look at: no point of the true one is shown farther than `error` from its place [m].
-/// What is thinner than that may vanish.
+/// A mesh for display. Every point of the true mesh is shown within `error` of its place [m].
+/// Thinner parts may vanish.
 struct DisplayMesh {
   std::vector<Eigen::Vector3d> vertices;  // [m]
   std::vector<Triangle> triangles;
   double error = 0;
 };
 
-/// At most about `most` triangles: vertices in one cell of a grid become one of them (J. Rossignac,
-/// P. Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993), so that no
-/// point moves farther than the cell's diagonal. O(n log n).
+/// Reduces a mesh to about `most` triangles. Merges the vertices in one cell of a grid into one of
+/// them (J. Rossignac, P. Borrel, "Multi-resolution 3D approximations for rendering complex
+/// scenes", 1993), so that no point moves farther than the cell's diagonal. O(n log n).
 DisplayMesh decimated(std::span<const Eigen::Vector3d> vertices,
                       std::span<const Triangle> triangles, std::size_t most);
 
-/// The mesh of a shape: what it is made of for hulls, meshes and deforming ones, an inscribed
-/// polyhedron for round ones; nothing for a half-space. Hulls and meshes are decimated.
+/// The mesh of a shape: the own triangles of hulls, meshes and deforming shapes, an inscribed
+/// polyhedron for round shapes; empty for a half-space. Hulls and meshes are decimated.
 DisplayMesh displayMesh(const collision::Shape& shape, std::size_t most);
 
 /// Coordinates as whole numbers of steps from the lower corner of a box.
@@ -39,18 +39,19 @@ struct Quantised {
   double step;          // [m]
   std::vector<std::uint16_t> numbers;
 };
-/// Steps of 0.1 mm, or as fine as 16 bits allow; the error is half the box's diagonal of one step.
+/// Uses steps of 0.1 mm, or larger ones if 16 bits require it. The error is half the diagonal of a
+/// box with edges of one step.
 Quantised quantised(std::span<const Eigen::Vector3d> points);
 double quantisationError(const Quantised& q);  // [m]
 
-/// The meshes of a page, each once however often it is used.
+/// The meshes of a page. Stores each mesh once, even if it is used several times.
 class MeshStore {
  public:
-  /// `budget`: triangles of all meshes together, about.
+  /// `budget`: the approximate number of triangles of all meshes together.
   MeshStore(Pack& pack, std::size_t budget) : pack_(pack), budget_(budget) {}
   /// The number of a shape's mesh.
   int add(const collision::Shape& shape);
-  /// Also of a mesh that no shape holds.
+  /// The number of a mesh that belongs to no shape.
   int add(const DisplayMesh& mesh, std::size_t triangles_before);
   /// All meshes, for the document.
   const Json& document() const { return meshes_; }

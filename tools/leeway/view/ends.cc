@@ -16,9 +16,9 @@ using planner::CompiledScene;
 
 constexpr double kEndTolerance = 1e-6;  // [m]
 constexpr double kOutTolerance = 1e-4;  // [m]
-constexpr int kOutQueries = 5000;       // some milliseconds
+constexpr int kOutQueries = 5000;       // a few milliseconds
 
-/// A valid number of a range; where a side is open, that nearest to 0.
+/// A valid number of a range: its middle, or the number nearest to 0 if a side is open.
 double middle(double lower, double upper) {
   if (std::isfinite(lower) && std::isfinite(upper)) return 0.5 * (lower + upper);
   return std::clamp(0.0, lower, upper);
@@ -44,7 +44,7 @@ class WayOut {
     robots::forwardKinematics(scene.model(), q, X_WL_);
   }
 
-  /// Of the body alone, from all that it is checked against.
+  /// The motion that frees this body from all bodies that it is checked against.
   Eigen::Vector3d of(int body) const {
     const collision::Scene& scene = scene_.scene();
     const std::vector<collision::PlacedShape> shapes = placed(body);
@@ -54,7 +54,7 @@ class WayOut {
     collision::SeparationRequest request;
     request.tolerance = kOutTolerance;
     request.query_limit = kOutQueries;
-    // Farther than twice its size no body is deep in another of its kind.
+    // The longest motion to try is twice the body's size.
     request.longest = 4 * extent;
     std::vector<char> met(scene.bodies().size(), 0);
     double margin = 0;
@@ -117,7 +117,7 @@ std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem&
       try {
         at_goal = planner::placeStart(at_goal);
       } catch (const robots::InputError&) {
-        end.unreachable = true;  // the plan says why
+        end.unreachable = true;  // the plan reports the reason
         for (std::size_t i = 0; i < goal.poses.size(); ++i) {
           const robots::PoseRegion& region = goal.poses[i];
           const std::string& link = shown.model().links[at(region.link)].name;

@@ -15,13 +15,13 @@
 namespace leeway::tools::view {
 namespace {
 
-/// Widths of intervals that are tried in turn [m]. Beyond the last, a value that lies between two
-/// figures is shown as the lower one.
+/// Widths of intervals, tried in turn [m]. After the last one, a value between two figures is shown
+/// as the lower one.
 constexpr double kWidths[] = {2e-6, 1e-7, 5e-9};
 constexpr std::int64_t kEdgeWork = 1'000'000'000;    // of one edge: about a second
 constexpr std::int64_t kWholeWork = 10'000'000'000;  // of the path, in each pass
 
-/// The least clearance of a path from some pairs, refined pass by pass.
+/// The least clearance of a path for some pairs, refined in passes.
 class Least {
  public:
   Least(const std::vector<Stage>& stages, const planner::PathEdges& edges, planner::Pairs pairs,
@@ -60,7 +60,7 @@ class Least {
         if (found.clearance.upper < known) keep(*stage.scene, found, i);
       }
     }
-    // Every pass proves a bound of the same number.
+    // Every pass proves a bound of the same quantity.
     const double before = passes_++ == 0 ? -kInfinity : whole_.clearance.lower;
     whole_.clearance.lower = std::max(before, lower);
   }

@@ -10,22 +10,22 @@ namespace leeway::tools::view {
 
 using Json = nlohmann::ordered_json;
 
-/// Arrays of numbers beside a JSON document, packed so that little is left of them: the bytes of an
-/// array stand in planes (all lowest bytes, all second ones, ...) and the whole is compressed.
-/// tools/view/unpack.js reads it.
+/// Arrays of numbers that accompany a JSON document, compressed. The bytes of an array are first
+/// sorted into planes (all lowest bytes, all second bytes, ...), because these compress better.
+/// tools/view/unpack.js reads the result.
 class Pack {
  public:
-  /// Appends an array and returns what the document says in its place.
+  /// Appends an array and returns the value that refers to it in the document.
   Json add(std::span<const float> values);
   Json add(std::span<const double> values);
   Json add(std::span<const std::uint8_t> values);
-  /// Whole numbers as differences, from those `stride` places before, for each of `strides` in
-  /// turn; the sign is moved to the lowest bit, so that small differences are small numbers.
+  /// Stores whole numbers as differences from those `stride` places before, for each of `strides`
+  /// in turn. Moves the sign to the lowest bit, so that small differences are small numbers.
   Json add(std::span<const std::uint16_t> values, std::span<const std::size_t> strides = {});
   Json add(std::span<const std::uint32_t> values, std::span<const std::size_t> strides = {});
 
-  /// The document and all arrays, in letters, digits, + / and = alone: whatever the document's
-  /// texts hold, nothing in it can be markup or script.
+  /// The document and all arrays, written with letters, digits, +, / and = only. No text of the
+  /// document can therefore act as markup or script.
   std::string text(const Json& document) const;
 
  private:

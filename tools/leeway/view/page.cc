@@ -33,14 +33,14 @@ using collision::ShapeType;
 using Eigen::Vector3d;
 
 constexpr std::size_t kTriangles = 200'000;  // of all meshes of a page
-constexpr std::size_t kShownPairs = 400;     // pairs left out that are listed by name
+constexpr std::size_t kShownPairs = 400;     // unchecked pairs that are listed by name
 constexpr std::size_t kShownEdges = 10'000;  // of a search
 constexpr std::string_view kEndings[] = {".html"};
 constexpr std::string_view kPictureEndings[] = {".svg"};
 
 float small(double x) { return static_cast<float>(x); }
 
-/// x y z w, with w >= 0.
+/// The quaternion x y z w with w >= 0.
 Eigen::Vector4d quaternionOf(const Eigen::Matrix3d& rotation) {
   Eigen::Quaterniond q(rotation);
   q.normalize();
@@ -66,7 +66,7 @@ class PoseColumns {
   std::vector<float> columns_[7];
 };
 
-/// The three numbers that a page draws a shape by: half extents, or radius and half length.
+/// The three numbers with which a page draws a shape: half extents, or radius and half length.
 Vector3d sizesOf(const collision::Shape& shape) {
   switch (shape.type()) {
     case ShapeType::kBox:
@@ -82,7 +82,7 @@ Vector3d sizesOf(const collision::Shape& shape) {
   }
 }
 
-/// Makes the document and its arrays. tools/view/ reads what is written here.
+/// Makes the document and its arrays, which tools/view/ reads.
 class Document {
  public:
   explicit Document(const Subject& subject)
@@ -126,7 +126,7 @@ class Document {
     for (const collision::Body& body : scene_.bodies()) names.push_back(body.name);
     document["bodies"] = names;
     document["moving"] = moving_;
-    // The body that the others carry, for trails: the last in tree order.
+    // The last body in tree order, whose trail is shown.
     document["tip"] = tip();
     Json held = Json::array();
     for (const planner::Attachment& a : subject_.problem.robot.attachments)
@@ -164,7 +164,7 @@ class Document {
         for (int k = 0; k < 3; ++k) ball[k].push_back(small(g.shape.boundingCenter()[k]));
         ball[3].push_back(std::isfinite(g.shape.boundingRadius()) ? small(g.shape.boundingRadius())
                                                                   : -1.0F);
-        // What moves is placed in its body's frame, what stands in the world.
+        // A moving shape is placed in its body's frame, and a fixed one in the world.
         poses.add(of.moving ? g.X_BG : of.X_WB * g.X_BG);
         if (!g.name.empty() && g.name != of.name) names.push_back({part, g.name});
         addPieces(g.shape, part, pieces);
@@ -190,7 +190,7 @@ class Document {
       document["kinds"].push_back(toString(static_cast<ShapeType>(k)));
   }
 
-  /// The convex pieces that queries look at first.
+  /// Adds the convex pieces that queries try first.
   void addPieces(const collision::Shape& shape, int part, Json& pieces) {
     if (shape.mesh() == nullptr) return;
     const collision::MeshTree& tree = shape.mesh()->tree();
@@ -237,7 +237,7 @@ class Document {
     document["decisions"] = decisions;
   }
 
-  /// In the frame of what moves; of others in the world's.
+  /// A point in the frame of a moving body; for other bodies, in the world.
   Vector3d local(int body, const Vector3d& p_W) const {
     return scene_.bodies()[at(body)].moving ? Vector3d(poseOf(body).inverse() * p_W) : p_W;
   }
@@ -260,8 +260,8 @@ class Document {
     return ends;
   }
 
-  /// The margins of the pairs with the world or of the robot with itself, each once, with the
-  /// object or link that has it where only one does.
+  /// The margins of the pairs with the world or of the robot with itself, each once. Names the
+  /// object or link if a margin has only one.
   Json margins(bool of_robot) const {
     std::map<double, std::set<int>> bodies;
     const planner::CompiledScene& compiled = *subject_.first_scene;
@@ -296,11 +296,11 @@ class Document {
     document["obstacles"] = obstaclesText(subject_.problem);
     document["shown"] = subject_.shown;
     addPairs(document);
-    // What a short path was asked to keep from the world.
+    // The clearance from the world that the objective length keeps.
     const auto* length = std::get_if<planner::MinimumLength>(&subject_.problem.objective);
     document["keep"] = length != nullptr ? jsonNumber(length->clearance) : Json();
     document["pair_count"] = subject_.first_scene->scene().pairs().size();
-    std::vector<float> bodies;  // moment by moment, moving bodies alone
+    std::vector<float> bodies;  // moment by moment, moving bodies only
     for (const std::vector<double>& clearance : timeline.body_clearance)
       for (const int body : moving_) bodies.push_back(small(clearance[at(body)]));
     document["body_clearance"] = pack_.add(bodies);
@@ -312,7 +312,7 @@ class Document {
     document["least_moment"] = pack_.add(when);
   }
 
-  /// Distances of the pairs that come nearest, and their points as six planes.
+  /// Adds the distances of the nearest pairs, and their points as six planes.
   void addPairs(Json& document) {
     const Timeline& timeline = subject_.timeline;
     Json pairs = Json::array();
@@ -355,7 +355,7 @@ class Document {
                         {"upper", jsonNumber(space.upper(i))}});
     }
     document["joints"] = joints;
-    std::vector<double> values;  // moment by moment, to the bit
+    std::vector<double> values;  // moment by moment, exact
     for (const Moment& moment : subject_.timeline.moments)
       values.insert(values.end(), moment.position.begin(), moment.position.end());
     document["positions"] = pack_.add(values);
@@ -402,7 +402,8 @@ class Document {
         points.insert(points.end(), frame.begin(), frame.end());
       const Quantised q = quantised(points);
       const std::size_t frame = 3 * frames.positions.front().size();
-      // Twice over time: vertices mostly keep their velocity from frame to frame.
+      // Takes differences over time twice, because most vertices keep their velocity between
+      // frames.
       const std::size_t strides[] = {frame, frame};
       std::vector<std::uint32_t> indices;
       for (const Triangle& t : scene_.bodies()[at(frames.body)]
@@ -427,8 +428,9 @@ class Document {
     document["frames"] = all;
   }
 
-  /// Where each moving body's middle is at both ends of each edge: body by body. A tree's node ends
-  /// many edges, and is placed once. The first edges come first, so that trees stay whole.
+  /// Adds the middle of each moving body at both ends of each edge, body by body. A node of a tree
+  /// is the end of many edges, and is placed once. The first edges come first, so that trees stay
+  /// whole.
   void addSearch(Json& document) {
     const auto& searched = subject_.searched;
     const std::size_t shown = std::min(searched.size(), kShownEdges);
@@ -500,7 +502,7 @@ class Document {
     document["dropped_count"] = dropped.size();
   }
 
-  /// When each step of a task begins and ends.
+  /// Adds the times at which each step of a task begins and ends.
   void addSteps(Json& document) const {
     Json steps = Json::array();
     for (const Stage& stage : subject_.stages)
@@ -523,7 +525,8 @@ class Document {
   std::vector<std::pair<int, Pose>> placed_;
 };
 
-/// Shows a file in the desktop's browser. Not through a shell: the name may hold anything.
+/// Shows a file in the desktop's browser. Does not use a shell, because the name may contain
+/// anything.
 void openFile(const std::string& file) {
   std::string program = "xdg-open", name = std::filesystem::absolute(file).string();
   char* arguments[] = {program.data(), name.data(), nullptr};

@@ -17,30 +17,30 @@ namespace leeway::tools::view {
 /// Edges of a search, as points of the space.
 using SearchEdges = std::vector<std::pair<std::vector<double>, std::vector<double>>>;
 
-/// Has a plan's search tell its edges. `edges` must outlive the plan.
+/// Records the edges of a plan's search. `edges` must outlive the plan.
 void recordSearch(planner::PlanOptions& options, SearchEdges& edges);
 
-/// What a page or a picture is about.
+/// The contents of a page or a picture.
 struct Subject {
   const planner::Problem& problem;
-  std::string source;  ///< the problem's file, as the user named it
+  std::string source;  ///< the problem's file, as the user wrote it
   std::shared_ptr<const planner::CompiledScene> scene;  ///< shown; see shownProblem()
-  /// Of the world before the first step, whose pairs are told of; `scene` without steps.
+  /// The scene before the first step, whose pairs the page lists; `scene` without steps.
   std::shared_ptr<const planner::CompiledScene> first_scene;
   std::vector<Stage> stages;
   std::vector<End> ends;
   Timeline timeline;
   LeastClearance least;            ///< of a path
-  std::string shown;               ///< where nothing moves: "start", or the goal that is not valid
+  std::string shown;               ///< if nothing moves: "start", or the goal that is not valid
   std::string verdict;             ///< one word: "certified", "unsolved", ...
-  bool good = false;               ///< whether that is what the user hoped for
+  bool good = false;               ///< whether this is the wanted result
   std::vector<std::string> notes;  ///< sentences for people
   SearchEdges searched;
   std::vector<std::pair<double, std::string>> decisions;  ///< of an execution, by time [s]
 };
 
-/// The subject of a plan, of a path from a file, of an execution. Each compiles the problem and
-/// measures, which takes a second or so. `certificate`: of the path, where it is known.
+/// The subject of a plan, of a path from a file, of an execution. Each function compiles the
+/// problem and measures, which takes about a second. `certificate`: of the path, if known.
 Subject subjectOfPlan(const planner::Problem& problem, const std::string& source,
                       const planner::PlanResult& result, SearchEdges searched);
 Subject subjectOfPath(const planner::Problem& problem, const std::string& source,
@@ -49,7 +49,7 @@ Subject subjectOfExecution(const planner::Problem& problem, const std::string& s
                            const std::vector<planner::ReplanStep>& steps,
                            planner::ReplanStatus status);
 
-/// One HTML document that needs nothing besides. Throws robots::InputError where the command was
+/// Returns an HTML document that needs no other files. Throws robots::InputError if the command was
 /// built without the page (see expectPage()).
 std::string page(const Subject& subject);
 
@@ -60,21 +60,21 @@ struct PageChoice {
 };
 void addPageOptions(CLI::App& app, PageChoice& choice);
 
-/// Refuses, before work is done, what cannot be written: another ending than .html, a missing
-/// folder, a command that was built without node. Throws robots::InputError.
+/// Throws robots::InputError if the page cannot be written: another ending than .html, a missing
+/// folder, or a command that was built without node. Verbs call it before their work.
 void expectPage(const std::string& file);
 void expectPicture(const std::string& file);  ///< the same for .svg, which needs no node
 inline void expectPage(const PageChoice& choice) {
   if (!choice.file.empty()) expectPage(choice.file);
 }
-/// Writes it whole; `open`: also shows it in the user's browser.
+/// Writes the page as a whole. If `open`, also shows it in the user's browser.
 void writePage(const PageChoice& choice, const Subject& subject);
 
-/// Three views of start, goal and what lies between, as an SVG document. Without a browser, for
-/// papers and logs. `only_picture`: without title and texts, for an index.
+/// Returns three views of start, goal and the motion between them as an SVG document, for papers
+/// and logs. `only_picture`: without title and texts, for an index.
 std::string pictureSvg(const Subject& subject, bool only_picture = false);
 
-/// A user's text as text of an XML or HTML document.
+/// Escapes a user's text for an XML or HTML document.
 std::string escaped(const std::string& text);
 
 }  // namespace leeway::tools::view

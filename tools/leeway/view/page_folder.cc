@@ -12,7 +12,7 @@
 namespace leeway::tools::view {
 namespace {
 
-// Pictures are drawings in the document itself. Nothing may run here.
+// Pictures are drawings in the document itself. The page forbids scripts.
 constexpr const char* kIndexHead = R"(<!doctype html>
 <html lang="en">
 <head>

@@ -6,7 +6,7 @@
 
 namespace leeway::tools::view {
 
-/// One page of a folder, and what the index says of it. Empty: none.
+/// One page of a folder, and its entry in the index. Both are empty without a page.
 struct FolderPage {
   std::string html, entry;
   bool good = false;  ///< as Subject's
@@ -14,13 +14,14 @@ struct FolderPage {
 /// May be called by several threads.
 FolderPage folderPage(const Subject& subject);
 
-/// A page of each of many problems, and an index with their pictures.
+/// Writes a page for each of many problems, and an index with their pictures.
 class PageFolder {
  public:
-  /// Makes the folder, unless `folder` is empty: then nothing is written. Throws robots::InputError
-  /// where it cannot be made, and as expectPage().
+  /// Makes the folder. Writes nothing if `folder` is empty. Throws robots::InputError if the folder
+  /// cannot be made, and as expectPage() does.
   explicit PageFolder(const std::string& folder);
-  /// Writes the next page, named by its number, so that names of problems name no files.
+  /// Writes the next page. Its file has its number as name, because a problem's name may not suit a
+  /// file.
   void add(const FolderPage& page);
   /// Writes index.html.
   void finish() const;

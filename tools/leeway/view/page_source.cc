@@ -1,7 +1,7 @@
 #include "tools/leeway/view/page_source.h"
 
-// The file's bytes as they are. (A compiler that reads half a megabyte as an array of numbers takes
-// seconds for it.)
+// Includes the file's bytes directly, because a compiler takes seconds for half a megabyte as an
+// array of numbers.
 #ifdef LEEWAY_PAGE
 __asm__(
     ".section .rodata\n"

@@ -4,8 +4,8 @@
 
 namespace leeway::tools::view {
 
-/// The page without its data, as tools/view/bundle.js makes it; empty where the command was built
-/// without node. `kDataPlace` stands in it once.
+/// The page without its data, from tools/view/bundle.js; empty if the command was built without
+/// node. It contains `kDataPlace` once.
 std::string_view pageSource();
 inline constexpr std::string_view kDataPlace = "@LEEWAY-DATA@";
 

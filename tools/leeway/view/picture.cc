@@ -18,12 +18,12 @@ using collision::Pose;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr std::size_t kMeshTriangles = 400;  // of a part: more is not seen on paper
-constexpr std::size_t kObjects = 3000;       // nearest to the robot; a file of more is of no use
+constexpr std::size_t kMeshTriangles = 400;  // of a part: paper does not show more
+constexpr std::size_t kObjects = 3000;       // those nearest to the robot; larger files are useless
 constexpr double kPanel = 300, kGap = 18, kHead = 52;  // [px]
 constexpr int kGhosts = 5;
 
-/// Which axes of the world lie to the right and up, and which points at the reader.
+/// The axes of the world that point to the right, up, and at the reader.
 struct View {
   const char *name, *across, *upward;
   Vector3d right, up, out;
@@ -115,7 +115,7 @@ class Picture {
   }
 
  private:
-  /// Poses of all bodies at one point of the space.
+  /// The poses of all bodies at one point of the space.
   template <class At>
   std::vector<Pose> place(const At& moment) const {
     const std::vector<double>& position = moment.position;
@@ -168,8 +168,8 @@ class Picture {
     high_ = high_.cwiseMax((center.array() + part.radius).matrix());
   }
 
-  /// The world near the robot, at most kObjects of it; the view holds the robot and what is no
-  /// larger than its motion.
+  /// Chooses the part of the world near the robot, at most kObjects objects. The view contains the
+  /// robot and objects of at most the size of its motion.
   void chooseParts() {
     if (!(low_.x() < high_.x())) low_ = -Vector3d::Ones(), high_ = Vector3d::Ones();
     const Vector3d center = 0.5 * (low_ + high_);
@@ -227,7 +227,7 @@ class Picture {
                      [&](std::size_t a, std::size_t b) { return depth(a) < depth(b); });
     for (const std::size_t i : order) writePart(parts_[i], start_, "world", 0.5);
     for (const std::vector<Pose>& ghost : ghosts_) writeRobot(ghost, "robot", 0.22);
-    // The start hides the goal where both are: together they would have a colour of neither.
+    // The start is drawn over the goal, because mixed colours would look like neither.
     writeRobot(goal_, "goal", 0.9);
     writeRobot(start_, "start", 0.95);
     writeTrail();
@@ -238,7 +238,7 @@ class Picture {
         "right, {} up</text>\n",
         x, y + kPanel + 15, view.name, view.across, view.upward);
   }
-  /// A bar of a round length, about a fifth of the panel.
+  /// Draws a scale bar of a round length, about a fifth of the panel.
   void writeScale(double x, double y) {
     const double rough = 0.2 * kPanel / scale_, power = std::pow(10, std::floor(std::log10(rough)));
     const double length = power * (rough >= 5 * power ? 5 : rough >= 2 * power ? 2 : 1);
@@ -249,7 +249,7 @@ class Picture {
         "y=\"{3:.1f}\" font-size=\"10\">{4:g} m</text>\n",
         left, height - 4, length * scale_, height - 7, length);
   }
-  /// The legend, at the right of the title.
+  /// Draws the legend to the right of the title.
   void writeLegend() {
     double right = 3 * kPanel + 3 * kGap;
     for (const auto& [style, words] :
@@ -293,7 +293,8 @@ class Picture {
         std::array<Vector2d, 3> corners = {points[static_cast<std::size_t>(t[0])],
                                            points[static_cast<std::size_t>(t[1])],
                                            points[static_cast<std::size_t>(t[2])]};
-        // All turn the same way, so that together they fill what any of them covers.
+        // All triangles get the same orientation, so that together they fill the area that any of
+        // them covers.
         const Vector2d u = corners[1] - corners[0], w = corners[2] - corners[0];
         if (u.x() * w.y() - u.y() * w.x() < 0) std::swap(corners[1], corners[2]);
         add(corners);
@@ -313,7 +314,7 @@ class Picture {
     out_ += "\"/>\n";
   }
 
-  /// The nearest pair of the whole motion, or of an end that is not valid.
+  /// Draws the nearest pair of the whole motion, or of an end that is not valid.
   void writeNearest() {
     const planner::StateCheck* nearest = nullptr;
     for (const Moment& m : subject_.timeline.moments)
@@ -359,7 +360,7 @@ std::string escaped(const std::string& text) {
       result += "&gt;";
     } else if (c == '"') {
       result += "&quot;";
-    } else if (static_cast<unsigned char>(c) >= 0x20) {  // XML has no other control characters
+    } else if (static_cast<unsigned char>(c) >= 0x20) {  // XML allows no other control characters
       result += c;
     }
   }

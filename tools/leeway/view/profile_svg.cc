@@ -11,7 +11,8 @@ namespace {
 constexpr double kMillimetres = 1e3;
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
-/// A step from `begin` to `end`; NaN, which breaks the line, where there is no number to draw.
+/// Adds a step from `begin` to `end`. A value that is not finite becomes NaN, which breaks the
+/// line.
 void addStep(report::PlotSeries& series, const ProfileStretch& stretch, double value) {
   const double y = std::isfinite(value) ? value * kMillimetres : kNothing;
   series.points.push_back({stretch.begin, y});
@@ -25,7 +26,7 @@ std::string profileSvg(const std::string& title, const std::string& note, const 
   report::PlotSeries lower{.name = "proven on the whole stretch", .points = {}, .marker = false};
   report::PlotSeries upper{.name = "met on the stretch", .points = {}, .marker = false};
   report::PlotSeries margins{.name = "margin", .points = {}, .marker = false, .dashed = true};
-  double lowest = 0;  // the axis holds 0, so that no small change looks like a large one
+  double lowest = 0;  // the axis includes 0, so that small changes look small
   for (const ProfileStretch& stretch : stretches) {
     addStep(lower, stretch, stretch.lower);
     addStep(upper, stretch, stretch.upper);

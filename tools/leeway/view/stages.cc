@@ -26,7 +26,7 @@ std::vector<double> configuration(const Problem& problem, const std::vector<doub
 }
 
 void expectSteps(const Problem& problem, const planner::Path& path) {
-  // A path of a task that was planned in part has the first steps.
+  // The path of a partly planned task has only the first steps.
   bool fits = !path.steps.empty() && path.steps.size() <= problem.steps.size();
   int next = 0;
   for (const planner::PathStep& step : path.steps) {
@@ -43,7 +43,7 @@ void expectSteps(const Problem& problem, const planner::Path& path) {
 
 Problem shownProblem(const Problem& problem) {
   Problem shown = problem;
-  shown.steps.clear();  // they speak of a world in which nothing is held yet
+  shown.steps.clear();  // they refer to a world in which nothing is attached yet
   for (const planner::Step& step : problem.steps)
     if (const auto* attach = std::get_if<planner::AttachStep>(&step.action))
       if (!holds(shown, attach->object))

@@ -13,7 +13,7 @@
 namespace leeway::tools::view {
 namespace {
 
-/// A file as a page names it: pages are passed on, and say nothing of the machine's folders.
+/// A file's name for a page. Pages are passed on, so they do not contain the machine's folders.
 std::string shownName(const std::string& file) {
   const std::filesystem::path path(file);
   return path.is_absolute() ? (path.parent_path().filename() / path.filename()).string() : file;
@@ -61,7 +61,7 @@ void noteNothingChecked(const std::string& why, Subject& subject) {
   subject.notes.push_back("Nothing was checked: " + why + ".");
 }
 
-/// What was asked for besides the margins, and the clearances from the world and to itself.
+/// Notes the proven clearance, and the objective.
 void noteClearances(Subject& subject) {
   if (std::isfinite(subject.least.all.clearance.lower))
     subject.notes.push_back(fmt::format("The {} is proven for every point of every edge{}.",
@@ -85,7 +85,7 @@ void noteClearances(Subject& subject) {
 
 void recordSearch(planner::PlanOptions& options, SearchEdges& edges) {
   options.on_edge = [&edges](std::span<const double> a, std::span<const double> b) {
-    constexpr std::size_t kMost = 200'000;  // enough to see how far the search came
+    constexpr std::size_t kMost = 200'000;  // enough to show how far the search came
     if (edges.size() < kMost)
       edges.emplace_back(std::vector<double>(a.begin(), a.end()),
                          std::vector<double>(b.begin(), b.end()));
@@ -94,7 +94,7 @@ void recordSearch(planner::PlanOptions& options, SearchEdges& edges) {
 
 namespace {
 
-/// Each edge, with what is wrong with it.
+/// Certifies each edge, and notes those that fail.
 void certifyPath(const planner::PathEdges& edges, Subject& subject) {
   planner::EdgeCertifier certifier(subject.scene);
   const planner::Path& path = edges.path;
@@ -116,7 +116,7 @@ void certifyPath(const planner::PathEdges& edges, Subject& subject) {
   }
 }
 
-/// A path that has to keep lines or constraints, too: as `leeway verify` proves it.
+/// Proves a path with lines or constraints as `leeway verify` does.
 void verifyTask(const planner::Path& path, Subject& subject) {
   const planner::VerifyResult result = planner::verify(subject.problem, path);
   subject.good = result.status == planner::VerifyStatus::kCertified;

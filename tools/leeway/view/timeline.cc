@@ -16,14 +16,14 @@ using planner::CompiledScene;
 using planner::EdgeCertifier;
 
 constexpr int kMoments = 250;
-/// Moments times pairs, so that a page of 10^5 objects takes seconds.
+/// Limit on moments times pairs, so that a page of 10^5 objects takes seconds.
 constexpr double kMomentPairs = 2e7;
-/// Moments times pairs for which every body's own clearance is asked, and not the robot's alone.
+/// Limit on moments times pairs for the clearance of every body; above it, only of moving bodies.
 constexpr double kBodyPairs = 4e6;
-/// For the bound of one stretch, about 3 ms (EdgeRequest::work_limit).
+/// Work limit for the bound of one stretch, about 3 ms (EdgeRequest::work_limit).
 constexpr std::int64_t kStretchWork = 3'000'000;
 constexpr double kStretchTolerance = 1e-4;  // [m]
-/// Vertices of all frames of an obstacle, so that a page stays small.
+/// Limit on the vertices of all frames of an obstacle, so that a page stays small.
 constexpr std::size_t kFrameVertices = 2'500'000;
 constexpr std::size_t kFrames = 200;
 
@@ -32,7 +32,7 @@ int momentsFor(const CompiledScene& scene) {
   return static_cast<int>(std::clamp(kMomentPairs / pairs, 20.0, static_cast<double>(kMoments)));
 }
 
-/// The clearance of each body by itself, which is more than a scene's clearance asks.
+/// The clearance of each body separately, which a scene's clearance does not contain.
 class BodyClearances {
  public:
   BodyClearances(std::shared_ptr<const CompiledScene> scene, std::size_t moments)
@@ -68,7 +68,7 @@ class BodyClearances {
     return clearance;
   }
 
-  /// Adds the distance of two bodies of `shown` at a position. O(pairs of their geometries), of a
+  /// Adds the distance of two bodies of `shown` at a position. O(pairs of their geometries); in a
   /// world with many objects O(pairs of the body).
   void measure(const std::vector<double>& position, const CompiledScene& shown, PairCurve& curve) {
     const auto body = [&](int b) {
@@ -95,7 +95,7 @@ class BodyClearances {
   }
 
  private:
-  /// The pairs of two bodies, looked for once.
+  /// The pairs of two bodies. Searches for them once.
   const std::vector<std::size_t>& numbersOf(int a, int b) {
     const auto [entry, is_new] = numbers_.try_emplace(std::minmax(a, b));
     if (!is_new || a < 0 || b < 0) return entry->second;
@@ -117,7 +117,7 @@ class BodyClearances {
     }
   }
 
-  /// No less apart than this, but for rounding: it only decides what is asked [m].
+  /// A lower bound on the distance, up to rounding. It only decides which pairs are measured [m].
   double bound(const collision::ScenePair& pair) const {
     const auto ball = [&](int body, int geometry) {
       const collision::Body& of = scene_->scene().bodies()[at(body)];
@@ -153,7 +153,7 @@ void keepLeast(Timeline& timeline) {
   }
 }
 
-/// Clearances of the bodies of one scene as those of another that names them.
+/// Maps the clearances of the bodies of one scene to the bodies of the same names in another.
 std::vector<double> inShown(std::vector<double> clearance, const CompiledScene& asked,
                             const CompiledScene& shown) {
   if (&asked == &shown) return clearance;
@@ -164,7 +164,7 @@ std::vector<double> inShown(std::vector<double> clearance, const CompiledScene& 
   return mapped;
 }
 
-/// Bounds on stretches of a path: from the world, of the robot from itself, and of all.
+/// Bounds on stretches of a path: for the world, for the robot itself, and for all pairs.
 class Bounds {
  public:
   explicit Bounds(EdgeCertifier& certifier) : certifier_(certifier) {
@@ -212,7 +212,7 @@ class Obstacles {
     }
   }
 
-  /// Null where nothing moves.
+  /// The scene at a time; null if nothing moves.
   std::shared_ptr<const CompiledScene> sceneAt(double time) {
     if (followed_.empty()) return nullptr;
     std::vector<CompiledScene::Replacement> shapes;
@@ -248,7 +248,7 @@ class Obstacles {
   std::vector<Followed> followed_;
 };
 
-/// Where the executed motion is at `time`, which lies within the step.
+/// The position of the executed motion at `time`, which lies within the step.
 std::vector<double> positionAt(const planner::ConfigurationSpace& space,
                                const std::vector<planner::TimedPoint>& motion, double time) {
   std::size_t i = 0;
@@ -275,7 +275,7 @@ Pair pairOf(const planner::StateCheck& check, const CompiledScene& asked,
 
 namespace {
 
-/// Measures a moment whose place is known.
+/// Measures a moment whose position is known.
 void measure(EdgeCertifier& certifier, const CompiledScene& asked, const CompiledScene& shown,
              Moment& moment) {
   moment.check = certifier.clearance(moment.position, kMomentTolerance);
@@ -299,7 +299,7 @@ void measure(EdgeCertifier& certifier, const CompiledScene& asked, const Compile
   }
 }
 
-/// A place of a path at which its least clearance is.
+/// A place of a path with its least clearance.
 struct LeastPlace {
   double time = 0;
   std::vector<double> position;
@@ -328,8 +328,8 @@ std::vector<LeastPlace> leastPlaces(const planner::Trajectory& trajectory,
   return places;
 }
 
-/// A place's moment has the pair and the interval of the path's least clearance, which holds there,
-/// too.
+/// Gives the moment at such a place the pair and the interval of the path's least clearance, which
+/// are also true there.
 void keepPlaces(const std::vector<LeastPlace>& places, const CompiledScene& shown,
                 Timeline& timeline) {
   for (std::size_t m = 0; m < timeline.moments.size(); ++m) {
@@ -355,7 +355,7 @@ void keepPlaces(const std::vector<LeastPlace>& places, const CompiledScene& show
   }
 }
 
-/// Finds the least among the moments.
+/// Finds the least clearances among the moments.
 void findLeast(Timeline& timeline) {
   double world = kInfinity, self = kInfinity;
   for (std::size_t m = 0; m < timeline.moments.size(); ++m) {
@@ -371,7 +371,8 @@ void findLeast(Timeline& timeline) {
   }
 }
 
-/// The pairs of bodies that are the nearest of some body at some moment: those that come nearest.
+/// Adds the pairs of bodies that come nearest, among those that are the nearest of a body at a
+/// moment.
 void addPairs(const std::vector<Stage>& stages, const CompiledScene& shown, Timeline& timeline) {
   constexpr std::size_t kPairs = 12;
   std::map<std::pair<int, int>, double> least;
@@ -404,7 +405,7 @@ Timeline timelineOfPath(const planner::Problem& problem,
                         const planner::PathEdges& edges, const std::vector<Stage>& stages,
                         const LeastClearance& least) {
   const planner::Path& path = edges.path;
-  // Without blends: a page shows the edges that the certificate is about.
+  // Leaves out blends, because a page shows the edges that the certificate covers.
   const planner::ConfigurationSpace& space = scene->space();
   const planner::Trajectory trajectory(std::make_shared<const planner::ConfigurationSpace>(space),
                                        path.positions, planner::motionLimits(problem));
@@ -429,7 +430,7 @@ Timeline timelineOfPath(const planner::Problem& problem,
     for (; time != times.end() && *time <= end; ++time) {
       Moment moment{*time, std::vector<double>(at(space.size())), {}, {}};
       trajectory.configuration(*time, moment.position);
-      // A waypoint is where the path has it, to the bit.
+      // A waypoint is exactly where the path has it.
       while (waypoint < timeline.waypoint_times.size() &&
              timeline.waypoint_times[waypoint] <= *time) {
         if (timeline.waypoint_times[waypoint] == *time) moment.position = path.positions[waypoint];
