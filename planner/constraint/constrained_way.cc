@@ -84,7 +84,7 @@ double lengthOf(const ConfigurationSpace& space, const std::vector<Point>& path,
   return length;
 }
 
-/// Leaves points out: after each one that stays, of the next 1, 2, 4, ... as many as can be.
+/// Leaves points out: after each point that stays, tries edges to the 2nd, 4th, 8th, ... next one.
 void leaveOut(ConstrainedWay& way, std::vector<Point>& path) {
   for (std::size_t i = 0; i + 2 < path.size(); ++i) {
     std::size_t next = i + 1;

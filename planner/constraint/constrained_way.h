@@ -48,8 +48,8 @@ class ConstrainedWay {
   std::vector<double> at_, next_, q_;
 };
 
-/// Shortens a path of edges that isFree(), its ends staying: cuts between random points of it by
-/// ways, then leaves points out. The path never gets longer. `stop` is asked before each cut.
+/// Shortens a path of edges that isFree() and keeps its ends: cuts between random points by ways,
+/// then leaves points out. The path never gets longer. `stop` is called before each cut.
 void shorten(ConstrainedWay& way, const ConfigurationSpace& space,
              std::vector<std::vector<double>>& path, std::uint64_t seed,
              const std::function<bool()>& stop);

@@ -71,7 +71,7 @@ double ConstraintProof::angleOf(const Constraint& constraint, const Error& error
 }
 
 bool ConstraintProof::isWithin(const Constraint& constraint, const Error& error) {
-  // Written so that NaN is outside.
+  // Both comparisons are false for NaN, which is therefore outside.
   return error.position <= kConstraintShare * constraint.position_tolerance &&
          angleOf(constraint, error) <= kConstraintShare * constraint.angle;
 }

@@ -17,8 +17,8 @@ FrameMotion::FrameMotion(const CompiledScene& scene, int link, const robots::Pos
   moved_.resize(model.joints.size());
   X_WL_.resize(model.links.size());
   robots::findChain(model, {&link_, 1}, chain_);
-  // What is not planned stays: a robot that its SRDF puts into the world with a floating joint has
-  // no reach otherwise.
+  // Variables that are not planned stay at their values. Otherwise a robot whose SRDF connects it
+  // to the world by a floating joint would have no reach.
   scene.expand(point_, q_);
   std::vector<robots::VariableRange> ranges;
   for (const double q : q_) ranges.push_back({q, q});

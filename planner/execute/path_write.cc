@@ -171,7 +171,7 @@ std::string yamlText(const std::string& file, const Problem& problem,
 
 /// The certificate of the timed motion. Blends are proven only to keep the margins, so the margins
 /// bound the clearance from below. A blend may cut off the closest place of the path, and then
-/// there is no upper bound.
+/// nothing bounds it from above.
 Entries trajectoryEntries(const Problem& problem, const Trajectory& trajectory,
                           Certificate certificate) {
   std::string corners = "[";

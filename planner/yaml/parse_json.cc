@@ -1,4 +1,4 @@
-// JSON into the nodes that yaml-cpp would make of it, with their lines.
+// Parses JSON into the nodes that yaml-cpp would make of it, with their lines.
 
 #include <algorithm>
 #include <cstddef>
@@ -17,7 +17,7 @@ struct Reading {
   int line = 1;  // of `next`
 };
 
-/// Tells a Reading how far it is, as nlohmann's parser tells nobody.
+/// Records in a Reading how far the parser is, because nlohmann's parser does not report it.
 class CountingIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -52,7 +52,7 @@ bool isOfNumber(char c) {
 
 }  // namespace
 
-/// Scalars are where they stand in the text; strings with escapes are put behind it.
+/// Scalars stay where they are in the text. Strings with escapes are appended to it.
 class YamlDocument::JsonEvents : public Builder {
  public:
   using Json = nlohmann::json;
@@ -97,7 +97,7 @@ class YamlDocument::JsonEvents : public Builder {
     node.text_size = static_cast<std::int64_t>(end - begin);
     return true;
   }
-  /// The parser has read one character behind a number, unless the text ends with it.
+  /// The parser has read one character after a number, unless the text ends with it.
   bool number() {
     std::size_t end = read();
     if (!isOfNumber(text_[end - 1])) --end;
@@ -120,11 +120,11 @@ class YamlDocument::JsonEvents : public Builder {
 
   const std::string& text_;
   const Reading& reading_;
-  int line_of_token_ = 0;  // 0: the line that is being read
+  int line_of_token_ = 0;  // 0: the current line
 };
 
 bool YamlDocument::parseJson(std::string& text, int& error_line) {
-  // As many entries as signs between them, at most: the nodes' memory never moves.
+  // At most one entry per sign between them, so the nodes' memory never moves.
   nodes_.reserve(1 + static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
                    return c == ',' || c == ':' || c == '[' || c == '{';
                  })));

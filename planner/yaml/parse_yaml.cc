@@ -9,7 +9,7 @@
 
 namespace leeway::planner {
 
-/// What yaml-cpp meets. Its marks count lines from 0.
+/// Handles the events of yaml-cpp. Its marks count lines from 0.
 class YamlDocument::YamlEvents : public Builder, public YAML::EventHandler {
  public:
   using Builder::Builder;
@@ -86,8 +86,8 @@ void YamlDocument::parseYaml(const std::string& text) {
     YAML::Parser parser(stream);
     YamlEvents events(*this);
     if (parser.HandleNextDocument(events)) {
-      // Not by YAML::LoadAll: after a stray comma behind a document, that of yaml-cpp 0.7 returns
-      // empty documents without end.
+      // Does not use YAML::LoadAll: after a stray comma behind a document, that of yaml-cpp 0.7
+      // returns empty documents without end.
       YamlDocument other;
       YamlEvents other_events(other);
       if (parser.HandleNextDocument(other_events))

@@ -9,10 +9,11 @@
 namespace leeway::planner {
 
 struct PathReading {
-  /// Continuous joints go the shorter way from row to row, where they would go straight: rows are
-  /// read with whole turns added, see unwrapped(). Files whose angles are wrapped mean that.
+  /// Continuous joints take the shorter way between rows instead of the straight line. The rows
+  /// that are read get whole turns added, see unwrapped(). Use it for files whose angles are
+  /// wrapped.
   bool shortest = false;
-  /// Receives what is to be said of a file that can be used. Null: nothing is said.
+  /// Receives warnings about a file that can be used. Null: no warnings.
   std::vector<std::string>* warnings = nullptr;
 };
 
@@ -36,15 +37,16 @@ void writePath(const std::string& file, const Problem& problem, const PlanResult
 /// derivatives are of the quaternion's numbers. Between knots on an edge, joints move on the cubic
 /// through positions and velocities. .csv has times and positions only.
 ///
-/// The certificate in the file is the motion's: with blended corners the lower bound of its
-/// clearance is at most the least margin, and there is no upper one if a blend cuts off the path's
-/// closest place. Throws robots::InputError, also for more than 2^31 s or a million periods.
+/// The certificate in the file is that of the motion. With blended corners, the lower bound of its
+/// clearance is at most the least margin. If a blend cuts off the closest place of the path, the
+/// clearance has no upper bound. Throws robots::InputError, also for more than 2^31 s or a million
+/// periods.
 void writeTrajectory(const std::string& file, const Problem& problem, const PlanResult& result,
                      const Trajectory& trajectory, double period = 0);
 
-/// Replaces a file whole or not at all: writes a temporary file beside it, and renames that.
-/// Follows a symbolic link; writes to a device or pipe directly. Throws robots::InputError, leaving
-/// an existing file as it was.
+/// Replaces a file as a whole or not at all: writes a temporary file next to it, and renames that.
+/// Follows a symbolic link. Writes directly to a device or pipe. Throws robots::InputError and then
+/// leaves an existing file unchanged.
 void writeFileWhole(const std::string& file, const std::string& text);
 
 }  // namespace leeway::planner

@@ -21,20 +21,20 @@
 
 namespace leeway::planner {
 
-/// A named thing with a shape: an obstacle, or what a link holds.
+/// A named body with a shape: an obstacle, or an object that a link holds.
 struct Object {
   std::string name;
-  /// None: only a name, which margins and contacts may use before CompiledScene::withObjects()
-  /// adds the thing itself.
+  /// Empty: only a name, which margins and contacts may use before CompiledScene::withObjects()
+  /// adds the object itself.
   std::vector<robots::Geometry> geometries;
   robots::Pose X_WO;
-  /// Balls that belong to it as well, in its frame; null: none. Only an object of the world has a
-  /// cloud: what a link holds has shapes.
+  /// Balls that also belong to it, in its frame; null without a cloud. Only objects of the world
+  /// may have a cloud, attached objects have shapes.
   std::shared_ptr<const PointCloud> cloud = nullptr;
 };
 
-/// An object held by a link from the start. It moves with the link, and may touch the link and
-/// `touch_links` only.
+/// An object held by a link from the start. It moves with the link, and may touch only the link and
+/// `touch_links`.
 struct Attachment {
   Object object;  ///< X_WO is unused
   int link = -1;
@@ -49,7 +49,7 @@ struct Frame {
   robots::Pose X_LF;
 };
 
-/// The robot, and what of it is planned.
+/// The robot, and its planned variables.
 struct PlannedRobot {
   std::shared_ptr<const robots::Model> model;
   std::vector<int> variables;  ///< planned ones, in group order
@@ -57,14 +57,14 @@ struct PlannedRobot {
   std::vector<Frame> frames;
 };
 
-/// What a frame F keeps, seen from a reference frame R, on all of a path: proven everywhere, as
-/// margins are. Names are those of FramePose.
+/// A condition on the pose of a frame F in a reference frame R. It is proven everywhere on a path,
+/// as margins are. Names are those of FramePose.
 struct Constraint {
-  /// What is kept of F's rotation.
+  /// The condition on F's rotation.
   enum class Turn : unsigned char {
-    kAny,    ///< nothing
+    kAny,    ///< none
     kFixed,  ///< `rotation`, to within `angle`
-    kAxis,   ///< that `axis` points along `direction`, to within `angle`
+    kAxis,   ///< `axis` points along `direction`, to within `angle`
   };
   static constexpr std::pair<double, double> kFree{-std::numeric_limits<double>::infinity(),
                                                    std::numeric_limits<double>::infinity()};
@@ -73,7 +73,7 @@ struct Constraint {
   std::string frame;        ///< a frame, a link or an attached object
   std::string relative_to;  ///< an object, or a frame or link at rest; empty: the world
   robots::Pose X_SR;        ///< of R in the frame S of that name
-  /// Of F's origin in R [m]: a box, or a plane or line where ranges have no width.
+  /// F's origin in R [m]: a box, or a plane or line if ranges have no width.
   std::array<std::pair<double, double>, 3> position{kFree, kFree, kFree};
   double position_tolerance = 1e-3;  ///< how far outside of the box the origin may be [m]
   Turn turn = Turn::kAny;
@@ -87,7 +87,7 @@ struct Constraint {
 /// within `angle` [rad].
 Constraint upright(const std::string& frame, const Eigen::Vector3d& axis, double angle);
 
-/// Where a frame F may be in a reference frame R, by names; poseRegion() looks up where they stand.
+/// The places where a frame F may be in a reference frame R. poseRegion() resolves the names.
 struct FramePose {
   std::string frame;        ///< a frame, a link or an attached object
   std::string relative_to;  ///< an object, or a frame or link at rest; empty: the world
@@ -99,50 +99,51 @@ struct FramePose {
   double angle_tolerance = 1e-9;     ///< [rad]
 };
 
-/// A goal: either a range for every planned variable (a single value is a range of no width), or
-/// poses of frames, which hold all at once at any value of the variables within the limits.
+/// A goal: either a range for every planned variable (a single value is a range without width), or
+/// poses of frames. The poses must hold together, with all variables within their limits.
 struct Goal {
   std::string name;                               ///< group state, or "goal", "goal 2", ...
-  std::vector<std::pair<double, double>> ranges;  ///< in group order; empty beside poses
+  std::vector<std::pair<double, double>> ranges;  ///< in group order; empty with poses
   std::vector<robots::PoseRegion> poses = {};
 };
 
-/// To a configuration, by whatever path is found.
+/// Moves to a goal on any path.
 struct MoveStep {
-  Goal goal;                     ///< of joints, or named by:
-  std::vector<FramePose> poses;  ///< looked up when the step begins; empty: `goal` holds
+  Goal goal;                     ///< of joints, or given by:
+  std::vector<FramePose> poses;  ///< resolved when the step begins; empty: use `goal`
 };
 
 /// A place on a frame's way.
 struct Waypoint {
   Eigen::Vector3d position;  ///< of the frame's origin [m]
-  /// The frame's; nothing: as at the place before.
+  /// The frame's rotation; nothing: as at the place before.
   std::optional<Eigen::Matrix3d> rotation = {};
-  /// The origin goes there on the circle's arc through this point; nothing: straight.
+  /// The origin moves there on the circle's arc through this point; nothing: on a straight line.
   std::optional<Eigen::Vector3d> via = {};
 };
 
-/// A frame goes along lines or arcs, and turns about one axis, at a constant rate, on each.
+/// Moves a frame along lines or arcs. On each, it turns about one axis, and both at a constant
+/// rate.
 struct LineStep {
   std::string frame;                             ///< a frame, a link or an attached object
-  Eigen::Vector3d by = Eigen::Vector3d::Zero();  ///< from where it is [m]; 0 beside `poses`
-  /// As in FramePose, or "world": what `by`, `turn` and `poses` are seen from. Empty: for `by` and
-  /// `turn` the frame's own axes, for `poses` the world.
+  Eigen::Vector3d by = Eigen::Vector3d::Zero();  ///< from where it is [m]; 0 with `poses`
+  /// The frame in which `by`, `turn` and `poses` are given: a name as in FramePose, or "world".
+  /// Empty: the frame's own axes for `by` and `turn`, the world for `poses`.
   std::string relative_to;
-  /// At every time of the motion the origin is as near to its place on the way [m], and the frame
-  /// as little turned from its rotation there [rad]: proven.
+  /// Proven for every time of the motion: the greatest distance of the origin from its place on the
+  /// line [m], and the greatest angle between the frame and its rotation there [rad].
   double position_tolerance = 1e-3, angle_tolerance = 1e-2;
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< beside `by`: how the frame turns
-  std::vector<Waypoint> poses = {};  ///< in place of `by`: it goes through all, in their order
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< in addition to `by`: how the frame turns
+  std::vector<Waypoint> poses = {};  ///< instead of `by`: the places to pass, in order
 };
 
-/// A link takes hold of an object where it stands; see attachObject().
+/// Attaches an object to a link where it is; see attachObject().
 struct AttachStep {
   std::string object, link;
-  std::vector<std::string> touch;  ///< links that may touch it, besides
+  std::vector<std::string> touch;  ///< other links that may touch it
 };
 
-/// The object is let go of, and stays where it is; see detachObject().
+/// Detaches an object, which stays where it is; see detachObject().
 struct DetachStep {
   std::string object;
 };
@@ -151,36 +152,37 @@ struct DetachStep {
 struct Step {
   std::string name;  ///< "move", "line 2", ...
   std::variant<MoveStep, LineStep, AttachStep, DetachStep> action;
-  /// Pairs that may touch during this step, besides those of the problem.
+  /// Pairs that may touch during this step, in addition to those of the problem.
   std::vector<std::pair<std::string, std::string>> allowed;
 };
 
-/// An obstacle whose vertices move. Made by makeDeformingObstacle(). Plans, checks and proofs look
-/// at `object`; Replanner follows `motion` from there.
+/// An obstacle whose vertices move. Made by makeDeformingObstacle(). Plans, checks and proofs use
+/// `object`; Replanner follows `motion` from there.
 struct DeformingObstacle {
   /// The obstacle at Execution::start: its geometry is a snapshot of `mesh`.
   Object object;
   std::shared_ptr<const collision::DeformableMesh> mesh;
-  /// Null: the embedding program says where the vertices are.
+  /// Null: the embedding program gives the vertices.
   std::shared_ptr<const collision::VertexMotion> motion;
-  /// Bound on the vertices' speed where their future is unknown [m/s]. Infinite: the motion's own
+  /// Bound on the vertices' speed when their future is unknown [m/s]. Infinite: the motion's own
   /// bound; without a motion, no bound.
   double speed_bound = std::numeric_limits<double>::infinity();
   collision::DeformOptions options;
 };
 
-/// A deforming obstacle as it is at `time` [s], which must be the problem's Execution::start. Its
-/// frame stands at X_WO. Throws std::invalid_argument for a missing mesh, a strategy that the
-/// motion does not have, a motion with another number of vertices than the mesh, vertices that are
-/// not finite, and options or a speed bound that make no sense. O(triangles) and a tree's build.
+/// Returns a deforming obstacle as it is at `time` [s], which must be the problem's
+/// Execution::start, with its frame at X_WO. Throws std::invalid_argument for a missing mesh, a
+/// strategy that the motion does not support, a motion with another number of vertices than the
+/// mesh, vertices that are not finite, and invalid options or speed bounds. O(triangles) and the
+/// build of a tree.
 DeformingObstacle makeDeformingObstacle(
     std::string name, std::shared_ptr<const collision::DeformableMesh> mesh,
     std::shared_ptr<const collision::VertexMotion> motion, const robots::Pose& X_WO,
     double time = 0, const collision::DeformOptions& options = {},
     double speed_bound = std::numeric_limits<double>::infinity());
 
-/// What surrounds the robot. Links, objects, deforming obstacles and attached objects have names of
-/// their own.
+/// The robot's surroundings. Links, objects, deforming obstacles and attached objects must have
+/// different names.
 struct World {
   std::vector<Object> objects;  ///< at rest
   std::vector<DeformingObstacle> deforming;
@@ -188,28 +190,28 @@ struct World {
 
 /// Pairs that need no check. Names are those of links, objects and attached objects.
 struct Contacts {
-  std::vector<std::pair<std::string, std::string>> allowed;  ///< may touch, besides the SRDF's
-  /// `allowed` replaces the SRDF's pairs: what it does not name is checked even if the SRDF
-  /// disables it. Set by MoveIt's matrix.
+  std::vector<std::pair<std::string, std::string>> allowed;  ///< may touch; adds to the SRDF's
+  /// `allowed` replaces the SRDF's pairs: all other pairs are checked even if the SRDF disables
+  /// them. Set by MoveIt's matrix.
   bool replace_srdf = false;
 };
 
-/// The margin of one pair. Names as in Contacts; "robot" also stands for all links and what they
-/// hold, "world" for all objects and deforming obstacles, those included that come later, unless an
-/// object or a link with shapes has that name.
+/// The margin of one pair. Names as in Contacts. "robot" also stands for all links and attached
+/// objects, and "world" for all objects and deforming obstacles, including those added later. The
+/// words lose this meaning if an object, or a link with shapes, has such a name.
 struct PairMargin {
   std::string a, b;
   double margin;  ///< [m]
-  /// Pairs that a group's name stands for have one text here, "robot and table": they are warned of
-  /// together, when none of them is checked.
+  /// Pairs from one group have the same text here, such as "robot and table". If none of them is
+  /// checked, there is one warning for all.
   std::string group = {};
 };
 
-/// A clearance that pairs keep where that is not too dear. With the objectives length and cost, a
-/// path that does not keep it costs more, by
+/// A clearance that pairs keep if it does not cost too much. With the objectives length and cost, a
+/// path that does not keep it has an additional cost of
 ///   weight * integral of max(0, 1 - d / clearance) over the path's length,
-/// where d is the least separation of the pairs, and at least 0: with a weight of 1, a stretch that
-/// touches costs as if it were twice as long.
+/// where d is the least separation of the pairs, or 0 if that is negative. With a weight of 1, the
+/// cost of a stretch doubles at contact.
 struct Wish {
   std::string name;                                        ///< "robot and people"
   std::vector<std::pair<std::string, std::string>> pairs;  ///< names as in Contacts
@@ -217,16 +219,15 @@ struct Wish {
   double weight = 1;                                       ///< above 0
 };
 
-/// Separation that checked pairs keep: every pair is farther apart than its margin. Below 0, bodies
-/// may overlap by that much.
+/// The separation that checked pairs keep: every pair is farther apart than its margin. A negative
+/// margin lets bodies overlap by its size.
 struct Margins {
-  double common = 0;              ///< of pairs without one of their own [m]
-  std::vector<PairMargin> pairs;  ///< the last one that names a pair holds
-  std::vector<Wish> wishes;       ///< each counts, also where two name one pair
+  double common = 0;              ///< of pairs without their own margin [m]
+  std::vector<PairMargin> pairs;  ///< for a pair, the last entry with it wins
+  std::vector<Wish> wishes;       ///< all count, even for the same pair
 };
 
-/// Pairs by what the robot is apart from. What it holds belongs to it, and so do its links that
-/// stand still.
+/// Which pairs count for a clearance. Attached objects and links at rest belong to the robot.
 enum class Pairs : unsigned char {
   kAll,
   kWorld,  ///< of the robot and something else
@@ -235,18 +236,18 @@ enum class Pairs : unsigned char {
 
 /// The shortest path, in the space's distance.
 struct MinimumLength {
-  /// Pairs with the world keep at least that, besides their margins [m].
+  /// The clearance of pairs with the world, in addition to their margins [m].
   double clearance = -std::numeric_limits<double>::infinity();
 };
-/// The path whose least clearance is largest.
+/// The path with the largest least clearance.
 struct MaximumClearance {
   Pairs of = Pairs::kWorld;  ///< the others keep their margins
-  /// How much longer the path may be than the shortest that is found, as a share of that one's
+  /// How much longer the path may be than the shortest path that is found, as a share of its
   /// length.
   double at_most_longer = std::numeric_limits<double>::infinity();
 };
-/// What it costs to be near, from 0 to 1: a function of the clearance d that never rises. Below 0,
-/// d counts as 0.
+/// The cost of nearness, from 0 to 1. It never increases with the clearance d. A negative d counts
+/// as 0.
 struct Nearness {
   enum class Kind : unsigned char {
     kHinge,    ///< max(0, 1 - d / distance)
@@ -255,96 +256,97 @@ struct Nearness {
   Kind kind = Kind::kHinge;
   double distance = 0.1;  ///< [m], above 0
 };
-/// A part of a path's cost.
+/// One term of a path's cost.
 struct CostTerm {
   Nearness nearness;
   double weight = 1;  ///< 0 or more
-  /// The greatest value that nearness has along the path, in place of its integral over the path's
-  /// length (in the space's distance).
+  /// Use the greatest nearness along the path instead of its integral over the path's length (in
+  /// the space's distance).
   bool worst = false;
-  Pairs of = Pairs::kWorld;  ///< whose clearance; the others keep their margins
+  Pairs of = Pairs::kWorld;  ///< the pairs that count; the others keep their margins
 };
-/// The path whose weighted sum is least.
+/// The path with the least weighted sum of its length and terms.
 struct MinimumCost {
   double length = 0;  ///< weight of the path's length, 0 or more
   std::vector<CostTerm> terms;
 };
-/// What the planner optimises.
+/// The planner's objective.
 using Objective = std::variant<MinimumLength, MaximumClearance, MinimumCost>;
 
-/// "length"; "clearance"; of costs "integral" where that is all, else "weighted".
+/// "length", "clearance", "integral" (a cost with integrals only), or "weighted" (other costs).
 const char* toString(const Objective& objective);
-/// Of "length" and "clearance".
+/// Returns the objective "length" or "clearance"; nothing for other names.
 std::optional<Objective> objectiveOfName(std::string_view name);
 
-/// Which planner runs, and how.
+/// The planner and its settings.
 struct PlannerChoice {
   std::string name = "Connect";                   ///< see planners.h
   std::map<std::string, std::string> parameters;  ///< by OMPL's names
   bool simplify = true;                           ///< the path that it finds
-  /// Where length is the objective: a simplified path is pushed off what is near, by up to 8 mm,
-  /// and gets at most 3 % longer; where less than 3 mm are left, another path is searched. Where
-  /// clearance is the objective: the path is pushed where it keeps more than its least clearance.
+  /// With the objective length, pushes a simplified path away from bodies, by up to 8 mm, which
+  /// makes it at most 3 % longer. If less than 3 mm are left, searches for another path. With the
+  /// objective clearance, pushes the path where it has more than its least clearance.
   bool push = true;
 };
 
-/// When planning and simplification end.
+/// Limits on planning and simplification together.
 struct PlanningLimits {
   double time = 5;              ///< [s]; 0 or infinity: no limit
   std::int64_t iterations = 0;  ///< of the planner; 0: no limit
 };
 
-/// What Replanner assumes of deforming obstacles after it has last seen them.
+/// What Replanner may assume about deforming obstacles after it last saw them.
 enum class Foresight : unsigned char {
   kMotion,      ///< their motion is known
   kSpeedBound,  ///< only a bound on their vertices' speed is known
 };
 
-/// What a timed path does at its corners.
+/// The behaviour of a timed path at its corners.
 enum class Corners : unsigned char {
   kStop,   ///< comes to rest
-  kBlend,  ///< cuts them where the cut is proven to keep the margins, else comes to rest
+  kBlend,  ///< cuts a corner if the cut is proven to keep the margins, else stops
 };
 
 /// How a path is executed. A trajectory (trajectory.h) keeps all limits. Replanner moves at the
 /// velocity limits, in steps, while the scene changes; it ignores accelerations, jerks and corners.
 struct Execution {
   double start = 0;      ///< time of the obstacles' motions at which execution begins [s]
-  double step = 0.05;    ///< from one look at the world to the next [s]
-  double duration = 30;  ///< a goal not reached within this is a failure [s]
+  double step = 0.05;    ///< between two looks at the world [s]
+  double duration = 30;  ///< the execution fails if it reaches no goal within this time [s]
   double speed = 1;      ///< share of the velocity limits that is used, in (0, 1]
   std::map<std::string, double> velocities;  ///< by variable; default: the robot's [rad/s or m/s]
-  /// By variable [rad/s^2 or m/s^2]; default: the robot's; without one the velocity limit is
-  /// reached in half a second.
+  /// By variable [rad/s^2 or m/s^2]. Default: the robot's own limit, or one that reaches the
+  /// velocity limit in half a second.
   std::map<std::string, double> accelerations;
-  /// By variable [rad/s^3 or m/s^3]; default: the robot's, or no limit.
+  /// By variable [rad/s^3 or m/s^3]. Default: the robot's own limit, or no limit.
   std::map<std::string, double> jerks;
   Corners corners = Corners::kStop;
   Foresight foresight = Foresight::kMotion;
   /// Replanner prefers steps after which this much more motion or rest can be certified [s].
   double look_ahead = 0.2;
-  /// Distance that paths keep from deforming obstacles beyond the margin, so that they last. Where
-  /// no such path is found, one without it is used [m].
+  /// The distance beyond the margin that paths keep from deforming obstacles, so that they stay
+  /// valid longer. If no such path is found, a path without it is used [m].
   double buffer = 0.02;
-  /// Wait this long for a valid path that cannot be executed now, before planning another [s].
+  /// The time to wait with a valid path that cannot be executed now, before planning another one
+  /// [s].
   double patience = 0.5;
 };
 
 /// Velocity limit of a joint for which the URDF has none [rad/s or m/s].
 inline constexpr double kDefaultVelocity = 1;
 
-/// All that a planner needs to know. Made by a loader below or filled by a program, in any order:
-/// every function that takes it calls validate().
+/// The whole input of a planner. Made by a loader below, or filled by a program in any order,
+/// because every function that takes it calls validate().
 struct Problem {
   std::string name;
   PlannedRobot robot;
-  std::vector<double> start;  ///< all variables of the model, those not planned included
-  /// Where the start is given by poses: placeStart() finds planned variables for them. Empty:
-  /// `start` holds as it is.
+  std::vector<double> start;  ///< all variables of the model, planned or not
+  /// A start that is given by poses. placeStart() finds planned variables for them. Empty: use
+  /// `start`.
   std::vector<robots::PoseRegion> start_poses;
   std::vector<Goal> goals;  ///< at least one, or
   std::vector<Step> steps;  ///< a task: planTask() (task.h) instead of plan()
-  /// Each holds on all of a path, its start and goal included; beside goals only.
+  /// Each holds on the whole path, including start and goal. Only with goals, not with steps.
   std::vector<Constraint> constraints;
   World world;
   Contacts contacts;
@@ -354,106 +356,107 @@ struct Problem {
   PlanningLimits limits;
   std::uint64_t seed = 1;
   Execution execution;
-  /// The loader's, of this problem's own files, each with file and line. The robot's are in
-  /// robot.model->warnings.
+  /// Warnings of the loader about this problem's own files, each with file and line. Those about
+  /// the robot are in robot.model->warnings.
   std::vector<std::string> warnings;
 };
 
-/// Throws robots::InputError, which names the member, its value and what is expected, for the first
-/// of these:
+/// Throws robots::InputError for the first of these faults. The message has the member, its value
+/// and what is expected.
 /// - no model; planned variables or links that the model does not have; variables planned twice;
 /// - a start of another size, or outside the limits of planned variables; goals or poses that
-///   nothing can meet; goals beside steps, and steps that name what is not there;
-/// - a name that stands for two things, or that is empty; a name in margins, wishes or contacts
-/// that
-///   stands for nothing; a pair of one name;
-/// - constraints of frames that do not move, or of nothing; beside steps, another objective than
-///   length, another planner than Connect, or corners that are cut;
-/// - poses that are not finite or not rotations; numbers that are not finite or negative where that
-///   makes no sense; a planner or parameters that do not exist or do not fit the objective;
+///   nothing can meet; goals together with steps; steps with names that do not exist;
+/// - a name of two things, or an empty name; a name in margins, wishes or contacts that does not
+///   exist; a pair that has the same name twice;
+/// - constraints of frames that do not move, or without a condition; together with steps, another
+///   objective than length, another planner than Connect, or corners that are cut;
+/// - poses that are not finite or not rotations; numbers that are not finite or out of range; a
+///   planner or parameters that do not exist or do not fit the objective;
 /// - deforming obstacles without a snapshot of Execution::start.
 ///
-/// Goals may be missing: a scene can be compiled without. O(things + pairs of names), about a
-/// microsecond for a small problem.
+/// Goals may be missing, because a scene can be compiled without goals. O(things + pairs of names),
+/// about a microsecond for a small problem.
 void validate(const Problem& problem);
 
 struct ProblemOptions {
-  /// Of robots and meshes; `stop` ends reading of all else, too, and `errors` gathers all of it.
+  /// Options of robots and meshes. `stop` also ends reading of everything else, and `errors`
+  /// collects all errors.
   robots::LoadOptions load;
 };
 
-/// The project's own YAML (problems/README.md, problems/schema.json). Throws robots::InputError,
-/// and robots::Stopped where options.load.stop says so.
+/// Reads the project's own YAML (problems/README.md, problems/schema.json). Throws
+/// robots::InputError, and robots::Stopped if options.load.stop returns true.
 Problem loadProblem(const std::string& yaml_path, const ProblemOptions& options = {});
 
-/// Poses of a frame from a file: .csv with columns x, y, z and qx, qy, qz, qw or roll, pitch, yaw;
-/// .yaml or .json with a list of poses, or what problem files have under `waypoints`. `frame` may
-/// be empty where the file names it. Quaternions that are not quite of unit length add to
-/// `warnings`. Throws robots::InputError.
+/// Reads poses of a frame from a file: .csv with columns x, y, z and qx, qy, qz, qw or roll, pitch,
+/// yaw; .yaml or .json with a list of poses, or with the contents of `waypoints` in problem files.
+/// `frame` may be empty if the file names it. Adds to `warnings` for quaternions that are slightly
+/// off unit length. Throws robots::InputError.
 LineStep loadWaypoints(const std::string& file, const std::string& frame,
                        std::vector<std::string>& warnings);
 
-/// MoveIt planning scene and motion plan request, as MotionBenchMaker writes them. Calls may share
-/// the model. Throws robots::InputError, robots::Stopped.
+/// Reads MoveIt's planning scene and motion plan request, as MotionBenchMaker writes them. Calls
+/// may share the model. Throws robots::InputError, robots::Stopped.
 Problem loadMoveit(std::shared_ptr<const robots::Model> model, const std::string& scene_path,
                    const std::string& request_path, const ProblemOptions& options = {});
 
-/// The world of a scene that MoveIt has saved as text (.scene), without a robot. Adds to
+/// Reads the world of a scene that MoveIt has saved as text (.scene), without a robot. Adds to
 /// `warnings`. Throws robots::InputError, robots::Stopped.
 World loadMoveitWorld(const std::string& scene_path, const ProblemOptions& options,
                       std::vector<std::string>& warnings);
 
 /// Returns the robot with the limits of MoveIt's joint_limits.yaml. Velocities, accelerations and
 /// jerks replace the robot's own; the lesser of acceleration and deceleration counts. Positions
-/// narrow its range (robots::withBounds()); where they are wider, the robot's own hold, with a
-/// warning of the model. A limit of a joint that follows another one limits that one. Throws
+/// narrow its range (robots::withBounds()). If they are wider, the robot's own range stays, and the
+/// model has a warning. A limit of a joint that follows another one limits that one. Throws
 /// robots::InputError, robots::Stopped. O(file + joints^2).
 std::shared_ptr<const robots::Model> withJointLimits(const robots::Model& model,
                                                      const std::string& yaml_path,
                                                      const robots::LoadOptions& options = {});
 
-/// Allows the pairs of links that touch with all joints at zero, or at the nearest limit: those of
-/// robots::touchingAtRest(), proven, which include all that touch everywhere. A warning of the
+/// Allows the pairs of links that are proven to touch with all joints at zero, or at the nearest
+/// limit (robots::touchingAtRest()). They include all pairs that touch everywhere. A warning of the
 /// problem names them. Throws robots::InputError for a robot that is missing or lacks its meshes,
-/// robots::Stopped. One distance query a pair of geometries.
+/// and robots::Stopped. One distance query per pair of geometries.
 void allowTouching(Problem& problem, const robots::Stop& stop = {});
 
-/// A problem without obstacles, from group states or values of the planned variables: "0, 1.5".
-/// Throws robots::InputError (without a file) for unknown names and wrong values.
+/// Returns a problem without obstacles, from group states or from values of the planned variables
+/// such as "0, 1.5". Throws robots::InputError (without a file) for unknown names and invalid
+/// values.
 Problem problemFromStates(std::shared_ptr<const robots::Model> model, const std::string& group,
                           const std::string& start, const std::string& goal);
 
-/// The problem with `object` (one of world.objects) held by `link`, grasped where it stands while
-/// the robot is at `configuration` (all variables of the model; empty: the start). It then moves
-/// with the link and may touch it and `touch_links`. Contacts and margins keep naming it. Throws
-/// robots::InputError as validate(), std::invalid_argument for unknown names and a configuration of
-/// another size.
+/// Returns the problem with `object` (one of world.objects) attached to `link`, grasped where it is
+/// with the robot at `configuration` (all variables of the model; empty: the start). It then moves
+/// with the link and may touch it and `touch_links`. Contacts and margins keep its name. Throws
+/// robots::InputError as validate(), and std::invalid_argument for unknown names and a
+/// configuration of another size.
 Problem attachObject(const Problem& problem, const std::string& object, const std::string& link,
                      const std::vector<std::string>& touch_links = {},
                      std::span<const double> configuration = {});
 
-/// The problem with an attached object put down where it is while the robot is at `configuration`:
-/// the inverse of attachObject(), with the same errors.
+/// Returns the problem with an attached object detached where it is with the robot at
+/// `configuration`. The inverse of attachObject(), with the same errors.
 Problem detachObject(const Problem& problem, const std::string& object,
                      std::span<const double> configuration = {});
 
-/// The shapes of a link, an object or an attached object, placed in the world by their X_BG, with
-/// the robot at `configuration` (all variables of the model; empty: the start); of "robot" those of
-/// all links and attached objects. Clouds have none. Throws std::invalid_argument for an unknown
-/// name and a configuration of another size.
+/// Returns the shapes of a link, an object or an attached object, placed in the world by their
+/// X_BG, with the robot at `configuration` (all variables of the model; empty: the start). "robot"
+/// means all links and attached objects. Clouds have no shapes. Throws std::invalid_argument for an
+/// unknown name and a configuration of another size.
 std::vector<robots::Geometry> shapesOf(const Problem& problem, const std::string& name,
                                        std::span<const double> configuration = {});
 
-/// Balls in the world that contain all that the robot, and what it holds, can reach: planned
-/// variables anywhere within their limits, the others as at the start. Radii are infinite behind a
-/// prismatic joint without limits. O(links x joints).
+/// Returns balls in the world that contain everything that the robot and its attached objects can
+/// reach, with planned variables within their limits and the others as at the start. Radii are
+/// infinite behind a prismatic joint without limits. O(links x joints).
 std::vector<PointCloud::Ball> reachOf(const Problem& problem);
 
-/// The region of a pose where the names of `problem` stand: links as at its start. Throws
-/// robots::InputError for a robot or start that makes no sense, see validate();
-/// std::invalid_argument for names that do not exist, a link or attached object as reference that
-/// planned variables move, ranges that are not finite or have their upper end first, a `rotation`
-/// that is none, and tolerances below robots::kLeastPoseTolerance. O(links).
+/// Returns the region of a pose, with the names resolved in `problem` and the links as at its
+/// start. Throws robots::InputError for an invalid robot or start, see validate(). Throws
+/// std::invalid_argument for names that do not exist, a reference frame that planned variables
+/// move, ranges that are not finite or have their upper end first, a `rotation` that is not a
+/// rotation, and tolerances below robots::kLeastPoseTolerance. O(links).
 robots::PoseRegion poseRegion(const Problem& problem, const FramePose& pose);
 
 }  // namespace leeway::planner

@@ -40,9 +40,9 @@ struct ReplanStep {
   int index = 0;
   double time = 0;  ///< of the look at the world [s]
   Decision decision = Decision::kUnsafe;
-  /// The motion is proven to keep all margins at every time of the step, whatever the obstacles do
-  /// within their known motions or speed bounds. False only for kUnsafe: also where no pair is
-  /// checked at all (CompiledScene::nothingChecked()).
+  /// The motion is proven to keep all margins at every time of the step, for any motion of the
+  /// obstacles within their known motions or speed bounds. False only for kUnsafe, which includes
+  /// that no pair is checked at all (CompiledScene::nothingChecked()).
   bool certified = false;
   /// Time after the step for which going on, or standing, is certified [s]; at most
   /// Execution::look_ahead.

@@ -11,8 +11,9 @@
 
 namespace leeway::planner {
 
-/// Limits on the motion of planned variables, one number a variable in group order. Of a floating
-/// joint's orientation (four numbers) the first is that of the angle of rotation.
+/// Limits on the motion of planned variables, one number per variable in group order. The
+/// orientation of a floating joint has four numbers; the first is the limit of the angle of
+/// rotation.
 struct MotionLimits {
   std::vector<double> velocity;      // [rad/s or m/s], positive and finite
   std::vector<double> acceleration;  // [rad/s^2 or m/s^2], positive and finite
@@ -23,8 +24,8 @@ struct MotionLimits {
 /// times its speed; its accelerations and jerks. O(variables).
 MotionLimits motionLimits(const Problem& problem);
 
-/// The robot's own limits. Without one the velocity is at most kDefaultVelocity and reached in half
-/// a second, and jerk has no limit. O(variables).
+/// The robot's own limits. By default, the velocity is at most kDefaultVelocity and is reached in
+/// half a second, and jerk is unlimited. O(variables).
 MotionLimits defaultMotionLimits(const ConfigurationSpace& space);
 
 /// The fastest motion from rest to rest over a way of 1 under constant limits on speed,
@@ -43,7 +44,7 @@ class RestToRest {
   State at(double time) const;
   /// Times at which acceleration or its derivative jumps, both ends included, ascending [s].
   std::vector<double> knots() const;
-  /// The same without allocation: some may stand several times.
+  /// The same without allocation. Times may repeat.
   std::array<double, 8> knotArray() const;
 
  private:
@@ -98,7 +99,7 @@ class Trajectory {
   const ConfigurationSpace& space() const { return *space_; }
   std::span<const std::vector<double>> waypoints() const { return waypoints_; }
   std::span<const Blend> blends() const { return blends_; }
-  /// When each waypoint is passed, or the middle of its blend [s].
+  /// The time at which each waypoint, or the middle of its blend, is passed [s].
   std::span<const double> times() const { return times_; }
   /// Times at which acceleration along the path, or its derivative, jumps, and those of waypoints:
   /// ascending, from 0 to duration() [s]. Between two of them motion along an edge has constant
@@ -114,7 +115,7 @@ class Trajectory {
     double t = 0, rate = 0, acceleration = 0;
   };
   Place place(double time) const;
-  /// The time at t in [0, 1] of an edge [s]; nothing where a blend cuts it off. O(waypoints).
+  /// The time at t in [0, 1] of an edge [s]; nothing if a blend cuts this point off. O(waypoints).
   std::optional<double> passes(int edge, double t) const;
   /// The configuration at `time` [s] (held before 0 and after duration()). These three neither
   /// allocate nor throw, and may be called from several threads; O(log waypoints).
@@ -125,14 +126,14 @@ class Trajectory {
   void acceleration(double time, std::span<double> second) const;
 
  private:
-  /// Part of a bent stretch: a blend, or what blends leave of an edge.
+  /// Part of a bent stretch: a blend, or the rest of an edge between blends.
   struct Piece {
     int edge, blend;
   };
   struct Stretch {  // from rest to rest
     int first_edge, edges;
     double start;  // [s]
-    /// Of one edge, or several in line. A bent stretch has pieces and phases instead.
+    /// For one edge or several in line. A bent stretch has pieces and phases instead.
     std::optional<RestToRest> profile;
     std::vector<Piece> pieces = {};
     std::vector<TimedPhase> phases = {};
@@ -155,10 +156,10 @@ class Trajectory {
   std::vector<double> times_;
 };
 
-/// The trajectory of a path within the limits of the problem's execution, with blends if it asks
-/// for them, limits no jerk, and the path is not a task's; these compile the problem. The path's
-/// edges must be certified for the problem. Its waypoints are those of edgesOf() the path, and its
-/// errors, too.
+/// Returns the trajectory of a path within the limits of the problem's execution. It has blends if
+/// the execution wants them, jerk is not limited, and the path does not belong to a task; blends
+/// require the problem to be compiled. The path's edges must be certified for the problem. The
+/// waypoints are those of edgesOf() the path. Errors as edgesOf().
 Trajectory trajectoryOf(const Problem& problem, const Path& path);
 
 }  // namespace leeway::planner

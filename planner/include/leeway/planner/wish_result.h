@@ -6,12 +6,13 @@
 
 namespace leeway::planner {
 
-/// What became of one of Margins::wishes along a path.
+/// How a path keeps one of Margins::wishes.
 struct WishResult {
-  collision::Interval clearance;  ///< the least [m]; (inf, inf): nothing to be near
-  /// Everywhere: proven, or refuted; nothing: not decided, or none of its pairs is checked.
+  collision::Interval clearance;  ///< the least [m]; (inf, inf) if nothing is near
+  /// Whether it is kept everywhere: proven or refuted; nothing: undecided, or none of its pairs is
+  /// checked.
   std::optional<bool> kept;
-  collision::Interval cost;  ///< of missing it, its weight included
+  collision::Interval cost;  ///< of missing it, including its weight
 };
 
 }  // namespace leeway::planner
