@@ -1,16 +1,17 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include "collision/base/numbers.h"
 #include "collision/base/scratch.h"
 #include "collision/base/status.h"
 #include "collision/base/tolerances.h"
 #include "collision/convex/convex_distance.h"
+#include "collision/deform/query/float_box.h"
 #include "collision/deform/query/probe.h"
 #include "collision/deform/snapshot.h"
 #include "collision/distance/mesh_distance.h"
+#include "collision/mesh/descent/branch_and_bound.h"
+#include "collision/mesh/descent/descent_bounds.h"
 #include "collision/mesh/descent/triangle_pair.h"
 #include "collision/shapes/default_tolerance.h"
 #include "leeway/collision/deformable_mesh.h"
@@ -25,95 +26,65 @@ namespace {
 struct SelfPair {
   std::int32_t a, b;
   float lower;
-  float low_a[3], high_a[3], low_b[3], high_b[3];
+  FloatBox box_a, box_b;
 };
 
 // Lower bound on the distance of two boxes.
-float boxDistance(const float* low_a, const float* high_a, const float* low_b,
-                  const float* high_b) {
+float boxDistance(const FloatBox& a, const FloatBox& b) {
   float squared = 0;
   for (int k = 0; k < 3; ++k) {
-    const float gap = std::max(std::max(low_b[k] - high_a[k], low_a[k] - high_b[k]), 0.0F);
+    const float gap = std::max(std::max(b.low[k] - a.high[k], a.low[k] - b.high[k]), 0.0F);
     squared += gap * gap;
   }
   return std::sqrt(squared) * kBoxDistanceInwards;
 }
 
-class SelfDescent {
+class SelfDescent : public DescentBounds {
  public:
-  SelfDescent(const DeformableSnapshotImpl& snapshot, const DistanceRequest& request,
+  SelfDescent(const DeformableSnapshotImpl& snapshot, const DistanceRequest& asked,
               Scratch& scratch, PairCache& cache)
-      : snapshot_(snapshot),
+      : DescentBounds(asked, scratch, {}),
+        snapshot_(snapshot),
         tree_(*snapshot.tree),
-        request_(request),
         scratch_(scratch),
         cache_(cache),
         boxes_(snapshot, scratch.impl().deform),
         rounding_(roundingOf(snapshot.low.cwiseAbs().cwiseMax(snapshot.high.cwiseAbs()).norm())) {}
 
   DistanceResult run() {
-    result_.distance = {kInfinity, kInfinity};
     const int count = tree_.triangleCount();
     if (cache_.triangle_a >= 0 && cache_.triangle_a < count && cache_.triangle_b >= 0 &&
-        cache_.triangle_b < count && cache_.triangle_a != cache_.triangle_b) {
-      triangles(tree_.slotOf(cache_.triangle_a), tree_.slotOf(cache_.triangle_b));
-      result_.distance.lower = kInfinity;  // the descent visits the pair again
-    }
-    SelfPair root{};
-    stack_[size_++] = root;
-    while (size_ > 0 && !done()) {
-      const SelfPair pair = stack_[--size_];
-      const auto lower = static_cast<double>(pair.lower);
-      if (lower > bar()) {
-        settle(lower);
-        continue;
-      }
-      if (visited_ >= request_.node_limit) {
-        settle(lower);
-        break;
-      }
+        cache_.triangle_b < count && cache_.triangle_a != cache_.triangle_b)
+      compareFirst(
+          [&] { triangles(tree_.slotOf(cache_.triangle_a), tree_.slotOf(cache_.triangle_b)); });
+    open_.push({});
+    for (SelfPair pair; open_.next(*this, pair);) {
       expand(pair);
-      if (done()) settle(lower);
+      if (isDone()) settle(pair);
     }
-    while (size_ > 0) settle(static_cast<double>(stack_[--size_].lower));
+    open_.settleRest(*this);
+    DistanceResult found = result.witness;
+    found.iterations = result.iterations;
     // Crossing triangles end the search; other pairs may be deeper.
-    if (result_.distance.upper <= 0) result_.distance.lower = -kInfinity;
-    if (result_.triangle_a > result_.triangle_b) {
-      std::swap(result_.triangle_a, result_.triangle_b);
-      std::swap(result_.point_a, result_.point_b);
-      result_.normal = -result_.normal;
+    found.distance = {result.upper <= 0 ? -kInfinity : result.lower, result.upper};
+    if (found.triangle_a > found.triangle_b) {
+      std::swap(found.triangle_a, found.triangle_b);
+      std::swap(found.point_a, found.point_b);
+      found.normal = -found.normal;
     }
-    if (result_.triangle_a >= 0) {
-      cache_.triangle_a = result_.triangle_a;
-      cache_.triangle_b = result_.triangle_b;
+    if (found.triangle_a >= 0) {
+      cache_.triangle_a = found.triangle_a;
+      cache_.triangle_b = found.triangle_b;
     }
-    result_.status = statusOf(result_.distance, request_);
-    return result_;
+    found.status = statusOf(found.distance, request);
+    return found;
   }
 
  private:
   static double roundingOf(double extent) { return 2 * kRelativeRounding * (extent + kLeastSum); }
-  double bar() const {
-    const double bar =
-        request_.threshold == request_.threshold ? std::max(request_.threshold, 0.0) : kInfinity;
-    return std::min(bar, result_.distance.upper - request_.tolerance);
-  }
-  bool done() const {
-    return result_.distance.upper <= 0 || result_.distance.upper <= request_.threshold;
-  }
-  void settle(double lower) { result_.distance.lower = std::min(result_.distance.lower, lower); }
-
-  void push(const SelfPair& pair) {
-    const auto lower = static_cast<double>(pair.lower);
-    if (lower > bar()) {
-      settle(lower);
-    } else {
-      stack_[size_++] = pair;
-    }
-  }
 
   void expand(const SelfPair& pair) {
-    ++visited_;
+    visit();
     const bool leaf_a = DeformTree::isLeaf(pair.a), leaf_b = DeformTree::isLeaf(pair.b);
     if (pair.a == pair.b) {
       if (leaf_a) {
@@ -123,17 +94,16 @@ class SelfDescent {
       }
     } else if (leaf_a && leaf_b) {
       leaves(pair);
-    } else if (leaf_a ||
-               (!leaf_b && size(pair.low_b, pair.high_b) > size(pair.low_a, pair.high_a))) {
-      split(pair.b, pair.a, pair.low_a, pair.high_a);
+    } else if (leaf_a || (!leaf_b && size(pair.box_b) > size(pair.box_a))) {
+      split(pair.b, pair.a, pair.box_a);
     } else {
-      split(pair.a, pair.b, pair.low_b, pair.high_b);
+      split(pair.a, pair.b, pair.box_b);
     }
   }
 
-  static float size(const float* low, const float* high) {
+  static float size(const FloatBox& box) {
     float sum = 0;
-    for (int k = 0; k < 3; ++k) sum += high[k] - low[k];
+    for (int k = 0; k < 3; ++k) sum += box.high[k] - box.low[k];
     return sum;
   }
 
@@ -146,40 +116,24 @@ class SelfDescent {
       for (int i = 0; i < kWidth && node.child[i] != DeformTree::kNone; ++i) {
         for (int j = own == 0 ? i + 1 : i;
              j < (own == 0 ? kWidth : i + 1) && node.child[j] != DeformTree::kNone; ++j) {
-          SelfPair pair{node.child[i], node.child[j], 0, {}, {}, {}, {}};
-          for (int k = 0; k < 3; ++k) {
-            pair.low_a[k] = box.low[k][i];
-            pair.high_a[k] = box.high[k][i];
-            pair.low_b[k] = box.low[k][j];
-            pair.high_b[k] = box.high[k][j];
-          }
-          if (i != j) pair.lower = boxDistance(pair.low_a, pair.high_a, pair.low_b, pair.high_b);
-          push(pair);
+          SelfPair pair{node.child[i], node.child[j], 0, floatBox(box, i), floatBox(box, j)};
+          if (i != j) pair.lower = boxDistance(pair.box_a, pair.box_b);
+          open_.pushSibling(*this, open_.size(), pair);
         }
       }
     }
   }
 
   // Pairs the children of one node with another part.
-  void split(std::int32_t id, std::int32_t other, const float* low, const float* high) {
+  void split(std::int32_t id, std::int32_t other, const FloatBox& other_box) {
     WideBox room;
     const WideBox& box = boxes_.boxes(id, room);
     const DeformTree::Node& node = tree_.node(id);
-    const std::size_t begin = size_;
+    const std::size_t first = open_.size();
     for (int i = 0; i < kWidth && node.child[i] != DeformTree::kNone; ++i) {
-      SelfPair pair{node.child[i], other, 0, {}, {}, {}, {}};
-      for (int k = 0; k < 3; ++k) {
-        pair.low_a[k] = box.low[k][i];
-        pair.high_a[k] = box.high[k][i];
-        pair.low_b[k] = low[k];
-        pair.high_b[k] = high[k];
-      }
-      pair.lower = boxDistance(pair.low_a, pair.high_a, pair.low_b, pair.high_b);
-      push(pair);
-      // Keeps the nearest on top.
-      for (std::size_t at = size_; at > begin + 1 && stack_[at - 1].lower > stack_[at - 2].lower;
-           --at)
-        std::swap(stack_[at - 1], stack_[at - 2]);
+      const FloatBox own = floatBox(box, i);
+      open_.pushSibling(*this, first,
+                        {node.child[i], other, boxDistance(own, other_box), own, other_box});
     }
   }
 
@@ -192,20 +146,14 @@ class SelfDescent {
     kernels.triangles(tree_, snapshot_.vertices.data(), leaf_b.slot_begin, leaf_b.slot_end, box_b);
     for (int a = leaf_a.slot_begin; a < leaf_a.slot_end; ++a) {
       for (int b = pair.a == pair.b ? a + 1 : leaf_b.slot_begin; b < leaf_b.slot_end; ++b) {
-        float low_a[3], high_a[3], low_b[3], high_b[3];
-        for (int k = 0; k < 3; ++k) {
-          low_a[k] = box_a.low[k][a - leaf_a.slot_begin];
-          high_a[k] = box_a.high[k][a - leaf_a.slot_begin];
-          low_b[k] = box_b.low[k][b - leaf_b.slot_begin];
-          high_b[k] = box_b.high[k][b - leaf_b.slot_begin];
-        }
-        const auto lower = static_cast<double>(boxDistance(low_a, high_a, low_b, high_b));
-        if (lower > bar()) {
+        const auto lower = static_cast<double>(boxDistance(floatBox(box_a, a - leaf_a.slot_begin),
+                                                           floatBox(box_b, b - leaf_b.slot_begin)));
+        if (isPruned(lower)) {
           settle(lower);
           continue;
         }
         triangles(a, b);
-        if (done()) return;
+        if (isDone()) return;
       }
     }
   }
@@ -220,58 +168,45 @@ class SelfDescent {
       corners[0][i] = snapshot_.vertices[static_cast<std::size_t>(a[i])];
       corners[1][i] = snapshot_.vertices[static_cast<std::size_t>(b[i])];
     }
-    ++visited_;
+    visit();
     const TrianglePair pair = trianglePair(corners[0], corners[1]);
     const double bar_now = bar(), lower = pair.below - rounding_, upper = pair.above + rounding_;
-    if (lower > 0 && (lower > bar_now || upper - lower <= request_.tolerance)) {
-      ++result_.iterations;
+    if (lower > 0 && (lower > bar_now || upper - lower <= request.tolerance)) {
+      ++result.iterations;
       settle(lower);
-      if (!(upper < result_.distance.upper)) return;
-      result_.distance.upper = upper;
-      result_.point_a = pair.p;
-      result_.point_b = pair.q;
-      result_.normal = pair.normal;
-      result_.triangle_a = tree_.triangleOf(slot_a);
-      result_.triangle_b = tree_.triangleOf(slot_b);
+      DistanceResult apart;
+      apart.point_a = pair.p;
+      apart.point_b = pair.q;
+      apart.normal = pair.normal;
+      offer(apart, upper, tree_.triangleOf(slot_a), tree_.triangleOf(slot_b));
       return;
     }
     // Crossing, touching, or a sliver: GJK.
-    DistanceRequest request = request_;
-    request.depth = false;
-    if (bar_now < kInfinity && bar_now > 0) request.threshold = bar_now;
+    DistanceRequest own = request;
+    own.depth = false;
+    if (bar_now < kInfinity && bar_now > 0) own.threshold = bar_now;
     const ConvexView view_a = viewOfPoints(corners[0], 3, 0),
                      view_b = viewOfPoints(corners[1], 3, 0);
-    DistanceResult r = convexDistance(view_a, Pose{}, view_b, request, scratch_, &cache_);
-    result_.iterations += r.iterations;
+    DistanceResult r = convexDistance(view_a, Pose{}, view_b, own, scratch_, &cache_);
+    result.iterations += r.iterations;
     if (r.status == DistanceStatus::kNotAboveThreshold && r.distance.upper > 0 &&
-        !(r.distance.upper <= request_.threshold)) {
-      request.threshold = request_.threshold;
-      r = convexDistance(view_a, Pose{}, view_b, request, scratch_, &cache_);
-      result_.iterations += r.iterations;
+        !(r.distance.upper <= request.threshold)) {
+      own.threshold = request.threshold;
+      r = convexDistance(view_a, Pose{}, view_b, own, scratch_, &cache_);
+      result.iterations += r.iterations;
     }
     settle(r.distance.lower);
-    if (!(r.distance.upper < result_.distance.upper)) return;
-    const double settled = result_.distance.lower;
-    const int iterations = result_.iterations;
-    result_ = r;
-    result_.iterations = iterations;
-    result_.distance.lower = settled;
-    result_.triangle_a = tree_.triangleOf(slot_a);
-    result_.triangle_b = tree_.triangleOf(slot_b);
+    offer(r, r.distance.upper, tree_.triangleOf(slot_a), tree_.triangleOf(slot_b));
   }
 
   const DeformableSnapshotImpl& snapshot_;
   const DeformTree& tree_;
-  const DistanceRequest& request_;
   Scratch& scratch_;
   PairCache& cache_;
   BoxSource boxes_;
   const double rounding_;  // of a pair in closed form, as in mesh_pair.cc [m]
-  DistanceResult result_;
-  int visited_ = 0;
   // A pair that is popped pushes at most 36 (a node with itself, once for each level) or 8.
-  std::array<SelfPair, 36 * DeformTree::kMaxDepth + 8 * 2 * DeformTree::kMaxDepth> stack_;
-  std::size_t size_ = 0;
+  BranchAndBound<SelfPair, 36 * DeformTree::kMaxDepth + 8 * 2 * DeformTree::kMaxDepth> open_;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "collision/base/work.h"
 #include "collision/convex/convex_distance.h"
 #include "collision/mesh/descent/box_gaps.h"
+#include "collision/mesh/descent/branch_and_bound.h"
 #include "collision/mesh/descent/descent_answer.h"
 #include "collision/mesh/descent/mesh_body.h"
 #include "collision/mesh/descent/triangle_pair.h"
@@ -32,9 +33,9 @@ bool operator==(const Time& l, const Time& r) { return l.level == r.level && l.n
 struct SweptPair {
   std::int32_t a, b;
   Time time;
-  float gap;     ///< proven if positive; otherwise lower for a deeper overlap
+  float lower;   ///< the gap, proven if positive; otherwise lower for a deeper overlap
   bool open;     ///< convex pieces did not suffice, so their triangles are visited
-  int halvings;  ///< halvings of the interval since `gap` was computed
+  int halvings;  ///< halvings of the interval since `lower` was computed
 };
 
 /// Spectral norm of A, which is a multiple of the difference of two rotations, or their mean minus
@@ -68,19 +69,24 @@ class MeshSweep {
     // The interval is not representable, and a different interval would prove nothing.
     if (whole.length() != request_.h || whole.begin() != request_.t0) return {};
     result_.status = MeshSweepStatus::kFree;
-    stack_[size_++] = {a_.root(), b_.root(), whole, -1, !by_pieces_, 0};
+    open_.push({a_.root(), b_.root(), whole, -1, !by_pieces_, 0});
     Work& work = *scratch_.impl().work;
-    while (size_ > 0 && result_.status == MeshSweepStatus::kFree) {
-      if (result_.nodes >= request_.node_limit || work.isSpent()) {
-        result_.status = MeshSweepStatus::kUndecided;
-        break;
-      }
+    for (SweptPair pair; open_.next(*this, pair);) {
       const int before = result_.nodes;
-      expand(stack_[--size_]);
+      expand(pair);
       work.add((result_.nodes - before) * kBoxWork);
     }
+    if (!isDone() && !open_.isEmpty()) result_.status = MeshSweepStatus::kUndecided;
     return result_;
   }
+
+  // As BranchAndBound requires. Pairs that are apart are not pushed.
+  bool isDone() const { return result_.status != MeshSweepStatus::kFree; }
+  bool isSpent() const {
+    return result_.nodes >= request_.node_limit || scratch_.impl().work->isSpent();
+  }
+  static bool isPruned(const SweptPair&) { return false; }
+  static void settle(const SweptPair&) {}
 
  private:
   // Null if a pose is missing or invalid.
@@ -172,17 +178,14 @@ class MeshSweep {
     gaps(pair, *s, way, split_a, split, gap);
     result_.nodes += split.count;
     const double bar = barOf(*s);
-    const std::size_t first = size_;
-    for (int i = 0; i < split.count; ++i) {
+    const std::size_t first = open_.size();
+    for (int i = split.count; i-- > 0;) {
       if (static_cast<double>(gap[i]) > bar) continue;
       SweptPair part = pair;
       (split_a ? part.a : part.b) = child * BoxNode::kWidth + i;
-      part.gap = gap[i];
+      part.lower = gap[i];
       part.halvings = 0;
-      // Keeps the nearest on top; of equal ones, the first.
-      std::size_t at = size_++;
-      for (; at > first && stack_[at - 1].gap <= part.gap; --at) stack_[at] = stack_[at - 1];
-      stack_[at] = part;
+      open_.pushSibling(first, part);
     }
   }
 
@@ -224,9 +227,9 @@ class MeshSweep {
     SweptPair half = pair;
     ++half.halvings;
     half.time = {pair.time.level + 1, 2 * pair.time.number + 1};
-    stack_[size_++] = half;
+    open_.push(half);
     --half.time.number;
-    stack_[size_++] = half;
+    open_.push(half);
     return true;
   }
 
@@ -286,7 +289,7 @@ class MeshSweep {
     if (motion > kSweepTimeShare * static_cast<double>(size) && halve(pair)) return;
     SweptPair open = pair;
     open.open = true;
-    stack_[size_++] = open;
+    open_.push(open);
   }
 
   // A's corners over an interval: halfway, and their displacement to either side.
@@ -353,9 +356,9 @@ class MeshSweep {
   Vector plane_;  // its unit normal, from A to B, in B's frame
   // A popped pair pushes at most kWidth pairs, one level lower on one side; or its two halves; or
   // itself, opened.
-  std::array<SweptPair, 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + kSweepHalvings + 3>
-      stack_;
-  std::size_t size_ = 0;
+  BranchAndBound<SweptPair,
+                 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + kSweepHalvings + 3>
+      open_;
 };
 
 bool isSweepable(const DescentSide& side) {

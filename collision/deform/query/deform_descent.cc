@@ -39,12 +39,12 @@ void descendAll(DescentState& state) {
   }
   const double root = rootBound(state);
   state.result.hull_lower = root;
-  if (state.needless(root)) {
+  if (state.isPruned(root)) {
     state.settle(root);
     return;
   }
   // descendRound() may have found an upper bound already.
-  if (!(state.result.upper < kInfinity)) state.warmStart();
+  if (!state.hasUpper()) state.warmStart();
   if (hasNoTree(state.a) || hasNoTree(state.b))
     descendOctree(state, root);
   else if (isRigid(state.a))
@@ -77,10 +77,14 @@ double ballBound(const DeformSide& a, const DeformSide& b, const DescentPlacemen
 DescentState::DescentState(const DeformSide& side_a, const DeformSide& side_b,
                            const DescentPlacement& where, const DistanceRequest& asked,
                            Scratch& own_scratch, PairCache& own_cache)
-    : a(side_a),
+    : DescentBounds(asked, own_scratch,
+                    {.swept = where.swept,
+                     .depth = asked.depth,
+                     .limits_depth = !isHalfSpace(side_a) && !isHalfSpace(side_b),
+                     .near = where.swept ? 0 : own_scratch.impl().touching.near()}),
+      a(side_a),
       b(side_b),
       placement(where),
-      request(asked),
       scratch(own_scratch),
       cache(own_cache),
       kernels(probeKernels()) {
@@ -91,20 +95,6 @@ DescentState::DescentState(const DeformSide& side_a, const DeformSide& side_b,
       b.snapshot != nullptr && b.snapshot->bounds != nullptr && b.snapshot->bounds->hasVolumes();
   extent_b = magnitude(b.low) + magnitude(b.high);
   if (isRigid(a) && !isRound(*this)) rigid_probe = rigidProbe();
-  result.lower = kInfinity;
-  result.upper = kInfinity;
-  updateBar();
-}
-
-void DescentState::updateBar() {
-  bar_ = kInfinity;
-  if (request.threshold == request.threshold) bar_ = floor();
-  double tolerance = request.tolerance;
-  if (result.upper <= 0 && !half_space)
-    tolerance = std::max(tolerance, kDeeperShare * -result.upper);
-  bar_ = std::min(bar_, result.upper > 0 && !placement.swept
-                            ? scratch.impl().touching.bar(result.upper, tolerance)
-                            : result.upper - tolerance);
 }
 
 Probe DescentState::rigidProbe() const {
@@ -118,7 +108,7 @@ void DescentState::tightenByVolumes(std::int32_t node, const Probe& probe,
   b.snapshot->bounds->tighten(node, b.snapshot->parameters, probe, bounds);
   for (unsigned left = bounds.open; left != 0; left &= left - 1) {
     const int lane = std::countr_zero(left);
-    if (!needless(static_cast<double>(bounds.lower[lane]))) continue;
+    if (!isPruned(static_cast<double>(bounds.lower[lane]))) continue;
     bounds.open &= ~(1U << lane);
     bounds.closed = std::min(bounds.closed, bounds.lower[lane]);
   }

@@ -3,17 +3,15 @@
 // Private to collision/: the state that the stages of a descent share. Each stage has its own file.
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <span>
 
 #include "collision/base/scratch.h"
 #include "collision/base/tolerances.h"
-#include "collision/base/work.h"
 #include "collision/deform/bounds/probe_bounds.h"
 #include "collision/deform/query/deform_side.h"
 #include "collision/deform/query/probe.h"
+#include "collision/mesh/descent/descent_bounds.h"
 
 namespace leeway::collision {
 
@@ -29,35 +27,12 @@ inline constexpr int kWholeBody = -1;
 /// rigid convex body.
 ConvexView pieceOf(const DeformSide& side, int slot, Eigen::Vector3d* corners);
 
-/// The interval found so far, the stop criteria, and the comparison of exact pieces. Compare
-/// Descent in mesh_descent.cc.
-class DescentState {
+/// The interval found so far, bounds by boxes, and the comparison of exact pieces. Compare Descent
+/// in mesh_descent.cc.
+class DescentState : public DescentBounds {
  public:
   DescentState(const DeformSide& a, const DeformSide& b, const DescentPlacement& placement,
                const DistanceRequest& request, Scratch& scratch, PairCache& cache);
-
-  // Stop criteria.
-
-  /// Pairs with a lower bound above this need no further comparison.
-  double bar() const { return placement.swept ? std::min(bar_, result.lower) : bar_; }
-  /// Must be called when result.upper has changed.
-  void updateBar();
-  bool needless(double lower) const {
-    return lower > bar() || (placement.swept && lower >= result.lower);
-  }
-  bool done() const {
-    if (result.upper <= request.threshold) return true;
-    if (!placement.swept) return result.upper <= 0 && !request.depth;
-    return result.upper <= 0 || result.lower <= floor();
-  }
-  /// Limit on the visited nodes, leaves and pairs of pieces.
-  int limit() const {
-    if (scratch.impl().work->isSpent()) return 0;
-    const int most = request.node_limit - mesh_nodes;
-    return result.upper <= 0 && !half_space ? std::min(most, overlap_limit_) : most;
-  }
-  /// Records the lower bound of anything that is dropped without a closer look.
-  void settle(double lower) { result.lower = std::min(result.lower, lower); }
 
   // Bounds by boxes.
 
@@ -98,7 +73,6 @@ class DescentState {
   const DeformSide& a;
   const DeformSide& b;
   const DescentPlacement& placement;
-  const DistanceRequest& request;
   Scratch& scratch;
   PairCache& cache;
   const ProbeKernels& kernels;
@@ -108,12 +82,7 @@ class DescentState {
   double extent_b = 0;       // sum of magnitudes of B's coordinates, see makeProbe()
   Probe rigid_probe{};       // of a rigid A
 
-  DescentResult result;
-  int visited = 0;     // nodes, leaves and pairs of pieces
-  int mesh_nodes = 0;  // visited in hierarchies of rigid meshes
-
  private:
-  double floor() const { return request.threshold > 0 ? request.threshold : 0; }
   bool areBeyondPlane(std::span<const std::int32_t> vertices);
   void tightenByVolumes(std::int32_t node, const Probe& probe, LaneBounds& bounds) const;
   DistanceResult compareWithMesh(const DescentSide& side_a, const DescentSide& side_b,
@@ -121,10 +90,6 @@ class DescentState {
   DistanceResult compareConvex(const ConvexView& piece_a, const ConvexView& piece_b,
                                double threshold, bool depth);
 
-  double bar_ = std::numeric_limits<double>::infinity();  // without the contribution of a sweep,
-                                                          // see bar()
-  int overlap_limit_ = std::numeric_limits<int>::max();   // limit on `visited` once the bodies
-                                                          // overlap
   static constexpr int kNoSlot = -2;
   int warm_a_ = kNoSlot, warm_b_ = kNoSlot;  // see rememberWarm()
   double warm_lower_ = 0;                    // proven for that pair
@@ -133,7 +98,7 @@ class DescentState {
   double plane_offset_ = 0;  // along the normal
 };
 
-// The stages. `root`: a lower bound for the two bodies as a whole, not needless.
+// The stages. `root`: a lower bound for the two bodies as a whole, not pruned.
 
 /// A sphere or a capsule A: finds the triangle nearest to its core. False if the question stays
 /// open (contact with a requested depth, or rounding that is not small compared with the

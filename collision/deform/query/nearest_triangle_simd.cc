@@ -3,11 +3,13 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "collision/base/prefetch.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
 #include "collision/deform/query/nearest_triangle.h"
+#include "collision/mesh/descent/branch_and_bound.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/deform/query/nearest_triangle_simd.cc"
@@ -52,45 +54,39 @@ class NearestDescent {
 
   NearestFound run() {
     if (search_.first >= 0) trianglesFor(*this, search_.first, search_.first + 1);
-    open_[size_++] = {0, 0};
-    bool within = true;
-    while (size_ > 0 && !over_ && within) {
-      // Opens one node at a time until there is an upper bound, because the nearest node leads to
-      // one.
-      const std::size_t most = found_.slot >= 0 ? kTogether : 1;
-      std::array<std::int32_t, kTogether> taken;
-      std::size_t count = 0;
-      while (size_ > 0 && count < most) {
-        const Open next = open_[size_ - 1];
-        if (next.squared > bar_squared_) {
-          closed_ = std::min(closed_, next.squared);
-          --size_;
-          continue;
-        }
-        const bool leaf = DeformTree::isLeaf(next.ref);
-        if (leaf && count > 0) break;
-        within = found_.visited < search_.limit;
-        if (!within) break;
-        ++found_.visited;
-        --size_;
-        if (!leaf) {
-          taken[count++] = next.ref;
-          continue;
-        }
-        // Most leaves here share the nearest vertex or edge. The plane perpendicular to the
-        // shortest displacement so far would close them and save 3 to 8 % of the time. But then the
-        // reported triangle and the last digits would depend on earlier queries of this thread.
-        const DeformTree::Leaf& l = tree_.leaf(DeformTree::leafOf(next.ref));
-        trianglesFor(*this, l.slot_begin, l.slot_end);
-        break;
+    open_.push({0, 0});
+    std::array<Open, kTogether> room;
+    for (std::span<const Open> taken; open_.next(*this, room, taken);) {
+      if (!taken.front().isLeaf()) {
+        nodes(taken);
+        continue;
       }
-      if (count > 0) nodes(taken.data(), count);
+      // Most leaves here share the nearest vertex or edge. The plane perpendicular to the shortest
+      // displacement so far would close them and save 3 to 8 % of the time. But then the reported
+      // triangle and the last digits would depend on earlier queries of this thread.
+      const DeformTree::Leaf& l = tree_.leaf(DeformTree::leafOf(taken.front().ref));
+      trianglesFor(*this, l.slot_begin, l.slot_end);
     }
     // Nodes that the limit left open.
-    while (size_ > 0) closed_ = std::min(closed_, open_[--size_].squared);
+    open_.settleRest(*this);
     found_.lower = over_ ? 0 : std::min(settled_, distanceOf(closed_));
     return found_;
   }
+
+  struct Open {
+    float lower;       // for everything below, squared
+    std::int32_t ref;  // as in DeformTree::Node
+
+    bool isLeaf() const { return DeformTree::isLeaf(ref); }
+  };
+
+  // As BranchAndBound requires.
+  bool isPruned(const Open& open) const { return open.lower > bar_squared_; }
+  void settle(const Open& open) { closed_ = std::min(closed_, open.lower); }
+  bool isDone() const { return over_; }
+  bool isSpent() const { return found_.visited >= search_.limit; }
+  void visit() { ++found_.visited; }
+  bool hasUpper() const { return found_.slot >= 0; }
 
   // Compares the triangles in these slots, at most eight. A separate function, so that
   // fetchFinder() can prefetch it.
@@ -100,11 +96,6 @@ class NearestDescent {
   }
 
  private:
-  struct Open {
-    float squared;     // lower bound for everything below, squared
-    std::int32_t ref;  // as in DeformTree::Node
-  };
-
   // Sets the bar: bounds above it need no further comparison.
   void setBar(double bar) {
     bar_ = bar;
@@ -123,15 +114,16 @@ class NearestDescent {
 
   // Opens several nodes: pushes the children that need a closer look onto the stack, those of the
   // first node last, and for each node the nearest last.
-  void nodes(const std::int32_t* ids, std::size_t count) {
+  void nodes(std::span<const Open> taken) {
     std::array<WideBox, kTogether> room;
     std::array<const WideBox*, kTogether> boxes;
     HWY_ALIGN float squared[kTogether][kWidth];
     std::array<unsigned, kTogether> left;
-    for (std::size_t i = 0; i < count; ++i) boxes[i] = &source_.boxes(ids[i], room[i]);
+    const std::size_t count = taken.size();
+    for (std::size_t i = 0; i < count; ++i) boxes[i] = &source_.boxes(taken[i].ref, room[i]);
     for (std::size_t i = 0; i < count; ++i) left[i] = squares(*boxes[i], squared[i]);
-    for (std::size_t i = 0; i < count; ++i) close(ids[i], *boxes[i], squared[i], left[i]);
-    for (std::size_t i = count; i-- > 0;) push(ids[i], squared[i], left[i]);
+    for (std::size_t i = 0; i < count; ++i) close(taken[i].ref, *boxes[i], squared[i], left[i]);
+    for (std::size_t i = count; i-- > 0;) push(taken[i].ref, squared[i], left[i]);
   }
 
   // Squared distances of the core and the boxes. Sets a bit for each lane that is not above the
@@ -220,7 +212,7 @@ class NearestDescent {
 
   HWY_INLINE void push(std::int32_t id, const float* squared, unsigned left) {
     const DeformTree::Node& node = tree_.node(id);
-    const std::size_t first = size_;
+    const std::size_t first = open_.size();
     for (; left != 0; left &= left - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(left));
       const std::int32_t child = node.child[lane];
@@ -229,11 +221,7 @@ class NearestDescent {
         __builtin_prefetch(&tree_.corners(leaf.slot_begin));
         __builtin_prefetch(&tree_.corners(leaf.slot_end - 1));
       }
-      const float near = squared[lane];
-      std::size_t place = size_++;
-      for (; place > first && open_[place - 1].squared < near; --place)
-        open_[place] = open_[place - 1];
-      open_[place] = {near, child};
+      open_.pushSibling(first, {squared[lane], child});
     }
   }
 
@@ -394,8 +382,7 @@ class NearestDescent {
   bool over_ = false;
   // The children of nodes that are opened together are pushed on top, above all shallower nodes, so
   // each level of the hierarchy has at most the children of one such batch here.
-  std::array<Open, (DeformTree::kMaxDepth + 1) * kWidth * kTogether> open_;
-  std::size_t size_ = 0;
+  BranchAndBound<Open, (DeformTree::kMaxDepth + 1) * kWidth * kTogether> open_;
 };
 
 template <bool kSegment>

@@ -62,14 +62,15 @@ bool compareNear(DescentState& state, std::span<const FloatBox> a, int begin_a,
   bool within = true;
   const bool all = octree.run([&](int i, int j, float distance) {
     const double lower = distance > 0 ? static_cast<double>(distance) : -kInfinity;
-    if (state.needless(lower)) {
+    if (state.isPruned(lower)) {
       state.settle(lower);
       return true;
     }
-    within = ++state.visited < state.limit();
+    state.visit();
+    within = !state.isSpent();
     if (!within) return false;
     state.comparePieces(slotOf(state.a, begin_a + i), slotOf(state.b, begin_b + j));
-    return !state.done();
+    return !state.isDone();
   });
   if (all) state.settle(std::nextafter(reach, kInfinity));
   return within;
@@ -93,19 +94,18 @@ void descendOctree(DescentState& state, double root) {
   const int chunk_a = std::min(count_a, static_cast<int>(boxes_a.size())),
             chunk_b = std::min(count_b, static_cast<int>(boxes_b.size()));
   bool complete = true;
-  for (int begin_a = 0; begin_a < count_a && !state.done(); begin_a += chunk_a) {
+  for (int begin_a = 0; begin_a < count_a && !state.isDone(); begin_a += chunk_a) {
     const int end_a = std::min(begin_a + chunk_a, count_a);
     for (int i = begin_a; i < end_a; ++i)
       boxes_a[static_cast<std::size_t>(i - begin_a)] = boxOfA(state, i);
-    for (int begin_b = 0; begin_b < count_b && !state.done(); begin_b += chunk_b) {
+    for (int begin_b = 0; begin_b < count_b && !state.isDone(); begin_b += chunk_b) {
       const int end_b = std::min(begin_b + chunk_b, count_b);
       for (int i = begin_b; i < end_b; ++i)
         boxes_b[static_cast<std::size_t>(i - begin_b)] = boxOfB(state, i);
       if (!(state.bar() < kInfinity)) {
         // The octree needs a reach; any pair gives one.
-        const double lower = state.result.lower;
-        state.comparePieces(slotOf(state.a, begin_a), slotOf(state.b, begin_b));
-        if (!state.placement.swept) state.result.lower = lower;
+        state.compareFirst(
+            [&] { state.comparePieces(slotOf(state.a, begin_a), slotOf(state.b, begin_b)); });
       }
       complete &=
           compareNear(state, boxes_a.first(static_cast<std::size_t>(end_a - begin_a)), begin_a,
@@ -113,7 +113,7 @@ void descendOctree(DescentState& state, double root) {
     }
   }
   // For pieces that were not compared, the boxes of the bodies are the bound.
-  if (state.done() || !complete) state.settle(root);
+  if (state.isDone() || !complete) state.settle(root);
 }
 
 }  // namespace leeway::collision

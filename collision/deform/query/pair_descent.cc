@@ -3,6 +3,7 @@
 #include "collision/base/rounding.h"
 #include "collision/deform/query/descent_state.h"
 #include "collision/deform/query/float_box.h"
+#include "collision/mesh/descent/branch_and_bound.h"
 
 namespace leeway::collision {
 
@@ -26,23 +27,13 @@ class PairDescent {
   explicit PairDescent(DescentState& state) : state_(state), a_(state.a), b_(state.b) {}
 
   void run(double root) {
-    stack_[size_++] = {{0, floatBox(a_.low, a_.high)}, {0, floatBox(b_.low, b_.high)}, root};
-    while (size_ > 0 && !state_.done()) {
-      const PartPair pair = stack_[--size_];
-      if (state_.needless(pair.lower)) {
-        state_.settle(pair.lower);
-        continue;
-      }
-      if (state_.visited >= state_.limit()) {
-        state_.settle(pair.lower);
-        break;
-      }
+    open_.push({{0, floatBox(a_.low, a_.high)}, {0, floatBox(b_.low, b_.high)}, root});
+    for (PartPair pair; open_.next(state_, pair);) {
       expand(pair);
-      if (state_.done())
-        state_.settle(pair.lower);  // some of the pair's pieces may not have been
-                                    // compared
+      // Some of the pair's pieces may not have been compared.
+      if (state_.isDone()) state_.settle(pair);
     }
-    while (size_ > 0) state_.settle(stack_[--size_].lower);
+    open_.settleRest(state_);
   }
 
  private:
@@ -57,7 +48,7 @@ class PairDescent {
   // Splits the larger part; compares leaves.
   void expand(const PartPair& pair) {
     const bool leaf_a = isLeaf(a_, pair.a), leaf_b = isLeaf(b_, pair.b);
-    ++state_.visited;
+    state_.visit();
     if (leaf_a && leaf_b) {
       compareLeaves(pair);
     } else if (leaf_a || (!leaf_b && sizeOf(pair.b.box) >= sizeOf(pair.a.box))) {
@@ -67,32 +58,7 @@ class PairDescent {
     }
   }
 
-  // Pushes the pairs that need a closer look onto the stack, the nearest on top; settles the
-  // others.
-  void push(const std::array<PartPair, kWidth>& pairs, int count) {
-    std::array<int, kWidth> order{};
-    int open = 0;
-    for (int i = 0; i < count; ++i) {
-      const PartPair& pair = pairs[static_cast<std::size_t>(i)];
-      if (state_.needless(pair.lower)) {
-        state_.settle(pair.lower);
-        continue;
-      }
-      int at = open++;
-      for (; at > 0 &&
-             pairs[static_cast<std::size_t>(order[static_cast<std::size_t>(at - 1)])].lower <
-                 pair.lower;
-           --at)
-        order[static_cast<std::size_t>(at)] = order[static_cast<std::size_t>(at - 1)];
-      order[static_cast<std::size_t>(at)] = i;
-    }
-    for (int i = 0; i < open; ++i)
-      stack_[size_++] = pairs[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])];
-  }
-
   void splitB(const PartPair& pair) {
-    std::array<PartPair, kWidth> pairs;
-    int count = 0;
     WideBox room;
     const WideBox& box = state_.boxes_b.boxes(pair.b.ref, room);
     const WideBox* const boxes = &box;
@@ -102,28 +68,23 @@ class PairDescent {
                                {&pair.b.ref, 1}, &boxes, roundedUpToFloat(state_.bar()), &bounds);
     state_.tighten(pair.b.ref, probe, bounds);
     const DeformTree::Node& node = b_.snapshot->tree->node(pair.b.ref);
+    const std::size_t first = open_.size();
     for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
-      pairs[static_cast<std::size_t>(count++)] = {
-          pair.a,
-          {node.child[lane], floatBox(box, lane)},
-          std::max(pair.lower, static_cast<double>(bounds.lower[lane]))};
+      const double lower = std::max(pair.lower, static_cast<double>(bounds.lower[lane]));
+      open_.pushSibling(state_, first, {pair.a, {node.child[lane], floatBox(box, lane)}, lower});
     }
-    push(pairs, count);
   }
 
   void splitA(const PartPair& pair) {
-    std::array<PartPair, kWidth> pairs;
-    int count = 0;
     WideBox room;
     const WideBox& box = state_.boxes_a.boxes(pair.a.ref, room);
     const DeformTree::Node& node = a_.snapshot->tree->node(pair.a.ref);
+    const std::size_t first = open_.size();
     for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
       const Part part{node.child[lane], floatBox(box, lane)};
-      pairs[static_cast<std::size_t>(count++)] = {
-          part, pair.b,
-          std::max(pair.lower, lowerBound(probeOf(part), pair.b.box.low, pair.b.box.high))};
+      const double lower = lowerBound(probeOf(part), pair.b.box.low, pair.b.box.high);
+      open_.pushSibling(state_, first, {part, pair.b, std::max(pair.lower, lower)});
     }
-    push(pairs, count);
   }
 
   void compareLeaves(const PartPair& pair) {
@@ -148,7 +109,7 @@ class PairDescent {
                                       b_.snapshot->vertices.data(), begin_b, end_b, bounds);
       }
       state_.compareWithLeaf(slot_a, begin_b, end_b, pair.lower, bounds);
-      if (state_.done()) return;
+      if (state_.isDone()) return;
     }
   }
 
@@ -156,8 +117,7 @@ class PairDescent {
   const DeformSide& a_;
   const DeformSide& b_;
   // Every pair that is popped pushes at most eight, which are one level deeper on one side.
-  std::array<PartPair, (kWidth - 1) * (2 * DeformTree::kMaxDepth) + kWidth> stack_;
-  std::size_t size_ = 0;
+  BranchAndBound<PartPair, (kWidth - 1) * (2 * DeformTree::kMaxDepth) + kWidth> open_;
 };
 
 }  // namespace

@@ -55,10 +55,10 @@ DistanceResult DescentState::compareWithMesh(const DescentSide& side_a, const De
   DistanceRequest own = request;
   own.threshold = threshold;
   own.depth = depth;
-  own.node_limit = request.node_limit - mesh_nodes - visited;
-  ++visited;
+  own.node_limit = nodesLeft();
+  visit();
   const DescentResult found = descend(side_a, side_b, placement, own, scratch, &cache);
-  mesh_nodes += found.visited;
+  reduceLimit(found.visited);
   result.iterations += found.iterations;
   DistanceResult r = found.witness;
   r.distance = {std::max(found.lower, found.hull_lower), found.upper};
@@ -77,7 +77,7 @@ DistanceResult DescentState::compareConvex(const ConvexView& piece_a, const Conv
   own.tolerance = request.tolerance;
   own.depth = depth;
   own.iteration_limit = request.iteration_limit;
-  ++visited;
+  visit();
   const DistanceResult r = pieceDistance(piece_a, piece_b, placement, own, scratch, &cache);
   result.iterations += r.iterations;
   return r;
@@ -109,14 +109,10 @@ void DescentState::comparePieces(int slot_a, int slot_b) {
     for (Vector3d& p : corners_a) p = placement.X_BA0 * p;
     scratch.impl().touching.add(corners_a, corners_b);
   }
-  if (!(r.distance.upper < result.upper)) return;
-  if (r.distance.upper <= 0 && result.upper > 0) overlap_limit_ = visited + kDeeperNodes;
-  result.upper = r.distance.upper;
-  updateBar();
-  result.witness = r;
-  rememberPlane(r);
-  if (a.rigid.tree == nullptr) result.witness.triangle_a = triangleOf(a, slot_a);
-  if (b.rigid.tree == nullptr) result.witness.triangle_b = triangleOf(b, slot_b);
+  // (The triangles of a rigid mesh are in `r` already.)
+  const int triangle_a = a.rigid.tree == nullptr ? triangleOf(a, slot_a) : r.triangle_a,
+            triangle_b = b.rigid.tree == nullptr ? triangleOf(b, slot_b) : r.triangle_b;
+  if (offer(r, r.distance.upper, triangle_a, triangle_b)) rememberPlane(r);
 }
 
 void DescentState::compareWithLeaf(int slot_a, int begin_b, int end_b, double lower,
@@ -130,7 +126,7 @@ void DescentState::compareWithLeaf(int slot_a, int begin_b, int end_b, double lo
         next = i;
     }
     const double least = std::max(lower, static_cast<double>(bounds.lower[next]));
-    if (needless(least)) {
+    if (isPruned(least)) {
       settle(least);  // a bound for all others
       return;
     }
@@ -143,7 +139,7 @@ void DescentState::compareWithLeaf(int slot_a, int begin_b, int end_b, double lo
         isBeyondPlane(b.snapshot->tree->corners(begin_b + next)))
       continue;
     comparePieces(slot_a, begin_b + next);
-    if (done()) return;
+    if (isDone()) return;
   }
 }
 
@@ -155,11 +151,10 @@ void DescentState::warmStart() {
   };
   const int slot_a = slotOf(a, cache.triangle_a), slot_b = slotOf(b, cache.triangle_b);
   if (slot_a == kNoSlot || slot_b == kNoSlot) return;
-  const double lower = result.lower;
-  comparePieces(slot_a, slot_b);
-  if (placement.swept) return;
-  rememberWarm(slot_a, slot_b);
-  result.lower = lower;  // the pair will be compared again in its turn
+  compareFirst([&] {
+    comparePieces(slot_a, slot_b);
+    if (!placement.swept) rememberWarm(slot_a, slot_b);
+  });
 }
 
 void DescentState::rememberWarm(int slot_a, int slot_b) {
@@ -191,7 +186,7 @@ bool DescentState::areBeyondPlane(std::span<const std::int32_t> vertices) {
   if (!kernels.leastAlong(plane_normal_.data(), b.snapshot->vertices.data(), vertices, least))
     return false;
   const double lower = least - plane_offset_;
-  if (!needless(lower)) return false;
+  if (!isPruned(lower)) return false;
   settle(lower);
   return true;
 }

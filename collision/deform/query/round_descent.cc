@@ -27,7 +27,7 @@ bool descendRound(DescentState& state) {
   }
   DescentResult& result = state.result;
   result.hull_lower = root;
-  if (state.needless(root)) {
+  if (state.isPruned(root)) {
     state.settle(root);
     return true;
   }
@@ -35,21 +35,21 @@ bool descendRound(DescentState& state) {
   const int warm = state.cache.triangle_b;
   if (warm >= 0 && warm < tree.triangleCount()) search.first = tree.slotOf(warm);
   const NearestFound found = findNearest(search, mesh, state.boxes_b);
-  state.visited += found.visited;
+  result.visited += found.visited;
   if (found.slot >= 0) {
-    if (answerNearest(body, found, tree, state.request, result.witness)) {
-      ++state.visited;
+    DistanceResult nearest;
+    if (answerNearest(body, found, tree, state.request, nearest)) {
+      state.visit();
       ++result.iterations;
-      state.settle(result.witness.distance.lower);
-      result.upper = result.witness.distance.upper;
-      state.updateBar();
+      state.settle(nearest.distance.lower);
+      state.offer(nearest, nearest.distance.upper, nearest.triangle_a, nearest.triangle_b);
     } else {
       state.comparePieces(kWholeBody, found.slot);
     }
   }
   const double lower = found.lower - view.radius;
-  if (state.done() || state.needless(lower) || state.visited >= state.limit()) {
-    state.settle(std::max(state.done() ? root : lower, root));
+  if (state.isDone() || state.isPruned(lower) || state.isSpent()) {
+    state.settle(std::max(state.isDone() ? root : lower, root));
     return true;
   }
   if (found.slot >= 0) {

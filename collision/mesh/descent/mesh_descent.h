@@ -4,23 +4,10 @@
 #include <limits>
 
 #include "collision/convex/convex_distance.h"
+#include "collision/mesh/descent/descent_bounds.h"
 #include "collision/mesh/descent/descent_side.h"
 
 namespace leeway::collision {
-
-/// The distance between the surfaces of two bodies: the minimum over all pairs of triangles (or
-/// convex shapes). Solids' insides are not considered.
-struct DescentResult {
-  /// No pair is closer (or, below 0, deeper); -infinity if no bound is known.
-  double lower = 0;
-  double upper = 0;  ///< some pair is as close as this
-  /// A lower bound on the distance of the bodies' hulls, and so of everything inside them.
-  double hull_lower = 0;
-  DistanceResult witness;  ///< of the pair that determines `upper`, in B
-  int iterations = 0;
-  int visited = 0;         ///< node pairs, limited by request.node_limit; set by descend() only
-  bool misplaced = false;  ///< a deforming triangle that was tested is not finite
-};
 
 /// Branch and bound over pairs of nodes, nearer ones first, with a stack of fixed size. Ends as
 /// soon as the request is met. Once surfaces are known to overlap and a depth is requested, it

@@ -1,9 +1,7 @@
 #include "collision/mesh/descent/obb_descent.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include "collision/base/numbers.h"
 #include "collision/base/scratch.h"
@@ -11,6 +9,7 @@
 #include "collision/base/work.h"
 #include "collision/convex/gjk/support.h"
 #include "collision/mesh/descent/box_gaps.h"
+#include "collision/mesh/descent/branch_and_bound.h"
 #include "collision/mesh/descent/mesh_body.h"
 #include "collision/mesh/descent/touching_triangles.h"
 #include "collision/mesh/descent/triangle_pair.h"
@@ -27,16 +26,18 @@ struct BoxPair {
   bool open;     // convex pieces were not enough: visit their triangles
 };
 
-class PairDescent {
+class PairDescent : public DescentBounds {
  public:
   PairDescent(const DescentSide& a, const DescentSide& b, const DescentPlacement& placement,
-              const DistanceRequest& request, Scratch& scratch, PairCache& cache)
-      : a_(a),
+              const DistanceRequest& asked, Scratch& scratch, PairCache& cache)
+      : DescentBounds(
+            asked, scratch,
+            {.depth = deepensPair(a, b) && asked.depth, .near = scratch.impl().touching.near()}),
+        a_(a),
         b_(b),
         X_BA_(placement.X_BA0),
         slack_(placement.slack),
         hull_excess_(a.hull_excess + b.hull_excess),
-        request_(request),
         scratch_(scratch),
         work_(*scratch.impl().work),
         touching_(scratch.impl().touching),
@@ -47,97 +48,68 @@ class PairDescent {
     rounding_ =
         kSupportRounding * kUnitRoundoff * (a_.extent() + b_.extent() + X_BA_.translation.norm()) +
         slack_;
-    floor_ = request.threshold == request.threshold ? std::max(request.threshold, 0.0) : kInfinity;
-    parts_ = a_.consistsOfPieces() && b_.consistsOfPieces();
+    parts_ = deepensPair(a, b);
     opens_touching_ = a_.isMesh() && b_.isMesh() && !(a.has_solid_pieces && b.has_solid_pieces);
     deepens_ = request.depth && parts_;
   }
 
   DescentResult run() {
-    result_.lower = kInfinity;
-    result_.upper = kInfinity;
-    result_.hull_lower = -kInfinity;
-    updateBar();
     float gap[BoxNode::kWidth];
     if (b_.isMesh()) {
       boxGaps(b_.node(0), placedBox(a_.box(a_.root()), X_BA_), {}, gap);
     } else {
       boxGaps(a_.node(0), placedBox(b_.box(-1), X_AB_), {}, gap);
     }
-    result_.hull_lower = static_cast<double>(gap[0]) - slack_;
-    if (result_.hull_lower > bar() || hullsDecide()) {
-      settle(result_.hull_lower);
-      return result_;
+    result.hull_lower = static_cast<double>(gap[0]) - slack_;
+    if (isPruned(result.hull_lower) || hullsDecide()) {
+      settle(result.hull_lower);
+      return result;
     }
     warmStart();
-    stack_[size_++] = {a_.root(), b_.root(), result_.hull_lower, !parts_};
-    while (size_ > 0 && !done()) {
-      const BoxPair pair = stack_[--size_];
-      if (pair.lower > bar() || visited_ >= limit() || work_.isSpent()) {
-        settle(pair.lower);
-        continue;
-      }
-      expand(pair);
-    }
-    while (size_ > 0) settle(stack_[--size_].lower);
+    open_.push({a_.root(), b_.root(), result.hull_lower, !parts_});
+    for (BoxPair pair; open_.next(*this, pair);) expand(pair);
+    open_.settleRest(*this);
     hulls();
     remember();
-    return result_;
+    return result;
   }
 
  private:
-  double bar() const { return bar_; }
-  void updateBar() {
-    if (result_.upper > 0) {
-      bar_ = std::min(floor_, touching_.bar(result_.upper, request_.tolerance));
-      return;
-    }
-    // Accepts only pairs that are deeper by kDeeperShare.
-    bar_ = result_.upper - std::max(request_.tolerance, -kDeeperShare * result_.upper);
-  }
-  bool done() const {
-    if (result_.upper <= request_.threshold) return true;  // false for NaN
-    return result_.upper <= 0 && !deepens_;
-  }
-  int limit() const { return std::min(request_.node_limit, deeper_limit_); }
-  void settle(double lower) { result_.lower = std::min(result_.lower, lower); }
-
   // Queries a convex body and the hull of a mesh. True if that decides, which is usual.
   bool hullsDecide() {
     if (a_.isMesh() && b_.isMesh()) return false;
-    DistanceRequest request;
+    DistanceRequest own;
     const double bar_now = bar();
-    if (bar_now < kInfinity) request.threshold = bar_now;
-    request.tolerance = std::max(request_.tolerance, 0.1 * hull_excess_);
-    request.depth = false;
-    request.iteration_limit = request_.iteration_limit;
-    ++visited_;
+    if (bar_now < kInfinity) own.threshold = bar_now;
+    own.tolerance = std::max(request.tolerance, 0.1 * hull_excess_);
+    own.depth = false;
+    own.iteration_limit = request.iteration_limit;
+    visit();
     const DistanceResult r =
-        convexDistance(a_.hull(), X_BA_, b_.hull(), request, scratch_, &cache_, slack_);
-    result_.iterations += r.iterations;
-    result_.hull_lower = std::max(result_.hull_lower, r.distance.lower);
+        convexDistance(a_.hull(), X_BA_, b_.hull(), own, scratch_, &cache_, slack_);
+    result.iterations += r.iterations;
+    result.hull_lower = std::max(result.hull_lower, r.distance.lower);
     hulls_known_ = true;
     // If hulls are apart, their nearest points are on their surfaces, and the meshes are within the
     // excess of those points.
     if (r.distance.lower >= 0) offer(r, r.distance.upper + hull_excess_, {}, {});
-    return result_.hull_lower > bar() || done();
+    return isPruned(result.hull_lower) || isDone();
   }
 
   void warmStart() {
     Part a, b;
     if (!a_.partOf(cache_.triangle_a, a) || !b_.partOf(cache_.triangle_b, b)) return;
     if ((a.kind == Kind::kPiece || b.kind == Kind::kPiece) && !parts_) return;
-    const double lower = result_.lower;
-    if (a.kind == Kind::kTriangle && b.kind == Kind::kTriangle) {
-      triangles(a.number, b.number);
-    } else {
+    compareFirst([&] {
+      if (a.kind == Kind::kTriangle && b.kind == Kind::kTriangle) {
+        triangles(a.number, b.number);
+        return;
+      }
       warm_ = hullPair(a, b, &cache_);
       warm_a_ = a;
       warm_b_ = b;
       has_warm_ = true;
-    }
-    // The pair is visited again later.
-    if (!done()) result_.lower = lower;
+    });
   }
 
   void expand(const BoxPair& pair) {
@@ -155,11 +127,11 @@ class PairDescent {
         split_a ? placedBox(b_.box(pair.b), X_AB_) : placedBox(a_.box(pair.a), X_BA_);
     float gap[BoxNode::kWidth];
     boxGaps(split, other, split_a ? direction_a_ : direction_b_, gap);
-    visited_ += split.count;
+    result.visited += split.count;
     work_.add(split.count * kBoxWork);
     const double bar_now = bar();
-    const std::size_t first = size_;
-    for (int i = 0; i < split.count; ++i) {
+    const std::size_t first = open_.size();
+    for (int i = split.count; i-- > 0;) {
       // A bound that is proven for the parent also holds for its parts.
       const double found = static_cast<double>(gap[i]) - slack_;
       if (found > bar_now) {
@@ -169,10 +141,7 @@ class PairDescent {
       BoxPair part = pair;
       (split_a ? part.a : part.b) = child * BoxNode::kWidth + i;
       part.lower = found > 0 ? std::max(found, pair.lower) : found;
-      // Sorted with the nearest on top; of equal ones, the first.
-      std::size_t at = size_++;
-      for (; at > first && stack_[at - 1].lower <= part.lower; --at) stack_[at] = stack_[at - 1];
-      stack_[at] = part;
+      open_.pushSibling(first, part);
     }
   }
 
@@ -183,7 +152,7 @@ class PairDescent {
     }
     const double along = gapAlongPlane(a, b);
     if (along > 0 && along > bar()) {
-      ++visited_;
+      visit();
       settle(std::max(along, pair.lower));
       return;
     }
@@ -194,31 +163,31 @@ class PairDescent {
     const bool pieces = a.kind == Kind::kPiece || b.kind == Kind::kPiece;
     // Where patches touch, their triangles show whether the solids continue behind them.
     const bool touch = lower <= touching_.near() && opens_touching_;
-    const bool close = d.upper - d.lower <= request_.tolerance && !touch;
+    const bool close = d.upper - d.lower <= request.tolerance && !touch;
     // (For exact shapes, rounding may also leave the request open, but triangles would not help.)
     if (!pieces || lower > bar() || close || d.upper <= 0) {
       settle(lower);
       return;
     }
-    stack_[size_++] = {pair.a, pair.b, lower, true};
+    open_.push({pair.a, pair.b, lower, true});
   }
 
   // Queries two convex parts: returns a lower bound on their distance and an upper bound on that of
   // the bodies.
   Interval hullPair(const Part& a, const Part& b, PairCache* cache) {
-    ++visited_;
+    visit();
     const double excess = a_.excess(a) + b_.excess(b);
     const ConvexView view_a = a_.view(a), view_b = b_.view(b);
     const double bar_now = bar();
-    DistanceRequest request;
-    request.iteration_limit = request_.iteration_limit;
+    DistanceRequest own;
+    own.iteration_limit = request.iteration_limit;
     // A tolerance much finer than the excess gains nothing.
-    request.tolerance = std::max(request_.tolerance - excess, 0.5 * request_.tolerance);
-    if (excess > request_.tolerance) request.tolerance = 0.25 * excess;
-    request.depth = deepens_;
-    if (bar_now < kInfinity) request.threshold = bar_now;
-    DistanceResult r = convexDistance(view_a, X_BA_, view_b, request, scratch_, cache, slack_);
-    result_.iterations += r.iterations;
+    own.tolerance = std::max(request.tolerance - excess, 0.5 * request.tolerance);
+    if (excess > request.tolerance) own.tolerance = 0.25 * excess;
+    own.depth = deepens_;
+    if (bar_now < kInfinity) own.threshold = bar_now;
+    DistanceResult r = convexDistance(view_a, X_BA_, view_b, own, scratch_, cache, slack_);
+    result.iterations += r.iterations;
     // (Normals of closed forms may err by more than rounding_ covers.)
     if (r.distance.lower > 0) keepPlane(r.normal.normalized());
     if (r.distance.lower > bar_now) return {r.distance.lower, r.distance.upper + excess};
@@ -226,22 +195,22 @@ class PairDescent {
       // The pair is closer than the best known pair, so its distance is queried. If the hulls
       // overlap, the query is whether the overlap exceeds their excess.
       const double lower = r.distance.lower;
-      request.threshold = request_.threshold - excess;
+      own.threshold = request.threshold - excess;
       if (r.distance.upper <= 0 && !deepens_) {
-        request.threshold = -excess;
-        request.depth = excess > 0;
+        own.threshold = -excess;
+        own.depth = excess > 0;
       }
-      r = convexDistance(view_a, X_BA_, view_b, request, scratch_, cache, slack_);
-      result_.iterations += r.iterations;
+      r = convexDistance(view_a, X_BA_, view_b, own, scratch_, cache, slack_);
+      result.iterations += r.iterations;
       r.distance.lower = std::max(r.distance.lower, lower);
     }
-    if (r.distance.upper + excess < result_.upper) best_ = *cache;
+    if (r.distance.upper + excess < result.upper) best_ = *cache;
     offer(r, r.distance.upper + excess, a, b);
     return {r.distance.lower, r.distance.upper + excess};
   }
 
   void triangles(int slot_a, int slot_b) {
-    ++visited_;
+    visit();
     work_.add(kBoxWork);
     const Vector* corners_a = a_.tree().corners(slot_a);
     const Vector* q = b_.tree().corners(slot_b);
@@ -253,14 +222,14 @@ class PairDescent {
     const Vector p[3] = {placed(X_BA_, corners_a[0]), placed(X_BA_, corners_a[1]),
                          placed(X_BA_, corners_a[2])};
     const TrianglePair pair = trianglePair(p, q);
-    ++result_.iterations;
+    ++result.iterations;
     const double lower = pair.below - rounding_, upper = pair.above + rounding_;
     if (lower > 0) keepPlane(pair.normal);
     const Part a{Kind::kTriangle, slot_a}, b{Kind::kTriangle, slot_b};
-    if (lower > 0 && (lower > bar() || upper - lower <= request_.tolerance)) {
+    if (lower > 0 && (lower > bar() || upper - lower <= request.tolerance)) {
       settle(lower);
       if (lower <= touching_.near()) touching_.add(p, q);
-      if (!(upper < result_.upper)) return;
+      if (!(upper < result.upper)) return;
       DistanceResult r;
       r.normal = pair.normal;
       r.point_a = pair.p;
@@ -269,15 +238,14 @@ class PairDescent {
       return;
     }
     // They cross or touch, or one is a sliver.
-    DistanceRequest request;
-    request.threshold = request_.threshold;
-    request.tolerance = request_.tolerance;
-    request.depth = false;
-    request.iteration_limit = request_.iteration_limit;
+    DistanceRequest own;
+    own.threshold = request.threshold;
+    own.tolerance = request.tolerance;
+    own.depth = false;
+    own.iteration_limit = request.iteration_limit;
     PairCache* none = nullptr;
-    DistanceResult r =
-        convexDistance(a_.view(a), X_BA_, b_.view(b), request, scratch_, none, slack_);
-    result_.iterations += r.iterations;
+    DistanceResult r = convexDistance(a_.view(a), X_BA_, b_.view(b), own, scratch_, none, slack_);
+    result.iterations += r.iterations;
     settle(std::max(lower, r.distance.lower));
     if (r.distance.upper > 0 && r.distance.lower <= touching_.near()) touching_.add(p, q);
     if (upper < r.distance.upper) {  // the query may have stopped early
@@ -319,16 +287,7 @@ class PairDescent {
   }
 
   void offer(const DistanceResult& r, double upper, const Part& a, const Part& b) {
-    if (!(upper < result_.upper)) return;
-    if (upper <= 0 && result_.upper > 0) {
-      const int most = std::numeric_limits<int>::max() - kDeeperNodes;
-      deeper_limit_ = std::min(visited_, most) + kDeeperNodes;
-    }
-    result_.upper = upper;
-    updateBar();
-    result_.witness = r;
-    result_.witness.triangle_a = a_.triangleOf(a);
-    result_.witness.triangle_b = b_.triangleOf(b);
+    if (!DescentBounds::offer(r, upper, a_.triangleOf(a), b_.triangleOf(b))) return;
     best_a_ = a;
     best_b_ = b;
   }
@@ -336,17 +295,17 @@ class PairDescent {
   // Bodies with separate surfaces may still contain each other, unless the plane between the
   // witnesses separates their hulls.
   void hulls() {
-    if (hulls_known_ || result_.hull_lower > 0 || !(result_.lower > 0) ||
+    if (hulls_known_ || result.hull_lower > 0 || !(result.lower > 0) ||
         best_a_.kind == Kind::kNode) {
       return;
     }
-    const Vector& n = result_.witness.normal;
+    const Vector& n = result.witness.normal;
     int hint_a = 0, hint_b = 0;
     const ConvexView hull_a = a_.hull(), hull_b = b_.hull();
     const Vector p = placed(X_BA_, farthest(hull_a, rotatedBack(X_BA_.rotation, n), hint_a));
     const Vector q = farthest(hull_b, -n, hint_b);
-    result_.hull_lower =
-        std::max(result_.hull_lower, n.dot(q - p) - rounding_ - hull_a.excess - hull_b.excess);
+    result.hull_lower =
+        std::max(result.hull_lower, n.dot(q - p) - rounding_ - hull_a.excess - hull_b.excess);
   }
 
   // Stores pieces in the cache like triangles, with higher numbers.
@@ -361,32 +320,26 @@ class PairDescent {
   const Pose& X_BA_;
   Pose X_AB_;
   const double slack_, hull_excess_;
-  const DistanceRequest& request_;
   Scratch& scratch_;
   Work& work_;
   TouchingTriangles& touching_;
   PairCache& cache_;
-  DescentResult result_;
   double rounding_ = 0;  // of a pair of triangles, including the poses' slack [m]
-  double floor_ = kInfinity, bar_ = kInfinity;
-  bool parts_ = false;  // both bodies consist of convex parts; against triangles, parts are not
-                        // worthwhile
+  bool parts_ = false;   // both bodies consist of convex parts; against triangles, parts are not
+                         // worthwhile
   bool opens_touching_ = false;  // two meshes, unless all pieces are solids
   bool deepens_ = false, hulls_known_ = false;
   bool has_plane_ = false;
   Vector plane_a_, plane_b_;  // unit, from A to B, in either frame; for B also its offset [m]
   double plane_offset_ = 0;
   BoxDirection direction_a_{}, direction_b_{};
-  int visited_ = 0;
-  int deeper_limit_ = std::numeric_limits<int>::max();
   Part best_a_{Kind::kNode, 0}, best_b_{Kind::kNode, 0};  // these determine the upper end
   PairCache best_;                                        // cache of these, if they are hulls
   bool has_warm_ = false;
   Part warm_a_{Kind::kNode, 0}, warm_b_{Kind::kNode, 0};
   Interval warm_;
   // Each popped pair pushes at most kWidth, one level lower on one side; or itself, opened.
-  std::array<BoxPair, 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + 1> stack_;
-  std::size_t size_ = 0;
+  BranchAndBound<BoxPair, 2 * (BoxTree::kMaxDepth + 1) * (BoxNode::kWidth - 1) + 1> open_;
 };
 
 }  // namespace

@@ -29,13 +29,6 @@ class TouchingTriangles {
   }
   double near() const { return near_; }
 
-  /// Pairs whose distance is above this [m] need no further test, if the least known distance is
-  /// `upper` > 0. All touching pairs need one for any tolerance, because they show whether the
-  /// bodies overlap.
-  double bar(double upper, double tolerance) const {
-    return upper <= near_ ? near_ : upper - tolerance;
-  }
-
   /// Adds the corners of a triangle of A and of one of B that touch, in B's frame,
   /// counter-clockwise from outside. O(1).
   void add(const Vector* p, const Vector* q);
