@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -57,9 +56,8 @@ class MeshSweep {
         motion_(motion),
         request_(request),
         scratch_(scratch),
-        stretches_(scratch.impl().sweep.stretches) {
+        stretches_(scratch.impl().sweep.begin()) {
     by_pieces_ = a_.consistsOfPieces() && b_.consistsOfPieces();
-    for (Stretch& s : stretches_) s.time.level = -1;
   }
 
   MeshSweepResult run() {
@@ -351,7 +349,7 @@ class MeshSweep {
   // Visits convex pieces before triangles, if both bodies have pieces. (The pieces of only one body
   // are not worthwhile.)
   bool by_pieces_ = false;
-  std::array<Stretch, SweepScratch::kStretches>& stretches_;
+  SweepScratch::Stretches& stretches_;
   bool has_plane_ = false;
   Vector plane_;  // its unit normal, from A to B, in B's frame
   // A popped pair pushes at most kWidth pairs, one level lower on one side; or its two halves; or
