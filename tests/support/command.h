@@ -187,6 +187,24 @@ class CommandTest : public ::testing::Test {
     }
   }
 
+  /// Runs the examples of `VERB --help` as written, from the source tree's top.
+  void expectExamplesRun(const std::string& verb) const {
+    const Answer help = run(verb + " --help");
+    EXPECT_EQ(help.status, 0);
+    for (const char* name : {"problems", "robots", "tests"})
+      fs::create_directory_symlink(fs::path(leeway::sourceFolder()) / name, path(name));
+    std::istringstream in(help.out.substr(std::min(help.out.find("Example"), help.out.size())));
+    int examples = 0;
+    for (std::string line; std::getline(in, line);) {
+      if (!line.starts_with("  leeway ")) continue;
+      ++examples;
+      const Answer answer = shell("PATH=$(dirname '" + leeway::commandFile() + "'):$PATH; " + line);
+      EXPECT_EQ(answer.status, 0) << line << "\n" << answer.err;
+      EXPECT_NE(answer.out + read("lines.json"), "") << line;
+    }
+    EXPECT_GT(examples, 0) << help.out;
+  }
+
   fs::path folder_;
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdlib>
+
 namespace leeway {
 
 /// True under AddressSanitizer or ThreadSanitizer. Sanitizers check memory accesses, which all
@@ -16,6 +18,19 @@ inline constexpr bool kSanitized = false;
 #else
 inline constexpr bool kSanitized = false;
 #endif
+
+/// True if LEEWAY_TEST_BRIEF is set: the tests that take longest under sanitizers run fewer cases.
+/// tools/test sets it for its sanitized tests; tools/test --full does not.
+inline bool isBrief() {
+  static const bool brief = std::getenv("LEEWAY_TEST_BRIEF") != nullptr;
+  return brief;
+}
+
+/// `brief` if isBrief(); otherwise `sanitized` under sanitizers and `plain` in the release build.
+template <class T>
+T bySanitizer(const T& plain, const T& sanitized, const T& brief) {
+  return isBrief() ? brief : kSanitized ? sanitized : plain;
+}
 
 /// Number of random cases to run out of `count`: all, or a tenth under sanitizers, but at least
 /// one.

@@ -83,21 +83,6 @@ TEST_F(Ik, Fk) {
   EXPECT_NE(table.find("lower  0.500000"), std::string::npos) << table;
 }
 
-TEST_F(Ik, Report) {
-  const Answer answer =
-      run("report ik arm.urdf:lower --poses 30 --beyond 5 --no-rivals --output r");
-  EXPECT_EQ(answer.status, 0) << answer.err;
-  // robot, engine, poses, solved, coarse, wrong.
-  EXPECT_NE(read("r/ik.csv").find("\narm,Leeway,30,30,0,0,"), std::string::npos)
-      << read("r/ik.csv");
-  // robot, beyond, proven, found, open.
-  EXPECT_NE(read("r/ik_proofs.csv").find("\narm,5,5,0,0,"), std::string::npos)
-      << read("r/ik_proofs.csv");
-  EXPECT_EQ(run("report ik arm.urdf:lower --poses 3 --beyond 2 --output r --json").status, 0);
-  expectRefused("report ik arm.urdf --output r", {"arm.urdf", "URDF:LINK"});
-  expectRefused("report ik arm.urdf:hand --output r", {"hand"});
-}
-
 TEST_F(Ik, BadInput) {
   const std::string good = "ik arm.urdf --link lower --position 0.4 0.3 0 ";
   expectRefused("ik arm.urdf --position 0 0 0", {"--link"});

@@ -21,14 +21,18 @@ target_compile_options(leeway_options INTERFACE -ffp-contract=off -fno-math-errn
   $<$<BOOL:${LEEWAY_WERROR}>:-Werror>
   $<$<AND:$<BOOL:${LEEWAY_WERROR}>,$<CXX_COMPILER_ID:GNU>>:-Wno-error=array-bounds>)
 
+if(NOT LEEWAY_SSE4 AND NOT LEEWAY_SANITIZE)
+  # A switch of Highway's, which leaves a set of instructions out: see collision/base/targets.h.
+  add_compile_options(-DHWY_BROKEN_TARGETS=HWY_SSE4)
+endif()
 if(LEEWAY_SANITIZE)
   # -O0 takes the place of the build type's: with a sanitizer's checks in the code -O1 takes half as long again to compile tests, and eight times as
   # long code for every instruction set. (What tests ask of libraries is worth it.) Tests that are dear then ask fewer cases (tests/support/sanitized.h).
   # g++ takes variables for uninitialized that are not, once a sanitizer's checks stand between (its manual says so).
   add_compile_options(-O0 -fsanitize=${LEEWAY_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -Wno-maybe-uninitialized)
   add_link_options(-fsanitize=${LEEWAY_SANITIZE})
-  if(NOT LEEWAY_SANITIZE_POINTERS)
-    add_compile_options(-fno-sanitize=null,alignment)
+  if(NOT LEEWAY_SANITIZE_THOROUGHLY)
+    add_compile_options(-fno-sanitize=null,alignment -DHWY_BROKEN_TARGETS=HWY_AVX2)
   endif()
   set(leeway_library_options -O1)
 endif()

@@ -93,7 +93,7 @@ Pair aroundOneAxis(Random& random) {
 void expectDeepAndNarrow(std::span<const Known> all,
                          int iteration_limit = testing::kThoroughLimit) {
   Scratch scratch;
-  const std::size_t step = kSanitized ? 4 : 1;
+  const auto step = bySanitizer<std::size_t>(1, 4, 8);
   for (std::size_t i = 0; i < all.size(); i += step) {
     const Known& one = all[i];
     const DistanceResult r = testing::expectNarrow(one, scratch, iteration_limit);
@@ -232,6 +232,7 @@ TEST(CurvedDepth, CornersInTheMiddleOfAConeAreAsNarrowAsAsked) {
   const Shape corner = hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
   for (const double half_length : {0.15, 0.3}) {
     for (const double beside : {0.0, 1e-12, 1e-6}) {
+      if (isBrief() && beside > 0) continue;
       {
         const Known all[] = {known(
             Shape::cone(0.2, half_length), Pose{}, corner,
@@ -362,11 +363,12 @@ TEST(CurvedDepth, DefaultQueryEndsWithinAMillisecond) {
   for (const char* family : {"pairs-that-were-left-open", "places-in-the-middle-of-round-bodies",
                              "direction-that-is-lost-is-no-plane"}) {
     const std::vector<Known> all = knownDepths(family);
-    for (std::size_t i = 0; i < all.size(); i += kSanitized ? 4 : 1) ask(all[i].pair);
+    for (std::size_t i = 0; i < all.size(); i += bySanitizer<std::size_t>(1, 4, 8))
+      ask(all[i].pair);
   }
   EXPECT_GT(wide, 0);
   Random random(93);
-  for (int i = 0; i < casesToAsk(300); ++i) ask(aroundOneAxis(random));
+  for (int i = 0; i < bySanitizer(300, 30, 10); ++i) ask(aroundOneAxis(random));
 }
 
 // Any limit of steps leaves a valid interval, and kLimit if it is the reason for the width.
@@ -409,7 +411,7 @@ TEST(CurvedDepth, SwappedIsTheSame) {
   Scratch scratch;
   DistanceRequest request;
   request.iteration_limit = testing::kThoroughLimit;
-  for (int i = 0; i < casesToAsk(300); ++i) {
+  for (int i = 0; i < bySanitizer(300, 30, 10); ++i) {
     const Pair pair = aroundOneAxis(random);
     const Interval d = distance(pair.a, pair.X_WA, pair.b, pair.X_WB, request, scratch).distance;
     const Interval e = distance(pair.b, pair.X_WB, pair.a, pair.X_WA, request, scratch).distance;
@@ -457,7 +459,8 @@ TEST(CurvedDepth, BodiesOfRevolutionAboutOneAxis) {
   Random random(93);
   Scratch scratch;
   int round = 0;
-  for (int i = 0; i < casesToAsk(100); ++i) {
+  const int cases = bySanitizer(100, 10, 2);
+  for (int i = 0; i < cases; ++i) {
     const Pair pair = revolvedPair(random);
     const double size = Known{pair}.size();
     DistanceRequest request;
@@ -480,7 +483,7 @@ TEST(CurvedDepth, BodiesOfRevolutionAboutOneAxis) {
       EXPECT_LE(apartAlong(pair, n), r.distance.upper + 1e-15 * size) << pair.replay();
     }
   }
-  EXPECT_GT(2 * round, casesToAsk(100));
+  EXPECT_GT(2 * round, cases - 1);
 }
 
 // Regression: the first six stayed about a millionth of their sizes wide at the default tolerance.

@@ -15,6 +15,7 @@
 #include "leeway/collision/distance.h"
 #include "tests/support/deformable_cases.h"
 #include "tests/support/every_target.h"
+#include "tests/support/sanitized.h"
 
 namespace leeway::collision {
 namespace {
@@ -220,11 +221,11 @@ TEST(DeformableQuery, CapsulesAsLongAsThereAre) {
 // may be reported free: triangle boxes omit NaN, and the box of all vertices is the previous
 // frame's. Regression: both were trusted.
 TEST(DeformableQuery, ACornerThatIsNotFiniteIsNearerThanAll) {
-  constexpr int kRuns = kSanitized ? 9 : 30;
+  const int runs = bySanitizer(30, 9, 4);
   Sheet sheet = testing::cloth(40);
   Random random(14);
   int looks = 0;
-  for (int run = 0; run < kRuns; ++run) {
+  for (int run = 0; run < runs; ++run) {
     const auto vertices = testing::waved(sheet.vertices, run % 2 == 0 ? 0 : 0.3, run);
     const auto broken = static_cast<std::size_t>(random.below(static_cast<int>(vertices.size())));
     for (auto& t : sheet.triangles) {  // make it the first corner of its triangles
@@ -262,7 +263,7 @@ TEST(DeformableQuery, ACornerThatIsNotFiniteIsNearerThanAll) {
       }
     }
   }
-  EXPECT_GT(3 * looks, kRuns);
+  EXPECT_GT(3 * looks, runs);
 }
 
 // Any corner may be NaN, on every instruction set. Regression: minima dropped it, or everything

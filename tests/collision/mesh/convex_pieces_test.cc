@@ -556,7 +556,7 @@ TEST(ConvexPieces, AnswerAsTheTrianglesDo) {
   for (const Case& c : concaveSolids(84)) solids.push_back(twins(c.name, c.soup));
   // Every solid with every other in each kind of placement. If that is expensive, with two of them,
   // and with one kind at a time in turn.
-  const std::size_t n = solids.size(), partners = kSanitized ? 2 : n;
+  const std::size_t n = solids.size(), partners = bySanitizer<std::size_t>(n, 2, 1);
   int kind = 0;
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < partners; ++j) {
@@ -577,7 +577,7 @@ TEST(ConvexPieces, AnswerAsTheTrianglesDoToConvexShapes) {
   Random random(85);
   Tally tally;
   const auto shapes = sampleConvexShapes(random);
-  const int step = kSanitized ? 2 : 1;  // every other pair of bodies
+  const int step = bySanitizer(1, 2, 7);  // of the pairs of bodies
   int kind = 0, pair = 0;
   for (const Case& c : concaveSolids(85)) {
     const Twins solid = twins(c.name, c.soup);

@@ -47,7 +47,7 @@ TEST(MeshDepth, IsEnclosedByASearchInAllDirections) {
   double lower = 0, upper = 0;
   for (int i = 0; i < 5; ++i) {
     for (int j = 0; j < 4; ++j) {
-      if (kSanitized && (i + j) % 2 != 0) continue;
+      if ((i + j) % bySanitizer(1, 2, 4) != 0) continue;
       for (int k = 0; k < casesToAsk(2); ++k) {
         const NamedMesh &m = meshes[static_cast<std::size_t>(i)],
                         &n = meshes[static_cast<std::size_t>(j)];
@@ -70,7 +70,7 @@ TEST(MeshDepth, IsEnclosedByASearchInAllDirections) {
     }
   }
   EXPECT_EQ(unsafe, 0);
-  EXPECT_GT(count, kSanitized ? 5 : 25);
+  EXPECT_GT(count, bySanitizer(25, 5, 2));
   EXPECT_LT(lower, 1.05 * count);
   EXPECT_GT(upper, 0.65 * count);
 }

@@ -199,10 +199,12 @@ TEST(MeshDistance, AgainstConvexShapes) {
   Tally tally;
   Random random(21);
   const auto shapes = sampleConvexShapes(random);
-  const int step = kSanitized ? 5 : 1;  // one of each kind of placement
+  const int step = bySanitizer(1, 5, 5);  // one of each kind of placement
+  int pair = 0;
   for (const NamedMesh& m : sampleMeshes(21)) {
     const Bodies mesh(Shape::mesh(m.mesh));
     for (const auto& [name, shape] : shapes) {
+      if (isBrief() && pair++ % 4 != 0) continue;
       const Bodies other(shape);
       PairCache cache;
       for (int i = 0; i < 12; i += step) {
@@ -221,9 +223,10 @@ TEST(MeshDistance, AgainstConvexShapes) {
     }
   }
   EXPECT_EQ(tally.unsafe, 0);
-  EXPECT_GT(tally.apart, 300 / step);
-  EXPECT_GT(tally.contained, 20 / step);
-  EXPECT_GT(tally.crossing, 300 / step);
+  const int share = isBrief() ? 4 * step : step;
+  EXPECT_GT(tally.apart, 300 / share);
+  EXPECT_TRUE(isBrief() || tally.contained > 20 / step) << tally.contained;
+  EXPECT_GT(tally.crossing, 300 / share);
 }
 
 TEST(MeshDistance, BetweenMeshes) {
@@ -231,13 +234,14 @@ TEST(MeshDistance, BetweenMeshes) {
   Tally tally;
   Random random(22);
   const auto meshes = sampleMeshes(22);
-  const int step = kSanitized ? 3 : 1;  // one kind of placement for each pair, in turn
+  const int step = bySanitizer(1, 3, 3);  // one kind of placement for each pair, in turn
   int kind = 0;
   for (const NamedMesh& m : meshes) {
     for (const NamedMesh& n : meshes) {
       const Bodies a(Shape::mesh(m.mesh)), b(Shape::mesh(n.mesh));
       PairCache cache;
       for (int i = kind++ % step; i < 3; i += step) {
+        if (isBrief() && kind % 4 != 0) continue;
         const Pose X_WA = random.pose(1), far = random.pose(2);
         Pose X_WB = far;
         if (i % 3 == 1) X_WB = near(a, X_WA, b, far, std::pow(10.0, -random.below(10)), scratch);
@@ -248,9 +252,10 @@ TEST(MeshDistance, BetweenMeshes) {
     }
   }
   EXPECT_EQ(tally.unsafe, 0);
-  EXPECT_GT(tally.apart, 50 / step);
-  EXPECT_GT(tally.contained, 5 / step);
-  EXPECT_GT(tally.crossing, 50 / step);
+  const int share = isBrief() ? 4 * step : step;
+  EXPECT_GT(tally.apart, 50 / share);
+  EXPECT_TRUE(isBrief() || tally.contained > 5 / step) << tally.contained;
+  EXPECT_GT(tally.crossing, 50 / share);
 }
 
 // Meshes of real robots: concave, open, many components.
@@ -475,7 +480,7 @@ TEST(MeshSweptDistance, HoldsTheChords) {
   Random random(26);
   const auto shapes = sampleConvexShapes(random);
   const auto meshes = sampleMeshes(26);
-  int unsafe = 0, proven = 0, touched = 0;
+  int unsafe = 0, proven = 0, touched = 0, pair = 0;
   const auto check = [&](const Shape& a, const Shape& b, const std::string& what) {
     const Bodies body_a(a), body_b(b);
     for (int i = 0; i < 4; ++i) {
@@ -535,6 +540,7 @@ TEST(MeshSweptDistance, HoldsTheChords) {
   };
   for (const NamedMesh& m : meshes) {
     for (const auto& [name, shape] : shapes) {
+      if (isBrief() && pair++ % 4 != 0) continue;
       check(Shape::mesh(m.mesh), shape, m.name + " to " + name);
       if (name != "half-space") check(shape, Shape::mesh(m.mesh), name + " to " + m.name);
     }
@@ -542,8 +548,8 @@ TEST(MeshSweptDistance, HoldsTheChords) {
       check(Shape::mesh(m.mesh), Shape::mesh(meshes[0].mesh), m.name + " to box");
   }
   EXPECT_EQ(unsafe, 0);
-  EXPECT_GT(proven, 200);
-  EXPECT_GT(touched, 50);
+  EXPECT_GT(proven, isBrief() ? 40 : 200);
+  EXPECT_GT(touched, isBrief() ? 10 : 50);
 }
 
 TEST(MeshDistance, AllocatesNothing) {

@@ -142,7 +142,7 @@ struct Count {
 };
 
 TEST(SolidParts, UnionsOfTouchingTurnedAndDoubledSolidsHaveTheirInside) {
-  const int unions = static_cast<int>(fromEnvironment("LEEWAY_TEST_UNIONS", 100));
+  const int unions = static_cast<int>(fromEnvironment("LEEWAY_TEST_UNIONS", isBrief() ? 15 : 100));
   Random random(fromEnvironment("LEEWAY_TEST_SEED", 46));
   Count count;
   int shared = 0;
@@ -167,7 +167,7 @@ TEST(SolidParts, UnionsOfTouchingTurnedAndDoubledSolidsHaveTheirInside) {
 // T-junctions that are not exact.
 TEST(SolidParts, WeldClosesWhatNoiseHasOpened) {
   constexpr double kNoise = 1e-7, kWeld = 1e-6;
-  const int unions = static_cast<int>(fromEnvironment("LEEWAY_TEST_UNIONS", 100));
+  const int unions = static_cast<int>(fromEnvironment("LEEWAY_TEST_UNIONS", isBrief() ? 15 : 100));
   Random random(fromEnvironment("LEEWAY_TEST_SEED", 47));
   Count count;
   int open = 0;

@@ -14,6 +14,7 @@
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/scene.h"
 #include "tests/support/deformable_cases.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/scene_twins.h"
 
 namespace leeway::collision {
@@ -128,7 +129,8 @@ class Changing {
 TEST(SceneChange, IsWhatBuildingAnewWouldBe) {
   Draw draw(11);
   int with_table = 0, free = 0, not_free = 0, used_again = 0;
-  for (int world = 0; world < 90; ++world) {
+  const int worlds = isBrief() ? 12 : 90;
+  for (int world = 0; world < worlds; ++world) {
     Changing changing(draw, world % 2 == 0, world % 3 == 0);
     for (int change = 0; change < 6; ++change) {
       const Scene before = changing.scene;
@@ -155,10 +157,10 @@ TEST(SceneChange, IsWhatBuildingAnewWouldBe) {
     }
     used_again += changing.used_again;
   }
-  EXPECT_GT(used_again, 100);
-  EXPECT_GT(with_table, 300);
-  EXPECT_GT(free, 500);
-  EXPECT_GT(not_free, 300);
+  EXPECT_GT(90 * used_again, 100 * worlds);
+  EXPECT_GT(90 * with_table, 300 * worlds);
+  EXPECT_GT(90 * free, 500 * worlds);
+  EXPECT_GT(90 * not_free, 300 * worlds);
 }
 
 // Margins and shapes of a changed scene can be changed like those of any other.

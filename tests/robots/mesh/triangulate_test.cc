@@ -85,7 +85,7 @@ TEST(Triangulate, FacesWithoutAreaStay) {
 /// between.
 TEST(Triangulate, BentQuadranglesAreCoveredByTheirTetrahedron) {
   Random random(3);
-  for (int i = 0; i < casesToAsk(100); ++i) {
+  for (int i = 0; i < bySanitizer(100, 10, 2); ++i) {
     const double height = std::pow(10, random.uniform(-4, 0)),
                  size = std::pow(10, random.uniform(-3, 3));
     const Vector3d offset =
@@ -121,7 +121,7 @@ TEST(Triangulate, BentQuadranglesAreCoveredByTheirTetrahedron) {
 /// All surfaces between the corners of a larger face are within its departure.
 TEST(Triangulate, BentPolygonsAreCoveredBySlabs) {
   Random random(4);
-  for (int i = 0; i < (kSanitized ? 4 : 20); ++i) {
+  for (int i = 0; i < bySanitizer(20, 4, 2); ++i) {
     std::vector<Vector3d> corners;
     const int count = 5 + random.below(6);
     const double height = std::pow(10, random.uniform(-4, -1));
