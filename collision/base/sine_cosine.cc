@@ -3,7 +3,7 @@
 // pi/2 in three parts. Where cancellation leaves too few digits of the remainder, and for large
 // arguments: Payne and Hanek, Radian Reduction for Trigonometric Functions (1983), in integers. The
 // polynomials are minimax (Remez exchange, 300 bits) on |r| <= pi/4 + 2^-20;
-// tools/truth/long_run/derive_sine_cosine.py prints them.
+// tools/lab/long_run/derive_sine_cosine.py prints them.
 
 #include "collision/base/sine_cosine.h"
 

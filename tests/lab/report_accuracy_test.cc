@@ -11,9 +11,9 @@
 
 #include "collision/base/numbers.h"
 #include "tests/support/command.h"
-#include "tools/report/accuracy/accuracy_report.h"
-#include "tools/report/accuracy/own_engine.h"
-#include "tools/report/base/guard.h"
+#include "tools/lab/accuracy/accuracy_report.h"
+#include "tools/lab/accuracy/own_engine.h"
+#include "tools/lab/base/guard.h"
 #include "tools/truth/oracle/oracle.h"
 
 namespace leeway::tools::testing {

@@ -9,9 +9,9 @@
 #include <set>
 
 #include "tests/support/command.h"
-#include "tools/report/deform/deform_report.h"
-#include "tools/report/deform/deform_scenes.h"
-#include "tools/report/deform/own_mesh_engine.h"
+#include "tools/lab/deform/deform_report.h"
+#include "tools/lab/deform/deform_scenes.h"
+#include "tools/lab/deform/own_mesh_engine.h"
 
 namespace leeway::tools::testing {
 namespace {

@@ -12,8 +12,8 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/plan.h"
 #include "tests/support/command.h"
-#include "tools/report/growth/growth_report.h"
-#include "tools/report/growth/growth_worlds.h"
+#include "tools/lab/growth/growth_report.h"
+#include "tools/lab/growth/growth_worlds.h"
 
 namespace leeway::tools::testing {
 namespace {
@@ -88,7 +88,7 @@ TEST(ReportGrowth, ARivalWalksTheSameEdges) {
   EXPECT_EQ(rows[1].edges, rows[0].edges);
   EXPECT_GE(rival.asked, rows[1].edges);
   EXPECT_EQ(rows[3].status, "left out");
-  EXPECT_NE(growthTable(rows).find("left out"), std::string::npos);
+  EXPECT_EQ(growthTable(rows).rows().back().back(), "left out");
 }
 
 class ReportGrowthVerb : public CommandTest {};
@@ -104,8 +104,7 @@ TEST_F(ReportGrowthVerb, WritesARowAWorldAndPictures) {
   std::getline(csv, line);
   EXPECT_EQ(line, "family,count,engine,status,make_s,change_s,bytes,edges,edge_us,plan_s");
   std::size_t rows = 0, own = 0;
-  for (; std::getline(csv, line); ++rows)
-    own += line.find(",\"Leeway\",solved,") != std::string::npos;
+  for (; std::getline(csv, line); ++rows) own += line.find(",Leeway,solved,") != std::string::npos;
   EXPECT_EQ(rows, told["rows"]);
   EXPECT_EQ(own, 4U);
   EXPECT_NE(read("out/growth.svg").find("planning [ms]"), std::string::npos);

@@ -11,10 +11,10 @@
 #include <stdexcept>
 
 #include "tests/support/command.h"
-#include "tools/report/motion/motion_cases.h"
-#include "tools/report/motion/motion_report.h"
-#include "tools/report/motion/motion_truth.h"
-#include "tools/report/motion/own_motion_engine.h"
+#include "tools/lab/motion/motion_cases.h"
+#include "tools/lab/motion/motion_report.h"
+#include "tools/lab/motion/motion_truth.h"
+#include "tools/lab/motion/own_motion_engine.h"
 
 namespace leeway::tools::testing {
 namespace {

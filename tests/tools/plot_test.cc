@@ -1,4 +1,4 @@
-#include "tools/report/base/plot.h"
+#include "tools/leeway/view/plot.h"
 
 #include <gtest/gtest.h>
 #include <tinyxml2.h>
@@ -9,7 +9,7 @@
 
 #include "collision/base/numbers.h"
 
-namespace leeway::tools::report {
+namespace leeway::tools {
 namespace {
 
 /// Elements of one name at any depth.
@@ -119,4 +119,4 @@ TEST(Plot, LinearTicksAreRound) {
 }
 
 }  // namespace
-}  // namespace leeway::tools::report
+}  // namespace leeway::tools

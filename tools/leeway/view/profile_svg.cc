@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tools/report/base/plot.h"
+#include "tools/leeway/view/plot.h"
 
 namespace leeway::tools {
 namespace {
@@ -13,7 +13,7 @@ constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
 /// Adds a step from `begin` to `end`. A value that is not finite becomes NaN, which breaks the
 /// line.
-void addStep(report::PlotSeries& series, const ProfileStretch& stretch, double value) {
+void addStep(PlotSeries& series, const ProfileStretch& stretch, double value) {
   const double y = std::isfinite(value) ? value * kMillimetres : kNothing;
   series.points.push_back({stretch.begin, y});
   series.points.push_back({stretch.end, y});
@@ -23,9 +23,9 @@ void addStep(report::PlotSeries& series, const ProfileStretch& stretch, double v
 
 std::string profileSvg(const std::string& title, const std::string& note, const std::string& axis,
                        const std::vector<ProfileStretch>& stretches, double margin) {
-  report::PlotSeries lower{.name = "proven on the whole stretch", .points = {}, .marker = false};
-  report::PlotSeries upper{.name = "met on the stretch", .points = {}, .marker = false};
-  report::PlotSeries margins{.name = "margin", .points = {}, .marker = false, .dashed = true};
+  PlotSeries lower{.name = "proven on the whole stretch", .points = {}, .marker = false};
+  PlotSeries upper{.name = "met on the stretch", .points = {}, .marker = false};
+  PlotSeries margins{.name = "margin", .points = {}, .marker = false, .dashed = true};
   double lowest = 0;  // the axis includes 0, so that small changes look small
   for (const ProfileStretch& stretch : stretches) {
     addStep(lower, stretch, stretch.lower);
@@ -37,15 +37,15 @@ std::string profileSvg(const std::string& title, const std::string& note, const 
     addStep(margins, whole, margin);
     lowest = std::min(lowest, margin * kMillimetres);
   }
-  report::Figure figure;
+  Figure figure;
   figure.title = title;
   figure.note = note;
   figure.columns = 1;
   figure.panel_width = 680;
   figure.panels.push_back(
       {.title = "",
-       .x = {.label = axis, .scale = report::AxisScale::kLinear},
-       .y = {.label = "clearance [mm]", .scale = report::AxisScale::kLinear, .lower = lowest},
+       .x = {.label = axis, .scale = AxisScale::kLinear},
+       .y = {.label = "clearance [mm]", .scale = AxisScale::kLinear, .lower = lowest},
        .series = {lower, upper, margins}});
   return toSvg(figure);
 }

@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "tools/lab/growth/growth_report.h"
+#include "tools/lab/growth/growth_worlds.h"
+
+namespace leeway::tools::report {
+namespace {
+
+struct Quantity {
+  const char* label;
+  double (*of)(const GrowthRow&);
+};
+
+constexpr std::array<Quantity, 5> kQuantities = {{
+    {"making [ms]", [](const GrowthRow& r) { return 1e3 * r.make_s; }},
+    {"a change [ms]", [](const GrowthRow& r) { return 1e3 * r.change_s; }},
+    {"memory [MB]", [](const GrowthRow& r) { return 1e-6 * r.bytes; }},
+    {"an edge [us]", [](const GrowthRow& r) { return r.edge_us; }},
+    {"planning [ms]", [](const GrowthRow& r) { return 1e3 * r.plan_s; }},
+}};
+
+}  // namespace
+
+Table growthRows(const std::vector<GrowthRow>& rows) {
+  Table table({"family", "count", "engine", "status", "make_s:.6g", "change_s:.6g", "bytes:.0f",
+               "edges", "edge_us:.6g", "plan_s:.6g"});
+  for (const GrowthRow& r : rows)
+    table.add({r.family, r.count, r.engine, r.status, r.make_s, r.change_s, r.bytes, r.edges,
+               r.edge_us, r.plan_s});
+  return table;
+}
+
+Table growthTable(const std::vector<GrowthRow>& rows) {
+  std::vector<Table::Column> columns = {"family", "count", "engine"};
+  for (const Quantity& quantity : kQuantities) columns.emplace_back(quantity.label, ".3f");
+  columns.emplace_back("status");
+  Table table(std::move(columns), 3);
+  for (const GrowthRow& r : rows) {
+    std::vector<Table::Cell> cells = {r.family, r.count, r.engine};
+    for (const Quantity& quantity : kQuantities)
+      cells.emplace_back(quantity.of(r) > 0 ? quantity.of(r) : std::nan(""));
+    cells.emplace_back(r.status);
+    table.add(std::move(cells));
+  }
+  return table;
+}
+
+Figure growthFigure(const std::vector<GrowthRow>& rows, const std::string& note) {
+  Figure figure;
+  figure.title = "Growth of worlds and robots";
+  figure.note = note;
+  figure.columns = static_cast<int>(kQuantities.size());
+  for (const std::string& family : growthFamilies()) {
+    for (const Quantity& quantity : kQuantities) {
+      PlotPanel panel;
+      panel.title = family;
+      panel.x.label = family;
+      panel.y.label = quantity.label;
+      for (const GrowthRow& r : rows) {
+        if (r.family != family || !(quantity.of(r) > 0)) continue;
+        const auto same = [&](const PlotSeries& series) { return series.name == r.engine; };
+        auto series = std::find_if(panel.series.begin(), panel.series.end(), same);
+        if (series == panel.series.end())
+          series = panel.series.insert(series, PlotSeries{r.engine, {}});
+        series->points.push_back({static_cast<double>(r.count), quantity.of(r)});
+      }
+      if (!panel.series.empty()) figure.panels.push_back(std::move(panel));
+    }
+  }
+  return figure;
+}
+
+}  // namespace leeway::tools::report

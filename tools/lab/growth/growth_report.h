@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tools/lab/base/report_options.h"
+#include "tools/lab/base/state_engine.h"
+#include "tools/lab/base/table.h"
+#include "tools/leeway/view/plot.h"
+
+namespace leeway::tools::report {
+
+struct GrowthRow;
+
+struct GrowthReportOptions : ReportOptions {
+  /// By family. Sorted, the first world of each is the one whose edges are measured.
+  std::map<std::string, std::vector<std::int64_t>> counts = {
+      {"boxes", {10, 100, 1000, 10000, 100000}},
+      {"joints", {2, 4, 7, 14, 28, 40}},
+      {"triangles", {1000, 10000, 100000}}};
+  int edges = 200;   ///< limit on the edges, which planning requests
+  int rounds = 5;    ///< rounds over the edges; the median is reported
+  double time = 30;  ///< limit of one plan [s]
+  /// Called with the rows of each problem when they are complete.
+  std::function<void(const std::vector<GrowthRow>&)> on_rows;
+};
+
+/// One engine in one world.
+struct GrowthRow {
+  std::string family;
+  std::int64_t count = 0;
+  std::string engine;
+  std::string status = {};  ///< ours: toString(PlanStatus); a rival's: "measured" or "left out"
+  /// Time from the world in memory until it can be queried, including all data that meshes store.
+  /// Wall clock [s].
+  double make_s = 0;
+  /// For boxes, ours: time from moving one box until that world can be queried. Median of the
+  /// rounds. Wall clock [s].
+  double change_s = 0;
+  double bytes = 0;  ///< memory on the heap; 0 if the C library does not provide it
+  /// Mean time of one edge [us], over the edges that planning requests in the first world of the
+  /// family (for "joints", in each world): ours certified, a rival's in steps of 1/32 rad. CPU
+  /// time.
+  int edges = 0;
+  double edge_us = 0;
+  double plan_s = 0;  ///< ours: plan, simplify, push and certify. Wall clock [s]
+};
+
+/// Measures ours and, in the same worlds, the rivals' scenes.
+std::vector<GrowthRow> measureGrowth(const std::vector<const StateEngine*>& rivals,
+                                     const GrowthReportOptions& options);
+
+/// All members of the rows.
+Table growthRows(const std::vector<GrowthRow>& rows);
+/// For people: milliseconds and megabytes.
+Table growthTable(const std::vector<GrowthRow>& rows);
+/// A row of panels for each family: making, memory, one edge, planning.
+Figure growthFigure(const std::vector<GrowthRow>& rows, const std::string& note);
+
+}  // namespace leeway::tools::report

@@ -1,0 +1,158 @@
+#include "tools/lab/growth/growth_worlds.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "leeway/collision/triangle_mesh.h"
+
+namespace leeway::tools::report {
+namespace {
+
+using collision::Shape;
+using Eigen::Vector3d;
+
+constexpr double kTurn = 2 * M_PI;
+constexpr double kReach = 1.4;  // of the arm [m]
+constexpr int kUsualJoints = 7;
+constexpr std::int64_t kNearBoxes = 8;
+
+/// Joints alternately turn about the arm's length and across it. The first joint turns the arm
+/// around its foot. The combined motion of the others does not grow with their number.
+std::shared_ptr<const robots::Model> makeArm(int joints) {
+  robots::RobotDescription robot;
+  robot.name = "arm";
+  robot.has_srdf = true;  // the pairs below are the only ones that need no check
+  const double length = kReach / joints;
+  const double radius = std::min(0.05, 0.3 * length);
+  for (int i = 0; i <= joints; ++i) {
+    robots::Joint joint;
+    joint.name = fmt::format("joint_{}", i);
+    joint.parent_link = i - 1;
+    joint.child_link = i;
+    robots::Link link;
+    link.name = fmt::format("link_{}", i);
+    link.joint = i;
+    if (i > 0) {
+      joint.type = robots::JointType::kRevolute;
+      joint.X_PJ.translation = Vector3d(0, 0, i == 1 ? 0 : length);
+      joint.axis = i % 2 == 1 ? Vector3d::UnitZ() : Vector3d::UnitY();
+      joint.first_variable = i - 1;
+      joint.variable_count = 1;
+      const double limit = i == 1 ? 2.8 : std::min(2.5, 14.0 / joints);
+      robot.variables.push_back({joint.name, i, -limit, limit, 1});
+      collision::Pose X_LG;
+      X_LG.translation = Vector3d(0, 0, length / 2);
+      link.geometries.push_back({Shape::capsule(radius, length / 2 - radius), X_LG, link.name});
+    }
+    // Neighbours touch at their joint, and links two apart touch where the arm bends.
+    for (int k = std::max(0, i - 2); k < i; ++k)
+      robot.disabled_pairs.push_back({k, i, "neighbours"});
+    robot.joints.push_back(joint);
+    robot.links.push_back(link);
+  }
+  return std::make_shared<const robots::Model>(std::move(robot));
+}
+
+/// The arm leans by `lean` in total, to the side of `turn`.
+std::vector<double> leaning(const robots::Model& model, double turn, double lean) {
+  std::vector<double> q(model.variables.size(), 0.0);
+  const std::size_t bends = q.size() / 2;
+  q[0] = turn;
+  for (std::size_t i = 1; i < q.size(); i += 2) q[i] = lean / static_cast<double>(bends);
+  return q;
+}
+
+void addBox(planner::Problem& problem, const Vector3d& half_extents, const Vector3d& middle) {
+  planner::Object box;
+  box.name = fmt::format("box_{}", problem.world.objects.size());
+  box.geometries.push_back({Shape::box(half_extents), {}, box.name});
+  box.X_WO.translation = middle;
+  problem.world.objects.push_back(std::move(box));
+}
+
+/// Adds a post in the way, three more posts, and four boxes above.
+void addNear(planner::Problem& problem) {
+  for (const double side : {0.0, 2.1, 3.1, 4.2})
+    addBox(problem, {0.06, 0.06, 0.45}, {0.6 * std::cos(side), 0.6 * std::sin(side), 0.45});
+  for (int k = 0; k < 4; ++k)
+    addBox(problem, {0.1, 0.1, 0.05},
+           {0.6 * std::cos(kTurn * k / 4 + 0.8), 0.6 * std::sin(kTurn * k / 4 + 0.8), 1.7});
+}
+
+/// Adds boxes on a grid of half a metre, from 3 m away on.
+void addFar(planner::Problem& problem, std::int64_t count) {
+  const auto side = std::max<std::int64_t>(
+      1, static_cast<std::int64_t>(std::ceil(std::cbrt(static_cast<double>(count)))));
+  problem.world.objects.reserve(problem.world.objects.size() + static_cast<std::size_t>(count));
+  for (std::int64_t k = 0; k < count; ++k) {
+    const auto place = [](std::int64_t cell) { return 0.5 * static_cast<double>(cell); };
+    addBox(problem, {0.1, 0.05 + 0.01 * static_cast<double>(k % 7), 0.05},
+           {3 + place(k % side), 3 + place(k / side % side), place(k / side / side)});
+  }
+}
+
+Shape makeRing(std::int64_t triangles) {
+  const int around =
+      std::max(3, static_cast<int>(std::lround(std::sqrt(static_cast<double>(triangles)))));
+  const int across = std::max(3, around / 2);
+  std::vector<Vector3d> vertices;
+  for (int i = 0; i < around; ++i)
+    for (int k = 0; k < across; ++k) {
+      const double a = kTurn * i / around, b = kTurn * k / across;
+      const double r = 0.08 + 0.01 * std::sin(8 * a + 5 * b) + 0.001 * std::sin(71 * a);
+      vertices.emplace_back((0.8 + r * std::cos(b)) * std::cos(a),
+                            (0.8 + r * std::cos(b)) * std::sin(a), r * std::sin(b));
+    }
+  std::vector<std::array<std::int32_t, 3>> faces;
+  const auto vertex = [&](int i, int k) { return i % around * across + k % across; };
+  for (int i = 0; i < around; ++i)
+    for (int k = 0; k < across; ++k) {
+      faces.push_back({vertex(i, k), vertex(i + 1, k), vertex(i + 1, k + 1)});
+      faces.push_back({vertex(i, k), vertex(i + 1, k + 1), vertex(i, k + 1)});
+    }
+  return Shape::mesh(collision::TriangleMesh::make(vertices, faces));
+}
+
+}  // namespace
+
+const std::vector<std::string>& growthFamilies() {
+  static const std::vector<std::string> families = {"boxes", "triangles", "joints"};
+  return families;
+}
+
+std::pair<std::int64_t, std::int64_t> growthRange(const std::string& family) {
+  if (family == "joints") return {2, 100};
+  return {family == "boxes" ? kNearBoxes : 18, 10'000'000};
+}
+
+planner::Problem growthProblem(const std::string& family, std::int64_t count) {
+  const auto [least, most] = growthRange(family);
+  count = std::clamp(count, least, most);
+  planner::Problem problem;
+  problem.name = fmt::format("{} {}", count, family);
+  problem.robot.model = makeArm(family == "joints" ? static_cast<int>(count) : kUsualJoints);
+  const robots::Model& model = *problem.robot.model;
+  planner::Goal goal{"goal", {}};
+  problem.start = leaning(model, -1, 1.2);
+  for (const double q : leaning(model, 1, 1.2)) {
+    problem.robot.variables.push_back(static_cast<int>(goal.ranges.size()));
+    goal.ranges.emplace_back(q, q);
+  }
+  problem.goals.push_back(std::move(goal));
+  addNear(problem);
+  if (family == "boxes") addFar(problem, count - kNearBoxes);
+  if (family == "triangles") {
+    planner::Object ring;
+    ring.name = "ring";
+    ring.geometries.push_back({makeRing(count), {}, ring.name});
+    problem.world.objects.push_back(std::move(ring));
+  }
+  return problem;
+}
+
+}  // namespace leeway::tools::report
