@@ -207,6 +207,24 @@ void Scene::setShape(int body, int geometry, const Shape& shape) {
   }
 }
 
+void Scene::setPoses(std::span<const std::pair<int, Pose>> X_WB) {
+  if (X_WB.empty()) return;
+  const std::size_t built = things_->bodies.size();
+  auto moved = added_ ? std::make_shared<Things>(*added_) : std::make_shared<Things>();
+  for (const auto& [body, pose] : X_WB) {
+    if (body < 0 || at(body) < built || at(body) >= bodies().size() || isRemoved(body))
+      throw std::invalid_argument("scene: body " + std::to_string(body) +
+                                  " is moved; one that a change has added is expected");
+    const std::size_t i = at(body) - built;
+    Body changed = moved->bodies[i];
+    changed.X_WB = pose;
+    requirePoses(changed);
+    moved->replace(i, at(moved->first_geometry[i]) - things_->bounds.size(), std::move(changed));
+  }
+  added_ = std::move(moved);
+  if (still_.boxes) findAddedStill();
+}
+
 void Scene::growMargins(int body, int geometry, double growth) {
   if (growth <= 0) return;
   const bool has_place = pairs_.places() > 0 && body >= pairs_.firstStill();

@@ -16,8 +16,11 @@ double outwards(double x) { return x * (1 + 64 * kUnitRoundoff); }
 
 AxisTurn::AxisTurn(const Eigen::Matrix3d& R_WA0, const Eigen::Matrix3d& R_WA1) {
   const Eigen::AngleAxisd turn(Eigen::Matrix3d(R_WA1 * R_WA0.transpose()));
-  axis_W_ = turn.axis();
-  angle_ = turn.angle();
+  *this = AxisTurn(R_WA0, turn.axis(), turn.angle());
+}
+
+AxisTurn::AxisTurn(const Eigen::Matrix3d& R_WA0, const Eigen::Vector3d& axis_W, double angle)
+    : axis_W_(axis_W), angle_(angle) {
   // Rodrigues' formula, terms collected by sine and cosine.
   along_ = axis_W_ * (axis_W_.transpose() * R_WA0);
   across_ = R_WA0 - along_;

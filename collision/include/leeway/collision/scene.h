@@ -108,6 +108,11 @@ class Scene {
   /// and for a body that a change added.
   void setShape(int body, int geometry, const Shape& shape);
 
+  /// Moves bodies that a change added; pairs and margins stay. No query may run meanwhile. Throws
+  /// std::invalid_argument, and changes nothing, for another body, and for a pose that is not
+  /// finite or whose rotation is not orthogonal. O(m log m) in the bodies that changes added.
+  void setPoses(std::span<const std::pair<int, Pose>> X_WB);
+
   /// Raises every pair's margin to at least this [m].
   void raiseMargins(double margin) { pairs_.raise(margin, 0); }
 
@@ -148,7 +153,8 @@ class Scene {
   };
   // Computes them for all geometries in the table. O(n log n).
   void findStill();
-  // Computes them again for the bodies that changes added. O(n log n) in the number of those.
+  // Computes them again for the bodies that changes added. There must be places. O(n log n) in the
+  // number of those.
   void findAddedStill();
   Still still_;
 };

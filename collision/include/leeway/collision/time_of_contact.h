@@ -43,9 +43,12 @@ class RigidMotion {
 class AxisTurn {
  public:
   AxisTurn(const Eigen::Matrix3d& R_WA0, const Eigen::Matrix3d& R_WA1);
+  /// The turn about a unit axis by `angle` [rad], which may be of any size.
+  AxisTurn(const Eigen::Matrix3d& R_WA0, const Eigen::Vector3d& axis_W, double angle);
   Eigen::Matrix3d at(double t) const;
   const Eigen::Vector3d& axis() const { return axis_W_; }  ///< unit
-  double angle() const { return angle_; }                  ///< of the whole turn, 0 to pi [rad]
+  /// The angle of the whole turn [rad]; 0 to pi between two orientations.
+  double angle() const { return angle_; }
 
  private:
   Eigen::Vector3d axis_W_;
