@@ -78,6 +78,7 @@ class Surroundings {
 
   void addObjects(const robots::Stop& stop) {
     const std::size_t most = problem_.world.objects.size() + problem_.world.deforming.size();
+    // Objects that move are added by a change, so that they can move at the cost of their number.
     builder_.reserve(most);
     objects_.reserve(most);
     std::size_t added = 0;
@@ -85,7 +86,8 @@ class Surroundings {
       if (++added % 1024 == 0) robots::throwIfStopped(stop, "the problem was compiled");
       add(object);
     };
-    for (const Object& o : problem_.world.objects) addOne(o);
+    for (const Object& o : problem_.world.objects)
+      if (!o.motion) addOne(o);
     for (const DeformingObstacle& o : problem_.world.deforming) addOne(o.object);
   }
 
@@ -278,17 +280,9 @@ struct CompiledScene::NamedRules {
   std::shared_ptr<Index> index = std::make_shared<Index>();
   /// Objects whose clouds were cropped or carved for the place where they stand.
   std::set<std::string> fitted = {};
+  /// The bodies of objects that have a motion, and where these stand at the start of the execution.
+  std::map<int, robots::Pose> moving = {};
 };
-
-namespace {
-
-bool isFitted(const Object& object) {
-  return object.cloud != nullptr &&
-         std::any_of(object.cloud->filters.begin(), object.cloud->filters.end(),
-                     [](const CloudFilter& f) { return f.name == "crop" || f.name == "carve"; });
-}
-
-}  // namespace
 
 CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
     : model_((validate(problem), problem.robot.model)),
@@ -321,6 +315,10 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
     body_link_[b] = robot->carriers()[b];
     collision::SceneAccess::place(scene_, static_cast<int>(b), X_WL[at(body_link_[b])]);
   }
+  std::vector<Object> moving;
+  for (const Object& object : problem.world.objects)
+    if (object.motion) moving.push_back(object);
+  if (!moving.empty()) *this = *changed(moving, {});
 }
 
 struct CompiledScene::Shared {
@@ -400,17 +398,36 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjects(
     throw std::invalid_argument(
         "CompiledScene::withObjects(): of a variant with other margins or pairs than the problem "
         "says; the scene that was compiled is expected");
+  for (const Object& object : added)
+    if (object.motion)
+      throw robots::InputError(
+          rules_->problem, 0,
+          fmt::format("CompiledScene::withObjects(): object '{}' has a motion; an object that "
+                      "stands still is expected, or a problem with this one to compile",
+                      object.name));
+  return changed(added, removed);
+}
+
+std::shared_ptr<CompiledScene> CompiledScene::changed(std::span<const Object> added,
+                                                      std::span<const int> removed) const {
   auto changed = std::make_shared<CompiledScene>(*this);
   changed->pairs_token_ = std::make_shared<const int>();
+  const auto changeRules = [&](const auto& change) {
+    NamedRules rules = *changed->rules_;
+    change(rules);
+    changed->rules_ = std::make_shared<const NamedRules>(std::move(rules));
+  };
   for (const Object& object : added)
-    if (isFitted(object) != (rules_->fitted.count(object.name) != 0)) {
-      NamedRules rules = *changed->rules_;
-      if (isFitted(object))
-        rules.fitted.insert(object.name);
-      else
-        rules.fitted.erase(object.name);
-      changed->rules_ = std::make_shared<const NamedRules>(std::move(rules));
-    }
+    if (isFitted(object) != (rules_->fitted.count(object.name) != 0))
+      changeRules([&](NamedRules& rules) {
+        if (isFitted(object))
+          rules.fitted.insert(object.name);
+        else
+          rules.fitted.erase(object.name);
+      });
+  for (const int body : removed)
+    if (rules_->moving.count(body) != 0)
+      changeRules([&](NamedRules& rules) { rules.moving.erase(body); });
   collision::SceneChange change(std::move(changed->scene_));
   std::set<std::string> removed_names;
   for (const int body : removed) {
@@ -423,6 +440,9 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjects(
   }
   try {
     const BodiesByName objects = addTo(change, added, removed);
+    for (const Object& object : added)
+      if (const auto body = objects.find(object.name); object.motion && body != objects.end())
+        changeRules([&](NamedRules& rules) { rules.moving[body->second] = object.X_WO; });
     change.setDefaultMargin(rules_->margins.common);
     changed->dropped_ = applyRules(objects, removed_names, change);
     changed->scene_ = std::move(change).build();
@@ -436,11 +456,15 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjectAt(const std::stri
                                                                  const robots::Pose& X_WO) const {
   const int body = findThing(name);
   const int deforming = bodiesOfRobot() + rules_->objects;
-  if (body < bodiesOfRobot() || (body >= deforming && body < worldEnd()))
+  const bool is_moving = rules_->moving.count(body) != 0;
+  if (body < bodiesOfRobot() || is_moving || (body >= deforming && body < worldEnd()))
     throw std::invalid_argument(
         fmt::format("CompiledScene::withObjectAt(): '{}' is {}; the name of an object of the world "
-                    "is expected",
-                    name, body < bodiesOfRobot() ? "no object" : "a deforming obstacle"));
+                    "that stands still is expected",
+                    name,
+                    body < bodiesOfRobot() ? "no object"
+                    : is_moving            ? "an object with a motion"
+                                           : "a deforming obstacle"));
   if (rules_->fitted.count(name) != 0)
     throw std::invalid_argument(fmt::format(
         "CompiledScene::withObjectAt(): the cloud of '{}' was cropped or carved for its "
@@ -512,7 +536,17 @@ std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
     std::span<const Replacement> shapes) const {
   auto changed = std::make_shared<CompiledScene>(*this);
   const auto bodies = scene_.bodies();
+  std::vector<std::pair<int, robots::Pose>> poses;
   for (const Replacement& r : shapes) {
+    if (const auto* X_WB = std::get_if<robots::Pose>(&r.now)) {
+      if (rules_->moving.count(r.body) == 0 || r.geometry != 0)
+        throw std::invalid_argument(fmt::format(
+            "CompiledScene::withShapes(): geometry {} of body {} gets a pose; geometry 0 of an "
+            "object with a motion is expected",
+            r.geometry, r.body));
+      poses.emplace_back(r.body, *X_WB);
+      continue;
+    }
     const int first = bodiesOfRobot() + rules_->objects;
     if (r.body < first || r.body >= worldEnd() || r.geometry != 0)
       throw std::invalid_argument(fmt::format(
@@ -522,16 +556,22 @@ std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
           r.geometry, r.body,
           r.body >= 0 && at(r.body) < bodies.size() ? " ('" + bodies[at(r.body)].name + "')" : "",
           first, worldEnd() - 1));
-    const collision::DeformableSnapshot* snapshot = r.shape.deformable();
+    const auto& shape = std::get<collision::Shape>(r.now);
+    const collision::DeformableSnapshot* snapshot = shape.deformable();
     const DeformingObstacle& obstacle = rules_->deforming[at(r.body - first)];
     if (snapshot == nullptr || &snapshot->mesh() != obstacle.mesh.get())
       throw std::invalid_argument(
           fmt::format("CompiledScene::withShapes(): '{}' gets another shape; a snapshot of its own "
                       "mesh is expected",
                       obstacle.object.name));
-    if (!(r.growth <= 0)) changed->is_variant_ = true;
-    changed->scene_.setShape(r.body, r.geometry, r.shape);
-    changed->scene_.growMargins(r.body, r.geometry, r.growth);
+    changed->scene_.setShape(r.body, r.geometry, shape);
+  }
+  changed->scene_.setPoses(poses);
+  for (const Replacement& r : shapes) {
+    if (r.growth <= 0) continue;  // NaN grows, too: such a pair is never free
+    changed->is_variant_ = true;
+    for (std::size_t g = 0; g < bodies[at(r.body)].geometries.size(); ++g)
+      changed->scene_.growMargins(r.body, static_cast<int>(g), r.growth);
   }
   return changed;
 }
@@ -594,9 +634,12 @@ std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
 
 namespace {
 
-/// The difference between an object and a body of the world; empty: they are equal.
-std::string differenceOf(const Object& object, const collision::Body& body) {
-  if (!isSamePose(object.X_WO, body.X_WB)) return "stands elsewhere";
+/// The difference between an object and a body of the world that stands at X_WB, or starts there
+/// if it moves; empty: they are equal.
+std::string differenceOf(const Object& object, const collision::Body& body,
+                         const robots::Pose& X_WB, bool moves) {
+  if (moves != (object.motion != nullptr)) return moves ? "moves" : "stands still";
+  if (!isSamePose(object.X_WO, X_WB)) return "stands elsewhere";
   const std::size_t balls = object.cloud ? object.cloud->size() : 0;
   if (balls > body.geometries.size()) return "has another shape";
   const std::span<const collision::Geometry> geometries = body.geometries;
@@ -632,12 +675,12 @@ std::string CompiledScene::objectsDifference(const Problem& problem) const {
   const int end = body + rules_->objects;
   const bool is_as_compiled = std::all_of(objects.begin(), objects.end(), [&](const Object& o) {
     if (!hasShapes(o)) return true;
-    const bool is_same =
-        body < end && o.name == bodies[at(body)].name && differenceOf(o, bodies[at(body)]).empty();
+    const bool is_same = body < end && o.name == bodies[at(body)].name &&
+                         differenceOf(o, bodies[at(body)], bodies[at(body)].X_WB, false).empty();
     ++body;
     return is_same;
   });
-  if (is_as_compiled && body == end) return {};
+  if (is_as_compiled && body == end && rules_->moving.empty()) return {};
   // In any order, after all changes.
   std::size_t left = bodies.size() - at(bodiesOfRobot()) - rules_->deforming.size();
   for (std::size_t b = at(bodiesOfRobot()); b < bodies.size(); ++b)
@@ -646,7 +689,10 @@ std::string CompiledScene::objectsDifference(const Problem& problem) const {
     if (!hasShapes(object)) continue;
     const int found = findThing(object.name);
     if (found < 0) return fmt::format("the scene has no object '{}'", object.name);
-    const std::string difference = differenceOf(object, bodies[at(found)]);
+    const auto moving = rules_->moving.find(found);
+    const bool moves = moving != rules_->moving.end();
+    const std::string difference = differenceOf(
+        object, bodies[at(found)], moves ? moving->second : bodies[at(found)].X_WB, moves);
     if (!difference.empty()) return fmt::format("object '{}' {} there", object.name, difference);
     --left;
   }
@@ -677,7 +723,8 @@ std::string CompiledScene::differenceFrom(const Problem& problem) const {
         !isSamePose(mine.X_WO, other.X_WO) || !areSameShapes(mine.geometries, other.geometries))
       return differs("world.deforming, at '" + other.name + "',");
   }
-  if (!deforming.empty() && problem.execution.start != rules_->execution_start)
+  if ((!deforming.empty() || !rules_->moving.empty()) &&
+      problem.execution.start != rules_->execution_start)
     return differs("execution.start");
   return objectsDifference(problem);
 }

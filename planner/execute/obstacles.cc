@@ -9,9 +9,11 @@
 #include <stdexcept>
 
 #include "collision/base/numbers.h"
+#include "collision/base/pose_check.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/clock.h"
 #include "planner/base/tolerances.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
@@ -26,17 +28,184 @@ double upwards(double x) { return x >= 0 ? x * (1 + kGrowthRounding) : kInfinity
 
 }  // namespace
 
-Obstacles::Obstacles(const Problem& problem, const CompiledScene& scene) {
-  for (const DeformingObstacle& source : problem.world.deforming) {
-    const bool predicted =
-        source.motion != nullptr && problem.execution.foresight == Foresight::kMotion;
-    bodies_.push_back(scene.scene().find(source.object.name));
-    obstacles_.push_back({source.object.name, &source, predicted,
-                          Deformable(source.mesh, source.motion, source.options),
-                          Deformable(source.mesh, source.motion, source.options),
-                          problem.execution.start, source.speed_bound});
-    updates_.push_back({source.object.name, {}, {}, 0});
+/// One obstacle: where it was last seen, and what is known of it from then on.
+struct Obstacles::Followed {
+  Followed(const Object& object, bool is_predicted, double seen_at, double speed)
+      : name(object.name), predicted(is_predicted), seen(seen_at), speed_bound(speed) {}
+  virtual ~Followed() = default;
+
+  /// Whether it has a motion; bounds on the speed of its points in that motion [m/s], and on the
+  /// rounding of their places [m].
+  virtual bool hasMotion() const = 0;
+  virtual double motionSpeed(double t0, double t1) const = 0;
+  virtual double motionRounding(double t0, double t1) const = 0;
+  /// Moves what was seen, or what is foreseen, along its motion to `time`.
+  virtual UpdateStatus moveTo(double time) = 0;
+  virtual UpdateStatus foresee(double time) = 0;
+
+  virtual bool isSeenAs(const Sight& sight) const = 0;
+  /// A bound on the speed of its points [m/s].
+  virtual double pointSpeed(const Bound& bound) const = 0;
+  /// How far its points are from where they were last seen [m]; NaN as for jump().
+  virtual double moved(const Sight& sight) const = 0;
+  /// Takes a sight; throws std::invalid_argument where it makes no sense.
+  virtual void see(const Sight& sight, double time, double speed) = 0;
+
+  virtual std::variant<Shape, robots::Pose> asSeen() const = 0;
+  virtual std::variant<Shape, robots::Pose> asForeseen() const = 0;
+  virtual void describe(ObstacleUpdate& update) const = 0;
+
+  double speedBetween(double t0, double t1) const {
+    if (!predicted && std::isfinite(speed_bound)) return speed_bound;
+    if (!hasMotion() || own) return kInfinity;
+    return motionSpeed(t0, t1);
   }
+  double agedGrowth(double time) const {
+    if (time == seen) return 0;
+    if (own && time < seen)
+      return time >= seen_before ? upwards(bound_before * (seen - time)) : kInfinity;
+    const double from = std::min(seen, time), to = std::max(seen, time);
+    const double rounding = own || !hasMotion() ? 0 : 2 * motionRounding(from, to);
+    return upwards(speedBetween(from, to) * (to - from)) + rounding;
+  }
+
+  std::string name;
+  bool predicted;      ///< its motion is known after the last look
+  double seen;         ///< when it was seen [s]
+  double speed_bound;  ///< of its points: the program's, with observations, or the problem's [m/s]
+  bool own = false;    ///< the program has observed it
+  // With `own`: when it was seen before that, and the speed bound from then until `seen`.
+  double seen_before = 0, bound_before = 0;
+};
+
+struct Obstacles::Deforming final : Followed {
+  Deforming(const DeformingObstacle& obstacle, const Execution& execution)
+      : Followed(obstacle.object,
+                 obstacle.motion != nullptr && execution.foresight == Foresight::kMotion,
+                 execution.start, obstacle.speed_bound),
+        source(&obstacle),
+        present(obstacle.mesh, obstacle.motion, obstacle.options),
+        future(obstacle.mesh, obstacle.motion, obstacle.options) {}
+
+  bool hasMotion() const override { return source->motion != nullptr; }
+  double motionSpeed(double t0, double t1) const override {
+    return source->motion->speedBound(t0, t1);
+  }
+  double motionRounding(double t0, double t1) const override {
+    return source->motion->rounding(t0, t1);
+  }
+  UpdateStatus moveTo(double time) override { return present.update(time); }
+  UpdateStatus foresee(double time) override { return future.update(time); }
+
+  bool isSeenAs(const Sight& sight) const override { return sight.index() == 0; }
+  double pointSpeed(const Bound& bound) const override { return bound.speed; }
+  double moved(const Sight& sight) const override {
+    const auto& vertices = std::get<0>(sight);
+    const std::span<const Eigen::Vector3d> before = present.snapshot()->vertices();
+    if (vertices.size() != before.size()) return kNaN;
+    double most = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const double distance = (vertices[i] - before[i]).norm();
+      if (!(distance <= most)) most = distance;
+      if (std::isnan(most)) return most;
+    }
+    return most;
+  }
+  void see(const Sight& sight, double time, double speed) override {
+    const UpdateStatus status = present.update(std::get<0>(sight), time, speed);
+    if (status != UpdateStatus::kUpdated)
+      throw std::invalid_argument(fmt::format(
+          "obstacle '{}': {}{}; {} finite vertices are expected", name, collision::toString(status),
+          present.badVertex() >= 0 ? fmt::format(" (vertex {})", present.badVertex()) : "",
+          source->mesh->vertexCount()));
+  }
+
+  std::variant<Shape, robots::Pose> asSeen() const override {
+    return Shape::deformable(present.snapshot());
+  }
+  std::variant<Shape, robots::Pose> asForeseen() const override {
+    return Shape::deformable(future.snapshot());
+  }
+  void describe(ObstacleUpdate& update) const override {
+    update.strategy = collision::toString(present.statistics().strategy);
+    update.reason = present.statistics().reason;
+  }
+
+  const DeformingObstacle* source;
+  Deformable present, future;
+};
+
+struct Obstacles::Rigid final : Followed {
+  Rigid(const Object& object, const Execution& execution)
+      : Followed(object, object.motion->poses && execution.foresight == Foresight::kMotion,
+                 execution.start - object.motion->age, 0),
+        poses(object.motion->poses),
+        extent(extentOf(object)),
+        present(object.X_WO),
+        future(object.X_WO) {
+    speed_bound = pointSpeed({object.motion->speed_bound, object.motion->turn_bound});
+  }
+
+  bool hasMotion() const override { return poses != nullptr; }
+  double motionSpeed(double t0, double t1) const override {
+    return poses->speedBound(t0, t1, extent);
+  }
+  double motionRounding(double t0, double t1) const override {
+    return poses->rounding(t0, t1, extent);
+  }
+  UpdateStatus moveTo(double time) override { return place(time, present); }
+  UpdateStatus foresee(double time) override { return place(time, future); }
+  UpdateStatus place(double time, robots::Pose& X_WO) const {
+    const robots::Pose X = poses->pose(time);
+    if (!poseFault(X).empty()) return UpdateStatus::kNotFinite;
+    X_WO = X;
+    return UpdateStatus::kUpdated;
+  }
+
+  bool isSeenAs(const Sight& sight) const override { return sight.index() == 1; }
+  double pointSpeed(const Bound& bound) const override {
+    return planner::pointSpeed(bound.speed, bound.turning, extent);
+  }
+  double moved(const Sight& sight) const override {
+    const auto& X_WO = std::get<robots::Pose>(sight);
+    if (!poseFault(X_WO).empty()) return kNaN;
+    // The rotation moves a unit vector by at most 2 sin(angle / 2), which is this norm over the
+    // root of 2.
+    const double turned = (X_WO.rotation - present.rotation).norm() / std::sqrt(2.0);
+    return (X_WO.translation - present.translation).norm() + turned * extent;
+  }
+  void see(const Sight& sight, double, double) override {
+    const auto& X_WO = std::get<robots::Pose>(sight);
+    if (const std::string fault = poseFault(X_WO); !fault.empty())
+      throw std::invalid_argument(fmt::format("the pose of '{}' {}", name, fault));
+    present = X_WO;
+  }
+
+  std::variant<Shape, robots::Pose> asSeen() const override { return present; }
+  std::variant<Shape, robots::Pose> asForeseen() const override { return future; }
+  void describe(ObstacleUpdate& update) const override {
+    update.strategy = "pose";
+    update.reason = "it is rigid";
+  }
+
+  std::shared_ptr<const collision::PoseMotion> poses;
+  double extent;  ///< of its points from its origin [m]
+  robots::Pose present, future;
+};
+
+Obstacles::Obstacles(const Problem& problem, const CompiledScene& scene) {
+  for (const DeformingObstacle& source : problem.world.deforming)
+    add(std::make_unique<Deforming>(source, problem.execution), scene);
+  for (const Object& object : problem.world.objects)
+    if (object.motion) add(std::make_unique<Rigid>(object, problem.execution), scene);
+}
+
+Obstacles::~Obstacles() = default;
+
+void Obstacles::add(std::unique_ptr<Followed> obstacle, const CompiledScene& scene) {
+  bodies_.push_back(scene.scene().find(obstacle->name));
+  updates_.push_back({obstacle->name, {}, {}, 0});
+  obstacles_.push_back(std::move(obstacle));
 }
 
 bool Obstacles::has(int body) const {
@@ -55,134 +224,116 @@ std::shared_ptr<const CompiledScene> Obstacles::pairsOfThese(const CompiledScene
 
 bool Obstacles::arePredicted() const {
   return std::all_of(obstacles_.begin(), obstacles_.end(),
-                     [](const Followed& o) { return o.predicted; });
+                     [](const auto& o) { return o->predicted; });
 }
 
 void Obstacles::look(double time) {
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-    Followed& o = obstacles_[i];
+    Followed& o = *obstacles_[i];
     updates_[i].update_s = 0;
-    if (o.source->motion != nullptr && !o.own) {
+    if (o.hasMotion() && !o.own) {
       const Clock::time_point begin = Clock::now();
-      const UpdateStatus status = o.present.update(time);
+      const UpdateStatus status = o.moveTo(time);
       updates_[i].update_s = secondsSince(begin);
       if (status != UpdateStatus::kUpdated)
         throw robots::InputError(
             "", 0,
-            fmt::format("obstacle '{}' at {} s: {}", o.object, time, collision::toString(status)));
+            fmt::format("obstacle '{}' at {} s: {}", o.name, time, collision::toString(status)));
       o.seen = time;
     }
-    const collision::UpdateStatistics& statistics = o.present.statistics();
-    updates_[i].strategy = collision::toString(statistics.strategy);
-    updates_[i].reason = statistics.reason;
+    o.describe(updates_[i]);
   }
 }
 
-std::size_t Obstacles::indexOf(const std::string& object) const {
+Obstacles::Followed& Obstacles::find(const std::string& object, const Sight& seen) const {
   const auto o = std::find_if(obstacles_.begin(), obstacles_.end(),
-                              [&](const Followed& f) { return f.object == object; });
-  if (o == obstacles_.end())
-    throw std::invalid_argument("there is no deforming obstacle '" + object + "'");
-  return static_cast<std::size_t>(o - obstacles_.begin());
-}
-
-double Obstacles::jump(const std::string& object, std::span<const Eigen::Vector3d> vertices,
-                       double time) const {
-  const Followed& o = obstacles_[indexOf(object)];
-  const std::span<const Eigen::Vector3d> before = o.present.snapshot()->vertices();
-  double most = 0;
-  for (std::size_t i = 0; i < std::min(before.size(), vertices.size()); ++i) {
-    const double moved = (vertices[i] - before[i]).norm();
-    if (!(moved <= most)) most = moved;
-    if (std::isnan(most)) return most;
-  }
-  return most - agedGrowth(o, time);
-}
-
-void Obstacles::set(const std::string& object, std::span<const Eigen::Vector3d> vertices,
-                    double time, double speed_bound) {
-  Followed* const o = &obstacles_[indexOf(object)];
-  if (!(speed_bound >= 0))
+                              [&](const auto& f) { return f->name == object; });
+  const bool is_rigid = seen.index() == 1;
+  if (o == obstacles_.end() || !(*o)->isSeenAs(seen))
     throw std::invalid_argument(fmt::format(
-        "obstacle '{}': the speed bound is {}; at least 0 m/s is expected", object, speed_bound));
+        "there is no {} '{}'{}", is_rigid ? "object with a motion" : "deforming obstacle", object,
+        o == obstacles_.end() ? ""
+        : is_rigid            ? "; that obstacle deforms, and its vertices are expected"
+                              : "; that object is rigid, and its pose is expected"));
+  return **o;
+}
+
+double Obstacles::jump(const std::string& object, const Sight& seen, double time) const {
+  const Followed& o = find(object, seen);
+  return o.moved(seen) - o.agedGrowth(time);
+}
+
+double Obstacles::seenAt(const std::string& object, const Sight& seen) const {
+  return find(object, seen).seen;
+}
+
+void Obstacles::requireBound(const std::string& object, const Bound& bound) {
+  if (!(bound.speed >= 0))
+    throw std::invalid_argument(fmt::format(
+        "obstacle '{}': the speed bound is {}; at least 0 m/s is expected", object, bound.speed));
+  if (!(bound.turning >= 0))
+    throw std::invalid_argument(
+        fmt::format("obstacle '{}': the turning bound is {}; at least 0 rad/s is expected", object,
+                    bound.turning));
+}
+
+void Obstacles::set(const std::string& object, const Sight& seen, double time, const Bound& bound) {
+  Followed& o = find(object, seen);
+  requireBound(object, bound);
   // Between the two observations the earlier bound held, unless the obstacle jumped.
-  const bool kept = time >= o->seen && jump(object, vertices, time) <= kGuardJump;
-  const double bound_before = kept ? speedBetween(*o, o->seen, time) : kInfinity;
-  const UpdateStatus status = o->present.update(vertices, time, speed_bound);
-  if (status != UpdateStatus::kUpdated)
-    throw std::invalid_argument(fmt::format(
-        "obstacle '{}': {}{}; {} finite vertices are expected", object, collision::toString(status),
-        o->present.badVertex() >= 0 ? fmt::format(" (vertex {})", o->present.badVertex()) : "",
-        o->source->mesh->vertexCount()));
-  o->bound_before = bound_before;
-  o->seen_before = o->seen;
-  o->own = true;
-  o->predicted = false;
-  o->speed_bound = speed_bound;
-  o->seen = time;
+  const bool kept = time >= o.seen && o.moved(seen) - o.agedGrowth(time) <= kGuardJump;
+  const double bound_before = kept ? o.speedBetween(o.seen, time) : kInfinity;
+  const double speed = o.pointSpeed(bound);
+  o.see(seen, time, speed);
+  o.bound_before = bound_before;
+  o.seen_before = o.seen;
+  o.own = true;
+  o.predicted = false;
+  o.speed_bound = speed;
+  o.seen = time;
 }
 
-bool Obstacles::widens(const std::string& object, double speed_bound) const {
-  const Followed& o = obstacles_[indexOf(object)];
-  const bool by_motion =
-      o.predicted || (o.source->motion != nullptr && !o.own && !std::isfinite(o.speed_bound));
-  return by_motion || !(speed_bound <= o.speed_bound);
-}
-
-double Obstacles::speedBetween(const Followed& o, double t0, double t1) const {
-  if (!o.predicted && std::isfinite(o.speed_bound)) return o.speed_bound;
-  if (o.source->motion == nullptr || o.own) return kInfinity;
-  return o.source->motion->speedBound(t0, t1);
-}
-
-double Obstacles::agedGrowth(const Followed& o, double time) const {
-  if (time == o.seen) return 0;
-  if (o.own && time < o.seen)
-    return time >= o.seen_before ? upwards(o.bound_before * (o.seen - time)) : kInfinity;
-  const double from = std::min(o.seen, time), to = std::max(o.seen, time);
-  const double rounding =
-      o.own || o.source->motion == nullptr ? 0 : 2 * o.source->motion->rounding(from, to);
-  return upwards(speedBetween(o, from, to) * (to - from)) + rounding;
+bool Obstacles::widens(const std::string& object, const Sight& seen, const Bound& bound) const {
+  const Followed& o = find(object, seen);
+  const bool by_motion = o.predicted || (o.hasMotion() && !o.own && !std::isfinite(o.speed_bound));
+  return by_motion || !(o.pointSpeed(bound) <= o.speed_bound);
 }
 
 Obstacles::Replacements Obstacles::seen(double growth) const {
-  Replacements shapes;
+  Replacements all;
   for (std::size_t i = 0; i < obstacles_.size(); ++i)
-    shapes.push_back({bodies_[i], 0, Shape::deformable(obstacles_[i].present.snapshot()), growth});
-  return shapes;
+    all.push_back({bodies_[i], 0, obstacles_[i]->asSeen(), growth});
+  return all;
 }
 
 Obstacles::Replacements Obstacles::during(double t0, double t1) {
-  Replacements shapes;
+  Replacements all;
   const double middle = t0 + (t1 - t0) / 2;
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-    Followed& o = obstacles_[i];
+    Followed& o = *obstacles_[i];
     if (!o.predicted) {
-      shapes.push_back({bodies_[i], 0, Shape::deformable(o.present.snapshot()),
-                        std::max(agedGrowth(o, t0), agedGrowth(o, t1))});
+      all.push_back({bodies_[i], 0, o.asSeen(), std::max(o.agedGrowth(t0), o.agedGrowth(t1))});
       continue;
     }
-    if (o.future.update(middle) != UpdateStatus::kUpdated) {
-      shapes.push_back({bodies_[i], 0, Shape::deformable(o.present.snapshot()), kInfinity});
+    if (o.foresee(middle) != UpdateStatus::kUpdated) {
+      all.push_back({bodies_[i], 0, o.asSeen(), kInfinity});
       continue;
     }
     const double half = std::max(middle - t0, t1 - middle);
-    const double growth =
-        upwards(speedBetween(o, t0, t1) * half) + 2 * o.source->motion->rounding(t0, t1);
-    shapes.push_back({bodies_[i], 0, Shape::deformable(o.future.snapshot()), growth});
+    const double growth = upwards(o.speedBetween(t0, t1) * half) + 2 * o.motionRounding(t0, t1);
+    all.push_back({bodies_[i], 0, o.asForeseen(), growth});
   }
-  return shapes;
+  return all;
 }
 
-Obstacles::Replacements Obstacles::atMiddle(Replacements shapes, double t0, double t1) const {
+Obstacles::Replacements Obstacles::atMiddle(Replacements all, double t0, double t1) const {
   const double middle = t0 + (t1 - t0) / 2;
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-    const Followed& o = obstacles_[i];
-    if (shapes[i].growth == kInfinity) continue;
-    shapes[i].growth =
-        o.predicted ? 2 * o.source->motion->rounding(middle, middle) : agedGrowth(o, middle);
+    const Followed& o = *obstacles_[i];
+    if (all[i].growth == kInfinity) continue;
+    all[i].growth = o.predicted ? 2 * o.motionRounding(middle, middle) : o.agedGrowth(middle);
   }
-  return shapes;
+  return all;
 }
 
 }  // namespace leeway::planner

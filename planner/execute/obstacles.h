@@ -1,9 +1,11 @@
 #pragma once
 
-// Private to planner/: the deforming obstacles of a problem, followed through time.
+// Private to planner/: the obstacles of a problem that move, followed through time.
 
+#include <memory>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "leeway/planner/compiled_scene.h"
@@ -11,13 +13,22 @@
 
 namespace leeway::planner {
 
-/// Where the obstacles were last seen, and where they can be after that. For one thread at a time;
-/// any thread may read the snapshots that it returns.
+/// Where the obstacles that deform, and the objects that have a motion, were last seen, and where
+/// they can be after that. One thread at a time; any thread may read what it hands out.
 class Obstacles {
  public:
   using Replacements = std::vector<CompiledScene::Replacement>;
+  /// An observation: the vertices of a deforming obstacle in its frame, or the pose X_WO of a rigid
+  /// one.
+  using Sight = std::variant<std::span<const Eigen::Vector3d>, robots::Pose>;
+  /// A bound from an observation on: on the speed of vertices, or of a rigid obstacle's origin
+  /// [m/s], and on its turning [rad/s].
+  struct Bound {
+    double speed = 0, turning = 0;
+  };
 
   Obstacles(const Problem& problem, const CompiledScene& scene);
+  ~Obstacles();
 
   /// Scene bodies, one per obstacle.
   const std::vector<int>& bodies() const { return bodies_; }
@@ -30,51 +41,43 @@ class Obstacles {
 
   /// Moves all obstacles that have a motion to `time` [s].
   void look(double time);
-  /// See Replanner::setVertices().
-  void set(const std::string& object, std::span<const Eigen::Vector3d> vertices, double time,
-           double speed_bound);
-  /// Returns how much farther these vertices, seen at `time`, are from those of the last look than
-  /// the obstacle's speed bound allows [m]: at most 0 if the bound holds, NaN if a vertex is not
-  /// finite. Throws std::invalid_argument for an unknown obstacle.
-  double jump(const std::string& object, std::span<const Eigen::Vector3d> vertices,
-              double time) const;
-  /// Whether vertices with this speed bound may move farther than the bound so far allows. True if
-  /// a motion has placed the obstacle so far. Throws as jump() does.
-  bool widens(const std::string& object, double speed_bound) const;
-  /// The number of an obstacle's vertices, and the time when it was last seen [s]. Both throw
-  /// std::invalid_argument for an unknown obstacle.
-  std::size_t vertexCount(const std::string& object) const {
-    return static_cast<std::size_t>(obstacles_[indexOf(object)].source->mesh->vertexCount());
-  }
-  double seenAt(const std::string& object) const { return obstacles_[indexOf(object)].seen; }
 
-  /// The shapes at the last look, each grown by `growth` [m].
+  // The functions below throw std::invalid_argument for an obstacle that does not exist, or not of
+  // the sight's kind.
+
+  /// Takes an observation; see Replanner::setVertices() and setPose(). Throws
+  /// std::invalid_argument, and changes nothing, where it makes no sense.
+  void set(const std::string& object, const Sight& seen, double time, const Bound& bound);
+  /// How much farther points of the obstacle, seen at `time`, are from those of the last look than
+  /// its speed bound allows [m]; at most 0 where it holds, NaN for a sight that makes no sense:
+  /// another number of vertices, numbers that are not finite, a matrix that is not a rotation.
+  double jump(const std::string& object, const Sight& seen, double time) const;
+  /// Whether points with this bound may move farther than was bounded before; so they may where a
+  /// motion was known until now.
+  bool widens(const std::string& object, const Sight& seen, const Bound& bound) const;
+  /// When an obstacle was last seen [s].
+  double seenAt(const std::string& object, const Sight& seen) const;
+  /// Throws std::invalid_argument for a bound that is not 0 or more.
+  static void requireBound(const std::string& object, const Bound& bound);
+
+  /// The obstacles at the last look, each grown by `growth` [m].
   Replacements seen(double growth = 0) const;
-  /// Grown shapes that contain every obstacle at every time from t0 to t1 [s].
+  /// Grown obstacles that contain every obstacle at every time from t0 to t1 [s].
   Replacements during(double t0, double t1);
-  /// The shapes of during(t0, t1), grown to contain every obstacle only at the middle of that time.
+  /// The result of during(t0, t1), grown to contain every obstacle only at the middle of that time.
   Replacements atMiddle(Replacements during, double t0, double t1) const;
 
   const std::vector<ObstacleUpdate>& updates() const { return updates_; }
 
  private:
-  struct Followed {
-    std::string object;
-    const DeformingObstacle* source;
-    bool predicted;  ///< `motion` gives its place after the last look
-    collision::Deformable present, future;
-    double seen = 0;     ///< time of `present` [s]
-    double speed_bound;  ///< from the program with set vertices, else from the problem [m/s]
-    bool own = false;    ///< the program has set its vertices
-    // If `own`: the time of the look before `seen`, and the speed bound between the two.
-    double seen_before = 0, bound_before = 0;
-  };
-  std::size_t indexOf(const std::string& object) const;
-  double speedBetween(const Followed& obstacle, double t0, double t1) const;
-  double agedGrowth(const Followed& obstacle, double time) const;
+  struct Followed;
+  struct Deforming;
+  struct Rigid;
+  void add(std::unique_ptr<Followed> obstacle, const CompiledScene& scene);
+  Followed& find(const std::string& object, const Sight& seen) const;
 
   std::vector<int> bodies_;
-  std::vector<Followed> obstacles_;
+  std::vector<std::unique_ptr<Followed>> obstacles_;
   std::vector<ObstacleUpdate> updates_;
 };
 

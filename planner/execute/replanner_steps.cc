@@ -53,6 +53,9 @@ const Problem& executable(const Problem& problem) {
     if (const auto fault = speedBoundFault(obstacle, e))
       refuse(fmt::format("the speed bound of deforming obstacle '{}' {}", obstacle.object.name,
                          *fault));
+  for (const Object& object : problem.world.objects)
+    if (const auto fault = speedBoundFault(object, e))
+      refuse(fmt::format("the speed bound of object '{}' {}", object.name, *fault));
   return problem;
 }
 
@@ -245,7 +248,7 @@ struct Replanner::Impl {
         solved = true;
         break;
       }
-      if (buffer == 0 || problem.world.deforming.empty()) break;
+      if (buffer == 0 || obstacles.bodies().empty()) break;
     }
     step.plan_s += secondsSince(begin);
     return solved;
@@ -351,6 +354,15 @@ struct Replanner::Impl {
     return step;
   }
 
+  void set(const std::string& object, const Obstacles::Sight& sight, double time,
+           const Obstacles::Bound& bound) {
+    if (!(time <= now))
+      throw std::invalid_argument(
+          fmt::format("{} of '{}' seen at {} s, later than the present {} s",
+                      sight.index() == 0 ? "vertices" : "a pose", object, time, now));
+    obstacles.set(object, sight, time, bound);
+  }
+
   Problem problem;
   ReplanOptions options;
   std::shared_ptr<const CompiledScene> scene;
@@ -400,10 +412,12 @@ void Replanner::setState(std::span<const double> point) {
 
 void Replanner::setVertices(const std::string& object, std::span<const Eigen::Vector3d> vertices,
                             double time, double speed_bound) {
-  if (!(time <= impl_->now))
-    throw std::invalid_argument(fmt::format(
-        "vertices of '{}' seen at {} s, later than the present {} s", object, time, impl_->now));
-  impl_->obstacles.set(object, vertices, time, speed_bound);
+  impl_->set(object, vertices, time, {speed_bound});
+}
+
+void Replanner::setPose(const std::string& object, const robots::Pose& X_WO, double time,
+                        double speed_bound, double turn_bound) {
+  impl_->set(object, X_WO, time, {speed_bound, turn_bound});
 }
 
 }  // namespace leeway::planner

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to planner/: certifies timed motions among deforming obstacles.
+// Private to planner/: motions in time among obstacles that move.
 
 #include <map>
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace leeway::planner {
 
-/// Certifies paths in the world as last seen, and motions over a time. Pairs with deforming
+/// Certifies paths in the world as last seen, and motions over a time. Pairs with these
 /// obstacles have their own certifier, so that the other pairs stay certified along a path.
 class StepCertifier {
  public:
@@ -27,9 +27,9 @@ class StepCertifier {
   struct Bodies {
     std::string a, b;
   };
-  /// Whether every edge of the path is certified in the world as last seen. Sets `broken` to the
-  /// bodies of the first edge that is not. `first_edge_known`: the first edge is already certified
-  /// against the bodies that do not deform, as are all others.
+  /// True when every edge of the path is certified in the world as last seen; `broken` names the
+  /// bodies of the first that is not. `first_edge_known`: the first edge, as all others, is
+  /// certified against the bodies that stand still.
   bool holds(const std::vector<std::vector<double>>& path, bool first_edge_known, Bodies& broken);
 
   /// Returns the last of `marks` up to which the motion is proven to keep all margins, or the
@@ -41,7 +41,7 @@ class StepCertifier {
   /// certify() must have proven this part.
   Interval clearance(std::span<const TimedPoint> motion, double end, double tolerance,
                      Bodies& closest);
-  /// Clearance of the robot at `point` from the deforming obstacles at `time` [m]. Used to rank
+  /// Clearance of the robot at `point` from the obstacles that move at `time` [m]. Used to rank
   /// points.
   double roomAt(std::span<const double> point, double time);
 

@@ -469,19 +469,17 @@ struct Guard::Impl {
   // ---------------------------------------------------------------------------------------------
   // Observations
 
-  Observation setVertices(const std::string& object, std::span<const Eigen::Vector3d> vertices,
-                          double time, double speed_bound) {
-    if (!(speed_bound >= 0))
-      throw std::invalid_argument(fmt::format(
-          "obstacle '{}': the speed bound is {}; at least 0 m/s is expected", object, speed_bound));
-    if (!(time >= proof.obstacles().seenAt(object)) || !std::isfinite(time))
+  Observation observe(const std::string& object, const Obstacles::Sight& seen, double time,
+                      const Obstacles::Bound& bound) {
+    Obstacles& obstacles = proof.obstacles();
+    Obstacles::requireBound(object, bound);
+    if (!(time >= obstacles.seenAt(object, seen)) || !std::isfinite(time))
       return Observation::kLate;
-    if (vertices.size() != proof.obstacles().vertexCount(object)) return Observation::kInvalid;
-    const double jump = proof.obstacles().jump(object, vertices, time);
+    const double jump = obstacles.jump(object, seen, time);
     if (std::isnan(jump)) return Observation::kInvalid;
-    const bool widens = proof.obstacles().widens(object, speed_bound);
+    const bool widens = obstacles.widens(object, seen, bound);
     try {
-      proof.obstacles().set(object, vertices, time, speed_bound);
+      obstacles.set(object, seen, time, bound);
     } catch (const std::invalid_argument&) {  // a coordinate that is too large
       return Observation::kInvalid;
     }
@@ -522,7 +520,12 @@ const GuardAnswer& Guard::check(const GuardRequest& request) noexcept {
 
 Observation Guard::setVertices(const std::string& object, std::span<const Eigen::Vector3d> vertices,
                                double time, double speed_bound) {
-  return impl_->setVertices(object, vertices, time, speed_bound);
+  return impl_->observe(object, vertices, time, {speed_bound});
+}
+
+Observation Guard::setPose(const std::string& object, const robots::Pose& X_WO, double time,
+                           double speed_bound, double turn_bound) {
+  return impl_->observe(object, X_WO, time, {speed_bound, turn_bound});
 }
 
 void Guard::look(double time) {

@@ -18,6 +18,7 @@
 #include "planner/problem/other_formats.h"
 #include "planner/problem/read_deforming.h"
 #include "planner/problem/read_meshes.h"
+#include "planner/problem/read_motion.h"
 #include "planner/problem/read_objective.h"
 #include "planner/problem/read_poses.h"
 #include "planner/problem/read_settings.h"
@@ -280,8 +281,13 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
     object.X_WO = readPose(map, problem.warnings);
   });
   Attachment attachment;
-  const auto attach = map.find("attach");
+  const auto attach = map.find("attach"), moving = map.find("moving");
   const bool is_held = attach && !problem.robot.model->links.empty() && attach->readOn([&] {
+    if (moving)
+      moving->fail(
+          fmt::format("key 'moving' stands beside 'attach', with whose link '{}' moves; "
+                      "one of them is expected",
+                      name.text()));
     attachment = readAttachment(*attach, *problem.robot.model);
   });
   if (!is_held) {
@@ -660,6 +666,8 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
     section("frames", [&](const YamlReader& frames) { readFrames(frames, problem); });
     section("execution", [&](const YamlReader& execution) { readExecution(execution, problem); });
   }
+  // Their poses are those at the start of the execution.
+  section("objects", [&](const YamlReader& objects) { readObjectMotions(objects, problem); });
   section("deforming", [&](const YamlReader& deforming) {
     deforming.eachItem([&](const YamlReader& entry) {
       robots::throwIfStopped(options.load.stop, "deforming obstacles were read");

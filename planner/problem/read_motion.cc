@@ -2,10 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "planner/problem/read_shapes.h"
+#include "planner/validate/checks.h"
 #include "planner/validate/format_keys.h"
 #include "robots/base/read_file.h"
 
@@ -261,6 +267,95 @@ std::shared_ptr<const VertexMotion> readMotion(const YamlReader& motion,
   } catch (const collision::InvalidMotion& error) {
     value.fail(fmt::format("{}: {}", value.where(), error.what()));
   }
+}
+
+// ------------------------------------------------------------------------------------------------
+// objects that move
+
+namespace {
+
+using collision::PoseMotion;
+
+/// Refuses keys of `map` that say what `key` says otherwise.
+void expectAlone(const YamlReader& map, std::string_view key,
+                 std::initializer_list<std::string_view> others) {
+  for (const std::string_view other : others)
+    if (const auto found = map.find(std::string(other)))
+      found->fail(fmt::format("key '{}' stands beside '{}'; one of them is expected", other, key));
+}
+
+std::shared_ptr<const PoseMotion> readKeys(const YamlReader& list,
+                                           std::vector<std::string>& warnings) {
+  std::vector<PoseMotion::Key> keys;
+  for (const YamlReader& item : list.items()) {
+    item.expectKeys(keysOf("moving_key"));
+    keys.push_back({item.at("time", "a time in s").number(), readPose(item, warnings)});
+  }
+  return PoseMotion::keys(std::move(keys));
+}
+
+/// The bound under `key`, which an object that was only seen must have.
+double readBound(const YamlReader& moving, std::string_view key, const char* unit, bool has_poses) {
+  if (const auto bound = moving.find(std::string(key))) return bound->sizeNumber();
+  if (!has_poses)
+    moving.fail(
+        fmt::format("{} has no '{}', and neither 'keys' nor 'velocity'; a bound in {} is expected, "
+                    "because what is not known is not safe",
+                    moving.where(), key, unit));
+  return std::numeric_limits<double>::infinity();
+}
+
+void readObjectMotion(const YamlReader& map, const YamlReader& moving, Object& object,
+                      Problem& problem) {
+  moving.expectKeys(keysOf("moving"));
+  ObjectMotion motion;
+  const auto keys = moving.find("keys"), velocity = moving.find("velocity"),
+             turning = moving.find("turning"), age = moving.find("age");
+  try {
+    if (keys) {
+      expectAlone(moving, "keys", {"velocity", "turning", "time", "age"});
+      expectAlone(map, "moving.keys", {"position", "orientation", "rpy"});
+      motion.poses = readKeys(*keys, problem.warnings);
+    } else if (velocity || turning) {
+      expectAlone(moving, velocity ? "velocity" : "turning", {"age"});
+      const Eigen::Vector3d still = Eigen::Vector3d::Zero();
+      motion.poses = PoseMotion::steady({optionalNumber(moving, "time", 0), object.X_WO},
+                                        velocity ? velocity->vector3() : still,
+                                        turning ? turning->vector3() : still);
+    } else {
+      if (const auto time = moving.find("time"))
+        time->fail(fmt::format(
+            "key 'time' stands without 'velocity' or 'turning'; 'age' is expected, of a pose that "
+            "was seen"));
+      if (age) motion.age = age->sizeNumber();
+    }
+  } catch (const collision::InvalidMotion& error) {
+    (keys ? *keys : moving).fail(fmt::format("{}: {}", moving.where(), error.what()));
+  }
+  motion.speed_bound = readBound(moving, "speed_bound", "m/s", motion.poses != nullptr);
+  motion.turn_bound = readBound(moving, "turn_bound", "rad/s", motion.poses != nullptr);
+  try {
+    object = movingObject(object, motion, problem.execution.start);
+  } catch (const std::invalid_argument& error) {
+    moving.fail(fmt::format("{}: {}", moving.where(), error.what()));
+  }
+  if (const auto fault = speedBoundFault(object, problem.execution))
+    moving.fail(fmt::format("{}: the speed bound {}", moving.where(), *fault));
+}
+
+}  // namespace
+
+void readObjectMotions(const YamlReader& objects, Problem& problem) {
+  std::vector<Object>& all = problem.world.objects;
+  objects.eachItem([&](const YamlReader& map) {
+    const auto name = map.find("name"), moving = map.find("moving");
+    if (!name || !moving) return;
+    const auto object = std::find_if(all.begin(), all.end(),
+                                     [&](const Object& o) { return o.name == name->text(); });
+    // One that could not be read has no shapes; its fault is known.
+    if (object != all.end() && (!object->geometries.empty() || object->cloud))
+      readObjectMotion(map, *moving, *object, problem);
+  });
 }
 
 }  // namespace leeway::planner

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "leeway/collision/vertex_motion.h"
+#include "leeway/planner/problem.h"
 #include "planner/yaml/yaml_reader.h"
 #include "robots/mesh/mesh_import.h"
 
@@ -22,7 +23,11 @@ std::shared_ptr<const collision::VertexMotion> readMotion(const YamlReader& moti
                                                           const robots::IndexedMesh& rest,
                                                           std::vector<std::string>& warnings);
 
-/// Reads `skinned:`, bones that carry the vertices (read_skinning.cc).
+/// Reads `moving:` of all in `objects:`, which the world already has. They then
+/// stand where they are at the start of the execution.
+void readObjectMotions(const YamlReader& objects, Problem& problem);
+
+/// `skinned:`, bones that carry the vertices (read_skinning.cc).
 std::shared_ptr<const collision::VertexMotion> readSkinned(const YamlReader& skinned,
                                                            const std::vector<Eigen::Vector3d>& rest,
                                                            std::vector<std::string>& warnings);

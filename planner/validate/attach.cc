@@ -57,6 +57,9 @@ Problem attached(const Problem& problem, const std::string& object, const std::s
     for (const Object& o : result.world.objects) known.push_back(o.name);
     throw std::invalid_argument("no object '" + object + "' to attach" + didYouMean(object, known));
   }
+  if (found->motion)
+    throw std::invalid_argument("object '" + object +
+                                "' has a motion: only objects that stand still can be attached");
   if (found->cloud)
     throw std::invalid_argument("object '" + object +
                                 "' is a point cloud: only objects with shapes can be attached");

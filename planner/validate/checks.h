@@ -88,6 +88,19 @@ std::string cropFault(const Object& object, double most_margin);
 /// own motion may reach during the execution.
 std::optional<std::string> speedBoundFault(const DeformingObstacle& obstacle,
                                            const Execution& execution);
+std::optional<std::string> speedBoundFault(const Object& object, const Execution& execution);
+
+/// Whether the object's cloud was cropped or carved for the place where it stands.
+bool isFitted(const Object& object);
+/// A bound on how far points of an object are from its frame's origin [m]; infinite with a
+/// half-space.
+double extentOf(const Object& object);
+/// A bound on the speed of an object's points, from one on its origin's speed [m/s] and one on its
+/// turning [rad/s]; infinite where one is NaN.
+double pointSpeed(double speed, double turning, double extent);
+/// Returns the fault of an object's motion, behind its name: "moves and ..."; empty: nothing, or it
+/// stands still. `start`: Execution::start [s].
+std::string motionFault(const Object& object, double start);
 
 /// Throws robots::InputError if the model, the planned variables, the start or the attached objects
 /// are invalid. Poses and contacts are looked up in these.

@@ -25,7 +25,10 @@ constexpr Keys kShape[] = {"name",       "position", "orientation", "rpy",      
 constexpr Keys kObject[] = {"name",         "position",  "orientation", "rpy",      "shapes",
                             "attach",       "box",       "sphere",      "cylinder", "capsule",
                             "cone",         "ellipsoid", "half_space",  "mesh",     "convex_hull",
-                            "height_field", "cloud",     "octree"};
+                            "height_field", "cloud",     "octree",      "moving"};
+constexpr Keys kMoving[] = {"keys",        "velocity",   "turning", "time",
+                            "speed_bound", "turn_bound", "age"};
+constexpr Keys kMovingKey[] = {"time", "position", "orientation", "rpy"};
 constexpr Keys kOctree[] = {"file", "unseen"};
 constexpr Keys kCloud[] = {"file",         "camera", "radius", "unseen",    "carve",
                            "carve_margin", "crop",   "thin",   "most_balls"};
@@ -92,6 +95,8 @@ const std::array kFormats = {MapFormat{"mesh_treatment", kMeshTreatment},
                              MapFormat{"joint_bounds", kJointBounds},
                              MapFormat{"shape", kShape},
                              MapFormat{"object", kObject},
+                             MapFormat{"moving", kMoving},
+                             MapFormat{"moving_key", kMovingKey},
                              MapFormat{"cloud", kCloud},
                              MapFormat{"camera", kCamera},
                              MapFormat{"octree", kOctree},

@@ -61,7 +61,12 @@ std::vector<std::string> namesOnRobot(const Problem& problem) {
 Pose referencePose(const Problem& problem, const std::string& name) {
   if (name.empty()) return Pose();
   for (const Object& object : problem.world.objects)
-    if (object.name == name) return object.X_WO;
+    if (object.name == name) {
+      if (object.motion)
+        refuse(fmt::format("'{}' has a motion; something at rest to be relative to is expected",
+                           name));
+      return object.X_WO;
+    }
   for (const DeformingObstacle& obstacle : problem.world.deforming)
     if (obstacle.object.name == name) return obstacle.object.X_WO;
   Place place;

@@ -141,4 +141,18 @@ std::optional<std::string> speedBoundFault(const DeformingObstacle& obstacle,
                      obstacle.speed_bound, most);
 }
 
+std::optional<std::string> speedBoundFault(const Object& object, const Execution& execution) {
+  const ObjectMotion* motion = object.motion.get();
+  if (motion == nullptr || !motion->poses) return std::nullopt;
+  const double extent = extentOf(object);
+  const double bound = pointSpeed(motion->speed_bound, motion->turn_bound, extent);
+  const double most =
+      motion->poses->speedBound(execution.start, execution.start + execution.duration, extent);
+  if (bound >= most) return std::nullopt;
+  return fmt::format(
+      "and that of its turning bound its points to {} m/s, and the motion may reach {} m/s; at "
+      "least that is expected",
+      bound, most);
+}
+
 }  // namespace leeway::planner

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/base/greatest.h"
 #include "collision/base/numbers.h"
 #include "collision/base/pose_check.h"
 #include "planner/base/tolerances.h"
@@ -163,6 +164,68 @@ std::string objectFault(const Object& object) {
     if (const std::string fault = cloudFault(*object.cloud); !fault.empty())
       return fmt::format("cloud '{}': {}", object.name, fault);
   return {};
+}
+
+bool isFitted(const Object& object) {
+  return object.cloud != nullptr &&
+         std::any_of(object.cloud->filters.begin(), object.cloud->filters.end(),
+                     [](const CloudFilter& f) { return f.name == "crop" || f.name == "carve"; });
+}
+
+double extentOf(const Object& object) {
+  double extent = 0;
+  const auto add = [&](const Eigen::Vector3d& center, double radius) {
+    extent = collision::greatest(extent, center.norm() + radius);
+  };
+  for (const robots::Geometry& g : object.geometries)
+    add(g.X_BG * g.shape.boundingCenter(), g.shape.boundingRadius());
+  if (object.cloud)
+    for (const PointCloud::Ball& ball : object.cloud->balls) add(ball.center, ball.radius);
+  return extent * (1 + kGrowthRounding);
+}
+
+double pointSpeed(double speed, double turning, double extent) {
+  const double most = speed + (turning == 0 ? 0 : turning * extent);
+  return most >= 0 ? most * (1 + kGrowthRounding) : kInfinity;
+}
+
+std::string motionFault(const Object& object, double start) {
+  if (!object.motion) return {};
+  const ObjectMotion& motion = *object.motion;
+  if (object.geometries.empty() && (!object.cloud || object.cloud->balls.empty()))
+    return "moves and has no shape; at least one is expected";
+  if (!(extentOf(object) < kInfinity))
+    return "moves and has a half-space; shapes of bounded size are expected";
+  if (isFitted(object))
+    return "moves, and its cloud was cropped or carved for one place; a whole cloud is expected";
+  if (!(motion.speed_bound >= 0))
+    return fmt::format("has the speed bound {}; at least 0 m/s is expected", motion.speed_bound);
+  if (!(motion.turn_bound >= 0))
+    return fmt::format("has the turning bound {}; at least 0 rad/s is expected", motion.turn_bound);
+  if (!(motion.age >= 0 && std::isfinite(motion.age)))
+    return fmt::format("was seen {} s before the start; a finite age from 0 s on is expected",
+                       motion.age);
+  if (!motion.poses) return {};
+  if (motion.age != 0)
+    return fmt::format("has an age, {} s, beside its poses at all times; 0 s is expected",
+                       motion.age);
+  const robots::Pose X_WO = motion.poses->pose(start);
+  if (object.X_WO.translation != X_WO.translation || object.X_WO.rotation != X_WO.rotation)
+    return fmt::format(
+        "does not stand where its motion has it at {} s, when execution starts; see movingObject()",
+        start);
+  return {};
+}
+
+Object movingObject(Object object, const ObjectMotion& motion, double time) {
+  object.motion = std::make_shared<const ObjectMotion>(motion);
+  if (motion.poses) object.X_WO = motion.poses->pose(time);
+  std::string fault = objectFault(object);
+  if (fault.empty())
+    if (const std::string of_motion = motionFault(object, time); !of_motion.empty())
+      fault = fmt::format("object '{}' {}", object.name, of_motion);
+  if (!fault.empty()) throw std::invalid_argument(fault);
+  return object;
 }
 
 double mostMargin(const Problem& problem) {

@@ -126,8 +126,16 @@ void checkWorld(const Problem& problem) {
     requireObject(problem, object);
     if (const std::string fault = cropFault(object, most_margin); !fault.empty())
       refuse(problem, fault);
+    if (const std::string fault = motionFault(object, problem.execution.start); !fault.empty())
+      refuse(problem, fmt::format("object '{}' {}", object.name, fault));
   }
-  for (const Attachment& held : problem.robot.attachments) requireObject(problem, held.object);
+  for (const Attachment& held : problem.robot.attachments) {
+    requireObject(problem, held.object);
+    if (held.object.motion)
+      refuse(problem, fmt::format("object '{}' is held and has a motion; one that moves with its "
+                                  "link only is expected",
+                                  held.object.name));
+  }
   for (const DeformingObstacle& obstacle : problem.world.deforming) {
     requireObject(problem, obstacle.object);
     if (const std::string fault = deformingFault(obstacle, problem.execution); !fault.empty())

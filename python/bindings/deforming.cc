@@ -352,16 +352,16 @@ std::shared_ptr<const VertexMotion> motionOf(const py::object& motion) {
   return motion.cast<const Motion&>().value;
 }
 
-double speedBoundOf(const py::object& value) {
+double speedBoundOf(const py::object& value, const char* name) {
   if (value.is_none()) return std::numeric_limits<double>::infinity();
   const double bound = PyFloat_AsDouble(value.ptr());
   if (PyErr_Occurred() != nullptr) {
     PyErr_Clear();
-    throw py::type_error(std::string("speed_bound is of type ") + Py_TYPE(value.ptr())->tp_name +
+    throw py::type_error(std::string(name) + " is of type " + Py_TYPE(value.ptr())->tp_name +
                          "; a number or None is expected");
   }
   if (!(bound >= 0))
-    throw py::value_error("speed_bound is " + text(bound) + "; at least 0 is expected");
+    throw py::value_error(std::string(name) + " is " + text(bound) + "; at least 0 is expected");
   return bound;
 }
 

@@ -17,8 +17,8 @@ std::shared_ptr<const collision::DeformableMesh> deformableMesh(const py::object
                                                                 const py::object& triangles);
 /// Null for None.
 std::shared_ptr<const collision::VertexMotion> motionOf(const py::object& motion);
-/// A bound on a speed [m/s]; infinite for None.
-double speedBoundOf(const py::object& value);
+/// A bound on a speed [m/s or rad/s]; infinite for None.
+double speedBoundOf(const py::object& value, const char* name = "speed_bound");
 collision::DeformStrategy strategyOf(const py::object& word);
 
 void defineDeforming(py::module_& module);

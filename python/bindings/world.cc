@@ -93,11 +93,74 @@ void move(World& world, const std::string& name, const py::object& position,
           const py::object& orientation, const py::object& rpy) {
   const collision::Pose X_WO = pose(position, orientation, rpy);
   if (!world.has(name)) unknown(name);
+  for (const Object& object : world.value.objects)
+    if (object.name == name && object.motion && object.motion->poses)
+      throw py::value_error("'" + name +
+                            "' stands where its motion has it; set_motion() is expected");
   planner::World& changed = world.change();
   for (Object& object : changed.objects)
     if (object.name == name) object.X_WO = X_WO;
   for (DeformingObstacle& obstacle : changed.deforming)
     if (obstacle.object.name == name) obstacle.object.X_WO = X_WO;
+}
+
+/// The poses of set_motion()'s arguments; null: it was only seen.
+std::shared_ptr<const collision::PoseMotion> posesOf(const Object& object, const py::object& times,
+                                                     const py::object& poses,
+                                                     const py::object& velocity,
+                                                     const py::object& turning,
+                                                     const py::object& time) {
+  const bool is_steady = !velocity.is_none() || !turning.is_none();
+  if (times.is_none() != poses.is_none())
+    throw py::value_error(std::string(times.is_none() ? "poses" : "times") +
+                          " stand alone; times and poses are expected");
+  if (!times.is_none()) {
+    if (is_steady || !time.is_none())
+      throw py::value_error(
+          "times and poses stand beside velocity, turning or time; one of them is expected");
+    const Rows at = scalars(times, "times");
+    if (!py::isinstance<py::sequence>(poses) && !py::hasattr(poses, "__getitem__"))
+      throw py::type_error("poses is no list; a pose for each time is expected");
+    std::vector<collision::PoseMotion::Key> keys;
+    for (const py::handle each : py::reinterpret_borrow<py::object>(poses)) {
+      if (keys.size() == at.values.size()) break;
+      keys.push_back({at.values[keys.size()], pose(each, "poses")});
+    }
+    if (keys.size() != at.values.size() || py::len(poses) != keys.size())
+      throw py::value_error("times and poses differ in number; a pose for each time is expected");
+    return collision::PoseMotion::keys(std::move(keys));
+  }
+  if (!is_steady) {
+    if (!time.is_none())
+      throw py::value_error(
+          "time stands without velocity or turning; age is expected, of a pose that was seen");
+    return nullptr;
+  }
+  const Eigen::Vector3d still = Eigen::Vector3d::Zero();
+  return collision::PoseMotion::steady({time.is_none() ? 0 : number(time, "time"), object.X_WO},
+                                       velocity.is_none() ? still : vector3(velocity, "velocity"),
+                                       turning.is_none() ? still : vector3(turning, "turning"));
+}
+
+void setMotion(World& world, const std::string& name, const py::object& times,
+               const py::object& poses, const py::object& velocity, const py::object& turning,
+               const py::object& time, const py::object& speed_bound, const py::object& turn_bound,
+               const py::object& age, const py::object& start) {
+  const auto named = [&](const Object& object) { return object.name == name; };
+  const auto& objects = world.value.objects;
+  const auto found = std::find_if(objects.begin(), objects.end(), named);
+  if (found == objects.end()) {
+    if (!world.has(name)) unknown(name);
+    throw py::value_error("'" + name + "' deforms; a rigid object is expected");
+  }
+  planner::ObjectMotion motion;
+  motion.poses = posesOf(*found, times, poses, velocity, turning, time);
+  motion.speed_bound = speedBoundOf(speed_bound);
+  motion.turn_bound = speedBoundOf(turn_bound, "turn_bound");
+  motion.age = number(age, "age");
+  Object moving = planner::movingObject(*found, motion, number(start, "start"));
+  for (Object& object : world.change().objects)
+    if (named(object)) object = moving;
 }
 
 collision::Pose poseOf(const World& world, const std::string& name) {
@@ -430,6 +493,21 @@ void defineWorld(py::module_& module) {
   define(world, "move", "(self, name" + kPlace, std::string("Places an object anew.") + kPlaceDoc,
          move, py::arg("name"), py::arg("position") = py::make_tuple(0, 0, 0),
          py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
+  define(
+      world, "set_motion",
+      "(self, name, *, times=None, poses=None, velocity=None, turning=None, time=None, "
+      "speed_bound=None, turn_bound=None, age=0.0, start=0.0)",
+      "Says how an object moves, for Replanner and Guard; plans see it as it is at `start`, which "
+      "is the setting start_time [s]. Through `poses` at `times` [s], straight and by the shorter "
+      "turn between them; or from its pose at `time` (default 0) at a constant `velocity` [m/s] "
+      "and `turning` (3,) [rad/s] in the world; or without these it was only seen at its pose, "
+      "`age` [s] before `start`. `speed_bound` [m/s] of its origin and `turn_bound` [rad/s] hold "
+      "where its motion is not known.",
+      setMotion, py::arg("name"), py::kw_only(), py::arg("times") = py::none(),
+      py::arg("poses") = py::none(), py::arg("velocity") = py::none(),
+      py::arg("turning") = py::none(), py::arg("time") = py::none(),
+      py::arg("speed_bound") = py::none(), py::arg("turn_bound") = py::none(), py::arg("age") = 0.0,
+      py::arg("start") = 0.0);
   define(world, "remove", "(self, name)", "Removes an object. KeyError where there is none.",
          remove, py::arg("name"));
   define(

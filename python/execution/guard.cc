@@ -111,6 +111,17 @@ const char* setVerticesOf(Guarding& self, const std::string& object, const py::o
       released([&] { return self.guard->setVertices(object, given, when, speed_bound); }));
 }
 
+const char* setPoseOf(Guarding& self, const std::string& object, const py::object& given,
+                      const py::object& time, const py::object& bound,
+                      const py::object& turn_bound) {
+  const Busy busy(self.busy, kBusyGuard);
+  const collision::Pose X_WO = pose(given, "pose");
+  const double when = number(time, "time"), speed = speedBoundOf(bound);
+  const double turning = speedBoundOf(turn_bound, "turn_bound");
+  return planner::toString(
+      released([&] { return self.guard->setPose(object, X_WO, when, speed, turning); }));
+}
+
 void lookAt(Guarding& self, const py::object& time) {
   const Busy busy(self.busy, kBusyGuard);
   const double when = time.is_none() ? self.guard->nextTime() : number(time, "time");
@@ -227,6 +238,14 @@ void defineGuard(py::module_& module) {
          "Counts from the next look() on.",
          setVerticesOf, py::arg("name"), py::arg("vertices"), py::arg("time"),
          py::arg("speed_bound") = py::none());
+  define(
+      guard, "set_pose", "(self, name, pose, time, speed_bound=None, turn_bound=None)",
+      "The pose of an object with a motion (World.set_motion()) as seen at `time` [s]: x y z, or "
+      "with a quaternion x y z w behind it, or (4, 4). From then on its origin is not faster than "
+      "`speed_bound` [m/s], and it turns by at most `turn_bound` [rad/s]. The rest as for "
+      "set_vertices().",
+      setPoseOf, py::arg("name"), py::arg("pose"), py::arg("time"),
+      py::arg("speed_bound") = py::none(), py::arg("turn_bound") = py::none());
   define(guard, "look", "(self, time=None)",
          "Bounds where obstacles can be from `time` on (default: next_time) [s].", lookAt,
          py::arg("time") = py::none());

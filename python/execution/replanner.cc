@@ -82,6 +82,15 @@ void setVertices(Execution& self, const std::string& object, const py::object& v
   released([&] { self.replanner->setVertices(object, given, when, speed_bound); });
 }
 
+void setPose(Execution& self, const std::string& object, const py::object& given,
+             const py::object& time, const py::object& bound, const py::object& turn_bound) {
+  const Busy busy(self.busy, kBusyReplanner);
+  const collision::Pose X_WO = pose(given, "pose");
+  const double speed = speedBoundOf(bound), turning = speedBoundOf(turn_bound, "turn_bound");
+  const double when = time.is_none() ? self.replanner->time() : number(time, "time");
+  released([&] { self.replanner->setPose(object, X_WO, when, speed, turning); });
+}
+
 void setState(Execution& self, const py::object& state) {
   const Busy busy(self.busy, kBusyReplanner);
   self.replanner->setState(numbers(state, "state", self.size()));
@@ -234,7 +243,7 @@ void defineReplanner(py::module_& module) {
   py::class_<Execution> execution(
       module, "Replanner",
       withSignature("Replanner", init,
-                    "Executes a problem among deforming obstacles, step by step; also "
+                    "Executes a problem among obstacles that move, step by step; also "
                     "Replanner(problem, **settings). Each step is proven against all that the "
                     "obstacles can do in it. For one thread at a time.")
           .c_str());
@@ -248,6 +257,14 @@ void defineReplanner(py::module_& module) {
          "faster than `speed_bound` [m/s] from then on. Replaces its motion for good.",
          setVertices, py::arg("name"), py::arg("vertices"), py::arg("time") = py::none(),
          py::arg("speed_bound") = py::none());
+  define(
+      execution, "set_pose", "(self, name, pose, time=None, speed_bound=None, turn_bound=None)",
+      "The pose of an object with a motion (World.set_motion()) as seen at `time` (default: now) "
+      "[s]: x y z, or with a quaternion x y z w behind it, or (4, 4). From then on its origin is "
+      "not faster than `speed_bound` [m/s], and it turns by at most `turn_bound` [rad/s]. "
+      "Replaces its motion for good.",
+      setPose, py::arg("name"), py::arg("pose"), py::arg("time") = py::none(),
+      py::arg("speed_bound") = py::none(), py::arg("turn_bound") = py::none());
   defineProperty(
       execution, "state", "The robot's state now: (joints,); set it to where the robot truly is.",
       reading([](Execution& self) { return constant(array(self.replanner->state())); }), setState);

@@ -39,6 +39,7 @@ using namespace leeway;
 extern std::shared_ptr<const robots::Model> robot;
 extern planner::Problem problem;
 extern planner::Path path;
+extern planner::Object cart;
 extern std::vector<double> q, dq;              // a configuration, and the difference to another
 extern std::vector<double> start, goal;        // points of the planned group
 extern std::vector<double> rates, max_rates;   // joints' rates now [rad/s or m/s], and their limits

@@ -320,6 +320,50 @@ def test_a_guard_follows_vertices_from_numpy(robot):
         guard.set_vertices("curtain", sheet, 0.4)
 
 
+def test_a_guard_and_a_replanner_follow_objects_that_move(robot):
+    world = leeway.World()
+    world.add_box("cart", (0.2, 0.2, 0.2), position=(0.9, 0, 0.1))
+    world.set_motion("cart", speed_bound=0.1, turn_bound=0.1)
+    assert "cart" in world and world.pose("cart")[0, 3] == 0.9
+    guard = leeway.Guard(robot, world, "ready")
+    still = np.tile(robot.state("ready"), (5, 1))
+    assert guard.check(still)
+    assert guard.set_pose("cart", (0.9, 0, 0.1), 0.1, speed_bound=0.1, turn_bound=0) == "taken"
+    guard.look(0.1)
+    assert guard.check(still, time=0.1)
+    assert guard.set_pose("cart", (0.9, 0, 0.4, 0, 0, 0, 1), 0.2, speed_bound=0.1, turn_bound=0) == "jumped"
+    assert guard.set_pose("cart", (0.9, 0, 0.4), 0.1, speed_bound=0.1, turn_bound=0) == "late"
+    assert guard.set_pose("cart", (0.9, 0, 0.4), 0.3, speed_bound=0.1) == "taken"  # how it turns is not known
+    guard.look(0.3)
+    assert guard.check(still, time=0.3).passed == 0
+    with pytest.raises(ValueError):
+        guard.set_pose("car", (0.9, 0, 0.1), 0.4)
+    with pytest.raises(ValueError):
+        guard.set_vertices("cart", np.eye(3), 0.4)
+    replanner = leeway.Replanner(robot, world, "ready", turned(robot, 0.8), margin=0.01)
+    height = 0.1
+    while not replanner.reached:
+        replanner.set_pose("cart", (0.9, 0, height), speed_bound=0.1, turn_bound=0.1)
+        height += 0.002
+        assert replanner.step().certified
+    world.set_motion("cart", times=[0, 2], poses=[(0.9, 0, 0.1), (0.9, 0.5, 0.1)], start=1)
+    assert world.pose("cart")[1, 3] == pytest.approx(0.25)
+    assert leeway.Replanner(robot, world, "ready", turned(robot, 0.8), margin=0.01, start_time=1).step().certified
+    with pytest.raises(ValueError, match="does not stand where"):
+        leeway.Guard(robot, world, "ready")
+    with pytest.raises(ValueError, match="set_motion"):
+        world.move("cart", (1, 0, 0))
+    world.set_motion("cart", velocity=(0, 0.1, 0), turning=(0, 0, 1), start=1)
+    assert world.pose("cart")[1, 3] == pytest.approx(0.35)
+    for wrong in (dict(times=[0]), dict(poses=[(0, 0, 0)]), dict(times=[0, 1], poses=[(0, 0, 0)]), dict(times=[0], poses=[(0, 0, 0)], velocity=(0, 0, 1)),
+                  dict(time=1), dict(velocity=(0, 0, 1), age=1), dict(speed_bound=-1), dict(turn_bound=-1), dict(age=-1), dict(velocity=(0, 1)),
+                  dict(times=[1, 1], poses=[(0, 0, 0), (0, 0, 1)])):
+        with pytest.raises(ValueError):
+            world.set_motion("cart", **wrong)
+    with pytest.raises(KeyError):
+        world.set_motion("nothing", velocity=(0, 0, 1))
+
+
 def test_a_monitor_is_safe_and_looks_at_little(robot, world):
     scene = leeway.Scene(robot, world, margin=0.01)
     monitor = leeway.Monitor(scene, accelerations=[10] * 7)

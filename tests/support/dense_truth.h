@@ -18,8 +18,8 @@
 /// hull of its corners, against every shape of the robot, at many instants.
 namespace leeway::planner::test {
 
-/// Minimum distance between the robot at `point` and deforming obstacles, at `time` [m], if below
-/// `enough`. Skips pairs in Contacts::allowed.
+/// Minimum distance between the robot at `point` and the obstacles that move, at `time` [m], if
+/// below `enough`. Skips pairs in Contacts::allowed.
 inline double bruteClearance(const Problem& problem, std::span<const double> point, double time,
                              double enough) {
   std::vector<double> q = problem.start;
@@ -29,6 +29,16 @@ inline double bruteClearance(const Problem& problem, std::span<const double> poi
   robots::forwardKinematics(*problem.robot.model, q, X_WL);
   collision::Scratch scratch;
   double least = enough;
+  for (const Object& object : problem.world.objects) {
+    if (!object.motion) continue;
+    const robots::Pose X_WO = object.motion->poses ? object.motion->poses->pose(time) : object.X_WO;
+    for (const robots::Geometry& of : object.geometries)
+      for (std::size_t l = 0; l < X_WL.size(); ++l)
+        for (const robots::Geometry& g : problem.robot.model->links[l].geometries)
+          least = std::min(least, collision::distance(g.shape, X_WL[l] * g.X_BG, of.shape,
+                                                      X_WO * of.X_BG, {}, scratch)
+                                      .distance.upper);
+  }
   for (const DeformingObstacle& obstacle : problem.world.deforming) {
     std::vector<Eigen::Vector3d> vertices(static_cast<std::size_t>(obstacle.mesh->vertexCount()));
     obstacle.motion->evaluate(time, vertices);
@@ -65,7 +75,7 @@ inline double bruteClearance(const Problem& problem, std::span<const double> poi
   return least;
 }
 
-/// Clearance of an executed trajectory from deforming obstacles, sampled every `step` [s].
+/// Clearance of an executed trajectory from the obstacles that move, sampled every `step` [s].
 inline double denseClearance(const Problem& problem, std::span<const TimedPoint> trajectory,
                              double step, double enough) {
   const ConfigurationSpace space(problem.robot.model, problem.robot.variables);

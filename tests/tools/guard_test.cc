@@ -215,6 +215,48 @@ TEST_F(GuardVerb, FollowsObstaclesThatDeform) {
   EXPECT_EQ(lines[7]["observation"], "late");
 }
 
+TEST_F(GuardVerb, FollowsObjectsThatMove) {
+  std::string cart = kSheet;
+  const std::size_t at = cart.find("deforming:");
+  ASSERT_NE(at, std::string::npos);
+  cart = cart.substr(0, at) +
+         "allowed: [[base, cart]]\nobjects:\n  - name: cart\n    position: [0.85, 0, 0]\n"
+         "    box: {size: [0.2, 0.2, 0.2]}\n    moving: {speed_bound: 0.1, turn_bound: 0.1}\n";
+  write("cart.yaml", cart);
+  const std::string still = "[[-1,0],[-1,0],[-1,0]]\n";
+  const auto observe = [](double x, double time, json more = {}) {
+    json seen = {{"object", "cart"}, {"position", {0.85 + x, 0, 0}}, {"orientation", {0, 0, 0, 1}},
+                 {"time", time},     {"speed_bound", 0.1},           {"turn_bound", 0.1}};
+    if (more.is_object()) seen.update(more);
+    return json({{"observe", seen}}).dump() + "\n";
+  };
+  const Answer answer =
+      guard("cart.yaml", still + observe(0.01, 0.1) + still + observe(0.5, 0.1) + still +
+                             observe(0.5, 0.2) + still + observe(0.5, 0.1));
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const std::vector<json> lines = answer.lines();
+  ASSERT_EQ(lines.size(), 8u);
+  EXPECT_EQ(lines[0]["passed"], 3);
+  EXPECT_EQ(lines[1]["observation"], "taken");
+  EXPECT_EQ(lines[2]["passed"], 3);
+  EXPECT_EQ(lines[3]["observation"], "jumped");
+  EXPECT_EQ(lines[4]["reason"], "jumped");
+  EXPECT_EQ(lines[5]["observation"], "taken");
+  EXPECT_EQ(lines[6]["passed"], 3);
+  EXPECT_EQ(lines[7]["observation"], "late");
+  const auto wrong = [&](const json& more, const std::string& message) {
+    const Answer refused = guard("cart.yaml", observe(0.01, 0.1, more));
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_NE(refused.err.find(message), std::string::npos) << refused.err;
+  };
+  wrong({{"object", "cat"}}, "there is no object with a motion 'cat'; did you mean 'cart'?");
+  wrong({{"orientation", {0, 0, 0, 2}}}, "a unit quaternion x y z w is expected");
+  wrong({{"orientation", {0, 0, 1}}}, "a list of 4 numbers");
+  wrong({{"turn_bound", -1}}, "observe.turn_bound is -1");
+  wrong({{"speed_bound", -1}}, "observe.speed_bound is -1");
+  wrong({{"vertices", json::array()}}, "'vertices' is no key");
+}
+
 TEST_F(GuardVerb, HelpExplainsEveryKey) {
   write("sheet.yaml", kSheet);
   const Answer answer = guard("reach.yaml", towardsThePost(5) + "\n[[9,9]]\n");

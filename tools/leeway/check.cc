@@ -428,8 +428,9 @@ int runCheck(const CheckArguments& arguments) {
                {"states", list},
                {"not_checked", planner::uncheckedJson(unchecked)}});
   } else {
-    fmt::print("{}.\n", nothing_checked.empty() ? planner::toString(unchecked)
-                                                : "Nothing was checked: " + nothing_checked);
+    fmt::print("{}.\n", nothing_checked.empty()
+                            ? planner::toString(unchecked) + obstaclesText(problem)
+                            : "Nothing was checked: " + nothing_checked);
   }
   return all_valid ? kYes : kNo;
 }

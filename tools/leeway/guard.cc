@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -25,6 +26,8 @@ namespace leeway::tools {
 namespace {
 
 constexpr const char* kStandardInput = "standard input";
+/// An orientation's length may be this far from 1, as numbers with four digits are.
+constexpr double kUnitLength = 1e-3;
 /// Longer lines are refused [B].
 constexpr std::size_t kLongestLine = std::size_t{1} << 26U;
 
@@ -35,7 +38,9 @@ constexpr const char* kKeys =
                           of a first line with their names; more numbers: the setpoints after it
   [[...], [...]]          setpoints, one a period
   {...}                   keys: setpoints; position, velocity: of the robot, measured; time
-  {"observe": {...}}      keys: object, vertices, time, speed_bound: a deforming obstacle was seen
+  {"observe": {...}}      keys: object, vertices, time, speed_bound: a deforming obstacle was seen;
+                          object, position, orientation (x y z w), time, speed_bound, turn_bound:
+                          an object with a motion (`moving`) was seen
 Empty lines, and lines that begin with #, are left out. Without a time the robot has gone through
 what passed of the request before, and at least one period.
 JSON, a document a line (metres, radians, seconds; null: nothing, or nothing known):
@@ -72,7 +77,8 @@ struct Line {
   bool is_observation = false;
   std::string object;  ///< of an observation
   std::vector<Eigen::Vector3d> vertices;
-  double speed_bound = 0;
+  std::optional<collision::Pose> X_WO;  ///< in place of vertices
+  double speed_bound = 0, turn_bound = 0;
 };
 
 /// A fault of a line, in words.
@@ -222,8 +228,12 @@ class LineReader {
   }
 
   static Line observationOf(const Json& value) {
-    const std::vector<std::string> keys = {"object", "vertices", "time", "speed_bound"};
     if (!value.is_object()) throw LineFault{"observe is no object with keys"};
+    const bool is_pose = value.contains("position") || value.contains("orientation");
+    const std::vector<std::string> keys =
+        is_pose ? std::vector<std::string>{"object", "position",    "orientation",
+                                           "time",   "speed_bound", "turn_bound"}
+                : std::vector<std::string>{"object", "vertices", "time", "speed_bound"};
     expectKeys(value, keys);
     for (const std::string& key : keys)
       if (!value.contains(key)) throw LineFault{fmt::format("observe has no '{}'", key)};
@@ -231,12 +241,29 @@ class LineReader {
     Line line;
     line.is_observation = true;
     line.object = value["object"].get<std::string>();
+    line.time = number(value["time"], "observe.time");
+    line.speed_bound = number(value["speed_bound"], "observe.speed_bound");
+    if (is_pose) {
+      line.turn_bound = number(value["turn_bound"], "observe.turn_bound");
+      line.X_WO = poseOf(value);
+      return line;
+    }
     const std::vector<double> numbers = rowsOf(value["vertices"], 3, "observe.vertices");
     for (std::size_t i = 0; i < numbers.size(); i += 3)
       line.vertices.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
-    line.time = number(value["time"], "observe.time");
-    line.speed_bound = number(value["speed_bound"], "observe.speed_bound");
     return line;
+  }
+
+  static collision::Pose poseOf(const Json& value) {
+    const std::vector<double> p = rowOf(value["position"], 3, "observe.position");
+    const std::vector<double> q = rowOf(value["orientation"], 4, "observe.orientation");
+    const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
+    if (!(std::abs(turn.norm() - 1) <= kUnitLength))
+      throw LineFault{
+          fmt::format("observe.orientation has length {}; a unit quaternion x y z w is "
+                      "expected",
+                      turn.norm())};
+    return {turn.normalized().toRotationMatrix(), {p[0], p[1], p[2]}};
   }
 
   std::vector<std::string> names_;
@@ -302,6 +329,8 @@ class Session {
       : guard_(problem, options), reader_(problem), seed_(problem.seed) {
     for (const planner::DeformingObstacle& o : problem.world.deforming)
       objects_.push_back(o.object.name);
+    for (const planner::Object& o : problem.world.objects)
+      if (o.motion) rigid_.push_back(o.name);
   }
 
   void answer(const std::string& text) {
@@ -344,7 +373,7 @@ class Session {
  private:
   void check(const Line& line) {
     const double time = line.time.value_or(guard_.nextTime());
-    if (!objects_.empty() && std::isfinite(time)) {
+    if ((!objects_.empty() || !rigid_.empty()) && std::isfinite(time)) {
       try {
         guard_.look(time);
       } catch (const robots::InputError& error) {
@@ -358,20 +387,27 @@ class Session {
   }
 
   std::string observe(const Line& line) {
-    if (std::find(objects_.begin(), objects_.end(), line.object) == objects_.end())
-      throw LineFault{fmt::format("there is no deforming obstacle '{}'{}", line.object,
-                                  planner::didYouMean(line.object, objects_))};
+    const std::vector<std::string>& known = line.X_WO ? rigid_ : objects_;
+    if (std::find(known.begin(), known.end(), line.object) == known.end())
+      throw LineFault{fmt::format("there is no {} '{}'{}",
+                                  line.X_WO ? "object with a motion" : "deforming obstacle",
+                                  line.object, planner::didYouMean(line.object, known))};
     if (!(line.speed_bound >= 0))
       throw LineFault{
           fmt::format("observe.speed_bound is {}; at least 0 m/s is expected", line.speed_bound)};
+    if (!(line.turn_bound >= 0))
+      throw LineFault{
+          fmt::format("observe.turn_bound is {}; at least 0 rad/s is expected", line.turn_bound)};
     return planner::toString(
-        guard_.setVertices(line.object, line.vertices, *line.time, line.speed_bound));
+        line.X_WO
+            ? guard_.setPose(line.object, *line.X_WO, *line.time, line.speed_bound, line.turn_bound)
+            : guard_.setVertices(line.object, line.vertices, *line.time, line.speed_bound));
   }
 
   planner::Guard guard_;
   LineReader reader_;
   std::uint64_t seed_;
-  std::vector<std::string> objects_;
+  std::vector<std::string> objects_, rigid_;  // that deform; with a motion
   std::size_t number_ = 0;
   bool is_bad_ = false, is_certified_ = true;
 };

@@ -220,6 +220,14 @@ void warnOfProblem(const planner::Problem& problem, const std::string& file) {
                                  obstacle.object.name)});
     }
   }
+  for (const planner::Object& object : problem.world.objects) {
+    if (object.motion && !object.motion->poses) {
+      printWarnings({fmt::format(
+          "{}: object '{}' is seen only once, at the start: it may be anywhere that its bounds "
+          "allow",
+          file, object.name)});
+    }
+  }
   const planner::Execution& execution = problem.execution;
   if (!execution.accelerations.empty() || !execution.jerks.empty() ||
       execution.corners != planner::Corners::kStop) {
@@ -313,7 +321,7 @@ int runReplan(const ReplanArguments& arguments) {
 Verb addReplan(CLI::App& command) {
   auto arguments = std::make_shared<ReplanArguments>();
   CLI::App* app =
-      command.add_subcommand("replan", "execute a problem step by step while its obstacles deform");
+      command.add_subcommand("replan", "execute a problem step by step while its obstacles move");
   addProblemArguments(*app, arguments->source);
   addPlanOverrides(*app, arguments->overrides);
   app->add_option("--steps", arguments->steps, "at most so many steps; 0: until it ends")

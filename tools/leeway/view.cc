@@ -13,6 +13,7 @@
 #include "tools/leeway/support/path_ends.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
+#include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
 #include "tools/leeway/view/page.h"
@@ -32,8 +33,7 @@ struct ViewArguments {
 /// The subject if no path is given: a plan, or an execution if obstacles move.
 view::Subject solve(const planner::Problem& problem, const ViewArguments& arguments) {
   const std::string& name = arguments.source.problem;
-  for (const planner::DeformingObstacle& obstacle : problem.world.deforming) {
-    if (!obstacle.motion) continue;
+  if (movesAsKnown(problem)) {
     std::vector<planner::ReplanStep> steps;
     planner::ReplanOptions options;
     options.stop = interactivePlanOptions().stop;

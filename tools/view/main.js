@@ -35,6 +35,7 @@ class App {
     this.selected = -1;
     this.layers = [];
     this.moving = new Set(this.data.moving);
+    this.driven = new Set(this.data.driven);
     this.held = new Set(this.data.held);
     this.links = new Set(this.data.links);
     this.deforming = [];
@@ -88,7 +89,7 @@ class App {
     const c = colours();
     const body = this.parts.body[part];
     if (this.held.has(body)) return c.held;
-    if (this.moving.has(body)) return c.robot;
+    if (this.moving.has(body) && !this.driven.has(body)) return c.robot;
     if (this.links.has(body)) return c.base;
     if (this.parts.kind[part] === 'deformable') return c.deforming;
     return c.worlds[body % c.worlds.length];
@@ -114,7 +115,7 @@ class App {
     this.deforming = data.frames.map((f) => new Deforming(page, f));
     this.deforming.forEach((d) => { d.mesh.material.color.set(colours().deforming); stage.scene.add(d.mesh); });
     this.planes = world.filter((i) => parts.kind[i] === 'half-space').map((i) => stage.addPlane(parts.matrixOf(i), 1.2 * this.box.getSize(new Vector3()).length()));
-    this.addGhosts(robot);
+    this.addGhosts(robot.filter((i) => !this.driven.has(parts.body[i])));
     this.addFigures(robot);
     const show = (things) => (on) => things.forEach((t) => { t.visible = on; });
     const layer = (name, shown, set) => { this.layers.push({ name, shown, set }); set(shown); };

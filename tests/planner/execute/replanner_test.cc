@@ -317,8 +317,7 @@ TEST(Replanner, RefusesSettingsThatMakeNoSense) {
 class ShippedScene : public testing::TestWithParam<const char*> {};
 
 TEST_P(ShippedScene, IsExecutedAndNeedsReplanning) {
-  const Problem problem =
-      loadProblem(leeway::sourceFolder() + "/problems/deforming/" + GetParam() + ".yaml");
+  const Problem problem = loadProblem(leeway::sourceFolder() + "/problems/" + GetParam() + ".yaml");
   const ReplanResult result = replan(
       problem, {}, [&](const ReplanStep& step) { EXPECT_TRUE(step.certified) << step.time; });
   EXPECT_EQ(result.status, ReplanStatus::kReached);
@@ -337,8 +336,13 @@ TEST_P(ShippedScene, IsExecutedAndNeedsReplanning) {
   EXPECT_LE(test::denseClearance(problem, blind, 0.02, 1.0), 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, ShippedScene, testing::Values("curtain", "heap", "figure"),
-                         [](const auto& scene) { return std::string(scene.param); });
+INSTANTIATE_TEST_SUITE_P(Files, ShippedScene,
+                         testing::Values("deforming/curtain", "deforming/heap", "deforming/figure",
+                                         "moving/conveyor"),
+                         [](const auto& scene) {
+                           const std::string name = scene.param;
+                           return name.substr(name.find('/') + 1);
+                         });
 
 /// Random sheets fly through the room; whatever is certified is free.
 TEST(Replanner, RandomSheetsNeverTouchWhatIsCertified) {

@@ -693,6 +693,129 @@ TEST(Guard, CallsAmongObstaclesAllocateNothing) {
   }
 }
 
+/// sheetProblem() with a rigid plate in place of the sheet.
+Problem plateProblem(const ObjectMotion& motion, double x) {
+  Problem problem = sheetProblem(nullptr, 0);
+  problem.world.deforming.clear();
+  problem.world.objects.push_back(
+      movingObject(test::box("plate", {0.005, 0.25, 0.2}, x, 1.2, 0), motion));
+  return problem;
+}
+
+robots::Pose plateAt(double x, double turned = 0) {
+  robots::Pose pose = test::at(x, 1.2, 0);
+  pose.rotation << std::cos(turned), -std::sin(turned), 0, std::sin(turned), std::cos(turned), 0, 0,
+      0, 1;
+  return pose;
+}
+
+TEST(Guard, AnObjectsKnownMotionIsFollowed) {
+  for (const bool is_steady : {false, true}) {
+    const auto poses =
+        is_steady ? collision::PoseMotion::steady({0, plateAt(1)}, {-0.5, 0, 0}, {0, 0, 0.3})
+                  : collision::PoseMotion::keys({{0, plateAt(1)}, {4, plateAt(-1, 1)}});
+    const Problem problem = plateProblem({.poses = poses}, 1);
+    Guard guard(problem);
+    std::vector<TimedPoint> executed = {{0, {-1, 1.2, 0}}};
+    std::vector<double> place = {-1, 1.2, 0};
+    int passed = 0;
+    bool stopped = false;
+    while (!stopped && executed.size() < 200) {
+      guard.look(guard.nextTime());
+      const double v = passed > 0 ? 0.4 : 0;
+      std::vector<double> rows;
+      double x = place[0], speed = v;
+      for (int k = 0; k < 5; ++k) {
+        speed = std::min(0.4, speed + 5 * 0.02);
+        x += speed * 0.02;
+        rows.insert(rows.end(), {x, 1.2, 0});
+      }
+      const GuardAnswer& answer = guard.check({.setpoints = rows});
+      if (!answer.certified) break;  // the plate has come to a robot at rest
+      stopped = answer.passed == 0;
+      const std::size_t count = stopped ? answer.motion.size() / 3 : std::size_t(answer.passed);
+      for (std::size_t k = 0; k < count; ++k) {
+        place.assign(answer.motion.begin() + static_cast<std::ptrdiff_t>(3 * k),
+                     answer.motion.begin() + static_cast<std::ptrdiff_t>(3 * k + 3));
+        executed.push_back({answer.time + (static_cast<double>(k) + 1) * 0.02, place});
+      }
+      passed += answer.passed;
+    }
+    EXPECT_GT(passed, 40);
+    EXPECT_GT(test::denseClearance(problem, executed, 0.001, 1), 0);
+  }
+}
+
+TEST(Guard, AnObjectsBoundsGrowWithAge) {
+  const Problem problem = plateProblem({}, 0);
+  const auto passed = [&](double speed, double turning, double age) {
+    Guard fresh(problem);
+    EXPECT_EQ(fresh.setPose("plate", plateAt(0), 0, speed, turning), Observation::kTaken);
+    fresh.look(age);
+    // The disc's edge is 0.895 m from the plate, whose points are within 0.32 m of its origin; it
+    // stands there for 50 periods.
+    return fresh.check({.setpoints = still({-1, 1.2, 0}, 50), .time = age}).passed;
+  };
+  EXPECT_EQ(passed(0, 0, 0), 50);
+  EXPECT_EQ(passed(0.5, 0, 0.5), 50);  // 0.75 m
+  EXPECT_EQ(passed(0.34, 0.5, 0.5), 50);
+  const int later = passed(0.5, 0, 1.2);
+  EXPECT_GT(later, 10);
+  EXPECT_LT(later, 31);
+  EXPECT_LT(passed(0.34, 0.5, 1.2), 31);
+  EXPECT_EQ(passed(0.5, 0, 1.9), 0);
+  EXPECT_EQ(passed(kInfinite, 0, 0), 0);
+  EXPECT_EQ(passed(0, kInfinite, 0), 0);
+}
+
+TEST(Guard, ObservationsOfObjectsThatFailStopTheRobotUntilTheyAreGoodAgain) {
+  const Problem problem = plateProblem({}, 0);
+  GuardOptions options;
+  options.horizon = 1;
+  Guard guard(problem, options);
+  const std::vector<double> here = still({-1, 1.2, 0}, 10);
+  EXPECT_EQ(guard.check({.setpoints = here}).passed, 0);  // no bound
+  ASSERT_EQ(guard.setPose("plate", plateAt(0), 0.2, 0.2, 0), Observation::kTaken);
+  guard.look(0.2);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 0.2}).passed, 10);
+  robots::Pose bad = plateAt(0);
+  bad.translation.y() = kNan;
+  EXPECT_EQ(guard.setPose("plate", bad, 0.3, 0.2, 0), Observation::kInvalid);
+  bad = plateAt(0);
+  bad.rotation(2, 2) = -1;  // a mirror
+  EXPECT_EQ(guard.setPose("plate", bad, 0.3, 0.2, 0), Observation::kInvalid);
+  EXPECT_EQ(guard.setPose("plate", plateAt(0), 0.1, 0.2, 0), Observation::kLate);
+  EXPECT_EQ(guard.setPose("plate", plateAt(0), kNan, 0.2, 0), Observation::kLate);
+  EXPECT_THROW(guard.setPose("upper wall", plateAt(0), 0.3, 0.2, 0), std::invalid_argument);
+  EXPECT_THROW(guard.setPose("plate", plateAt(0), 0.3, -1, 0), std::invalid_argument);
+  EXPECT_THROW(guard.setPose("plate", plateAt(0), 0.3, 0, kNan), std::invalid_argument);
+  EXPECT_THROW(guard.setVertices("plate", sheetAt(0), 0.3, 0.2), std::invalid_argument);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 0.4}).passed, 10);
+  // A jump of 0.4 m in 1 s at 0.2 m/s.
+  EXPECT_EQ(guard.setPose("plate", plateAt(0.4), 1.2, 0.2, 0), Observation::kJumped);
+  guard.look(1.2);
+  const GuardAnswer& jumped = guard.check({.setpoints = here, .time = 1.2});
+  EXPECT_EQ(jumped.reason, GuardReason::kJumped);
+  EXPECT_EQ(jumped.a, "plate");
+  EXPECT_EQ(guard.setPose("plate", plateAt(0.41), 1.3, 0.2, 0), Observation::kTaken);
+  guard.look(1.3);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 1.3}).passed, 10);
+  // With a turning bound of 0 a turn is a jump.
+  EXPECT_EQ(guard.setPose("plate", plateAt(0.41, 0.5), 1.4, 0.2, 0), Observation::kJumped);
+}
+
+TEST(Guard, CallsAmongObjectsThatMoveAllocateNothing) {
+  Guard guard(plateProblem({}, 0));
+  const std::vector<double> here = still({-1, 1.2, 0}, 30);
+  for (int k = 0; k < 3; ++k) {
+    guard.setPose("plate", plateAt(0.01 * k, 0.01 * k), 0.1 * k, 0.3, 0.2);
+    guard.look(0.1 * k);
+    const std::size_t before = collision::testing::allocationCount();
+    EXPECT_GT(guard.check({.setpoints = here, .time = 0.1 * k}).passed, 0);
+    EXPECT_EQ(collision::testing::allocationCount(), before) << k;
+  }
+}
+
 // -------------------------------------------------------------------------------------------------
 // Faults that were found in review
 

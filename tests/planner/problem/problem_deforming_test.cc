@@ -1,6 +1,7 @@
 // `deforming` and `execution` in problem files: meaning, and every message.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -170,7 +171,7 @@ TEST_F(ProblemDeforming, NothingIsKnownAfterTimesThatNoDoubleHolds) {
   const Problem problem = load("deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n");
   const CompiledScene scene(problem);
   Obstacles obstacles(problem, scene);
-  obstacles.set("cloth", problem.world.deforming.at(0).mesh->rest(), -1e308, 0);
+  obstacles.set("cloth", problem.world.deforming.at(0).mesh->rest(), -1e308, {0});
   EXPECT_EQ(obstacles.during(-1e308, 0).at(0).growth, 0);
   const auto shapes = obstacles.during(0, 1e308);
   EXPECT_EQ(shapes.at(0).growth, std::numeric_limits<double>::infinity());
@@ -264,6 +265,59 @@ TEST_F(ProblemDeforming, CachesOfAnimationTools) {
       "deforming:\n  - name: cloth\n    mesh: {file: three.obj}\n    motion:\n      cache: {file: "
       "cloth.mdd}\n",
       14, "has 4 vertices; the mesh's 3 are expected");
+}
+
+TEST_F(ProblemDeforming, ObjectsThatMove) {
+  const Problem problem = load(
+      "objects:\n  - name: door\n    box: {size: [1, 0.1, 1]}\n    moving:\n      keys:\n"
+      "        - {time: 0, position: [1, 0, 0]}\n        - {time: 4, position: [1, 2, 0], rpy: [0, "
+      "0, 1]}\n  - name: cart\n    position: [0, 1, 0]\n    sphere: {radius: 0.1}\n    moving: "
+      "{velocity: [0.5, 0, 0], time: 1}\n  - name: person\n    position: [2, 2, 0]\n    shapes: "
+      "[{position: [0.3, 0, 0], sphere: {radius: 0.1}}]\n    moving: {speed_bound: 1.5, "
+      "turn_bound: "
+      "2, age: 0.25}\n  - {name: post, sphere: {radius: 0.1}}\nexecution: {start: 3}\n");
+  const std::vector<Object>& objects = problem.world.objects;
+  ASSERT_EQ(objects.size(), 4u);
+  EXPECT_NEAR(objects[0].X_WO.translation.y(), 1.5, 1e-12);  // as at the start of the execution
+  EXPECT_NEAR(objects[0].X_WO.rotation(0, 0), std::cos(0.75), 1e-12);
+  EXPECT_EQ(objects[0].motion->poses->keyCount(), 2u);
+  EXPECT_NEAR(objects[1].X_WO.translation.x(), 1, 1e-12);
+  EXPECT_TRUE(objects[1].motion->poses->isSteady());
+  EXPECT_EQ(objects[2].motion->poses, nullptr);
+  EXPECT_EQ(objects[2].motion->speed_bound, 1.5);
+  EXPECT_EQ(objects[2].motion->turn_bound, 2);
+  EXPECT_EQ(objects[2].motion->age, 0.25);
+  EXPECT_EQ(objects[3].motion, nullptr);
+}
+
+TEST_F(ProblemDeforming, MessagesOfObjectsThatMove) {
+  const std::string head = "objects:\n  - name: cart\n";  // line 11
+  const std::string box = head + "    box: {size: [1, 1, 1]}\n";
+  const auto refused = [&](const std::string& moving, const std::string& message) {
+    expectRefused(box + "    moving: " + moving + "\n", 13, message);
+  };
+  refused("{speed_bund: 1}",
+          "unknown key 'speed_bund' in objects[0].moving; did you mean 'speed_bound'?");
+  refused("{}", "has no 'speed_bound', and neither 'keys' nor 'velocity'");
+  refused("{speed_bound: 1}", "has no 'turn_bound'");
+  refused("{speed_bound: -1, turn_bound: 0}", "objects[0].moving.speed_bound");
+  refused("{speed_bound: 1, turn_bound: 1, time: 2}", "'age' is expected");
+  refused("{velocity: [1, 0, 0], age: 1}", "key 'age' stands beside 'velocity'");
+  refused("{velocity: [1, 0]}", "objects[0].moving.velocity");
+  refused("{velocity: [1, 0, 1e10]}", "the velocity is out of range");
+  refused("{velocity: [1, 0, 0], turning: [0, 0, 1], keys: [{time: 0}]}",
+          "key 'velocity' stands beside 'keys'");
+  refused("{velocity: [1, 0, 0], speed_bound: 0.5, turn_bound: 0}", "may reach 1");
+  refused("{keys: []}", "keys is empty");
+  refused("{keys: [{position: [0, 0, 0]}]}", "key 'time' is missing");
+  refused("{keys: [{time: 0, pose: 1}]}", "unknown key 'pose'");
+  refused("{keys: [{time: 1}, {time: 1}]}", "keys[1].time is not after");
+  refused("{keys: [{time: 0}, {time: 1, rpy: [0, 0, 3.14159265358979]}]}", "half a turn");
+  expectRefused(box + "    position: [1, 0, 0]\n    moving: {keys: [{time: 0}]}\n", 13,
+                "key 'position' stands beside 'moving.keys'");
+  expectRefused(head + "    half_space: {}\n    moving: {velocity: [0, 0, 1]}\n", 13, "half-space");
+  expectRefused(box + "    attach: {link: disc}\n    moving: {velocity: [0, 0, 1]}\n", 14,
+                "'moving' stands beside 'attach'");
 }
 
 TEST_F(ProblemDeforming, Messages) {

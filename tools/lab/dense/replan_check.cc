@@ -40,6 +40,7 @@ struct Part {
   Isometry3d X_LG;
   FclGeometry geometry;
   Isometry3d X_WG;
+  std::shared_ptr<const leeway::collision::PoseMotion> motion = nullptr;  // of an object that moves
 };
 
 class World {
@@ -62,6 +63,14 @@ class World {
           add(still_, object.name, -1, g, isometry(object.X_WO));
     }
     for (Part& part : still_) part.X_WG = part.X_LG;
+    for (const Object& object : problem.world.objects) {
+      if (!object.motion || !object.motion->poses) continue;
+      for (Part& part : still_) {
+        if (part.owner != object.name) continue;
+        part.X_LG = isometry(object.X_WO).inverse() * part.X_WG;  // in the object's frame
+        part.motion = object.motion->poses;
+      }
+    }
   }
 
   std::size_t triangles() const {
@@ -73,6 +82,8 @@ class World {
   /// First contact of the robot, as text; empty if it is free.
   std::string contact(const std::vector<double>& positions, double time) {
     place(positions);
+    for (Part& part : still_)
+      if (part.motion) part.X_WG = isometry(part.motion->pose(time)) * part.X_LG;
     for (const Part& part : robot_)
       for (const Part& other : still_)
         if (!allowed(part.owner, other.owner) && meets(part, other.geometry, other.X_WG))
@@ -87,9 +98,19 @@ class World {
     return {};
   }
 
-  /// Minimum distance from deforming obstacles, if below `enough`: all pairs of a triangle and a
-  /// robot shape, at the poses of the last contact().
+  /// Minimum distance from obstacles that move, if below `enough`: all pairs of a triangle or shape
+  /// and a robot shape, at the poses of the last contact().
   double distance(double time, double enough) {
+    const auto poseOf = [](const Part& part) {
+      return leeway::collision::Pose{part.X_WG.linear(), part.X_WG.translation()};
+    };
+    for (const Part& other : still_)
+      for (const Part& part : robot_)
+        if (other.motion && !allowed(part.owner, other.owner))
+          enough =
+              std::min(enough, leeway::collision::distance(part.shape, poseOf(part), other.shape,
+                                                           poseOf(other), {}, scratch_)
+                                   .distance.upper);
     for (const DeformingObstacle& o : problem_.world.deforming) {
       const std::vector<Eigen::Vector3d> vertices = verticesOf(o, time);
       for (const Part& part : robot_) {

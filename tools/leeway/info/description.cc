@@ -149,6 +149,33 @@ Json deformingJson(const planner::Problem& problem) {
   return list;
 }
 
+/// Objects with a motion, and bounds on the speed of their points.
+Json movingJson(const planner::Problem& problem) {
+  Json list = Json::array();
+  const double start = problem.execution.start, end = start + problem.execution.duration;
+  for (const planner::Object& object : problem.world.objects) {
+    if (!object.motion) continue;
+    const auto& poses = object.motion->poses;
+    double extent = 0;
+    for (const collision::Geometry& g : object.geometries)
+      extent =
+          std::max(extent, (g.X_BG * g.shape.boundingCenter()).norm() + g.shape.boundingRadius());
+    if (object.cloud)
+      for (const planner::PointCloud::Ball& ball : object.cloud->balls)
+        extent = std::max(extent, ball.center.norm() + ball.radius);
+    list.push_back({{"name", object.name},
+                    {"motion", !poses              ? "seen"
+                               : poses->isSteady() ? "steady"
+                                                   : "keys"},
+                    {"keys", poses ? poses->keyCount() : 0},
+                    {"age", object.motion->age},
+                    {"speed_bound", jsonNumber(poses ? poses->speedBound(start, end, extent)
+                                                     : object.motion->speed_bound +
+                                                           object.motion->turn_bound * extent)}});
+  }
+  return list;
+}
+
 Json executionJson(const planner::Problem& problem) {
   const planner::Execution& execution = problem.execution;
   const planner::MotionLimits limits = planner::motionLimits(problem);
@@ -268,6 +295,7 @@ Json problemJson(const planner::Problem& problem) {
           {"objects", objects},
           {"attached", attached},
           {"clouds", cloudsJson(problem)},
+          {"moving", movingJson(problem)},
           {"deforming", deformingJson(problem)},
           {"execution", executionJson(problem)},
           {"margin", problem.margins.common},

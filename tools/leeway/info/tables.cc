@@ -35,6 +35,38 @@ void printClouds(const Json& problem) {
   }
 }
 
+/// When verbs see obstacles that move.
+void printExecution(const Json& problem) {
+  const Json& e = problem["execution"];
+  fmt::print(
+      "{}\n",
+      wrapped(fmt::format(
+          "everything but replan and guard sees them as they are at {} s; replan looks every "
+          "{} s, for {} s at most, and knows their {}\n",
+          e["start"].get<double>(), e["step"].get<double>(), e["duration"].get<double>(),
+          e["foresight"] == "motion" ? "motion" : "speed bound")));
+}
+
+void printMoving(const Json& problem) {
+  if (problem["moving"].empty()) {
+    return;
+  }
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& o : problem["moving"]) {
+    const Json& speed = o["speed_bound"];
+    const std::string motion = o["motion"];
+    rows.push_back({o["name"],
+                    motion == "seen"   ? fmt::format("seen {:g} s before", o["age"].get<double>())
+                    : motion == "keys" ? counted(o["keys"].get<std::size_t>(), "key")
+                                       : motion,
+                    speed.is_null() ? "-" : formatUpper(speed.get<double>(), 3)});
+  }
+  fmt::print("{}", formatTable({"moving", "motion", "points at most [m/s]"}, rows, {2}));
+  if (problem["deforming"].empty()) {
+    printExecution(problem);
+  }
+}
+
 void printDeforming(const Json& problem) {
   if (problem["deforming"].empty()) {
     return;
@@ -47,16 +79,10 @@ void printDeforming(const Json& problem) {
                     o["strategy"].get<std::string>() + " (" + o["reason"].get<std::string>() + ")",
                     formatBytes(o["bytes"].get<std::size_t>())});
   }
-  const Json& e = problem["execution"];
   fmt::print("{}",
              formatTable({"deforming", "motion", "triangles", "at most [m/s]", "strategy", "size"},
                          rows, {1, 4}));
-  fmt::print("{}\n",
-             wrapped(fmt::format(
-                 "everything but replan sees them as they are at {} s; replan looks every "
-                 "{} s, for {} s at most, and knows their {}\n",
-                 e["start"].get<double>(), e["step"].get<double>(), e["duration"].get<double>(),
-                 e["foresight"] == "motion" ? "motion" : "speed bound")));
+  printExecution(problem);
 }
 
 /// The number of rows of a table that fit on a screen.
@@ -136,6 +162,7 @@ void printProblem(const Json& problem) {
           problem["planner"].get<std::string>(), problem["objective"].get<std::string>(),
           problem["time_limit"].get<double>(), problem["seed"].get<std::uint64_t>())));
   printClouds(problem);
+  printMoving(problem);
   printDeforming(problem);
 }
 

@@ -17,16 +17,27 @@ PairNames pairNames(const planner::CompiledScene& scene, int pair) {
 }
 
 std::optional<double> obstaclesAt(const planner::Problem& problem) {
-  const auto& deforming = problem.world.deforming;
-  if (std::none_of(deforming.begin(), deforming.end(),
-                   [](const planner::DeformingObstacle& o) { return o.motion != nullptr; }))
-    return {};
+  const bool has_seen = std::any_of(problem.world.objects.begin(), problem.world.objects.end(),
+                                    [](const auto& o) { return o.motion != nullptr; });
+  if (!has_seen && !movesAsKnown(problem)) return {};
   return problem.execution.start;
+}
+
+bool movesAsKnown(const planner::Problem& problem) {
+  return std::any_of(problem.world.deforming.begin(), problem.world.deforming.end(),
+                     [](const auto& o) { return o.motion != nullptr; }) ||
+         std::any_of(problem.world.objects.begin(), problem.world.objects.end(),
+                     [](const auto& o) { return o.motion && o.motion->poses; });
 }
 
 std::string obstaclesText(const planner::Problem& problem) {
   const auto time = obstaclesAt(problem);
-  return time ? fmt::format("; the obstacles stand as at {:g} s", *time) : "";
+  if (!time) return "";
+  std::string text = fmt::format("; the obstacles stand as at {:g} s", *time);
+  for (const planner::Object& o : problem.world.objects)
+    if (o.motion && o.motion->age > 0)
+      text += fmt::format(", '{}' where it was seen {:g} s before", o.name, o.motion->age);
+  return text;
 }
 
 }  // namespace leeway::tools

@@ -13,6 +13,8 @@ struct PairNames {
 };
 PairNames pairNames(const planner::CompiledScene& scene, int pair);
 
+/// Whether the motion of some obstacle is known, so that it can be shown.
+bool movesAsKnown(const planner::Problem& problem);
 /// If obstacles move, the time of their motions [s] at which plans, checks and proofs place them.
 /// Nothing if all are at rest.
 std::optional<double> obstaclesAt(const planner::Problem& problem);

@@ -94,6 +94,10 @@ class Document {
         X_WL_(model_.links.size()) {
     for (std::size_t b = 0; b < scene_.bodies().size(); ++b)
       if (scene_.bodies()[b].moving) moving_.push_back(static_cast<int>(b));
+    // Objects with a motion of their own have the highest numbers.
+    if (!subject.timeline.moments.empty())
+      for (const auto& [body, X_WB] : subject.timeline.moments.front().placed)
+        if (!scene_.bodies()[at(body)].moving) moving_.push_back(body);
   }
 
   std::string text() {
@@ -126,6 +130,10 @@ class Document {
     for (const collision::Body& body : scene_.bodies()) names.push_back(body.name);
     document["bodies"] = names;
     document["moving"] = moving_;
+    Json driven = Json::array();  // by a motion of their own: not parts of the robot
+    for (const int b : moving_)
+      if (!scene_.bodies()[at(b)].moving) driven.push_back(b);
+    document["driven"] = driven;
     // The last body in tree order, whose trail is shown.
     document["tip"] = tip();
     Json held = Json::array();
@@ -165,7 +173,9 @@ class Document {
         ball[3].push_back(std::isfinite(g.shape.boundingRadius()) ? small(g.shape.boundingRadius())
                                                                   : -1.0F);
         // A moving shape is placed in its body's frame, and a fixed one in the world.
-        poses.add(of.moving ? g.X_BG : of.X_WB * g.X_BG);
+        const bool moves =
+            std::find(moving_.begin(), moving_.end(), static_cast<int>(b)) != moving_.end();
+        poses.add(moves ? g.X_BG : of.X_WB * g.X_BG);
         if (!g.name.empty() && g.name != of.name) names.push_back({part, g.name});
         addPieces(g.shape, part, pieces);
       }

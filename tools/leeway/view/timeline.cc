@@ -200,7 +200,7 @@ class Bounds {
   double world_margin_, self_margin_;
 };
 
-/// The deforming obstacles at any time, and the scene with them.
+/// The obstacles whose motion is known, at any time, and the scene with them.
 class Obstacles {
  public:
   Obstacles(const planner::Problem& problem, std::shared_ptr<const CompiledScene> scene)
@@ -210,17 +210,28 @@ class Obstacles {
       followed_.push_back({scene_->scene().find(o.object.name),
                            collision::Deformable(o.mesh, o.motion, o.options)});
     }
+    for (const planner::Object& o : problem.world.objects)
+      if (o.motion && o.motion->poses)
+        rigid_.emplace_back(scene_->scene().find(o.name), o.motion->poses);
   }
 
   /// The scene at a time; null if nothing moves.
   std::shared_ptr<const CompiledScene> sceneAt(double time) {
-    if (followed_.empty()) return nullptr;
+    if (followed_.empty() && rigid_.empty()) return nullptr;
     std::vector<CompiledScene::Replacement> shapes;
     for (Followed& f : followed_) {
       f.mesh.update(time);
       shapes.push_back({f.body, 0, collision::Shape::deformable(f.mesh.snapshot())});
     }
+    for (const auto& [body, X_WB] : placedAt(time)) shapes.push_back({body, 0, X_WB});
     return scene_->withShapes(shapes);
+  }
+
+  /// As Moment::placed.
+  std::vector<std::pair<int, collision::Pose>> placedAt(double time) const {
+    std::vector<std::pair<int, collision::Pose>> placed;
+    for (const auto& [body, poses] : rigid_) placed.emplace_back(body, poses->pose(time));
+    return placed;
   }
 
   void addFrames(double time, std::vector<Frames>& frames) const {
@@ -246,6 +257,7 @@ class Obstacles {
   };
   std::shared_ptr<const CompiledScene> scene_;
   std::vector<Followed> followed_;
+  std::vector<std::pair<int, std::shared_ptr<const collision::PoseMotion>>> rigid_;
 };
 
 /// The position of the executed motion at `time`, which lies within the step.
@@ -473,6 +485,7 @@ Timeline timelineOfSteps(const planner::Problem& problem,
       if (timeline.moments.size() % every == 0 || last) obstacles.addFrames(time, timeline.frames);
     }
     Moment moment{time, std::move(position), {}, {}};
+    moment.placed = obstacles.placedAt(time);
     measure(certifier, *scene, *scene, moment);
     timeline.body_clearance.push_back(bodies.clearancesAt(moment.position));
     timeline.moments.push_back(std::move(moment));

@@ -37,7 +37,8 @@ struct Moment {
   Pair closest;
   Nearest world = {}, self = {};  ///< one of them equals `check`
   int stage = 0;                  ///< of a path
-  /// Bodies of the shown scene that are not where its robot would carry them: X_WB.
+  /// Bodies of the shown scene that are not where its robot would carry them, or that move by a
+  /// motion of their own: X_WB.
   std::vector<std::pair<int, collision::Pose>> placed = {};
 };
 

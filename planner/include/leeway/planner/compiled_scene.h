@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "leeway/collision/scene.h"
@@ -121,18 +122,19 @@ class CompiledScene {
   /// `added` objects get the next body numbers, or those of removed bodies that an earlier call had
   /// added; objects without geometries get none. The problem's rules for pairs also hold for their
   /// names. `removed` are body numbers (scene().find()); these bodies have no pairs any more.
-  /// Throws robots::InputError for poses and half-spaces as the constructor does, and for a name
-  /// that is empty or belongs to a link or a remaining object. Throws std::invalid_argument for a
-  /// body of the robot, or a removed one, in `removed`, and for a variant with other margins or
-  /// pairs than the problem's. The cost is that of collision::SceneChange; the first change also
-  /// costs O(objects of the world) for their names.
+  /// Throws robots::InputError for poses and half-spaces as the constructor does, for an object
+  /// with a motion, and for a name that is empty or belongs to a link or a remaining object. Throws
+  /// std::invalid_argument for a body of the robot, or a removed one, in `removed`, and for a
+  /// variant with other margins or pairs than the problem's. The cost is that of
+  /// collision::SceneChange; the first change also costs O(objects of the world) for their names.
   std::shared_ptr<const CompiledScene> withObjects(std::span<const Object> added,
                                                    std::span<const int> removed = {}) const;
 
   /// The same world with one of its objects elsewhere: withObjects() that removes it, and adds it
   /// at X_WO. Thousands of such moves cost as much each, because numbers of bodies are used again.
-  /// Throws std::invalid_argument for a name that no object of the world has, a deforming obstacle,
-  /// or a cloud that was cropped or carved, and as withObjects().
+  /// Throws std::invalid_argument for a name that no object of the world has, an obstacle that
+  /// deforms or has a motion (withShapes() is for these), or a cloud that was cropped or carved,
+  /// and as withObjects().
   std::shared_ptr<const CompiledScene> withObjectAt(const std::string& name,
                                                     const robots::Pose& X_WO) const;
 
@@ -154,16 +156,16 @@ class CompiledScene {
   /// motion that departs from it by up to `growth`.
   std::shared_ptr<const CompiledScene> withMarginsGrown(double growth) const;
 
-  /// Another shape for a geometry of a static body; see collision::Scene::setShape() and
-  /// growMargins().
+  /// The state of an obstacle that moves at another instant: the shape of a deforming one, the pose
+  /// X_WB of a rigid one; see collision::Scene::setShape(), setPoses() and growMargins().
   struct Replacement {
     int body, geometry;
-    collision::Shape shape;
+    std::variant<collision::Shape, robots::Pose> now;
     double growth = 0;  ///< of the margins of its pairs [m]
   };
-  /// Deforming obstacles take the shapes of another instant. Pairs keep their numbers. Throws
-  /// std::invalid_argument for anything but geometry 0 of one of World::deforming, and for a shape
-  /// that is not a snapshot of that obstacle's mesh.
+  /// Obstacles that move are as at another instant. Pairs keep their numbers. Throws
+  /// std::invalid_argument for anything but the shape of geometry 0 of one of World::deforming,
+  /// which must be a snapshot of that obstacle's mesh, or the pose of an object that has a motion.
   std::shared_ptr<const CompiledScene> withShapes(std::span<const Replacement> shapes) const;
 
   /// Only the pairs for which keep(pair) is true are checked.
@@ -199,6 +201,9 @@ class CompiledScene {
   std::multimap<std::string_view, int> addTo(collision::SceneChange& change,
                                              std::span<const Object> added,
                                              std::span<const int> removed) const;
+  /// A copy with objects added and removed.
+  std::shared_ptr<CompiledScene> changed(std::span<const Object> added,
+                                         std::span<const int> removed) const;
   /// A copy whose margins or pairs may be changed from the problem's.
   std::shared_ptr<CompiledScene> variant() const;
   /// Applies the problem's margins and contacts for these objects' names to a change. Returns the

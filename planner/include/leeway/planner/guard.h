@@ -95,8 +95,9 @@ struct GuardAnswer {
 /// The result of an observation.
 enum class Observation : unsigned char {
   kTaken,
-  kJumped,   ///< taken; but vertices moved faster than the speed bound that was given before
-  kInvalid,  ///< refused: another number of vertices, or some are not finite. The last one stays
+  kJumped,   ///< taken; but points moved faster than the speed bound that was given before
+  kInvalid,  ///< refused: another number of vertices, numbers that are not finite, a pose whose
+             ///< matrix is not a rotation. The last one stays
   kLate,     ///< refused: older than the last one, or its time is not finite
 };
 const char* toString(Observation observation);  ///< "taken", "jumped", "invalid", "late"
@@ -116,9 +117,9 @@ const char* toString(Observation observation);  ///< "taken", "jumped", "invalid
 /// options:
 /// - No pair, of world or self, comes to its margin on the motion, at any time: edges are proven as
 ///   wholes (EdgeCertifier), without sampling.
-/// - That holds among obstacles that deform as well, if their motion, or the bound on their speed,
-///   holds, and as long as the robot moves. A robot at rest cannot avoid an obstacle that comes to
-///   it.
+/// - That holds among obstacles that deform and objects with a motion as well, if their motion, or
+///   the bound on their speed, holds, and as long as the robot moves. A robot at rest cannot avoid
+///   an obstacle that comes to it.
 /// - The motion of the last answer is always a way to come to rest: if the next call comes late, or
 ///   never, it is safe to execute that motion to its end.
 /// Setpoints pass only with a proof. Undecided edges, work that is used up, and obstacles that were
@@ -150,10 +151,15 @@ class Guard {
   /// std::invalid_argument for an unknown obstacle, and a speed bound that is not >= 0.
   Observation setVertices(const std::string& object, std::span<const Eigen::Vector3d> vertices,
                           double time, double speed_bound);
+  /// The pose of an object that has a motion (Object::motion) as seen at `time` [s], and bounds
+  /// from then on, on the speed of its frame's origin [m/s] and on its turning [rad/s]. The rest as
+  /// for setVertices().
+  Observation setPose(const std::string& object, const robots::Pose& X_WO, double time,
+                      double speed_bound, double turn_bound);
   /// Bounds where obstacles can be from `time` [s] on: by their motions, or by what was seen of
   /// them, grown by their speed bounds times its age (and backwards, by the bound before, for times
   /// between the last two observations; earlier nothing passes). Costs the update of their
-  /// hierarchies; call it before check(). Without obstacles that deform it does nothing. Throws
+  /// hierarchies; call it before check(). Without obstacles that move it does nothing. Throws
   /// robots::InputError for a motion that fails, std::invalid_argument for a time that is not
   /// finite.
   void look(double time);

@@ -14,12 +14,24 @@
 #include <vector>
 
 #include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/pose_motion.h"
 #include "leeway/collision/vertex_motion.h"
 #include "leeway/planner/point_cloud.h"
 #include "leeway/robots/model.h"
 #include "leeway/robots/pose_region.h"
 
 namespace leeway::planner {
+
+/// How an object of the world moves, as far as that is known.
+struct ObjectMotion {
+  /// Its poses at all times; null: it was only seen, at Object::X_WO.
+  std::shared_ptr<const collision::PoseMotion> poses = nullptr;
+  /// Bounds on the speed of its frame's origin [m/s] and on its turning [rad/s] after it was seen.
+  double speed_bound = std::numeric_limits<double>::infinity();
+  double turn_bound = std::numeric_limits<double>::infinity();
+  /// How long before Execution::start it was seen at X_WO [s]; 0 with `poses`.
+  double age = 0;
+};
 
 /// A named body with a shape: an obstacle, or an object that a link holds.
 struct Object {
@@ -31,7 +43,17 @@ struct Object {
   /// Balls that also belong to it, in its frame; null without a cloud. Only objects of the world
   /// may have a cloud, attached objects have shapes.
   std::shared_ptr<const PointCloud> cloud = nullptr;
+  /// Null: it stands still. Only an object of the world moves; see movingObject(). Replanner and
+  /// Guard follow it. Everything else takes it as it stands at Execution::start, or where it was
+  /// seen last before that.
+  std::shared_ptr<const ObjectMotion> motion = nullptr;
 };
+
+/// Returns the object with a motion. With `motion.poses` it stands where these have it at `time`
+/// [s], which must be the problem's Execution::start. Throws std::invalid_argument for an object
+/// without shapes, with a half-space, or with a cloud that was cropped or carved for its place, and
+/// for numbers that make no sense.
+Object movingObject(Object object, const ObjectMotion& motion, double time = 0);
 
 /// An object held by a link from the start. It moves with the link, and may touch only the link and
 /// `touch_links`.
@@ -184,7 +206,7 @@ DeformingObstacle makeDeformingObstacle(
 /// The robot's surroundings. Links, objects, deforming obstacles and attached objects must have
 /// different names.
 struct World {
-  std::vector<Object> objects;  ///< at rest
+  std::vector<Object> objects;  ///< rigid
   std::vector<DeformingObstacle> deforming;
 };
 
@@ -372,7 +394,8 @@ struct Problem {
 ///   objective than length, another planner than Connect, or corners that are cut;
 /// - poses that are not finite or not rotations; numbers that are not finite or out of range; a
 ///   planner or parameters that do not exist or do not fit the objective;
-/// - deforming obstacles without a snapshot of Execution::start.
+/// - deforming obstacles without a snapshot of Execution::start, objects that do not stand where
+///   their motion has them then.
 ///
 /// Goals may be missing, because a scene can be compiled without goals. O(things + pairs of names),
 /// about a microsecond for a small problem.

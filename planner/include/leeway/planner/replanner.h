@@ -30,9 +30,10 @@ struct TimedPoint {
 
 /// The cost of following one obstacle in a step.
 struct ObstacleUpdate {
-  std::string object, strategy;  ///< strategy: the one that ran, by choice of `auto` or not
-  std::string reason;            ///< why `auto` chose it, in a few words; else "asked for"
-  double update_s = 0;           ///< of its hierarchy, to the step's beginning [s]
+  std::string object;
+  std::string strategy;  ///< the one that ran, by choice of `auto` or not; "pose": it is rigid
+  std::string reason;    ///< why `auto` chose it, in a few words; else "asked for", "it is rigid"
+  double update_s = 0;   ///< of its hierarchy, to the step's beginning [s]
 };
 
 /// One step: from one look at the world to the next.
@@ -72,10 +73,10 @@ struct ReplanOptions {
   double clearance_tolerance = 1e-3;
 };
 
-/// Executes a problem among deforming obstacles, step by step. At the beginning of a step it
+/// Executes a problem among obstacles that move, step by step: those that deform, and objects with
+/// a motion. At the beginning of a step it
 ///
-/// 1. moves the obstacles' hierarchies to the present: by their motions, or to the vertices that
-/// the
+/// 1. moves the obstacles to the present: by their motions, or to the vertices and poses that the
 ///    program has set;
 /// 2. certifies the rest of the path in the world as seen now, edge by edge in the order of travel,
 ///    up to the first that fails;
@@ -125,6 +126,12 @@ class Replanner {
   /// vertices, NaN, a time after time(), or a speed bound that is not >= 0.
   void setVertices(const std::string& object, std::span<const Eigen::Vector3d> vertices,
                    double time, double speed_bound);
+  /// The pose of an object that has a motion (Object::motion) as seen at `time` <= time() [s], and
+  /// bounds from then on, on the speed of its frame's origin [m/s] and on its turning [rad/s]. They
+  /// replace its motion for good. Throws std::invalid_argument, and changes nothing, for another
+  /// object, a pose that is not finite or not a rotation, a time after time(), or bounds below 0.
+  void setPose(const std::string& object, const robots::Pose& X_WO, double time, double speed_bound,
+               double turn_bound);
 
   /// The scene as it was at the last look: constant, for any thread.
   std::shared_ptr<const CompiledScene> scene() const;
