@@ -107,6 +107,9 @@ constexpr double kGuardJump = 1e-9;
 
 /// Two times of a guard this near are one [periods].
 constexpr double kGuardSameTime = 1e-6;
+/// A guard refuses times whose neighbouring doubles are farther apart than this [periods]. Seconds
+/// since 1970 are 2.4e-7 s apart: periods down to 0.24 ms pass.
+constexpr double kGuardCoarsestTime = 1e-3;
 
 // Accepted input, and values in it that count as equal
 

@@ -47,12 +47,27 @@ int readWaypoint(const YamlReader& reader, std::size_t count) {
   return static_cast<int>(number);
 }
 
+/// Fails if a file gives its path in two of these forms, since only one would be read.
+void expectOneForm(const YamlReader& file, std::initializer_list<std::string_view> forms) {
+  std::optional<std::string_view> first;
+  for (const std::string_view form : forms) {
+    const auto found = file.find(form);
+    if (!found || found->isNull()) continue;
+    if (first)
+      found->fail(
+          fmt::format("'{}' and '{}' each give a path; one of them is expected", *first, form));
+    first = form;
+  }
+}
+
 Table readTrajectory(const YamlReader& file) {
   if (!file.isMap())
     file.fail("is no map; joint_names and points (trajectory_msgs/JointTrajectory) are expected");
+  expectOneForm(file, {"joint_trajectory", "path", "positions", "points"});
   if (const auto nested = file.find("joint_trajectory")) return readTrajectory(*nested);
   const auto planned = file.find("path");
   const YamlReader& source = planned && planned->isMap() ? *planned : file;
+  expectOneForm(source, {"positions", "points"});
   Table table;
   const YamlReader names = source.at("joint_names", "a list of joint names");
   table.names_line = names.line();

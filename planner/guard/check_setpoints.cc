@@ -206,9 +206,10 @@ struct Guard::Impl {
     next.rows = next.passed = 0;
     const double periods =
         std::min((time - known.time) / options.period, static_cast<double>(known.rows + 1));
-    const int whole = static_cast<int>(periods + kGuardSameTime);
+    const double same = sameTime(time, options.period) / options.period;
+    const int whole = static_cast<int>(periods + same);
     const double share = periods - whole;  // of the way to the row after that
-    const bool between = share > kGuardSameTime;
+    const bool between = share > same;
     const bool rests = whole > known.rows || (whole == known.rows && between);
     const int row = std::min(whole, known.rows);
     const int to = between && !rests ? row + 1 : row;
@@ -234,7 +235,8 @@ struct Guard::Impl {
   /// Takes the request's time and state; false where they make no sense.
   bool begin(const GuardRequest& request) {
     const double time = request.time.value_or(nextTime());
-    const bool has_time = std::isfinite(time) && time >= known.time;
+    const bool has_time = std::isfinite(time) && time >= known.time &&
+                          timeSpacing(time) <= kGuardCoarsestTime * options.period;
     beginOn(has_time ? time : nextTime());
     const auto fits = [&](std::span<const double> state) {
       return state.empty() || (state.size() == size && isFinite(state));
@@ -426,7 +428,8 @@ struct Guard::Impl {
   /// Takes what is left of the last motion into `next`.
   void goOn(double time) {
     const double periods = std::max(0.0, (time - known.time) / options.period);
-    const int row = periods >= known.rows ? known.rows : static_cast<int>(periods + kGuardSameTime);
+    const double same = sameTime(time, options.period) / options.period;
+    const int row = periods >= known.rows ? known.rows : static_cast<int>(periods + same);
     for (std::size_t i = 0; i < size; ++i) {
       next.velocity[i] = known.velocityTo(row, i, options.period);
       next.acceleration[i] = known.accelerationTo(row, i, options.period);

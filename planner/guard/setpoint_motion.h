@@ -3,12 +3,27 @@
 // Private to planner/: a robot's motion as setpoints.
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "collision/base/numbers.h"
+#include "planner/base/tolerances.h"
 
 namespace leeway::planner {
+
+/// How far apart doubles are near a time [s].
+inline double timeSpacing(double time) {
+  const double size = std::abs(time);
+  return std::nextafter(size, std::numeric_limits<double>::infinity()) - size;
+}
+
+/// Two times this near are one [s]. Rounding of a time and of the sum of periods before it is below
+/// four spacings.
+inline double sameTime(double time, double period) {
+  return std::max(kGuardSameTime * period, 4 * timeSpacing(time));
+}
 
 /// A start and the setpoints after it, one row a period. From row to row joints go in straight
 /// lines at constant speed; after the last one the robot rests. Allocates in the constructor only.

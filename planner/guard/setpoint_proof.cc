@@ -168,7 +168,7 @@ int SetpointProof::untilIn(EdgeCertifier& certifier, const Margins& margins,
 
 int SetpointProof::untilAmongObstacles(const SetpointMotion& motion, int from, int to, bool all) {
   double begin = motion.time + from * period_, end = motion.time + to * period_;
-  const double same = kGuardSameTime * period_;
+  const double same = sameTime(motion.time, period_);
   const auto stale = [&] { failure_ = {GuardReason::kStale, {}, {}}; };
   if (is_stale_ || begin < slices_.front().begin - same || begin > slices_.back().end) {
     stale();

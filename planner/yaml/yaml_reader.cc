@@ -90,13 +90,15 @@ void YamlReader::expectMap() const {
           fmt::format("a key of {} is no plain text; 'key: value' is expected", where()));
     const std::string_view text = document_->text(keyNode(key));
     const YamlIndex first = before(text, key);
-    if (first != key)
-      throw InputError(
-          file(), keyLine(key),
-          fmt::format("key '{}' stands twice in {}, first for line {}; once is expected", text,
-                      where(), valueOf(first).line()));
+    if (first != key) failTwice(key, valueOf(first));
     return true;
   });
+}
+
+void YamlReader::failTwice(YamlIndex key, const YamlReader& first) const {
+  throw InputError(file(), keyLine(key),
+                   fmt::format("key '{}' stands twice in {}, first for line {}; once is expected",
+                               document_->text(keyNode(key)), where(), first.line()));
 }
 
 YamlReader YamlReader::valueOf(YamlIndex key) const {
@@ -135,8 +137,9 @@ std::optional<YamlReader> YamlReader::find(std::string_view key) const {
   forEachKey([&](YamlIndex k) {
     const YamlNode& node = keyNode(k);
     if (node.kind != YamlNode::Kind::kScalar || document_->text(node) != key) return true;
+    if (found) failTwice(k, *found);
     found = valueOf(k);
-    return false;
+    return true;
   });
   return found;
 }

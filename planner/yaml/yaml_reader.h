@@ -93,6 +93,7 @@ class YamlReader {
   /// Fails for a value with a tag, which may change what it means: "!degrees 90".
   std::string_view scalar() const;
   void expectMap() const;
+  [[noreturn]] void failTwice(YamlIndex key, const YamlReader& first) const;
   /// Calls visit(key) for every key of a map, until it returns false.
   template <class Visit>
   void forEachKey(const Visit& visit) const;

@@ -88,6 +88,12 @@ Shape givenMesh(const py::object& file, const py::object& vertices, const py::ob
                           " numbers; one or three are expected");
   const Eigen::Vector3d factors(given.values.front(), given.values[given.values.size() / 2],
                                 given.values.back());
+  if ((factors.array() == 0).any())
+    throw py::value_error("scale is " +
+                          text(factors[factors[0] == 0   ? 0
+                                       : factors[1] == 0 ? 1
+                                                         : 2]) +
+                          "; numbers other than 0 are expected");
   if (!file.is_none()) {
     const std::string path = fileName(file, "file");
     Interrupt interrupt;

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/robots/input_error.h"
@@ -26,6 +27,8 @@ namespace leeway::tools {
 namespace {
 
 constexpr const char* kStandardInput = "standard input";
+/// More lists and objects in each other than any line has [count].
+constexpr int kDeepest = 16;
 /// An orientation's length may be this far from 1, as numbers with four digits are.
 constexpr double kUnitLength = 1e-3;
 /// Longer lines are refused [B].
@@ -160,7 +163,8 @@ class LineReader {
     line.setpoints.resize(fields.size());
     for (std::size_t i = 0; i < fields.size(); ++i) {
       const std::optional<double> value = numberOf(fields[i]);
-      if (!value) throw LineFault{fmt::format("'{}' is no number", fields[i])};
+      if (!value || !std::isfinite(*value))
+        throw LineFault{fmt::format("'{}' is not a finite number", fields[i])};
       line.setpoints[i / n * n + order_[i % n]] = *value;
     }
     return line;
@@ -202,13 +206,30 @@ class LineReader {
         throw LineFault{fmt::format("'{}' is no key{}", key, planner::didYouMean(key, known))};
   }
 
-  Line fromJson(const std::string& text) const {
-    Json value;
+  /// The value of a line. A key that stands twice, of which only the last value would be left, and
+  /// lists in lists without end are faults.
+  static Json parsed(const std::string& text) {
+    std::vector<std::set<std::string>> keys;  // of the objects that are open
+    const auto look = [&](int depth, Json::parse_event_t event, Json& value) {
+      if (depth > kDeepest)
+        throw LineFault{fmt::format("more than {} lists and objects in each other", kDeepest)};
+      if (event == Json::parse_event_t::object_start) keys.emplace_back();
+      if (event == Json::parse_event_t::object_end) keys.pop_back();
+      if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
+        throw LineFault{fmt::format("the key '{}' stands twice", value.get<std::string>())};
+      return true;
+    };
     try {
-      value = Json::parse(text);
-    } catch (const Json::exception& error) {
-      throw LineFault{fmt::format("this is no JSON: {}", error.what())};
+      return Json::parse(text, look);
+    } catch (const Json::parse_error& error) {
+      throw LineFault{fmt::format("byte {}: this is not JSON", error.byte)};
+    } catch (const Json::exception&) {
+      throw LineFault{"a number is too large"};
     }
+  }
+
+  Line fromJson(const std::string& text) const {
+    const Json value = parsed(text);
     Line line;
     const std::size_t n = names_.size();
     if (value.is_array()) {
@@ -326,7 +347,10 @@ std::vector<double> jointErrors(const std::string& text, const std::vector<std::
 class Session {
  public:
   Session(const planner::Problem& problem, const planner::GuardOptions& options)
-      : guard_(problem, options), reader_(problem), seed_(problem.seed) {
+      : guard_(problem, options),
+        reader_(problem),
+        seed_(problem.seed),
+        most_setpoints_(options.most_setpoints) {
     for (const planner::DeformingObstacle& o : problem.world.deforming)
       objects_.push_back(o.object.name);
     for (const planner::Object& o : problem.world.objects)
@@ -355,10 +379,11 @@ class Session {
       }
       setpoints = line->setpoints.size() / reader_.names().size();
       check(*line);
+      message = faultOf(setpoints, line->time);
+      if (!message.empty()) tellFault(message);
     } catch (const LineFault& fault) {
       message = fault.message;
-      is_bad_ = true;
-      fmt::print(stderr, "{}:{}: {}\n", kStandardInput, number_, message);
+      tellFault(message);
       const double nothing[] = {std::nan("")};
       guard_.check({.setpoints = nothing});  // the robot stops
     }
@@ -371,6 +396,23 @@ class Session {
   int status() const { return is_bad_ ? kBadInput : is_certified_ ? kYes : kNo; }
 
  private:
+  void tellFault(const std::string& message) {
+    is_bad_ = true;
+    fmt::print(stderr, "{}:{}: {}\n", kStandardInput, number_, message);
+  }
+
+  /// What the guard refused of a line whose sizes and numbers are right; empty if nothing.
+  std::string faultOf(std::size_t setpoints, std::optional<double> time) const {
+    if (guard_.answer().reason != planner::GuardReason::kInvalid) return {};
+    if (setpoints > static_cast<std::size_t>(most_setpoints_))
+      return fmt::format("{} setpoints; at most {} (--most-setpoints) are expected", setpoints,
+                         most_setpoints_);
+    return fmt::format(
+        "time is {} s; seconds that do not go back, and near which numbers are at most 0.001 "
+        "periods apart, are expected",
+        time.value_or(guard_.nextTime()));
+  }
+
   void check(const Line& line) {
     const double time = line.time.value_or(guard_.nextTime());
     if ((!objects_.empty() || !rigid_.empty()) && std::isfinite(time)) {
@@ -407,6 +449,7 @@ class Session {
   planner::Guard guard_;
   LineReader reader_;
   std::uint64_t seed_;
+  int most_setpoints_;
   std::vector<std::string> objects_, rigid_;  // that deform; with a motion
   std::size_t number_ = 0;
   bool is_bad_ = false, is_certified_ = true;

@@ -556,6 +556,20 @@ TEST_F(PathIo, MessagesOfBadFiles) {
          ":1: key 'points' is missing in the file; a list of waypoints is expected");
   expect(write("b.json", "[1]"),
          ":1: is no map; joint_names and points (trajectory_msgs/JointTrajectory) are expected");
+  // Of two paths in one file, or of two values of a key, others may read the other one.
+  const std::string row = "[{positions: [1, 2, 3, 4, 5, 6, 7]}]";
+  const std::string names =
+      "joint_names: [joint1, joint2, joint3, joint4, joint5, joint6, joint7]\n";
+  expect(write("c.yaml", names + "points: " + row + "\npoints: " + row + "\n"),
+         ":3: key 'points' stands twice in the file, first for line 2; once is expected");
+  expect(write("d.yaml", names + "points: [{positions: [1], positions: [2]}]\n"),
+         ":2: key 'positions' stands twice in points[0], first for line 2; once is expected");
+  expect(write("e.yaml", names + "points: " + row + "\npositions: [[1, 2, 3, 4, 5, 6, 7]]\n"),
+         ":2: 'positions' and 'points' each give a path; one of them is expected");
+  expect(write("f.yaml", names + "points: " + row + "\njoint_trajectory: {}\n"),
+         ":2: 'joint_trajectory' and 'points' each give a path; one of them is expected");
+  expect(write("g.yaml", "path: {" + names + "}\n" + names + "points: " + row + "\n"),
+         ":4: 'path' and 'points' each give a path; one of them is expected");
   const std::string body = write("c.path", "0 0 1 0 0 0 2\n");
   EXPECT_EQ(messageOf(body, bodyProblem()),
             body + ":1: a quaternion of length 2; unit length is expected");

@@ -411,6 +411,22 @@ TEST(Guard, ALateCallFindsTheRobotOnItsStop) {
   EXPECT_NEAR(after.time, begin + 1000 * T, 1e-12);
 }
 
+TEST(Guard, SecondsSince1970AreAsGoodAsAnyTime) {
+  const Problem problem = test::wallProblem();
+  for (const double T : {0.02, 0.001}) {
+    const Rows rows = towardsWall(0.3, 0.5, T, 60);
+    for (const double begin : {0.0, 1.764e9 + 0.3}) {
+      Guard guard(problem, {.period = T});
+      for (int k = 0; k + 10 <= 60; ++k) {
+        const Rows chunk(rows.begin() + k, rows.begin() + k + 10);
+        const GuardAnswer& answer = guard.check({.setpoints = flat(chunk), .time = begin + k * T});
+        EXPECT_EQ(answer.passed, 10) << T << " " << begin << " " << k << toString(answer.reason);
+        EXPECT_TRUE(answer.certified);
+      }
+    }
+  }
+}
+
 TEST(Guard, BadRequestsStopTheRobot) {
   Problem problem = test::wallProblem();
   const std::vector<double> good = flat(towardsWall(0.3, 2, 0.02, 3));
@@ -424,7 +440,9 @@ TEST(Guard, BadRequestsStopTheRobot) {
                                    {.setpoints = good, .velocity = nan_state},
                                    {.setpoints = good, .time = kNan},
                                    {.setpoints = good, .time = kInfinite},
-                                   {.setpoints = good, .time = -1}};
+                                   {.setpoints = good, .time = -1},
+                                   {.setpoints = good, .time = 1.76e18},
+                                   {.setpoints = good, .time = 1.76e15}};
   for (const GuardRequest& request : requests) {
     Guard guard(problem);
     for (int round = 0; round < 2; ++round) {

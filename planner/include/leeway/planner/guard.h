@@ -43,7 +43,8 @@ enum class GuardReason : unsigned char {
   kWork,          ///< the call's work is used up
   kStale,         ///< obstacles that move were seen too long ago
   kJumped,        ///< an obstacle was seen farther away than its speed bound allows
-  kInvalid,       ///< the request: another size, too many setpoints, numbers that are not finite
+  kInvalid,       ///< the request: another size, too many setpoints, numbers that are not finite, a
+                  ///< time before the last one, or one so large that doubles near it are coarse
 };
 /// "passed", "limit", "not_free", "not_certified", "work", "stale", "jumped", "invalid"
 const char* toString(GuardReason reason);
@@ -63,7 +64,8 @@ struct GuardRequest {
   /// last answer's motion; in the first call, rest.
   std::span<const double> velocity = {};
   /// The time of this call [s]. Default: the robot has gone through what the last answer passed,
-  /// and at least one period; in the first call Execution::start.
+  /// and at least one period; in the first call Execution::start. Doubles near it must be at most
+  /// 0.001 periods apart: seconds since 1970 serve for periods down to 0.24 ms, nanoseconds do not.
   std::optional<double> time = {};
 };
 
