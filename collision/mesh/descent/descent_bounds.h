@@ -124,8 +124,9 @@ class DescentBounds {
       nearer = result.upper - (shares ? std::max(request.tolerance, -kDeeperShare * result.upper)
                                       : request.tolerance);
     }
-    bar_ = std::min(nearer, known_upper_);
-    if (request.threshold == request.threshold) bar_ = std::min(bar_, floor());
+    // In this order, so that a tolerance of NaN leaves the threshold.
+    bar_ = std::min(request.threshold == request.threshold ? floor() : kInfinity,
+                    std::min(nearer, known_upper_));
   }
 
   const Rules rules_;
