@@ -78,6 +78,8 @@ Eigen::Vector3d boxWithin(const YamlReader& primitive) {
 constexpr double kAnyTurn = 3.14;
 /// Where cosines are positive, an angle bounds each of three turns.
 constexpr double kMostEulerTurn = 1.57;
+/// A right angle as it is written, or more.
+constexpr double kRightAngle = 1.571;
 
 PoseRegion anywhere(int link) {
   PoseRegion region;
@@ -178,7 +180,7 @@ Constraint readPathPosition(const YamlReader& constraint, Problem& problem) {
 /// t, then |a|, |b| and |c| are at most t, because cos(a) cos(b), cos(b) cos(c) and sin(b) are
 /// entries of D. If D may have any c and tilts the frame's z by at most t, then |a| and |b| are at
 /// most t. If it may have any a and tilts x by at most t, then |b| and |c| are.
-Constraint readPathOrientation(const YamlReader& constraint, Problem& problem) {
+std::optional<Constraint> readPathOrientation(const YamlReader& constraint, Problem& problem) {
   Constraint path;
   path.frame = problem.robot.model->links[at(constrainedLink(constraint, problem))].name;
   path.X_SR = headerPose(constraint, problem);
@@ -186,20 +188,33 @@ Constraint readPathOrientation(const YamlReader& constraint, Problem& problem) {
       constraint.at("orientation", "a quaternion [x, y, z, w]"), problem.warnings));
   const auto form = constraint.find("parameterization");
   const bool is_vector = hasContent(form) && form->text() != "0";
+  const auto warn = [&](const std::string& what) {
+    problem.warnings.push_back(fmt::format("{}:{}: {} {}", constraint.file(), constraint.line(),
+                                           constraint.where(), what));
+  };
   bool any[3];
+  double tolerances[3];
   double least = kInfinity;
   const char* keys[] = {"absolute_x_axis_tolerance", "absolute_y_axis_tolerance",
                         "absolute_z_axis_tolerance"};
   for (std::size_t i = 0; i < 3; ++i) {
-    const double tolerance = constraint.at(keys[i], "an angle [rad]").sizeNumber();
-    any[i] = tolerance >= kAnyTurn;
-    if (!any[i]) least = std::min(least, tolerance);
+    tolerances[i] = constraint.at(keys[i], "an angle [rad]").sizeNumber();
+    any[i] = tolerances[i] >= kAnyTurn;
+    if (!any[i]) least = std::min(least, tolerances[i]);
   }
+  // b is at most a right angle.
+  if (any[0] && any[2] && tolerances[1] >= (is_vector ? kAnyTurn : kRightAngle))
+    return warn("allows any rotation; it is left out"), std::nullopt;
   if (any[1] || (any[0] && any[2]) || (is_vector && (any[0] || any[2])))
     constraint.fail(fmt::format(
         "{} leaves turns free that are not about the x or z axis alone{}; one of these, or "
         "tolerances below {} about all axes are expected",
         constraint.where(), is_vector ? " (with the rotation vector's form, any)" : "", kAnyTurn));
+  if (least > kMostEulerTurn)
+    warn(
+        fmt::format("allows turns of {} rad; the path keeps {} rad, as the three angles bound no "
+                    "turn beyond a right angle",
+                    least, kMostEulerTurn));
   path.angle = std::min(least, kMostEulerTurn);
   path.turn = any[0] || any[2] ? Constraint::Turn::kAxis : Constraint::Turn::kFixed;
   path.rotation = wanted;

@@ -81,9 +81,10 @@ void readAllowedCollisions(const YamlReader& scene, Problem& problem);
 robots::PoseRegion readPositionConstraint(const YamlReader& constraint, Problem& problem);
 robots::PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& problem);
 
-/// The same as constraints of a path. Neither allows more than MoveIt does.
+/// The same as constraints of a path. Neither allows more than MoveIt does. An orientation that may
+/// be any is left out, with a warning.
 Constraint readPathPosition(const YamlReader& constraint, Problem& problem);
-Constraint readPathOrientation(const YamlReader& constraint, Problem& problem);
+std::optional<Constraint> readPathOrientation(const YamlReader& constraint, Problem& problem);
 
 /// Read group, start and goals of a moveit_msgs/MotionPlanRequest. Goals may be relative to all
 /// else.

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <stdexcept>
 
 #include "collision/base/numbers.h"
+#include "leeway/robots/placed_model.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/moveit/fields.h"
@@ -114,34 +117,102 @@ void readRequestStart(const YamlReader& request, Problem& problem) {
 
 namespace {
 
-void readJointConstraint(const YamlReader& constraint, VariableRanges& given, Problem& problem) {
+/// The variable that an entry of joint_constraints names.
+int constrainedVariable(const YamlReader& constraint, const Problem& problem) {
   const Model& model = *problem.robot.model;
   const YamlReader name = constraint.at("joint_name", "the name of a joint");
-  const YamlReader position = constraint.at("position", "a number");
   const int v = model.findVariable(name.text());
-  if (v < 0) {
-    std::vector<std::string> known;
-    for (const int variable : problem.robot.variables)
-      known.push_back(model.variables[at(variable)].name);
-    name.fail(fmt::format("unknown joint '{}' in {}{}", name.text(), constraint.where(),
-                          didYouMean(model, "virtual joint", name.text(), known)));
-  }
-  if (given[at(v)].given)
-    name.fail(fmt::format("joint '{}' has two constraints; one is expected", name.text()));
-  double value = position.number();
-  const robots::Variable& variable = model.variables[at(v)];
-  if (isPlanned(problem, v)) takeOntoLimit(position, variable, value, problem);
+  if (v >= 0) return v;
+  std::vector<std::string> known;
+  for (const int variable : problem.robot.variables)
+    known.push_back(model.variables[at(variable)].name);
+  name.fail(fmt::format("unknown joint '{}' in {}{}", name.text(), constraint.where(),
+                        didYouMean(model, "virtual joint", name.text(), known)));
+}
+
+/// Whether the robot's own joint turns without limits: MoveIt does not tell whole turns of it
+/// apart.
+bool turnsFreely(const Model& model, int variable) {
+  const robots::Variable& v = model.variables[at(variable)];
+  return model.joints[at(v.joint)].type == JointType::kContinuous ||
+         (model.joints[at(v.joint)].type == JointType::kRevolute && v.file_limits &&
+          std::isinf(v.file_limits->first));
+}
+
+/// The angle that equals `value` up to whole turns and is nearest to `near`.
+double turnedNear(double value, double near) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  return value + kTurn * std::round((near - value) / kTurn);
+}
+
+/// Returns the range that an entry of joint_constraints allows around `position`.
+std::pair<double, double> allowedRange(const YamlReader& constraint, double position) {
   const auto tolerance = [&](const char* key) {
     const auto found = constraint.find(key);
     return found ? found->sizeNumber() : 0;
   };
   // A tolerance of zero, which MotionBenchMaker writes, means the exact position.
-  double lower = value - tolerance("tolerance_below"), upper = value + tolerance("tolerance_above");
-  if (value >= variable.lower && value <= variable.upper) {
+  return {position - tolerance("tolerance_below"), position + tolerance("tolerance_above")};
+}
+
+void readJointConstraint(const YamlReader& constraint, VariableRanges& given, Problem& problem) {
+  const Model& model = *problem.robot.model;
+  const YamlReader position = constraint.at("position", "a number");
+  const int v = constrainedVariable(constraint, problem);
+  const robots::Variable& variable = model.variables[at(v)];
+  if (given[at(v)].given)
+    constraint.fail(fmt::format("joint '{}' has two constraints; one is expected", variable.name));
+  double value = position.number();
+  // Bounds of a path constraint are about the start.
+  if (turnsFreely(model, v) && std::isfinite(variable.lower))
+    value = turnedNear(value, problem.start[at(v)]);
+  if (isPlanned(problem, v)) takeOntoLimit(position, variable, value, problem);
+  auto [lower, upper] = allowedRange(constraint, value);
+  if (lower <= variable.upper && upper >= variable.lower) {
     lower = std::max(lower, variable.lower);
     upper = std::min(upper, variable.upper);
   }
   given[at(v)] = {true, lower, upper, position.line()};
+}
+
+/// A joint constraint of the path: narrower limits of a planned joint. Other joints stay, and are
+/// looked at where they are.
+void readPathJoint(const YamlReader& constraint, std::vector<char>& seen, Problem& problem) {
+  const Model& model = *problem.robot.model;
+  const YamlReader position = constraint.at("position", "a number");
+  const int v = constrainedVariable(constraint, problem);
+  const robots::Variable& variable = model.variables[at(v)];
+  if (seen[at(v)]++ != 0)
+    constraint.fail(fmt::format("joint '{}' has two constraints; one is expected", variable.name));
+  double& start = problem.start[at(v)];
+  const bool is_free = turnsFreely(model, v);
+  const double middle = position.number();
+  auto [lower, upper] = allowedRange(constraint, is_free ? turnedNear(middle, start) : middle);
+  if (is_free && upper - lower >= 2 * std::numbers::pi) return;
+  if (!isPlanned(problem, v)) {
+    if (start >= lower - kLimitSlack && start <= upper + kLimitSlack) return;
+    position.fail(fmt::format(
+        "joint '{}' is not planned and stands at {}; {} allows {} to {}; a start there is expected",
+        variable.name, start, constraint.where(), lower, upper));
+  }
+  if (!(lower <= variable.upper && upper >= variable.lower))
+    position.fail(fmt::format(
+        "{} allows joint '{}' from {} to {}, outside its limits; a range that "
+        "meets {} to {} is expected",
+        constraint.where(), variable.name, lower, upper, variable.lower, variable.upper));
+  const std::size_t axis = variable.name.find('/');
+  const robots::Joint& joint = model.joints[at(variable.joint)];
+  const robots::JointBound bound{
+      std::max(lower, variable.lower), std::min(upper, variable.upper), false,
+      fmt::format("{} at {}:{}", constraint.where(), position.file(), position.line())};
+  const bool has_axes = joint.type == JointType::kPlanar || joint.type == JointType::kFloating;
+  try {
+    problem.robot.model = robots::withBounds(
+        model, {{joint.name, {{has_axes ? variable.name.substr(axis + 1) : "", bound}}}});
+  } catch (const std::invalid_argument& error) {
+    position.fail(fmt::format("{}: {}", constraint.where(), error.what()));
+  }
+  takeOntoLimit(position, problem.robot.model->variables[at(v)], start, problem);
 }
 
 Goal readConstraints(const YamlReader& map, const std::string& name, Problem& problem) {
@@ -178,15 +249,19 @@ void readPathConstraints(const YamlReader& request, Problem& problem) {
   const auto constraints = request.find("path_constraints");
   refuseContent(request, "trajectory_constraints", "a path without these");
   if (!hasContent(constraints)) return;
-  for (const char* key : {"joint_constraints", "visibility_constraints"})
-    refuseContent(*constraints, key, "a path without these");
+  refuseContent(*constraints, "visibility_constraints", "a path without these");
+  if (const auto joints = constraints->find("joint_constraints"); hasContent(joints)) {
+    std::vector<char> seen(problem.robot.model->variables.size(), 0);
+    for (const YamlReader& constraint : joints->items()) readPathJoint(constraint, seen, problem);
+  }
   if (const auto positions = constraints->find("position_constraints"); hasContent(positions))
     for (const YamlReader& constraint : positions->items())
       problem.constraints.push_back(readPathPosition(constraint, problem));
   if (const auto orientations = constraints->find("orientation_constraints");
       hasContent(orientations))
     for (const YamlReader& constraint : orientations->items())
-      problem.constraints.push_back(readPathOrientation(constraint, problem));
+      if (auto path = readPathOrientation(constraint, problem))
+        problem.constraints.push_back(std::move(*path));
 }
 
 }  // namespace
@@ -208,8 +283,9 @@ void readRequestGroup(const YamlReader& request, Problem& problem) {
 }
 
 void readRequestGoals(const YamlReader& request, Problem& problem) {
-  readGoalConstraints(request, problem);
+  // Limits that the path narrows hold for goals, too.
   readPathConstraints(request, problem);
+  readGoalConstraints(request, problem);
 }
 
 }  // namespace leeway::planner

@@ -103,6 +103,11 @@ class MoveitImport : public testing::Test {
     }
     return "accepted";
   }
+  static bool warns(const Problem& problem, const std::string& what) {
+    return std::any_of(problem.warnings.begin(), problem.warnings.end(), [&](const auto& warning) {
+      return warning.find(what) != std::string::npos;
+    });
+  }
   double start(const Problem& problem, const std::string& variable) const {
     return problem.start[static_cast<std::size_t>(model_->findVariable(variable))];
   }
@@ -511,8 +516,30 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
   expect(kScene, request + "path_constraints: {orientation_constraints: [{link_name: left}]}\n",
          "request.yaml:13: key 'orientation' is missing in "
          "path_constraints.orientation_constraints[0]");
-  expect(kScene, request + "path_constraints: {joint_constraints: [{joint_name: left_joint}]}\n",
-         "request.yaml:13: path_constraints.joint_constraints is not supported");
+  const auto withPathJoint = [&](const std::string& text) {
+    return request + "path_constraints: {joint_constraints: [" + text + "]}\n";
+  };
+  const std::string whole = "path_constraints.joint_constraints[0]";
+  expect(kScene, withPathJoint("{joint_name: left_joint}"),
+         "request.yaml:13: key 'position' is missing in " + whole);
+  expect(kScene, withPathJoint("{joint_name: lft_joint, position: 0}"),
+         "request.yaml:13: unknown joint 'lft_joint' in " + whole + "; did you mean 'left_joint'?");
+  expect(kScene,
+         withPathJoint("{joint_name: left_joint, position: 0, tolerance_above: 1}, {joint_name: "
+                       "left_joint, position: 0}"),
+         "request.yaml:13: joint 'left_joint' has two constraints; one is expected");
+  expect(kScene, withPathJoint("{joint_name: left_joint, position: 9, tolerance_above: 1}"),
+         "request.yaml:13: " + whole +
+             " allows joint 'left_joint' from 9 to 10, outside its limits; a range that meets "
+             "-3.14159 to 3.14159 is expected");
+  expect(kScene, withPathJoint("{joint_name: right_joint, position: 0, tolerance_above: 0.4}"),
+         "request.yaml:11: goal has joint 'right_joint' at 1, outside its limits; 0 to 0.4 is "
+         "expected, because of " +
+             whole + " at ");
+  expect(kScene, withPathJoint("{joint_name: right_joint, position: 1, tolerance_below: 0.4}"),
+         "request.yaml: start has joint 'right_joint' at 0.5, outside its limits; 0.6 to 1 is "
+         "expected, because of " +
+             whole + " at ");
   expect(kScene,
          request +
              "path_constraints: {orientation_constraints: [{link_name: left, orientation: [0, 0, "
@@ -870,6 +897,117 @@ TEST_F(MoveitImport, ConstraintsOfPosesAllowNoMoreThanMoveitDoes) {
         EXPECT_LE(std::abs(std::asin(D(0, 2))), 0.2);
       }
   EXPECT_GT(turn.rpy[2].second, 0.0999);
+}
+
+/// Joint constraints of the path are limits of planned joints, and must hold for the others where
+/// they stand.
+TEST_F(MoveitImport, JointConstraintsOfThePathNarrowLimits) {
+  const auto withPath = [](const std::string& constraints, std::string request = kRequest) {
+    return request + "path_constraints:\n  joint_constraints:\n" + constraints;
+  };
+  const auto limits = [](const Problem& problem, const std::string& name) {
+    const robots::Model& model = *problem.robot.model;
+    const robots::Variable& v = model.variables[static_cast<std::size_t>(model.findVariable(name))];
+    return std::make_pair(v.lower, v.upper);
+  };
+  // The start is 0.25, 7 and 0.5; the goal at -3.14, -0.5 and 1.
+  Problem problem = load(
+      kScene,
+      withPath(
+          "    - {joint_name: left_joint, position: -1, tolerance_below: 9, tolerance_above: 2}\n"
+          "    - {joint_name: right_joint, position: 0.75, tolerance_below: 0.25, "
+          "tolerance_above: 0.25}\n"
+          "    - {joint_name: left_tip_joint, position: 0.5, tolerance_below: 1.5, "
+          "tolerance_above: 1, weight: 1}\n"));
+  EXPECT_EQ(limits(problem, "left_joint"), std::make_pair(-3.14159, 1.0));
+  EXPECT_EQ(limits(problem, "right_joint"), std::make_pair(0.5, 1.0));
+  // MoveIt does not tell whole turns apart: the range is about the start, and so is the goal.
+  const double turn = 2 * M_PI;
+  EXPECT_NEAR(limits(problem, "left_tip_joint").first, turn - 1, 1e-12);
+  EXPECT_NEAR(limits(problem, "left_tip_joint").second, turn + 1.5, 1e-12);
+  ASSERT_EQ(problem.goals.size(), 1U);
+  EXPECT_NEAR(problem.goals[0].ranges[1].first, turn - 0.5, 1e-12);
+  // The robot that others share stays as it is.
+  EXPECT_EQ(model_->variables[static_cast<std::size_t>(model_->findVariable("left_joint"))].upper,
+            3.14159);
+  // A goal's range is cut to the range that the path allows.
+  problem = load(kScene, withPath("    - {joint_name: left_joint, position: 0, tolerance_below: 2, "
+                                  "tolerance_above: 2}\n",
+                                  replaced(kRequest, "{position: -3.14159265, joint_name",
+                                           "{position: -1.8, tolerance_below: 0.5, "
+                                           "tolerance_above: 0.5, joint_name")));
+  EXPECT_EQ(problem.goals[0].ranges[0], std::make_pair(-2.0, -1.3));
+  // More than a turn keeps nothing of a joint without limits.
+  problem =
+      load(kScene, withPath("    - {joint_name: left_tip_joint, position: 0, tolerance_below: "
+                            "3.15, tolerance_above: 3.15}\n"));
+  EXPECT_TRUE(std::isinf(limits(problem, "left_tip_joint").second));
+  // A start just outside is moved onto the limit.
+  problem = load(kScene, withPath("    - {joint_name: right_joint, position: 1, tolerance_below: "
+                                  "0.499995}\n"));
+  EXPECT_EQ(problem.start[static_cast<std::size_t>(model_->findVariable("right_joint"))],
+            1 - 0.499995);
+  EXPECT_TRUE(warns(problem, "joint 'right_joint' at 0.5 is moved onto its limit"));
+}
+
+TEST_F(MoveitImport, JointConstraintsOfUnplannedJointsMustHoldAtTheStart) {
+  std::string request = replaced(kRequest, "group_name: both", "group_name: left");
+  request = replaced(request, "      - {joint_name: right_joint, position: 1}\n", "");
+  const auto with = [&](const std::string& tolerance) {
+    return request + "path_constraints: {joint_constraints: [{joint_name: right_joint, position: " +
+           "0.4, tolerance_above: " + tolerance + "}]}\n";
+  };
+  EXPECT_EQ(messageOf(kScene, with("0.1")), "accepted");
+  EXPECT_EQ(messageOf(kScene, with("0.05"))
+                .find("request.yaml:12: joint 'right_joint' is not planned and stands at 0.5; "
+                      "path_constraints.joint_constraints[0] allows 0.4 to 0.45"),
+            0U)
+      << messageOf(kScene, with("0.05"));
+}
+
+/// Beyond a right angle MoveIt's three angles do not bound a turn: the path keeps a right angle,
+/// with a warning. A constraint that allows any rotation is left out.
+TEST_F(MoveitImport, WideOrientationConstraintsOfThePathAreNarrowed) {
+  const auto with = [&](const std::string& tolerances, const std::string& more = "") {
+    return std::string(kRequest) +
+           "path_constraints: {orientation_constraints: [{link_name: left, orientation: [0, 0, 0, "
+           "1], " +
+           more + tolerances + "}]}\n";
+  };
+  const auto keys = [](double x, double y, double z) {
+    return "absolute_x_axis_tolerance: " + std::to_string(x) +
+           ", absolute_y_axis_tolerance: " + std::to_string(y) +
+           ", absolute_z_axis_tolerance: " + std::to_string(z);
+  };
+  const Problem narrow = load(kScene, with(keys(0.2, 0.3, 0.4)));
+  const std::size_t warnings = narrow.warnings.size();
+  ASSERT_EQ(narrow.constraints.size(), 1U);
+  EXPECT_EQ(narrow.constraints[0].angle, 0.2);
+  EXPECT_EQ(narrow.constraints[0].turn, Constraint::Turn::kFixed);
+  Problem wide = load(kScene, with(keys(2, 2.5, 3.14)));
+  ASSERT_EQ(wide.constraints.size(), 1U);
+  EXPECT_EQ(wide.constraints[0].angle, 1.57);
+  EXPECT_EQ(wide.constraints[0].turn, Constraint::Turn::kAxis);
+  EXPECT_EQ(wide.constraints[0].axis, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(wide.warnings.size(), warnings + 1);
+  EXPECT_TRUE(warns(wide,
+                    "request.yaml:13: path_constraints.orientation_constraints[0] allows turns of "
+                    "2 rad; the path keeps 1.57 rad"));
+  // One narrow angle bounds it.
+  wide = load(kScene, with(keys(2, 0.1, 2)));
+  EXPECT_EQ(wide.constraints[0].angle, 0.1);
+  EXPECT_EQ(wide.warnings.size(), warnings);
+  for (const double y : {1.571, 2.0, 6.3}) {
+    const Problem any = load(kScene, with(keys(6.3, y, 3.15)));
+    EXPECT_TRUE(any.constraints.empty()) << y;
+    EXPECT_EQ(any.warnings.size(), warnings + 1);
+    EXPECT_TRUE(warns(any, "allows any rotation; it is left out"));
+  }
+  EXPECT_NE(messageOf(kScene, with(keys(6.3, 1.5, 6.3))).find("leaves turns free"),
+            std::string::npos);
+  EXPECT_NE(
+      messageOf(kScene, with(keys(6.3, 2, 6.3), "parameterization: 1, ")).find("leaves turns"),
+      std::string::npos);
 }
 
 TEST_F(MoveitImport, AFloatingBaseStandsWhereTheRequestSays) {
