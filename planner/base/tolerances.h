@@ -664,6 +664,9 @@ constexpr double kProjectionShare = 0.1;  ///< error, as a share of the toleranc
 constexpr double kTiltShare = 0.8;        ///< greatest tilt, as a share of the tolerance
 constexpr double kMostTilt = 1.2;         ///< greatest tilt [rad], below a right angle
 
+/// States that a condition is given at once.
+constexpr double kConditionStates = 256;
+
 /// Edges of one way along constraints, and its shortest step as a share of its longest.
 constexpr int kWayEdges = 100;
 constexpr double kShortestWayStep = 1.0 / 256;

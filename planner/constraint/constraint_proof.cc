@@ -21,23 +21,39 @@ double angleOfChord(double chord) {
   return chord < 2 ? 2 * std::asin(chord / 2) * (1 + kLineRounding) : 4;
 }
 
+/// Whether a constraint keeps a place. How far its frame leaves chords matters to no other one.
+bool keepsPlace(const Constraint& constraint) {
+  return std::any_of(constraint.position.begin(), constraint.position.end(), [](const auto& range) {
+    return std::isfinite(range.first) || std::isfinite(range.second);
+  });
+}
+
+/// Angles of continuous joints within half a turn, so that a condition sees one place once.
+void turnOnce(const ConfigurationSpace& space, std::span<double> state) {
+  for (const ConfigurationSpace::Part& part : space.parts())
+    if (part.kind == ConfigurationSpace::Kind::kCircle)
+      state[at(part.first)] = std::remainder(state[at(part.first)], 2 * std::numbers::pi);
+}
+
 }  // namespace
 
-ConstraintProof::ConstraintProof(const CompiledScene& scene, const Problem& problem) {
+ConstraintProof::ConstraintProof(const CompiledScene& scene, const Problem& problem)
+    : scene_(&scene), condition_(problem.condition) {
   for (const Constraint& constraint : problem.constraints) {
     const robots::PoseRegion frame = frameOf(problem, constraint);
-    parts_.push_back({constraint, frame.X_WR, FrameMotion(scene, frame.link, frame.X_LF), {}});
+    parts_.push_back(
+        {constraint, frame.X_WR, FrameMotion(scene, frame.link, frame.X_LF, frame.base), {}});
     parts_.back().constraint.axis.normalize();
     parts_.back().constraint.direction.normalize();
   }
 }
 
-ConstraintProof::Error ConstraintProof::errorOf(const Part& part, const robots::Pose& X_WF) {
+ConstraintProof::Error ConstraintProof::errorOf(const Part& part, const robots::Pose& X_BF) {
   const Constraint& constraint = part.constraint;
   Error error;
-  const Eigen::Matrix3d R_RF = part.X_WR.rotation.transpose() * X_WF.rotation;
+  const Eigen::Matrix3d R_RF = part.X_BR.rotation.transpose() * X_BF.rotation;
   const Eigen::Vector3d p =
-      part.X_WR.rotation.transpose() * (X_WF.translation - part.X_WR.translation);
+      part.X_BR.rotation.transpose() * (X_BF.translation - part.X_BR.translation);
   Eigen::Vector3d outside;
   for (Eigen::Index i = 0; i < 3; ++i) {
     const auto& [from, to] = constraint.position[static_cast<std::size_t>(i)];
@@ -72,19 +88,40 @@ double ConstraintProof::angleOf(const Constraint& constraint, const Error& error
 
 bool ConstraintProof::isWithin(const Constraint& constraint, const Error& error) {
   // Both comparisons are false for NaN, which is therefore outside.
-  return error.position <= kConstraintShare * constraint.position_tolerance &&
+  return (!keepsPlace(constraint) ||
+          error.position <= kConstraintShare * constraint.position_tolerance) &&
          angleOf(constraint, error) <= kConstraintShare * constraint.angle;
 }
 
 bool ConstraintProof::holds(std::span<const double> point) {
-  return std::all_of(parts_.begin(), parts_.end(), [&](Part& part) {
-    const Error error = errorOf(part, part.motion.poseAt(point));
-    return isWithin(part.constraint, over(error, error, part.motion.rounding()));
-  });
+  return std::all_of(parts_.begin(), parts_.end(),
+                     [&](Part& part) {
+                       const Error error = errorOf(part, part.motion.poseAt(point));
+                       return isWithin(part.constraint, over(error, error, part.motion.rounding()));
+                     }) &&
+         isAccepted(point, point);
 }
 
 bool ConstraintProof::holds(std::span<const double> a, std::span<const double> b) {
-  return std::all_of(parts_.begin(), parts_.end(), [&](Part& part) { return holds(part, a, b); });
+  return std::all_of(parts_.begin(), parts_.end(), [&](Part& part) { return holds(part, a, b); }) &&
+         isAccepted(a, b);
+}
+
+bool ConstraintProof::isAccepted(std::span<const double> a, std::span<const double> b) {
+  if (!condition_.accept) return true;
+  const ConfigurationSpace& space = scene_->space();
+  const double parts = std::ceil(space.distance(a, b) / condition_.resolution);
+  for (double first = 0; first <= parts; first += kConditionStates) {
+    const double count = std::min(parts - first + 1, kConditionStates);
+    states_.resize(a.size() * static_cast<std::size_t>(count));
+    for (double i = 0; i < count; ++i) {
+      const std::span<double> state(&states_[a.size() * static_cast<std::size_t>(i)], a.size());
+      space.interpolate(a, b, parts > 0 ? (first + i) / parts : 0, state);
+      turnOnce(space, state);
+    }
+    if (!condition_.accept(states_)) return false;
+  }
+  return true;
 }
 
 bool ConstraintProof::holds(Part& part, std::span<const double> a, std::span<const double> b) {
@@ -104,7 +141,8 @@ bool ConstraintProof::holds(Part& part, std::span<const double> a, std::span<con
     open_.pop_back();
     const Error most = over(span.e0, span.e1, motion.departure(span.t0, span.t1));
     if (isWithin(part.constraint, most)) {
-      part.worst.deviation = std::max(part.worst.deviation, most.position);
+      if (keepsPlace(part.constraint))
+        part.worst.deviation = std::max(part.worst.deviation, most.position);
       part.worst.angle = std::max(part.worst.angle, angleOf(part.constraint, most));
       continue;
     }
@@ -130,19 +168,28 @@ std::string ConstraintProof::fault(std::span<const double> point) {
           constraint.name, constraint.frame, what, off, unit, kConstraintShare * tolerance, unit,
           100 * kConstraintShare);
     };
-    if (!(error.position <= kConstraintShare * constraint.position_tolerance))
+    if (keepsPlace(constraint) &&
+        !(error.position <= kConstraintShare * constraint.position_tolerance))
       return text("off where it may be by", error.position, "m", constraint.position_tolerance);
     return text("turned by", angleOf(constraint, error), "rad", constraint.angle);
   }
-  return {};
+  return isAccepted(point, point) ? "" : "the condition does not accept it";
 }
 
 std::optional<std::vector<ConstraintResult>> ConstraintProof::prove(
-    const std::vector<std::vector<double>>& points) {
+    const std::vector<std::vector<double>>& points, Broken* broken) {
   std::vector<ConstraintResult> results;
+  const auto fail = [&](std::size_t edge, const std::string& what) {
+    if (broken != nullptr) *broken = {edge, what};
+    return std::nullopt;
+  };
   for (Part& part : parts_) part.worst = {part.constraint.name, 0, 0};
-  for (std::size_t i = 0; i + 1 < points.size(); ++i)
-    if (!holds(points[i], points[i + 1])) return std::nullopt;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    for (Part& part : parts_)
+      if (!holds(part, points[i], points[i + 1]))
+        return fail(i, fmt::format("constraint '{}' is not proven to hold", part.constraint.name));
+    if (!isAccepted(points[i], points[i + 1])) return fail(i, "the condition does not hold");
+  }
   for (const Part& part : parts_) results.push_back(part.worst);
   return results;
 }

@@ -106,15 +106,19 @@ std::vector<std::pair<std::string, std::string>> certificateEntries(
   for (std::size_t i = 0; i < certificate.segments.size(); ++i)
     segments += fmt::format("{}{{\"clearance_lower\": {}}}", i > 0 ? ", " : "",
                             numberText(certificate.segments[i].lower));
-  return {{"certified", certificate.certified ? "true" : "false"},
-          {"interpolation", quotedText(space.interpolation())},
-          {"margin", numberText(problem.margins.common)},
-          {"tracking_tolerance", numberText(trackingTolerance(problem, certificate))},
-          {"clearance_lower", numberText(certificate.clearance.lower)},
-          {"clearance_upper", numberText(certificate.clearance.upper)},
-          {"closest", closest},
-          {"segments", segments + "]"},
-          {"not_checked", dumped(uncheckedJson(certificate.unchecked))}};
+  std::vector<std::pair<std::string, std::string>> entries = {
+      {"certified", certificate.certified ? "true" : "false"},
+      {"interpolation", quotedText(space.interpolation())},
+      {"margin", numberText(problem.margins.common)},
+      {"tracking_tolerance", numberText(trackingTolerance(problem, certificate))},
+      {"clearance_lower", numberText(certificate.clearance.lower)},
+      {"clearance_upper", numberText(certificate.clearance.upper)},
+      {"closest", closest},
+      {"segments", segments + "]"},
+      {"not_checked", dumped(uncheckedJson(certificate.unchecked))}};
+  if (!certificate.conditions.empty())
+    entries.emplace_back("conditions", quotedText(certificate.conditions));
+  return entries;
 }
 
 std::string jsonHead(const Problem& problem, const std::vector<std::string>& names) {

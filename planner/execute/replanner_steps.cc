@@ -42,10 +42,10 @@ const Problem& executable(const Problem& problem) {
   };
   validate(problem);
   requireGoals(problem, "a Replanner");
-  if (!problem.constraints.empty())
-    throw robots::InputError(
-        problem.name, 0,
-        "there are constraints, which a Replanner does not keep; none are expected");
+  if (isConstrained(problem))
+    throw robots::InputError(problem.name, 0,
+                             "there are constraints or a condition, which a Replanner does not "
+                             "keep; none are expected");
   if (!(e.look_ahead <= kLongestLookAhead * e.step))
     refuse(fmt::format("execution.look_ahead is {}; at most {} steps of {} s is expected",
                        e.look_ahead, kLongestLookAhead, e.step));

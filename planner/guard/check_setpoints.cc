@@ -13,6 +13,7 @@
 #include "planner/guard/brake.h"
 #include "planner/guard/setpoint_motion.h"
 #include "planner/guard/setpoint_proof.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
@@ -24,8 +25,8 @@ const Problem& guardable(const Problem& problem) {
     throw robots::InputError(problem.name, 0, fmt::format("Guard: there are {}", what));
   };
   if (!problem.steps.empty()) refuse("steps, which a Guard does not follow; none are expected");
-  if (!problem.constraints.empty())
-    refuse("constraints, which a Guard does not keep; none are expected");
+  if (isConstrained(problem))
+    refuse("constraints or a condition, which a Guard does not keep; none are expected");
   return problem;
 }
 

@@ -18,6 +18,13 @@
 namespace leeway::planner {
 namespace {
 
+/// Fails where a key stands without what it belongs to: it would be ignored.
+void expectBeside(const YamlReader& map, const char* key, bool is_there, const char* what) {
+  if (const auto given = map.find(key); given && !is_there)
+    given->fail(
+        fmt::format("key '{}' stands without {}, whose it is; both are expected", key, what));
+}
+
 using Range = std::pair<double, double>;
 
 /// Reads a number, a pair [from, to], or `any`, which means from -any to any.
@@ -85,6 +92,9 @@ FramePose readFramePose(const YamlReader& map, std::vector<std::string>& warning
     if (rpy) readRanges(*rpy, std::numbers::pi, kLargestAngle, pose.rpy);
     takeExactTurns(pose);
   }
+  expectBeside(map, "position_tolerance", position.has_value(), "'position'");
+  expectBeside(map, "angle_tolerance", rpy.has_value() || orientation.has_value(),
+               "'rpy' or 'orientation'");
   for (const auto& [key, tolerance] : {std::pair("position_tolerance", &pose.position_tolerance),
                                        {"angle_tolerance", &pose.angle_tolerance}})
     if (const auto given = map.find(key)) *tolerance = given->number();
@@ -184,15 +194,10 @@ Constraint readConstraint(const YamlReader& map, const std::string& name, Proble
     // No default angle suits both a cup and a camera.
     map.at("angle", "how far the axis may be from its direction [rad]");
   }
-  const auto expectBeside = [&](const char* key, bool is_there, const char* what) {
-    if (const auto given = map.find(key); given && !is_there)
-      given->fail(
-          fmt::format("key '{}' stands without {}, whose it is; both are expected", key, what));
-  };
-  expectBeside("direction", axis.has_value(), "'axis'");
-  expectBeside("angle", constraint.turn != Constraint::Turn::kAny,
+  expectBeside(map, "direction", axis.has_value(), "'axis'");
+  expectBeside(map, "angle", constraint.turn != Constraint::Turn::kAny,
                "'axis', 'rpy' or 'orientation'");
-  expectBeside("position_tolerance", map.has("position"), "'position'");
+  expectBeside(map, "position_tolerance", map.has("position"), "'position'");
   if (const auto direction = map.find("direction")) constraint.direction = direction->vector3();
   constraint.position_tolerance =
       optionalNumber(map, "position_tolerance", constraint.position_tolerance);

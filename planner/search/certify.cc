@@ -299,4 +299,9 @@ std::optional<std::vector<ConstraintResult>> proveConstraints(const CompiledScen
   return ConstraintProof(scene, problem).prove(edgesOf(scene.space(), path).path.positions);
 }
 
+std::string brokenConstraint(const CompiledScene& scene, const Problem& problem,
+                             std::span<const double> point) {
+  return ConstraintProof(scene, problem).fault(point);
+}
+
 }  // namespace leeway::planner

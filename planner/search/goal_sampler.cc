@@ -31,9 +31,10 @@ std::string contactText(const EdgeCertifier& certifier, const StateCheck& check)
 }
 
 /// Whether points drawn uniformly from each region can be reached. They cannot if a position is
-/// `any`, or if two regions are of one link.
+/// `any`, if two regions are of one link, or if a region moves.
 bool canDrawEvenly(const std::vector<robots::PoseRegion>& poses) {
   for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (poses[i].base >= 0) return false;
     for (const auto& [from, to] : poses[i].position)
       if (to - from > kWidestDraw) return false;
     for (std::size_t k = 0; k < i; ++k)
@@ -56,7 +57,7 @@ GoalSampler::GoalSampler(EdgeCertifier& certifier, const Problem& problem, std::
     const bool evenly = canDrawEvenly(poses);
     pose_goals_.push_back({g, std::move(poses), evenly});
   }
-  if (!problem.constraints.empty()) constraints_.emplace(certifier.scene(), problem);
+  if (isConstrained(problem)) constraints_.emplace(certifier.scene(), problem);
   difference_.resize(at(space.size()));
   if (!pose_goals_.empty())
     kinematics_ =

@@ -43,7 +43,9 @@ bool posesHold(const CompiledScene& scene, const Goal& goal, std::span<const dou
   scene.expand(q, configuration);
   robots::forwardKinematics(model, configuration, X_WL);
   return std::all_of(goal.poses.begin(), goal.poses.end(), [&](const robots::PoseRegion& region) {
-    const robots::PoseError error = robots::poseError(region, X_WL[at(region.link)]);
+    const robots::Pose& X_link = X_WL[at(region.link)];
+    const robots::PoseError error = robots::poseError(
+        region, region.base < 0 ? X_link : X_WL[at(region.base)].inverse() * X_link);
     return error.position <= region.position_tolerance && error.angle <= region.angle_tolerance;
   });
 }

@@ -72,7 +72,7 @@ class Plan {
   }
 
  private:
-  bool isConstrained() const { return !problem_.constraints.empty(); }
+  bool isConstrained() const { return planner::isConstrained(problem_); }
   bool wantsCost() const { return cost_ != nullptr; }
   bool wantsLength() const {
     return !wantsCost() && std::holds_alternative<MinimumLength>(problem_.objective);
@@ -314,6 +314,7 @@ class Plan {
       auto proven = proveConstraints(*scene_, problem_, result_.path);
       result_.certificate.certified = result_.certificate.certified && proven;
       if (proven) result_.certificate.constraints = std::move(*proven);
+      if (proven && problem_.condition.accept) result_.certificate.conditions = kSampled;
     }
     return result_.certificate.certified;
   }

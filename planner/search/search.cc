@@ -20,6 +20,7 @@
 #include "planner/search/run_seed.h"
 #include "planner/space/ompl_lock.h"
 #include "planner/space/ompl_planners.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
@@ -142,7 +143,7 @@ std::optional<Waypoints> Search::connect(std::uint64_t seed, std::uint64_t budge
                      bound,
                      bound < kInfinity ? kImproveRun : kConnectRun,
                      {},
-                     task_.problem.constraints.empty() ? nullptr : &task_.problem};
+                     isConstrained(task_.problem) ? &task_.problem : nullptr};
   const ConnectChoice choice = connectChoice(parameters_, scene_->space());
   GoalSupply* supply = bound < kInfinity ? nullptr : task_.supply;
   if (supply != nullptr) {
@@ -291,7 +292,7 @@ bool Search::endInGoal(Waypoints& path) {
 }
 
 bool Search::keepsConstraints(const Waypoints& path) const {
-  if (task_.problem.constraints.empty()) return true;
+  if (!isConstrained(task_.problem)) return true;
   ConstraintProof proof(*scene_, task_.problem);
   for (std::size_t i = 1; i < path.size(); ++i)
     if (!proof.holds(path[i - 1], path[i])) return false;

@@ -64,10 +64,16 @@ std::optional<std::string> startFault(const Problem& problem);
 std::optional<std::string> posesFault(const Problem& problem,
                                       const std::vector<robots::PoseRegion>& poses);
 
+/// Certificate::conditions of a problem with a condition.
+inline constexpr const char* kSampled = "sampled";
+/// Whether paths keep more than margins: constraints, or a condition.
+inline bool isConstrained(const Problem& problem) {
+  return !problem.constraints.empty() || problem.condition.accept;
+}
 /// Returns the fault of one constraint: "WHERE.angle is ...".
 std::optional<Fault> constraintFault(const Problem& problem, const Constraint& constraint,
                                      const std::string& where);
-/// Returns why a problem with constraints cannot be planned.
+/// Returns why a problem with constraints, or with a condition, cannot be planned.
 std::optional<std::string> constraintsFault(const Problem& problem);
 
 /// Returns the fault of a pose, "is at (nan, 0, 0); ...", to follow "the pose of 'a'" in a message;
@@ -129,8 +135,9 @@ Problem detached(const Problem& problem, const std::string& object,
 std::vector<robots::Geometry> placedShapes(const Problem& problem, const std::string& name,
                                            std::span<const double> configuration);
 std::vector<PointCloud::Ball> robotReach(const Problem& problem);
-/// poseRegion() for a problem that passed checkRobot().
-robots::PoseRegion regionOf(const Problem& problem, const FramePose& pose);
+/// poseRegion() for a problem that passed checkRobot(). `base_moves`: whether it may be relative to what planned joints move, which
+/// is then the region's base.
+robots::PoseRegion regionOf(const Problem& problem, const FramePose& pose, bool base_moves = false);
 /// The region for a constraint's frame F, seen from its reference frame, that allows any pose.
 robots::PoseRegion frameOf(const Problem& problem, const Constraint& constraint);
 /// Returns regions in which a constraint holds, as targets of inverse kinematics. They leave room

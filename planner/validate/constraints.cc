@@ -60,7 +60,7 @@ Constraint upright(const std::string& frame, const Eigen::Vector3d& axis, double
 }
 
 robots::PoseRegion frameOf(const Problem& problem, const Constraint& constraint) {
-  robots::PoseRegion frame = regionOf(problem, anyPose(constraint));
+  robots::PoseRegion frame = regionOf(problem, anyPose(constraint), true);
   frame.X_WR = frame.X_WR * constraint.X_SR;
   return frame;
 }
@@ -83,7 +83,7 @@ std::vector<robots::PoseRegion> regionsOf(const Problem& problem, const Constrai
     place.angle_tolerance = kProjectionShare * constraint.angle;
   }
   const auto add = [&](const FramePose& pose) {
-    regions.push_back(regionOf(problem, pose));
+    regions.push_back(regionOf(problem, pose, true));
     regions.back().X_WR = regions.back().X_WR * constraint.X_SR;
   };
   if (has_place || constraint.turn == Turn::kFixed) add(place);
@@ -147,7 +147,11 @@ std::optional<Fault> constraintFault(const Problem& problem, const Constraint& c
 }
 
 std::optional<std::string> constraintsFault(const Problem& problem) {
-  if (problem.constraints.empty()) return std::nullopt;
+  if (!isConstrained(problem)) return std::nullopt;
+  if (problem.condition.accept &&
+      !(problem.condition.resolution > 0 && std::isfinite(problem.condition.resolution)))
+    return fmt::format("condition.resolution is {}; a distance above 0 is expected",
+                       problem.condition.resolution);
   std::set<std::string_view> names;
   for (std::size_t i = 0; i < problem.constraints.size(); ++i)
     if (const std::string& name = problem.constraints[i].name;
@@ -155,23 +159,21 @@ std::optional<std::string> constraintsFault(const Problem& problem) {
       return fmt::format(
           "constraints[{}]: two constraints are named '{}'; a name of its own is expected for each",
           i, name);
+  const std::string what =
+      problem.constraints.empty() ? "there is a condition" : "there are constraints";
   if (!problem.steps.empty())
-    return "there are constraints beside steps, which do not keep them; goals are expected";
+    return what + " beside steps, which do not keep them; goals are expected";
   if (!std::holds_alternative<MinimumLength>(problem.objective) || asksForCost(problem))
-    return "there are constraints, and another objective than length; length without wishes is "
-           "expected";
+    return what + ", and another objective than length; length without wishes is expected";
   if (findPlanner(problem.planner.name) != findPlanner("Connect"))
-    return fmt::format(
-        "there are constraints, which planner '{}' does not keep; Connect is "
-        "expected",
-        problem.planner.name);
+    return fmt::format("{}, which planner '{}' does not keep; Connect is expected", what,
+                       problem.planner.name);
   const auto improve = problem.planner.parameters.find("improve");
   if (improve != problem.planner.parameters.end() && parameterNumber(improve->second) != 0.0)
-    return "there are constraints, which planner.parameters.improve does not keep; a planner "
-           "without it is expected";
+    return what +
+           ", which planner.parameters.improve does not keep; a planner without it is expected";
   if (problem.execution.corners == Corners::kBlend)
-    return "there are constraints, which corners that are cut do not keep; execution.corners stop "
-           "is expected";
+    return what + ", which corners that are cut do not keep; execution.corners stop is expected";
   return std::nullopt;
 }
 

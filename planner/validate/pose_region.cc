@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "collision/base/numbers.h"
@@ -23,18 +24,22 @@ struct Place {
   Pose X_LF;
 };
 
+/// Whether a joint has a planned variable, or follows one that has.
+bool isMoved(const Problem& problem, int j) {
+  const Model& model = *problem.robot.model;
+  while (model.joints[at(j)].mimic >= 0) j = model.joints[at(j)].mimic;
+  const robots::Joint& joint = model.joints[at(j)];
+  return std::any_of(problem.robot.variables.begin(), problem.robot.variables.end(), [&](int v) {
+    return joint.variable_count > 0 && v >= joint.first_variable &&
+           v < joint.first_variable + joint.variable_count;
+  });
+}
+
 /// Whether a planned variable moves the link: one of a joint above it, or of such a joint's master.
 bool moves(const Problem& problem, int link) {
   const Model& model = *problem.robot.model;
-  for (int l = link; l >= 0; l = model.joints[at(model.links[at(l)].joint)].parent_link) {
-    int j = model.links[at(l)].joint;
-    while (model.joints[at(j)].mimic >= 0) j = model.joints[at(j)].mimic;
-    const robots::Joint& joint = model.joints[at(j)];
-    for (const int v : problem.robot.variables)
-      if (joint.variable_count > 0 && v >= joint.first_variable &&
-          v < joint.first_variable + joint.variable_count)
-        return true;
-  }
+  for (int l = link; l >= 0; l = model.joints[at(model.links[at(l)].joint)].parent_link)
+    if (isMoved(problem, model.links[at(l)].joint)) return true;
   return false;
 }
 
@@ -58,7 +63,27 @@ std::vector<std::string> namesOnRobot(const Problem& problem) {
   return names;
 }
 
-Pose referencePose(const Problem& problem, const std::string& name) {
+/// Whether planned variables move two links against each other.
+bool movesApart(const Problem& problem, int a, int b) {
+  const Model& model = *problem.robot.model;
+  const auto jointsAbove = [&](int link) {
+    std::vector<int> joints;
+    for (; link >= 0; link = model.joints[at(joints.back())].parent_link)
+      joints.push_back(model.links[at(link)].joint);
+    return joints;
+  };
+  std::vector<int> above_a = jointsAbove(a), above_b = jointsAbove(b);
+  while (!above_a.empty() && !above_b.empty() && above_a.back() == above_b.back()) {
+    above_a.pop_back();
+    above_b.pop_back();
+  }
+  const auto isPlanned = [&](int joint) { return isMoved(problem, joint); };
+  return std::any_of(above_a.begin(), above_a.end(), isPlanned) ||
+         std::any_of(above_b.begin(), above_b.end(), isPlanned);
+}
+
+/// The pose of a reference frame in the world, or in the link `base` that planned variables move.
+Pose referencePose(const Problem& problem, const std::string& name, bool base_moves, int& base) {
   if (name.empty()) return Pose();
   for (const Object& object : problem.world.objects)
     if (object.name == name) {
@@ -76,6 +101,10 @@ Pose referencePose(const Problem& problem, const std::string& name) {
     refuse(fmt::format("no object, link or frame '{}' to be relative to{}", name,
                        didYouMean(name, known)));
   }
+  if (base_moves && moves(problem, place.link)) {
+    base = place.link;
+    return place.X_LF;
+  }
   if (moves(problem, place.link))
     refuse(fmt::format(
         "'{}' moves with the planned joints; something at rest to be relative to is expected",
@@ -87,7 +116,7 @@ Pose referencePose(const Problem& problem, const std::string& name) {
 
 }  // namespace
 
-robots::PoseRegion regionOf(const Problem& problem, const FramePose& pose) {
+robots::PoseRegion regionOf(const Problem& problem, const FramePose& pose, bool base_moves) {
   Place place;
   if (!findOnRobot(problem, pose.frame, place))
     refuse(fmt::format("no frame, link or attached object '{}'{}", pose.frame,
@@ -100,7 +129,12 @@ robots::PoseRegion regionOf(const Problem& problem, const FramePose& pose) {
   // With R_RF = turn * rotation, the frame F turned back by `rotation` has the orientation `turn`
   // in R. Its origin stays.
   region.X_LF = place.X_LF * Pose{pose.rotation.transpose(), Eigen::Vector3d::Zero()};
-  region.X_WR = referencePose(problem, pose.relative_to);
+  region.X_WR = referencePose(problem, pose.relative_to, base_moves, region.base);
+  if (region.base >= 0 && !movesApart(problem, region.link, region.base))
+    refuse(
+        fmt::format("the planned joints do not move '{}' against '{}'; two frames that they move "
+                    "against each other are expected",
+                    pose.frame, pose.relative_to));
   region.position = pose.position;
   region.rpy = pose.rpy;
   region.position_tolerance = pose.position_tolerance;

@@ -19,15 +19,16 @@ using robots::Pose;
 double turnOf(double tips) { return tips < 2 ? 2 * std::asin(tips / 2) : kInfinity; }
 
 /// Compares a look at a constraint's frame with the constraint's tolerances.
-VerifyStatus judge(const Constraint& constraint, const Pose& X_WR, const FrameLook& look) {
-  const Pose X_RF = X_WR.inverse() * look.X_WF;
+VerifyStatus judge(const Constraint& constraint, const Pose& X_BR, const FrameLook& look) {
+  const Pose X_RF = X_BR.inverse() * look.X_BF;
   // Rounding of placing F in R.
-  const double slack =
-      look.slack + kVerifyPose * (1 + look.X_WF.translation.norm() + X_WR.translation.norm());
+  const double slack = look.slack + kVerifyPose * (1 + look.size + X_BR.translation.norm());
   Eigen::Vector3d nearest = X_RF.translation;
+  bool is_anywhere = true;
   for (Eigen::Index i = 0; i < 3; ++i) {
     const auto& [from, to] = constraint.position[static_cast<std::size_t>(i)];
     nearest[i] = std::clamp(nearest[i], from, to);
+    is_anywhere = is_anywhere && std::isinf(from) && std::isinf(to);
   }
   const double off = (X_RF.translation - nearest).norm();
   double angle = 0, most = kInfinity;
@@ -45,7 +46,7 @@ VerifyStatus judge(const Constraint& constraint, const Pose& X_WR, const FrameLo
   if (off - slack > constraint.position_tolerance || angle - turnOf(slack) > most)
     return VerifyStatus::kRefuted;
   // Both comparisons are false for NaN, which is therefore never certified.
-  if (off + slack + look.moves <= constraint.position_tolerance &&
+  if ((is_anywhere || off + slack + look.moves <= constraint.position_tolerance) &&
       (constraint.turn == Constraint::Turn::kAny ||
        angle + turnOf(slack) + turnOf(look.tips + slack) <= most))
     return VerifyStatus::kCertified;
@@ -54,14 +55,22 @@ VerifyStatus judge(const Constraint& constraint, const Pose& X_WR, const FrameLo
 
 }  // namespace
 
-FrameCheck::FrameCheck(const Problem& problem, int link, const Pose& X_LF)
+FrameCheck::FrameCheck(const Problem& problem, int link, const Pose& X_LF, int base)
     : model_(*problem.robot.model),
       variables_(problem.robot.variables),
       space_(problem.robot.model, problem.robot.variables),
       link_(link),
+      base_(base),
       X_LF_(X_LF),
       q_(problem.start),
-      joints_(jointsAbove(model_, link)) {}
+      joints_(jointsAbove(model_, link)),
+      base_joints_(jointsAbove(model_, base)) {
+  // Joints above both move neither against the other.
+  while (!joints_.empty() && !base_joints_.empty() && joints_.back() == base_joints_.back()) {
+    joints_.pop_back();
+    base_joints_.pop_back();
+  }
+}
 
 VerifyStatus FrameCheck::check(const std::vector<double>& a, const std::vector<double>& b,
                                double least, const Judge& judge, double& t) {
@@ -81,12 +90,18 @@ VerifyStatus FrameCheck::check(const std::vector<double>& a, const std::vector<d
     FrameLook look;
     look.t = t;
     look.half = half;
-    look.X_WF = X_WL[at(link_)] * X_LF_;
-    const Motion origin = boundMotion(model_, joints_, X_WL, dq, look.X_WF.translation, 0, half);
-    const Motion tips = boundMotion(model_, joints_, X_WL, dq, look.X_WF.translation, 1, half);
-    look.slack = std::max(origin.slack, tips.slack);
-    look.moves = origin.speed * half;
-    look.tips = (origin.speed + tips.speed) * half;
+    const Pose X_WF = X_WL[at(link_)] * X_LF_;
+    look.X_BF = base_ < 0 ? X_WF : X_WL[at(base_)].inverse() * X_WF;
+    look.size = X_WF.translation.norm() + (base_ < 0 ? 0 : X_WL[at(base_)].translation.norm());
+    // Seen from B, F moves at most as far as it does, and the point of B that is at its origin now,
+    // seen from the joints above both.
+    for (const std::vector<int>* joints : {&joints_, &base_joints_}) {
+      const Motion origin = boundMotion(model_, *joints, X_WL, dq, X_WF.translation, 0, half);
+      const Motion tips = boundMotion(model_, *joints, X_WL, dq, X_WF.translation, 1, half);
+      look.slack += std::max(origin.slack, tips.slack);
+      look.moves += origin.speed * half;
+      look.tips += (origin.speed + tips.speed) * half;
+    }
     switch (judge(look)) {
       case VerifyStatus::kCertified:
         continue;
@@ -106,7 +121,7 @@ std::optional<VerifyResult> findBrokenConstraint(const Problem& problem, const P
                                                  const std::function<bool()>& stop) {
   for (const Constraint& constraint : problem.constraints) {
     const robots::PoseRegion frame = frameOf(problem, constraint);
-    FrameCheck check(problem, frame.link, frame.X_LF);
+    FrameCheck check(problem, frame.link, frame.X_LF, frame.base);
     check.limit(kVerifyPairWork, stop);
     const std::size_t edges = std::max<std::size_t>(1, path.positions.size() - 1);
     for (std::size_t i = 0; i < edges; ++i) {

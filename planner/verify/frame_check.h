@@ -11,20 +11,23 @@
 
 namespace leeway::planner::verification {
 
-/// A frame at one point of an edge, with first-order bounds on its motion around that point.
+/// A frame at one point of an edge, seen from its base B, with first-order bounds on its motion
+/// around that point.
 struct FrameLook {
-  robots::Pose X_WF;
+  robots::Pose X_BF;
+  double size = 0;         ///< of the coordinates that X_BF is computed from [m]
   double t = 0, half = 0;  ///< the point, and half the part's length, as shares of the edge
   double moves = 0;        ///< bound on the motion of the origin over this part of the edge [m]
   double tips = 0;         ///< the same for ends of unit vectors fixed to the frame, by rotation
   double slack = 0;        ///< displacement of any of these by rounding [m]
 };
 
-/// Proves or refutes a condition on the frame of a link along edges. Halves edges as needed.
+/// Proves or refutes a condition on the frame of a link along edges, seen from a base B. Halves
+/// edges as needed.
 class FrameCheck {
  public:
-  /// `problem` must outlive it.
-  FrameCheck(const Problem& problem, int link, const robots::Pose& X_LF);
+  /// `problem` must outlive it. `base`: a link; -1: the world.
+  FrameCheck(const Problem& problem, int link, const robots::Pose& X_LF, int base = -1);
 
   /// Returns what a look proves about its part of an edge. kCertified: the condition holds on all
   /// of it. kRefuted: it does not hold at the middle. kUndecided: the part is halved.
@@ -41,10 +44,10 @@ class FrameCheck {
   const robots::Model& model_;
   std::vector<int> variables_;
   ConfigurationSpace space_;
-  int link_;
+  int link_, base_;
   robots::Pose X_LF_;
   std::vector<double> q_;
-  std::vector<int> joints_;
+  std::vector<int> joints_, base_joints_;  ///< above one of link and base alone
   long looks_ = 0, most_ = std::numeric_limits<long>::max();
   std::function<bool()> stop_;
 };

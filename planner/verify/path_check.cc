@@ -162,6 +162,37 @@ std::optional<PathFault> findFault(const Problem& problem, const ConfigurationSp
   return PathCheck(problem, space, path).run();
 }
 
+std::optional<VerifyResult> findUnaccepted(const Problem& problem, const ConfigurationSpace& space,
+                                           const Path& path) {
+  const Condition& condition = problem.condition;
+  if (!condition.accept) return std::nullopt;
+  const std::size_t edges = std::max<std::size_t>(1, path.positions.size() - 1);
+  std::vector<double> state(at(space.size()));
+  for (std::size_t i = 0; i < edges; ++i) {
+    const std::vector<double>& a = path.positions[i];
+    const std::vector<double>& b = path.positions[std::min(i + 1, path.positions.size() - 1)];
+    // A line of more than half a turn is several edges of one length.
+    const int lines = space.edgesAlongLine(a, b);
+    space.alongLine(a, b, 1.0 / lines, state);
+    const double parts = std::ceil(lines * space.distance(a, state) / condition.resolution);
+    for (double k = 0; k <= parts; ++k) {
+      const double t = parts > 0 ? k / parts : 0;
+      space.alongLine(a, b, t, state);
+      for (const ConfigurationSpace::Part& part : space.parts())
+        if (part.kind == ConfigurationSpace::Kind::kCircle)
+          state[at(part.first)] = std::remainder(state[at(part.first)], 2 * std::numbers::pi);
+      if (condition.accept(state)) continue;
+      VerifyResult result;
+      result.status = VerifyStatus::kRefuted;
+      result.segment = static_cast<int>(i);
+      result.t0 = result.t1 = t;
+      result.reason = "the condition does not accept a state";
+      return result;
+    }
+  }
+  return std::nullopt;
+}
+
 std::string numberText(double x) {
   char buffer[32];
   std::snprintf(buffer, sizeof buffer, "%.17g", x);

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "leeway/planner/plan.h"
+#include "leeway/planner/verify.h"
 
 namespace leeway::planner::verification {
 
@@ -20,6 +20,11 @@ struct PathFault {
 /// nothing if the path has no fault.
 std::optional<PathFault> findFault(const Problem& problem, const ConfigurationSpace& space,
                                    const Path& path);
+
+/// The first state of a path that the problem's condition does not accept, of those that
+/// Condition::resolution has it look at; nothing when there is none.
+std::optional<VerifyResult> findUnaccepted(const Problem& problem, const ConfigurationSpace& space,
+                                           const Path& path);
 
 /// A number with 17 digits, for messages.
 std::string numberText(double x);

@@ -62,7 +62,9 @@ double angleOutside(const std::array<Range, 3>& rpy, const Matrix3d& R) {
 
 bool isInRegion(const robots::PoseRegion& region, std::span<const robots::Pose> X_WL) {
   const robots::Pose X_WF = X_WL[static_cast<std::size_t>(region.link)] * region.X_LF;
-  const robots::Pose X_RF = region.X_WR.inverse() * X_WF;
+  const robots::Pose X_WR =
+      region.base < 0 ? region.X_WR : X_WL[static_cast<std::size_t>(region.base)] * region.X_WR;
+  const robots::Pose X_RF = X_WR.inverse() * X_WF;
   Vector3d outside;
   for (Eigen::Index i = 0; i < 3; ++i) {
     const Range& range = region.position[static_cast<std::size_t>(i)];
@@ -70,7 +72,7 @@ bool isInRegion(const robots::PoseRegion& region, std::span<const robots::Pose> 
         std::max({range.first - X_RF.translation[i], X_RF.translation[i] - range.second, 0.0});
   }
   // Rounding grows with the coordinates' size.
-  const double size = 1 + X_WF.translation.norm() + region.X_WR.translation.norm();
+  const double size = 1 + X_WF.translation.norm() + X_WR.translation.norm();
   // Both comparisons are false for NaN, which is therefore outside.
   return outside.norm() <= region.position_tolerance + kVerifyPose * size &&
          angleOutside(region.rpy, X_RF.rotation) <= region.angle_tolerance + kVerifyPose;

@@ -70,9 +70,9 @@ VerifyStatus judgeLine(const LineStep& line, const LineWay& way, double place, d
   const double part = look.half * (next - place);
   const double moves = look.moves + part * stretch.length();
   const double tips = look.tips + part * stretch.turn;
-  const double off = (look.X_WF.translation - X_WP.translation).norm();
+  const double off = (look.X_BF.translation - X_WP.translation).norm();
   // The longest chord between ends of a unit vector turned by either rotation.
-  const double chord = (look.X_WF.rotation - X_WP.rotation).norm() / std::sqrt(2.0);
+  const double chord = (look.X_BF.rotation - X_WP.rotation).norm() / std::sqrt(2.0);
   const double most = 2 * std::sin(std::min(line.angle_tolerance, 3.0) / 2);
   const double slack = look.slack + kVerifyPose * (1 + X_WP.translation.norm());
   if (off - slack > line.position_tolerance || chord - slack > most) return VerifyStatus::kRefuted;

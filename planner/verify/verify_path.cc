@@ -107,8 +107,13 @@ class Verifier {
       broken->unchecked = result_.unchecked;
       if (broken->status == VerifyStatus::kRefuted || !undecided_) return *broken;
     }
+    if (auto unaccepted = findUnaccepted(problem_, space_, path_)) {
+      unaccepted->unchecked = result_.unchecked;
+      return *unaccepted;
+    }
     if (undecided_) return *undecided_;
     result_.status = VerifyStatus::kCertified;
+    if (problem_.condition.accept) result_.conditions = kSampled;
     refine(segments);
     return result_;
   }

@@ -98,7 +98,15 @@ void takeExactTurns(planner::FramePose& pose) {
   pose.rotation = robots::rotationOf(turn);
 }
 
-double toleranceOf(double value, const char* name) {
+/// A tolerance given without what it belongs to would be ignored.
+void expectBeside(const py::object& tolerance, const char* name, bool is_there, const char* what) {
+  if (!tolerance.is_none() && !is_there)
+    throw py::value_error(std::string(name) + " is given without " + what +
+                          ", whose it is; both are expected");
+}
+
+double toleranceOf(const py::object& given, const char* name, double otherwise) {
+  const double value = given.is_none() ? otherwise : number(given, name);
   if (!(value >= robots::kLeastPoseTolerance) || std::isinf(value))
     throw py::value_error(std::string(name) + " is " + text(value) + "; at least " +
                           text(robots::kLeastPoseTolerance) + " is expected");
@@ -107,8 +115,8 @@ double toleranceOf(double value, const char* name) {
 
 FramePose makePose(const std::string& frame, const py::object& position,
                    const py::object& orientation, const py::object& rpy,
-                   const py::object& relative_to, double position_tolerance,
-                   double angle_tolerance) {
+                   const py::object& relative_to, const py::object& position_tolerance,
+                   const py::object& angle_tolerance) {
   if (position.is_none() && orientation.is_none() && rpy.is_none())
     throw py::value_error("nothing says where; position, and rpy or orientation are expected");
   if (!orientation.is_none() && !rpy.is_none())
@@ -127,16 +135,21 @@ FramePose makePose(const std::string& frame, const py::object& position,
     if (!rpy.is_none()) made.rpy = rangesOf(rpy, "rpy", std::numbers::pi, kLargestAngle);
     takeExactTurns(made);
   }
-  made.position_tolerance = toleranceOf(position_tolerance, "position_tolerance");
-  made.angle_tolerance = toleranceOf(angle_tolerance, "angle_tolerance");
+  expectBeside(position_tolerance, "position_tolerance", !position.is_none(), "position");
+  expectBeside(angle_tolerance, "angle_tolerance", !orientation.is_none() || !rpy.is_none(),
+               "orientation or rpy");
+  made.position_tolerance =
+      toleranceOf(position_tolerance, "position_tolerance", made.position_tolerance);
+  made.angle_tolerance = toleranceOf(angle_tolerance, "angle_tolerance", made.angle_tolerance);
   return {made};
 }
 
 planner::Constraint makeConstraint(const std::string& frame, const py::object& position,
                                    const py::object& orientation, const py::object& rpy,
                                    const py::object& axis, const py::object& direction,
-                                   const py::object& relative_to, double position_tolerance,
-                                   const py::object& angle, const py::object& name) {
+                                   const py::object& relative_to,
+                                   const py::object& position_tolerance, const py::object& angle,
+                                   const py::object& name) {
   planner::Constraint made;
   made.frame = frame;
   if (!name.is_none()) made.name = py::str(name);
@@ -144,7 +157,11 @@ planner::Constraint makeConstraint(const std::string& frame, const py::object& p
   if (!position.is_none())
     made.position = rangesOf(position, "position", std::numeric_limits<double>::infinity(),
                              std::numeric_limits<double>::infinity());
-  made.position_tolerance = position_tolerance;
+  expectBeside(position_tolerance, "position_tolerance", !position.is_none(), "position");
+  if (!position_tolerance.is_none())
+    made.position_tolerance = number(position_tolerance, "position_tolerance");
+  expectBeside(angle, "angle", !orientation.is_none() || !rpy.is_none() || !axis.is_none(),
+               "axis, orientation or rpy");
   if (int{!orientation.is_none()} + int{!rpy.is_none()} + int{!axis.is_none()} > 1)
     throw py::value_error("more than one of orientation, rpy and axis is given; one is expected");
   if (!orientation.is_none()) made.rotation = pose(py::none(), orientation, py::none()).rotation;
@@ -156,8 +173,7 @@ planner::Constraint makeConstraint(const std::string& frame, const py::object& p
   }
   if (angle.is_none() && !axis.is_none())
     throw py::value_error(
-        "axis is given without angle, how far it may be off [rad]; both are "
-        "expected");
+        "axis is given without angle, how far it may be off [rad]; both are expected");
   if (!angle.is_none()) made.angle = number(angle, "angle");
   if (!direction.is_none()) {
     if (axis.is_none()) throw py::value_error("direction is given without axis; both are expected");
@@ -409,7 +425,7 @@ void defineConstraint(py::module_& module) {
   using planner::Constraint;
   const std::string init =
       "(frame, position=None, orientation=None, rpy=None, *, axis=None, direction=None, "
-      "relative_to=None, position_tolerance=0.001, angle=None, name=None)";
+      "relative_to=None, position_tolerance=None, angle=None, name=None)";
   py::class_<Constraint> constraint(
       module, "Constraint",
       withSignature(
@@ -417,15 +433,17 @@ void defineConstraint(py::module_& module) {
           "What a frame (a frame of the problem, a link or a held object) keeps on all of a path: "
           "proven everywhere, as margins are.\n\n"
           "position: (x, y, z) of its origin [m]; in place of a number a pair (from, to) or 'any'; "
-          "to within position_tolerance [m]. Of its rotation: orientation (x y z w) or rpy [rad]; "
+          "to within position_tolerance, 0.001 by default [m]. Of its rotation: orientation (x y z "
+          "w) or rpy [rad]; "
           "or that its own axis (x, y, z) points along direction, up by default; to within angle "
-          "[rad], 0.01 by default for a rotation. relative_to: an object, or a frame or link at "
-          "rest; None: the world.")
+          "[rad], 0.01 by default for a rotation. relative_to: an object, a frame, a link or a "
+          "held "
+          "object, which may move, too; None: the world.")
           .c_str());
   defineInit(constraint, init, makeConstraint, py::arg("frame"), py::arg("position") = py::none(),
              py::arg("orientation") = py::none(), py::arg("rpy") = py::none(), py::kw_only(),
              py::arg("axis") = py::none(), py::arg("direction") = py::none(),
-             py::arg("relative_to") = py::none(), py::arg("position_tolerance") = 1e-3,
+             py::arg("relative_to") = py::none(), py::arg("position_tolerance") = py::none(),
              py::arg("angle") = py::none(), py::arg("name") = py::none());
   defineCopiesOfConstant(constraint);
   defineConstant(
@@ -445,7 +463,7 @@ void defineGoals(py::module_& module) {
   defineConstraint(module);
   const std::string init =
       "(frame, position=None, orientation=None, rpy=None, *, relative_to=None, "
-      "position_tolerance=1e-09, angle_tolerance=1e-09)";
+      "position_tolerance=None, angle_tolerance=None)";
   py::class_<FramePose> pose(
       module, "FramePose",
       withSignature(
@@ -455,13 +473,15 @@ void defineGoals(py::module_& module) {
           "position: (x, y, z) [m]; rpy: (roll, pitch, yaw) [rad]; in place of a number a pair "
           "(from, to) or 'any'. orientation: x y z w. Without them: any. relative_to: an object, "
           "or "
-          "a frame or link at rest; None: the world. A solution is at most the tolerances outside. "
+          "a frame or link at rest; None: the world. A solution is at most position_tolerance [m] "
+          "and "
+          "angle_tolerance [rad] outside, 1e-9 by default. "
           "Names are looked up when a problem takes it.")
           .c_str());
   defineInit(pose, init, makePose, py::arg("frame"), py::arg("position") = py::none(),
              py::arg("orientation") = py::none(), py::arg("rpy") = py::none(), py::kw_only(),
-             py::arg("relative_to") = py::none(), py::arg("position_tolerance") = 1e-9,
-             py::arg("angle_tolerance") = 1e-9);
+             py::arg("relative_to") = py::none(), py::arg("position_tolerance") = py::none(),
+             py::arg("angle_tolerance") = py::none());
   defineCopiesOfConstant(pose);
   defineConstant(
       pose, "frame", [](const FramePose& self) { return self.given.frame; },

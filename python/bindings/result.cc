@@ -33,7 +33,8 @@ std::string clearanceText(const PathClearance& c) {
 
 std::string certificateText(const Certificate& c) {
   const std::string verdict = c.certified ? "certified" : "not certified";
-  return verdict + ", " + clearanceText(c);
+  return verdict + (c.conditions.empty() ? "" : ", condition " + c.conditions) + ", " +
+         clearanceText(c);
 }
 
 void defineClearance(py::module_& module) {
@@ -101,6 +102,13 @@ void defineCertificate(py::module_& module) {
         return list;
       },
       "What constraints keep, proven: [(name, deviation [m], angle [rad]), ...].");
+  defineConstant(
+      certificate, "conditions",
+      [](const Certificate& self) {
+        return self.conditions.empty() ? py::object(py::none()) : py::str(self.conditions);
+      },
+      "'sampled': a condition of your own holds at the states that were looked at, and nothing is "
+      "proven between them; None: there is none.");
   certificate.def("__bool__", [](const Certificate& self) { return self.certified; });
   certificate.def("__repr__", [](const Certificate& self) {
     return "<leeway.Certificate: " + certificateText(self) + ">";

@@ -159,9 +159,7 @@ State check(const Scene& self, const py::object& state, double tolerance) {
   const planner::CompiledScene& scene = *self.compiled;
   result.limit = brokenLimit(scene.space(), result.point);
   const std::shared_ptr<const planner::Problem> problem = self.problem.value();
-  if (result.limit.empty() &&
-      !planner::proveConstraints(scene, *problem, {{}, {result.point, result.point}, {}}))
-    result.limit = "a constraint does not hold";
+  if (result.limit.empty()) result.limit = planner::brokenConstraint(scene, *problem, result.point);
   result.nothing_checked = scene.nothingChecked();
   forEach(self, 1, [&](EdgeCertifier& certifier, std::size_t) {
     result.check = certifier.clearance(result.point, tolerance);

@@ -53,7 +53,7 @@ Chain makeChain(const Model& model, const PoseRegion& region, std::span<const Po
 
   // `before` transforms the frame of the chain's last joint (R at first) to that of the current
   // link.
-  Pose before = region.X_WR.inverse();
+  Pose before = region.base < 0 ? region.X_WR.inverse() : Pose{};
   double travel = 0;
   for (const int link : path) {
     const KinematicStep& step = model.steps[at(link)];
@@ -97,6 +97,14 @@ Chain makeChain(const Model& model, const PoseRegion& region, std::span<const Po
   if (!chain.joints.empty())
     chain.reach += std::sqrt(chain.X_PF.translation.squaredNorm()) + travel;
   return chain;
+}
+
+Chain makeBaseChain(const Model& model, const PoseRegion& region, std::span<const Pose> X_WL,
+                    std::span<const int> column) {
+  PoseRegion of_base;
+  of_base.link = region.base;
+  of_base.X_LF = region.X_WR;
+  return makeChain(model, of_base, X_WL, column);
 }
 
 Pose place(const Chain& chain, const double* q, std::vector<Pose>& X_RC) {

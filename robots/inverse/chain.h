@@ -31,11 +31,15 @@ struct Chain {
   double reach = 0;                ///< greatest sum of offsets [m]; it scales positions to angles
 };
 
-/// Makes the chain of `region`. X_WL are the links' poses at the configuration that gives the
-/// values of all variables that are not solved. `column` has one entry for each variable of the
-/// model: its index among the solved ones, or -1.
+/// Makes the chain of `region`; with a base, from the world, and R is then the world. X_WL are the
+/// links' poses at the configuration that gives the values of all variables that are not solved.
+/// `column` has one entry for each variable of the model: its index among the solved ones, or -1.
 Chain makeChain(const Model& model, const PoseRegion& region, std::span<const Pose> X_WL,
                 std::span<const int> column);
+
+/// Makes the chain from the world to R, of a region with a base: its F is R.
+Chain makeBaseChain(const Model& model, const PoseRegion& region, std::span<const Pose> X_WL,
+                    std::span<const int> column);
 
 /// A column of the Jacobian: the motion of F with one variable, in R.
 struct Twist {

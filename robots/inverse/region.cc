@@ -211,6 +211,10 @@ std::optional<std::string> regionFault(const Model& model, const PoseRegion& reg
   if (region.link < 0 || at(region.link) >= model.links.size())
     return "link is " + std::to_string(region.link) + "; a link of the model, 0 to " +
            std::to_string(static_cast<int>(model.links.size()) - 1) + ", is expected";
+  if (region.base < -1 || region.base >= static_cast<int>(model.links.size()) ||
+      region.base == region.link)
+    return "base is " + std::to_string(region.base) +
+           "; another link of the model, or -1 for the world, is expected";
   if (!isRigid(region.X_LF) || !isRigid(region.X_WR))
     return "a frame is not finite, or its matrix is no rotation; an orthonormal, right-handed one "
            "is expected";

@@ -49,16 +49,21 @@ void solvePositive(std::vector<double>& a, std::vector<double>& b, std::size_t n
 
 }  // namespace
 
-Search::Search(std::vector<Chain> chains, std::vector<PreparedRegion> regions,
-               std::vector<int> variables, std::vector<double> lower, std::vector<double> upper)
+Search::Search(std::vector<Chain> chains, std::vector<std::optional<Chain>> bases,
+               std::vector<PreparedRegion> regions, std::vector<int> variables,
+               std::vector<double> lower, std::vector<double> upper)
     : chains_(std::move(chains)),
+      bases_(std::move(bases)),
       regions_(std::move(regions)),
       variables_(std::move(variables)),
       lower_(std::move(lower)),
       upper_(std::move(upper)),
       rows_(6 * chains_.size()),
       columns_(variables_.size()) {
-  for (const Chain& chain : chains_) weights_.push_back(chain.reach > 0 ? 1 / chain.reach : 1);
+  for (std::size_t r = 0; r < chains_.size(); ++r) {
+    const double reach = chains_[r].reach + (bases_[r] ? bases_[r]->reach : 0);
+    weights_.push_back(reach > 0 ? 1 / reach : 1);
+  }
   const std::size_t smaller = std::min(rows_, columns_);
   error_.resize(rows_);
   kept_error_.resize(rows_);
@@ -69,12 +74,37 @@ Search::Search(std::vector<Chain> chains, std::vector<PreparedRegion> regions,
   held_.resize(columns_);
 }
 
+void Search::addTwists(std::size_t r, const RegionError& error) {
+  for (const Twist& twist : twists_) {
+    double* column = jacobian_.data() + at(twist.column) * rows_ + 6 * r;
+    Eigen::Vector3d angular = twist.angular;
+    for (int i = 0; i < error.free_turns; ++i) {
+      const Eigen::Vector3d& axis = error.free_axis[at(i)];
+      angular -= axis.dot(angular) * axis;
+    }
+    for (int k = 0; k < 3; ++k) {
+      if (!error.free_position[at(k)]) column[k] += weights_[r] * twist.linear(k);
+      column[3 + k] += angular(k);
+    }
+  }
+}
+
+void Search::turnTwists(double sign, const Eigen::Matrix3d& R_RW) {
+  for (Twist& twist : twists_) {
+    twist.linear = sign * (R_RW * twist.linear);
+    twist.angular = sign * (R_RW * twist.angular);
+  }
+}
+
 double Search::evaluate(const double* q, bool jacobian) {
   if (jacobian) std::fill(jacobian_.begin(), jacobian_.end(), 0);
   double squared = 0;
   for (std::size_t r = 0; r < chains_.size(); ++r) {
-    const Pose X_RF = place(chains_[r], q, X_RC_);
-    const RegionError e = regionError(regions_[r], X_RF);
+    // If the region has no base, the chain begins at R.
+    const Pose X_WF = place(chains_[r], q, X_RC_);
+    Pose X_WR;
+    if (bases_[r]) X_WR = place(*bases_[r], q, X_BC_);
+    const RegionError e = regionError(regions_[r], bases_[r] ? X_WR.inverse() * X_WF : X_WF);
     const double w = weights_[r];
     double* rows = error_.data() + 6 * r;
     for (int k = 0; k < 3; ++k) {
@@ -83,19 +113,14 @@ double Search::evaluate(const double* q, bool jacobian) {
     }
     for (int k = 0; k < 6; ++k) squared += rows[k] * rows[k];
     if (!jacobian) continue;
-    findTwists(chains_[r], q, X_RC_, X_RF, twists_);
-    for (const Twist& twist : twists_) {
-      double* column = jacobian_.data() + at(twist.column) * rows_ + 6 * r;
-      Eigen::Vector3d angular = twist.angular;
-      for (int i = 0; i < e.free_turns; ++i) {
-        const Eigen::Vector3d& axis = e.free_axis[at(i)];
-        angular -= axis.dot(angular) * axis;
-      }
-      for (int k = 0; k < 3; ++k) {
-        if (!e.free_position[at(k)]) column[k] += w * twist.linear(k);
-        column[3 + k] += angular(k);
-      }
-    }
+    findTwists(chains_[r], q, X_RC_, X_WF, twists_);
+    if (bases_[r]) turnTwists(1, X_WR.rotation.transpose());
+    addTwists(r, e);
+    if (!bases_[r]) continue;
+    // Seen from R, its own joints move F as they move the point of R that is at F, backwards.
+    findTwists(*bases_[r], q, X_BC_, X_WF, twists_);
+    turnTwists(-1, X_WR.rotation.transpose());
+    addTwists(r, e);
   }
   return squared;
 }

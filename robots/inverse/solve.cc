@@ -67,7 +67,8 @@ class Task {
         search_(makeSearch()),
         closed_form_(search_.chains()[0]) {
     const PreparedRegion& region = search_.regions()[0];
-    has_closed_form_ = regions.size() == 1 && closed_form_.exists() && region.exact_turn;
+    has_closed_form_ =
+        regions.size() == 1 && regions[0].base < 0 && closed_form_.exists() && region.exact_turn;
     for (const auto& [low, high] : region.position) has_closed_form_ &= low == high;
     for (const ChainJoint& joint : search_.chains()[0].joints)
       has_closed_form_ = has_closed_form_ && periodic_[at(joint.column[0])];
@@ -146,7 +147,7 @@ class Task {
     solution.error = {};
     bool good = true;
     for (const PoseRegion& region : regions_) {
-      const PoseError error = poseError(region, X_WL_[at(region.link)]);
+      const PoseError error = errorAt(region);
       good = good && error.position <= region.position_tolerance &&
              error.angle <= region.angle_tolerance;
       solution.error.position = std::max(solution.error.position, error.position);
@@ -176,6 +177,7 @@ class Task {
   /// Whether one of the frames is proven not to reach its region. Adds to `boxes`.
   bool provenUnreachable(std::int64_t limit, std::int64_t& boxes) const {
     for (std::size_t r = 0; r < regions_.size(); ++r) {
+      if (regions_[r].base >= 0) continue;  // the proof knows regions at rest alone
       const ReachProof proof =
           proveUnreachable(search_.chains()[r], regions_[r], configuration_, lower_, upper_, limit);
       boxes += proof.boxes;
@@ -187,19 +189,27 @@ class Task {
   std::int64_t iterations() const { return search_.iterations(); }
 
  private:
+  /// The error of a region with the links at X_WL_.
+  PoseError errorAt(const PoseRegion& region) const {
+    const Pose& X_WL = X_WL_[at(region.link)];
+    return poseError(region, region.base < 0 ? X_WL : X_WL_[at(region.base)].inverse() * X_WL);
+  }
+
   Search makeSearch() {
     std::vector<int> column(model_.variables.size(), -1);
     for (std::size_t c = 0; c < variables_.size(); ++c)
       column[at(variables_[c])] = static_cast<int>(c);
     forwardKinematics(model_, configuration_, X_WL_);
     std::vector<Chain> chains;
+    std::vector<std::optional<Chain>> bases;
     std::vector<PreparedRegion> prepared;
     double away = 0;  // distance of any frame from its region, plus reach
     for (const PoseRegion& region : regions_) {
       chains.push_back(makeChain(model_, region, X_WL_, column));
+      bases.emplace_back();
+      if (region.base >= 0) bases.back() = makeBaseChain(model_, region, X_WL_, column);
       prepared.emplace_back(region);
-      away =
-          std::max(away, poseError(region, X_WL_[at(region.link)]).position + chains.back().reach);
+      away = std::max(away, errorAt(region).position + chains.back().reach);
     }
     for (const int v : variables_) {
       const Variable& variable = model_.variables[at(v)];
@@ -229,7 +239,8 @@ class Task {
         lower[c] = -std::numeric_limits<double>::infinity();
         upper[c] = -lower[c];
       }
-    return {std::move(chains), std::move(prepared), variables_, std::move(lower), std::move(upper)};
+    return {std::move(chains), std::move(bases), std::move(prepared),
+            variables_,        std::move(lower), std::move(upper)};
   }
 
   /// Reduces angles by whole turns towards the configuration, and normalizes quaternions.

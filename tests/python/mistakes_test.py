@@ -96,6 +96,7 @@ MISTAKES = {
     "constraint_without_room": [settings(constraints=[Constraint("tool", (0, "any", "any"), position_tolerance=0)])],
     "constraint_of_any_angle": [settings(constraints=[Constraint("tool", axis=(0, 0, 1), angle=4)])],
     "constraint_without_axis": [settings(constraints=[Constraint("tool", axis=(0, 0, 0), angle=3)])],
+    "constraint_of_one_body": [settings(constraints=[Constraint("tool", axis=(0, 0, 1), angle=3, relative_to="hand")])],
     "constraint_of_the_base": [edits(lambda p: p.constraints.append(Constraint("base", axis=(0, 0, 1), angle=3)))],
     "constraint_beside_steps": [settings(constraints=[UPRIGHT], steps=[TaskStep.line("tool", (0, 0, 1))])],
     "constraint_beside_clearance": [settings(constraints=[UPRIGHT], objective="clearance")],

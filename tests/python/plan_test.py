@@ -392,15 +392,62 @@ def test_a_condition_in_python_restricts_the_search(robot, world):
     result = leeway.plan_where(problem, accept)
     again = leeway.plan_where(problem, accept)
     assert result and same(result, again) and leeway.verify(problem, result)
+    assert result.planner == "Connect" and result.certificate.conditions == "sampled" and "condition sampled" in repr(result)
+    assert leeway.plan(problem).certificate.conditions is None and "condition" not in repr(leeway.plan(problem))
     for a, b in zip(result.path, result.path[1:]):
         assert np.all(robot.interpolate(a, b, np.linspace(0, 1, 2 + int(robot.distance(a, b) / 0.05)))[:, 1] < 0.5)
-    assert max(asked) > 2
-    assert leeway.plan_where(problem, lambda states: np.zeros(len(states), bool)).status == "invalid_start"
+    assert 2 < max(asked) <= 256
+    refused = leeway.plan_where(problem, lambda states: np.zeros(len(states), bool))
+    assert refused.status == "invalid_start" and refused.reason == "the condition does not accept it"
+    refused = leeway.plan_where(problem, lambda states: states[:, 0] < 0.7)
+    assert refused.status == "invalid_goal" and "the condition does not accept it" in refused.reason
     with pytest.raises(ZeroDivisionError):
         leeway.plan_where(problem, lambda states: 1 / 0)
     for wrong in (lambda states: True, lambda states: [True], lambda states: "x", lambda states: None):
         with pytest.raises(TypeError, match="bools"):
             leeway.plan_where(problem, wrong)
+    for settings, what in (({"planner": "RRTConnect"}, "planner 'RRTConnect' does not keep"), ({"objective": "clearance"}, "another objective")):
+        with pytest.raises(leeway.InputError, match="there is a condition, .*" + what):
+            leeway.plan_where(leeway.Problem(problem, **settings), accept)
+    for wrong in (0, -1, float("nan")):
+        with pytest.raises(ValueError, match="resolution"):
+            leeway.plan_where(problem, accept, resolution=wrong)
+    stopped = leeway.plan_where(problem, lambda states: (states[:, 0] < -0.7) | (states[:, 0] > 0.7), stop=lambda: True)
+    assert not stopped
+
+
+def test_constraints_in_python(robot, world):
+    """Proven by plan(), clearance() and check(), beside a condition, too; a tolerance belongs to something."""
+    start, goal = turned(robot, -0.8), turned(robot, 0.8)
+    axis = robot.pose("hand", start)[:3, :3].T @ (0, 0, 1)
+    level = leeway.Constraint("hand", axis=axis, angle=0.3, name="level")
+    problem = leeway.Problem(robot, world, start, goal, margin=0.01, time=60, constraints=[level])
+    result = leeway.plan(problem)
+    assert result and leeway.verify(problem, result)
+    ((name, off, angle),) = result.certificate.constraints
+    assert name == "level" and off == 0 and 0 < angle <= 0.3
+    measured = leeway.clearance(problem, result)
+    assert measured and measured.constraints == result.certificate.constraints
+    tilted = start.copy()
+    tilted[5] += 0.5
+    bent = leeway.clearance(problem, [start, tilted, start])
+    assert not bent.certified and bent.constraints == []
+    state = leeway.check(problem, state=tilted)
+    assert not state and state.limit.startswith("constraint 'level': 'hand' is turned by 0.5")
+    assert leeway.check(problem, state=start)
+    conditional = leeway.plan_where(problem, lambda states: states[:, 1] < 1.5)
+    assert conditional and conditional.certificate.constraints and conditional.certificate.conditions == "sampled"
+
+    for wrong, what in (
+        (lambda: leeway.Constraint("hand", axis=axis, angle=0.3, position_tolerance=0.01), "position_tolerance is given without position"),
+        (lambda: leeway.Constraint("hand", (0, "any", "any"), angle=0.3), "angle is given without axis, orientation or rpy"),
+        (lambda: leeway.Constraint("hand", (0, "any", "any"), direction=(0, 0, 1)), "direction is given without axis"),
+        (lambda: leeway.Constraint("hand", axis=axis), "axis is given without angle"),
+        (lambda: leeway.FramePose("hand", rpy=(0, 0, 0), position_tolerance=0.01), "position_tolerance is given without position"),
+        (lambda: leeway.FramePose("hand", (0, 0, 0), angle_tolerance=0.01), "angle_tolerance is given without orientation or rpy"),
+    ):
+        with pytest.raises(ValueError, match=what):
+            wrong()
 
 
 ARM = '<link name="arm">{}</link><joint name="turn" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>'

@@ -277,6 +277,59 @@ TEST_F(Clearance, TasksAreMeasuredStepByStep) {
   EXPECT_EQ(run("view " + can + "can.json --svg can.svg").status, 0);
 }
 
+/// A path that keeps its margins and not its constraints is not certified; the edge is named.
+TEST_F(Clearance, ConstraintsAreProvenToo) {
+  const std::string glass = "'" + leeway::sourceFolder() + "/problems/constrained/glass.yaml' ";
+  const json plan = run("plan " + glass + "--output glass.csv --json").document();
+  Answer answer = run("clearance " + glass + "glass.csv --json");
+  ASSERT_EQ(answer.status, 0) << answer.err;
+  json document = answer.document();
+  EXPECT_EQ(document["status"], "certified");
+  EXPECT_EQ(document["reason"], json());
+  EXPECT_EQ(document["constraints"], plan["certificate"]["constraints"]);
+  ASSERT_EQ(document["constraints"].size(), 1u);
+  EXPECT_LE(document["constraints"][0]["angle"], 0.17);
+  answer = run("clearance " + glass + "glass.csv");
+  EXPECT_NE(answer.out.find("Constraint 'upright' holds everywhere, proven: 'glass' is at most "),
+            std::string::npos)
+      << answer.out;
+
+  // The same path, but the hand turns the glass and turns it back after the first edge.
+  std::vector<std::vector<double>> rows = plan["path"]["positions"];
+  std::vector<double> tilted = rows[1];
+  tilted[6] -= 0.5;
+  rows.insert(rows.begin() + 2, {tilted, rows[1]});
+  std::string text = "joint1,joint2,joint3,joint4,joint5,joint6,joint7\n";
+  for (const std::vector<double>& row : rows)
+    for (std::size_t k = 0; k < 7; ++k)
+      text += (k > 0 ? "," : "") + json(row[k]).dump() + (k == 6 ? "\n" : "");
+  write("tilts.csv", text);
+  answer = run("clearance " + glass + "tilts.csv --json");
+  EXPECT_EQ(answer.status, 1);
+  document = answer.document();
+  EXPECT_EQ(document["status"], "not_certified");
+  EXPECT_EQ(document["reason"], "constraint 'upright' is not proven to hold on edge 1");
+  EXPECT_TRUE(document["constraints"].empty());
+  EXPECT_EQ(document["segments"][0]["certified"], true);
+  EXPECT_EQ(document["segments"][1]["certified"], false);
+  answer = run("clearance " + glass + "tilts.csv");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_NE(answer.out.find("constraint 'upright' is not proven to hold on edge 1."),
+            std::string::npos)
+      << answer.out;
+  // verify, and what view shows of it.
+  answer = run("verify " + glass + "tilts.csv");
+  EXPECT_EQ(answer.status, 1);
+  answer = run("view " + glass + "tilts.csv --svg tilts.svg");
+  EXPECT_EQ(answer.status, 1) << answer.err;
+  EXPECT_NE(answer.out.find("not certified"), std::string::npos) << answer.out;
+  EXPECT_NE(answer.out.find("for 'glass'"), std::string::npos) << answer.out;
+  answer = run("view " + glass + "glass.csv --svg glass.svg");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_NE(answer.out.find("Constraint 'upright' holds everywhere, proven"), std::string::npos)
+      << answer.out;
+}
+
 /// Paths in single precision miss start and goal by some 1e-8.
 TEST_F(Verify, EndsOfSinglePrecisionAreTakenWithAWarning) {
   write("short.csv", "-1.00000002,1e-8\n1,1.25\n");

@@ -12,6 +12,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/robots/input_error.h"
+#include "planner/constraint/constraint_proof.h"
 #include "planner/execute/unchecked_json.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
@@ -80,8 +81,10 @@ struct Profile {
   std::vector<Stretch> stretches;
   Whole all, world, self;
   bool certified = true;
-  std::string nothing_checked;                        ///< why; else empty
-  std::set<planner::CompiledScene::Dropped> dropped;  ///< in some step
+  std::string nothing_checked;                         ///< why; else empty
+  std::vector<planner::ConstraintResult> constraints;  ///< where all are proven
+  std::string broken;                                  ///< the first that is not, and where
+  std::set<planner::CompiledScene::Dropped> dropped;   ///< in some step
 
   std::vector<planner::UncheckedPairs> unchecked() const {
     return planner::countUnchecked(std::vector(dropped.begin(), dropped.end()));
@@ -225,13 +228,16 @@ Json profileJson(const planner::Problem& problem, const Profile& profile) {
   document["status"] = !profile.nothing_checked.empty() ? "nothing_checked"
                        : profile.certified              ? "certified"
                                                         : "not_certified";
-  document["reason"] = profile.nothing_checked.empty() ? Json() : Json(profile.nothing_checked);
+  const std::string& reason =
+      profile.nothing_checked.empty() ? profile.broken : profile.nothing_checked;
+  document["reason"] = reason.empty() ? Json() : Json(reason);
   document["not_checked"] = planner::uncheckedJson(profile.unchecked());
   document["clouds"] = cloudsJson(problem);
   document["seed"] = problem.seed;
   document["world"] = wholeJson(profile, profile.world, &Stretch::world);
   document["self"] = wholeJson(profile, profile.self, &Stretch::self);
   document["segments"] = stretches;
+  document["constraints"] = constraintsJson(profile.constraints);
   return document;
 }
 
@@ -331,7 +337,26 @@ void printText(const planner::Problem& problem, const Profile& profile,
              wrapped(fmt::format("{}: {}, {}{}\n", problem.name, verdict, view::leastText(least),
                                  obstaclesText(problem))),
              table.empty() ? "" : "\n", table, table.empty() ? "" : "\n",
-             wrapped(view::nearestText(least) + planner::toString(profile.unchecked()) + ".\n"));
+             wrapped(view::nearestText(least) + planner::toString(profile.unchecked()) + ".\n" +
+                     (profile.broken.empty() ? constraintsText(problem, profile.constraints)
+                                             : fmt::format("The {}.\n", profile.broken))));
+}
+
+/// Adds what is proven about the constraints. Where one is not proven, no stretch from there on is
+/// certified.
+void proveConstraints(const planner::CompiledScene& scene, const planner::Problem& problem,
+                      const planner::Path& path, Profile& profile) {
+  const planner::PathEdges edges = planner::edgesOf(scene.space(), path);
+  planner::ConstraintProof::Broken broken;
+  if (auto proven = planner::ConstraintProof(scene, problem).prove(edges.path.positions, &broken)) {
+    profile.constraints = std::move(*proven);
+    return;
+  }
+  const int segment = edges.places[broken.edge].segment;
+  profile.certified = false;
+  profile.broken = fmt::format("{} on edge {}", broken.what, segment);
+  for (Stretch& stretch : profile.stretches)
+    stretch.keeps_margins = stretch.keeps_margins && stretch.segment < segment;
 }
 
 int runClearance(ClearanceArguments& arguments) {
@@ -364,11 +389,7 @@ int runClearance(ClearanceArguments& arguments) {
   if (!steps) printWarnings(stages.front().scene->warnings());
   Profile profile =
       measure(stages, path, arguments, interactivePlanOptions(arguments.limits.timeLimit()));
-  if (!steps && !planner::proveConstraints(*stages.front().scene, problem, path)) {
-    profile.certified = false;
-    for (Stretch& stretch : profile.stretches) stretch.keeps_margins = false;
-    printWarnings({problem.name + ": the path is not proven to keep the constraints"});
-  }
+  if (!steps) proveConstraints(*stages.front().scene, problem, path, profile);
   endProgress();
   if (!arguments.view.file.empty()) {
     view::writePage(arguments.view, view::subjectOfPath(problem, arguments.source.problem, path));

@@ -104,33 +104,6 @@ std::string stepTable(const planner::Problem& problem, const planner::PlanResult
                      {1, 2, 3, 4});
 }
 
-/// The number of decimals that shows a fraction of `allowed`.
-int decimalsOf(double allowed) {
-  return std::clamp(3 - static_cast<int>(std::floor(std::log10(allowed))), 3, 9);
-}
-
-/// Returns a line for each constraint, with the proven bounds.
-std::string constraintsText(const planner::Problem& problem, const planner::PlanResult& result) {
-  std::string text;
-  for (std::size_t i = 0; i < result.certificate.constraints.size(); ++i) {
-    const planner::Constraint& constraint = problem.constraints[i];
-    const planner::ConstraintResult& proven = result.certificate.constraints[i];
-    std::string off;
-    for (const auto& [from, to] : constraint.position)
-      if (std::isfinite(from) || std::isfinite(to))
-        off = fmt::format(" at most {} mm off ({} are allowed)",
-                          formatUpper(millimetres(proven.deviation),
-                                      decimalsOf(millimetres(constraint.position_tolerance))),
-                          millimetres(constraint.position_tolerance));
-    if (constraint.turn != planner::Constraint::Turn::kAny)
-      off += fmt::format("{} at most {} rad turned ({} are allowed)", off.empty() ? "" : ",",
-                         formatUpper(proven.angle, decimalsOf(constraint.angle)), constraint.angle);
-    text += fmt::format("Constraint '{}' holds everywhere, proven: '{}' is{}.\n", constraint.name,
-                        constraint.frame, off);
-  }
-  return text;
-}
-
 /// The cost of the path, and the wishes that it keeps.
 std::string costText(const planner::Problem& problem, const planner::PlanResult& result) {
   if (!std::isfinite(result.cost.upper)) return "";
@@ -298,12 +271,12 @@ std::string solvedText(const planner::Problem& problem, const planner::PlanResul
                                                   : "Only a part of it, which is not certified",
                             result.reason)
               : "";
-  return text +
-         wrapped(part + view::nearestText(least) + planner::toString(certificate.unchecked) +
-                 ".\n" + constraintsText(problem, result) + "Solved with " + methodText(result) +
-                 fmt::format(": {}, length {:.4f}.\n", counted(certificate.segments.size(), "edge"),
-                             result.length) +
-                 costText(problem, result) + durationText(trajectory));
+  return text + wrapped(part + view::nearestText(least) + planner::toString(certificate.unchecked) +
+                        ".\n" + constraintsText(problem, result.certificate.constraints) +
+                        "Solved with " + methodText(result) +
+                        fmt::format(": {}, length {:.4f}.\n",
+                                    counted(certificate.segments.size(), "edge"), result.length) +
+                        costText(problem, result) + durationText(trajectory));
 }
 
 /// The reason for a plan without a path.

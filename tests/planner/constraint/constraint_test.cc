@@ -15,6 +15,7 @@
 #include "leeway/robots/kinematics.h"
 #include "planner/base/random.h"
 #include "planner/constraint/constraint_proof.h"
+#include "planner/verify/frame_check.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
 
@@ -111,6 +112,16 @@ Problem armProblem(const std::string& arm) {
   return problem;
 }
 
+/// Two arms in an empty room, both planned.
+Problem dualArmProblem() {
+  const std::string robot = leeway::sourceFolder() + "/robots/dual_arm/dual_arm";
+  Problem problem =
+      problemFromStates(robots::loadModel(robot + ".urdf", robot + ".srdf"), "both", "up", "up");
+  problem.name = "dual_arm";
+  problem.limits.time = 60;
+  return problem;
+}
+
 Point randomPoint(const ConfigurationSpace& space, Random& random) {
   Point point;
   for (int i = 0; i < space.size(); ++i)
@@ -127,8 +138,11 @@ Eigen::Matrix3d randomRotation(Random& random) {
 TEST(Constraints, ProvenEdgesKeepThemAtDenseSamples) {
   Random random(7, 0);
   int proven = 0, refused = 0, kept = 0;
-  for (const char* arm : {"arm6", "arm7"}) {
-    Problem problem = armProblem(arm);
+  int verified = 0;
+  // The dual arm's frame is seen from its other hand.
+  for (const char* arm : {"arm6", "arm7", "dual_arm"}) {
+    const bool is_dual = std::string(arm) == "dual_arm";
+    Problem problem = is_dual ? dualArmProblem() : armProblem(arm);
     const auto scene = std::make_shared<const CompiledScene>(problem);
     const ConfigurationSpace& space = scene->space();
     const std::string tip = problem.robot.model->links.back().name;
@@ -153,8 +167,13 @@ TEST(Constraints, ProvenEdgesKeepThemAtDenseSamples) {
       std::vector<Pose> X_WL(problem.robot.model->links.size());
       robots::forwardKinematics(*problem.robot.model, q, X_WL);
       const Frame& frame = problem.robot.frames[0];
-      const Pose X_RF =
-          constraint.X_SR.inverse() * (X_WL[static_cast<std::size_t>(frame.link)] * frame.X_LF);
+      Pose X_WS;
+      if (is_dual) {
+        constraint.relative_to = "left_tool";
+        X_WS = X_WL[static_cast<std::size_t>(problem.robot.model->findLink("left_tool"))];
+      }
+      const Pose X_RF = (X_WS * constraint.X_SR).inverse() *
+                        (X_WL[static_cast<std::size_t>(frame.link)] * frame.X_LF);
       const double size = std::pow(10, -3 * random.uniform());
       for (std::size_t k = 0; k < 3; ++k)
         if (random.uniform() < 0.6) {
@@ -181,6 +200,12 @@ TEST(Constraints, ProvenEdgesKeepThemAtDenseSamples) {
       const bool holds = worst.position <= constraint.position_tolerance &&
                          (constraint.turn == Turn::kAny || worst.angle <= constraint.angle);
       kept += holds ? 1 : 0;
+      // The verifier's bounds, of the first order, are for short edges.
+      if (space.distance(a, b) < 0.2 &&
+          !verification::findBrokenConstraint(problem, {{}, {a, b}, {}}, {})) {
+        ++verified;
+        EXPECT_TRUE(holds) << arm << " case " << i << " is verified";
+      }
       if (proof.holds(a, b)) {
         ++proven;
         EXPECT_TRUE(holds) << arm << " case " << i << ": off " << worst.position << " m, "
@@ -195,14 +220,205 @@ TEST(Constraints, ProvenEdgesKeepThemAtDenseSamples) {
       }
     }
   }
-  EXPECT_GT(proven, 150);
-  EXPECT_GT(refused, 150);
+  EXPECT_GT(proven, 220);
+  EXPECT_GT(refused, 220);
+  EXPECT_GT(verified, 40);
   // Few that hold stay unproven: those within a thousandth of their tolerance, or long edges.
   EXPECT_GT(proven, 0.9 * kept);
 }
 
-TEST(Constraints, ShippedProblemIsSolvedKeptAndVerified) {
+TEST(Constraints, ShippedProblemsAreSolvedKeptAndVerified) {
   expectSolvedAndKept(shipped("constrained/glass.yaml"));
+  expectSolvedAndKept(shipped("constrained/wheel.yaml"));
+}
+
+/// Two hands on one bar: the pose of one in the frame of the other stays, wherever they go.
+TEST(Constraints, TwoHandsKeepTheirGripOnOneBar) {
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    Problem problem = dualArmProblem();
+    const Point start = {-0.4481, -1.346, 1.796, 0.1368, 1.19,  0,
+                         -0.2064, -1.355, 1.802, 0.1027, 1.394, 0};
+    for (std::size_t i = 0; i < start.size(); ++i)
+      problem.start[static_cast<std::size_t>(problem.robot.variables[i])] = start[i];
+    std::vector<Pose> X_WL(problem.robot.model->links.size());
+    robots::forwardKinematics(*problem.robot.model, problem.start, X_WL);
+    const auto poseOf = [&](const char* link) {
+      return X_WL[static_cast<std::size_t>(problem.robot.model->findLink(link))];
+    };
+    Constraint grip;
+    grip.name = "grip";
+    grip.frame = "right_tool";
+    grip.relative_to = "left_tool";
+    const Pose X_RF = poseOf("left_tool").inverse() * poseOf("right_tool");
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double x = X_RF.translation[static_cast<Eigen::Index>(i)];
+      grip.position[i] = {x, x};
+    }
+    grip.turn = Turn::kFixed;
+    grip.rotation = X_RF.rotation;
+    grip.angle = std::numbers::pi / 180;
+    problem.constraints = {grip};
+    FramePose goal;
+    goal.frame = "left_tool";
+    Random random(seed, 0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double x = poseOf("left_tool").translation[static_cast<Eigen::Index>(i)] +
+                       0.1 * (random.uniform() - 0.5);
+      goal.position[i] = {x, x};
+    }
+    goal.rpy.fill({0, 0});
+    goal.rotation = poseOf("left_tool").rotation;
+    problem.goals = {{"goal", {}, {poseRegion(problem, goal)}}};
+    problem.seed = seed;
+    expectSolvedAndKept(problem, 300);
+  }
+}
+
+/// The reference of a constraint may move; two frames that stay together are refused.
+TEST(Constraints, FramesThatDoNotMoveAgainstEachOtherAreRefused) {
+  Problem problem = dualArmProblem();
+  Constraint constraint = upright("left_tool", {0, 0, 1}, 0.1);
+  const auto messageOf = [&] {
+    problem.constraints = {constraint};
+    try {
+      validate(problem);
+    } catch (const robots::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  for (const char* other : {"left_tool", "left_tool_body", "left_wrist3"}) {
+    constraint.relative_to = other;
+    EXPECT_NE(messageOf().find("the planned joints do not move 'left_tool' against '" +
+                               std::string(other) + "'"),
+              std::string::npos)
+        << messageOf();
+  }
+  for (const char* other : {"right_tool", "left_wrist2", "column"}) {
+    constraint.relative_to = other;
+    EXPECT_EQ(messageOf(), "accepted");
+  }
+  // Goals stay relative to what rests.
+  FramePose goal;
+  goal.frame = "left_tool";
+  goal.relative_to = "right_tool";
+  goal.position.fill({0, 0});
+  goal.rpy.fill({0, 0});
+  EXPECT_THROW(poseRegion(problem, goal), std::invalid_argument);
+}
+
+/// A grip that is lost between the rows of a path is refuted.
+TEST(Constraints, TheVerifierRefutesALostGrip) {
+  Problem problem = shipped("constrained/wheel.yaml");
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+  problem.constraints.erase(problem.constraints.begin());
+  Path path = result.path;
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
+  path.positions = {path.positions.front(), path.positions.back()};
+  const VerifyResult verified = verify(problem, path);
+  EXPECT_EQ(verified.status, VerifyStatus::kRefuted);
+  EXPECT_NE(verified.reason.find("constraint 'grip' does not hold for 'right_tool'"),
+            std::string::npos)
+      << verified.reason;
+}
+
+/// A condition of one's own is looked at at its resolution, by planning and by the verifier, and
+/// is called sampled.
+TEST(Constraints, AConditionRestrictsTheSearch) {
+  Problem problem = armProblem("arm7");
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+  for (std::size_t i = 0; i < 7; ++i) problem.goals[0].ranges[i].first += i == 0 ? 1.2 : 0;
+  problem.goals[0].ranges[0].second = problem.goals[0].ranges[0].first;
+  // Not straight: in the middle of the first joint's way the second one is elsewhere.
+  const double from = problem.start[static_cast<std::size_t>(problem.robot.variables[0])];
+  const double second = problem.start[static_cast<std::size_t>(problem.robot.variables[1])];
+  const auto isAccepted = [&](std::span<const double> q) {
+    return std::abs(q[0] - from - 0.6) > 0.2 || q[1] > second + 0.3;
+  };
+  std::size_t most = 0;
+  problem.condition.accept = [&](std::span<const double> states) {
+    most = std::max(most, states.size() / 7);
+    for (std::size_t i = 0; i < states.size(); i += 7)
+      if (!isAccepted(states.subspan(i, 7))) return false;
+    return true;
+  };
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+  EXPECT_EQ(result.planner, "Connect");
+  EXPECT_EQ(result.certificate.conditions, "sampled");
+  EXPECT_GT(result.path.positions.size(), 2U);
+  EXPECT_GT(most, 2U);
+  EXPECT_LE(most, 256U);
+  Point q(7);
+  for (std::size_t i = 0; i + 1 < result.path.positions.size(); ++i) {
+    const Point &a = result.path.positions[i], &b = result.path.positions[i + 1];
+    const int parts = static_cast<int>(std::ceil(space.distance(a, b) / 0.05));
+    for (int k = 0; k <= parts; ++k) {
+      space.alongLine(a, b, parts > 0 ? static_cast<double>(k) / parts : 0, q);
+      EXPECT_TRUE(isAccepted(q)) << "edge " << i;
+    }
+  }
+  const VerifyResult verified = verify(problem, result.path);
+  EXPECT_EQ(verified.status, VerifyStatus::kCertified) << verified.reason;
+  EXPECT_EQ(verified.conditions, "sampled");
+  const PlanResult again = plan(problem);
+  EXPECT_EQ(again.path.positions, result.path.positions);
+  Path straight = result.path;
+  straight.positions = {straight.positions.front(), straight.positions.back()};
+  const VerifyResult refuted = verify(problem, straight);
+  EXPECT_EQ(refuted.status, VerifyStatus::kRefuted);
+  EXPECT_EQ(refuted.reason, "the condition does not accept a state");
+  EXPECT_FALSE(proveConstraints(CompiledScene(problem), problem, straight));
+
+  // A start or goal that it does not accept is reported before planning.
+  Problem other = problem;
+  other.condition.accept = [&](std::span<const double> states) { return states[0] != from; };
+  PlanResult invalid = plan(other);
+  EXPECT_EQ(invalid.status, PlanStatus::kInvalidStart);
+  EXPECT_EQ(invalid.reason, "the condition does not accept it");
+  other.condition.accept = [&](std::span<const double> states) { return states[0] < from + 1; };
+  invalid = plan(other);
+  EXPECT_EQ(invalid.status, PlanStatus::kInvalidGoal);
+  EXPECT_NE(invalid.reason.find("the condition does not accept it"), std::string::npos)
+      << invalid.reason;
+}
+
+/// A condition stands beside constraints, and needs what they need.
+TEST(Constraints, AConditionStandsBesideConstraintsAndIsValidated) {
+  Problem problem = shipped("constrained/glass.yaml");
+  const double least = problem.start[static_cast<std::size_t>(problem.robot.variables[0])] - 2.5;
+  problem.condition.accept = [&](std::span<const double> states) {
+    for (std::size_t i = 0; i < states.size(); i += 7)
+      if (states[i] < least) return false;
+    return true;
+  };
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+  EXPECT_EQ(result.certificate.conditions, "sampled");
+  expectKept(problem, result, 200);
+  problem.constraints.clear();
+  const auto messageOf = [](const Problem& wrong) {
+    try {
+      validate(wrong);
+    } catch (const robots::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  for (const double resolution : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    Problem wrong = problem;
+    wrong.condition.resolution = resolution;
+    EXPECT_NE(messageOf(wrong).find("condition.resolution is "), std::string::npos);
+  }
+  Problem wrong = problem;
+  wrong.objective = MaximumClearance();
+  EXPECT_NE(messageOf(wrong).find("there is a condition, and another objective than length"),
+            std::string::npos);
+  wrong = problem;
+  wrong.planner.name = "RRTConnect";
+  EXPECT_NE(messageOf(wrong).find("there is a condition, which planner 'RRTConnect' does not keep"),
+            std::string::npos);
 }
 
 /// A plane, a line, upright, and a line with a fixed rotation, between random poses of an arm.
@@ -253,6 +469,82 @@ TEST(Constraints, GeneratedProblemsAreSolvedKeptAndVerified) {
         ++solved;
       }
   EXPECT_EQ(solved, 24);
+}
+
+/// A request of MoveIt for a full glass runs as it is: the hand's x axis points up, the grip stays
+/// in a box, and one joint in its range.
+TEST(Constraints, AnUprightRequestOfMoveitRunsAsItIs) {
+  const std::string robot = leeway::sourceFolder() + "/robots/arm7/arm7";
+  const Folder folder;
+  const std::string scene = folder.write("scene.yaml", R"(name: wall
+robot_model_name: arm7
+world:
+  collision_objects:
+    - id: wall
+      pose: {position: [0.6, 0, 0.25], orientation: [0, 0, 0, 1]}
+      primitives: [{type: box, dimensions: [0.5, 0.04, 0.5]}]
+      primitive_poses: [{position: [0, 0, 0], orientation: [0, 0, 0, 1]}]
+)");
+  const std::string request = folder.write("request.yaml", R"(
+workspace_parameters: {header: {frame_id: world}, min_corner: {x: -1, y: -1, z: -1}, max_corner: {x: 1, y: 1, z: 1}}
+group_name: arm
+pipeline_id: ompl
+planner_id: RRTConnect
+num_planning_attempts: 10
+allowed_planning_time: 60
+max_velocity_scaling_factor: 0.1
+max_acceleration_scaling_factor: 0.1
+start_state:
+  joint_state:
+    name: [joint1, joint2, joint3, joint4, joint5, joint6, joint7, finger_joint]
+    position: [1.7514, -1.9448, 2.6169, 1.1846, -0.9476, -1.5642, -0.9164, 0.034]
+goal_constraints:
+  - name: behind the wall
+    joint_constraints:
+      - {joint_name: joint1, position: 1.9764, tolerance_above: 0.001, tolerance_below: 0.001, weight: 1}
+      - {joint_name: joint2, position: 1.3441, tolerance_above: 0.001, tolerance_below: 0.001, weight: 1}
+      - {joint_name: joint3, position: 1.5182, tolerance_above: 0.001, tolerance_below: 0.001, weight: 1}
+      - {joint_name: joint4, position: 1.8427, tolerance_above: 0.001, tolerance_below: 0.001, weight: 1}
+      - {joint_name: joint5, position: -0.6517, tolerance_above: 0.001, tolerance_below: 0.001, weight: 1}
+      - {joint_name: joint6, position: -0.0269, tolerance_above: 0.001, tolerance_below: 0.001, weight: 1}
+      - {joint_name: joint7, position: 1.9903, tolerance_above: 0.001, tolerance_below: 0.001, weight: 1}
+path_constraints:
+  name: full glass
+  joint_constraints:
+    - {joint_name: joint4, position: 1, tolerance_above: 1.09, tolerance_below: 2, weight: 1}
+    - {joint_name: finger_joint, position: 0.034, tolerance_above: 0.001, tolerance_below: 0.001, weight: 1}
+  position_constraints:
+    - header: {frame_id: world}
+      link_name: hand
+      target_point_offset: {x: 0, y: 0, z: 0.09}
+      constraint_region:
+        primitives: [{type: box, dimensions: [2.4, 2.4, 1.4]}]
+        primitive_poses: [{position: {x: 0, y: 0, z: 0.65}, orientation: {x: 0, y: 0, z: 0, w: 1}}]
+      weight: 1
+  orientation_constraints:
+    - header: {frame_id: world}
+      link_name: hand
+      orientation: {x: 0, y: -0.7071067811865476, z: 0, w: 0.7071067811865476}
+      absolute_x_axis_tolerance: 6.283185307179586
+      absolute_y_axis_tolerance: 0.17
+      absolute_z_axis_tolerance: 0.17
+      parameterization: 0
+      weight: 1
+)");
+  const Problem problem =
+      loadMoveit(robots::loadModel(robot + ".urdf", robot + ".srdf"), scene, request);
+  ASSERT_EQ(problem.constraints.size(), 2U);
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+  expectKept(problem, result, 500);
+  EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
+  for (const Point& row : result.path.positions) EXPECT_LE(row[3], 2.09);
+  // The verifier knows the limits, too.
+  Path other = result.path;
+  other.positions[1][3] = 2.2;
+  const VerifyResult refuted = verify(problem, other);
+  EXPECT_EQ(refuted.status, VerifyStatus::kRefuted);
+  EXPECT_NE(refuted.reason.find("joint4"), std::string::npos) << refuted.reason;
 }
 
 TEST(Constraints, TheVerifierRefutesAPathThatBreaksOne) {

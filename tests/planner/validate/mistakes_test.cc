@@ -471,6 +471,12 @@ std::vector<Mistake> stepMistakes() {
          p.constraints = {upright("tool", {0, 0, 0}, 3)};
        },
        {{"constraints", "[{frame: tool, axis: [0, 0, 0], angle: 3}]"}}},
+      {"constraint_of_one_body",
+       [](Problem& p) {
+         p.constraints = {upright("tool", {0, 0, 1}, 3)};
+         p.constraints[0].relative_to = "hand";
+       },
+       {{"constraints", "[{frame: tool, relative_to: hand, axis: [0, 0, 1], angle: 3}]"}}},
       {"constraint_back_to_front",
        [](P& p) {
          p.constraints = {upright("tool", {0, 0, 1}, 3)};

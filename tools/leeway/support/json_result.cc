@@ -54,11 +54,7 @@ Json certificateJson(const planner::Problem& problem, const planner::Certificate
       planner::ConfigurationSpace(problem.robot.model, problem.robot.variables).interpolation();
   document["not_checked"] = planner::uncheckedJson(certificate.unchecked);
   document["clouds"] = cloudsJson(problem);
-  document["constraints"] = Json::array();
-  for (const planner::ConstraintResult& constraint : certificate.constraints)
-    document["constraints"].push_back({{"name", constraint.name},
-                                       {"deviation", constraint.deviation},
-                                       {"angle", constraint.angle}});
+  document["constraints"] = constraintsJson(certificate.constraints);
   return document;
 }
 
@@ -111,6 +107,14 @@ Json jsonNumber(double value) { return std::isfinite(value) ? Json(value) : Json
 
 Json jsonVector(const Eigen::Vector3d& v) {
   return {jsonNumber(v.x()), jsonNumber(v.y()), jsonNumber(v.z())};
+}
+
+Json constraintsJson(const std::vector<planner::ConstraintResult>& results) {
+  Json constraints = Json::array();
+  for (const planner::ConstraintResult& result : results)
+    constraints.push_back(
+        {{"name", result.name}, {"deviation", result.deviation}, {"angle", result.angle}});
+  return constraints;
 }
 
 Json cloudsJson(const planner::Problem& problem) {

@@ -20,6 +20,8 @@ Json jsonVector(const Eigen::Vector3d& v);
 /// for the remaining balls.
 Json cloudsJson(const planner::Problem& problem);
 
+/// The bounds that are proven for constraints along a path.
+Json constraintsJson(const std::vector<planner::ConstraintResult>& results);
 /// The document of `plan --json`. `trajectory`: for a solved problem. `load_s`: the time in which
 /// the files were read [s].
 Json toJson(const planner::Problem& problem, const planner::PlanResult& result,

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+
+#include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
 
@@ -37,6 +40,37 @@ std::string obstaclesText(const planner::Problem& problem) {
   for (const planner::Object& o : problem.world.objects)
     if (o.motion && o.motion->age > 0)
       text += fmt::format(", '{}' where it was seen {:g} s before", o.name, o.motion->age);
+  return text;
+}
+
+namespace {
+
+/// Decimals that show a part of `allowed`.
+int decimalsOf(double allowed) {
+  return std::clamp(3 - static_cast<int>(std::floor(std::log10(allowed))), 3, 9);
+}
+
+}  // namespace
+
+std::string constraintsText(const planner::Problem& problem,
+                            const std::vector<planner::ConstraintResult>& results) {
+  std::string text;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const planner::Constraint& constraint = problem.constraints[i];
+    const planner::ConstraintResult& proven = results[i];
+    std::string off;
+    for (const auto& [from, to] : constraint.position)
+      if (std::isfinite(from) || std::isfinite(to))
+        off = fmt::format(
+            " at most {} mm off ({} are allowed)",
+            formatUpper(1e3 * proven.deviation, decimalsOf(1e3 * constraint.position_tolerance)),
+            1e3 * constraint.position_tolerance);
+    if (constraint.turn != planner::Constraint::Turn::kAny)
+      off += fmt::format("{} at most {} rad turned ({} are allowed)", off.empty() ? "" : ",",
+                         formatUpper(proven.angle, decimalsOf(constraint.angle)), constraint.angle);
+    text += fmt::format("Constraint '{}' holds everywhere, proven: '{}' is{}.\n", constraint.name,
+                        constraint.frame, off);
+  }
   return text;
 }
 

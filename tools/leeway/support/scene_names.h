@@ -2,8 +2,10 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/constraint_result.h"
 
 namespace leeway::tools {
 
@@ -20,5 +22,10 @@ bool movesAsKnown(const planner::Problem& problem);
 std::optional<double> obstaclesAt(const planner::Problem& problem);
 /// The same as the end of a sentence, with a space before it.
 std::string obstaclesText(const planner::Problem& problem);
+
+/// Returns a line for each constraint of a problem, with the bounds that are proven along a path.
+/// `results`: one each; none where they are not proven.
+std::string constraintsText(const planner::Problem& problem,
+                            const std::vector<planner::ConstraintResult>& results);
 
 }  // namespace leeway::tools

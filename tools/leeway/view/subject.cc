@@ -6,6 +6,7 @@
 #include <span>
 
 #include "leeway/planner/verify.h"
+#include "tools/leeway/support/robot_state.h"
 #include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/view/page.h"
@@ -148,6 +149,10 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
     verifyTask(path, subject);
   subject.verdict = subject.good ? "certified" : "not certified";
   if (subject.good) noteClearances(subject);
+  if (subject.good && !problem.constraints.empty())
+    if (const auto proven = planner::proveConstraints(*subject.scene, problem, path))
+      for (const std::string& line : splitAt('\n', constraintsText(problem, *proven)))
+        if (!line.empty()) subject.notes.push_back(line);
   subject.notes.push_back(toString(countUnchecked(subject.first_scene->dropped())) + ".");
   noteEnds(subject);
   return subject;

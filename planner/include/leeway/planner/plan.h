@@ -101,6 +101,9 @@ struct Certificate : PathClearance {
   bool certified = false;                     ///< every edge proven to keep its margins
   std::vector<UncheckedPairs> unchecked;      ///< pairs that it does not cover
   std::vector<ConstraintResult> constraints;  ///< one per constraint, in the problem's order
+  /// "sampled": Problem::condition holds at the sampled states, and is not proven between them.
+  /// Empty if the problem has no condition.
+  std::string conditions;
 };
 
 /// kPath: the path's clearance to within three tenths of its value, or as well as about a
@@ -235,10 +238,17 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
                     double world_guess = 0);
 
 /// Returns the proven bounds of each constraint of a problem along a path; nothing if one of them
-/// is not proven everywhere. `scene`: the problem's, or a variant. Errors as edgesOf(). O(edges *
-/// constraints * joints), more for long edges.
+/// is not proven everywhere, or the condition does not hold at a state that is looked at. `scene`:
+/// the problem's, or a variant. Errors as edgesOf(). O(edges * constraints * joints), more for long
+/// edges.
 std::optional<std::vector<ConstraintResult>> proveConstraints(const CompiledScene& scene,
                                                               const Problem& problem,
                                                               const Path& path);
+
+/// Returns in words which constraint of a problem does not hold at a point, or that its condition
+/// does not: "constraint 'upright': 'glass' is turned by 0.3 rad, at most ..."; empty where all
+/// hold. `scene` as above. O(constraints * joints).
+std::string brokenConstraint(const CompiledScene& scene, const Problem& problem,
+                             std::span<const double> point);
 
 }  // namespace leeway::planner

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -91,10 +92,12 @@ struct Constraint {
   static constexpr std::pair<double, double> kFree{-std::numeric_limits<double>::infinity(),
                                                    std::numeric_limits<double>::infinity()};
 
-  std::string name;         ///< in messages
-  std::string frame;        ///< a frame, a link or an attached object
-  std::string relative_to;  ///< an object, or a frame or link at rest; empty: the world
-  robots::Pose X_SR;        ///< of R in the frame S of that name
+  std::string name;   ///< in messages
+  std::string frame;  ///< a frame, a link or an attached object
+  /// An object, a frame, a link or an attached object; empty: the world. It may move with the
+  /// planned joints, too: what one hand holds is seen from the other one.
+  std::string relative_to;
+  robots::Pose X_SR;  ///< of R in the frame S of that name
   /// F's origin in R [m]: a box, or a plane or line if ranges have no width.
   std::array<std::pair<double, double>, 3> position{kFree, kFree, kFree};
   double position_tolerance = 1e-3;  ///< how far outside of the box the origin may be [m]
@@ -108,6 +111,17 @@ struct Constraint {
 /// Keeps a frame upright: the constraint that `axis` of the frame points along the world's z to
 /// within `angle` [rad].
 Constraint upright(const std::string& frame, const Eigen::Vector3d& axis, double angle);
+
+/// A condition of your own on the states of a path: looked at, not proven.
+struct Condition {
+  /// Returns whether all of these states are accepted: one row of the planned variables after the
+  /// other, 256 rows at most. The same answer for the same states is expected. Called from several
+  /// threads if Connect has several workers. Empty if the problem has no condition.
+  std::function<bool(std::span<const double> states)> accept;
+  /// The states sampled on an edge, its ends included, are at most that far apart, in the space's
+  /// distance. Above 0.
+  double resolution = 0.05;
+};
 
 /// The places where a frame F may be in a reference frame R. poseRegion() resolves the names.
 struct FramePose {
@@ -370,6 +384,7 @@ struct Problem {
   std::vector<Step> steps;  ///< a task: planTask() (task.h) instead of plan()
   /// Each holds on the whole path, including start and goal. Only with goals, not with steps.
   std::vector<Constraint> constraints;
+  Condition condition;  ///< likewise
   World world;
   Contacts contacts;
   Margins margins;
@@ -390,8 +405,9 @@ struct Problem {
 ///   nothing can meet; goals together with steps; steps with names that do not exist;
 /// - a name of two things, or an empty name; a name in margins, wishes or contacts that does not
 ///   exist; a pair that has the same name twice;
-/// - constraints of frames that do not move, or without a condition; together with steps, another
-///   objective than length, another planner than Connect, or corners that are cut;
+/// - constraints of frames that do not move, or that constrain nothing; they or a condition together
+///   with steps, another objective than length, another planner than Connect, or corners that are
+///   cut;
 /// - poses that are not finite or not rotations; numbers that are not finite or out of range; a
 ///   planner or parameters that do not exist or do not fit the objective;
 /// - deforming obstacles without a snapshot of Execution::start, objects that do not stand where

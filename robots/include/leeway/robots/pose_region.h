@@ -21,6 +21,8 @@ struct PoseRegion {
   std::array<std::pair<double, double>, 3> rpy;       ///< roll, pitch, yaw [rad]
   /// How far outside of the region an answer may be. At least kLeastPoseTolerance.
   double position_tolerance = 1e-9, angle_tolerance = 1e-9;  // [m], [rad]
+  /// W is the frame of this link, and the region moves with it; -1: the world.
+  int base = -1;
 
   /// The region that holds X_RF alone.
   static PoseRegion exact(int link, const Pose& X_LF, const Pose& X_WR, const Pose& X_RF);
@@ -35,8 +37,9 @@ struct PoseError {
   double angle = 0;     ///< of the rotation to the nearest one allowed [rad]
 };
 
-/// The error of F when its link is at X_WL. Where two or three of the angles have a width, the
-/// nearest rotation is searched and may be missed: never less than the true error. O(1).
+/// The error of F when its link is at X_WL, in the frame W of region.base. Where two or three of
+/// the angles have a width, the nearest rotation is searched and may be missed: never less than the
+/// true error. O(1).
 PoseError poseError(const PoseRegion& region, const Pose& X_WL);
 
 /// Roll, pitch, yaw of a rotation, |pitch| <= pi/2; roll 0 where only their sum or difference is
