@@ -617,6 +617,9 @@ constexpr int kLineTries = 48;
 /// The largest extra motion of a joint in such a try, from one pose to the next [rad or m].
 constexpr double kMostDrift = 6;
 
+/// Parts of an edge over which the speed of a line's frame is bounded, each by itself [count].
+constexpr int kSpeedParts = 16;
+
 /// Joint values from which a line is followed where its start is given by poses [count], and of
 /// these the ones from which it goes on longest that are tried with other motions.
 constexpr std::size_t kLineStarts = 64;

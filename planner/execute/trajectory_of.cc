@@ -8,9 +8,12 @@
 #include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
 #include "planner/base/tolerances.h"
+#include "planner/constraint/frame_motion.h"
 #include "planner/execute/blend.h"
 #include "planner/execute/path_timing.h"
 #include "planner/execute/timed_path.h"
+#include "planner/task/stages.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
@@ -43,10 +46,11 @@ void checkLimits(std::span<const double> limits, std::size_t size, const char* w
 
 Trajectory::Trajectory(std::shared_ptr<const ConfigurationSpace> space,
                        std::vector<std::vector<double>> waypoints, const MotionLimits& limits,
-                       std::span<const Blend> blends)
+                       std::span<const Blend> blends, std::span<const double> least_times)
     : space_(std::move(space)),
       waypoints_(std::move(waypoints)),
-      blends_(blends.begin(), blends.end()) {
+      blends_(blends.begin(), blends.end()),
+      least_times_(least_times.begin(), least_times.end()) {
   const std::size_t size = at(space_->size());
   if (waypoints_.empty()) throw std::invalid_argument("trajectory: a path without waypoints");
   space_->requirePath(waypoints_, "trajectory");
@@ -78,6 +82,17 @@ void Trajectory::check(const MotionLimits& limits) const {
   checkLimits(limits.velocity, size, "velocity", false);
   checkLimits(limits.acceleration, size, "acceleration", false);
   if (!limits.jerk.empty()) checkLimits(limits.jerk, size, "jerk", true);
+  if (!least_times_.empty()) {
+    if (least_times_.size() + 1 != waypoints_.size())
+      throw std::invalid_argument("trajectory: " + std::to_string(least_times_.size()) +
+                                  " least times for " + std::to_string(waypoints_.size() - 1) +
+                                  " edges");
+    for (const double time : least_times_)
+      if (!(time >= 0) || !std::isfinite(time))
+        throw std::invalid_argument("trajectory: a least time of " + std::to_string(time) +
+                                    " s, it must be 0 or more");
+    if (!blends_.empty()) throw std::invalid_argument("trajectory: least times beside blends");
+  }
   if (blends_.empty()) return;
   for (const double jerk : limits.jerk)
     if (jerk < kInfinity)
@@ -117,6 +132,15 @@ int Trajectory::stretchEnd(int first) const {
   return last;
 }
 
+double Trajectory::rateOf(int first, int last, double length) const {
+  double rate = kInfinity;
+  if (least_times_.empty()) return rate;
+  for (int e = first; e < last; ++e)
+    if (least_times_[at(e)] > 0 && lengths_[at(e)] > 0)
+      rate = std::min(rate, lengths_[at(e)] / length / least_times_[at(e)]);
+  return rate;
+}
+
 void Trajectory::addStraight(int first, int last, const MotionLimits& limits, double now) {
   std::vector<double> whole(at(space_->size()), 0);
   double length = 0;
@@ -129,7 +153,8 @@ void Trajectory::addStraight(int first, int last, const MotionLimits& limits, do
     passed += lengths_[at(e)];
     ends_[at(e)] = length > 0 ? passed / length : 1;
   }
-  const double speed = rateLimit(*space_, whole, limits.velocity);
+  const double speed =
+      std::min(rateLimit(*space_, whole, limits.velocity), rateOf(first, last, length));
   if (speed == kInfinity) {  // nothing moves
     for (int e = first; e < last; ++e) times_[at(e) + 1] = now;
     return;
@@ -195,18 +220,65 @@ std::vector<double> Trajectory::knots() const {
   return result;
 }
 
+namespace {
+
+/// The least time of each edge of a task's path at which lines keep the speed of their frames [s];
+/// empty: no line has one.
+std::vector<double> leastTimes(const Problem& problem, const ConfigurationSpace& space,
+                               const Path& path) {
+  const auto lineOf = [](const Step& step) -> const LineStep* {
+    const auto* line = std::get_if<LineStep>(&step.action);
+    return line != nullptr && std::isfinite(line->speed) ? line : nullptr;
+  };
+  if (std::none_of(problem.steps.begin(), problem.steps.end(),
+                   [&](const Step& step) { return lineOf(step) != nullptr; }))
+    return {};
+  if (path.steps.empty() || path.steps.size() > problem.steps.size())
+    throw std::invalid_argument(
+        "trajectory: the path of a task whose lines have a speed does not have its steps");
+  std::vector<double> times(path.positions.size() - 1, 0.0);
+  Problem world = firstWorld(problem);
+  for (std::size_t s = 0; s < path.steps.size(); ++s) {
+    const PathStep& stretch = path.steps[s];
+    const auto standAt = [&](int row) {
+      for (std::size_t i = 0; i < path.positions[at(row)].size(); ++i)
+        world.start[at(space.variables()[i])] = path.positions[at(row)][i];
+    };
+    standAt(stretch.first);
+    if (const LineStep* line = lineOf(problem.steps[s])) {
+      FramePose frame;
+      frame.frame = line->frame;
+      frame.position.fill({0, 0});
+      frame.rpy.fill({0, 0});
+      const robots::PoseRegion region = regionOf(world, frame);
+      FrameMotion motion(space, world.start, region.link, region.X_LF);
+      for (int e = stretch.first; e < stretch.last; ++e) {
+        motion.begin(path.positions[at(e)], path.positions[at(e) + 1]);
+        times[at(e)] = motion.speed(kSpeedParts) / line->speed;
+      }
+    }
+    standAt(stretch.last);
+    const std::vector<double> configuration = world.start;
+    world = worldAfter(world, problem.steps[s], configuration);
+  }
+  return times;
+}
+
+}  // namespace
+
 Trajectory trajectoryOf(const Problem& problem, const Path& path) {
   const MotionLimits limits = motionLimits(problem);
   const auto space =
       std::make_shared<const ConfigurationSpace>(problem.robot.model, problem.robot.variables);
-  const std::vector<std::vector<double>> waypoints = edgesOf(*space, path).path.positions;
+  const Path edges = edgesOf(*space, path).path;
+  const std::vector<std::vector<double>>& waypoints = edges.positions;
   std::vector<Blend> blends;
   const bool smooth = std::any_of(limits.jerk.begin(), limits.jerk.end(),
                                   [](double jerk) { return jerk < kInfinity; });
   // The corners of a task are in different worlds.
   if (problem.execution.corners == Corners::kBlend && !smooth && path.steps.empty())
     blends = certifiedBlends(std::make_shared<const CompiledScene>(problem), waypoints);
-  return {space, waypoints, limits, blends};
+  return {space, waypoints, limits, blends, leastTimes(problem, *space, edges)};
 }
 
 }  // namespace leeway::planner

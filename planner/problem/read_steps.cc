@@ -187,6 +187,7 @@ LineStep readLine(const YamlReader& reader, std::vector<std::string>& warnings,
   if (const auto axes = reader.find("relative_to")) line.relative_to = axes->text();
   line.position_tolerance = optionalNumber(reader, "position_tolerance", line.position_tolerance);
   line.angle_tolerance = optionalNumber(reader, "angle_tolerance", line.angle_tolerance);
+  line.speed = optionalNumber(reader, "speed", line.speed);
   return line;
 }
 
@@ -220,7 +221,7 @@ void readWay(const YamlReader& reader, Problem& problem) {
   step.name = "waypoints";
   step.action = readLine(reader, problem.warnings);
   try {
-    takeStep(step, problem);
+    takeStep(step, problem, true);
   } catch (const std::invalid_argument& error) {
     reader.fail(fmt::format("{}: {}", reader.where(), error.what()));
   }
@@ -251,6 +252,7 @@ void readSteps(const YamlReader& reader, Problem& problem) {
   Problem world = problem;
   const Names names(problem);
   std::map<std::string, int> named;  // the number of steps that have only a default name
+  bool is_first = true;              // that moves
   for (const YamlReader& map : reader.items()) {
     map.expectKeys(keysOf("step"));
     std::string action;
@@ -284,7 +286,8 @@ void readSteps(const YamlReader& reader, Problem& problem) {
       step.action = DetachStep{value.text()};
     }
     try {
-      takeStep(step, world);
+      takeStep(step, world, is_first);
+      is_first = is_first && !movesRobot(step);
     } catch (const std::invalid_argument& error) {
       value.fail(fmt::format("{}: {}", value.where(), error.what()));
     }

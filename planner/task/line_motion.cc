@@ -38,6 +38,9 @@ LineDeparture errorAt(const Pose& X_WP, const Pose& X_WF) {
           (X_WF.rotation - X_WP.rotation).norm() / std::sqrt(2.0)};
 }
 
+/// A try that gains more than this share of a stretch lets the tries begin again.
+constexpr double kLineGain = 0.01;
+
 /// The motion of each joint along a stretch in addition to the motion that follows the line [rad or
 /// m].
 using Drift = std::vector<double>;
@@ -58,13 +61,14 @@ class LineSearch {
   }
 
   LineMotion run(const std::vector<double>& start, const LineTries& tries) {
+    stop_ = tries.stop;
     Run best{{start}, {0}, {{}}, {}};
     extend(best, {});
     const std::vector<int> joints =
         best.end && tries.free > 0 ? freeJoints(start) : std::vector<int>();
     Random random(tries.seed, kLineStream);
     for (int failed = 0; best.end && !joints.empty() && failed < tries.free; ++failed) {
-      if (tries.stop && tries.stop()) break;
+      if (isStopped()) break;
       Run run = best;
       // Prefers late places, because the run keeps its points up to there.
       const double back = random.uniform();
@@ -74,9 +78,11 @@ class LineSearch {
       run.places.resize(kept);
       run.departures.resize(kept);
       extend(run, drift(joints, random, failed == 0 ? &run.points.back() : nullptr));
-      if (!(run.places.back() > best.places.back())) continue;
+      const double gain = run.places.back() - best.places.back();
+      if (!(gain > 0)) continue;
       best = std::move(run);
-      failed = -1;
+      // Near the end of the reach there is always a little more to gain.
+      if (gain > kLineGain) failed = -1;
     }
     LineMotion motion;
     motion.points = std::move(best.points);
@@ -97,12 +103,19 @@ class LineSearch {
     std::optional<LineEnd> end;
   };
 
+  bool isStopped() const { return stop_ && stop_(); }
+
   /// Extends the run from its last point as far as the line can be followed.
   void extend(Run& run, const Drift& drift) {
     run.end.reset();
     double piece = kFirstLinePiece;
     LineEnd why;
     while (run.places.back() < way_.size()) {
+      if (isStopped()) {
+        why = {};
+        why.why = LineEnd::Why::kStopped;
+        break;
+      }
       const double place = run.places.back(), corner = std::floor(place) + 1;
       const double next = place + piece >= corner ? corner : place + piece;
       if (const std::optional<std::vector<double>> to =
@@ -169,7 +182,9 @@ class LineSearch {
     const double place = run.places.back(), stretch = std::floor(place);
     end.waypoint = static_cast<int>(stretch);
     end.share = place - stretch;
-    if (end.why != LineEnd::Why::kCollision) {
+    if (end.why == LineEnd::Why::kStopped) {
+      end.text = "the time limit was reached, or the search was stopped";
+    } else if (end.why != LineEnd::Why::kCollision) {
       end.text = "the joints would have to jump, as near a singularity, or at the end of its reach";
       const ConfigurationSpace& space = scene_.space();
       const std::vector<double>& q = run.points.back();
@@ -245,6 +260,7 @@ class LineSearch {
   LineWay way_;
   FrameMotion frame_;
   robots::IkOptions options_;
+  std::function<bool()> stop_;
 };
 
 }  // namespace
@@ -257,6 +273,8 @@ const char* toString(LineEnd::Why why) {
       return "singularity";
     case LineEnd::Why::kCollision:
       return "collision";
+    case LineEnd::Why::kStopped:
+      return "stopped";
   }
   return "limit";
 }

@@ -37,7 +37,7 @@ struct LineMotion {
 struct LineTries {
   int free = 0;                     ///< failed tries to move free joints before giving up
   std::uint64_t seed = 1;           ///< of the random motions
-  std::function<bool()> stop = {};  ///< called before each try; may be empty
+  std::function<bool()> stop = {};  ///< called before each piece; may be empty
 };
 
 /// Follows a line from `start` in pieces. Each piece is proven to stay within the step's tolerances

@@ -26,22 +26,20 @@ Eigen::Vector3d turned(const Eigen::Vector3d& v, const Eigen::Vector3d& axis, do
   return cosine * v + sine * axis.cross(v) + (1 - cosine) * axis.dot(v) * axis;
 }
 
-/// Computes the arc from the beginning of a stretch through `via` to its end. Returns false if the
-/// three points are on one line.
-bool makeArc(const Eigen::Vector3d& via, WayStretch& stretch) {
-  const Eigen::Vector3d u = via - stretch.from.translation, v = stretch.along;
-  const Eigen::Vector3d n = u.cross(v);
-  if (!(n.norm() > kLeastArc * u.norm() * v.norm()) || !((v - u).norm() > 0)) return false;
+/// Turns a stretch into the arc from its beginning through `via` to its end.
+void makeArc(const Eigen::Vector3d& via, const std::string& what, WayStretch& stretch) {
+  const Eigen::Vector3d& from = stretch.from.translation;
+  const Eigen::Vector3d n = arcNormal(from, via, from + stretch.along, what);
+  const Eigen::Vector3d u = via - from, v = stretch.along;
   stretch.normal = n.normalized();
   const Eigen::Vector3d to_center =
       (u.squaredNorm() * v.cross(n) + v.squaredNorm() * n.cross(u)) / (2 * n.squaredNorm());
-  stretch.center = stretch.from.translation + to_center;
+  stretch.center = from + to_center;
   const Eigen::Vector3d a = -to_center, b = v - to_center;
   const double sine = stretch.normal.dot(a.cross(b)), cosine = a.dot(b);
   double angle = firstQuadrantAngle(std::abs(sine), std::abs(cosine));
   if (cosine < 0) angle = std::numbers::pi - angle;
   stretch.arc = sine < 0 ? 2 * std::numbers::pi - angle : angle;
-  return true;
 }
 
 /// Adds the stretch between two poses. `what` names the second one in messages.
@@ -50,20 +48,11 @@ void add(LineWay& way, const Pose& from, const Pose& to, const Eigen::Vector3d* 
   WayStretch stretch;
   stretch.from = from;
   stretch.along = to.translation - from.translation;
-  Eigen::Quaterniond turn(Eigen::Matrix3d(from.rotation.transpose() * to.rotation));
-  if (turn.w() < 0) turn.coeffs() *= -1;
-  const double sine = turn.vec().norm();
-  stretch.turn = 2 * firstQuadrantAngle(sine, turn.w());
-  if (!(stretch.turn < std::numbers::pi - kHalfTurnSlack))
-    throw std::invalid_argument(
-        what +
-        " is half a turn from the pose before, which may go either way round; a pose between "
-        "them is expected");
-  if (sine > 0) stretch.axis = turn.vec() / sine;
-  if (via != nullptr && !makeArc(*via, stretch))
-    throw std::invalid_argument(fmt::format(
-        "{}: via ({}, {}, {}) is on one line with the arc's ends; a point beside it is expected",
-        what, via->x(), via->y(), via->z()));
+  const AxisTurn turn = axisTurn(from.rotation.transpose() * to.rotation);
+  requireOneWay(turn, what);
+  stretch.axis = turn.axis;
+  stretch.turn = turn.angle;
+  if (via != nullptr) makeArc(*via, what, stretch);
   way.stretches.push_back(stretch);
 }
 

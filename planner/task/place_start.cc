@@ -1,9 +1,12 @@
 #include <algorithm>
+#include <functional>
 #include <numbers>
+#include <utility>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/plan.h"
 #include "leeway/robots/input_error.h"
+#include "planner/base/clock.h"
 #include "planner/base/tolerances.h"
 #include "planner/search/goal_sampler.h"
 #include "planner/task/line_motion.h"
@@ -23,11 +26,12 @@ struct Candidate {
 class LongestLine {
  public:
   LongestLine(EdgeCertifier& certifier, const Problem& world, const LineStep& line,
-              std::uint64_t seed)
+              std::uint64_t seed, std::function<bool()> stop)
       : certifier_(certifier),
         world_(world),
         line_(line),
         seed_(seed),
+        stop_(std::move(stop)),
         kinematics_(world.robot.model, world.robot.variables) {}
 
   std::vector<double> choose(GoalSampler& sampler, GoalPoints& points) {
@@ -35,7 +39,7 @@ class LongestLine {
     for (std::size_t i = 0; i < kLineStarts; ++i) {
       while (i >= points.points.size() && sampler.more(points)) {
       }
-      if (i >= points.points.size()) break;
+      if (i >= points.points.size() || (i > 0 && stop_())) break;
       tried.push_back(withTurns(follow(points.points[i], 0)));
       if (tried.back().is_whole) return tried.back().point;
     }
@@ -43,6 +47,7 @@ class LongestLine {
                      [](const Candidate& a, const Candidate& b) { return a.place > b.place; });
     tried.resize(std::min(tried.size(), kLongestLines));
     for (Candidate& candidate : tried) {
+      if (stop_()) break;
       candidate = follow(candidate.point, kLineTries);
       if (candidate.is_whole) return candidate.point;
     }
@@ -55,14 +60,14 @@ class LongestLine {
  private:
   Candidate follow(const std::vector<double>& point, int tries) {
     const LineMotion motion =
-        followLine(certifier_, kinematics_, world_, line_, point, {tries, seed_});
+        followLine(certifier_, kinematics_, world_, line_, point, {tries, seed_, stop_});
     return {point, motion.places.back(), !motion.end};
   }
 
   /// Tries the candidate with joints a whole turn away, and returns the one with the longest line.
   Candidate withTurns(Candidate best) {
     const ConfigurationSpace& space = certifier_.scene().space();
-    for (bool gains = true; gains && !best.is_whole;) {
+    for (bool gains = true; gains && !best.is_whole && !stop_();) {
       gains = false;
       for (const ConfigurationSpace::Part& part : space.parts()) {
         if (part.kind == ConfigurationSpace::Kind::kRotation ||
@@ -97,12 +102,16 @@ class LongestLine {
   const Problem& world_;
   const LineStep& line_;
   std::uint64_t seed_;
+  std::function<bool()> stop_;
   robots::InverseKinematics kinematics_;
 };
 
 }  // namespace
 
-Problem placeStart(const Problem& problem) {
+Problem placeStart(const Problem& problem, const std::function<bool()>& stop) {
+  const Clock::time_point begin = Clock::now();
+  const double limit = problem.limits.time > 0 ? problem.limits.time / 2 : kInfinity;
+  const auto isOver = [&] { return secondsSince(begin) > limit || (stop && stop()); };
   validate(problem);
   if (problem.start_poses.empty()) return problem;
   Problem placed = problem;
@@ -121,7 +130,7 @@ Problem placeStart(const Problem& problem) {
     // Planning from the nearest configuration reports the obstacle.
     start = sampler.found(0).front();
   else if (line != nullptr)
-    start = LongestLine(certifier, world, *line, problem.seed).choose(sampler, points);
+    start = LongestLine(certifier, world, *line, problem.seed, isOver).choose(sampler, points);
   else
     start = points.points.front();
   for (std::size_t i = 0; i < start.size(); ++i)

@@ -112,10 +112,32 @@ std::string motionFault(const Object& object, double start);
 /// are invalid. Poses and contacts are looked up in these.
 void checkRobot(const Problem& problem);
 
+/// Whether the robot moves in a step.
+inline bool movesRobot(const Step& step) {
+  return std::holds_alternative<MoveStep>(step.action) ||
+         std::holds_alternative<LineStep>(step.action);
+}
 /// Checks a step in the world that the steps before it leave, and applies the step to `world` as
-/// far as names are concerned: objects are attached where they are at the start. Throws
+/// far as names are concerned: objects are attached where they are at the start. `is_first`: none before it has moved the robot.
+/// Throws
 /// std::invalid_argument.
-void takeStep(const Step& step, Problem& world);
+void takeStep(const Step& step, Problem& world, bool is_first);
+
+/// A rotation by an angle in [0, pi] about a unit axis.
+struct AxisTurn {
+  Eigen::Vector3d axis;
+  double angle;
+};
+AxisTurn axisTurn(const Eigen::Matrix3d& rotation);
+/// Throws std::invalid_argument for half a turn, whose way round is not known. `what`: the pose.
+void requireOneWay(const AxisTurn& turn, const std::string& what);
+/// Returns a vector along the normal of the arc through three points. Throws std::invalid_argument
+/// for points of one line.
+Eigen::Vector3d arcNormal(const Eigen::Vector3d& from, const Eigen::Vector3d& via,
+                          const Eigen::Vector3d& to, const std::string& what);
+/// Throws std::invalid_argument for a line that goes nowhere, or not where it can be known. `X_RF`:
+/// where its frame begins, seen from its reference; nothing where that is not known yet.
+void checkWay(const LineStep& line, const std::optional<robots::Pose>& X_RF);
 
 /// Throws for a problem whose start is given by poses.
 void requirePlaced(const Problem& problem);

@@ -82,8 +82,8 @@ constexpr Keys kConstraint[] = {
     "rpy",  "orientation", "axis",        "direction", "angle"};
 constexpr Keys kStep[] = {"name", "move", "line", "attach", "detach", "allowed"};
 constexpr Keys kLine[] = {
-    "frame",          "by", "rpy", "orientation", "poses", "relative_to", "position_tolerance",
-    "angle_tolerance"};
+    "frame",           "by",   "rpy", "orientation", "poses", "relative_to", "position_tolerance",
+    "angle_tolerance", "speed"};
 constexpr Keys kWaypoint[] = {"position", "rpy", "orientation", "via"};
 constexpr Keys kAttachStep[] = {"object", "link", "touch"};
 constexpr Keys kPlanarPose[] = {"position", "angle"};

@@ -11,6 +11,7 @@
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/planner/planners.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/kinematics.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/validate/checks.h"
@@ -193,6 +194,7 @@ void checkSteps(const Problem& problem) {
   std::set<std::string_view> names;
   Problem world = problem;  // as each step finds it
   world.steps.clear();
+  bool is_first = true;  // that moves
   for (std::size_t s = 0; s < problem.steps.size(); ++s) {
     const Step& step = problem.steps[s];
     if (!step.name.empty() && !names.insert(step.name).second)
@@ -200,43 +202,12 @@ void checkSteps(const Problem& problem) {
                                   "expected for each",
                                   s, step.name));
     try {
-      takeStep(step, world);
+      takeStep(step, world, is_first);
+      is_first = is_first && !movesRobot(step);
     } catch (const std::invalid_argument& error) {
       refuse(problem, fmt::format("steps[{}]{}: {}", s,
                                   step.name.empty() ? "" : " ('" + step.name + "')", error.what()));
     }
-  }
-}
-
-/// Throws std::invalid_argument for a line without motion, and for invalid numbers or rotations.
-void checkWay(const LineStep& line) {
-  const auto refuse = [](const std::string& message) { throw std::invalid_argument(message); };
-  const auto text = [](const Eigen::Vector3d& v) {
-    return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z());
-  };
-  const auto checkRotation = [&](const std::string& key, const Eigen::Matrix3d& rotation) {
-    if (const std::string wrong = poseFault({rotation, Eigen::Vector3d::Zero()}); !wrong.empty())
-      refuse(key + " " + wrong);
-  };
-  if (line.poses.empty()) {
-    checkRotation("turn", line.turn);
-    const bool turns = !line.turn.isIdentity(0);
-    if (!(line.by.norm() > 0 || (turns && line.by.isZero(0))) || !line.by.allFinite())
-      refuse(fmt::format("by is {}; the way from here [x, y, z] in m is expected",
-                         line.by.isZero(0) ? "of no length" : text(line.by)));
-    return;
-  }
-  if (!line.by.isZero(0) || !line.turn.isIdentity(0))
-    refuse("it has both 'by' or a turn and 'poses'; one is expected");
-  for (std::size_t i = 0; i < line.poses.size(); ++i) {
-    const Waypoint& pose = line.poses[i];
-    const std::string where = fmt::format("poses[{}]", i);
-    for (const auto& [key, p] :
-         {std::pair("position", &pose.position), {"via", pose.via ? &*pose.via : &pose.position}})
-      if (!p->allFinite() || p->cwiseAbs().maxCoeff() > kAnyPosition)
-        refuse(fmt::format("{}.{} is {}; numbers up to {} m are expected", where, key, text(*p),
-                           kAnyPosition));
-    if (pose.rotation) checkRotation(where + ".rotation", *pose.rotation);
   }
 }
 
@@ -250,10 +221,19 @@ void checkRobot(const Problem& problem) {
   checkCarried(problem);
 }
 
-void takeStep(const Step& step, Problem& world) {
-  const bool moves = std::holds_alternative<MoveStep>(step.action) ||
-                     std::holds_alternative<LineStep>(step.action);
-  if (!moves && !step.allowed.empty())
+namespace {
+
+/// A line's frame where the robot stands, seen from the line's reference.
+robots::Pose startOf(const Problem& world, const robots::PoseRegion& region) {
+  std::vector<robots::Pose> X_WL(world.robot.model->links.size());
+  robots::forwardKinematics(*world.robot.model, world.start, X_WL);
+  return region.X_WR.inverse() * (X_WL[at(region.link)] * region.X_LF);
+}
+
+}  // namespace
+
+void takeStep(const Step& step, Problem& world, bool is_first) {
+  if (!movesRobot(step) && !step.allowed.empty())
     throw std::invalid_argument(
         "nothing moves in this step; a step that moves is expected beside "
         "'allowed'");
@@ -265,7 +245,6 @@ void takeStep(const Step& step, Problem& world) {
     }
     if (const auto fault = goalFault(world, move->goal)) throw std::invalid_argument(*fault);
   } else if (const auto* line = std::get_if<LineStep>(&step.action)) {
-    checkWay(*line);
     for (const auto& [key, value] : {std::pair("position_tolerance", line->position_tolerance),
                                      {"angle_tolerance", line->angle_tolerance}})
       if (!(value >= kLeastLineTolerance) || !std::isfinite(value))
@@ -281,7 +260,9 @@ void takeStep(const Step& step, Problem& world) {
     place.relative_to = line->relative_to == "world" ? "" : line->relative_to;
     place.position.fill({0, 0});
     place.rpy.fill({0, 0});
-    regionOf(world, place);
+    const robots::PoseRegion region = regionOf(world, place);
+    const bool stands = is_first && world.start_poses.empty();
+    checkWay(*line, stands ? std::optional(startOf(world, region)) : std::nullopt);
   } else if (const auto* attach = std::get_if<AttachStep>(&step.action)) {
     world = attached(world, attach->object, attach->link, attach->touch, {});
   } else {

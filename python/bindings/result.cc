@@ -240,10 +240,9 @@ void defineResult(py::module_& module) {
         return where;
       },
       "Where a line ends early: a dict of its `step`, the first `waypoint` of its poses that is "
-      "not "
-      "reached, the `share` of the way to it that is left behind, and `why`: 'limit', "
-      "'singularity' "
-      "or 'collision'; else None.");
+      "not reached, the `share` of the way to it that is left behind, and `why`: 'limit', "
+      "'singularity', 'collision' or 'stopped' (the time limit was reached, or the caller ended "
+      "it); else None.");
   defineConstant(
       result, "unreachable", [](const Result& self) { return self.value.unreachable; },
       "Whether it is proven that a goal of poses has no configuration.");

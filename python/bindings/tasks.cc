@@ -67,8 +67,8 @@ std::vector<planner::Waypoint> waypointsOf(const py::object& poses) {
 
 TaskStep lineStep(const std::string& frame, const py::object& by, const py::object& orientation,
                   const py::object& rpy, const py::object& poses, const py::object& relative_to,
-                  double position_tolerance, double angle_tolerance, const py::object& name,
-                  const py::object& allowed) {
+                  double position_tolerance, double angle_tolerance, const py::object& speed,
+                  const py::object& name, const py::object& allowed) {
   planner::LineStep line;
   line.frame = frame;
   const bool turns = !orientation.is_none() || !rpy.is_none();
@@ -91,6 +91,9 @@ TaskStep lineStep(const std::string& frame, const py::object& by, const py::obje
                             text(kLeastLineTolerance) + " is expected");
   line.position_tolerance = position_tolerance;
   line.angle_tolerance = angle_tolerance;
+  if (!speed.is_none()) line.speed = number(speed, "speed");
+  if (!(line.speed > 0))
+    throw py::value_error("speed is " + text(line.speed) + "; a number above 0 is expected [m/s]");
   TaskStep step = made(name, std::move(line));
   step.allowed = allowed;
   return step;
@@ -243,18 +246,19 @@ void defineTasks(py::module_& module) {
   defineStatic(
       step, "line",
       "(frame, by=None, *, orientation=None, rpy=None, poses=None, relative_to=None, "
-      "position_tolerance=0.001, angle_tolerance=0.01, name=None, allowed=[])",
+      "position_tolerance=0.001, angle_tolerance=0.01, speed=None, name=None, allowed=[])",
       "A frame, link or held object goes straight and turns at a constant rate. by: (x, y, z) from "
       "where it is [m], and a turn, in the frame's own axes, or in those of `relative_to`: an "
       "object, frame or link, or 'world'. Or through poses, in the world or seen from "
       "`relative_to`: Waypoints, or an array of positions (n, 3), with quaternions (n, 7), or of "
       "matrices (n, 4, 4). At every time of the motion the frame is proven to be as near to its "
-      "place on the line as the tolerances say [m, rad].",
+      "place on the line as the tolerances say [m, rad]. speed: of its origin on the trajectory, "
+      "at most [m/s]; None: the joints' limits alone hold.",
       lineStep, py::arg("frame"), py::arg("by") = py::none(), py::kw_only(),
       py::arg("orientation") = py::none(), py::arg("rpy") = py::none(),
       py::arg("poses") = py::none(), py::arg("relative_to") = py::none(),
       py::arg("position_tolerance") = 1e-3, py::arg("angle_tolerance") = 1e-2,
-      py::arg("name") = py::none(), py::arg("allowed") = py::list());
+      py::arg("speed") = py::none(), py::arg("name") = py::none(), py::arg("allowed") = py::list());
   defineStatic(
       step, "load_line", "(file, frame=None, *, name=None)",
       "A line through the poses of a file: .csv with columns x, y, z and qx, qy, qz, qw or "

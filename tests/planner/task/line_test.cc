@@ -4,12 +4,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/task.h"
+#include "leeway/planner/trajectory.h"
 #include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
@@ -36,6 +38,13 @@ std::vector<Pose> linksAt(const Problem& problem, const std::vector<double>& poi
   std::vector<Pose> X_WL(problem.robot.model->links.size());
   robots::forwardKinematics(*problem.robot.model, q, X_WL);
   return X_WL;
+}
+
+std::vector<double> pointOf(const Problem& problem) {
+  std::vector<double> point;
+  for (const int v : problem.robot.variables)
+    point.push_back(problem.start[static_cast<std::size_t>(v)]);
+  return point;
 }
 
 double angleBetween(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
@@ -372,6 +381,70 @@ TEST(Line, MovesJointsThatItLeavesFree) {
   EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
 }
 
+/// A line that is stopped is the part that there is by then, and says so.
+TEST(Line, EndsWhereItsCallerSaysSo) {
+  const Folder folder;
+  const Problem problem = loadProblem(folder.write(
+      "way.yaml",
+      arm("arm6",
+          "start: ready\nwaypoints: {frame: tool, poses: [{position: [0.45, 0, 0.4]}, {position: "
+          "[0.45, 0.1, 0.4]}, {position: [0.45, -0.1, 0.4]}, {position: [0.45, 0.1, 0.45]}]}\n")));
+  int calls = 0;
+  PlanOptions options;
+  options.stop = [&] { return ++calls > 5; };
+  const PlanResult result = planTask(problem, options);
+  ASSERT_EQ(result.status, PlanStatus::kPartial) << result.reason;
+  ASSERT_TRUE(result.line_end);
+  EXPECT_EQ(result.line_end->why, LineEnd::Why::kStopped) << result.line_end->text;
+  EXPECT_STREQ(toString(result.line_end->why), "stopped");
+  EXPECT_NE(result.reason.find("the time limit was reached, or the search was stopped"),
+            std::string::npos)
+      << result.reason;
+  EXPECT_TRUE(result.certificate.certified);
+  EXPECT_LT(calls, 20);
+}
+
+/// And so is the search for the start from which a line goes on longest.
+TEST(Line, TheSearchForItsStartCanBeStopped) {
+  const Problem problem = loadProblem(leeway::sourceFolder() + "/problems/constrained/wipe.yaml");
+  int calls = 0;
+  const Problem placed = placeStart(problem, [&] { return ++calls > 3; });
+  EXPECT_TRUE(placed.start_poses.empty());
+  EXPECT_LT(calls, 20);
+}
+
+/// On the trajectory the frame is never faster than the line's speed, and nearly as fast.
+TEST(Line, KeepsItsSpeed) {
+  const Folder folder;
+  for (const char* speed : {"", "speed: 0.05, "}) {
+    const Problem problem = loadProblem(folder.write(
+        "way.yaml",
+        arm("arm6", std::string("start: ready\nwaypoints: {") + speed +
+                        "frame: tool, poses: [{position: [0.45, 0.1, 0.4]}, {position: [0.45, "
+                        "-0.1, 0.4], via: [0.52, 0, 0.4]}]}\n")));
+    const PlanResult result = planTask(problem);
+    ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+    const Trajectory trajectory = trajectoryOf(problem, result.path);
+    const auto link = static_cast<std::size_t>(problem.robot.model->findLink("tool"));
+    double fastest = 0;
+    const int samples = 20000;
+    std::vector<double> q(6);
+    Eigen::Vector3d last;
+    for (int k = 0; k <= samples; ++k) {
+      trajectory.configuration(trajectory.duration() * k / samples, q);
+      const Eigen::Vector3d p = linksAt(problem, q)[link].translation;
+      if (k > 0) fastest = std::max(fastest, (p - last).norm() * samples / trajectory.duration());
+      last = p;
+    }
+    if (*speed == '\0') {
+      EXPECT_GT(fastest, 0.1);
+    } else {
+      EXPECT_LE(fastest, 0.05 * (1 + 1e-9));
+      EXPECT_GT(fastest, 0.045);
+    }
+  }
+}
+
 TEST(Line, FilesOfPoses) {
   const Folder folder;
   std::vector<std::string> warnings;
@@ -473,6 +546,23 @@ TEST(Line, BadWaysAreRefusedWithTheirLine) {
       {"waypoints: {frame: tool, by: [0, 0, 0]}\n", 4, "is of no length"},
       {"waypoints: {frame: tool, relative_to: too, poses: [{position: [1, 0, 0]}]}\n", 4,
        "no object, link or frame 'too'"},
+      // Half a turn has no axis that is nearest; an arc needs a point beside its chord.
+      {"waypoints: {frame: tool, poses: [{position: [0.45, 0, 0.4], rpy: [3, 0, 0]}, {position: "
+       "[0.45, 0.1, 0.4], rpy: [-0.14159265358979312, 0, 0]}]}\n",
+       4, "poses[1] is half a turn"},
+      {"waypoints: {frame: tool, poses: [{position: [0.45, 0, 0.4], rpy: [3, 0, 0]}, {position: "
+       "[0.45, 0.1, 0.4]}, {position: [0.45, 0, 0.4], rpy: [-0.14159265358979312, 0, 0]}]}\n",
+       4, "poses[2] is half a turn"},
+      {"waypoints: {frame: tool, by: [0, 0, 0.1], rpy: [0, 3.141592653589793, 0]}\n", 4,
+       "turn is half a turn"},
+      {"waypoints: {frame: tool, poses: [{position: [0.45, 0, 0.4]}, {position: [0.45, 0.1, 0.4], "
+       "via: [0.45, 0.05, 0.4]}]}\n",
+       4, "poses[1]: via (0.45, 0.05, 0.4) is on one line"},
+      {"steps: [{move: home}, {line: {frame: tool, poses: [{position: [0.45, 0, 0.4]}, {position: "
+       "[0.45, 0.1, 0.4], via: [0.45, 0.05, 0.4]}]}}]\n",
+       4, "poses[1]: via (0.45, 0.05, 0.4) is on one line"},
+      {"waypoints: {frame: tool, by: [0, 0, 1], speed: 0}\n", 4, "speed is 0; a number above 0"},
+      {"waypoints: {frame: tool, by: [0, 0, 1], sped: 1}\n", 4, "did you mean 'speed'?"},
   };
   for (const auto& c : bad) try {
       loadProblem(folder.write("way.yaml", arm("arm6", std::string("start: ready\n") + c.way)));
@@ -483,23 +573,12 @@ TEST(Line, BadWaysAreRefusedWithTheirLine) {
       }
       EXPECT_NE(std::string(error.what()).find(c.message), std::string::npos) << error.what();
     }
-  // Half a turn has no axis that is nearest; an arc needs a point beside its chord.
-  for (const auto& [poses, message] :
-       {std::pair("{position: [0.45, 0, 0.4], rpy: [3, 0, 0]}, {position: [0.45, 0.1, 0.4], rpy: "
-                  "[-0.14159265358979312, 0, 0]}",
-                  "poses[1] is half a turn"),
-        {"{position: [0.45, 0, 0.4]}, {position: [0.45, 0.1, 0.4], via: [0.45, 0.05, 0.4]}",
-         "on one line"}}) {
-    const Problem problem = loadProblem(folder.write(
-        "way.yaml", arm("arm6", std::string("start: ready\nwaypoints: {frame: tool, poses: [") +
-                                    poses + "]}\n")));
-    try {
-      planTask(problem);
-      ADD_FAILURE() << poses;
-    } catch (const robots::InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << error.what();
-    }
-  }
+  // Where a move ends is not known yet.
+  EXPECT_NO_THROW(loadProblem(folder.write(
+      "way.yaml",
+      arm("arm6",
+          "start: ready\nsteps: [{move: home}, {line: {frame: tool, poses: [{position: [0.45, 0, "
+          "0.4], rpy: [0, 0, 0], via: [0.4, 0, 0.4]}]}}]\n"))));
 }
 
 TEST(Line, BadStepsOfAProgramAreRefused) {
@@ -516,6 +595,22 @@ TEST(Line, BadStepsOfAProgramAreRefused) {
     }
     return "accepted";
   };
+  // The first stretch begins where the robot stands.
+  const LineWay way =
+      lineWay(good, std::get<LineStep>(good.steps[0].action), linksAt(good, pointOf(good)));
+  const Pose X_WF = way.at(0);
+  EXPECT_NE(message([&](LineStep& line) {
+              line.by.setZero();
+              line.poses = {{X_WF.translation + Eigen::Vector3d(0, 0, 0.2), {}, {}}};
+              line.poses[0].via = X_WF.translation + Eigen::Vector3d(0, 0, 0.1);
+            }).find("is on one line with the arc's ends"),
+            std::string::npos);
+  EXPECT_NE(message([&](LineStep& line) {
+              line.by.setZero();
+              line.poses = {{X_WF.translation + Eigen::Vector3d(0, 0, 0.2), {}, {}}};
+              line.poses[0].rotation = X_WF.rotation * robots::rotationOf({std::numbers::pi, 0, 0});
+            }).find("poses[0] is half a turn"),
+            std::string::npos);
   const auto expect = [&](const char* text, const auto& change) {
     const std::string said = message(change);
     EXPECT_NE(said.find(text), std::string::npos) << said;

@@ -131,7 +131,7 @@ void takeWaypoints(const ProblemSource& source, planner::Problem& problem) {
       "waypoints", planner::loadWaypoints(source.waypoints, source.frame, warnings), {}};
   printWarnings(warnings);
   try {
-    planner::takeStep(step, problem);
+    planner::takeStep(step, problem, true);
   } catch (const std::invalid_argument& error) {
     badUsage(fmt::format("--waypoints {}: {}", source.waypoints, error.what()));
   }
@@ -374,7 +374,7 @@ planner::Problem loadProblem(const ProblemSource& given, std::optional<double> t
     }
   }
   robots::throwIfStopped(interrupted, "the problem was read");  // after the last call of stop()
-  return planner::placeStart(problem);
+  return planner::placeStart(problem, interrupted);
 }
 
 void refuseSteps(const planner::Problem& problem, const char* verb) {

@@ -45,6 +45,7 @@ struct LineEnd {
     kLimit,        ///< a joint is at its limit
     kSingularity,  ///< the joints would have to jump, or the frame is out of reach
     kCollision,    ///< margins are broken, or not proven to be kept
+    kStopped,      ///< the time limit was reached, or the caller ended it
   };
   int step = 0;      ///< of Problem::steps
   int waypoint = 0;  ///< the first of the line's poses that is not reached
@@ -53,7 +54,7 @@ struct LineEnd {
   std::string
       text;  ///< "after 0.31 of the way to pose 2 of 5 (...): joint 'elbow' is at its limit"
 };
-/// "limit", "singularity", "collision"
+/// "limit", "singularity", "collision", "stopped"
 const char* toString(LineEnd::Why why);
 
 /// A path in the space of a group: rows of planned variables, with straight lines between them. A
@@ -226,9 +227,10 @@ PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& probl
 /// from inverse kinematics that is nearest to `start` in the space's distance. If a task begins
 /// with a line, it is the one from which the line can be followed farthest. Without a valid one, it
 /// is the nearest one. Throws robots::InputError if inverse kinematics finds none, and as
-/// validate() does. Without start_poses, returns the problem itself. Deterministic. Compiles the
-/// problem.
-Problem placeStart(const Problem& problem);
+/// validate() does. Without start_poses, returns the problem itself. Deterministic, unless the search
+/// for the longest line is cut short: after half of the problem's time limit, or once `stop`, which
+/// may be empty, returns true. Compiles the problem.
+Problem placeStart(const Problem& problem, const std::function<bool()>& stop = {});
 
 /// Returns the certificate of any path, with clearances to within the tolerance [m]. `world_guess`:
 /// a clearance from the world that the path probably keeps [m]; it is tried first, and counts only

@@ -171,6 +171,9 @@ struct LineStep {
   double position_tolerance = 1e-3, angle_tolerance = 1e-2;
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< in addition to `by`: how the frame turns
   std::vector<Waypoint> poses = {};  ///< instead of `by`: the places to pass, in order
+  /// The greatest speed of the frame's origin on the trajectory, proven [m/s]. Limits of joints
+  /// hold as well.
+  double speed = std::numeric_limits<double>::infinity();
 };
 
 /// Attaches an object to a link where it is; see attachObject().

@@ -90,10 +90,11 @@ class Trajectory {
   /// `waypoints` as in Path::positions, joined by space.interpolate(). Throws std::invalid_argument
   /// for rows or limits of another size, limits that are not positive, and blends that are out of
   /// order, longer than their edges, in a space with rotations, or beside a limit on jerk.
+  /// `least_times`: of each edge, what it takes at least at a constant rate [s]; with blends none.
   /// O(waypoints).
   Trajectory(std::shared_ptr<const ConfigurationSpace> space,
              std::vector<std::vector<double>> waypoints, const MotionLimits& limits,
-             std::span<const Blend> blends = {});
+             std::span<const Blend> blends = {}, std::span<const double> least_times = {});
 
   double duration() const { return times_.back(); }  // [s]
   const ConfigurationSpace& space() const { return *space_; }
@@ -141,6 +142,9 @@ class Trajectory {
   void check(const MotionLimits& limits) const;
   /// End of the stretch that begins at edge `first`: its edges are in line, or joined by blends.
   int stretchEnd(int first) const;
+  /// How fast the way of all edges from first to last may be passed, so that each takes its least
+  /// time at least.
+  double rateOf(int first, int last, double length) const;
   void addStraight(int first, int last, const MotionLimits& limits, double now);
   void addBent(int first, int last, const MotionLimits& limits, double now);
   const Blend* blendAt(int corner) const;
@@ -151,7 +155,8 @@ class Trajectory {
   std::vector<std::vector<double>> waypoints_, differences_;
   std::vector<double> lengths_;  // of the edges, Euclidean
   std::vector<Blend> blends_;
-  std::vector<double> ends_;  // of each edge, as a share of its straight stretch
+  std::vector<double> least_times_;  // of the edges at a constant rate; empty: none
+  std::vector<double> ends_;         // of each edge, as a share of its straight stretch
   std::vector<Stretch> stretches_;
   std::vector<double> times_;
 };
@@ -159,7 +164,8 @@ class Trajectory {
 /// Returns the trajectory of a path within the limits of the problem's execution. It has blends if
 /// the execution wants them, jerk is not limited, and the path does not belong to a task; blends
 /// require the problem to be compiled. The path's edges must be certified for the problem. The
-/// waypoints are those of edgesOf() the path. Errors as edgesOf().
+/// waypoints are those of edgesOf() the path. Lines of a task keep the speed of their frames
+/// (LineStep::speed). Errors as edgesOf().
 Trajectory trajectoryOf(const Problem& problem, const Path& path);
 
 }  // namespace leeway::planner
