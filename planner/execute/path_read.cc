@@ -1,12 +1,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <sstream>
+#include <optional>
+#include <string_view>
+#include <utility>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/robots/text.h"
+#include "planner/base/cells.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/execute/trajectory_samples.h"
@@ -18,6 +22,8 @@ namespace {
 
 using robots::InputError;
 
+constexpr std::string_view kTimeColumn = "time";
+
 /// The contents of a file: columns by name, or by order without names, and rows with their lines.
 struct Table {
   std::vector<std::string> names;
@@ -25,6 +31,7 @@ struct Table {
   struct Row {
     std::vector<double> values;
     int line;
+    std::optional<double> time = {};  ///< [s]
   };
   std::vector<Row> rows;
   std::vector<PathStep> steps;
@@ -60,6 +67,16 @@ void expectOneForm(const YamlReader& file, std::initializer_list<std::string_vie
   }
 }
 
+/// A duration: a number, or seconds and nanoseconds as ROS 1 and ROS 2 name them.
+double readTime(const YamlReader& time) {
+  if (!time.isMap()) return time.number();
+  time.expectKeys(std::array<std::string_view, 4>{"sec", "nanosec", "secs", "nsecs"});
+  double seconds = 0;
+  for (const auto& [key, value] : time.entries())
+    seconds += value.number() * (key.starts_with("n") ? 1e-9 : 1);
+  return seconds;
+}
+
 Table readTrajectory(const YamlReader& file) {
   if (!file.isMap())
     file.fail("is no map; joint_names and points (trajectory_msgs/JointTrajectory) are expected");
@@ -77,6 +94,8 @@ Table readTrajectory(const YamlReader& file) {
   for (const YamlReader& item : rows.items()) {
     const YamlReader row = plain ? item : item.at("positions", "a list of numbers");
     table.rows.push_back({row.numbers(), row.line()});
+    const auto time = plain ? std::nullopt : item.find("time_from_start");
+    if (time && !time->isNull()) table.rows.back().time = readTime(*time);
   }
   if (const auto steps = source.find("steps"))
     for (const YamlReader& step : steps->items()) {
@@ -114,16 +133,10 @@ std::vector<std::string> csvFields(const std::string& file, int line_number,
   return fields;
 }
 
+/// The fields of a line without commas.
 std::vector<std::string> blankFields(std::string_view line) {
-  std::vector<std::string> fields;
-  std::istringstream stream{std::string(line)};
-  for (std::string field; stream >> field;) fields.push_back(field);
-  return fields;
-}
-
-std::string trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
+  const std::vector<std::string_view> cells = blankCells(line);
+  return {cells.begin(), cells.end()};
 }
 
 /// Shortens a text for a message.
@@ -133,7 +146,9 @@ std::string elided(const std::string& text) {
 }
 
 double readField(const std::string& file, int line, const std::string& field) {
-  const std::optional<double> value = robots::parseNumber(trimmed(field));
+  const std::optional<double> value = robots::parseNumber(withoutBlanks(field));
+  if (withoutBlanks(field).empty())
+    throw InputError(file, line, "a field is empty; a finite number is expected");
   if (!value || !std::isfinite(*value))
     throw InputError(file, line,
                      fmt::format("'{}' stands where a finite number is expected", elided(field)));
@@ -152,18 +167,23 @@ std::vector<std::pair<int, std::string>> readLines(const std::string& file,
     begin = end + 1;
     ++number;
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (!trimmed(line).empty()) lines.emplace_back(number, std::move(line));
+    if (!withoutBlanks(line).empty()) lines.emplace_back(number, std::move(line));
   }
   if (warnings != nullptr && !robots::lastLineEnds(text))
     warnings->push_back(fmt::format("{}:{}: {}", file, number, robots::kLastLineOpen));
   return lines;
 }
 
-/// Whether all fields of a row are numbers. No field of a header is one.
+/// Whether a row has numbers and, apart from them, only empty fields. A header has a name.
 bool areNumbers(const std::vector<std::string>& fields) {
-  return std::all_of(fields.begin(), fields.end(), [](const std::string& field) {
-    return robots::parseNumber(trimmed(field)).has_value();
-  });
+  bool has_number = false;
+  for (const std::string& field : fields) {
+    const std::string_view text = withoutBlanks(field);
+    const bool is_number = robots::parseNumber(text).has_value();
+    if (!is_number && !text.empty()) return false;
+    has_number = has_number || is_number;
+  }
+  return has_number;
 }
 
 /// Reads a header of names and rows, or only rows in the group's order with commas or blanks.
@@ -174,12 +194,15 @@ Table readCsv(const std::string& file, std::vector<std::string>* warnings) {
     if (table.names.empty() && fields.size() == 1)
       if (std::vector<std::string> row = blankFields(line); areNumbers(row)) fields.swap(row);
     if (table.names.empty() && table.rows.empty() && !areNumbers(fields)) {
-      for (const std::string& field : fields) table.names.push_back(trimmed(field));
+      for (const std::string& field : fields) table.names.emplace_back(withoutBlanks(field));
       table.names_line = number;
       continue;
     }
     Table::Row row{{}, number};
     for (const std::string& field : fields) row.values.push_back(readField(file, number, field));
+    const auto time = static_cast<std::size_t>(
+        std::find(table.names.begin(), table.names.end(), kTimeColumn) - table.names.begin());
+    if (time < row.values.size() && !table.names.empty()) row.time = row.values[time];
     table.rows.push_back(std::move(row));
   }
   if (table.names.empty() && table.rows.empty())
@@ -203,7 +226,7 @@ Table readMatrix(const std::string& file, std::vector<std::string>* warnings) {
 
 // ---- Matching to the problem ----
 
-constexpr int kIgnored = -1;  // the column of times
+constexpr int kIgnored = -1;  // a column without a variable
 
 /// Whether a column of writeTrajectory()'s CSV is a derivative, which a path does not use.
 bool isDerivative(const std::string& name, const Problem& problem) {
@@ -221,7 +244,7 @@ std::vector<int> columnVariables(const std::string& file, const Table& table,
   for (std::size_t i = 0; i < table.names.size(); ++i) {
     const std::string& name = table.names[i];
     const int v = problem.robot.model->findVariable(name);
-    if (v < 0 && name != "time" && !isDerivative(name, problem))
+    if (v < 0 && name != kTimeColumn && !isDerivative(name, problem))
       throw InputError(file, table.names_line,
                        fmt::format("unknown joint '{}'{}", elided(name),
                                    didYouMean(elided(name), plannedNames(problem))));
@@ -260,6 +283,29 @@ void normaliseRotations(const std::string& file, int line, const ConfigurationSp
                        fmt::format("a quaternion of length {}; unit length is expected", norm));
     if (std::abs(norm - 1) > kSilentQuaternion)  // our own files read back to the bit
       for (int i = 0; i < 4; ++i) q[i] /= norm;
+  }
+}
+
+/// Refuses times that run backwards, or stand still while a joint moves: rows are in the order of
+/// the motion.
+void expectTimes(const std::string& file, const Table& table, const Path& path) {
+  std::optional<std::size_t> last;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const std::optional<double> time = table.rows[i].time;
+    if (!time) continue;
+    if (const std::size_t k = last.value_or(i); *table.rows[k].time >= *time && k != i) {
+      const std::vector<double>&from = path.positions[k], &to = path.positions[i];
+      const bool moves = !std::equal(from.begin(), from.end(), to.begin(), [](double x, double y) {
+        return std::abs(x - y) <= kPassiveJointSlack;
+      });
+      if (*table.rows[k].time > *time || moves)
+        throw InputError(file, table.rows[i].line,
+                         fmt::format("the row's time is {} s, {} {} s of line {}; times that rise "
+                                     "are expected",
+                                     *time, moves ? "no later than the" : "before the",
+                                     *table.rows[k].time, table.rows[k].line));
+    }
+    last = i;
   }
 }
 
@@ -302,6 +348,7 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
     path.positions.push_back(std::move(point));
   }
   if (options.shortest) path.positions = unwrapped(space, std::move(path.positions));
+  expectTimes(file, table, path);
   expectEdges(file, table, space, path);
   return path;
 }

@@ -46,17 +46,6 @@ void PointSink::add(const double (&p)[3], CloudPlace place) {
   points_.emplace_back(p[0], p[1], p[2]);
 }
 
-std::vector<std::string_view> wordsOf(std::string_view line) {
-  std::vector<std::string_view> words;
-  for (std::size_t i = 0; i < line.size();) {
-    while (i < line.size() && robots::isBlank(line[i])) ++i;
-    const std::size_t begin = i;
-    while (i < line.size() && !robots::isBlank(line[i])) ++i;
-    if (i > begin) words.push_back(line.substr(begin, i - begin));
-  }
-  return words;
-}
-
 std::string_view takeLine(std::string_view& rest) {
   const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
   const std::string_view line = rest.substr(0, end);

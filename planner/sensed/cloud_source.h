@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "leeway/planner/point_cloud.h"
+#include "planner/base/cells.h"
 #include "robots/mesh/number_type.h"
 
 namespace leeway::planner {
@@ -59,9 +60,6 @@ class PointSink {
   std::size_t dropped_ = 0, last_line_ = 0;
 };
 
-/// The words of a line.
-std::vector<std::string_view> wordsOf(std::string_view line);
-
 /// The next line of `rest`, without its end (LF, CR LF or CR), which is taken from `rest`.
 std::string_view takeLine(std::string_view& rest);
 
@@ -79,8 +77,9 @@ struct ColumnRow {
   std::size_t line;
   std::vector<std::string_view> cells;
 };
-/// Calls visit() for each line that is not blank and no comment: columns are parted by blanks,
-/// commas or semicolons, as the first has them. Fails for lines of another number of columns, and
+/// Calls visit() for each line that is not blank and no comment. Blanks, tabs, commas or semicolons
+/// part the columns, as in the first line. Only between tabs, commas and semicolons are there empty
+/// cells; a line of tabs alone is a row of them. Fails for lines of another number of columns, and
 /// for a byte that no text has.
 void eachRow(const CloudSource& source, const std::function<void(const ColumnRow&)>& visit);
 

@@ -31,10 +31,29 @@ struct Cells {
   std::array<std::int32_t, 3> low, high;
 };
 
+/// Joins boxes that share a whole face across the axis.
+void join(std::vector<Cells>& boxes, std::size_t axis) {
+  const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const auto across = [&](const Cells& c) {
+    return std::tuple(c.low[u], c.high[u], c.low[v], c.high[v]);
+  };
+  std::sort(boxes.begin(), boxes.end(), [&](const Cells& a, const Cells& b) {
+    return across(a) != across(b) ? across(a) < across(b) : a.low[axis] < b.low[axis];
+  });
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < boxes.size(); ++i)
+    if (across(boxes[i]) == across(boxes[last]) && boxes[i].low[axis] == boxes[last].high[axis])
+      boxes[last].high[axis] = boxes[i].high[axis];
+    else
+      boxes[++last] = boxes[i];
+  boxes.resize(std::min(boxes.size(), last + 1));
+}
+
 class OctreeReader {
  public:
-  OctreeReader(const OctreeData& octree, Unseen unseen)
-      : octree_(octree), takes_unseen_(unseen == Unseen::kOccupied) {
+  /// `size`: the number of nodes that a file's header promises.
+  OctreeReader(const OctreeData& octree, Unseen unseen, std::optional<std::size_t> size)
+      : octree_(octree), takes_unseen_(unseen == Unseen::kOccupied), size_(size) {
     if (octree.id == "ColorOcTree")
       skipped_ = 3;
     else if (octree.id != "OcTree" && octree.id != "OcTreeStamped")
@@ -54,9 +73,11 @@ class OctreeReader {
     if (at_ < octree_.data.size())
       fail(fmt::format("{} bytes stand after the last node; the end is expected",
                        octree_.data.size() - at_));
+    if (size_ && nodes_ != *size_)
+      fail(fmt::format("the header says {} nodes, and the data has {}", *size_, nodes_));
+    joinAll();
     return std::move(boxes_);
   }
-  std::size_t nodes() const { return nodes_; }
 
  private:
   [[noreturn]] void fail(const std::string& message) const {
@@ -81,7 +102,21 @@ class OctreeReader {
     return cells;
   }
 
-  void add(const Cells& cells) { boxes_.push_back(cells); }
+  /// Joins what is there before its memory doubles, so that damaged data cannot take much of it.
+  void add(const Cells& cells) {
+    if (boxes_.size() == 2 * kMostBoxes) joinAll();
+    boxes_.push_back(cells);
+  }
+  void joinAll() {
+    for (const std::size_t axis : {0U, 1U, 2U}) join(boxes_, axis);
+    if (boxes_.size() > kMostBoxes)
+      fail(fmt::format("{} boxes; up to {} are accepted", boxes_.size(), kMostBoxes));
+  }
+  void countNodes(std::size_t more) {
+    nodes_ += more;
+    if (size_ && nodes_ > *size_)
+      fail(fmt::format("the header says {} nodes, and the data has more", *size_));
+  }
   void addUnseen(const Cells& cells) {
     if (takes_unseen_) add(cells);
   }
@@ -98,13 +133,13 @@ class OctreeReader {
     const std::byte* const bytes = take(2);
     const unsigned kinds = std::to_integer<unsigned>(bytes[0]) | std::to_integer<unsigned>(bytes[1])
                                                                      << 8U;
-    ++nodes_;
+    countNodes(1);
     // OctoMap takes an inner node without a child for an occupied leaf.
     if (kinds == 0) return add(cells);
     const auto kindOf = [&](unsigned child) { return kinds >> (2 * child) & 3U; };
     for (unsigned child = 0; child < 8; ++child) {
       const unsigned kind = kindOf(child);
-      nodes_ += kind == 1 || kind == 2 ? 1U : 0U;
+      countNodes(kind == 1 || kind == 2 ? 1U : 0U);
       if (kind == 0) addUnseen(childOf(cells, child));
       if (kind == 2) add(childOf(cells, child));
     }
@@ -118,7 +153,7 @@ class OctreeReader {
     if (std::isnan(log_odds)) fail("log odds that are not a number; a number is expected");
     take(skipped_);
     const unsigned children = std::to_integer<unsigned>(*take(1));
-    ++nodes_;
+    countNodes(1);
     if (children == 0) {
       if (log_odds >= 0) add(cells);
       return;
@@ -133,27 +168,10 @@ class OctreeReader {
 
   const OctreeData& octree_;
   bool takes_unseen_;
+  std::optional<std::size_t> size_;
   std::size_t skipped_ = 0, at_ = 0, nodes_ = 0;
   std::vector<Cells> boxes_;
 };
-
-/// Joins boxes that share a whole face across the axis.
-void join(std::vector<Cells>& boxes, std::size_t axis) {
-  const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
-  const auto across = [&](const Cells& c) {
-    return std::tuple(c.low[u], c.high[u], c.low[v], c.high[v]);
-  };
-  std::sort(boxes.begin(), boxes.end(), [&](const Cells& a, const Cells& b) {
-    return across(a) != across(b) ? across(a) < across(b) : a.low[axis] < b.low[axis];
-  });
-  std::size_t last = 0;
-  for (std::size_t i = 1; i < boxes.size(); ++i)
-    if (across(boxes[i]) == across(boxes[last]) && boxes[i].low[axis] == boxes[last].high[axis])
-      boxes[last].high[axis] = boxes[i].high[axis];
-    else
-      boxes[++last] = boxes[i];
-  boxes.resize(std::min(boxes.size(), last + 1));
-}
 
 /// The number after a key of the header.
 double headerNumber(const CloudSource& source, std::string_view word, std::string_view key,
@@ -206,21 +224,14 @@ Header readHeader(const CloudSource& source, bool binary) {
   return header;
 }
 
-}  // namespace
-
-std::vector<robots::Geometry> octreeBoxes(const OctreeData& octree, Unseen unseen,
-                                          std::size_t* nodes) {
+/// As octreeBoxes(); `size` as for OctreeReader.
+std::vector<robots::Geometry> boxesOf(const OctreeData& octree, Unseen unseen,
+                                      std::optional<std::size_t> size) {
   const double resolution = octree.resolution;
   if (!(resolution >= kSmallestResolution && resolution <= kLargestResolution))
     throw std::invalid_argument(fmt::format("resolution {}; {} to {} m is accepted", resolution,
                                             kSmallestResolution, kLargestResolution));
-  OctreeReader reader(octree, unseen);
-  std::vector<Cells> boxes = reader.read();
-  if (nodes != nullptr) *nodes = reader.nodes();
-  for (const std::size_t axis : {0U, 1U, 2U}) join(boxes, axis);
-  if (boxes.size() > kMostBoxes)
-    throw std::invalid_argument(
-        fmt::format("{} boxes; up to {} are accepted", boxes.size(), kMostBoxes));
+  const std::vector<Cells> boxes = OctreeReader(octree, unseen, size).read();
   std::vector<robots::Geometry> geometries;
   geometries.reserve(boxes.size());
   for (const Cells& cells : boxes) {
@@ -235,6 +246,12 @@ std::vector<robots::Geometry> octreeBoxes(const OctreeData& octree, Unseen unsee
   return geometries;
 }
 
+}  // namespace
+
+std::vector<robots::Geometry> octreeBoxes(const OctreeData& octree, Unseen unseen) {
+  return boxesOf(octree, unseen, std::nullopt);
+}
+
 std::vector<robots::Geometry> loadOctree(const std::string& path, Unseen unseen,
                                          const robots::Stop& stop) {
   const std::string ending = robots::endingOf(path);
@@ -247,12 +264,7 @@ std::vector<robots::Geometry> loadOctree(const std::string& path, Unseen unseen,
   source.pause(0);
   const Header header = readHeader(source, ending == ".bt");
   try {
-    std::size_t nodes = 0;
-    std::vector<robots::Geometry> boxes = octreeBoxes(header.octree, unseen, &nodes);
-    if (nodes != header.size)
-      throw std::invalid_argument(
-          fmt::format("the header says {} nodes, and the data has {}", header.size, nodes));
-    return boxes;
+    return boxesOf(header.octree, unseen, header.size);
   } catch (const std::invalid_argument& error) {
     throw robots::InputError(path, 0, error.what());
   }

@@ -12,23 +12,20 @@
 namespace leeway::planner {
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"')
-    text = text.substr(1, text.size() - 2);
-  return text;
+char separatorOf(std::string_view line) {
+  return line.find(';') != std::string_view::npos   ? ';'
+         : line.find(',') != std::string_view::npos ? ','
+         : hasTabs(line)                            ? '\t'
+                                                    : ' ';
 }
 
 std::vector<std::string_view> cellsOf(std::string_view line, char separator) {
-  if (separator == ' ') return wordsOf(line);
-  std::vector<std::string_view> cells;
-  for (;;) {
-    const std::size_t end = line.find(separator);
-    cells.push_back(trimmed(line.substr(0, end)));
-    if (end == std::string_view::npos) return cells;
-    line.remove_prefix(end + 1);
-  }
+  std::vector<std::string_view> cells =
+      separator == ' ' ? blankCells(line) : cellsBetween(line, separator);
+  for (std::string_view& cell : cells)
+    if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
+      cell = cell.substr(1, cell.size() - 2);
+  return cells;
 }
 
 /// The columns of x, y and z by name, or the first three where the line has numbers.
@@ -67,12 +64,12 @@ void eachRow(const CloudSource& source, const std::function<void(const ColumnRow
   char separator = ' ';
   for (std::size_t line = 1; !rest.empty(); ++line) {
     source.pause(line);
-    const std::string_view text = trimmed(takeLine(rest));
-    if (text.empty() || text.starts_with('#') || text.starts_with("//")) continue;
-    if (width == 0)
-      separator = text.find(';') != std::string_view::npos   ? ';'
-                  : text.find(',') != std::string_view::npos ? ','
-                                                             : ' ';
+    const std::string_view text = takeLine(rest), shown = withoutBlanks(text);
+    if (shown.starts_with('#') || shown.starts_with("//")) continue;
+    const auto tabs = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\t'));
+    const bool is_row_of_tabs = separator == '\t' && tabs + 1 == width;
+    if (shown.empty() && !is_row_of_tabs) continue;
+    if (width == 0) separator = separatorOf(text);
     const ColumnRow row{line, cellsOf(text, separator)};
     if (width == 0) width = row.cells.size();
     if (row.cells.size() != width)

@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstring>
@@ -180,6 +181,70 @@ TEST_F(PathIo, JsonHoldsTrajectoryAndCertificate) {
   const auto far = nlohmann::json::parse(readText(file("arm.json")));
   EXPECT_TRUE(far.at("certificate").at("clearance_lower").is_null());
   EXPECT_TRUE(far.at("certificate").at("closest").is_null());
+}
+
+/// Rows are in the order of the motion, and so are their times.
+TEST_F(PathIo, TimesThatDoNotRiseAreRefused) {
+  const Problem problem = armProblem();
+  const std::string names = "joint1,joint2,joint3,joint4,joint5,joint6,joint7";
+  const auto csv = [&](const std::string& second, const std::string& joint1) {
+    return messageOf(write("a.csv", "time," + names + "\n1.5,0,0,0,-1,0,1,0\n" + second + "," +
+                                        joint1 + ",0,0,-1,0,1,0\n"),
+                     problem);
+  };
+  EXPECT_EQ(csv("2", "0.5"), "accepted");
+  EXPECT_EQ(csv("1.5", "0"), "accepted") << "nothing moves";
+  EXPECT_EQ(csv("1.25", "0.5"), file("a.csv") +
+                                    ":3: the row's time is 1.25 s, no later than the 1.5 s of line "
+                                    "2; times that rise are expected");
+  EXPECT_EQ(csv("1.25", "0"), file("a.csv") +
+                                  ":3: the row's time is 1.25 s, before the 1.5 s of line 2; times "
+                                  "that rise are expected");
+  EXPECT_EQ(csv("1.5", "0.5"), file("a.csv") +
+                                   ":3: the row's time is 1.5 s, no later than the 1.5 s of line "
+                                   "2; times that rise are expected");
+  const auto yaml = [&](const std::string& first, const std::string& second) {
+    return messageOf(write("a.yaml", "joint_names: [" + names +
+                                         "]\npoints:\n- positions: [0, 0, 0, "
+                                         "-1, 0, 1, 0]\n  time_from_start: " +
+                                         first +
+                                         "\n- positions: [1, 0, 0, -1, 0, 1, 0]\n  "
+                                         "time_from_start: " +
+                                         second + "\n"),
+                     problem);
+  };
+  EXPECT_EQ(yaml("0", "0.5"), "accepted");
+  EXPECT_EQ(yaml("{sec: 1, nanosec: 5}", "{sec: 1, nanosec: 6}"), "accepted");
+  EXPECT_EQ(yaml("{secs: 0, nsecs: 999999999}", "{secs: 1, nsecs: 0}"), "accepted");
+  EXPECT_EQ(yaml("", ""), "accepted") << "no times";
+  EXPECT_NE(yaml("{secs: 2, nsecs: 0}", "{secs: 1, nsecs: 5}").find("a.yaml:5: the row's time"),
+            std::string::npos);
+  EXPECT_NE(yaml("2", "-1").find("a.yaml:5: the row's time is -1 s"), std::string::npos);
+  EXPECT_NE(yaml("0", "{seconds: 1}").find("a.yaml:6: unknown key 'seconds'"), std::string::npos);
+  EXPECT_NE(yaml("0", "soon").find("a.yaml:6:"), std::string::npos);
+}
+
+/// An empty field does not shift the others.
+TEST_F(PathIo, EmptyFieldsNameTheirLine) {
+  const Problem problem = armProblem();
+  const std::string row = "0,0,0,-1,0,1,0\n";
+  const auto expect = [&](const std::string& name, const std::string& text) {
+    EXPECT_EQ(messageOf(write(name, text), problem),
+              file(name) + ":2: a field is empty; a finite number is expected")
+        << text;
+  };
+  expect("a.csv", row + "0,0,,0,-1,0,1,0\n");
+  expect("b.csv", row + ",0,0,0,-1,0,1\n");
+  expect("c.csv", "joint1,joint2,joint3,joint4,joint5,joint6,joint7\n0,0,0,-1,,1,0\n");
+  std::string tabs = row;
+  std::replace(tabs.begin(), tabs.end(), ',', '\t');
+  EXPECT_EQ(messageOf(write("d.csv", tabs + tabs), problem), "accepted");
+  for (const char* name : {"e.csv", "e.path", "e.txt"}) {
+    expect(name, tabs + "0\t0\t\t0\t-1\t0\t1\t0\n");
+    expect(name, tabs + "\t0\t0\t0\t-1\t0\t1\t0\n");
+    expect(name, tabs + "0\t0\t0\t0\t-1\t0\t1\t\n");
+  }
+  EXPECT_EQ(messageOf(write("f.path", "0 0 0\t-1  0 1 0 \n"), problem), "accepted");
 }
 
 TEST_F(PathIo, TimesKeepTheVelocityLimits) {

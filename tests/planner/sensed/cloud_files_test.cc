@@ -178,6 +178,9 @@ TEST_F(CloudFiles, DamagedColumnsNameTheirLine) {
   expectError("a.xyz", "1 2 3\n0 1e10 0\n", 2, {"10000000000 is too large", "1000000000"});
   expectError("a.xyz", "12\nwater\n", 1, {"1 of x, y and z"});
   expectError("a.csv", "1,2,3\n1,,3\n", 2, {"'' stands where a coordinate is expected"});
+  expectError("a.xyz", "1\t2\t3\t4\n1\t\t3\t4\n", 2, {"'' stands where a coordinate is expected"});
+  expectError("a.xyz", "\t1\t2\t3\n", 1, {"'' stands where a coordinate is expected"});
+  expectError("a.xyz", "1 2 3\n1\t\t2\t3\n", 2, {"4 columns", "3, as the first"});
   expectError("a.csv", "x,y,depth\n1,2,3\n", 1, {"no column is named 'z'"});
   expectError("a.csv", std::string("1,2,3\n\0,2,3\n", 12), 0, {"byte 6", "value 0"});
 }

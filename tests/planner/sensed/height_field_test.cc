@@ -163,6 +163,7 @@ TEST_F(HeightFiles, AllFormatsHoldTheSameHeights) {
   const std::string forms[][2] = {{"a.csv", "1,2,3\n40, 50,60\n"},
                                   {"a.csv", "# x\n1;2;3\r\n\r\n40;50;60"},
                                   {"a.txt", "1 2 3\n 40\t50 60\n"},
+                                  {"a.txt", "1\t2\t3\n\n 40\t50 \t60\n \n"},
                                   {"a.pgm", "P2 3 2 65535 1 2 3 40 50 60"},
                                   {"a.pgm", std::string("P5 3 2 255 \1\2\3\x28\x32\x3C", 17)},
                                   {"a.png", PngWriter{3, 2, 8}.write(values)},
@@ -180,6 +181,13 @@ TEST_F(HeightFiles, AllFormatsHoldTheSameHeights) {
 TEST_F(HeightFiles, MissingHeightsAreNamedOrFilled) {
   expectError("a.csv", "1,2\n3,nan\n", 2, {"column 1 is missing", "'missing'"});
   expectError("a.csv", "1,2\n,3\n", 2, {"column 0 is missing"});
+  // Cells between tabs stay where they are.
+  expectError("a.txt", "1\t\t2\n3\t\t4\n", 1, {"column 1 is missing"});
+  expectError("a.txt", "1\t2\n\t4\n", 2, {"column 0 is missing"});
+  expectError("a.txt", "1\t2\n3\t\n", 2, {"column 1 is missing"});
+  expectError("a.txt", "1\t2\n\t\n3\t4\n", 2, {"column 0 is missing"});
+  EXPECT_EQ(load("a.txt", "\t1\n2\t\n", {1, 0, -7}).heights, (std::vector<double>{-7, 1, 2, -7}));
+  warnings_.clear();
   const HeightField field = load("a.csv", "1,,2\n3,nan,4\n", {2, 1, -7});
   EXPECT_EQ(field.heights, (std::vector<double>{3, -7, 5, 7, -7, 9}));
   ASSERT_EQ(warnings_.size(), 1U);

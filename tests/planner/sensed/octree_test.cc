@@ -210,7 +210,11 @@ TEST_F(Octrees, DamagedFilesAreRefused) {
   expectError("a.ot", binary, 1, {"does not begin with '# Octomap OcTree file'"});
   expectError("a.oct", binary, 0, {"'.oct'", ".bt and .ot"});
   expectError("a.bt", "version https://git-lfs.github.com/spec/v1\n", 0, {"Git LFS"});
-  expectError("a.bt", headerOf(true, "OcTree", 34) + kBinary, 0, {"34 nodes, and the data has 35"});
+  expectError("a.bt", headerOf(true, "OcTree", 34) + kBinary, 0,
+              {"34 nodes, and the data has more"});
+  // Nothing is made of more nodes than the header says.
+  expectError("a.bt", headerOf(true, "OcTree", 3) + kBinary, 0,
+              {"the header says 3 nodes, and the data has more"});
   expectError("a.bt", headerOf(true, "CountingOcTree") + kBinary, 0, {"'CountingOcTree'"});
   const auto with = [&](const std::string& line, const std::string& other) {
     std::string changed = binary;
@@ -231,6 +235,37 @@ TEST_F(Octrees, DamagedFilesAreRefused) {
   const float not_a_number = NAN;
   std::memcpy(nan.data(), &not_a_number, sizeof not_a_number);
   expectError("a.ot", headerOf(false) + nan, 0, {"not a number"});
+}
+
+/// Five megabytes of data with 2^23 boxes, none of which can be joined: they are counted
+/// while they are read.
+TEST_F(Octrees, TooManyBoxesEndTheReading) {
+  std::string data;
+  // All levels but the last have eight children; those of the last are occupied where x + y + z is
+  // even, so that no two share a face.
+  const std::function<void(int)> add = [&](int level) {
+    if (level < 7) {
+      data += std::string("\xFF\xFF", 2);
+      for (int child = 0; child < 8; ++child) add(level + 1);
+      return;
+    }
+    unsigned kinds = 0;
+    for (unsigned child = 0; child < 8; ++child)
+      kinds |= (__builtin_popcount(child) % 2 == 0 ? 2U : 1U) << (2 * child);
+    data += {static_cast<char>(kinds & 0xFF), static_cast<char>(kinds >> 8)};
+  };
+  add(0);
+  OctreeData octree;
+  octree.resolution = 0.1;
+  octree.data = data;
+  try {
+    octreeBoxes(octree, Unseen::kFree);
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("boxes; up to 4194304 are accepted"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 TEST_F(Octrees, EmptyTreesAndSingleCubes) {

@@ -24,11 +24,10 @@ struct OctreeData {
 /// The boxes of the octree's occupied leaves, in the octree's frame. With log odds, a leaf is
 /// occupied from a probability of 1/2 on, as OctoMap has it. Boxes that share a whole face are
 /// joined; their union is that of the leaves. With `unseen` kOccupied, so is everything within the
-/// octree's cube (65,536 cells wide) that no leaf covers. `nodes`: their number, if not null.
-/// Throws std::invalid_argument with the byte for damaged data, an unknown id, a resolution that is
-/// not accepted, and more than 2^22 boxes. O(n log n).
-std::vector<robots::Geometry> octreeBoxes(const OctreeData& octree, Unseen unseen,
-                                          std::size_t* nodes = nullptr);
+/// octree's cube (65,536 cells wide) that no leaf covers. Throws std::invalid_argument with the
+/// byte for damaged data, an unknown id, a resolution that is not accepted, and more than 2^22
+/// boxes. O(n log n), in memory for 2^23 boxes before they are joined.
+std::vector<robots::Geometry> octreeBoxes(const OctreeData& octree, Unseen unseen);
 
 /// The same from a file: .bt (binary) or .ot (log odds). Throws robots::InputError with line or
 /// byte for a damaged file, robots::Stopped.
