@@ -38,6 +38,7 @@ class UrdfReader {
 
   UrdfDocument read() {
     readName();
+    file_.allowAttributes(file_.root(), {"name", "version"}, XmlFile::Misspelt::kLeftOut);
     leaveOutUnknown(file_.root(), {"link", "joint"},
                     {"material", "gazebo", "transmission", "sensor", "ros2_control", "plugin"});
     file_.eachChild(file_.root(), "link", [&](const XMLElement& link) { readLink(link); });
@@ -92,6 +93,40 @@ class UrdfReader {
     return name == "link" || name == "joint" || name == "collision";
   }
 
+  /// Warns of unknown attributes in what is not read, as in what is: a part of URDF with the
+  /// elements inside it, extensions apart. Nothing there bears on planning.
+  void checkUnread(const XMLElement& element) {
+    static const std::map<std::string_view, std::vector<std::string>> kAttributes = {
+        {"visual", {"name"}},
+        {"inertial", {}},
+        {"origin", {"xyz", "rpy"}},
+        {"geometry", {}},
+        {"box", {"size"}},
+        {"sphere", {"radius"}},
+        {"cylinder", {"radius", "length"}},
+        {"capsule", {"radius", "length"}},
+        {"mesh", {"filename", "scale"}},
+        {"material", {"name"}},
+        {"color", {"rgba"}},
+        {"texture", {"filename"}},
+        {"mass", {"value"}},
+        {"inertia", {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}},
+        {"dynamics", {"damping", "friction"}},
+        {"calibration", {"reference_position", "rising", "falling"}}};
+    const auto known = kAttributes.find(element.Name());
+    if (known == kAttributes.end()) return;
+    file_.allowAttributes(element, known->second, XmlFile::Misspelt::kLeftOut);
+    for (const XMLElement* e = element.FirstChildElement(); e != nullptr;
+         e = e->NextSiblingElement())
+      checkUnread(*e);
+  }
+  void checkUnread(const XMLElement& parent, std::initializer_list<const char*> names) {
+    for (const char* name : names)
+      for (const XMLElement* e = parent.FirstChildElement(name); e != nullptr;
+           e = e->NextSiblingElement(name))
+        checkUnread(*e);
+  }
+
   std::string uniqueName(const XMLElement& element, std::map<std::string, int>& lines) {
     std::string name = file_.attribute(element, "name");
     const auto [entry, fresh] = lines.emplace(name, element.GetLineNum());
@@ -140,10 +175,12 @@ class UrdfReader {
     const auto add = [&](const XMLElement& shape) {
       link.collisions.push_back(readCollision(shape));
     };
+    checkUnread(element, {"inertial"});
     if (element.FirstChildElement("collision") == nullptr && takes_visuals_) {
       file_.eachChild(element, "visual", add);
       if (!link.collisions.empty()) visual_links_.push_back(link.name);
     } else {
+      checkUnread(element, {"visual"});
       file_.eachChild(element, "collision", add);
     }
     if (link.collisions.empty() && element.FirstChildElement("visual") != nullptr)
@@ -294,6 +331,7 @@ class UrdfReader {
     leaveOutUnknown(element,
                     {"origin", "parent", "child", "axis", "limit", "mimic", "safety_controller"},
                     {"dynamics", "calibration", "sensor", "gazebo"});
+    checkUnread(element, {"dynamics", "calibration"});
     joint.parent = readLinkReference(element, "parent");
     joint.child = readLinkReference(element, "child");
     joint.X_PJ = readOrigin(element, &joint.xyz);

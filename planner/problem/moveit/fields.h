@@ -20,7 +20,7 @@ namespace leeway::planner {
 /// it, or a value that is not a message where one is expected. O(keys * fields).
 void expectMessage(const YamlReader& reader, std::string_view name);
 
-/// Whether a value exists and is not empty.
+/// Whether a value exists and is not empty. A map of empty values is empty.
 bool hasContent(const std::optional<YamlReader>& value);
 
 /// Fails if the key has content. `accepted` says what is expected instead.

@@ -57,7 +57,14 @@ Pose framePose(const YamlReader& object, const Frames& frames) {
 
 }  // namespace
 
-bool hasContent(const std::optional<YamlReader>& value) { return value && !value->isEmpty(); }
+bool hasContent(const std::optional<YamlReader>& value) {
+  if (!value || value->isEmpty()) return false;
+  if (!value->isMap()) return true;
+  // A message has content if one of its fields has some.
+  const auto fields = value->entries();
+  return std::any_of(fields.begin(), fields.end(),
+                     [](const auto& field) { return hasContent(field.second); });
+}
 
 void refuseContent(const YamlReader& map, std::string_view key, std::string_view accepted) {
   if (const auto value = map.find(key); hasContent(value))

@@ -625,6 +625,17 @@ goal_constraints:
       - {joint_name: left_tip_joint, position: -0.5}
 )";
   ASSERT_EQ(messageOf(scene, request), "accepted");
+  // Empty in other words; and with content.
+  const std::string no_trajectory = "trajectory_constraints: {}";
+  const auto with = [&](const std::string& other) {
+    std::string changed = request;
+    return changed.replace(changed.find(no_trajectory), no_trajectory.size(),
+                           "trajectory_constraints: " + other);
+  };
+  for (const char* empty : {"{constraints: []}", "{constraints: }", "", "[]"})
+    EXPECT_EQ(messageOf(scene, with(empty)), "accepted") << empty;
+  EXPECT_NE(messageOf(scene, with("{constraints: [{name: slow}]}")).find("trajectory_constraints"),
+            std::string::npos);
 
   // Every key of both files, misspelt once.
   int misspelt = 0;

@@ -87,6 +87,37 @@ TEST_F(LeftOutOfUrdf, AttributesAndTextThatNobodyReads) {
        ":11: <safety_controller> has the unknown attribute \"soft_lower\", which is left out"});
 }
 
+/// Elements that planning does not read have these warnings, too; extensions have none.
+TEST_F(LeftOutOfUrdf, AttributesOfWhatIsNotRead) {
+  file_ = folder_.write("r.urdf", R"(<robot name="r" nmae="s" version="1.0" xmlns:x="y">
+<link name="a">
+<visual name="v" colour="red">
+<origin xyz="0 0 0" quat="1 0 0 0"/>
+<geometry><box size="1 1 1" radius="1"/></geometry>
+<material name="m"><color rgb="1 0 0"/></material></visual>
+<inertial unit="kg">
+<mass value="1" values="2"/>
+<inertia ixx="1" iyx="0"/></inertial>
+<collision><geometry><box size="1 1 1"/></geometry></collision></link>
+<link name="b"><collision><geometry><sphere radius="1"/></geometry></collision></link>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/>
+<dynamics damping="1" stiffness="2"/>
+<limit effort="1" velocity="1"/></joint>
+<gazebo reference="a"><visual any="thing"/></gazebo>
+</robot>
+)");
+  const auto model = loadModel(file_, "", {});
+  const auto unknown = [](int line, const std::string& element, const std::string& attribute) {
+    return ":" + std::to_string(line) + ": <" + element + "> has the unknown attribute \"" +
+           attribute + "\", which is left out";
+  };
+  expectWarnings(*model, {unknown(1, "robot", "nmae"), unknown(7, "inertial", "unit"),
+                          unknown(8, "mass", "values"), unknown(9, "inertia", "iyx"),
+                          unknown(3, "visual", "colour"), unknown(4, "origin", "quat"),
+                          unknown(5, "box", "radius"), unknown(6, "color", "rgb"),
+                          unknown(13, "dynamics", "stiffness")});
+}
+
 TEST_F(LeftOutOfUrdf, ElementsBesideAShape) {
   const auto model =
       load("<drake:proximity/>\n" +
