@@ -41,21 +41,27 @@ constexpr double kLargestAngle = 1e3;
 constexpr double kLongestLineTurn = 3;
 
 /// How far the rounding of a + t dq (three operations) moves a joint within kLargestAngle [rad], or
-/// the orientation of a free body.
+/// the orientation of a free body. A length rounds by less than 1e-15 of itself, which
+/// robots::kinematicsRounding() covers by its share of the joint's limits.
 constexpr double kInterpolationRounding = 1e-12;
 
-/// Bodies behind unlimited joints are certified up to this distance from the world's origin [m].
-/// Farther out, the rounding of kinematics (1e-16 of the distance and more) would consume margins
-/// of micrometres.
+/// Bodies behind unlimited joints are certified up to this distance from the world's origin [m],
+/// and prismatic, planar and floating joints up to this far along an axis. Files with larger
+/// lengths are refused. Farther out, the rounding of kinematics (1e-16 of the distance and more)
+/// would consume margins of micrometres.
 constexpr double kLargestReach = 1e4;
+
+/// A length outside of its joint's limits is certified up to this [m], because
+/// robots::kinematicsRounding() counts lengths within limits only.
+constexpr double kLargestLengthOutside = 1e3;
 
 /// The product of a vertex's speed bound and a time is rounded up by this share, because two
 /// products and a sum err by less than 1e-15.
 constexpr double kGrowthRounding = 1e-14;
 
 /// How far the verifier's poses may be from the exact ones, for each joint, relative to the reach
-/// and in metres. At the verifier's angles of up to 1e4 rad, interpolation rounds by at most 2e-12
-/// rad, and sines and products by 1e-14.
+/// and in metres. At the verifier's angles of up to 1e4 rad and lengths of up to 1e4 m,
+/// interpolation rounds by at most 2e-12 rad or m, and sines and products by 1e-14.
 constexpr double kVerifyRounding = 4e-12;
 
 // Costs of nearness
@@ -97,9 +103,11 @@ constexpr double kGuardLimitSlack = 1e-6;
 constexpr double kGuardDifference = 1e-15;
 
 /// Rounding that a chord of setpoints is charged: relative to how far setpoints are from it, and
-/// [m]. Both are sums of some dozen products of numbers below kLargestAngle and kLargestReach.
+/// [m]. Both are sums of some dozen products of numbers below kGuardLongestChord and kLargestReach.
 constexpr double kGuardChordShare = 1e-12;
 constexpr double kGuardChordRounding = 1e-11;
+/// A longer chord of setpoints is halved, because it would round by more [rad or m].
+constexpr double kGuardLongestChord = 2e3;
 
 /// A vertex that is seen this much farther away than its speed bound allows has jumped [m]: more is
 /// no rounding of programs that see.

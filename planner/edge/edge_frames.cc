@@ -9,16 +9,31 @@
 #include "collision/base/tolerances.h"
 #include "collision/lanes/obstacle_boxes.h"
 #include "leeway/robots/kinematics.h"
+#include "planner/base/largest_value.h"
 #include "planner/base/tolerances.h"
 #include "planner/compiled/edge_model.h"
 
 namespace leeway::planner {
+
+namespace {
+
+/// The largest magnitude at which a number of a point interpolates as exactly as bounds assume.
+double largestExact(const ConfigurationSpace& space, int i) {
+  const int variable = space.variables()[at(i)];
+  const double most = largestValue(space.model(), variable);
+  if (isAngle(space.model(), variable)) return most;
+  const double limit = std::max(std::abs(space.lower(i)), std::abs(space.upper(i)));
+  return std::min(most, std::max(limit, kLargestLengthOutside));
+}
+
+}  // namespace
 
 EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
     : scene_(std::move(scene)), links_(scene_->model().links.size()), capacity_(capacity) {
   const ConfigurationSpace& space = scene_->space();
   const auto size = static_cast<std::size_t>(space.size());
   for (std::vector<double>* v : {&a_, &b_, &difference_, &point_}) v->resize(size);
+  for (int i = 0; i < space.size(); ++i) largest_.push_back(largestExact(space, i));
   q_.resize(scene_->model().variables.size());
   dq_.resize(q_.size());
   shared_slots_.resize(kSharedPlaces + 1);
@@ -109,9 +124,9 @@ bool EdgeFrames::keepsGap(const EdgePair& pair, double threshold, double t0, dou
   return kept > 0 && kept > threshold;
 }
 
-bool EdgeFrames::hasExactAngles(std::span<const double> point) const {
-  for (const double x : point)
-    if (!(std::abs(x) <= kLargestAngle)) return false;  // written so that NaN fails
+bool EdgeFrames::isExact(std::span<const double> point) const {
+  for (std::size_t i = 0; i < point.size(); ++i)
+    if (!(std::abs(point[i]) <= largest_[i])) return false;  // written so that NaN fails
   return true;
 }
 
@@ -139,7 +154,7 @@ bool EdgeFrames::takeLines(std::span<const double> a, std::span<const double> b)
     const double x = a[i], y = b[i];
     const double lower = space.lower(static_cast<int>(i)), upper = space.upper(static_cast<int>(i));
     // All written so that NaN fails.
-    is_exact &= std::abs(x) <= kLargestAngle && std::abs(y) <= kLargestAngle;
+    is_exact &= std::abs(x) <= largest_[i] && std::abs(y) <= largest_[i];
     is_well_formed &= lower != upper || (x == lower && y == lower);
     is_within &= x >= lower && x <= upper && y >= lower && y <= upper;
     a_[i] = x;
@@ -151,8 +166,7 @@ bool EdgeFrames::takeLines(std::span<const double> a, std::span<const double> b)
 }
 
 bool EdgeFrames::takeAny(std::span<const double> a, std::span<const double> b) {
-  if (!hasExactAngles(a) || !hasExactAngles(b) || !isWellFormed(a) || !isWellFormed(b))
-    return false;
+  if (!isExact(a) || !isExact(b) || !isWellFormed(a) || !isWellFormed(b)) return false;
   const ConfigurationSpace& space = scene_->space();
   std::copy(a.begin(), a.end(), a_.begin());
   std::copy(b.begin(), b.end(), b_.begin());

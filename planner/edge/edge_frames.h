@@ -137,7 +137,7 @@ class EdgeFrames {
   void rebind(std::shared_ptr<const CompiledScene> scene);
 
   /// Starts an edge; afterwards no slot is in use. False if the edge cannot be certified at all:
-  /// numbers that are not finite, angles too large to be exact, a quaternion of zero length, a
+  /// numbers that are not finite or too large to be exact, a quaternion of zero length, a
   /// joint without range that is not in its position, or a mimic joint that would jump.
   bool begin(std::span<const double> a, std::span<const double> b);
   /// A slot with the configuration at t; -1 if no slot is left or a body is beyond
@@ -222,7 +222,7 @@ class EdgeFrames {
   /// Takes an edge's ends; false as for begin().
   bool takeLines(std::span<const double> a, std::span<const double> b);
   bool takeAny(std::span<const double> a, std::span<const double> b);
-  bool hasExactAngles(std::span<const double> point) const;
+  bool isExact(std::span<const double> point) const;
   bool isWellFormed(std::span<const double> point) const;
 
   std::shared_ptr<const CompiledScene> scene_;
@@ -260,6 +260,7 @@ class EdgeFrames {
   bool only_lines_ = false;               // in the space
   bool within_limits_ = true, watch_reach_ = false;
   std::vector<double> a_, b_, difference_, point_, q_, dq_;
+  std::vector<double> largest_;  // the largest exact magnitude of each number of a point
   std::vector<robots::JointMotion> joint_motion_;
   std::vector<int> moved_joints_;
   // Data by slot. Memory is reserved for all slots and constructed slot by slot, because few edges

@@ -131,6 +131,7 @@ double SetpointProof::growthOf(const SetpointMotion& motion, int from, int to) {
     if (part.kind == ConfigurationSpace::Kind::kCircle && !(std::abs(chord_[i]) < kLongestLineTurn))
       return kInfinity;
   }
+  if (!(squared <= kGuardLongestChord * kGuardLongestChord)) return kInfinity;
   std::fill(departure_.begin(), departure_.end(), 0);
   for (int k = from + 1; k < to; ++k) {
     const std::span<const double> row = motion.row(k);

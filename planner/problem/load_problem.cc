@@ -84,6 +84,8 @@ std::shared_ptr<const Model> bounded(std::shared_ptr<const Model> model, const Y
       read[joint].insert_or_assign(axis, bound);
     };
     if (given.isList()) return add("", given, false);
+    if (given.isEmpty())
+      given.fail(fmt::format("{}: {}", given.where(), robots::emptyFault(*model, joint)));
     given.expectKeys(keysOf("joint_bounds"));
     if (const auto range = given.find("range")) {
       const auto widen = given.find("widen");
@@ -117,20 +119,23 @@ std::shared_ptr<const Model> placed(std::shared_ptr<const Model> model, const Ya
   return robots::withBasePose(*model, X_WB);
 }
 
+/// `packages` of `robot:`. Meshes of objects are found in them, too.
+void readPackages(const YamlReader& packages, robots::LoadOptions& load) {
+  packages.eachEntry([&](const std::string& name, const YamlReader& folder) {
+    const std::string path = resolvedPath(folder);
+    if (!std::filesystem::is_directory(path))
+      folder.fail(fmt::format("package '{}' has no folder '{}'; an existing folder is expected",
+                              name, path));
+    load.packages.emplace_back(name, path);
+  });
+}
+
 /// Loads the robot of a problem file, with its place and its bounds.
 std::shared_ptr<const Model> loadRobot(const YamlReader& file, const YamlReader& robot,
                                        const ProblemOptions& options,
                                        std::vector<std::string>& warnings) {
   robot.expectKeys(keysOf("robot"));
   robots::LoadOptions load = options.load;
-  if (const auto packages = robot.find("packages"))
-    for (const auto& [name, folder] : packages->entries()) {
-      const std::string path = resolvedPath(folder);
-      if (!std::filesystem::is_directory(path))
-        folder.fail(fmt::format("package '{}' has no folder '{}'; an existing folder is expected",
-                                name, path));
-      load.packages.emplace_back(name, path);
-    }
   if (const auto xacro = robot.find("xacro")) {
     // Arguments of the command line come last and take precedence.
     decltype(load.xacro) arguments;
@@ -142,9 +147,10 @@ std::shared_ptr<const Model> loadRobot(const YamlReader& file, const YamlReader&
   const auto expectFile = [](const YamlReader& named) {
     const std::string path = resolvedPath(named);
     std::error_code error;
-    if (!std::filesystem::exists(path, error) && !error)
-      named.fail(fmt::format("{} names '{}', which does not exist; an existing file is expected",
-                             named.where(), path));
+    const bool is_folder = std::filesystem::is_directory(path, error);
+    if (is_folder || (!std::filesystem::exists(path, error) && !error))
+      named.fail(fmt::format("{} names '{}', which {}; an existing file is expected", named.where(),
+                             path, is_folder ? "is a folder" : "does not exist"));
   };
   const YamlReader urdf = robot.at("urdf", "the path of a URDF");
   const auto srdf = robot.find("srdf");
@@ -198,30 +204,18 @@ std::shared_ptr<const Model> loadBody(const YamlReader& body, std::vector<std::s
                           upper);
 }
 
-std::vector<std::string> groupNames(const Model& model) {
-  std::vector<std::string> names;
-  for (const robots::Group& group : model.groups) names.push_back(group.name);
-  return names;
-}
-
 std::vector<std::string> linkNames(const Model& model) {
   std::vector<std::string> names;
   for (const robots::Link& link : model.links) names.push_back(link.name);
   return names;
 }
 
-void takeGroup(const std::string& file, int line, const std::string& name, Problem& problem) {
-  const int group = problem.robot.model->findGroup(name);
-  if (group < 0)
-    throw InputError(file, line,
-                     fmt::format("robot '{}' has no group '{}'{}", problem.robot.model->name, name,
-                                 didYouMean(*problem.robot.model, "group", name,
-                                            groupNames(*problem.robot.model))));
-  problem.robot.variables = problem.robot.model->groups[at(group)].variables;
-  if (problem.robot.variables.empty())
-    throw InputError(
-        file, line,
-        fmt::format("group '{}' has no joint that can move; another group is expected", name));
+/// `group` of `robot:`: one, or a list of those that are planned together.
+std::vector<std::string> readGroupNames(const YamlReader& group) {
+  if (!group.isList()) return {group.text()};
+  std::vector<std::string> names;
+  for (const YamlReader& name : group.items()) names.push_back(name.text());
+  return names;
 }
 
 int readLink(const YamlReader& reader, const Model& model) {
@@ -621,11 +615,12 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
   problem.robot.model = robot ? loadRobot(file, *robot, options, problem.warnings)
                               : loadBody(*body, problem.warnings, options.load);
   const auto group = robot ? robot->find("group") : std::nullopt;
-  takeGroup(file.file(),
-            group   ? group->line()
-            : robot ? robot->line()
-                    : body->line(),
-            group ? group->text() : "all", problem);
+  const std::vector<std::string> all = {"all"};
+  takeGroups(file.file(),
+             group   ? group->line()
+             : robot ? robot->line()
+                     : body->line(),
+             group ? readGroupNames(*group) : all, problem);
   problem.start = problem.robot.model->defaultConfiguration();
   return problem;
 }
@@ -647,6 +642,9 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
   if (meshes) {
     meshes->readOn([&] { readMeshes(*meshes, options.load); });
   }
+  if (const auto robot = file.find("robot"); robot && robot->isMap())
+    if (const auto packages = robot->find("packages"))
+      packages->readOn([&] { readPackages(*packages, options.load); });
   const auto moveit = file.find("moveit");
   LinkPadding padding;
   Problem problem;
@@ -722,7 +720,7 @@ Problem problemFromStates(std::shared_ptr<const Model> model, const std::string&
   Problem problem;
   problem.name = model->name;
   problem.robot.model = std::move(model);
-  takeGroup("", 0, group, problem);
+  takeGroups("", 0, namedGroups(*problem.robot.model, group), problem);
   problem.start = problem.robot.model->defaultConfiguration();
   takeStart("", 0, statedRanges("start", start, problem), problem);
   const VariableRanges ranges = statedRanges("goal", goal, problem);

@@ -83,14 +83,14 @@ IndexedMesh gridMesh(double size_x, double size_y, int cells_x, int cells_y) {
   return mesh;
 }
 
-IndexedMesh readRestMesh(const YamlReader& entry) {
+IndexedMesh readRestMesh(const YamlReader& entry, const robots::LoadOptions& load) {
   const auto grid = entry.find("grid"), mesh = entry.find("mesh");
   if (grid.has_value() == mesh.has_value())
     entry.fail(fmt::format("{} has {}; one of them is expected", entry.where(),
                            grid ? "both 'grid' and 'mesh'" : "neither 'grid' nor 'mesh'"));
   if (mesh) {
     mesh->expectKeys(keysOf("mesh"));
-    return readVertices(*mesh);
+    return readVertices(*mesh, load);
   }
   grid->expectKeys(keysOf("grid"));
   const YamlReader size = grid->at("size", "[x, y] in m"), cells = grid->at("cells", "[x, y]");
@@ -146,10 +146,11 @@ void readDeforming(const YamlReader& entry, const robots::LoadOptions& load, Pro
   if (const std::string fault = objectNameFault(name.text(), Names(problem).isKnown(name.text()));
       !fault.empty())
     name.fail(fmt::format("{} '{}' {}", name.where(), name.text(), fault));
-  const IndexedMesh rest = readRestMesh(entry);
+  const IndexedMesh rest = readRestMesh(entry, load);
   problem.warnings.insert(problem.warnings.end(), rest.warnings.begin(), rest.warnings.end());
   const auto motion_entry = entry.find("motion");
-  const auto motion = motion_entry ? readMotion(*motion_entry, rest, problem.warnings) : nullptr;
+  const auto motion =
+      motion_entry ? readMotion(*motion_entry, rest, load, problem.warnings) : nullptr;
   const DeformOptions options = readOptions(entry);
   const auto bound = entry.find("speed_bound");
   const double speed_bound = bound ? bound->sizeNumber() : std::numeric_limits<double>::infinity();

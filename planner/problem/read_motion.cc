@@ -50,7 +50,8 @@ void addBump(const YamlReader& bump, const Vertices& rest, Vertices& displaced) 
 }
 
 /// The vertices of `file`, the rest displaced by `bumps`, or the rest.
-Vertices readTarget(const YamlReader& target, const Vertices& rest) {
+Vertices readTarget(const YamlReader& target, const Vertices& rest,
+                    const robots::LoadOptions& load) {
   target.expectKeys(keysOf("target"));
   const auto file = target.find("file"), bumps = target.find("bumps");
   if (file && bumps)
@@ -58,7 +59,7 @@ Vertices readTarget(const YamlReader& target, const Vertices& rest) {
   if (const auto scale = target.find("scale"); scale && !file)
     scale->fail(fmt::format("{} goes with 'file' only", scale->where()));
   if (file) {
-    Vertices vertices = readVertices(target).vertices;
+    Vertices vertices = readVertices(target, load).vertices;
     if (vertices.size() != rest.size())
       file->fail(fmt::format("{} has {} vertices; the mesh's {} are expected", file->text(),
                              vertices.size(), rest.size()));
@@ -159,11 +160,12 @@ std::shared_ptr<const VertexMotion> readLattice(const YamlReader& lattice, const
   return VertexMotion::lattice(std::move(result));
 }
 
-std::shared_ptr<const VertexMotion> readMorph(const YamlReader& morph, const Vertices& rest) {
+std::shared_ptr<const VertexMotion> readMorph(const YamlReader& morph, const Vertices& rest,
+                                              const robots::LoadOptions& load) {
   morph.expectKeys(keysOf("morph"));
   collision::MorphMotion result;
   for (const YamlReader& target : morph.at("references", "a list of targets").items())
-    result.references.push_back(readTarget(target, rest));
+    result.references.push_back(readTarget(target, rest, load));
   for (const YamlReader& entry : morph.at("keys", "a list of keys").items()) {
     entry.expectKeys(keysOf("morph_key"));
     result.keys.push_back({entry.at("time", "a number [s]").number(),
@@ -173,12 +175,13 @@ std::shared_ptr<const VertexMotion> readMorph(const YamlReader& morph, const Ver
   return VertexMotion::morph(std::move(result));
 }
 
-std::shared_ptr<const VertexMotion> readReduced(const YamlReader& reduced, const Vertices& rest) {
+std::shared_ptr<const VertexMotion> readReduced(const YamlReader& reduced, const Vertices& rest,
+                                                const robots::LoadOptions& load) {
   reduced.expectKeys(keysOf("reduced"));
   collision::ReducedMotion result;
   result.rest = rest;
   for (const YamlReader& target : reduced.at("modes", "a list of targets").items()) {
-    Vertices mode = readTarget(target, rest);
+    Vertices mode = readTarget(target, rest, load);
     for (std::size_t v = 0; v < mode.size(); ++v) mode[v] -= rest[v];
     result.modes.push_back(std::move(mode));
   }
@@ -201,13 +204,14 @@ std::shared_ptr<const VertexMotion> readReduced(const YamlReader& reduced, const
 
 std::shared_ptr<const VertexMotion> readWord(std::string_view word, const YamlReader& value,
                                              const YamlReader& motion, const Vertices& rest,
+                                             const robots::LoadOptions& load,
                                              std::vector<std::string>& warnings) {
   if (word == "waves") return readWaves(value, motion, rest);
   if (word == "lattice") return readLattice(value, rest);
-  if (word == "morph") return readMorph(value, rest);
+  if (word == "morph") return readMorph(value, rest, load);
   if (word == "skinned") return readSkinned(value, rest, warnings);
   if (word == "cache") return readCache(value, rest);
-  return readReduced(value, rest);
+  return readReduced(value, rest, load);
 }
 
 }  // namespace
@@ -226,9 +230,9 @@ Interpolation readInterpolation(const YamlReader& map) {
   return Interpolation::kSmooth;
 }
 
-robots::IndexedMesh readVertices(const YamlReader& map) {
+robots::IndexedMesh readVertices(const YamlReader& map, const robots::LoadOptions& load) {
   const YamlReader file = map.at("file", "an OBJ file");
-  const std::string path = resolvedPath(file);
+  const std::string path = meshPath(file, load);
   if (!std::filesystem::is_regular_file(path))
     file.fail(fmt::format("{} names '{}', which does not exist; an existing file is expected",
                           file.where(), path));
@@ -243,6 +247,7 @@ robots::IndexedMesh readVertices(const YamlReader& map) {
 
 std::shared_ptr<const VertexMotion> readMotion(const YamlReader& motion,
                                                const robots::IndexedMesh& rest,
+                                               const robots::LoadOptions& load,
                                                std::vector<std::string>& warnings) {
   motion.expectKeys(keysOf("motion"));
   constexpr std::array<std::string_view, 6> kWords = {"waves",   "lattice", "morph",
@@ -263,7 +268,7 @@ std::shared_ptr<const VertexMotion> readMotion(const YamlReader& motion,
     motion.at("pinned", "").fail("pinned goes with waves only");
   const YamlReader value = motion.at(found, "");
   try {
-    return readWord(found, value, motion, rest.vertices, warnings);
+    return readWord(found, value, motion, rest.vertices, load, warnings);
   } catch (const collision::InvalidMotion& error) {
     value.fail(fmt::format("{}: {}", value.where(), error.what()));
   }

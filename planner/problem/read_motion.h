@@ -7,6 +7,7 @@
 
 #include "leeway/collision/vertex_motion.h"
 #include "leeway/planner/problem.h"
+#include "leeway/robots/model.h"
 #include "planner/yaml/yaml_reader.h"
 #include "robots/mesh/mesh_import.h"
 
@@ -15,12 +16,13 @@ namespace leeway::planner {
 /// Largest number of cells of a generated grid (two million triangles). A larger one is a mistake.
 inline constexpr int kMostGridCells = 1'000'000;
 
-/// Reads `file` and `scale` of a map: an OBJ, whose vertices keep their order.
-robots::IndexedMesh readVertices(const YamlReader& map);
+/// Reads `file` and `scale` of a map: an OBJ, whose vertices keep their order. `load` has packages.
+robots::IndexedMesh readVertices(const YamlReader& map, const robots::LoadOptions& load);
 
 /// Reads `motion:` of a deforming obstacle whose vertices rest at `rest`.
 std::shared_ptr<const collision::VertexMotion> readMotion(const YamlReader& motion,
                                                           const robots::IndexedMesh& rest,
+                                                          const robots::LoadOptions& load,
                                                           std::vector<std::string>& warnings);
 
 /// Reads `moving:` of all in `objects:`, which the world already has. They then

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
 #include "collision/base/numbers.h"
+#include "leeway/robots/groups.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/fail_at.h"
@@ -135,36 +137,88 @@ void readFrames(const YamlReader& reader, Problem& problem) {
   });
 }
 
-bool givesPoses(const YamlReader& map, const robots::Model& model) {
+namespace {
+
+bool givesOwnPoses(const YamlReader& map, const robots::Model& model) {
   if (!map.isMap()) return false;
   for (const char* key : {"pose", "poses"})
     if (map.has(key) && model.findJoint(key) < 0) return true;
   return false;
 }
 
-std::vector<FramePose> readFramePoses(const YamlReader& map, std::vector<std::string>& warnings) {
+/// The map of a pose, and the group under whose name it stands; -1: none.
+struct PlacedPose {
+  YamlReader map;
+  int group;
+};
+
+void addPoses(const YamlReader& map, int group, std::vector<PlacedPose>& places) {
   map.expectKeys(keysOf("poses"));
   const auto pose = map.find("pose"), poses = map.find("poses");
   if (pose && poses)
     poses->fail(fmt::format("{} has both 'pose' and 'poses'; one is expected", map.where()));
-  if (pose) return {readFramePose(*pose, warnings)};
+  if (pose) return places.push_back({*pose, group});
+  for (const YamlReader& item : poses->items()) places.push_back({item, group});
+  if (poses->items().empty())
+    poses->fail(fmt::format("{} is empty; a pose is expected", poses->where()));
+}
+
+/// The poses of a map, by group or not.
+std::vector<PlacedPose> placedPoses(const YamlReader& map, const robots::Model& model) {
+  std::vector<PlacedPose> places;
+  if (givesOwnPoses(map, model)) {
+    addPoses(map, -1, places);
+    return places;
+  }
+  for (const auto& [name, value] : map.entries()) {
+    if (value.isScalar() && value.text() == "any" && model.findGroup(name) >= 0) continue;
+    if (!givesOwnPoses(value, model))
+      value.fail(
+          fmt::format("{} gives joint values, and another group has a pose; poses alone, "
+                      "beside them 'any', or joint values alone are expected",
+                      value.where()));
+    addPoses(value, model.findGroup(name), places);
+  }
+  return places;
+}
+
+}  // namespace
+
+bool givesPoses(const YamlReader& map, const robots::Model& model) {
+  if (givesOwnPoses(map, model)) return true;
+  if (!map.isMap()) return false;
+  const auto entries = map.entries();
+  return std::any_of(entries.begin(), entries.end(), [&](const auto& entry) {
+    return model.findJoint(entry.first) < 0 && model.findGroup(entry.first) >= 0 &&
+           givesOwnPoses(entry.second, model);
+  });
+}
+
+std::vector<FramePose> readFramePoses(const YamlReader& map, const robots::Model& model,
+                                      std::vector<std::string>& warnings) {
   std::vector<FramePose> read;
-  for (const YamlReader& item : poses->items()) read.push_back(readFramePose(item, warnings));
-  if (read.empty()) poses->fail(fmt::format("{} is empty; a pose is expected", poses->where()));
+  for (const PlacedPose& place : placedPoses(map, model))
+    read.push_back(readFramePose(place.map, warnings));
   return read;
 }
 
 std::vector<robots::PoseRegion> readPoseRegions(const YamlReader& map, Problem& problem) {
-  const auto poses = map.find("poses");
-  const std::vector<YamlReader> places =
-      poses ? poses->items() : std::vector<YamlReader>{map.at("pose", "a pose")};
+  const robots::Model& model = *problem.robot.model;
   std::vector<robots::PoseRegion> regions;
-  const std::vector<FramePose> read = readFramePoses(map, problem.warnings);
-  for (std::size_t i = 0; i < read.size(); ++i) try {
-      regions.push_back(regionOf(problem, read[i]));
+  for (const auto& [place, group] : placedPoses(map, model)) {
+    const FramePose pose = readFramePose(place, problem.warnings);
+    try {
+      regions.push_back(regionOf(problem, pose));
     } catch (const std::invalid_argument& error) {
-      places[i].fail(fmt::format("{}: {}", places[i].where(), error.what()));
+      place.fail(fmt::format("{}: {}", place.where(), error.what()));
     }
+    if (group >= 0 &&
+        !robots::movesLink(model, model.groups[at(group)].variables, regions.back().link))
+      place.fail(
+          fmt::format("{}: no joint of group '{}' moves '{}'; a frame that it moves is "
+                      "expected",
+                      place.where(), model.groups[at(group)].name, pose.frame));
+  }
   return regions;
 }
 

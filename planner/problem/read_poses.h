@@ -12,11 +12,12 @@ namespace leeway::planner {
 void readFrames(const YamlReader& reader, Problem& problem);
 
 /// Whether a state's map gives poses: it has `pose` or `poses`, and no joint of the robot has that
-/// name.
+/// name, or the map of a group inside it has.
 bool givesPoses(const YamlReader& map, const robots::Model& model);
 
 /// Reads the poses of such a map without looking up their names.
-std::vector<FramePose> readFramePoses(const YamlReader& map, std::vector<std::string>& warnings);
+std::vector<FramePose> readFramePoses(const YamlReader& map, const robots::Model& model,
+                                      std::vector<std::string>& warnings);
 
 /// The same with poseRegion() of each pose. Errors have file and line.
 std::vector<robots::PoseRegion> readPoseRegions(const YamlReader& map, Problem& problem);

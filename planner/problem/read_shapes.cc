@@ -15,6 +15,7 @@
 #include "leeway/robots/model.h"
 #include "planner/base/tolerances.h"
 #include "planner/validate/format_keys.h"
+#include "robots/mesh/mesh_path.h"
 #include "robots/mesh/mesh_treatment.h"
 
 namespace leeway::planner {
@@ -34,7 +35,7 @@ std::string listed(std::span<const std::string_view> words) {
 Shape readMesh(const YamlReader& mesh, const std::string& owner, std::vector<std::string>& warnings,
                const robots::LoadOptions& load) {
   const YamlReader file = mesh.at("file", "a mesh file (STL, OBJ, PLY, DAE, glTF)");
-  const Shape shape = robots::loadMesh(resolvedPath(file), readScale(mesh), file.file(),
+  const Shape shape = robots::loadMesh(meshPath(file, load), readScale(mesh), file.file(),
                                        file.line(), load, &warnings);
   return robots::treatedMesh(shape, {owner, file.text()}, load);
 }
@@ -130,6 +131,8 @@ Shape readOneShape(const YamlReader& map, std::string_view word, const std::stri
     sizes.fail(fmt::format("{}: {}", sizes.where(), error.what()));
   }
 }
+
+bool isUri(const std::string& path) { return path.find("://") != std::string::npos; }
 
 }  // namespace
 
@@ -245,9 +248,22 @@ Eigen::Vector3d readScale(const YamlReader& map) {
 }
 
 std::string resolvedPath(const YamlReader& reader) {
+  if (reader.isEmpty())
+    reader.fail(
+        fmt::format("{} is empty; the path of a file is expected, or no such key", reader.where()));
   const std::filesystem::path path = reader.text();
+  if (isUri(path.string()))
+    reader.fail(
+        fmt::format("{} is '{}'; a path is expected, because only the files of meshes are "
+                    "found by package://",
+                    reader.where(), path.string()));
   if (path.is_absolute()) return path.string();
   return (std::filesystem::path(reader.file()).parent_path() / path).lexically_normal().string();
+}
+
+std::string meshPath(const YamlReader& reader, const robots::LoadOptions& load) {
+  if (reader.isEmpty() || !isUri(reader.text())) return resolvedPath(reader);
+  return robots::resolveMesh(reader.text(), reader.file(), reader.line(), load);
 }
 
 }  // namespace leeway::planner

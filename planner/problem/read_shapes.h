@@ -72,4 +72,8 @@ void filterCloud(const YamlReader& cloud, const std::vector<std::string>& carve,
 /// A path named in a YAML file: absolute, or relative to that file's folder.
 std::string resolvedPath(const YamlReader& reader);
 
+/// The path of a mesh file: as resolvedPath(), or what a URI such as package://NAME/PATH stands for
+/// (robots::resolveMesh()). Packages are searched from the YAML file's folder up.
+std::string meshPath(const YamlReader& reader, const robots::LoadOptions& load);
+
 }  // namespace leeway::planner

@@ -7,12 +7,17 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <sstream>
+#include <string_view>
 
 #include "collision/base/numbers.h"
+#include "leeway/robots/groups.h"
 #include "leeway/robots/named_states.h"
 #include "leeway/robots/text.h"
+#include "planner/base/cells.h"
 #include "planner/base/did_you_mean.h"
+#include "planner/base/largest_value.h"
 #include "planner/problem/read_poses.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/validate/checks.h"
@@ -31,13 +36,13 @@ bool planned(const Problem& problem, int variable) {
          problem.robot.variables.end();
 }
 
-/// The planar or floating joint of a pose without a joint's name: the only planned one; -1 if there
-/// is another number of them.
-int plannedBodyJoint(const Problem& problem) {
+/// The planar or floating joint that a pose without a joint's name means: the only one of these
+/// variables, else -1.
+int onlyBodyJoint(const Model& model, std::span<const int> variables) {
   int found = -1;
-  for (const int v : problem.robot.variables) {
-    const int joint = problem.robot.model->variables[at(v)].joint;
-    const JointType type = problem.robot.model->joints[at(joint)].type;
+  for (const int v : variables) {
+    const int joint = model.variables[at(v)].joint;
+    const JointType type = model.joints[at(joint)].type;
     if (type != JointType::kPlanar && type != JointType::kFloating) continue;
     if (found >= 0 && found != joint) return -1;
     found = joint;
@@ -52,24 +57,67 @@ std::vector<std::string> jointNames(const Model& model) {
   return names;
 }
 
-std::string plannedNames(const Problem& problem) {
+std::string namesOf(const Model& model, std::span<const int> variables) {
   std::string names;
-  for (const int v : problem.robot.variables)
-    names += (names.empty() ? "" : ", ") + problem.robot.model->variables[at(v)].name;
+  for (const int v : variables) names += (names.empty() ? "" : ", ") + model.variables[at(v)].name;
   return names;
+}
+
+std::string plannedNames(const Problem& problem) {
+  return namesOf(*problem.robot.model, problem.robot.variables);
+}
+
+/// The values of a group state. Throws, naming file and line, when no state of that name has a
+/// value for every one of `variables`. Of several, that of the group of this name goes first.
+VariableRanges groupStateRanges(const std::string& file, int line, const std::string& name,
+                                const Model& model, std::span<const int> variables,
+                                const std::string& group = {}) {
+  std::vector<std::string> known;
+  const std::string why = model.whyStateLeftOut(name, variables);
+  if (!why.empty())
+    throw InputError(file, line, fmt::format("group state '{}' is not known{}", name, why));
+  std::vector<robots::GroupState> states = robots::namedStates(model);
+  std::stable_partition(states.begin(), states.end(),
+                        [&](const auto& state) { return state.group == group; });
+  for (const robots::GroupState& state : states) {
+    VariableRanges ranges(model.variables.size());
+    for (const auto& [v, value] : state.values)
+      if (std::find(variables.begin(), variables.end(), v) != variables.end())
+        ranges[at(v)] = {true, value, value, 0};
+    // A state of another group serves if it has all of the variables.
+    if (!std::all_of(variables.begin(), variables.end(),
+                     [&](int v) { return ranges[at(v)].given; }))
+      continue;
+    if (state.name == name) return ranges;
+    known.push_back(state.name);
+  }
+  const std::string of = fmt::format("joint of group '{}'", group);
+  if (const std::string fault = robots::stateLackFault(
+          model, name, variables, "each " + (group.empty() ? "planned joint" : of));
+      !fault.empty())
+    throw InputError(file, line, fault);
+  throw InputError(
+      file, line,
+      fmt::format("no group state '{}' for {}{}", name,
+                  group.empty() ? "the planned joints" : fmt::format("group '{}'", group),
+                  didYouMean(model, "group state", name, known)));
 }
 
 /// Reads one state. Only goals may have ranges.
 class StateReader {
  public:
   StateReader(Problem& problem, bool goal)
-      : problem_(problem), model_(*problem.robot.model), goal_(goal) {
+      : problem_(problem),
+        model_(*problem.robot.model),
+        goal_(goal),
+        variables_(problem.robot.variables) {
     ranges_.resize(model_.variables.size());
   }
 
   VariableRanges read(const YamlReader& reader) {
     if (reader.isScalar())
-      return groupStateRanges(reader.file(), reader.line(), reader.text(), problem_);
+      return groupStateRanges(reader.file(), reader.line(), reader.text(), model_, variables_,
+                              group_);
     if (reader.isList()) {
       readList(reader);
     } else if (reader.isMap()) {
@@ -84,7 +132,7 @@ class StateReader {
 
   /// Reads values by joint. For a single planned body, also reads its pose.
   void readMap(const YamlReader& reader) {
-    const int body = plannedBodyJoint(problem_);
+    const int body = onlyBodyJoint(model_, variables_);
     if (body >= 0 && reader.has("position") && model_.findJoint("position") < 0) {
       readBodyPose(reader, model_.joints[at(body)]);
       return;
@@ -95,22 +143,60 @@ class StateReader {
   const VariableRanges& ranges() const { return ranges_; }
 
  private:
+  /// The joints of one group alone.
+  StateReader(const StateReader& whole, const robots::Group& group)
+      : problem_(whole.problem_),
+        model_(whole.model_),
+        goal_(whole.goal_),
+        variables_(group.variables),
+        group_(group.name) {
+    ranges_.resize(model_.variables.size());
+  }
+
   void readList(const YamlReader& reader) {
     const std::vector<YamlReader> items = reader.items();
-    if (items.size() != problem_.robot.variables.size())
+    if (items.size() != variables_.size())
       reader.fail(fmt::format("{} is a list of {}; {} values are expected: {}", reader.where(),
-                              items.size(), problem_.robot.variables.size(),
-                              plannedNames(problem_)));
-    for (std::size_t i = 0; i < items.size(); ++i) readValue(items[i], problem_.robot.variables[i]);
+                              items.size(), variables_.size(), namesOf(model_, variables_)));
+    for (std::size_t i = 0; i < items.size(); ++i) readValue(items[i], variables_[i]);
+  }
+
+  /// A state of one group's joints, and of no others.
+  void readGroup(const YamlReader& value, const robots::Group& group) {
+    StateReader own(*this, group);
+    if (goal_ && value.isScalar() && value.text() == "any")
+      for (const int v : group.variables) own.readValue(value, v);
+    else
+      own.ranges_ = own.read(value);
+    for (std::size_t i = 0; i < own.ranges_.size(); ++i) {
+      const VariableRange& range = own.ranges_[i];
+      const auto v = static_cast<int>(i);
+      if (!range.given) continue;
+      if (std::find(group.variables.begin(), group.variables.end(), v) == group.variables.end())
+        throw InputError(value.file(), range.line,
+                         fmt::format("{} names {}, which group '{}' does not have; its joints are "
+                                     "expected: {}",
+                                     value.where(), variableText(model_, v), group.name,
+                                     namesOf(model_, group.variables)));
+      set(v, range.lower, range.upper, value, range.line);
+    }
   }
 
   void readEntry(const YamlReader& map, const std::string& name, const YamlReader& value) {
     const int variable = model_.findVariable(name);
     if (variable >= 0) return readValue(value, variable);
     const int index = model_.findJoint(name);
-    if (index < 0)
+    if (const int group = index < 0 ? model_.findGroup(name) : -1; group >= 0)
+      return readGroup(value, model_.groups[at(group)]);
+    if (index < 0) {
+      const std::vector<std::string> groups = groupNames(model_);
+      std::vector<std::string> known = jointNames(model_), all = known;
+      all.insert(all.end(), groups.begin(), groups.end());
+      const std::string* const near = robots::nearestName(name, all);
+      if (near != nullptr && model_.findGroup(*near) >= 0) known = groups;
       value.fail(fmt::format("unknown joint '{}' in {}{}", name, map.where(),
-                             didYouMean(model_, "virtual joint", name, jointNames(model_))));
+                             didYouMean(model_, "virtual joint", name, known)));
+    }
     const Joint& joint = model_.joints[at(index)];
     if (joint.type == JointType::kPlanar || joint.type == JointType::kFloating)
       return readBodyPose(value, joint);
@@ -138,10 +224,10 @@ class StateReader {
     if (planar) {
       const auto angle = map.find("angle");
       if (angle) return readValue(*angle, joint.first_variable + 2);
-      return set(joint.first_variable + 2, 0, 0, map.line());
+      return set(joint.first_variable + 2, 0, 0, map);
     }
     const Eigen::Vector4d q = readOrientation(map, problem_.warnings);
-    for (int i = 0; i < 4; ++i) set(joint.first_variable + 3 + i, q[i], q[i], map.line());
+    for (int i = 0; i < 4; ++i) set(joint.first_variable + 3 + i, q[i], q[i], map);
   }
 
   void readValue(const YamlReader& value, int variable) {
@@ -152,23 +238,24 @@ class StateReader {
         value.fail(fmt::format(
             "{} is 'any', but {} has no limits; a number or a pair [from, to] is expected",
             value.where(), variableText(model_, variable)));
-      if (!circle && !(std::max(-v.lower, v.upper) <= kLargestAngle))
+      if (const double most = largestValue(model_, variable);
+          !circle && !(std::max(-v.lower, v.upper) <= most))
         value.fail(fmt::format(
             "{} is 'any', but the limits of {} are {} to {}, beyond +-{}; a number or a pair "
             "[from, to] is expected",
-            value.where(), variableText(model_, variable), v.lower, v.upper, kLargestAngle));
+            value.where(), variableText(model_, variable), v.lower, v.upper, most));
       return set(variable, circle ? -std::numbers::pi : v.lower,
-                 circle ? std::numbers::pi : v.upper, value.line());
+                 circle ? std::numbers::pi : v.upper, value);
     }
     if (goal_ && value.isList()) {
       const std::vector<double> range = value.numbers();
       if (range.size() != 2 || !(range[0] <= range[1]))
         value.fail(
             fmt::format("{} is no range; [from, to] with from <= to is expected", value.where()));
-      return set(variable, range[0], range[1], value.line());
+      return set(variable, range[0], range[1], value);
     }
     const double number = value.number();
-    set(variable, number, number, value.line());
+    set(variable, number, number, value);
   }
 
   bool turnsFreely(int variable) const {
@@ -179,13 +266,23 @@ class StateReader {
             (joint.type == JointType::kPlanar && variable == joint.first_variable + 2));
   }
 
-  void set(int variable, double lower, double upper, int line) {
-    ranges_[at(variable)] = {true, lower, upper, line};
+  /// `line`: 0 for a group state's values.
+  void set(int variable, double lower, double upper, const YamlReader& value, int line) {
+    VariableRange& range = ranges_[at(variable)];
+    if (range.given)
+      value.fail(fmt::format("{} gives {} again, which has a value already; one is expected",
+                             value.where(), variableText(model_, variable)));
+    range = {true, lower, upper, line};
+  }
+  void set(int variable, double lower, double upper, const YamlReader& value) {
+    set(variable, lower, upper, value, value.line());
   }
 
   Problem& problem_;
   const Model& model_;
   bool goal_;
+  std::span<const int> variables_;  // those that a list gives
+  std::string group_;               // whose they are; empty: the planned ones
   VariableRanges ranges_;
 };
 
@@ -205,12 +302,48 @@ void checkPlanned(const std::string& file, int line, const std::string& what,
   }
 }
 
+/// Sets the values of problem.start that are given. Throws for one outside the problem's bounds.
+void takeValues(const std::string& file, int line, const std::string& what,
+                const VariableRanges& given, Problem& problem) {
+  for (std::size_t v = 0; v < given.size(); ++v) {
+    if (!given[v].given) continue;
+    if (const auto fault = boundsFault(*problem.robot.model, static_cast<int>(v), given[v].lower))
+      throw InputError(file, given[v].line > 0 ? given[v].line : line, what + " has " + *fault);
+    problem.start[v] = given[v].lower;
+  }
+}
+
 }  // namespace
+
+std::vector<std::string> groupNames(const Model& model) {
+  std::vector<std::string> names;
+  for (const robots::Group& group : model.groups) names.push_back(group.name);
+  return names;
+}
+
+std::vector<std::string> namedGroups(const Model& model, const std::string& text) {
+  if (model.findGroup(text) >= 0) return {text};
+  std::vector<std::string> names;
+  for (const std::string_view name : cellsBetween(text, ',')) names.emplace_back(name);
+  return names;
+}
+
+void takeGroups(const std::string& file, int line, std::span<const std::string> names,
+                Problem& problem) {
+  const Model& model = *problem.robot.model;
+  for (const std::string& name : names)
+    if (model.findGroup(name) < 0)
+      throw InputError(file, line,
+                       fmt::format("robot '{}' has no group '{}'{}", model.name, name,
+                                   didYouMean(model, "group", name, groupNames(model))));
+  if (const std::string fault = robots::groupsFault(model, names); !fault.empty())
+    throw InputError(file, line, fault);
+  problem.robot.variables = robots::variablesOf(model, names);
+}
 
 void takeStart(const std::string& file, int line, const VariableRanges& given, Problem& problem) {
   checkPlanned(file, line, "start", given, problem);
-  for (std::size_t v = 0; v < given.size(); ++v)
-    if (given[v].given) problem.start[v] = given[v].lower;
+  takeValues(file, line, "start", given, problem);
 }
 
 Goal takeGoal(const std::string& file, int line, const std::string& name,
@@ -229,55 +362,66 @@ Goal takeGoal(const std::string& file, int line, const std::string& name,
   return goal;
 }
 
-VariableRanges groupStateRanges(const std::string& file, int line, const std::string& name,
-                                const Problem& problem) {
-  const Model& model = *problem.robot.model;
-  std::vector<std::string> known;
-  const std::string why = model.whyStateLeftOut(name, problem.robot.variables);
-  if (!why.empty())
-    throw InputError(file, line, fmt::format("group state '{}' is not known{}", name, why));
-  for (const robots::GroupState& state : robots::namedStates(model)) {
-    const auto covers = [&](int v) {
-      return std::any_of(state.values.begin(), state.values.end(),
-                         [&](const auto& value) { return value.first == v; });
-    };
-    // A state of another group is usable if it has all planned variables.
-    if (!std::all_of(problem.robot.variables.begin(), problem.robot.variables.end(), covers))
-      continue;
-    if (state.name != name) {
-      known.push_back(state.name);
-      continue;
-    }
-    VariableRanges ranges(model.variables.size());
-    for (const auto& [v, value] : state.values)
-      if (planned(problem, v)) ranges[at(v)] = {true, value, value, 0};
-    return ranges;
-  }
-  throw InputError(file, line,
-                   fmt::format("no group state '{}' for the planned joints{}", name,
-                               didYouMean(model, "group state", name, known)));
-}
+namespace {
 
-VariableRanges statedRanges(const std::string& what, const std::string& text,
-                            const Problem& problem) {
+/// A group state, or a value of each of `variables`; `group` as for groupStateRanges().
+VariableRanges statedRanges(const std::string& what, const std::string& text, const Model& model,
+                            std::span<const int> variables, const std::string& group = {}) {
   std::string spaced = text;
   std::replace(spaced.begin(), spaced.end(), ',', ' ');
   std::istringstream words(spaced);
   std::vector<double> values;
-  for (std::string word; words >> word;) {
-    const std::optional<double> value = robots::parseFinite(word);
-    if (!value) return groupStateRanges("", 0, text, problem);
-    values.push_back(*value);
+  std::size_t count = 0;
+  for (std::string word; words >> word; ++count)
+    if (const std::optional<double> value = robots::parseFinite(word)) values.push_back(*value);
+  if (values.empty() || values.size() < count) {
+    const std::string_view name = withoutBlanks(text);
+    return groupStateRanges("", 0, std::string(name), model, variables, group);
   }
-  if (values.empty()) return groupStateRanges("", 0, text, problem);
-  const std::vector<int>& variables = problem.robot.variables;
   if (values.size() != variables.size())
     throw InputError("", 0,
                      fmt::format("{} '{}' is {} numbers; {} are expected, of {}", what, text,
-                                 values.size(), variables.size(), plannedNames(problem)));
-  VariableRanges ranges(problem.robot.model->variables.size());
-  for (std::size_t i = 0; i < values.size(); ++i)
+                                 values.size(), variables.size(), namesOf(model, variables)));
+  VariableRanges ranges(model.variables.size());
+  for (std::size_t i = 0; i < variables.size(); ++i)
     ranges[at(variables[i])] = {true, values[i], values[i], 0};
+  return ranges;
+}
+
+}  // namespace
+
+VariableRanges statedRanges(const std::string& what, const std::string& text,
+                            const Problem& problem) {
+  const Model& model = *problem.robot.model;
+  if (text.find('=') == std::string::npos)
+    return statedRanges(what, text, model, problem.robot.variables);
+  VariableRanges ranges(model.variables.size());
+  // GROUP=STATE, GROUP=STATE: what is before a '=' begins after the last comma or blank.
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t equals = text.find('=', begin);
+    const std::size_t next = text.find('=', equals + 1);
+    std::size_t end = next == std::string::npos ? text.size() : text.find_last_of(", ", next) + 1;
+    if (end <= equals) end = text.size();
+    const std::string name(withoutBlanks(std::string_view(text).substr(begin, equals - begin)));
+    const int group = model.findGroup(name);
+    if (group < 0)
+      throw InputError("", 0,
+                       fmt::format("{} '{}' names '{}', which is not a group{}", what, text, name,
+                                   didYouMean(model, "group", name, groupNames(model))));
+    std::string state = text.substr(equals + 1, end - equals - 1);
+    state.erase(state.find_last_not_of(", ") + 1);
+    const VariableRanges own =
+        statedRanges(what + " of " + name, state, model, model.groups[at(group)].variables, name);
+    for (std::size_t v = 0; v < own.size(); ++v) {
+      if (!own[v].given) continue;
+      if (ranges[v].given)
+        throw InputError("", 0,
+                         fmt::format("{} '{}' gives {} twice; once is expected", what, text,
+                                     variableText(model, static_cast<int>(v))));
+      ranges[v] = own[v];
+    }
+    begin = end;
+  }
   return ranges;
 }
 
@@ -322,7 +466,9 @@ void takePassiveState(const YamlReader& reader, Problem& problem) {
         "the groups '{}' and '{}' both have a state '{}' for joints that are not planned; a map by "
         "joint is expected",
         found[0].group, found[1].group, name));
-  for (const auto& [v, value] : found[0].values) problem.start[at(v)] = value;
+  VariableRanges given(model.variables.size());
+  for (const auto& [v, value] : found[0].values) given[at(v)] = {true, value, value, 0};
+  takeValues(reader.file(), reader.line(), fmt::format("group state '{}'", name), given, problem);
 }
 
 }  // namespace
@@ -336,8 +482,7 @@ void readPassiveJoints(const YamlReader& reader, Problem& problem) {
                              variableText(*problem.robot.model, v)));
   states.readMap(reader);
   const VariableRanges& given = states.ranges();
-  for (std::size_t v = 0; v < given.size(); ++v)
-    if (given[v].given) problem.start[v] = given[v].lower;
+  takeValues(reader.file(), reader.line(), reader.where(), given, problem);
 }
 
 }  // namespace leeway::planner

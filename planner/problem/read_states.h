@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,25 +18,31 @@ struct VariableRange {
 };
 using VariableRanges = std::vector<VariableRange>;
 
-/// Sets problem.start. Throws unless every planned variable has a single value within its limits.
-/// Does not check other variables.
+std::vector<std::string> groupNames(const robots::Model& model);
+
+/// The groups of "left, right", or the one group of that name.
+std::vector<std::string> namedGroups(const robots::Model& model, const std::string& text);
+
+/// Plans the joints of the groups together, one group after the other. Throws for unknown names and
+/// groups that are not planned together (robots::groupsFault()).
+void takeGroups(const std::string& file, int line, std::span<const std::string> names,
+                Problem& problem);
+
+/// Sets problem.start. Throws unless every planned variable is given, single and inside its limits.
+/// Values of other variables must be inside the problem's bounds.
 void takeStart(const std::string& file, int line, const VariableRanges& given, Problem& problem);
 
 /// Returns a goal. Throws unless exactly the planned variables are given, within their limits.
 Goal takeGoal(const std::string& file, int line, const std::string& name,
               const VariableRanges& given, const Problem& problem);
 
-/// Returns the values of a group state. Throws, with file and line, if no state of that name has a
-/// value for every planned variable.
-VariableRanges groupStateRanges(const std::string& file, int line, const std::string& name,
-                                const Problem& problem);
-
-/// Returns the values of a group state, or of numbers such as "0 1.5" or "0, 1.5", one for each
-/// planned variable. Throws InputError without a file. `what` names the text in messages.
+/// The values of a group state, or of "0 1.5" or "0, 1.5": one of each planned variable; or those
+/// of groups, "left=up, right=0 1.5". Throws InputError without a file; `what` names the text in
+/// messages.
 VariableRanges statedRanges(const std::string& what, const std::string& text,
                             const Problem& problem);
 
-/// Reads `start:` of a problem file: a group state, a list in group order, a map by joint, or
+/// Reads `start:` of a problem file: a group state, a list in group order, a map by joint or group, or
 /// poses.
 void readStart(const YamlReader& reader, Problem& problem);
 

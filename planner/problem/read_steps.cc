@@ -26,7 +26,7 @@ namespace {
 MoveStep readMove(const YamlReader& reader, const std::string& name, Problem& world) {
   if (!givesPoses(reader, *world.robot.model)) return {readGoal(reader, name, world), {}};
   readPoseRegions(reader, world);  // for errors with lines
-  return {{}, readFramePoses(reader, world.warnings)};
+  return {{}, readFramePoses(reader, *world.robot.model, world.warnings)};
 }
 
 /// Reads `rpy` or `orientation` of a map; returns nothing without either.

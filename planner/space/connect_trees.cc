@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "collision/base/sine_cosine.h"
+#include "planner/base/largest_value.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
@@ -15,18 +16,6 @@ constexpr float kUnlimited = std::numeric_limits<float>::infinity();
 
 /// Halvings of a sample's way into the ellipsoid of shorter paths.
 constexpr int kInformedHalvings = 10;
-
-/// Whether a number of a point is an angle.
-bool isAngle(const ConfigurationSpace& space, int i) {
-  const robots::Model& model = space.model();
-  const int v = space.variables()[static_cast<std::size_t>(i)];
-  const robots::Joint& joint =
-      model.joints[static_cast<std::size_t>(model.variables[static_cast<std::size_t>(v)].joint)];
-  const bool planar_angle =
-      joint.type == robots::JointType::kPlanar && v == joint.first_variable + 2;
-  return joint.type == robots::JointType::kRevolute ||
-         joint.type == robots::JointType::kContinuous || planar_angle;
-}
 
 /// The number at `share` of the way from one end to the other; rounding never leaves that range.
 double placedBetween(double lower, double upper, double share) {
@@ -58,7 +47,8 @@ double usefulExtent(const ConfigurationSpace& space) {
     double range = std::numbers::pi;
     if (part.kind == ConfigurationSpace::Kind::kLine) {
       range = space.upper(part.first) - space.lower(part.first);
-      if (isAngle(space, part.first)) range = std::min(range, std::numbers::pi);
+      if (isAngle(space.model(), space.variables()[static_cast<std::size_t>(part.first)]))
+        range = std::min(range, std::numbers::pi);
     }
     squared += part.weight * range * part.weight * range;
   }

@@ -55,6 +55,10 @@ std::string variableText(const robots::Model& model, int variable);
 /// variables of orientations.
 std::optional<std::string> rangeFault(const robots::Model& model, int variable, double lower,
                                       double upper);
+/// Returns the same for one value of any variable that `bounds` or MoveIt's joint_limits.yaml
+/// limit: those bind joints that are not planned, too. The robot's own limits do not, because
+/// drivers report joints beyond them.
+std::optional<std::string> boundsFault(const robots::Model& model, int variable, double value);
 /// Returns the fault of a goal: "goal 'reach' has joint ...". Checks its poses, or the range of
 /// each planned variable.
 std::optional<std::string> goalFault(const Problem& problem, const Goal& goal);

@@ -9,6 +9,7 @@
 #include "collision/base/greatest.h"
 #include "collision/base/numbers.h"
 #include "collision/base/pose_check.h"
+#include "planner/base/largest_value.h"
 #include "planner/base/tolerances.h"
 #include "planner/validate/checks.h"
 #include "robots/inverse/region.h"
@@ -66,10 +67,19 @@ std::optional<std::string> rangeFault(const Model& model, int v, double lower, d
                              variable.lower, variable.upper,
                              by.empty() ? "" : ", because of " + by));
   }
+  const double most = largestValue(model, v);
   for (const double x : {lower, upper})
-    if (std::abs(x) > kLargestAngle)
-      return fault(fmt::format("at {}; at most {} is expected", x, kLargestAngle));
+    if (std::abs(x) > most)
+      return fault(fmt::format(
+          "at {}{}; at most {} {} is expected, because numbers round too much farther out", x,
+          x == variable.lower || x == variable.upper ? ", which is its limit" : "", most,
+          isAngle(model, v) ? "rad" : "m"));
   return std::nullopt;
+}
+
+std::optional<std::string> boundsFault(const Model& model, int v, double value) {
+  if (!model.variables[at(v)].file_limits) return std::nullopt;
+  return rangeFault(model, v, value, value);
 }
 
 std::optional<std::string> posesFault(const Problem& problem,
@@ -109,10 +119,13 @@ std::optional<std::string> startFault(const Problem& problem) {
   if (problem.start.size() != model.variables.size())
     return fmt::format("start has {} values; {} are expected, one for each variable of the model",
                        problem.start.size(), model.variables.size());
-  for (std::size_t v = 0; v < problem.start.size(); ++v)
+  for (std::size_t v = 0; v < problem.start.size(); ++v) {
     if (!std::isfinite(problem.start[v]))
       return fmt::format("start has {} at {}; a finite number is expected",
                          variableText(model, static_cast<int>(v)), problem.start[v]);
+    if (const auto fault = boundsFault(model, static_cast<int>(v), problem.start[v]))
+      return "start has " + *fault;
+  }
   for (const int v : problem.robot.variables) {
     if (!isOfOrientation(model, v)) {
       if (const auto fault = rangeFault(model, v, problem.start[at(v)], problem.start[at(v)]))

@@ -299,7 +299,10 @@ std::string fileName(py::handle value, const char* name) {
   if (!py::isinstance<py::str>(value) && !py::hasattr(value, "__fspath__"))
     throw py::type_error(std::string(name) + " is of type " + Py_TYPE(value.ptr())->tp_name +
                          "; a file's name is expected");
-  return py::str(py::module_::import("os").attr("fspath")(value));
+  std::string file = py::str(py::module_::import("os").attr("fspath")(value));
+  if (file.empty())
+    throw py::value_error(std::string(name) + " is empty; a file's name is expected");
+  return file;
 }
 
 std::string text(double value) { return py::repr(py::float_(value)); }

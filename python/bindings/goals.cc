@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
-#include <unordered_map>
+#include <optional>
 
+#include "leeway/robots/groups.h"
 #include "leeway/robots/text.h"
 #include "python/base/at.h"
 #include "python/base/define.h"
@@ -41,10 +43,6 @@ Range rangeOf(const planner::Problem& problem, int variable, const py::handle& v
     if (value.cast<std::string>() != "any")
       unknownWord("goal", value.cast<std::string>(), "a number, (from, to) or 'any'");
     if (std::isfinite(v.lower) && std::isfinite(v.upper)) {
-      if (!(std::max(-v.lower, v.upper) <= kLargestAngle))
-        throw py::value_error("goal: joint '" + v.name + "' is 'any', but its limits are " +
-                              text(v.lower) + " to " + text(v.upper) + ", beyond +-" +
-                              text(kLargestAngle) + "; a number or (from, to) is expected");
       return {v.lower, v.upper};
     }
     const robots::Joint& joint = problem.robot.model->joints[at(v.joint)];
@@ -200,6 +198,94 @@ int variableOf(const planner::Problem& problem, const std::string& name) {
                         (near != nullptr ? "; did you mean '" + *near + "'?" : ""));
 }
 
+namespace {
+
+/// The problem as if the group of this name alone were planned; nothing for a joint's name, and for
+/// one that is unknown.
+std::optional<planner::Problem> ofGroup(const planner::Problem& problem, const std::string& name) {
+  const robots::Model& model = *problem.robot.model;
+  const int group = model.findVariable(name) < 0 ? model.findGroup(name) : -1;
+  if (group < 0) return std::nullopt;
+  planner::Problem alone = problem;
+  alone.robot.variables = model.groups[at(group)].variables;
+  return alone;
+}
+
+/// Adds the poses of a group, which one of its joints must move.
+void addPosesOfGroup(const planner::Problem& problem, const planner::Problem& group,
+                     const std::string& name, const std::vector<FramePose>& poses,
+                     std::vector<robots::PoseRegion>& regions) {
+  for (const robots::PoseRegion& region : regionsOf(problem, poses)) {
+    const robots::Model& model = *problem.robot.model;
+    if (!robots::movesLink(model, group.robot.variables, region.link))
+      throw py::value_error("no joint of group '" + name + "' moves '" +
+                            model.links[at(region.link)].name +
+                            "'; a pose of a frame that it moves is expected");
+    regions.push_back(region);
+  }
+}
+
+[[noreturn]] void refuseMixed(const char* what) {
+  throw py::value_error(std::string(what) +
+                        " has joint values beside the pose of a group; poses alone, beside them "
+                        "'any', or joint values alone are expected");
+}
+
+/// A goal by joint and group: {'left': 'up', 'elbow': (0, 1)}, or {'left': Pose(...), ...}.
+planner::Goal goalOfMap(const planner::Problem& problem, const py::dict& goal) {
+  const robots::Model& model = *problem.robot.model;
+  planner::Goal result;
+  result.name = "goal";
+  std::map<int, Range> given;
+  bool has_values = false;
+  const auto give = [&](int variable, const Range& range) {
+    if (!given.emplace(variable, range).second)
+      throw py::value_error("goal gives joint '" + model.variables[at(variable)].name +
+                            "' twice; once is expected");
+  };
+  for (const auto& [key, value] : goal) {
+    const std::string name = py::str(key);
+    const auto item = py::reinterpret_borrow<py::object>(value);
+    const std::optional<planner::Problem> group = ofGroup(problem, name);
+    const bool is_any = py::isinstance<py::str>(item) && item.cast<std::string>() == "any";
+    if (group)
+      if (const std::vector<FramePose> poses = framePoses(item); !poses.empty()) {
+        addPosesOfGroup(problem, *group, name, poses, result.poses);
+        continue;
+      }
+    has_values = has_values || !group || !is_any;
+    if (!group) {
+      const int variable = variableOf(problem, name);
+      give(variable, rangeOf(problem, variable, value));
+    } else if (is_any) {
+      for (const int variable : group->robot.variables)
+        give(variable, rangeOf(problem, variable, item));
+    } else {
+      const planner::Goal own = goalOf(*group, item);
+      for (std::size_t i = 0; i < own.ranges.size(); ++i)
+        give(group->robot.variables[i], own.ranges[i]);
+    }
+  }
+  if (!result.poses.empty()) {
+    if (has_values) refuseMixed("goal");
+    return result;
+  }
+  for (const int variable : problem.robot.variables) {
+    const auto found = given.find(variable);
+    if (found == given.end())
+      throw py::value_error("goal says nothing of joint '" + model.variables[at(variable)].name +
+                            "'");
+    result.ranges.push_back(found->second);
+    given.erase(found);
+  }
+  if (!given.empty())
+    throw py::value_error("goal names joint '" + model.variables[at(given.begin()->first)].name +
+                          "', which is not planned");
+  return result;
+}
+
+}  // namespace
+
 planner::Goal goalOf(const planner::Problem& problem, const py::object& goal) {
   planner::Goal result;
   result.name = "goal";
@@ -210,25 +296,12 @@ planner::Goal goalOf(const planner::Problem& problem, const py::object& goal) {
   if (py::isinstance<py::str>(goal)) {
     result.name = goal.cast<std::string>();
     const Robot robot(problem.robot.model, problem.robot.variables);
-    const auto point = py::cast(robot).attr("state")(goal).cast<std::vector<double>>();
-    for (const double value : point) result.ranges.emplace_back(value, value);
+    for (const double value : namedState(robot, result.name))
+      result.ranges.emplace_back(value, value);
     return result;
   }
-  if (py::isinstance<py::dict>(goal)) {
-    std::unordered_map<int, Range> given;
-    for (const auto& [name, value] : py::reinterpret_borrow<py::dict>(goal)) {
-      const int variable = variableOf(problem, py::str(name));
-      given[variable] = rangeOf(problem, variable, value);
-    }
-    for (const int variable : problem.robot.variables) {
-      const auto found = given.find(variable);
-      if (found == given.end())
-        throw py::value_error("goal says nothing of joint '" +
-                              problem.robot.model->variables[at(variable)].name + "'");
-      result.ranges.push_back(found->second);
-    }
-    return result;
-  }
+  if (py::isinstance<py::dict>(goal))
+    return goalOfMap(problem, py::reinterpret_borrow<py::dict>(goal));
   // A list of numbers, ranges and words; else an array.
   if (py::isinstance<py::list>(goal) || py::isinstance<py::tuple>(goal)) {
     const auto list = py::reinterpret_borrow<py::sequence>(goal);
@@ -246,6 +319,31 @@ planner::Goal goalOf(const planner::Problem& problem, const py::object& goal) {
   return result;
 }
 
+namespace {
+
+/// Sets the planned values in `q`: those of a group state, by joint, or in order.
+void setValues(const planner::Problem& problem, const py::object& values, const std::string& what,
+               std::vector<double>& q) {
+  const Robot robot(problem.robot.model, problem.robot.variables);
+  if (py::isinstance<py::dict>(values)) {
+    for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(values)) {
+      const std::string name = py::str(key);
+      const int variable = variableOf(problem, name);
+      const std::vector<int>& own = problem.robot.variables;
+      if (std::find(own.begin(), own.end(), variable) == own.end())
+        throw py::value_error(what + " names joint '" + name + "', which the group does not have");
+      q[at(variable)] = number(value, (what + "." + name).c_str());
+    }
+    return;
+  }
+  const std::vector<double> point = py::isinstance<py::str>(values)
+                                        ? namedState(robot, values.cast<std::string>())
+                                        : numbers(values, what.c_str(), count(problem));
+  robot.expand(point, q);
+}
+
+}  // namespace
+
 void setStart(planner::Problem& problem, const py::object& start) {
   if (start.is_none()) return;
   if (const std::vector<FramePose> poses = framePoses(start); !poses.empty()) {
@@ -254,17 +352,30 @@ void setStart(planner::Problem& problem, const py::object& start) {
   }
   std::vector<double> q = problem.start;
   if (py::isinstance<py::dict>(start)) {
-    for (const auto& [name, value] : py::reinterpret_borrow<py::dict>(start)) {
-      const std::string joint = py::str(name);
-      q[at(variableOf(problem, joint))] = number(value, ("start of " + joint).c_str());
+    std::vector<robots::PoseRegion> regions;
+    bool has_values = false;
+    for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(start)) {
+      const std::string name = py::str(key);
+      const auto item = py::reinterpret_borrow<py::object>(value);
+      const std::optional<planner::Problem> group = ofGroup(problem, name);
+      const std::vector<FramePose> poses = group ? framePoses(item) : std::vector<FramePose>();
+      if (!poses.empty()) {
+        addPosesOfGroup(problem, *group, name, poses, regions);
+        continue;
+      }
+      has_values = true;
+      if (group)
+        setValues(*group, item, "start of " + name, q);
+      else
+        q[at(variableOf(problem, name))] = number(value, ("start of " + name).c_str());
+    }
+    if (!regions.empty()) {
+      if (has_values) refuseMixed("start");
+      problem.start_poses = std::move(regions);
+      return;
     }
   } else {
-    const Robot robot(problem.robot.model, problem.robot.variables);
-    const std::vector<double> point =
-        py::isinstance<py::str>(start)
-            ? py::cast(robot).attr("state")(start).cast<std::vector<double>>()
-            : numbers(start, "start", count(problem));
-    robot.expand(point, q);
+    setValues(problem, start, "start", q);
   }
   problem.start = std::move(q);
   problem.start_poses.clear();

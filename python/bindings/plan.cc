@@ -11,6 +11,7 @@
 #include "leeway/planner/verify.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
+#include "python/base/warn.h"
 #include "python/bindings/scene.h"
 #include "python/bindings/settings.h"
 
@@ -303,7 +304,12 @@ planner::Path givenPath(const Problem& problem, const py::object& path) {
   if (py::isinstance<py::str>(path) || py::hasattr(path, "__fspath__")) {
     const std::string file = fileName(path, "path");
     const std::shared_ptr<const planner::Problem> value = problem.value();
-    return released([&] { return planner::readPath(file, *value); });
+    std::vector<std::string> warnings;
+    planner::Path read = released([&] {
+      return planner::readPath(file, *value, {.shortest = false, .warnings = &warnings});
+    });
+    for (const std::string& warning : warnings) warn(warning);
+    return read;
   }
   const Rows given = rows(path, "path", problem.size(), 2);
   if (given.shape.size() != 1)

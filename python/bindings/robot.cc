@@ -5,6 +5,7 @@
 
 #include "leeway/planner/problem.h"
 #include "leeway/robots/cache_folder.h"
+#include "leeway/robots/groups.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/named_states.h"
@@ -39,15 +40,22 @@ void refuseLeftOut(const char* what, const std::string& name, const std::string&
   if (!why.empty()) throw py::value_error("no " + std::string(what) + " '" + name + "'" + why);
 }
 
-int groupOf(const robots::Model& model, const std::string& name) {
-  const int group = model.findGroup(name);
-  if (group < 0) {
-    refuseLeftOut("group", name, model.whyLeftOut("group", name));
-    unknown("group", name, namesOf(model.groups));
-  }
-  if (model.groups[at(group)].variables.empty())
-    throw py::value_error("group '" + name + "' has no joint that can move");
-  return group;
+std::vector<int> plannedVariables(const robots::Model& model,
+                                  const std::vector<std::string>& groups) {
+  for (const std::string& name : groups)
+    if (model.findGroup(name) < 0) {
+      refuseLeftOut("group", name, model.whyLeftOut("group", name));
+      unknown("group", name, namesOf(model.groups));
+    }
+  if (const std::string fault = robots::groupsFault(model, groups); !fault.empty())
+    throw py::value_error(fault);
+  return robots::variablesOf(model, groups);
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
 }
 
 robots::LoadOptions loadOptions(const py::object& packages, const py::object& meshes, bool cache) {
@@ -69,6 +77,7 @@ robots::JointBounds jointBounds(const py::object& bounds) {
   robots::JointBounds read;
   for (const auto& [joint, given] : py::reinterpret_borrow<py::dict>(bounds)) {
     const std::string name = py::str(joint);
+    read[name];  // withBounds() refuses a joint without any
     const auto add = [&](const std::string& axis, py::handle range, bool widens) {
       const std::string what = "bounds: " + name + (axis.empty() ? "" : "." + axis);
       const std::vector<double> ends = numbers(range, what.c_str(), 2);
@@ -101,7 +110,7 @@ robots::JointBounds jointBounds(const py::object& bounds) {
   return read;
 }
 
-Robot loadRobot(const py::object& urdf, const py::object& srdf, const std::string& group,
+Robot loadRobot(const py::object& urdf, const py::object& srdf, const py::object& group,
                 const py::object& joint_limits, const py::object& base_pose,
                 const py::object& bounds, const py::object& packages, const py::object& xacro,
                 const py::object& meshes, bool kinematics_only, bool visual_as_collision,
@@ -124,7 +133,7 @@ Robot loadRobot(const py::object& urdf, const py::object& srdf, const std::strin
   }
   if (!base_pose.is_none()) model = robots::withBasePose(*model, pose(base_pose, "base_pose"));
   if (!bounds.is_none()) model = robots::withBounds(*model, jointBounds(bounds));
-  return {model, group};
+  return {model, groupNames(group)};
 }
 
 Robot freeBody(const std::string& name, const py::list& shapes, const std::string& joint,
@@ -141,8 +150,10 @@ Robot freeBody(const std::string& name, const py::list& shapes, const std::strin
   return {robots::freeBody(name, std::move(geometries),
                            planar ? robots::JointType::kPlanar : robots::JointType::kFloating,
                            bounds(lower, "lower"), bounds(upper, "upper")),
-          "all"};
+          std::vector<std::string>{"all"}};
 }
+
+}  // namespace
 
 std::vector<double> namedState(const Robot& robot, const std::string& name) {
   std::vector<std::string> known;
@@ -157,8 +168,26 @@ std::vector<double> namedState(const Robot& robot, const std::string& name) {
     known.push_back(state.name);
   }
   refuseLeftOut("group state", name, robot.model->whyLeftOut("group state", name));
+  if (const std::string fault =
+          robots::stateLackFault(*robot.model, name, robot.space->variables());
+      !fault.empty())
+    throw py::value_error(fault);
   unknown("group state", name, known);
 }
+
+std::vector<std::string> groupNames(const py::object& group) {
+  if (py::isinstance<py::str>(group)) return {group.cast<std::string>()};
+  std::vector<std::string> names;
+  if (py::isinstance<py::list>(group) || py::isinstance<py::tuple>(group))
+    for (const py::handle name : group)
+      if (py::isinstance<py::str>(name)) names.push_back(name.cast<std::string>());
+  if (names.empty() || names.size() != py::len(group))
+    throw py::type_error("group is a " + std::string(Py_TYPE(group.ptr())->tp_name) +
+                         "; the name of a group, or a list of such names, is expected");
+  return names;
+}
+
+namespace {
 
 /// Poses of all links, row by row.
 std::vector<double> linkMatrices(const Robot& robot, const Rows& points, int only) {
@@ -219,17 +248,16 @@ std::string htmlOfRobot(const Robot& robot) {
 
 }  // namespace
 
-Robot::Robot(std::shared_ptr<const robots::Model> of, const std::string& group_name)
+Robot::Robot(std::shared_ptr<const robots::Model> of, const std::vector<std::string>& groups)
     : model(std::move(of)),
-      group(group_name),
+      group(listed(groups)),
       space(std::make_shared<const planner::ConfigurationSpace>(
-          model, model->groups[at(groupOf(*model, group_name))].variables)) {}
+          model, plannedVariables(*model, groups))) {}
 
 Robot::Robot(std::shared_ptr<const robots::Model> of, std::vector<int> variables)
     : model(std::move(of)),
       space(std::make_shared<const planner::ConfigurationSpace>(model, variables)) {
-  for (const robots::Group& known : model->groups)
-    if (known.variables == variables) group = known.name;
+  group = listed(robots::groupsOf(*model, variables));
 }
 
 const std::string& Robot::variableName(std::size_t i) const {
@@ -270,7 +298,8 @@ void defineRobot(py::module_& module) {
       withSignature("Robot", init,
                     "A robot from a URDF and an SRDF, and the group of its joints that is planned. "
                     "Constant: threads may share it.\n\n"
-                    "`group` is one of the SRDF's, or 'all'. `joint_limits` is MoveIt's "
+                    "`group` is one of the SRDF's, or 'all', or a list of groups without a "
+                    "common joint, which are planned together. `joint_limits` is MoveIt's "
                     "joint_limits.yaml. `base_pose` says where a base that is fixed stands in the "
                     "world. `bounds` narrow the limits of joints, {joint: (lower, upper)} [rad or "
                     "m], or widen them, {joint: {'range': (lower, upper), 'widen': True}}, and say "
@@ -299,8 +328,11 @@ void defineRobot(py::module_& module) {
                py::arg("joint") = "floating", py::arg("lower"), py::arg("upper"));
   defineCopiesOfConstant(robot);
   define(
-      robot, "with_group", "(self, group)", "The same robot, planned by another group.",
-      [](const Robot& self, const std::string& group) { return Robot(self.model, group); },
+      robot, "with_group", "(self, group)",
+      "The same robot, planned by another group, or by a list of groups.",
+      [](const Robot& self, const py::object& group) {
+        return Robot(self.model, groupNames(group));
+      },
       py::arg("group"));
   define(
       robot, "state", "(self, name)",
@@ -345,7 +377,8 @@ void defineRobot(py::module_& module) {
   defineConstant(
       robot, "name", [](const Robot& self) { return self.model->name; }, "The robot's name.");
   defineConstant(
-      robot, "group", [](const Robot& self) { return self.group; }, "The planned group's name.");
+      robot, "group", [](const Robot& self) { return self.group; },
+      "The planned group's name; of several 'left, right'; '' where the joints are not a group's.");
   defineConstant(
       robot, "joint_names", [](const Robot& self) { return listOf(variableNames(self)); },
       "Names of the planned variables, in the order of points.");

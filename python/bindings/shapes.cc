@@ -6,6 +6,7 @@
 #include "leeway/robots/model.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
+#include "python/base/warn.h"
 
 namespace leeway::python {
 namespace {
@@ -70,10 +71,6 @@ Shape ellipsoid(const py::object& semi_axes) {
 Shape convexHull(const py::object& given) {
   const std::vector<Eigen::Vector3d> vertices = points(given, "points");
   return released([&] { return Shape::convexHull(vertices); });
-}
-
-void warn(const std::string& text) {
-  if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
 }
 
 /// A mesh from a file, or from vertices and triangles.

@@ -6,6 +6,7 @@
 #include "leeway/planner/task.h"
 #include "leeway/robots/text.h"
 #include "python/base/define.h"
+#include "python/base/warn.h"
 #include "python/bindings/settings.h"
 
 namespace leeway::python {
@@ -104,8 +105,7 @@ TaskStep loadedLine(const py::object& file, const py::object& frame, const py::o
   planner::LineStep line =
       planner::loadWaypoints(fileName(file, "file"),
                              frame.is_none() ? std::string() : frame.cast<std::string>(), warnings);
-  for (const std::string& warning : warnings)
-    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+  for (const std::string& warning : warnings) warn(warning);
   return made(name, std::move(line));
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "collision/base/numbers.h"
 
@@ -33,6 +35,34 @@ std::vector<GroupState> namedStates(const Model& model) {
   }
   add("middle");
   return states;
+}
+
+std::string stateLackFault(const Model& model, std::string_view name,
+                           std::span<const int> variables, std::string_view which) {
+  std::optional<std::vector<int>> least;
+  for (const GroupState& state : namedStates(model)) {
+    if (state.name != name) continue;
+    std::vector<int> lacking;
+    for (const int v : variables)
+      if (std::none_of(state.values.begin(), state.values.end(),
+                       [v](const auto& value) { return value.first == v; }))
+        lacking.push_back(v);
+    if (!least || lacking.size() < least->size()) least = std::move(lacking);
+  }
+  if (!least || least->empty()) return {};
+  constexpr std::size_t kNamed = 8;
+  const std::size_t count = least->size();
+  std::string names;
+  for (std::size_t i = 0; i < std::min(count, kNamed); ++i) {
+    const bool is_last = i + 1 == count;
+    names += (i == 0    ? "'"
+              : is_last ? " and '"
+                        : ", '") +
+             model.variables[at((*least)[i])].name + "'";
+  }
+  if (count > kNamed) names += " and " + std::to_string(count - kNamed) + " more";
+  return "group state '" + std::string(name) + "' lacks " + (count == 1 ? "joint " : "joints ") +
+         names + "; a state with a value for " + std::string(which) + " is expected";
 }
 
 }  // namespace leeway::robots

@@ -131,9 +131,17 @@ std::string boundFault(const RobotDescription& robot, const std::string& joint,
   return {};
 }
 
+std::string emptyFault(const RobotDescription& robot, const std::string& joint) {
+  const std::string fault = boundFault(robot, joint, "", {0, 0, true});
+  return !fault.empty()
+             ? fault
+             : "joint '" + joint + "' has no bounds; a lower and an upper bound are expected";
+}
+
 std::shared_ptr<const Model> withBounds(const Model& model, const JointBounds& bounds) {
   auto bounded = std::make_shared<Model>(model);
-  for (const auto& [joint, axes] : bounds)
+  for (const auto& [joint, axes] : bounds) {
+    if (axes.empty()) throw std::invalid_argument("bounds: " + emptyFault(*bounded, joint));
     for (const auto& [axis, bound] : axes) {
       if (const std::string fault = boundFault(*bounded, joint, axis, bound); !fault.empty())
         throw std::invalid_argument("bounds: " + fault);
@@ -152,6 +160,7 @@ std::shared_ptr<const Model> withBounds(const Model& model, const JointBounds& b
       Joint& limited = bounded->joints[at(variable.joint)];
       if (limited.type == JointType::kContinuous) limited.type = JointType::kRevolute;
     }
+  }
   // The constructor compiles the steps.
   bounded->steps = Model(static_cast<const RobotDescription&>(*bounded)).steps;
   return bounded;

@@ -66,6 +66,8 @@ def test_bounds_and_base_poses(tmp_path):
         ({"wheels": {"x": (1, 0)}}, "the lower bound 1 of joint 'wheels/x' is above the upper bound 0"),
         ({"wheels": {"x": (0,)}}, "bounds: wheels"),
         ({"wheels": (0, 1)}, "joint 'wheels' is planar; bounds of x and y are expected"),
+        ({"wheels": {}}, "joint 'wheels' is planar; bounds of x and y are expected"),
+        ({"wheel": {}}, "no joint is named 'wheel'; did you mean 'wheels'"),
     ]:
         with pytest.raises(ValueError, match=words):
             leeway.Robot(file, bounds=bounds)
@@ -73,6 +75,68 @@ def test_bounds_and_base_poses(tmp_path):
         leeway.Robot(file, bounds={"wheels": 3})
     with pytest.raises((TypeError, ValueError), match="bounds"):
         leeway.Robot(file, bounds=[1])
+
+
+def test_lengths_reach_ten_kilometres(tmp_path):
+    file = tmp_path / "cart.urdf"
+    file.write_text(CART)
+    robot = leeway.Robot(file, bounds={"wheels": {"x": (2000, 20000), "y": (-2, 2)}})
+    assert leeway.plan(robot, leeway.World(), [2500, 0, 0], [9000, 0, 0])
+    with pytest.raises(leeway.InputError, match="'wheels/x' at 10001; at most 10000 m is expected"):
+        leeway.plan(robot, leeway.World(), [2500, 0, 0], [10001, 0, 0])
+    with pytest.raises(leeway.InputError, match="'wheels/x' at 20000, which is its limit; at most 10000 m"):
+        leeway.plan(robot, leeway.World(), [2500, 0, 0], ["any", 0, 0])
+
+
+def test_several_arms_have_goals_of_their_own():
+    files = "robots/dual_arm/dual_arm.urdf", "robots/dual_arm/dual_arm.srdf"
+    robot = leeway.Robot(*files, group=["right", "left"])
+    assert robot.group == "right, left" and list(robot.joint_names[:1]) == ["right_pan_joint"] and len(robot.joint_names) == 12
+    assert robot.with_group(("left",)).group == "left" and robot.with_group("both").group == "both"
+    up = [0, -1.5708, 0, -1.5708, 0, 0]
+    turned = [0.5, *up[1:]]
+    problem = leeway.Problem(robot, leeway.World(), start={"left": up, "right": "up"}, goal={"left": turned, "right": {"right_pan_joint": (-1, -0.5), **{f"right_{name}_joint": 0 for name in ("lift", "elbow", "wrist1", "wrist2", "wrist3")}}})
+    assert problem.robot.group == "right, left"
+    assert list(problem.start) == up + up
+    assert problem.goal[0].tolist() == [-1, -0.5] and problem.goal[6].tolist() == [0.5, 0.5]
+    problem.goal = {"left": turned, "right": "up"}
+    result = leeway.plan(problem)
+    assert result and leeway.verify(problem, result.path)
+    problem.goal = {"left": turned, "right": "any"}
+    assert np.isfinite(problem.goal).all() and problem.goal[0, 0] < problem.goal[0, 1]
+    pose = leeway.FramePose("left_tool", position=robot.pose("left_tool", up + turned)[:3, 3])
+    problem.goal = {"left": pose, "right": "any"}
+    assert len(problem.goal) == 1 and leeway.plan(problem)
+    problem.start = {"left": turned, "right": up}
+    assert list(problem.start) == up + turned
+    for group, words in [(["left", "both"], "groups 'left' and 'both' both have joint 'left_pan_joint'"), (["left", "left"], "group 'left' stands twice"),
+                         (["lft"], "no group 'lft'; did you mean 'left'"), ([], "the name of a group, or a list"), ([1], "the name of a group, or a list")]:
+        with pytest.raises((TypeError, ValueError), match=words):
+            robot.with_group(group)
+    for goal, words in [({"left": turned}, "goal says nothing of joint 'right_pan_joint'"), ({"left": [1], "right": up}, "6"),
+                        ({"left": turned, "right": up, "left_pan_joint": 0}, "goal gives joint 'left_pan_joint' twice"),
+                        ({"left": pose, "right": up}, "joint values beside the pose of a group"), ({"right": pose}, "no joint of group 'right' moves 'left_tool'"),
+                        ({"left": turned, "right": "down"}, "no group state 'down'")]:
+        with pytest.raises(ValueError, match=words):
+            problem.goal = goal
+    with pytest.raises(ValueError, match="names joint 'right_pan_joint', which the group does not have"):
+        problem.start = {"left": {"right_pan_joint": 0}}
+    with pytest.raises(ValueError, match="goal names joint 'right_pan_joint', which is not planned"):
+        leeway.Problem(robot.with_group("left"), leeway.World(), start=up, goal={"left": turned, "right": up})
+
+
+def test_a_state_that_lacks_joints_names_them():
+    robot = leeway.Robot("robots/arm7/arm7.urdf", "robots/arm7/arm7.srdf")
+    with pytest.raises(ValueError, match="group state 'open' lacks joints 'joint1', 'joint2'"):
+        robot.state("open")
+
+
+def test_warnings_of_path_files_are_python_warnings(robot, tmp_path):
+    file = tmp_path / "path.csv"
+    file.write_text("0,-0.6,0,-2.05,0,1.6,0\n0.1,-0.6,0,-2.05,0,1.6,0")
+    problem = leeway.Problem(robot, leeway.World(), start=[0, -0.6, 0, -2.05, 0, 1.6, 0], goal=[0.1, -0.6, 0, -2.05, 0, 1.6, 0])
+    with pytest.warns(UserWarning, match="path.csv:2: "):
+        assert leeway.verify(problem, file)
 
 
 BALLS = """<robot name="balls"><link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>

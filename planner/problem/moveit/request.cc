@@ -14,6 +14,7 @@
 #include "planner/problem/moveit/fields.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/problem/read_states.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner {
 namespace {
@@ -27,7 +28,7 @@ bool isIdentity(const Pose& pose) {
          pose.translation == Eigen::Vector3d::Zero();
 }
 
-/// Moves a value that is just outside a planned joint's limits onto the limit, with a warning.
+/// Moves a value that is just outside a joint's limits onto the limit, with a warning.
 void takeOntoLimit(const YamlReader& place, const robots::Variable& variable, double& value,
                    Problem& problem) {
   const double nearest = std::clamp(value, variable.lower, variable.upper);
@@ -51,7 +52,8 @@ void takeStartJoint(const YamlReader& place, const std::string& name, double val
     if (given[at(v)].given)
       place.fail(
           fmt::format("joint '{}' stands twice in {}; once is expected", name, place.where()));
-    if (isPlanned(problem, v)) takeOntoLimit(place, model.variables[at(v)], value, problem);
+    if (isPlanned(problem, v) || boundsFault(model, v, value))
+      takeOntoLimit(place, model.variables[at(v)], value, problem);
     given[at(v)] = {true, value, value, place.line()};
     return;
   }

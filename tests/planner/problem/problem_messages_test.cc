@@ -395,7 +395,7 @@ TEST(ProblemMessages, Starts) {
       {withBody("", "{position: [0, 3]}"), 6,
        "start has joint 'body/y' at 3, outside its limits; -1 to 1 is expected"},
       {withBody("", "{position: [0, 0], angle: 1e6}"), 6,
-       "start has joint 'body/theta' at 1000000; at most 1000 is expected"},
+       "start has joint 'body/theta' at 1000000; at most 1000 rad is expected"},
       {withBody("", "{position: [0, 0], rpy: [0, 0, 0]}"), 6, "unknown key 'rpy' in start"},
   });
 }

@@ -38,5 +38,22 @@ TEST(NamedStates, NamesOfTheSrdfAreTheSrdfs) {
   EXPECT_EQ(namedStates(*model)[0].values[0].second, 1);
 }
 
+TEST(NamedStates, WhatAStateLacksIsNamed) {
+  const Folder folder;
+  const auto model = loadModel(
+      folder.write("r.urdf", R"(<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>
+<joint name="k" type="continuous"><parent link="b"/><child link="c"/></joint></robot>)"),
+      folder.write("r.srdf", R"(<robot name="r"><group name="g"><joint name="j"/></group>
+<group name="h"><joint name="k"/></group>
+<group_state name="up" group="g"><joint name="j" value="1"/></group_state></robot>)"));
+  EXPECT_EQ(stateLackFault(*model, "up", std::vector{0}), "");
+  EXPECT_EQ(stateLackFault(*model, "nobody", std::vector{0}), "");
+  EXPECT_EQ(stateLackFault(*model, "up", std::vector{0, 1}),
+            "group state 'up' lacks joint 'k'; a state with a value for each planned joint is "
+            "expected");
+  EXPECT_EQ(stateLackFault(*model, "zero", std::vector{0, 1}), "");
+}
+
 }  // namespace
 }  // namespace leeway::robots

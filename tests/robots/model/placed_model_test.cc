@@ -119,6 +119,9 @@ TEST(PlacedModel, WrongBoundsAreNamed) {
        "the lower bound 1 of joint 'wheels/x' is above the upper bound 0"},
       {{{"wheels", {{"x", {0, std::nan("")}}}}}, "coordinates up to"},
       {{{"wheels", {{"x", {-kInfinite, 0}}}}}, "coordinates up to"},
+      {{{"wheel", {}}}, "no joint is named 'wheel'; did you mean 'wheels'?"},
+      {{{"wheels", {}}}, "joint 'wheels' is planar; bounds of x and y are expected"},
+      {{{"elbow", {}}}, "joint 'elbow' has no bounds; a lower and an upper bound are expected"},
   };
   for (const auto& [bounds, words] : wrong) try {
       withBounds(*model, bounds);

@@ -1,7 +1,6 @@
 #include "tools/leeway/support/problem_source.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
 #include <filesystem>
@@ -16,6 +15,7 @@
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
+#include "planner/problem/read_states.h"
 #include "planner/validate/checks.h"
 #include "robots/urdf/srdf.h"
 #include "tools/leeway/support/terminal.h"
@@ -175,13 +175,17 @@ namespace {
 
 void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
   addRobotArguments(app, source);
-  app.add_option("--group", source.group, "planned group of the SRDF")->type_name("NAME");
+  app.add_option(
+         "--group", source.group,
+         "planned group of the SRDF; several, whose joints are planned together: LEFT,RIGHT")
+      ->type_name("NAME");
   app.add_option("--chain", source.chain,
                  "in place of --group: the joints between two links are planned")
       ->type_name("BASE TIP")
       ->expected(2);
   app.add_option("--start", source.start,
-                 "group state to start from, or a value for each planned joint: \"0 -1.5 0\"")
+                 "group state to start from, or a value for each planned joint: \"0 -1.5 0\"; of "
+                 "each group: \"LEFT=up, RIGHT=0 -1.5 0\"")
       ->type_name("STATE");
   app.add_option("--goal", source.goal, "group state to reach, or values as of --start")
       ->type_name("STATE");
@@ -395,22 +399,11 @@ planner::Problem loadProblemOrRobot(const ProblemSource& source) {
   problem.name = model.name;
   problem.start = model.defaultConfiguration();
   const std::string planned = plannedGroup(source);
-  std::vector<std::string> names;
-  for (const robots::Group& group : model.groups) {
-    names.push_back(group.name);
-    if (group.name == planned) problem.robot.variables = group.variables;
-  }
   if (planned.empty()) {
     for (int v = 0; v < static_cast<int>(model.variables.size()); ++v)
       problem.robot.variables.push_back(v);
-  } else if (problem.robot.variables.empty()) {
-    const std::string why = model.whyLeftOut("group", planned);
-    badUsage(fmt::format("'{}' is no group of {} with joints that move{}", planned, source.robot,
-                         !why.empty() ? why
-                         : names.empty()
-                             ? "; there is none"
-                             : fmt::format("; there {} {}", names.size() == 1 ? "is" : "are",
-                                           fmt::join(names, ", "))));
+  } else {
+    planner::takeGroups("command line", 0, planner::namedGroups(model, planned), problem);
   }
   if (!source.allowed.empty()) planner::allowTouching(problem, source.stop);
   printWarnings(problem.warnings);

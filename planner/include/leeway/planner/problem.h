@@ -463,8 +463,8 @@ std::shared_ptr<const robots::Model> withJointLimits(const robots::Model& model,
 void allowTouching(Problem& problem, const robots::Stop& stop = {});
 
 /// Returns a problem without obstacles, from group states or from values of the planned variables
-/// such as "0, 1.5". Throws robots::InputError (without a file) for unknown names and invalid
-/// values.
+/// such as "0, 1.5". For several groups, "left, right", also from "left=up, right=0 1.5". Throws
+/// robots::InputError (without a file) for unknown names and invalid values.
 Problem problemFromStates(std::shared_ptr<const robots::Model> model, const std::string& group,
                           const std::string& start, const std::string& goal);
 

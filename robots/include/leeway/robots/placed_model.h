@@ -24,13 +24,16 @@ using JointBounds = std::map<std::string, std::map<std::string, JointBound>>;
 /// Returns the robot with these bounds. An axis that is not named keeps its own. A continuous joint
 /// becomes revolute. Which links touch wherever their joint stands is still decided within the
 /// robot's own limits (Variable::touchRange()). Throws std::invalid_argument with the message of
-/// boundFault(). O(links + geometries).
+/// boundFault() or emptyFault(). O(links + geometries).
 std::shared_ptr<const Model> withBounds(const Model& model, const JointBounds& bounds);
 
 /// Returns what is wrong with one bound, "joint 'elbow' follows another joint; ..."; empty:
 /// nothing.
 std::string boundFault(const RobotDescription& robot, const std::string& joint,
                        const std::string& axis, const JointBound& bound);
+
+/// Returns the fault of a joint that bounds name without giving one: it is unknown, or takes some.
+std::string emptyFault(const RobotDescription& robot, const std::string& joint);
 
 /// Returns a robot, whose root link is fixed to the world, with that link at X_WB. Throws
 /// std::invalid_argument with the message of basePoseFault(). O(links + geometries).
