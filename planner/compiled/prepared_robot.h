@@ -67,6 +67,7 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
   const RobotLanes& lanes(const robots::Model& model) const;
 
   std::span<const int> variables() const { return variables_; }
+  std::span<const Attachment> attachments() const { return attachments_; }
   /// Limits of planned variables and values of the others, one per variable.
   std::span<const robots::VariableRange> ranges() const { return ranges_; }
 

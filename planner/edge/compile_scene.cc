@@ -280,6 +280,7 @@ struct CompiledScene::NamedRules {
   std::shared_ptr<Index> index = std::make_shared<Index>();
   /// Objects whose clouds were cropped or carved for the place where they stand.
   std::set<std::string> fitted = {};
+  std::string grasp = {};  // firstGrasp()
   /// The bodies of objects that have a motion, and where these stand at the start of the execution.
   std::map<int, robots::Pose> moving = {};
 };
@@ -296,6 +297,7 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
                    problem.world.deforming};
   for (const Object& object : problem.world.objects)
     if (isFitted(object)) rules.fitted.insert(object.name);
+  rules.grasp = firstGrasp(problem);
   rules_ = std::make_shared<const NamedRules>(std::move(rules));
   std::vector<std::string> warnings = robot->warnings();
   // Later steps may change the objects that have no effect now.
@@ -374,11 +376,21 @@ BodiesByName CompiledScene::addTo(collision::SceneChange& change, std::span<cons
                                   std::span<const int> removed) const {
   std::set<std::string_view> names;
   BodiesByName bodies;
+  const auto needs = [this]() -> CropNeeds {
+    const auto attachments = edge_model_->robot->attachments();
+    Problem alone;
+    alone.robot.model = model_;
+    alone.robot.variables.assign(space_->variables().begin(), space_->variables().end());
+    alone.robot.attachments.assign(attachments.begin(), attachments.end());
+    alone.start = base_configuration_;
+    return {rules_->most_margin, robotReach(alone), rules_->grasp};
+  };
   for (const Object& object : added) {
     if (const std::string fault = objectFault(object); !fault.empty())
       throw std::invalid_argument(fault);
-    if (const std::string fault = cropFault(object, rules_->most_margin); !fault.empty())
-      throw std::invalid_argument(fault);
+    if (object.cloud && !object.cloud->crops.empty())
+      if (const std::string fault = cropFault(object, needs()); !fault.empty())
+        throw std::invalid_argument(fault);
     const int other = findThing(object.name);
     const bool goes = std::find(removed.begin(), removed.end(), other) != removed.end();
     const bool is_taken = object.name.empty() || !names.insert(object.name).second ||

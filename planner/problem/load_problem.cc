@@ -84,6 +84,11 @@ std::shared_ptr<const Model> bounded(std::shared_ptr<const Model> model, const Y
       read[joint].insert_or_assign(axis, bound);
     };
     if (given.isList()) return add("", given, false);
+    if (!given.isMap())
+      given.fail(
+          fmt::format("{} is {}; [lower, upper], {{range: [lower, upper], widen: true}}, or "
+                      "ranges of x, y and z are expected",
+                      given.where(), given.isScalar() ? "'" + given.text() + "'" : "nothing"));
     if (given.isEmpty())
       given.fail(fmt::format("{}: {}", given.where(), robots::emptyFault(*model, joint)));
     given.expectKeys(keysOf("joint_bounds"));
@@ -679,9 +684,10 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
       if (!moveit) readStartAndGoals(file, problem);
     });
     file.readOn([&] { readPairs(file, padding, options.load.stop, problem); });
-    file.readOn([&] { filterClouds(file, problem); });
   }
   readPlanner(file, problem);
+  // A crop depends on margins, wishes and costs.
+  if (has_robot) file.readOn([&] { filterClouds(file, problem); });
   if (has_robot)
     section("constraints", [&](const YamlReader& list) { readConstraints(list, problem); });
   if (gathers) {

@@ -28,18 +28,6 @@ bool isCloud(const Problem& problem, const std::string& name) {
                      [&](const Object& o) { return o.name == name && o.cloud; });
 }
 
-/// Refuses a crop in a task that attaches an object, because the robot then reaches farther than
-/// now.
-void requireNoGrasp(const YamlReader& crop, const Problem& problem) {
-  for (const Step& step : problem.steps)
-    if (std::holds_alternative<AttachStep>(step.action))
-      crop.fail(
-          fmt::format("{} stands in a task whose step '{}' attaches an object, which reaches "
-                      "farther than the robot at the start; a cloud that is not cropped is "
-                      "expected",
-                      crop.where(), step.name));
-}
-
 PointCloud carvedOf(const YamlReader& cloud, const std::vector<std::string>& names,
                     const Problem& problem, const Object& object) {
   const YamlReader carve = *cloud.find("carve");
@@ -172,8 +160,10 @@ void filterCloud(const YamlReader& cloud, const std::vector<std::string>& carve,
   };
   filter("carve", [&](const YamlReader&) { return carvedOf(cloud, carve, problem, object); });
   filter("crop", [&](const YamlReader& crop) {
-    requireNoGrasp(crop, problem);
-    return cropped(*object.cloud, object.X_WO, robotReach(problem), crop.number());
+    keep(cropped(*object.cloud, object.X_WO, robotReach(problem), crop.number()));
+    if (const std::string fault = cropFault(object, cropNeeds(problem)); !fault.empty())
+      crop.fail(fmt::format("{}: {}", crop.where(), fault));
+    return *object.cloud;
   });
   filter("thin", [&](const YamlReader& thin) { return thinned(*object.cloud, thin.number()); });
   filter("most_balls", [&](const YamlReader& most) {

@@ -91,7 +91,7 @@ PointCloud loadCloud(const std::string& path, double radius, std::vector<std::st
   const CloudSource source = readSource(path, "a point cloud", stop);
   PointSink sink(source);
   if (ending == ".ply")
-    readPly(source, sink);
+    readPly(source, warnings, sink);
   else if (ending == ".pcd")
     readPcd(source, warnings, sink);
   else

@@ -84,7 +84,7 @@ struct ColumnRow {
 void eachRow(const CloudSource& source, const std::function<void(const ColumnRow&)>& visit);
 
 // The readers. Each adds all points of its file, or throws.
-void readPly(const CloudSource& source, PointSink& sink);
+void readPly(const CloudSource& source, std::vector<std::string>& warnings, PointSink& sink);
 void readPcd(const CloudSource& source, std::vector<std::string>& warnings, PointSink& sink);
 /// Numbers in columns, parted by blanks, commas or semicolons; a first line may name the columns.
 void readColumns(const CloudSource& source, PointSink& sink);

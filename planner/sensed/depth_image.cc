@@ -12,6 +12,7 @@
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
 #include "planner/sensed/gray_image.h"
+#include "planner/sensed/stride.h"
 
 namespace leeway::planner {
 namespace {
@@ -73,7 +74,8 @@ PointCloud makeCloud(const DepthImage& image, const DepthCamera& camera, double 
   requireWithin("radius", radius, collision::kSmallestSize, kLargestSize, " m");
   const double scale = camera.scale.value_or(image.number == Number::kUint16 ? 1e-3 : 1);
   const auto* const bytes = static_cast<const std::byte*>(image.first);
-  const std::size_t size = sizeOf(image.number);
+  const std::size_t size = sizeOf(image.number), row = image.width * size;
+  const std::size_t stride = strideOf(image.first, image.height, image.stride, row);
   PointCloud cloud;
   std::size_t masked = 0, dropped = 0;
   for (std::size_t r = 0; r < image.height; ++r)
@@ -82,7 +84,7 @@ PointCloud makeCloud(const DepthImage& image, const DepthCamera& camera, double 
         ++masked;
         continue;
       }
-      const double value = depthAt(bytes + r * image.stride + c * size, image.number);
+      const double value = depthAt(bytes + r * stride + c * size, image.number);
       if (value == -std::numeric_limits<double>::infinity())
         throw std::invalid_argument(
             fmt::format("the pixel at row {}, column {} has the depth -inf, so that something is "
@@ -128,8 +130,8 @@ PointCloud loadDepthImage(const std::string& path, const std::string& mask_path,
                       of_mask.width, of_mask.height, image.width, image.height, path));
     for (const std::uint16_t value : of_mask.values) mask.push_back(value != 0 ? 1 : 0);
   }
-  PointCloud cloud = makeCloud({image.values.data(), image.width, image.height, 2 * image.width,
-                                Number::kUint16, mask.empty() ? nullptr : mask.data()},
+  PointCloud cloud = makeCloud({image.values.data(), image.width, image.height, 0, Number::kUint16,
+                                mask.empty() ? nullptr : mask.data()},
                                camera, radius);
   if (cloud.balls.empty())
     throw robots::InputError(

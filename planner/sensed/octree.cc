@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <tuple>
 
@@ -195,6 +196,7 @@ Header readHeader(const CloudSource& source, bool binary) {
   header.octree.binary = binary;
   std::optional<std::size_t> size;
   std::optional<std::string> id;
+  std::set<std::string_view> keys;
   for (std::size_t line = 1;; ++line) {
     const std::vector<std::string_view> words = wordsOf(takeLine(rest));
     if (!words.empty() && words[0] == "data") break;
@@ -203,6 +205,9 @@ Header readHeader(const CloudSource& source, bool binary) {
                   "the file ends within its header; id, size, res and data are expected");
     if (words.empty() || words[0].starts_with('#')) continue;
     const std::string_view word = words.size() == 2 ? words[1] : std::string_view();
+    if (!keys.insert(words[0]).second)
+      source.fail({line, 0},
+                  fmt::format("{} stands twice in the header; once is expected", words[0]));
     if (words[0] == "id")
       id = word;
     else if (words[0] == "size")
@@ -215,8 +220,9 @@ Header readHeader(const CloudSource& source, bool binary) {
                               "are accepted",
                               robots::shown(words[0])));
   }
-  if (!id || !size)
-    source.fail({1, 0}, fmt::format("the header has no {}; it is expected", id ? "size" : "id"));
+  for (const char* key : {"id", "size", "res"})
+    if (!keys.contains(key))
+      source.fail({1, 0}, fmt::format("the header has no {}; it is expected", key));
   header.octree.id = *id;
   header.size = *size;
   header.octree.data = rest;

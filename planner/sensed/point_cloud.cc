@@ -7,11 +7,13 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <unordered_map>
 
 #include "collision/base/tolerances.h"
 #include "leeway/collision/distance.h"
+#include "planner/sensed/stride.h"
 
 namespace leeway::planner {
 namespace {
@@ -41,17 +43,19 @@ void requireNotNegative(const char* what, double distance) {
 template <class Add>
 std::size_t forEachPoint(const PointArray& points, const Add& add) {
   const bool is_float = points.number == PointArray::Number::kFloat;
+  const std::size_t stride = strideOf(points.first, points.count, points.stride,
+                                      3 * (is_float ? sizeof(float) : sizeof(double)));
   const auto* const bytes = static_cast<const std::byte*>(points.first);
   std::size_t dropped = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     Vector3d p;
     if (is_float) {
       float xyz[3];
-      std::memcpy(xyz, bytes + i * points.stride, sizeof xyz);
+      std::memcpy(xyz, bytes + i * stride, sizeof xyz);
       p = {double(xyz[0]), double(xyz[1]), double(xyz[2])};
     } else {
       double xyz[3];
-      std::memcpy(xyz, bytes + i * points.stride, sizeof xyz);
+      std::memcpy(xyz, bytes + i * stride, sizeof xyz);
       p = {xyz[0], xyz[1], xyz[2]};
     }
     if (!p.allFinite()) {
@@ -186,7 +190,7 @@ PointCloud without(const PointCloud& cloud, const std::vector<char>& is_removed,
                    const std::string& filter, const std::string& what) {
   PointCloud kept;
   kept.filters = cloud.filters;
-  kept.complete_within = cloud.complete_within;
+  kept.crops = cloud.crops;
   for (std::size_t i = 0; i < cloud.size(); ++i)
     if (is_removed[i] == 0) kept.balls.push_back(cloud.balls[i]);
   kept.filters.push_back({filter, what, cloud.size() - kept.size()});
@@ -199,6 +203,28 @@ double PointCloud::largestRadius() const {
   double largest = 0;
   for (const Ball& ball : balls) largest = std::max(largest, ball.radius);
   return largest;
+}
+
+double PointCloud::completeWithin() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Crop& crop : crops) least = std::min(least, crop.distance);
+  return least;
+}
+
+bool PointCloud::Crop::covers(std::span<const Ball> others_W) const {
+  const auto isInside = [](const Ball& inner, const Ball& outer) {
+    if (inner.center == outer.center) return inner.radius <= outer.radius;
+    return reachFrom(outer.center, inner) <= outer.radius;
+  };
+  for (std::size_t i = 0; i < others_W.size(); ++i) {
+    const Ball& other = others_W[i];
+    // The same robot has its balls in the same order.
+    if ((i >= reach_W.size() || !isInside(other, reach_W[i])) &&
+        std::none_of(reach_W.begin(), reach_W.end(),
+                     [&](const Ball& reach) { return isInside(other, reach); }))
+      return false;
+  }
+  return true;
 }
 
 PointCloud makeCloud(const PointArray& points, double radius) {
@@ -243,7 +269,7 @@ PointCloud thinned(const PointCloud& cloud, double cell) {
   }
   PointCloud thin;
   thin.filters = cloud.filters;
-  thin.complete_within = cloud.complete_within;
+  thin.crops = cloud.crops;
   thin.balls.reserve(cells.size());
   for (const CellBalls& balls : cells)
     thin.balls.push_back(balls.count == 1 ? cloud.balls[balls.first]
@@ -319,11 +345,22 @@ PointCloud cropped(const PointCloud& cloud, const robots::Pose& X_WC, std::span<
                             fmt::format("balls farther than {:.4g} m from all that the robot can "
                                         "reach",
                                         distance));
-  kept.complete_within = std::min(kept.complete_within, distance);
+  kept.crops.push_back({distance, X_WC, {reach_W.begin(), reach_W.end()}});
   return kept;
 }
 
 std::string cloudFault(const PointCloud& cloud) {
+  const bool is_filtered =
+      std::any_of(cloud.filters.begin(), cloud.filters.end(), [](const CloudFilter& f) {
+        return (f.name == "carve" || f.name == "crop") && f.removed > 0;
+      });
+  if (cloud.balls.empty() && !is_filtered) {
+    std::string dropped;
+    for (const CloudFilter& f : cloud.filters)
+      if (f.removed > 0)
+        dropped += fmt::format("{}{} {}", dropped.empty() ? ": dropped " : ", ", f.removed, f.what);
+    return "no ball is left" + dropped + "; at least one is expected";
+  }
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Ball& ball = cloud.balls[i];
     if (!(ball.radius >= kSmallestSize && ball.radius <= kLargestSize))

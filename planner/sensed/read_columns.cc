@@ -39,9 +39,13 @@ std::array<std::size_t, 3> findColumns(const CloudSource& source,
   std::array<std::size_t, 3> columns{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const char small = "xyz"[axis], large = "XYZ"[axis];
-    const auto found = std::find_if(cells.begin(), cells.end(), [&](std::string_view cell) {
+    const auto isAxis = [&](std::string_view cell) {
       return cell.size() == 1 && (cell[0] == small || cell[0] == large);
-    });
+    };
+    const auto found = std::find_if(cells.begin(), cells.end(), isAxis);
+    if (std::count_if(cells.begin(), cells.end(), isAxis) > 1)
+      source.fail({line, 0},
+                  fmt::format("two columns are named '{}'; one of each is expected", small));
     if (found == cells.end())
       source.fail({line, 0},
                   fmt::format("begins with {}, and no column is named '{}'; numbers, or the names "

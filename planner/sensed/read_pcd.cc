@@ -144,6 +144,9 @@ class PcdPoints {
       if (found == fields_.end())
         fail(names.line,
              fmt::format("there is no field '{}' of COUNT 1; x, y and z are expected", name));
+      if (std::count_if(fields_.begin(), fields_.end(),
+                        [&](const PcdField& f) { return f.name == name; }) > 1)
+        fail(names.line, fmt::format("two fields are named '{}'; one of each is expected", name));
       axes_[axis] = static_cast<std::size_t>(found - fields_.begin());
     }
     if (const auto viewpoint = entries_.find("VIEWPOINT"); viewpoint != entries_.end())
@@ -207,12 +210,16 @@ class PcdPoints {
   }
 
   /// Only zeros may follow the points: some writers pad their files with them.
-  void expectEnd() const {
+  void expectEnd() {
     const std::size_t at = rest_.find_first_not_of('\0');
     if (at != std::string_view::npos)
       source_.fail(
           {0, byte() + at},
           fmt::format("more than {} points; as many as POINTS says are expected", points_));
+    if (!rest_.empty())
+      warnings_.push_back(
+          fmt::format("{}: byte {}: {} bytes of value 0 follow the {} points, and are left out",
+                      source_.path(), byte(), rest_.size(), points_));
   }
 
   [[noreturn]] void failShort(std::size_t points) const {

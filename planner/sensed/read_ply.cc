@@ -27,8 +27,8 @@ struct PlyElement {
 
 class PlyPoints {
  public:
-  PlyPoints(const CloudSource& source, PointSink& sink)
-      : source_(source), rest_(source.text()), sink_(sink) {}
+  PlyPoints(const CloudSource& source, std::vector<std::string>& warnings, PointSink& sink)
+      : source_(source), rest_(source.text()), warnings_(warnings), sink_(sink) {}
 
   void run() {
     readHeader();
@@ -40,6 +40,12 @@ class PlyPoints {
     for (std::size_t k = 0; k < 3; ++k)
       axes[k] = axisOf(*vertices, std::string_view("xyz").substr(k, 1));
     readElement(*vertices, axes);
+    for (const PlyElement& e : elements_)
+      if ((e.name == "face" || e.name == "tristrips") && e.count > 0)
+        warnings_.push_back(fmt::format(
+            "{}:{}: the {} elements '{}' are left out: a cloud has balls at vertices, and its "
+            "surface is free between them; 'mesh' takes the surface",
+            source_.path(), e.place.line, e.count, e.name));
     if (vertices + 1 == elements_.end()) expectEnd();
   }
 
@@ -66,9 +72,13 @@ class PlyPoints {
       if (word == "end_header") break;
       if (word == "comment" || word == "obj_info") continue;
       if (word == "format" && words.size() == 3) {
+        if (has_format) fail("format stands twice in the header; once is expected");
         readFormat(words[1]);
         has_format = true;
       } else if (word == "element" && words.size() == 3) {
+        const auto isVertex = [](const PlyElement& e) { return e.name == "vertex"; };
+        if (words[1] == "vertex" && std::any_of(elements_.begin(), elements_.end(), isVertex))
+          fail("element vertex stands twice in the header; once is expected");
         elements_.push_back({words[1],
                              readCount(source_, words[2], "the number of elements", {line_, 0}),
                              {line_, 0},
@@ -117,8 +127,16 @@ class PlyPoints {
   }
 
   std::size_t axisOf(const PlyElement& vertices, std::string_view axis) const {
-    for (std::size_t i = 0; i < vertices.properties.size(); ++i)
-      if (vertices.properties[i].name == axis && !vertices.properties[i].count) return i;
+    const auto isAxis = [&](const PlyProperty& property) {
+      return property.name == axis && !property.count;
+    };
+    const auto begin = vertices.properties.begin(), end = vertices.properties.end();
+    const auto found = std::find_if(begin, end, isAxis);
+    if (std::count_if(begin, end, isAxis) > 1)
+      source_.fail(
+          vertices.place,
+          fmt::format("the element vertex has two properties '{}'; one is expected", axis));
+    if (found != end) return static_cast<std::size_t>(found - begin);
     source_.fail(
         vertices.place,
         fmt::format("the element vertex has no property '{}'; x, y and z are expected", axis));
@@ -224,6 +242,7 @@ class PlyPoints {
 
   const CloudSource& source_;
   std::string_view rest_;
+  std::vector<std::string>& warnings_;
   PointSink& sink_;
   std::size_t line_ = 0;
   std::optional<std::endian> format_, order_;  // of binary data; order_ is set behind the header
@@ -232,6 +251,8 @@ class PlyPoints {
 
 }  // namespace
 
-void readPly(const CloudSource& source, PointSink& sink) { PlyPoints(source, sink).run(); }
+void readPly(const CloudSource& source, std::vector<std::string>& warnings, PointSink& sink) {
+  PlyPoints(source, warnings, sink).run();
+}
 
 }  // namespace leeway::planner

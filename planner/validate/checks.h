@@ -90,9 +90,19 @@ std::string objectFault(const Object& object);
 /// Returns the largest separation that affects margins, wishes or the objective [m]; infinite for a
 /// cost that is inverse to the distance.
 double mostMargin(const Problem& problem);
-/// Returns a message if the object's cloud was cropped at less than `most_margin` [m], because
-/// balls that matter may then be missing; otherwise an empty string.
-std::string cropFault(const Object& object, double most_margin);
+/// Requirements that a problem has of the crops of its clouds.
+struct CropNeeds {
+  double margin = 0;                      ///< mostMargin() [m]
+  std::vector<PointCloud::Ball> reach_W;  ///< robotReach()
+  std::string grasp = {};                 ///< firstGrasp()
+};
+/// Returns the first step that attaches an object, "step 'take'"; empty: none.
+std::string firstGrasp(const Problem& problem);
+/// Those of a problem that was checked as far as checkRobot() does. O(geometries of the robot).
+CropNeeds cropNeeds(const Problem& problem);
+/// Returns a message if balls which matter may be missing from the object's cropped cloud because
+/// it was cropped for another robot, pose or margin; otherwise an empty string.
+std::string cropFault(const Object& object, const CropNeeds& needs);
 
 /// Returns the fault of a bound on an obstacle's speed that is below the speed which the obstacle's
 /// own motion may reach during the execution.

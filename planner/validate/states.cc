@@ -255,12 +255,46 @@ double mostMargin(const Problem& problem) {
   return most;
 }
 
-std::string cropFault(const Object& object, double most_margin) {
-  if (!object.cloud || most_margin <= object.cloud->complete_within) return {};
-  return fmt::format(
-      "cloud '{}' lacks what is farther than {} m from the robot's reach, and a margin, wish "
-      "or cost reaches {} m; a crop of at least that is expected",
-      object.name, object.cloud->complete_within, most_margin);
+std::string firstGrasp(const Problem& problem) {
+  for (std::size_t s = 0; s < problem.steps.size(); ++s)
+    if (std::holds_alternative<AttachStep>(problem.steps[s].action))
+      return problem.steps[s].name.empty() ? fmt::format("steps[{}]", s)
+                                           : "step '" + problem.steps[s].name + "'";
+  return {};
+}
+
+CropNeeds cropNeeds(const Problem& problem) {
+  return {mostMargin(problem), robotReach(problem), firstGrasp(problem)};
+}
+
+std::string cropFault(const Object& object, const CropNeeds& needs) {
+  if (!object.cloud || object.cloud->crops.empty()) return {};
+  const auto fault = [&](const std::string& what) {
+    return fmt::format("cloud '{}' {}", object.name, what);
+  };
+  if (needs.margin > object.cloud->completeWithin())
+    return fault(
+        fmt::format("lacks what is farther than {} m from the robot's reach, and a margin, wish "
+                    "or cost reaches {} m; a crop of at least that is expected",
+                    object.cloud->completeWithin(), needs.margin));
+  if (!needs.grasp.empty())
+    return fault(
+        fmt::format("was cropped, and {} attaches an object, which reaches farther than the robot "
+                    "at the start; a cloud that is not cropped is expected",
+                    needs.grasp));
+  for (const PointCloud::Crop& crop : object.cloud->crops) {
+    if (crop.X_WC.translation != object.X_WO.translation ||
+        crop.X_WC.rotation != object.X_WO.rotation)
+      return fault(
+          "stands at another pose than the one at which it was cropped; that pose, or a cloud that "
+          "is not cropped, is expected");
+    if (!crop.covers(needs.reach_W))
+      return fault(
+          "was cropped for a robot that reaches less far: the robot, its base, its planned joints, "
+          "the values of the others or what it holds were different; a cloud that was cropped for "
+          "this problem, or one that is not cropped, is expected");
+  }
+  return {};
 }
 
 }  // namespace leeway::planner

@@ -122,11 +122,12 @@ void requireObject(const Problem& problem, const Object& object) {
 }
 
 void checkWorld(const Problem& problem) {
-  const double most_margin = mostMargin(problem);
+  std::optional<CropNeeds> needs;
   for (const Object& object : problem.world.objects) {
     requireObject(problem, object);
-    if (const std::string fault = cropFault(object, most_margin); !fault.empty())
-      refuse(problem, fault);
+    if (!object.cloud || object.cloud->crops.empty()) continue;
+    if (!needs) needs = cropNeeds(problem);
+    if (const std::string fault = cropFault(object, *needs); !fault.empty()) refuse(problem, fault);
     if (const std::string fault = motionFault(object, problem.execution.start); !fault.empty())
       refuse(problem, fmt::format("object '{}' {}", object.name, fault));
   }

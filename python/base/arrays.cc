@@ -17,19 +17,6 @@ constexpr double kLargestNormError = 1e-3;
 
 std::string shapeText(const py::array& array) { return py::str(array.attr("shape")); }
 
-/// `value` as an array of real numbers, of any shape.
-py::array realArray(py::handle value, const char* name) {
-  const py::array array = py::array::ensure(value);
-  if (!array)
-    throw py::type_error(std::string(name) + " is of type " + Py_TYPE(value.ptr())->tp_name +
-                         "; an array of numbers is expected");
-  const char kind = array.dtype().kind();
-  if (array.size() > 0 && kind != 'f' && kind != 'i' && kind != 'u')
-    throw py::type_error(std::string(name) + " has dtype " + std::string(py::str(array.dtype())) +
-                         "; real numbers are expected");
-  return array;
-}
-
 std::string indexText(const char* name, std::size_t index, const py::array& array) {
   std::string text;
   for (py::ssize_t axis = array.ndim() - 1; axis >= 0; --axis) {
@@ -62,6 +49,23 @@ Eigen::Matrix3d rotation(double x, double y, double z, double w, const char* nam
 }
 
 }  // namespace
+
+py::array realArray(py::handle value, const char* name) {
+  const py::array array = py::array::ensure(value);
+  if (!array)
+    throw py::type_error(std::string(name) + " is of type " + Py_TYPE(value.ptr())->tp_name +
+                         "; an array of numbers is expected");
+  if (py::hasattr(value, "mask") &&
+      py::module_::import("numpy.ma").attr("is_masked")(value).cast<bool>())
+    throw py::value_error(std::string(name) +
+                          " has masked entries; an array without a mask is expected, as filled() "
+                          "returns it");
+  const char kind = array.dtype().kind();
+  if (array.size() > 0 && kind != 'f' && kind != 'i' && kind != 'u')
+    throw py::type_error(std::string(name) + " has dtype " + std::string(py::str(array.dtype())) +
+                         "; real numbers are expected");
+  return array;
+}
 
 std::size_t Rows::count() const { return columns == 0 ? 0 : values.size() / columns; }
 

@@ -30,6 +30,9 @@ struct Rows {
   std::span<const double> row(std::size_t i) const { return {&values[i * columns], columns}; }
 };
 
+/// `value` as an array of real numbers, which may be infinite or NaN, of any shape. Throws
+/// TypeError for other types, ValueError for a masked array with masked entries.
+py::array realArray(py::handle value, const char* name);
 /// `value` as finite float64 numbers, with `columns` in the last axis. Other axes are free, or
 /// there are at most `axes` - 1 of them. Throws ValueError or TypeError with a one-line message
 /// that begins with `name`.

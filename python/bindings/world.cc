@@ -60,12 +60,17 @@ void defineAdder(WorldClass& world, const char* name, const std::string& sizes, 
 
 /// The balls around points (n, 3), of any strides, which may be NaN.
 PointCloud cloudOf(const py::object& points, const py::object& radius) {
-  py::array array = py::array::ensure(points);
-  if (!array || array.ndim() != 2 || array.shape(1) < 3)
-    throw py::value_error("points are expected to be an array of shape (n, 3)");
+  py::array array = realArray(points, "points");
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    throw py::value_error(
+        "points has shape " + std::string(py::str(array.attr("shape"))) +
+        "; shape (n, 3) is expected" +
+        (array.ndim() == 2 && array.shape(1) > 3 ? ", such as points[:, :3] or points.T" : ""));
   const bool is_float = py::isinstance<py::array_t<float>>(array);
   const bool is_double = py::isinstance<py::array_t<double>>(array);
-  if ((!is_float && !is_double) || array.strides(1) != array.itemsize() || array.strides(0) < 0)
+  // Rows of a broadcast array share their memory.
+  if ((!is_float && !is_double) || array.strides(1) != array.itemsize() ||
+      array.strides(0) < 3 * array.itemsize())
     array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(array);
   if (!array) {
     PyErr_Clear();
@@ -74,11 +79,13 @@ PointCloud cloudOf(const py::object& points, const py::object& radius) {
   const bool as_float = is_float && py::isinstance<py::array_t<float>>(array);
   const planner::PointArray xyz{
       array.data(), static_cast<std::size_t>(array.shape(0)),
-      static_cast<std::size_t>(array.strides(0)),
+      array.shape(0) > 1 ? static_cast<std::size_t>(array.strides(0)) : 0,
       as_float ? planner::PointArray::Number::kFloat : planner::PointArray::Number::kDouble};
   const Rows radii = scalars(radius, "radius");
-  if (radii.shape.empty()) return planner::makeCloud(xyz, radii.values.at(0));
-  return planner::makeCloud(xyz, radii.values);
+  PointCloud cloud = radii.shape.empty() ? planner::makeCloud(xyz, radii.values.at(0))
+                                         : planner::makeCloud(xyz, radii.values);
+  if (cloud.balls.empty()) throw py::value_error("points: " + planner::cloudFault(cloud));
+  return cloud;
 }
 
 void remove(World& world, const std::string& name) {
@@ -200,7 +207,10 @@ py::list addFiltered(World& world, const std::string& name, PointCloud cloud,
   if (py::isinstance<py::str>(of.carve))
     throw py::type_error("carve is '" + std::string(py::str(of.carve)) +
                          "'; a list of names is expected");
-  for (const py::handle item : py::list(of.carve)) {
+  const py::list carve(of.carve);
+  if (carve.empty() && margin != 0)
+    throw py::value_error("carve_margin stands without carve; both are expected");
+  for (const py::handle item : carve) {
     const std::string shape = py::str(item);
     cloud = planner::carved(cloud, object.X_WO, shapesOf(world, shape), margin, shape);
   }
@@ -232,8 +242,8 @@ py::list addCloud(World& world, const std::string& name, const py::object& point
 
 /// A depth image as one block of memory, which the result keeps.
 py::array depthOf(const py::object& depth, planner::DepthImage& image) {
-  py::array array = py::array::ensure(depth);
-  if (!array || array.ndim() != 2)
+  py::array array = realArray(depth, "depth");
+  if (array.ndim() != 2)
     throw py::value_error("depth is expected to be an array of shape (rows, columns)");
   const auto take = [&](auto number, planner::DepthImage::Number type) {
     using Pixel = decltype(number);
@@ -400,7 +410,8 @@ void defineAdders(WorldClass& world) {
              kPlace,
          std::string("Adds a point cloud: the union of balls around points (n, 3) of float32 or "
                      "float64 [m], with one `radius` or (n,) [m]. Points that are not finite are "
-                     "dropped. `carve` names objects: balls within `carve_margin` [m] of them are "
+                     "dropped; at least one point must stay. `carve` names objects: balls within "
+                     "`carve_margin` [m] of them are "
                      "left out. `thin` [m]: one ball a cell of that size, which contains the "
                      "others. `most_balls`: at most so many balls, which contain the others. "
                      "Returns what was left out: a list of (filter, what, count).") +

@@ -34,7 +34,10 @@ def test_any_strides_and_radii(world):
     world.add_cloud("reversed", wall()[::-1], np.full(900, 0.01))
     world.add_cloud("columns", np.asfortranarray(wall()), 0.01)
     world.add_cloud("integers", [[1, 2, 3], [4, 5, 6]], 1)
-    world.add_cloud("with intensity", np.hstack([wall(), np.ones((900, 1))]), 0.01)
+    world.add_cloud("with intensity", np.hstack([wall(), np.ones((900, 1))])[:, :3], 0.01)
+    world.add_cloud("one", wall()[:1], 0.01)
+    world.add_cloud("the same, many times", np.broadcast_to(np.array([1.0, 2, 3]), (9, 3)), 0.01)
+    world.add_cloud("nothing masked", np.ma.masked_invalid(wall()), 0.01)
     assert world.add_cloud("thin", wall(), 0.01, thin=0.1)[0][0] == "thin"
 
 
@@ -59,7 +62,15 @@ def test_carving_leaves_out_what_touches_an_object(world):
 @pytest.mark.parametrize("points, radius, more, words", [
     (np.zeros(3), 0.1, {}, "shape (n, 3)"),
     (np.zeros((3, 2)), 0.1, {}, "shape (n, 3)"),
-    ([["a", "b", "c"]], 0.1, {}, "not a number"),
+    (np.zeros((3, 50)), 0.1, {}, "has shape (3, 50); shape (n, 3)"),
+    (np.zeros((50, 4)), 0.1, {}, "points[:, :3]"),
+    ([["a", "b", "c"]], 0.1, {}, "dtype <U1; real numbers"),
+    (np.zeros((3, 3), complex), 0.1, {}, "dtype complex128; real numbers"),
+    (np.zeros((3, 3), bool), 0.1, {}, "dtype bool; real numbers"),
+    (np.ma.masked_equal([[1.0, 2, 3], [4, 5, 6]], 5), 0.1, {}, "points has masked entries"),
+    (np.zeros((0, 3)), 0.1, {}, "points: no ball is left"),
+    (np.full((9, 3), np.nan), 0.1, {}, "dropped 9 points that are not numbers"),
+    (np.zeros((3, 3)), 0.1, {"carve_margin": 0.1}, "carve_margin stands without carve"),
     (np.zeros((3, 3)), 0, {}, "radius 0"),
     (np.zeros((3, 3)), np.nan, {}, "radius"),
     (np.zeros((3, 3)), [0.1, 0.2], {}, "2 radii for 3 points"),
@@ -76,6 +87,57 @@ def test_bad_clouds_are_refused_in_one_line(world, points, radius, more, words):
         world.add_cloud("seen", points, radius, **more)
     assert words in str(error.value) and "\n" not in str(error.value)
     assert len(world) == count
+
+
+ARM = """<robot name="arm"><link name="base"/>
+<link name="l1"><collision><origin xyz="0.25 0 0"/><geometry><box size="0.4 0.05 0.05"/></geometry></collision></link>
+<link name="l2"><collision><origin xyz="0.15 0 0"/><geometry><box size="0.3 0.05 0.05"/></geometry></collision></link>
+<joint name="a" type="revolute"><parent link="base"/><child link="l1"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="2" effort="1"/></joint>
+<joint name="ext" type="prismatic"><parent link="l1"/><child link="l2"/><origin xyz="0.4 0 0"/><axis xyz="1 0 0"/><limit lower="0" upper="1" velocity="2" effort="1"/></joint>
+</robot>"""
+GROUPS = """<robot name="arm"><group name="rot"><joint name="a"/></group>
+<group name="both"><joint name="a"/><joint name="ext"/></group></robot>"""
+
+
+@pytest.fixture
+def cropped(tmp_path):
+    """The file of a problem whose cloud, a wall that the arm touches when it is longer, is cropped to nothing."""
+    (tmp_path / "arm.urdf").write_text(ARM)
+    (tmp_path / "arm.srdf").write_text(GROUPS)
+    (tmp_path / "wall.xyz").write_text("1.2 0 0\n")
+    file = tmp_path / "problem.yaml"
+    file.write_text("""leeway: 1
+robot: {urdf: arm.urdf, srdf: arm.srdf, group: rot}
+start: [-0.5]
+goal: [0.5]
+objects:
+  - {name: wall, cloud: {file: wall.xyz, radius: 0.02, crop: 0.1}}
+  - {name: stick, box: {size: [1, 0.03, 0.03]}, position: [1, 0, 0]}
+""")
+    return file
+
+
+def with_robot(problem, cropped, **robot):
+    robot = leeway.Robot(cropped.with_name("arm.urdf"), cropped.with_name("arm.srdf"), **robot)
+    return leeway.Problem(robot, problem.world, np.zeros(len(robot.joint_names)), np.full(len(robot.joint_names), 0.1))
+
+
+@pytest.mark.parametrize("edit, words", [
+    (lambda p, _: p.attach("stick", "l2"), "reaches less far"),
+    (lambda p, _: setattr(p, "others", {"ext": 0.7}), "reaches less far"),
+    (lambda p, _: p.world.move("wall", (-0.5, 0, 0)), "another pose"),
+    (lambda p, _: setattr(p, "margin", 0.5), "a crop of at least that"),
+    (lambda p, _: setattr(p, "steps", [leeway.TaskStep.move([0.0]), leeway.TaskStep.attach("stick", "l2")]), "attaches an object"),
+    (lambda p, file: with_robot(p, file, group="both"), "reaches less far"),
+    (lambda p, file: with_robot(p, file, group="rot", base_pose=(0.55, 0, 0)), "reaches less far"),
+])
+def test_a_cropped_cloud_holds_for_its_robot_and_place_only(cropped, edit, words):
+    problem = leeway.Problem.load(cropped)
+    problem.world.move("stick", (1, 0, 2))
+    assert leeway.plan(problem)
+    with pytest.raises(leeway.InputError) as error:
+        leeway.plan(edit(problem, cropped) or problem)
+    assert "cloud 'wall'" in str(error.value) and words in str(error.value)
 
 
 CAMERA = {"fx": 50, "fy": 50, "cx": 31.5, "cy": 23.5}
@@ -123,6 +185,8 @@ def test_a_path_among_few_balls_of_a_depth_image_is_verified(robot):
     (np.ones((3, 3)), 0.1, {"slant": 1.6}, "slant 1.6"),
     (np.ones((3, 3)), 0.1, {"scale": -1}, "scale -1"),
     (np.ones((3, 3)), 0.1, {"mask": np.ones((2, 3))}, "mask has another shape than depth; (3, 3)"),
+    (np.ma.masked_equal(np.ones((3, 3)), 1), 0.1, {}, "depth has masked entries"),
+    (np.ones((3, 3)), 0.1, {"carve_margin": 0.1}, "carve_margin stands without carve"),
     (np.ones((3, 3)), 0.1, {"most_balls": 0}, "most_balls is 0"),
     (np.ones((3, 3)), 0.1, {"most_balls": 1.5}, "most_balls is 1.5"),
 ])

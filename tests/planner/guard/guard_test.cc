@@ -876,7 +876,7 @@ TEST(Guard, ErrorsBeyondTheCropOfACloudAreRefused) {
   Problem problem = test::wallProblem();
   PointCloud cloud;
   cloud.balls.push_back({{0, 5, 0}, 0.01});
-  cloud.complete_within = 0.1;
+  cloud.crops.push_back({0.1, {}, reachOf(problem)});
   problem.world.objects.push_back({"seen", {}, {}, std::make_shared<const PointCloud>(cloud)});
   GuardOptions options;
   options.point_error = 0.04;

@@ -123,7 +123,10 @@ TEST_F(CloudFiles, EveryFormReadsTheSame) {
   expectThree("b.pcd", pcdHeader("binary") + pcdRecords());
   expectThree("c.pcd", pcdHeader("binary") + pcdRecords() + std::string(100, '\0'));
   expectThree("d.pcd", pcdHeader("binary_compressed") + pcdCompressed());
-  EXPECT_TRUE(warnings_.empty());
+  ASSERT_EQ(warnings_.size(), 4U);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NE(warnings_[i].find("the 1 elements 'face' are left out"), std::string::npos);
+  EXPECT_NE(warnings_[3].find("100 bytes of value 0 follow the 3 points"), std::string::npos);
 }
 
 /// A number that was cut is still a number.
@@ -185,6 +188,11 @@ TEST_F(CloudFiles, DamagedColumnsNameTheirLine) {
   expectError("a.csv", std::string("1,2,3\n\0,2,3\n", 12), 0, {"byte 6", "value 0"});
 }
 
+TEST_F(CloudFiles, AColumnStandsOnce) {
+  expectError("a.xyz", "x y z x\n1 2 3 4\n", 1, {"two columns are named 'x'"});
+  expectError("a.csv", "x,y,Y,z\n1,2,3,4\n", 1, {"two columns are named 'y'"});
+}
+
 TEST_F(CloudFiles, DamagedPlysNameTheirPlace) {
   const std::string whole = ply("ascii") + kPlyText;
   const auto with = [&](const std::string& from, const std::string& to) {
@@ -205,6 +213,10 @@ TEST_F(CloudFiles, DamagedPlysNameTheirPlace) {
   expectError("a.ply", with("1 128 2 3", "1 128 2"), 16, {"3 numbers", "4 properties"});
   expectError("a.ply", with("1 128 2 3", "1 128 2 3 4"), 16, {"'4' follows"});
   expectError("a.ply", with("1 128 2 3", "1 128 2e400 3"), 16, {"too large"});
+  expectError("a.ply", with("property double y", "property double x"), 7, {"two properties 'x'"});
+  expectError("a.ply", with("end_header", "element vertex 1\nend_header"), 14,
+              {"element vertex stands twice"});
+  expectError("a.ply", with("element", "format ascii 1.0\nelement"), 4, {"format stands twice"});
   const std::string header = ply("binary_little_endian");
   const std::string binary = header + plyRecords(false);
   expectError("a.ply", binary.substr(0, binary.size() - 1), 0,
@@ -240,6 +252,7 @@ TEST_F(CloudFiles, DamagedPcdsNameTheirPlace) {
               {"COUNT of 2000000000"});
   expectError("a.pcd", with("binary", "rgb x y z", "rgb x y w"), 3, {"no field 'z'"});
   expectError("a.pcd", with("binary", "VERSION 0.7", "WIDTH 7"), 7, {"WIDTH stands twice"});
+  expectError("a.pcd", with("binary", "FIELDS rgb", "FIELDS x"), 3, {"two fields are named 'x'"});
   const std::string binary = pcdHeader("binary") + pcdRecords();
   expectError("a.pcd", binary.substr(0, binary.size() - 1), 0, {"byte", "2 of 3 points of 24"});
   expectError("a.pcd", pcdHeader("binary", "2147483647") + pcdRecords(), 0, {"3 of 2147483647"});
@@ -256,6 +269,23 @@ TEST_F(CloudFiles, DamagedPcdsNameTheirPlace) {
   damaged = compressed;
   damaged[damaged.size() - pcdCompressed().size() + 11] = 9;  // a reference before the first byte
   expectError("a.pcd", damaged, 0, {"damaged"});
+}
+
+TEST_F(CloudFiles, WhatIsLeftOutIsWarnedOf) {
+  const std::string mesh =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  EXPECT_EQ(loadCloud(folder_.write("m.ply", mesh), 0.01, warnings_).size(), 3U);
+  ASSERT_EQ(warnings_.size(), 1U);
+  EXPECT_NE(warnings_[0].find("m.ply:7: the 1 elements 'face' are left out"), std::string::npos)
+      << warnings_[0];
+  warnings_.clear();
+  const std::string padded = pcdHeader("binary") + pcdRecords() + std::string(24, '\0');
+  EXPECT_EQ(loadCloud(folder_.write("p.pcd", padded), 0.01, warnings_).size(), 3U);
+  ASSERT_EQ(warnings_.size(), 1U);
+  EXPECT_NE(warnings_[0].find("24 bytes of value 0 follow the 3 points"), std::string::npos)
+      << warnings_[0];
 }
 
 TEST_F(CloudFiles, OtherFilesAreRefused) {

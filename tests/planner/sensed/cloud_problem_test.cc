@@ -11,6 +11,7 @@
 #include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
 #include "leeway/planner/verify.h"
+#include "leeway/robots/placed_model.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
 #include "tests/support/input_errors.h"
@@ -201,7 +202,7 @@ TEST_F(CloudProblems, FiltersAreAppliedInOrder) {
   EXPECT_EQ(cloud.balls[0].center, Vector3d(0.131, 0, 0));
   EXPECT_EQ(cloud.balls[0].radius, 0.02);
   EXPECT_GT(cloud.balls[1].radius, 0.02);
-  EXPECT_EQ(cloud.complete_within, 0.3);
+  EXPECT_EQ(cloud.completeWithin(), 0.3);
 }
 
 TEST_F(CloudProblems, ACropSmallerThanAMarginIsRefused) {
@@ -239,6 +240,94 @@ TEST_F(CloudProblems, ACropSmallerThanAMarginIsRefused) {
   EXPECT_EQ(refused(), "");
 }
 
+TEST_F(CloudProblems, ACropThatDoesNotSufficeNamesItsLine) {
+  const std::string begin =
+      kBall + " - {name: can, sphere: {radius: 0.1}, position: [0, 0.9, 0]}\n";
+  const std::string cloud =
+      begin + " - {name: scan, cloud: {file: scan.xyz, radius: 0.1, crop: 0.05}}\n";
+  expectError(cloud + "margin: 0.1\n", 11, {"crop", "'scan'", "0.1 m"});
+  expectError(cloud + "margins: [{between: [ball, can], margin: 0.2}]\n", 11, {"crop", "0.2 m"});
+  expectError(cloud + "objective: {integral: {inverse: 0.1}}\n", 11, {"crop", "inf"});
+  std::string task = cloud;
+  const std::string goal = "goal: {position: [1, 0, 0]}\n";
+  task.replace(task.find(goal), goal.size(),
+               "steps: [{name: grasp, attach: {object: can, link: ball}}]\n");
+  expectError(task, 11, {"crop", "step 'grasp' attaches an object", "not cropped"});
+}
+
+/// A cloud that was cropped lacks what another robot, or the same in another state, reaches.
+TEST_F(CloudProblems, ACropHoldsForTheRobotAndThePlaceOfItsCloud) {
+  folder_.write("arm.urdf", R"(<robot name="arm"><link name="base"/>
+<link name="l1"><collision><origin xyz="0.25 0 0"/><geometry><box size="0.4 0.05 0.05"/></geometry></collision></link>
+<link name="l2"><collision><origin xyz="0.15 0 0"/><geometry><box size="0.3 0.05 0.05"/></geometry></collision></link>
+<joint name="a" type="revolute"><parent link="base"/><child link="l1"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" velocity="2" effort="1"/></joint>
+<joint name="ext" type="prismatic"><parent link="l1"/><child link="l2"/><origin xyz="0.4 0 0"/><axis xyz="1 0 0"/><limit lower="0" upper="1" velocity="2" effort="1"/></joint>
+</robot>)");
+  folder_.write("arm.srdf", R"(<robot name="arm"><group name="rot"><joint name="a"/></group>
+<group name="both"><joint name="a"/><joint name="ext"/></group></robot>)");
+  const Problem whole = load(
+      "leeway: 1\nrobot: {urdf: arm.urdf, srdf: arm.srdf, group: rot}\nstart: [-0.5]\ngoal: [0.5]\n"
+      "objects:\n - {name: wall, cloud: {file: scan.xyz, radius: 0.02, crop: 0.1}}\n"
+      " - {name: stick, box: {size: [1, 0.03, 0.03]}, position: [1, 0, 0.3]}\n",
+      "1.2 0 0\n0 0.7 0\n");
+  ASSERT_EQ(whole.world.objects[0].cloud->size(), 1U);
+  const auto refused = [](const Problem& problem) {
+    try {
+      CompiledScene scene(problem);
+    } catch (const robots::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto edited = [&](const auto& edit) {
+    Problem problem = whole;
+    edit(problem);
+    return refused(problem);
+  };
+  const auto expectRefused = [](const std::string& message, const std::string& words) {
+    EXPECT_NE(message.find("cloud 'wall' "), std::string::npos) << message;
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+  };
+  EXPECT_EQ(refused(whole), "");
+  const std::string less = "reaches less far";
+  expectRefused(refused(attachObject(whole, "stick", "l2")), less);
+  expectRefused(edited([](Problem& p) { p.start[1] = 0.7; }), less);
+  expectRefused(edited([](Problem& p) {
+                  p.robot.variables = {0, 1};
+                  p.goals.clear();
+                }),
+                less);
+  expectRefused(edited([](Problem& p) {
+                  robots::Pose X_WB;
+                  X_WB.translation = {0.55, 0, 0};
+                  p.robot.model = robots::withBasePose(*p.robot.model, X_WB);
+                }),
+                less);
+  expectRefused(edited([](Problem& p) { p.world.objects[0].X_WO.translation.x() = -0.7; }),
+                "another pose");
+  expectRefused(edited([](Problem& p) {
+                  p.goals.clear();
+                  Step& step = p.steps.emplace_back();
+                  step.name = "take";
+                  step.action = AttachStep{"stick", "l2", {}};
+                }),
+                "step 'take' attaches an object");
+  // Less reach is covered, and the joints that are planned may start elsewhere.
+  EXPECT_EQ(edited([](Problem& p) { p.start[0] = 0.9; }), "");
+  EXPECT_EQ(edited([](Problem& p) {
+              p.robot.model = robots::withBounds(*p.robot.model, {{"a", {{"", {-0.6, 0.6}}}}});
+            }),
+            "");
+  EXPECT_EQ(edited([](Problem& p) { p.world.objects.pop_back(); }), "");
+  // The same holds for objects that come later.
+  Problem bare = whole;
+  bare.world.objects.erase(bare.world.objects.begin());
+  const std::vector<Object> wall{whole.world.objects[0]};
+  EXPECT_NO_THROW(CompiledScene(bare).withObjects(wall));
+  bare.start[1] = 0.7;
+  EXPECT_THROW(CompiledScene(bare).withObjects(wall), robots::InputError);
+}
+
 TEST_F(CloudProblems, BallsThatAProgramSetsAreChecked) {
   Problem problem = load(kBall + " - {name: scan, cloud: {file: scan.xyz, radius: 0.02}}\n");
   const auto with = [&](const PointCloud::Ball& ball) {
@@ -252,6 +341,8 @@ TEST_F(CloudProblems, BallsThatAProgramSetsAreChecked) {
   EXPECT_THROW(with({{0, 0.5, 0}, NAN}), robots::InputError);
   EXPECT_THROW(with({{0, 1e300, 0}, 0.02}), robots::InputError);
   EXPECT_THROW(with({{0, NAN, 0}, 0.02}), robots::InputError);
+  problem.world.objects[0].cloud = std::make_shared<const PointCloud>();
+  EXPECT_THROW(CompiledScene{problem}, robots::InputError) << "no ball is no obstacle";
 }
 
 TEST_F(CloudProblems, ACloudIsNotHeld) {

@@ -109,6 +109,15 @@ TEST(DepthImage, ThePixelsOfAllTypesBecomeTheSamePoints) {
   const PointCloud d = makeCloud({odd.data() + 1, 2, 2, 7, Number::kUint16}, camera, 0.01);
   ASSERT_EQ(d.size(), 3U);
   EXPECT_EQ(d.balls[2].center, a.balls[2].center);
+  // 0: rows without a gap. Rows that overlap are refused.
+  const PointCloud e = makeCloud({millimetres, 2, 2, 0, Number::kUint16}, camera, 0.01);
+  ASSERT_EQ(e.size(), 3U);
+  EXPECT_EQ(e.balls[2].center, a.balls[2].center);
+  EXPECT_THROW(makeCloud({millimetres, 2, 2, 3, Number::kUint16}, camera, 0.01),
+               std::invalid_argument);
+  EXPECT_THROW(makeCloud({metres_d, 2, 2, 8, Number::kDouble}, camera, 0.01),
+               std::invalid_argument);
+  EXPECT_THROW(makeCloud({nullptr, 2, 2, 0, Number::kUint16}, camera, 0.01), std::invalid_argument);
   // The half diagonal of a pixel at 1 m, at 60 degrees.
   const double half = std::hypot(1.0 / 500, 1.0 / 400) / 2;
   EXPECT_NEAR(depthSpread(camera), half / (0.5 - half), 1e-12);

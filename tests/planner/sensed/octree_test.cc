@@ -220,7 +220,10 @@ TEST_F(Octrees, DamagedFilesAreRefused) {
     std::string changed = binary;
     return changed.replace(changed.find(line), line.size(), other);
   };
-  expectError("a.bt", with("res 0.1\n", ""), 0, {"resolution 0"});
+  expectError("a.bt", with("res 0.1\n", ""), 1, {"the header has no res"});
+  for (const std::string key : {"id OcTree\n", "size 35\n", "res 0.1\n"})
+    expectError("a.bt", with("data\n", key + "data\n"), 7, {"stands twice"});
+  expectError("a.bt", with("data\n", "res 1000\ndata\n"), 7, {"res stands twice"});
   expectError("a.bt", with("res 0.1", "res -1"), 0, {"resolution -1"});
   expectError("a.bt", with("res 0.1", "res x"), 6, {"res is 'x'"});
   expectError("a.bt", with("res 0.1", "ras 0.1"), 6, {"'ras' is not known"});

@@ -50,6 +50,35 @@ TEST(PointCloud, ArraysWithStridesAndBothPrecisions) {
   EXPECT_EQ(b.balls[1].radius, 3);
 }
 
+TEST(PointCloud, StridesThatPointsDoNotFitInAreRefused) {
+  const double doubles[] = {0.5, 0, 0, 0.6, 0, 0};
+  const float floats[] = {0.5, 0, 0, 0.6F, 0, 0};
+  using Number = PointArray::Number;
+  for (const PointArray& packed :
+       {PointArray{.first = doubles, .count = 2, .number = Number::kDouble},
+        PointArray{.first = floats, .count = 2}}) {
+    const PointCloud cloud = makeCloud(packed, 0.02);
+    ASSERT_EQ(cloud.size(), 2U);
+    EXPECT_NEAR((cloud.balls[1].center - Vector3d(0.6, 0, 0)).norm(), 0, 1e-7);
+  }
+  for (const std::size_t stride : {1U, 4U, 12U, 23U})
+    EXPECT_THROW(makeCloud({doubles, 2, stride, Number::kDouble}, 0.02), std::invalid_argument);
+  for (const std::size_t stride : {1U, 4U, 11U})
+    EXPECT_THROW(makeCloud({floats, 2, stride}, 0.02), std::invalid_argument);
+  EXPECT_THROW(makeCloud({nullptr, 2}, 0.02), std::invalid_argument);
+  EXPECT_EQ(makeCloud(PointArray{}, 0.02).size(), 0U);
+}
+
+TEST(PointCloud, ACloudWithoutABallIsAFaultUnlessAFilterRemovedAll) {
+  EXPECT_NE(cloudFault(makeCloud(PointArray{}, 0.02)), "");
+  const float nan[] = {NAN, 0, 0, 1, NAN, 1};
+  EXPECT_NE(cloudFault(makeCloud({nan, 2}, 0.02)).find("dropped 2 points"), std::string::npos);
+  const float far[] = {9, 0, 0};
+  const std::vector<Ball> reach = {{{0, 0, 0}, 1}};
+  EXPECT_EQ(cloudFault(cropped(makeCloud({far, 1}, 0.02), {}, reach, 0.1)), "");
+  EXPECT_NE(cloudFault(cropped(makeCloud({nan, 2}, 0.02), {}, reach, 0.1)), "");
+}
+
 TEST(PointCloud, BadRadiiAndCoordinatesAreRefused) {
   const double points[] = {1, 2, 3, 4, 1.1e9, 6};
   const auto cloud = [&](std::size_t count, double radius) {
@@ -166,7 +195,7 @@ TEST(PointCloud, CroppingKeepsAllThatIsInReach) {
   X_WC.translation = {0.05, 0, 0};
   const PointCloud cloud = randomCloud(3, 2000, 0.4);
   const PointCloud kept = cropped(cloud, X_WC, reach, 0.04);
-  EXPECT_EQ(kept.complete_within, 0.04);
+  EXPECT_EQ(kept.completeWithin(), 0.04);
   std::size_t in_reach = 0;
   for (const Ball& ball : cloud.balls)
     in_reach += std::any_of(reach.begin(), reach.end(), [&](const Ball& of) {
@@ -175,7 +204,26 @@ TEST(PointCloud, CroppingKeepsAllThatIsInReach) {
   EXPECT_EQ(kept.size(), in_reach);
   EXPECT_GT(in_reach, 50U);
   EXPECT_LT(in_reach, 1000U);
-  EXPECT_EQ(cropped(kept, X_WC, reach, 1).complete_within, 0.04);
+  EXPECT_EQ(cropped(kept, X_WC, reach, 1).completeWithin(), 0.04);
+  const PointCloud thin = thinnedTo(thinned(cropped(kept, X_WC, reach, 1), 0.01), 20);
+  ASSERT_EQ(thin.crops.size(), 2U);
+  EXPECT_EQ(thin.crops[0].X_WC.translation, X_WC.translation);
+  EXPECT_EQ(cloud.completeWithin(), INFINITY);
+}
+
+TEST(PointCloud, ACropCoversWhatIsInsideItsReach) {
+  const PointCloud::Crop crop{0.1, {}, {{{0.1, 0, 0}, 0.1}, {{-0.2, 0, 0.1}, 0.05}}};
+  const auto covers = [&](std::initializer_list<Ball> balls) {
+    return crop.covers(std::vector<Ball>(balls));
+  };
+  EXPECT_TRUE(crop.covers(crop.reach_W));
+  EXPECT_TRUE(covers({{{-0.2, 0, 0.1}, 0.04}, {{0.15, 0, 0}, 0.0499}}));
+  EXPECT_TRUE(covers({}));
+  EXPECT_FALSE(covers({{{0.1, 0, 0}, std::nextafter(0.1, 1)}}));
+  EXPECT_FALSE(covers({{{0.15, 0, 0}, 0.0501}}));
+  EXPECT_FALSE(covers({{{0.1, 0, 0}, 0.1}, {{1, 0, 0}, 0.01}}));
+  EXPECT_FALSE(covers({{{0.1, kNaN, 0}, 0.01}}));
+  EXPECT_FALSE(covers({{{0.1, 0, 0}, kNaN}}));
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ Json cloudsJson(const planner::Problem& problem) {
                     {"balls", object.cloud->size()},
                     {"largest_radius", object.cloud->largestRadius()},
                     {"unseen", "free"},
-                    {"complete_within", jsonNumber(object.cloud->complete_within)},
+                    {"complete_within", jsonNumber(object.cloud->completeWithin())},
                     {"filters", filters},
                     {"bytes", object.cloud->size() * sizeof(planner::PointCloud::Ball)}});
   }

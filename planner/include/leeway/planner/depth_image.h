@@ -26,7 +26,7 @@ struct DepthImage {
   enum class Number : unsigned char { kUint16, kFloat, kDouble };
   const void* first = nullptr;  ///< the first pixel; need not be aligned
   std::size_t width = 0, height = 0;
-  std::size_t stride = 0;  ///< from one row to the next [bytes]
+  std::size_t stride = 0;  ///< from one row to the next [bytes]; 0: a row's pixels, no gap
   Number number = Number::kUint16;
   /// One byte a pixel, width x height of them; pixels with 0 are left out. Null: none is.
   const std::uint8_t* mask = nullptr;
@@ -42,8 +42,9 @@ double depthSpread(const DepthCamera& camera);
 /// A cloud in the camera's frame: a ball for each pixel, with the radius
 /// `radius` + depth * depthSpread(camera). Pixels with a depth of 0 or one that is not finite are
 /// no measurements. They and those of the mask are counted in `filters`. Throws
-/// std::invalid_argument for a negative depth, a camera that is not accepted, and what makeCloud()
-/// refuses of points. O(pixels).
+/// std::invalid_argument for a negative depth, a camera that is not accepted, pixels at a null
+/// pointer, a stride that is smaller than a row, and what makeCloud() refuses of points.
+/// O(pixels).
 PointCloud makeCloud(const DepthImage& image, const DepthCamera& camera, double radius);
 
 /// Reads a depth image from a PNG or PGM of 16 bits, and its mask, of the same size, from one of

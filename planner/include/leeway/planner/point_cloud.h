@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,13 +25,26 @@ struct PointCloud {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< in the cloud's frame C [m]
     double radius = 0;                                 ///< [m], from 1e-9
   };
+  /// A call of cropped(): the balls that it removed are farther than `distance` from `reach_W`
+  /// while the cloud stands at `X_WC`.
+  struct Crop {
+    double distance = 0;  ///< [m]
+    robots::Pose X_WC;
+    std::vector<Ball> reach_W;
+
+    /// Whether each ball of `others_W` is proven to be inside one of `reach_W`.
+    /// O(balls x balls), O(balls) for the same balls.
+    bool covers(std::span<const Ball> others_W) const;
+  };
   std::vector<Ball> balls;
   std::vector<CloudFilter> filters;  ///< in the order in which they were applied
-  /// Balls that cropped() removed are farther than this from all that the robot can reach [m]: a
-  /// larger margin is refused.
-  double complete_within = std::numeric_limits<double>::infinity();
+  /// The crops of the cloud. A problem is refused if one of its margins is larger than a crop's
+  /// distance, the cloud stands elsewhere, or the robot reaches beyond a crop's reach.
+  std::vector<Crop> crops;
 
   std::size_t size() const { return balls.size(); }
+  /// The least distance of all crops [m]; infinite for a cloud that was not cropped.
+  double completeWithin() const;
   /// 0 for no balls. O(size).
   double largestRadius() const;
 };
@@ -43,13 +55,14 @@ struct PointArray {
   enum class Number : unsigned char { kFloat, kDouble };
   const void* first = nullptr;  ///< x of the first point; need not be aligned
   std::size_t count = 0;        ///< of points
-  std::size_t stride = 12;      ///< from one point to the next [bytes]
+  std::size_t stride = 0;       ///< from one point to the next [bytes]; 0: three numbers, no gap
   Number number = Number::kFloat;
 };
 
 /// The cloud of points with one radius [m]. Points with a coordinate that is not finite are
 /// dropped, and counted in `filters`. Throws std::invalid_argument for a radius outside 1e-9 to
-/// 1e9 m and for a coordinate beyond 1e9 m. O(count).
+/// 1e9 m, a coordinate beyond 1e9 m, points at a null pointer, and a stride that is smaller than
+/// three numbers. O(count).
 PointCloud makeCloud(const PointArray& points, double radius);
 /// The same with one radius a point; those of dropped points are not looked at.
 PointCloud makeCloud(const PointArray& points, std::span<const double> radii);
@@ -81,12 +94,14 @@ PointCloud carved(const PointCloud& cloud, const robots::Pose& X_WC,
                   const std::string& what);
 
 /// Without the balls that are proven to be farther than `distance` >= 0 [m] from all balls of
-/// `reach_W`, such as reachOf() (problem.h). O(size x reach).
+/// `reach_W`, such as reachOf() (problem.h). The result keeps the crop in `crops`.
+/// O(size x reach).
 PointCloud cropped(const PointCloud& cloud, const robots::Pose& X_WC,
                    std::span<const PointCloud::Ball> reach_W, double distance);
 
 /// Returns a message about the first ball that is not accepted, "ball 7 has the radius -1; ...", or
-/// an empty string. Radii from 1e-9 to 1e9 m and coordinates up to 1e9 m are accepted. O(size).
+/// an empty string. Radii from 1e-9 to 1e9 m and coordinates up to 1e9 m are accepted. A cloud
+/// without a ball is accepted only if carved() or cropped() removed all that it had. O(size).
 std::string cloudFault(const PointCloud& cloud);
 
 /// The balls as shapes in the cloud's frame. Throws collision::InvalidShape for a radius that no
