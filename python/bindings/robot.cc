@@ -136,7 +136,7 @@ Robot loadRobot(const py::object& urdf, const py::object& srdf, const py::object
   return {model, groupNames(group)};
 }
 
-Robot freeBody(const std::string& name, const py::list& shapes, const std::string& joint,
+Robot freeBody(const std::string& name, const py::object& shapes, const std::string& joint,
                const py::object& lower, const py::object& upper) {
   if (joint != "planar" && joint != "floating")
     unknownWord("joint", joint, "'planar' or 'floating'");
@@ -320,12 +320,13 @@ void defineRobot(py::module_& module) {
              py::arg("packages") = py::none(), py::arg("xacro") = py::none(),
              py::arg("meshes") = py::none(), py::arg("kinematics_only") = false,
              py::arg("visual_as_collision") = false, py::arg("cache") = true);
-  defineStatic(robot, "free_body", "(name, shapes, *, joint='floating', lower, upper)",
-               "One rigid body that moves in space (its point is x y z qx qy qz qw) or, with "
-               "joint='planar', in the plane (x y angle). `shapes` is a list of shapes or of pairs "
-               "(shape, pose). `lower` and `upper` bound its origin [m]: 3 numbers, planar 2.",
-               freeBody, py::arg("name"), py::arg("shapes"), py::kw_only(),
-               py::arg("joint") = "floating", py::arg("lower"), py::arg("upper"));
+  defineStatic(
+      robot, "free_body", "(name, shapes, *, joint='floating', lower, upper)",
+      "One rigid body that moves in space (its point is x y z qx qy qz qw) or, with "
+      "joint='planar', in the plane (x y angle). `shapes` is a shape, or a list of shapes or of "
+      "pairs (shape, pose). `lower` and `upper` bound its origin [m]: 3 numbers, planar 2.",
+      freeBody, py::arg("name"), py::arg("shapes"), py::kw_only(), py::arg("joint") = "floating",
+      py::arg("lower"), py::arg("upper"));
   defineCopiesOfConstant(robot);
   define(
       robot, "with_group", "(self, group)",

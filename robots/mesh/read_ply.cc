@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <limits>
 #include <optional>
@@ -283,6 +284,14 @@ class PlyReader {
       if (axis < 0 || element.properties[static_cast<std::size_t>(axis)].count)
         source_.failAt(element.place,
                        "a vertex without x, y and z; a property for each would be accepted");
+    for (const int axis : axes)
+      if (std::count_if(
+              element.properties.begin(), element.properties.end(), [&](const Property& property) {
+                return property.name == element.properties[static_cast<std::size_t>(axis)].name;
+              }) > 1)
+        source_.failAt(element.place,
+                       "a vertex with two properties of one name; one of each of x, y and z would "
+                       "be accepted");
     mesh_.vertices.reserve(mesh_.vertices.size() + std::min(element.count, body.left()));
     forEach(element, body, [&](std::size_t) {
       Eigen::Vector3d& v = mesh_.vertices.emplace_back();

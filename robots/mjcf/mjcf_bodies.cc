@@ -295,6 +295,9 @@ class BodyReader {
     const std::size_t limited = a.word("limited", {"false", "true", "auto"}, "auto");
     if (range && limited == 2 && !settings_.auto_limits && *range != std::vector<double>{0, 0})
       a.fail("range", "limited=\"true\" or \"false\" is needed with autolimits=\"false\"");
+    // MuJoCo takes the joint for unlimited then, which is not what the file says.
+    if (limited != 0 && range && (*range)[0] > (*range)[1])
+      a.fail("range", "two numbers, the lower first, would be accepted");
     if (limited == 1 && !(range && (*range)[0] < (*range)[1]))
       a.fail("range", "two numbers, the lower first, would be accepted with limited=\"true\"");
     moved.has_limit = limited == 1 || (limited == 2 && range && (*range)[0] < (*range)[1]);

@@ -1,8 +1,16 @@
 #include "robots/model/model_builder.h"
 
+#include <charconv>
+#include <iterator>
+#include <stdexcept>
 #include <utility>
 
 namespace leeway::robots {
+
+std::string textOf(double number) {
+  char digits[32];
+  return {digits, std::to_chars(digits, std::end(digits), number).ptr};
+}
 
 void appendVariables(RobotDescription& robot, int joint_index, const Eigen::Vector3d& lower,
                      const Eigen::Vector3d& upper, double velocity) {
@@ -31,6 +39,12 @@ void appendVariables(RobotDescription& robot, int joint_index, const Eigen::Vect
 std::shared_ptr<const Model> freeBody(const std::string& name, std::vector<Geometry> geometries,
                                       JointType type, const Eigen::Vector3d& lower,
                                       const Eigen::Vector3d& upper) {
+  const int bounded = type == JointType::kPlanar ? 2 : 3;
+  for (int k = 0; k < bounded; ++k)
+    if (!(lower[k] <= upper[k]))
+      throw std::invalid_argument("the lower bound " + textOf(lower[k]) + " of '" + name + "/" +
+                                  "xyz"[k] + "' is not below the upper bound " + textOf(upper[k]) +
+                                  "; lower <= upper is expected");
   RobotDescription body;
   body.name = name;
   Link link;

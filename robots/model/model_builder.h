@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <string>
 
 #include "collision/base/numbers.h"
 #include "leeway/robots/model.h"
@@ -12,5 +13,8 @@ namespace leeway::robots {
 /// one), x and y of a planar, x, y and z of a floating one.
 void appendVariables(RobotDescription& robot, int joint, const Eigen::Vector3d& lower,
                      const Eigen::Vector3d& upper, double velocity = kInfinity);
+
+/// The shortest digits that read back.
+std::string textOf(double number);
 
 }  // namespace leeway::robots

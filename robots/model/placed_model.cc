@@ -2,9 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cctype>
-#include <charconv>
 #include <cmath>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -14,15 +12,10 @@
 #include "collision/base/pose_check.h"
 #include "collision/base/tolerances.h"
 #include "leeway/robots/text.h"
+#include "robots/model/model_builder.h"
 
 namespace leeway::robots {
 namespace {
-
-/// The shortest digits that read back.
-std::string textOf(double number) {
-  char digits[32];
-  return {digits, std::to_chars(digits, std::end(digits), number).ptr};
-}
 
 bool isFree(const Joint& joint) {
   return joint.type == JointType::kPlanar || joint.type == JointType::kFloating;
@@ -106,6 +99,15 @@ std::string neverPairs(const RobotDescription& robot, int joint) {
   return count > kNamed ? named + ", and " + std::to_string(count - kNamed) + " more" : named;
 }
 
+/// The names of the joints that follow a joint.
+std::string followersOf(const RobotDescription& robot, int joint) {
+  std::string names;
+  for (const Joint& follower : robot.joints)
+    if (follower.mimic == joint && follower.type != JointType::kContinuous)
+      names += (names.empty() ? "'" : ", '") + follower.name + "'";
+  return names;
+}
+
 }  // namespace
 
 std::string boundFault(const RobotDescription& robot, const std::string& joint,
@@ -149,8 +151,17 @@ std::shared_ptr<const Model> withBounds(const Model& model, const JointBounds& b
       Variable& variable = bounded->variables[v];
       if (!variable.file_limits) variable.file_limits = {variable.lower, variable.upper};
       std::tie(variable.lower, variable.upper) = std::pair(bound.lower, bound.upper);
+      const auto [file_lower, file_upper] = *variable.file_limits;
+      const bool is_wider = bound.lower < file_lower || bound.upper > file_upper;
+      if (const std::string followers = followersOf(*bounded, variable.joint);
+          is_wider && axis.empty() && !followers.empty())
+        bounded->warnings.push_back(
+            "bounds of joint '" + joint +
+            "' are wider than the robot's limits; the limits of joints that follow it do not hold "
+            "there: " +
+            followers);
       if (axis.empty()) variable.narrowed_by = bound.where;
-      if (bound.lower < variable.file_limits->first || bound.upper > variable.file_limits->second)
+      if (is_wider)
         if (const std::string pairs = neverPairs(*bounded, variable.joint); !pairs.empty())
           bounded->warnings.push_back(
               "bounds of joint '" + joint +

@@ -69,6 +69,8 @@ TEST_F(BadInput, StatesGiveEachJointOnce) {
   expectRefused("check reach.yaml --state elbow=1,elbow=2 --json", {"elbow twice"});
   EXPECT_EQ(run("check reach.yaml --state 'shoulder=1, elbow=0'").status, 2);  // " elbow"
   EXPECT_EQ(run("check reach.yaml --state '1, +0'").status, 0);
+  EXPECT_EQ(run("check reach.yaml --state '1 +0'").status, 0);  // as --start
+  EXPECT_EQ(run("check reach.yaml --state '1,,0'").status, 2);
 }
 
 TEST_F(BadInput, UnknownStatesNameTheNearest) {

@@ -328,6 +328,11 @@ TEST_F(Plan, LimitsOfJointsFromFilesAndOptions) {
   EXPECT_EQ(shoulder["lower"], -0.5);
   shoulder = variable(" --bounds shoulder -6 6 --widen shoulder");
   EXPECT_EQ(shoulder["upper"], 6);
+  EXPECT_EQ(shoulder["narrowed_by"], "");
+  EXPECT_NE(shoulder["widened_by"], "");
+  EXPECT_NE(run("info arm.urdf --srdf arm.srdf --bounds shoulder -6 6 --widen shoulder")
+                .out.find("shoulder: widened by "),
+            std::string::npos);
   expectRefused(info + " --bounds shoulder -6 6",
                 {"--bounds", "'shoulder'", "outside its own limits"});
   expectRefused(info + " --bounds shoulder -1 x", {"--bounds shoulder", "'x' is no finite number"});

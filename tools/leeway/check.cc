@@ -116,7 +116,7 @@ std::vector<std::string> plannedNames(const planner::Problem& problem) {
 /// Parses "1,2,3" (every planned variable, in group order) or "elbow=1,wrist=2" (other variables as
 /// at the start).
 std::vector<double> parseValues(const planner::Problem& problem, const std::string& text) {
-  const std::vector<std::string> parts = splitAt(',', text), names = plannedNames(problem);
+  const std::vector<std::string> parts = listed(text), names = plannedNames(problem);
   std::vector<double> point = startPoint(problem);
   if (text.find('=') == std::string::npos) {
     if (parts.size() != point.size()) {

@@ -143,6 +143,11 @@ class JointLimits {
           warn(*value, fmt::format("{} is left out: limits are the same in both directions",
                                    value->where()));
       }
+    const double own = model_->variables[at(master.first_variable)].velocity;
+    if (velocity && *velocity > own && own > 0 && !is_shared)
+      warn(*entry.find("max_velocity"),
+           fmt::format("{} is {}, above {} of the robot's file, and is taken in its place",
+                       entry.find("max_velocity")->where(), *velocity * ratio, own * ratio));
     for (int k = 0; k < master.variable_count; ++k) {
       robots::Variable& variable = model_->variables[at(master.first_variable + k)];
       const auto take = [&](double& held, const std::optional<double>& given) {

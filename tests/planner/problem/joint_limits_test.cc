@@ -95,10 +95,14 @@ joint_limits:
   EXPECT_EQ(std::pair(of("slide").lower, of("slide").upper), std::pair(0.0, 0.5));
   EXPECT_EQ(of("slide").velocity, 3) << "given without has_velocity_limits, it holds";
   EXPECT_EQ(of("slide").acceleration, kNoLimit);
-  ASSERT_EQ(model_->warnings.size(), own_->warnings.size() + 1);
-  EXPECT_NE(model_->warnings.back().find(":2: 'default_velocity_scaling_factor' is left out"),
-            std::string::npos)
-      << model_->warnings.back();
+  ASSERT_EQ(model_->warnings.size(), own_->warnings.size() + 2);
+  const std::string& scaling = model_->warnings[own_->warnings.size()];
+  const std::string& faster = model_->warnings.back();
+  EXPECT_NE(faster.find(":22: "), std::string::npos) << faster;
+  EXPECT_NE(faster.find("max_velocity is 3, above 2 of the robot's file"), std::string::npos)
+      << faster;
+  EXPECT_NE(scaling.find(":2: 'default_velocity_scaling_factor' is left out"), std::string::npos)
+      << scaling;
   EXPECT_EQ(own_->variables[0].velocity, 2) << "the robot itself is constant";
 }
 

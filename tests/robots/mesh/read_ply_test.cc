@@ -130,6 +130,10 @@ TEST(ReadPly, DamagedFiles) {
   refused({replaced(whole, "property double x", "property real x"), ":5", {"'real'; char, uchar"}});
   refused(
       {replaced(whole, "property double x", "property double u"), ":4", {"without x, y and z"}});
+  refused({replaced(whole, "property float y", "property float x"), ":4", {"without x, y and z"}});
+  refused({replaced(whole, "property float y", "property float x\nproperty float y"),
+           ":4",
+           {"two properties of one name"}});
   refused({replaced(whole, "element face", "elemnt face"), ":8", {"'elemnt'; element would be"}});
   refused({replaced(whole, "vertex_indices", "corners"), ":8", {"no list of its vertices"}});
   refused({kSquareHeader.substr(0, kSquareHeader.find("property float64")),

@@ -63,6 +63,37 @@ TEST(PlacedModel, LimitsBecomeWiderOnlyWhereThatIsSaid) {
   EXPECT_EQ(variable(*wide, "elbow").touchRange(), std::pair(-1.0, 4.0));
 }
 
+TEST(PlacedModel, LimitsOfJointsThatFollowAWidenedOneAreWarnedOf) {
+  const Folder folder;
+  const auto model = loadModel(folder.write("fingers.urdf", R"(<robot name="fingers">
+<link name="base"/><link name="a"/><link name="b"/>
+<joint name="left" type="prismatic"><parent link="base"/><child link="a"/><axis xyz="1 0 0"/><limit lower="0" upper="1" velocity="1" effort="1"/></joint>
+<joint name="right" type="prismatic"><parent link="base"/><child link="b"/><axis xyz="1 0 0"/><limit lower="0" upper="0.5" velocity="1" effort="1"/><mimic joint="left"/></joint>
+</robot>)"),
+                               "");
+  EXPECT_EQ(variable(*model, "left").upper, 0.5);
+  const auto warningsOf = [&](const JointBound& bound) {
+    std::string all;
+    const auto bounded = withBounds(*model, {{"left", {{"", bound}}}});
+    for (const std::string& warning : bounded->warnings) all += warning;
+    return all;
+  };
+  EXPECT_EQ(warningsOf({0, 0.4}).find("follow"), std::string::npos);
+  EXPECT_NE(warningsOf({0, 0.8, true}).find("follow it do not hold there: 'right'"),
+            std::string::npos)
+      << warningsOf({0, 0.8, true});
+}
+
+TEST(PlacedModel, AFreeBodyHasItsLowerBoundBelowTheUpper) {
+  const auto body = [](JointType type, const Eigen::Vector3d& lower, const Eigen::Vector3d& upper) {
+    return freeBody("brick", {{collision::Shape::sphere(0.1), {}, {}}}, type, lower, upper);
+  };
+  EXPECT_NO_THROW(body(JointType::kFloating, {0, 0, 0}, {0, 1, 1}));
+  EXPECT_THROW(body(JointType::kFloating, {0, 0, 1}, {1, 1, 0}), std::invalid_argument);
+  EXPECT_THROW(body(JointType::kPlanar, {0, 1, 0}, {1, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(body(JointType::kPlanar, {0, NAN, 0}, {1, 0, 0}), std::invalid_argument);
+}
+
 TEST(PlacedModel, AContinuousJointThatIsLimitedBecomesRevolute) {
   std::string urdf = kCart;
   urdf.replace(urdf.find("revolute"), 8, "continuous");

@@ -224,11 +224,15 @@ Json robotJson(const robots::Model& model) {
   }
   Json variables = Json::array();
   for (const auto& variable : model.variables) {
+    const auto [least, most] =
+        variable.file_limits.value_or(std::pair(variable.lower, variable.upper));
+    const bool is_wider = variable.lower < least || variable.upper > most;
     variables.push_back({{"name", variable.name},
                          {"lower", jsonNumber(variable.lower)},
                          {"upper", jsonNumber(variable.upper)},
                          {"velocity", jsonNumber(variable.velocity)},
-                         {"narrowed_by", variable.narrowed_by}});
+                         {"narrowed_by", is_wider ? "" : variable.narrowed_by},
+                         {"widened_by", is_wider ? variable.narrowed_by : ""}});
   }
   Json groups = Json::array();
   for (const auto& group : model.groups) {

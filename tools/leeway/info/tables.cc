@@ -134,6 +134,9 @@ void printRobot(const Json& robot, bool all) {
   for (const auto& variable : robot["variables"]) {
     const std::string by = variable["narrowed_by"];
     if (!by.empty()) fmt::print("{}: narrowed by {}\n", variable["name"].get<std::string>(), by);
+    const std::string wider = variable["widened_by"];
+    if (!wider.empty())
+      fmt::print("{}: widened by {}\n", variable["name"].get<std::string>(), wider);
   }
   fmt::print("\n");
   for (const auto& group : robot["groups"]) {

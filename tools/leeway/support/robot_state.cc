@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <sstream>
 
 #include "collision/base/numbers.h"
 #include "leeway/robots/input_error.h"
@@ -45,6 +46,18 @@ std::vector<std::string> splitAt(char separator, const std::string& text) {
   return parts;
 }
 
+std::vector<std::string> listed(const std::string& text) {
+  if (text.find('=') != std::string::npos) return splitAt(',', text);
+  std::vector<std::string> values;
+  for (const std::string& part : splitAt(',', text)) {
+    std::istringstream words(part);
+    const std::size_t before = values.size();
+    for (std::string word; words >> word;) values.push_back(word);
+    if (values.size() == before) values.emplace_back();  // an error of its reader: "1,,2"
+  }
+  return values;
+}
+
 double parseNumber(const std::string& option, const std::string& text) {
   const std::optional<double> value = robots::parseFinite(text);
   if (!value) {
@@ -74,7 +87,7 @@ std::vector<double> parseConfiguration(const planner::Problem& problem, const st
     for (const auto& [variable, value] : state.values) q[at(variable)] = value;
     return q;
   }
-  const std::vector<std::string> parts = splitAt(',', text);
+  const std::vector<std::string> parts = listed(text);
   if (text.find('=') == std::string::npos) {
     const std::vector<int>& planned = problem.robot.variables;
     if (parts.size() != planned.size()) {

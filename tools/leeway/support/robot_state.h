@@ -32,5 +32,8 @@ std::string meantState(const robots::Model& model, const std::string& text,
 void refuseLeftOut(const planner::Problem& problem, const std::string& text);
 
 std::vector<std::string> splitAt(char separator, const std::string& text);
+/// Returns the values of a list: numbers that commas or blanks part ("1, 2", "1 2"), or values by
+/// name that commas part ("elbow=1,wrist=2").
+std::vector<std::string> listed(const std::string& text);
 
 }  // namespace leeway::tools

@@ -258,8 +258,8 @@ struct LoadOptions {
 std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::string& srdf_path,
                                        const LoadOptions& options = {});
 
-/// A model of one link with the given geometries on a planar or floating joint named `name`: a free
-/// body. Its variables are bounded by the box (planar: x, y of it); group "all" holds them.
+/// A model of one link on a planar or floating joint named `name`: a free body. A box bounds its
+/// variables (planar: x, y); group "all" holds them. Throws std::invalid_argument: lower > upper.
 std::shared_ptr<const Model> freeBody(const std::string& name, std::vector<Geometry> geometries,
                                       JointType type, const Eigen::Vector3d& lower,
                                       const Eigen::Vector3d& upper);
