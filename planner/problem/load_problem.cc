@@ -276,6 +276,7 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
   Object object{name.text(), {}, {}};
   // If reading goes on after a fault in it, the object's name is still known.
   map.readOn([&] {
+    if (const auto color = map.find("color")) object.color = readColor(*color);
     readBody(map, load, problem, object);
     object.X_WO = readPose(map, problem.warnings);
   });
@@ -469,6 +470,8 @@ void readPairs(const YamlReader& file, const LinkPadding& padding, const robots:
                Problem& problem) {
   KnownNames known(problem);
   if (const auto groups = file.find("groups")) readGroups(*groups, known);
+  if (const auto replace = file.find("replace_srdf"))
+    problem.contacts.replace_srdf = replace->boolean();
   if (const auto allowed = file.find("allowed")) readAllowed(*allowed, known, stop, problem);
   if (const auto margin = file.find("margin"))
     warnOfOverlap(problem.margins.common, *margin, problem);

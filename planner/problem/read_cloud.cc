@@ -93,26 +93,56 @@ PointCloud loadFile(const YamlReader& cloud, const YamlReader& file, double radi
   return loadDepthImage(path, mask ? resolvedPath(*mask) : std::string(), read, radius, stop);
 }
 
+void expectUnseenFree(const YamlReader& cloud) {
+  if (const auto unseen = cloud.find("unseen"); unseen && unseen->text() != "free")
+    unseen->fail(
+        fmt::format("{} is '{}'; only 'free' is accepted: add shapes where something that "
+                    "was not seen may be",
+                    unseen->where(), unseen->text()));
+}
+
+/// `balls:` of a cloud: centers and radii.
+std::shared_ptr<const PointCloud> readBalls(const YamlReader& balls, const robots::Stop& stop) {
+  PointCloud cloud;
+  for (const YamlReader& item : balls.items()) {
+    if (cloud.balls.size() % 1024 == 0) robots::throwIfStopped(stop, "a cloud was read");
+    const std::vector<double> v = item.numbers();
+    if (v.size() != 4)
+      item.fail(fmt::format("{} is a list of {}; [x, y, z, radius] in m is expected", item.where(),
+                            v.size()));
+    cloud.balls.push_back({{v[0], v[1], v[2]}, v[3]});
+  }
+  if (cloud.balls.empty())
+    balls.fail(fmt::format("{} is empty; at least one ball is expected", balls.where()));
+  if (const std::string fault = cloudFault(cloud); !fault.empty())
+    balls.fail(fmt::format("{}: {}", balls.where(), fault));
+  return std::make_shared<const PointCloud>(std::move(cloud));
+}
+
 }  // namespace
 
 std::shared_ptr<const PointCloud> readCloud(const YamlReader& cloud,
                                             std::vector<std::string>& warnings,
                                             const robots::Stop& stop) {
   cloud.expectKeys(keysOf("cloud"));
+  if (const auto margin = cloud.find("carve_margin"); margin && !cloud.has("carve"))
+    margin->fail("key 'carve_margin' stands without 'carve'; both are expected");
+  if (const auto balls = cloud.find("balls")) {
+    for (const char* const other : {"file", "camera", "radius"})
+      if (const auto beside = cloud.find(other))
+        beside->fail(fmt::format("key '{}' stands beside 'balls' in {}; one of them is expected",
+                                 other, cloud.where()));
+    expectUnseenFree(cloud);
+    return readBalls(*balls, stop);
+  }
   const YamlReader file =
       cloud.at("file", "a file of points (PLY, PCD, XYZ, CSV) or a depth image (PNG, PGM)");
   const YamlReader radius = cloud.at("radius", "the radius of each point's ball [m]");
-  if (const auto margin = cloud.find("carve_margin"); margin && !cloud.has("carve"))
-    margin->fail("key 'carve_margin' stands without 'carve'; both are expected");
   const std::string path = resolvedPath(file);
   if (!std::filesystem::exists(path))
     file.fail(fmt::format("{} names '{}', and there is no such file; an existing file is expected",
                           file.where(), path));
-  if (const auto unseen = cloud.find("unseen"); unseen && unseen->text() != "free")
-    unseen->fail(
-        fmt::format("{} is '{}'; only 'free' is accepted: add shapes where something that "
-                    "was not seen may be",
-                    unseen->where(), unseen->text()));
+  expectUnseenFree(cloud);
   try {
     return std::make_shared<const PointCloud>(
         loadFile(cloud, file, radius.number(), warnings, stop));

@@ -162,6 +162,8 @@ void readDeforming(const YamlReader& entry, const robots::LoadOptions& load, Pro
     const auto strategy = entry.find("strategy");
     (strategy ? *strategy : entry).fail(fmt::format("{}: {}", entry.where(), error.what()));
   }
+  if (const auto color = entry.find("color"))
+    problem.world.deforming.back().object.color = readColor(*color);
   if (bound)
     if (const auto fault = speedBoundFault(problem.world.deforming.back(), problem.execution))
       bound->fail(fmt::format("{} {}", bound->where(), *fault));

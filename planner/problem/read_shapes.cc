@@ -236,6 +236,19 @@ std::vector<Geometry> readGeometries(const YamlReader& map, const std::string& o
   return geometries;
 }
 
+std::array<double, 3> readColor(const YamlReader& color) {
+  const std::vector<double> v = color.isList() ? color.numbers() : std::vector<double>();
+  if (v.size() != 3)
+    color.fail(fmt::format("{} is {}; [red, green, blue], each from 0 to 1, is expected",
+                           color.where(),
+                           color.isList() ? fmt::format("a list of {}", v.size()) : "no list"));
+  for (const double share : v)
+    if (!(share >= 0 && share <= 1))
+      color.fail(
+          fmt::format("{} holds {}; numbers from 0 to 1 are expected", color.where(), share));
+  return {v[0], v[1], v[2]};
+}
+
 Eigen::Vector3d readScale(const YamlReader& map) {
   const auto scale = map.find("scale");
   if (!scale) return Eigen::Vector3d::Ones();

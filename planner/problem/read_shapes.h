@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,7 +44,10 @@ std::vector<collision::Geometry> readGeometries(const YamlReader& map, const std
                                                 std::vector<std::string>& warnings,
                                                 const robots::LoadOptions& load);
 
-/// Reads `scale` of a map, one factor or three; ones by default.
+/// Reads `color`: red, green and blue, each from 0 to 1.
+std::array<double, 3> readColor(const YamlReader& color);
+
+/// `scale` of a map, one factor or three; ones by default.
 Eigen::Vector3d readScale(const YamlReader& map);
 
 /// Reads `cloud:` of an object: its points with their radius, before any filter.

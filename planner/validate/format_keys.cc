@@ -25,13 +25,14 @@ constexpr Keys kShape[] = {"name",       "position", "orientation", "rpy",      
 constexpr Keys kObject[] = {"name",         "position",  "orientation", "rpy",      "shapes",
                             "attach",       "box",       "sphere",      "cylinder", "capsule",
                             "cone",         "ellipsoid", "half_space",  "mesh",     "convex_hull",
-                            "height_field", "cloud",     "octree",      "moving"};
+                            "height_field", "cloud",     "octree",      "moving",
+                            "color"};
 constexpr Keys kMoving[] = {"keys",        "velocity",   "turning", "time",
                             "speed_bound", "turn_bound", "age"};
 constexpr Keys kMovingKey[] = {"time", "position", "orientation", "rpy"};
 constexpr Keys kOctree[] = {"file", "unseen"};
-constexpr Keys kCloud[] = {"file",         "camera", "radius", "unseen",    "carve",
-                           "carve_margin", "crop",   "thin",   "most_balls"};
+constexpr Keys kCloud[] = {"file",  "camera",       "radius", "balls", "unseen",
+                           "carve", "carve_margin", "crop",   "thin",  "most_balls"};
 constexpr Keys kCamera[] = {"fx", "fy", "cx", "cy", "scale", "slant", "mask"};
 constexpr Keys kHeightField[] = {"file", "step", "scale", "offset", "floor", "missing"};
 constexpr Keys kBox[] = {"size"};
@@ -49,8 +50,8 @@ constexpr Keys kNearness[] = {"hinge", "inverse", "of"};
 constexpr Keys kWeightedObjective[] = {"length", "integral", "worst"};
 constexpr Keys kWeightedNearness[] = {"hinge", "inverse", "of", "weight"};
 constexpr Keys kMoveit[] = {"scene", "request"};
-constexpr Keys kDeforming[] = {"name",   "position", "orientation", "rpy",      "grid",   "mesh",
-                               "motion", "margin",   "speed_bound", "strategy", "options"};
+constexpr Keys kDeforming[] = {"name",   "position", "orientation", "rpy",      "grid",    "mesh",
+                               "motion", "margin",   "speed_bound", "strategy", "options", "color"};
 constexpr Keys kGrid[] = {"size", "cells"};
 constexpr Keys kDeformOptions[] = {"volume", "hybrid_split", "restructure_factor",
                                    "expected_queries"};

@@ -172,6 +172,7 @@ constexpr Setting kSettings[] = {
     {.name = "", .key = "bounds"},
     {.name = "", .key = "deforming"},
     {.name = "", .key = "groups"},
+    {.name = "", .key = "replace_srdf"},
     {.name = "", .key = "meshes"},
     {.name = "simplify",
      .key = "simplify",

@@ -173,6 +173,11 @@ std::string objectFault(const Object& object) {
   for (const robots::Geometry& geometry : object.geometries)
     if (!isPlacement(geometry.X_BG))
       return fmt::format("the pose of a shape of '{}' {}", object.name, poseFault(geometry.X_BG));
+  if (object.color)
+    for (const double share : *object.color)
+      if (!(share >= 0 && share <= 1))
+        return fmt::format("the color of '{}' holds {}; numbers from 0 to 1 are expected",
+                           object.name, share);
   if (object.cloud)
     if (const std::string fault = cloudFault(*object.cloud); !fault.empty())
       return fmt::format("cloud '{}': {}", object.name, fault);

@@ -7,6 +7,7 @@
 
 #include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
+#include "leeway/planner/save_problem.h"
 #include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/text.h"
@@ -236,6 +237,20 @@ void defineProblem(py::module_& module) {
                "for Robot.",
                loadMoveit, py::arg("robot"), py::arg("scene"), py::arg("request"), py::kw_only(),
                py::arg("meshes") = py::none());
+  define(
+      problem, "save", "(self, file)",
+      "Writes a problem file (YAML) that load() reads back as the same problem; meshes go into "
+      "the folder STEM.files beside it. What it wrote is loaded and compared before it replaces "
+      "an existing file. Raises InputError for what files cannot say, and where the file cannot "
+      "be written.",
+      [](const Problem& self, const py::object& file) {
+        const std::string path = fileName(file, "file");
+        const auto value = self.value();
+        Interrupt interrupt;
+        const auto stop = interrupt.callback();
+        interrupt.released([&] { planner::saveProblem(*value, path, stop); });
+      },
+      py::arg("file"));
   define(problem, "attach", "(self, object, link, touch_links=[], *, state=None)",
          "The problem with an object of the world held by a link, grasped where it stands while "
          "the robot is at `state` (default: the start). It may touch the link and `touch_links`.",

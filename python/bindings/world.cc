@@ -1,8 +1,10 @@
 #include "python/bindings/world.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "leeway/planner/depth_image.h"
 #include "leeway/planner/octree.h"
@@ -20,10 +22,23 @@ using planner::PointCloud;
 using WorldClass = py::class_<World>;
 
 /// Every adder ends with these.
-const std::string kPlace = ", position=(0, 0, 0), orientation=None, rpy=None)";
-const char* const kPlaceDoc =
+const std::string kPose = ", position=(0, 0, 0), orientation=None, rpy=None";
+const std::string kPlace = kPose + ", color=None)";
+const std::string kPoseDoc =
     " Placed at `position` [m], turned by `orientation` (x y z w) or `rpy` (roll, pitch, yaw) "
     "[rad].";
+const std::string kPlaceDoc =
+    kPoseDoc + " `color` (red, green, blue), each from 0 to 1, is for pages and pictures.";
+
+/// A color, as add() and paint() take it.
+std::optional<std::array<double, 3>> colorOf(const py::object& color) {
+  if (color.is_none()) return std::nullopt;
+  const std::vector<double> shares = numbers(color, "color", 3);
+  for (const double share : shares)
+    if (!(share >= 0 && share <= 1))
+      throw py::value_error("color holds " + text(share) + "; numbers from 0 to 1 are expected");
+  return std::array{shares[0], shares[1], shares[2]};
+}
 
 void requireNew(const World& world, const std::string& name) {
   if (name.empty()) throw py::value_error("name is empty; a name of its own is expected");
@@ -34,10 +49,12 @@ void requireNew(const World& world, const std::string& name) {
 }
 
 void add(World& world, const std::string& name, std::vector<collision::Geometry> geometries,
-         const py::object& position, const py::object& orientation, const py::object& rpy) {
+         const py::object& position, const py::object& orientation, const py::object& rpy,
+         const py::object& color) {
   requireNew(world, name);
   const collision::Pose X_WO = pose(position, orientation, rpy);
-  world.change().objects.push_back({name, std::move(geometries), X_WO});
+  const auto painted = colorOf(color);
+  world.change().objects.push_back({name, std::move(geometries), X_WO, nullptr, painted});
 }
 
 /// A method that adds one shape. `Sizes` are the factory's arguments, all Python objects.
@@ -47,11 +64,13 @@ void defineAdder(WorldClass& world, const char* name, const std::string& sizes, 
   define(
       world, name, "(self, name" + sizes + kPlace, std::string(doc) + kPlaceDoc,
       [factory](World& self, const std::string& object, const Sizes&... values,
-                const py::object& position, const py::object& orientation, const py::object& rpy) {
-        add(self, object, {{factory(values...), {}, object}}, position, orientation, rpy);
+                const py::object& position, const py::object& orientation, const py::object& rpy,
+                const py::object& color) {
+        add(self, object, {{factory(values...), {}, object}}, position, orientation, rpy, color);
       },
       py::arg("name"), names..., py::arg("position") = py::make_tuple(0, 0, 0),
-      py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
+      py::arg("orientation") = py::none(), py::arg("rpy") = py::none(),
+      py::arg("color") = py::none());
 }
 
 [[noreturn]] void unknown(const std::string& name) {
@@ -109,6 +128,16 @@ void move(World& world, const std::string& name, const py::object& position,
     if (object.name == name) object.X_WO = X_WO;
   for (DeformingObstacle& obstacle : changed.deforming)
     if (obstacle.object.name == name) obstacle.object.X_WO = X_WO;
+}
+
+/// Calls use(object) for the object of that name.
+template <class AnyWorld, class Use>
+void withObject(AnyWorld& world, const std::string& name, const Use& use) {
+  for (auto& object : world.objects)
+    if (object.name == name) return use(object);
+  for (auto& obstacle : world.deforming)
+    if (obstacle.object.name == name) return use(obstacle.object);
+  unknown(name);
 }
 
 /// The poses of set_motion()'s arguments; null: it was only seen.
@@ -196,13 +225,13 @@ std::vector<collision::Geometry> shapesOf(const World& world, const std::string&
 
 /// Keywords of filters and of the place, as Python gives them.
 struct CloudKeywords {
-  const py::object &thin, &most_balls, &carve, &carve_margin, &position, &orientation, &rpy;
+  const py::object &thin, &most_balls, &carve, &carve_margin, &position, &orientation, &rpy, &color;
 };
 
 /// Adds a cloud, filtered; returns what was left out.
 py::list addFiltered(World& world, const std::string& name, PointCloud cloud,
                      const CloudKeywords& of) {
-  Object object{name, {}, pose(of.position, of.orientation, of.rpy)};
+  Object object{name, {}, pose(of.position, of.orientation, of.rpy), nullptr, colorOf(of.color)};
   const double margin = number(of.carve_margin, "carve_margin");
   if (py::isinstance<py::str>(of.carve))
     throw py::type_error("carve is '" + std::string(py::str(of.carve)) +
@@ -233,11 +262,11 @@ py::list addFiltered(World& world, const std::string& name, PointCloud cloud,
 py::list addCloud(World& world, const std::string& name, const py::object& points,
                   const py::object& radius, const py::object& thin, const py::object& most_balls,
                   const py::object& carve, const py::object& carve_margin,
-                  const py::object& position, const py::object& orientation,
-                  const py::object& rpy) {
+                  const py::object& position, const py::object& orientation, const py::object& rpy,
+                  const py::object& color) {
   requireNew(world, name);
   return addFiltered(world, name, cloudOf(points, radius),
-                     {thin, most_balls, carve, carve_margin, position, orientation, rpy});
+                     {thin, most_balls, carve, carve_margin, position, orientation, rpy, color});
 }
 
 /// A depth image as one block of memory, which the result keeps.
@@ -285,7 +314,8 @@ py::list addDepthImage(World& world, const std::string& name, const py::object& 
                        const py::object& slant, const py::object& mask, const py::object& thin,
                        const py::object& most_balls, const py::object& carve,
                        const py::object& carve_margin, const py::object& position,
-                       const py::object& orientation, const py::object& rpy) {
+                       const py::object& orientation, const py::object& rpy,
+                       const py::object& color) {
   requireNew(world, name);
   planner::DepthImage image;
   const py::array kept = depthOf(depth, image);
@@ -299,7 +329,7 @@ py::list addDepthImage(World& world, const std::string& name, const py::object& 
   if (cloud.balls.empty())
     throw py::value_error("depth: no pixel is a measurement; at least one above 0 is expected");
   return addFiltered(world, name, std::move(cloud),
-                     {thin, most_balls, carve, carve_margin, position, orientation, rpy});
+                     {thin, most_balls, carve, carve_margin, position, orientation, rpy, color});
 }
 
 std::string htmlOfWorld(const World& world) {
@@ -320,17 +350,19 @@ std::string htmlOfWorld(const World& world) {
 void addDeforming(World& world, const std::string& name, const py::object& vertices,
                   const py::object& faces, const py::object& motion, const py::object& bound,
                   const py::object& strategy, const py::object& position,
-                  const py::object& orientation, const py::object& rpy) {
+                  const py::object& orientation, const py::object& rpy, const py::object& color) {
   requireNew(world, name);
   const collision::Pose X_WO = pose(position, orientation, rpy);
   const auto mesh = deformableMesh(vertices, faces);
   const auto moves = motionOf(motion);
   const double speed_bound = speedBoundOf(bound);
+  const auto painted = colorOf(color);
   collision::DeformOptions options;
   options.strategy = strategyOf(strategy);
   DeformingObstacle made = released([&] {
     return planner::makeDeformingObstacle(name, mesh, moves, X_WO, 0, options, speed_bound);
   });
+  made.object.color = painted;
   requireNew(world, name);  // another thread may have added one meanwhile
   world.change().deforming.push_back(std::move(made));
 }
@@ -357,7 +389,8 @@ void defineAdders(WorldClass& world) {
                   "about.") +
           kPlaceDoc,
       [](World& self, const std::string& name, const py::object& file, const std::string& unseen,
-         const py::object& position, const py::object& orientation, const py::object& rpy) {
+         const py::object& position, const py::object& orientation, const py::object& rpy,
+         const py::object& color) {
         if (unseen != "free" && unseen != "occupied")
           unknownWord("unseen", unseen, "'free' or 'occupied'");
         const std::string path = fileName(file, "file");
@@ -368,11 +401,11 @@ void defineAdders(WorldClass& world) {
               path, unseen == "free" ? planner::Unseen::kFree : planner::Unseen::kOccupied, stop);
         });
         for (collision::Geometry& box : boxes) box.name = name;
-        add(self, name, std::move(boxes), position, orientation, rpy);
+        add(self, name, std::move(boxes), position, orientation, rpy, color);
       },
       py::arg("name"), py::arg("file"), py::arg("unseen"),
       py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
-      py::arg("rpy") = py::none());
+      py::arg("rpy") = py::none(), py::arg("color") = py::none());
   defineAdder(world, "add_height_field", ", heights, step, floor",
               "Adds what is below heights (rows, columns), as Shape.height_field() has it [m].",
               heightField, py::arg("heights"), py::arg("step"), py::arg("floor"));
@@ -380,11 +413,13 @@ void defineAdders(WorldClass& world) {
       world, "add_half_space", "(self, name" + kPlace,
       std::string("Adds all below z = 0 of its frame: a floor.") + kPlaceDoc,
       [](World& self, const std::string& name, const py::object& position,
-         const py::object& orientation, const py::object& rpy) {
-        add(self, name, {{collision::Shape::halfSpace(), {}, name}}, position, orientation, rpy);
+         const py::object& orientation, const py::object& rpy, const py::object& color) {
+        add(self, name, {{collision::Shape::halfSpace(), {}, name}}, position, orientation, rpy,
+            color);
       },
       py::arg("name"), py::arg("position") = py::make_tuple(0, 0, 0),
-      py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
+      py::arg("orientation") = py::none(), py::arg("rpy") = py::none(),
+      py::arg("color") = py::none());
   define(
       world, "add_mesh",
       "(self, name, file=None, *, vertices=None, triangles=None, scale=1.0, solid='auto', "
@@ -396,15 +431,16 @@ void defineAdders(WorldClass& world) {
           kPlaceDoc,
       [](World& self, const std::string& name, const py::object& file, const py::object& vertices,
          const py::object& faces, const py::object& scale, const std::string& solid, double weld,
-         const py::object& position, const py::object& orientation, const py::object& rpy) {
+         const py::object& position, const py::object& orientation, const py::object& rpy,
+         const py::object& color) {
         add(self, name, {{mesh(file, vertices, faces, scale, solid, weld), {}, name}}, position,
-            orientation, rpy);
+            orientation, rpy, color);
       },
       py::arg("name"), py::arg("file") = py::none(), py::kw_only(),
       py::arg("vertices") = py::none(), py::arg("triangles") = py::none(), py::arg("scale") = 1.0,
       py::arg("solid") = "auto", py::arg("weld") = 0.0,
       py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
-      py::arg("rpy") = py::none());
+      py::arg("rpy") = py::none(), py::arg("color") = py::none());
   define(world, "add_cloud",
          "(self, name, points, radius, *, thin=None, most_balls=None, carve=(), carve_margin=0.0" +
              kPlace,
@@ -420,7 +456,7 @@ void defineAdders(WorldClass& world) {
          py::arg("thin") = py::none(), py::arg("most_balls") = py::none(),
          py::arg("carve") = py::tuple(), py::arg("carve_margin") = 0.0,
          py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
-         py::arg("rpy") = py::none());
+         py::arg("rpy") = py::none(), py::arg("color") = py::none());
   define(
       world, "add_depth_image",
       "(self, name, depth, radius, *, fx, fy, cx, cy, scale=None, slant=1.0471975511965976, "
@@ -441,18 +477,19 @@ void defineAdders(WorldClass& world) {
       py::arg("thin") = py::none(), py::arg("most_balls") = py::none(),
       py::arg("carve") = py::tuple(), py::arg("carve_margin") = 0.0,
       py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
-      py::arg("rpy") = py::none());
+      py::arg("rpy") = py::none(), py::arg("color") = py::none());
   define(
       world, "add", "(self, name, shapes" + kPlace,
       std::string("Adds one rigid object: a Shape, or a list of shapes or pairs (shape, pose in "
                   "the object's frame).") +
           kPlaceDoc,
       [](World& self, const std::string& name, const py::object& shapes, const py::object& position,
-         const py::object& orientation, const py::object& rpy) {
-        add(self, name, geometriesOf(shapes, name), position, orientation, rpy);
+         const py::object& orientation, const py::object& rpy, const py::object& color) {
+        add(self, name, geometriesOf(shapes, name), position, orientation, rpy, color);
       },
       py::arg("name"), py::arg("shapes"), py::arg("position") = py::make_tuple(0, 0, 0),
-      py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
+      py::arg("orientation") = py::none(), py::arg("rpy") = py::none(),
+      py::arg("color") = py::none());
   define(world, "add_deforming",
          "(self, name, vertices, triangles, *, motion=None, speed_bound=None, strategy='auto'" +
              kPlace,
@@ -463,7 +500,8 @@ void defineAdders(WorldClass& world) {
          addDeforming, py::arg("name"), py::arg("vertices"), py::arg("triangles"), py::kw_only(),
          py::arg("motion") = py::none(), py::arg("speed_bound") = py::none(),
          py::arg("strategy") = "auto", py::arg("position") = py::make_tuple(0, 0, 0),
-         py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
+         py::arg("orientation") = py::none(), py::arg("rpy") = py::none(),
+         py::arg("color") = py::none());
 }
 
 }  // namespace
@@ -501,8 +539,8 @@ void defineWorld(py::module_& module) {
                        .c_str());
   defineInit(world, "()", [] { return World{}; });
   defineAdders(world);
-  define(world, "move", "(self, name" + kPlace, std::string("Places an object anew.") + kPlaceDoc,
-         move, py::arg("name"), py::arg("position") = py::make_tuple(0, 0, 0),
+  define(world, "move", "(self, name" + kPose + ")", "Moves an object." + kPoseDoc, move,
+         py::arg("name"), py::arg("position") = py::make_tuple(0, 0, 0),
          py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
   define(
       world, "set_motion",
@@ -525,6 +563,28 @@ void defineWorld(py::module_& module) {
       world, "pose", "(self, name)", "Where an object is: (4, 4), read-only; move() changes it.",
       [](const World& self, const std::string& name) {
         return constant(matrix(poseOf(self, name)));
+      },
+      py::arg("name"));
+  define(
+      world, "paint", "(self, name, color)",
+      "Gives an object a color (red, green, blue), each from 0 to 1, for pages and pictures; None: "
+      "they choose one.",
+      [](World& self, const std::string& name, const py::object& color) {
+        const auto painted = colorOf(color);
+        if (!self.has(name)) unknown(name);
+        withObject(self.change(), name, [&](Object& object) { object.color = painted; });
+      },
+      py::arg("name"), py::arg("color"));
+  define(
+      world, "color", "(self, name)",
+      "The color of an object, (red, green, blue); None: it has none.",
+      [](const World& self, const std::string& name) {
+        py::object color = py::none();
+        withObject(self.value, name, [&](const Object& object) {
+          if (object.color)
+            color = py::make_tuple((*object.color)[0], (*object.color)[1], (*object.color)[2]);
+        });
+        return color;
       },
       py::arg("name"));
   define(world, "copy", "(self)",

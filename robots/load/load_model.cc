@@ -463,6 +463,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   std::set<std::string> found;
   LoadOptions noting = options;
   if (noting.meshes_found == nullptr) noting.meshes_found = &found;
+  const std::set<std::string> found_before = *noting.meshes_found;
   Meshes meshes(urdf_path, noting);
   if (!options.kinematics_only) meshes.loadAll(document, order);
   for (const auto& [link, joint] : order) {
@@ -478,6 +479,10 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   if (const std::string text = open.text(); !text.empty())
     robot.warnings.push_back(urdf_path + ": " + text);
   if (options.meshes_found == nullptr) requireFound(options.meshes, found, urdf_path);
+  robot.read_with = {options.packages, options.xacro, options.visual_as_collision, {}};
+  for (const auto& [name, treatment] : options.meshes)
+    if (found_before.count(name) == 0 && noting.meshes_found->count(name) != 0)
+      robot.read_with.meshes.emplace(name, treatment);
   for (const UrdfJoint& joint : document.joints)
     if (joint.has_mimic) resolveMimic(document, joint, robot);
   for (std::size_t i = 0; i < order.size(); ++i) {

@@ -69,6 +69,7 @@ MISTAKES = {
     "wish_of_world": [settings(wishes={("hand", "world"): 0.1})],
     "world_of_two_meanings": [edits(lambda p: (put(p.margins, ("robot", "world"), 0.1), p.world.add_sphere("world", 0.1, position=(5, 0, 0))))],
     "wish_of_one": [settings(wishes={("post", "post"): 0.1})],
+    "object_color": [edits(lambda p: p.world.add_sphere("ball", 0.1, position=(5, 0, 0), color=(0, 1.5, 0))), edits(lambda p: p.world.paint("post", (0, 1.5, 0)))],
     "object_like_robot": [edits(lambda p: p.world.add_sphere("robot", 0.1, position=(5, 0, 0)))],
     "deforming_like_robot": [edits(lambda p: clothes(p.world, "robot"))],
     "object_like_link": [edits(lambda p: p.world.add_sphere("hand", 0.1, position=(5, 0, 0)))],

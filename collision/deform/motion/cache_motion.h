@@ -23,6 +23,9 @@ class CachedVertices final : public VertexMotion {
   double speedBound(double t0, double t1) const override;
   double accelerationBound(double t0, double t1) const override;
   double rounding(double t0, double t1) const override;
+  MotionSource source() const override {
+    return CacheMotion{vertexCount(), {track_.times().begin(), track_.times().end()}, positions_};
+  }
 
   std::size_t frameCount() const { return track_.times().size(); }
   const Eigen::Vector3f* frame(std::size_t i) const {

@@ -184,8 +184,9 @@ std::shared_ptr<const VertexMotion> VertexMotion::lattice(LatticeMotion motion) 
                  "control points");
     requireUsable(kLatticeKind, name + ", control point", motion.keys[i].control_points);
   }
-  return std::make_shared<LatticeVertices>(motion,
-                                           KeyTrack(std::move(times), motion.interpolation));
+  return withSource(
+      std::make_shared<LatticeVertices>(motion, KeyTrack(std::move(times), motion.interpolation)),
+      motion);
 }
 
 }  // namespace leeway::collision

@@ -8,6 +8,7 @@
 namespace leeway::collision {
 
 std::shared_ptr<const VertexMotion> VertexMotion::morph(MorphMotion motion) {
+  MotionSource source = motion;
   constexpr MotionKind kKind = MotionKind::kMorph;
   if (motion.references.empty()) refuse(kKind, "no references; at least 1 is needed");
   const std::size_t vertex_count = motion.references[0].size();
@@ -24,9 +25,10 @@ std::shared_ptr<const VertexMotion> VertexMotion::morph(MorphMotion motion) {
     requireRow(kKind, i, motion.keys[i].weights, motion.references.size(), "weight");
     rows.push_back(std::move(motion.keys[i].weights));
   }
-  return std::make_shared<BlendedMotion>(
-      kKind, BlendedMotion::Field{}, std::move(motion.references),
-      KeyTrack(std::move(times), motion.interpolation), std::move(rows));
+  return withSource(std::make_shared<BlendedMotion>(
+                        kKind, BlendedMotion::Field{}, std::move(motion.references),
+                        KeyTrack(std::move(times), motion.interpolation), std::move(rows)),
+                    std::move(source));
 }
 
 }  // namespace leeway::collision

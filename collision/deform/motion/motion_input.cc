@@ -120,6 +120,12 @@ VertexMotion::VertexMotion(MotionKind kind, int vertex_count, int parameter_coun
   requireIncreasing(kind, key_times_);
 }
 
+std::shared_ptr<const VertexMotion> VertexMotion::withSource(std::shared_ptr<VertexMotion> made,
+                                                             MotionSource source) {
+  made->source_ = std::make_shared<const MotionSource>(std::move(source));
+  return made;
+}
+
 void VertexMotion::evaluate(double time, std::span<Eigen::Vector3d> positions) const {
   std::vector<double> numbers(static_cast<std::size_t>(parameter_count_));
   parameters(time, numbers);

@@ -55,6 +55,7 @@ std::vector<BlendedMotion::Harmonic> harmonicsOf(const ReducedMotion& motion) {
 }  // namespace
 
 std::shared_ptr<const VertexMotion> VertexMotion::reduced(ReducedMotion motion) {
+  MotionSource source = motion;
   constexpr MotionKind kKind = MotionKind::kReduced;
   requireVertices(kKind, motion.rest.size());
   requireUsable(kKind, "rest vertex", motion.rest);
@@ -67,8 +68,10 @@ std::shared_ptr<const VertexMotion> VertexMotion::reduced(ReducedMotion motion) 
   if (!motion.harmonics.empty()) {
     std::vector<BlendedMotion::Harmonic> harmonics = harmonicsOf(motion);
     const BlendedMotion::HarmonicBounds bounds = boundsOf(motion);
-    return std::make_shared<BlendedMotion>(kKind, std::move(motion.rest), std::move(motion.modes),
-                                           std::move(harmonics), bounds);
+    return withSource(
+        std::make_shared<BlendedMotion>(kKind, std::move(motion.rest), std::move(motion.modes),
+                                        std::move(harmonics), bounds),
+        std::move(source));
   }
   std::vector<double> times = timesOf(motion.keys);
   requireKeys(kKind, times);
@@ -77,9 +80,10 @@ std::shared_ptr<const VertexMotion> VertexMotion::reduced(ReducedMotion motion) 
     requireRow(kKind, i, motion.keys[i].coordinates, motion.modes.size(), "coordinate");
     rows.push_back(std::move(motion.keys[i].coordinates));
   }
-  return std::make_shared<BlendedMotion>(kKind, std::move(motion.rest), std::move(motion.modes),
-                                         KeyTrack(std::move(times), motion.interpolation),
-                                         std::move(rows));
+  return withSource(std::make_shared<BlendedMotion>(
+                        kKind, std::move(motion.rest), std::move(motion.modes),
+                        KeyTrack(std::move(times), motion.interpolation), std::move(rows)),
+                    std::move(source));
 }
 
 }  // namespace leeway::collision

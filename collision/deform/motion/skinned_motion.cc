@@ -181,12 +181,15 @@ std::shared_ptr<const VertexMotion> VertexMotion::skinned(SkinnedMotion motion) 
   std::vector<double> times = timesOf(motion.keys);
   requireKeys(kSkinnedKind, times);
   requireBones(motion);
+  MotionSource source = motion;
   std::vector<std::int32_t> first_influence;
   std::vector<SkinnedVertices::Influence> influences;
   normalise(motion, first_influence, influences);
   BoneChain bones(motion, KeyTrack(std::move(times), motion.interpolation));
-  return std::make_shared<SkinnedVertices>(std::move(motion.rest), std::move(bones),
-                                           std::move(first_influence), std::move(influences));
+  return withSource(
+      std::make_shared<SkinnedVertices>(std::move(motion.rest), std::move(bones),
+                                        std::move(first_influence), std::move(influences)),
+      std::move(source));
 }
 
 }  // namespace leeway::collision

@@ -68,6 +68,7 @@ Wave checkedWave(const Wave& wave, std::size_t number) {
 }  // namespace
 
 std::shared_ptr<const VertexMotion> VertexMotion::waves(WavesMotion motion) {
+  MotionSource source = motion;
   constexpr MotionKind kKind = MotionKind::kWaves;
   requireVertices(kKind, motion.rest.size());
   requireUsable(kKind, "rest vertex", motion.rest);
@@ -106,8 +107,10 @@ std::shared_ptr<const VertexMotion> VertexMotion::waves(WavesMotion motion) {
   const double operations = static_cast<double>(fields.size()) + 16;
   bounds.speed = roundedUp(bounds.speed, operations);
   bounds.acceleration = roundedUp(bounds.acceleration, operations);
-  return std::make_shared<BlendedMotion>(kKind, std::move(motion.rest), std::move(fields),
-                                         std::move(harmonics), bounds);
+  return withSource(
+      std::make_shared<BlendedMotion>(kKind, std::move(motion.rest), std::move(fields),
+                                      std::move(harmonics), bounds),
+      std::move(source));
 }
 
 }  // namespace leeway::collision

@@ -263,6 +263,11 @@ std::vector<Mistake> nameMistakes() {
       {"object_like_robot",
        [](P& p) { p.world.objects[0].name = "robot"; },
        {{"objects", "[{name: robot, sphere: {radius: 0.1}}]"}}},
+      {"object_color",
+       [](P& p) {
+         p.world.objects[0].color = {0, 1.5, 0};
+       },
+       {{"objects", "[{name: post, sphere: {radius: 0.1}, color: [0, 1.5, 0]}]"}}},
       {"deforming_like_robot", [](P& p) { p.world.deforming = {deforming("robot")}; }},
       {"object_unnamed", [](P& p) { p.world.objects[0].name.clear(); }},
       {"held_like_object", [](P& p) { p.robot.attachments = {held("post")}; }},

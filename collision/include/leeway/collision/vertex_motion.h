@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <variant>
 #include <vector>
 
 #include "leeway/collision/pose.h"
@@ -151,6 +152,10 @@ struct CacheMotion {
   std::vector<Eigen::Vector3f> positions;  // [m], frame by frame
 };
 
+/// The definition of a motion; nothing for kOwn.
+using MotionSource = std::variant<std::monostate, WavesMotion, LatticeMotion, MorphMotion,
+                                  SkinnedMotion, ReducedMotion, CacheMotion>;
+
 /// The positions of a mesh's vertices at any time. Immutable; safe to use from many threads.
 /// Positions are functions of a few parameters (weights, bone matrices, coordinates), so that one
 /// vertex, or a bound of many, can be computed without the others. Same bytes on every machine.
@@ -172,6 +177,8 @@ class VertexMotion {
   VertexMotion& operator=(const VertexMotion&) = delete;
 
   MotionKind kind() const { return kind_; }
+  /// Returns a copy of the factory's argument, for programs that write it down.
+  virtual MotionSource source() const { return source_ ? *source_ : MotionSource(); }
   int vertexCount() const { return vertex_count_; }
   /// Times between which the motion is smooth, increasing; may be empty [s].
   std::span<const double> keyTimes() const { return key_times_; }
@@ -205,9 +212,14 @@ class VertexMotion {
                std::vector<double> key_times);
 
  private:
+  /// Returns `made`, a new motion, with its source.
+  static std::shared_ptr<const VertexMotion> withSource(std::shared_ptr<VertexMotion> made,
+                                                        MotionSource source);
+
   MotionKind kind_;
   int vertex_count_, parameter_count_;
   std::vector<double> key_times_;
+  std::shared_ptr<const MotionSource> source_;
 };
 
 }  // namespace leeway::collision

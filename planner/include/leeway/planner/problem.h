@@ -32,6 +32,8 @@ struct ObjectMotion {
   double turn_bound = std::numeric_limits<double>::infinity();
   /// How long before Execution::start it was seen at X_WO [s]; 0 with `poses`.
   double age = 0;
+  /// Red, green and blue, 0 to 1, for pages and pictures alone; nothing: they choose one.
+  std::optional<std::array<double, 3>> color = {};
 };
 
 /// A named body with a shape: an obstacle, or an object that a link holds.

@@ -148,6 +148,25 @@ struct KinematicStep {
   Eigen::Vector3d translation, u, v;  ///< u: prismatic axis; planar: directions of x and y, in P
 };
 
+/// How a mesh is read.
+struct MeshTreatment {
+  enum class Solid : unsigned char {
+    kAuto,     ///< what its triangles enclose is solid, see collision::TriangleMesh
+    kHull,     ///< its convex hull is
+    kSurface,  ///< nothing is: a surface without an inside
+  };
+  Solid solid = Solid::kAuto;
+  double weld = 0;  ///< collision::MeshOptions::weld [m]; 0 for a hull
+};
+
+/// The parts of LoadOptions that decide what a robot's files say, for programs that write the names
+/// of these files down.
+struct ReadWith {
+  std::vector<std::pair<std::string, std::string>> packages, xacro;
+  bool visual_as_collision = false;
+  std::map<std::string, MeshTreatment, std::less<>> meshes;  ///< those of links and of their files
+};
+
 /// What a robot is made of. Links stand in tree order, parents before children; link 0 is the root.
 struct RobotDescription {
   std::string name;
@@ -168,6 +187,7 @@ struct RobotDescription {
   bool has_srdf = false;
   bool lacks_meshes = false;          ///< read with kinematics_only, and the URDF has some
   std::string urdf_file, srdf_file;   ///< as given to loadModel(); empty for a free body
+  ReadWith read_with;                 ///< how loadModel() read them
   std::string cache;                  ///< LoadOptions::cache, for proofs about its links
   std::vector<std::string> warnings;  ///< of the loaders, each with file and line
 
@@ -207,17 +227,6 @@ class Model : public RobotDescription {
   /// The same within the limits of the robot's file, where withBounds() has replaced them: where
   /// links touch at rest does not depend on what a problem narrows.
   std::vector<double> fileConfiguration() const;
-};
-
-/// How a mesh is read.
-struct MeshTreatment {
-  enum class Solid : unsigned char {
-    kAuto,     ///< what its triangles enclose is solid, see collision::TriangleMesh
-    kHull,     ///< its convex hull is
-    kSurface,  ///< nothing is: a surface without an inside
-  };
-  Solid solid = Solid::kAuto;
-  double weld = 0;  ///< collision::MeshOptions::weld [m]; 0 for a hull
 };
 
 /// How robots and meshes are read.

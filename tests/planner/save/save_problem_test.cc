@@ -1,0 +1,297 @@
+// Problems as files: what is saved and loaded again is the same problem, and what files cannot say
+// is refused.
+#include "leeway/planner/save_problem.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+
+#include "leeway/collision/deformable_mesh.h"
+#include "leeway/collision/triangle_mesh.h"
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/robots/placed_model.h"
+#include "planner/save/problem_text.h"
+#include "tests/support/build_paths.h"
+#include "tests/support/folder.h"
+#include "tests/support/input_errors.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::Shape;
+using robots::expectInputError;
+
+/// A ball in the plane, from one side of a box to the other.
+Problem ball() {
+  Problem problem;
+  problem.name = "a ball";
+  problem.robot.model = robots::freeBody("ball", {{Shape::sphere(0.1), {}, "ball"}},
+                                         robots::JointType::kPlanar, {-2, -2, 0}, {2, 2, 0});
+  problem.robot.variables = {0, 1, 2};
+  problem.start = {-1, 0, 0.1};
+  problem.goals.push_back({"goal", {{1, 1}, {0, 0.1}, {-0.2, 0.2}}, {}});
+  problem.world.objects.push_back({"box", {{Shape::box({0.1, 0.3, 0.2}), {}, "box"}}, {}});
+  return problem;
+}
+
+/// Saves, loads, and expects the same problem; returns the one that was loaded.
+Problem again(const Problem& problem) {
+  const Folder folder;
+  saveProblem(problem, folder.path("saved.yaml"));
+  const Problem loaded = loadProblem(folder.path("saved.yaml"));
+  EXPECT_EQ(problemDifference(problem, loaded), "");
+  // And once more, from a file to a file.
+  saveProblem(loaded, folder.path("again.yaml"));
+  EXPECT_EQ(problemDifference(problem, loadProblem(folder.path("again.yaml"))), "");
+  return loaded;
+}
+
+collision::Pose turned(double x, double angle) {
+  collision::Pose X;
+  X.translation = {x, 0.1, -1.0 / 3};
+  X.rotation << std::cos(angle), -std::sin(angle), 0, std::sin(angle), std::cos(angle), 0, 0, 0, 1;
+  return X;
+}
+
+TEST(SaveProblem, ShippedProblemsComeBack) {
+  int count = 0;
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(sourceFolder() + "/problems")) {
+    if (entry.path().extension() != ".yaml" || entry.path().stem() == "scene0001" ||
+        entry.path().stem() == "request0001")
+      continue;
+    SCOPED_TRACE(entry.path().string());
+    const Problem problem = loadProblem(entry.path().string());
+    const Problem loaded = again(problem);
+    // Asked by the engine, too: the same distance of the same pair, to the rounding of rotations.
+    if (problem.start_poses.empty() && problem.steps.empty()) {
+      const auto clearance = [](const Problem& of) {
+        EdgeCertifier certifier(std::make_shared<const CompiledScene>(of));
+        std::vector<double> start;
+        for (const int v : of.robot.variables)
+          start.push_back(of.start[static_cast<std::size_t>(v)]);
+        return certifier.clearance(start, 1e-9);
+      };
+      const StateCheck a = clearance(problem), b = clearance(loaded);
+      EXPECT_EQ(a.verdict, b.verdict);
+      EXPECT_NEAR(a.clearance.lower, b.clearance.lower, 2e-9);
+    }
+    ++count;
+  }
+  EXPECT_GT(count, 15);
+}
+
+TEST(SaveProblem, KeepsEveryShape) {
+  Problem problem = ball();
+  const std::vector<Eigen::Vector3d> corners = {
+      {0, 0, 0}, {1. / 3, 0, 0}, {0, 0.1, 0}, {0, 0, 0.7}};
+  const std::vector<collision::TriangleMesh::Triangle> faces = {
+      {0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  const std::vector<collision::TriangleMesh::Triangle> open = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}};
+  collision::MeshOptions surface;
+  surface.solid = false;
+  using collision::TriangleMesh;
+  const std::vector<std::pair<std::string, Shape>> shapes = {
+      {"sphere", Shape::sphere(0.1)},
+      {"capsule", Shape::capsule(0.1, 1. / 3)},
+      {"cylinder", Shape::cylinder(0.1, 0.3)},
+      {"cone", Shape::cone(0.1, 0.3)},
+      {"ellipsoid", Shape::ellipsoid({0.1, 0.2, 0.3})},
+      {"half", Shape::halfSpace()},
+      {"hull", Shape::convexHull(corners)},
+      {"solid", Shape::mesh(TriangleMesh::make(corners, faces))},
+      {"surface", Shape::mesh(TriangleMesh::make(corners, faces, surface))},
+      {"open", Shape::mesh(TriangleMesh::make(corners, open))},
+      {"../name: \"quoted\"\n# of a file\\", Shape::sphere(0.1)},
+      {"true", Shape::sphere(0.1)},
+      {"12", Shape::sphere(0.1)}};
+  for (const auto& [name, shape] : shapes)
+    problem.world.objects.push_back({name, {{shape, {}, name}}, turned(1, 0.3), nullptr, {}});
+  problem.world.objects.push_back(
+      {"two", {{Shape::sphere(0.1), turned(0.2, 1), "two"}, {Shape::sphere(0.2), {}, "b"}}, {}});
+  problem.world.objects.back().color = {0.1, 0.2, 1};
+  auto cloud = std::make_shared<PointCloud>();
+  cloud->balls = {{{0.1, 0.2, 1. / 3}, 0.01}, {{1, 2, 3}, 0.02}};
+  problem.world.objects.push_back({"cloud", {}, turned(0.5, -1), cloud});
+  const Problem loaded = again(problem);
+  EXPECT_EQ(loaded.world.objects.size(), problem.world.objects.size());
+  EXPECT_EQ(loaded.world.objects[9].geometries[0].shape.mesh()->closedComponentCount(), 0);
+  EXPECT_EQ(*loaded.world.objects[14].color, (std::array{0.1, 0.2, 1.0}));
+}
+
+TEST(SaveProblem, KeepsMarginsWishesAndSettings) {
+  Problem problem = ball();
+  for (const char* name : {"a", "b", "c"})
+    problem.world.objects.push_back({name, {{Shape::sphere(0.1), {}, name}}, turned(1.5, 0)});
+  problem.contacts.allowed = {{"ball", "a"}};
+  problem.contacts.replace_srdf = true;
+  problem.margins.common = 0.001;
+  problem.margins.pairs = {{"ball", "world", 0.002, "ball and world"},
+                           {"ball", "b", 0.003, "ball and bs"},
+                           {"ball", "c", 0.003, "ball and bs"},
+                           {"ball", "b", 0.004}};
+  problem.margins.wishes = {{"any", {{"ball", "b"}, {"ball", "c"}}, 0.2, 3}};
+  problem.planner.simplify = false;
+  problem.limits = {7.5, 1000};
+  problem.seed = std::numeric_limits<std::uint64_t>::max();
+  problem.execution.velocities["ball/x"] = 0.3;
+  problem.execution.corners = Corners::kBlend;
+  again(problem);
+  problem.margins.wishes.clear();
+  problem.objective = MaximumClearance{Pairs::kAll, 0.3};
+  again(problem);
+  problem.objective = MinimumLength{0.02};
+  again(problem);
+  problem.objective = MinimumCost{1.5,
+                                  {{{Nearness::Kind::kHinge, 0.1}, 2, true, Pairs::kSelf},
+                                   {{Nearness::Kind::kInverse, 0.2}, 1, false, Pairs::kAll}}};
+  again(problem);
+  problem.limits.time = std::numeric_limits<double>::infinity();
+  again(problem);
+}
+
+TEST(SaveProblem, KeepsWhatDeforms) {
+  const std::vector<Eigen::Vector3d> rest = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1. / 3}};
+  const std::vector<collision::DeformableMesh::Triangle> faces = {{0, 1, 2}, {1, 3, 2}};
+  const auto mesh = collision::DeformableMesh::make(rest, faces);
+  using collision::VertexMotion;
+  collision::WavesMotion waves{rest, {{{1, 0, 0}, {0, 0, 0.1}, 0.7, 0.3, 0.2}}, {}};
+  waves.pinned = collision::PinnedEdge{{0, 0, 0}, {0, 1, 0}, 0.5};
+  collision::LatticeMotion lattice;
+  lattice.rest = rest;
+  lattice.keys = {{0, {}}, {1, {}}};
+  for (auto& key : lattice.keys)
+    for (int i = 0; i < 8; ++i) key.control_points.emplace_back(i % 2, i / 2 % 2, i / 4);
+  lattice.keys[1].control_points[7].z() += 0.25;
+  const collision::MorphMotion morph{{rest, {{0, 0, 0.1}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.5}}},
+                                     {{0, {1, 0}}, {2, {0.1, 0.9}}},
+                                     collision::Interpolation::kSmooth};
+  const collision::ReducedMotion reduced{
+      rest, {{{0, 0, 0.1}, {0, 0, 0.2}, {0, 0, 1. / 3}, {0, 0, 0}}}, {{1, 0.3, 0.1}}, {}};
+  collision::SkinnedMotion skinned;
+  skinned.rest = rest;
+  skinned.bones = {{-1, {}}, {0, {{0.5, 0, 0}, {0, 0, 0, 1}}}};
+  for (int v = 0; v < 4; ++v) skinned.weights.push_back({v, v % 2, 0.7});
+  skinned.keys = {{0, {{}, {{0.5, 0, 0}, {0, 0, 0, 1}}}},
+                  {1, {{}, {{0.5, 0, 0.2}, {0, 0.6, 0, 0.8}}}}};
+  collision::CacheMotion cache{4, {0, 0.5}, {}};
+  for (int i = 0; i < 8; ++i)
+    cache.positions.emplace_back(0.5F, 0.25F, 0.1F * static_cast<float>(i));
+  const std::vector<std::shared_ptr<const VertexMotion>> motions = {nullptr,
+                                                                    VertexMotion::waves(waves),
+                                                                    VertexMotion::lattice(lattice),
+                                                                    VertexMotion::morph(morph),
+                                                                    VertexMotion::reduced(reduced),
+                                                                    VertexMotion::skinned(skinned),
+                                                                    VertexMotion::cache(cache)};
+  for (const auto& motion : motions) {
+    Problem problem = ball();
+    problem.execution.start = 0.25;
+    problem.world.deforming.push_back(
+        makeDeformingObstacle("cloth", mesh, motion, turned(3, 0.4), 0.25, {}, 5));
+    problem.world.deforming[0].object.color = {1, 0, 0};
+    SCOPED_TRACE(motion ? toString(motion->kind()) : "none");
+    again(problem);
+  }
+}
+
+/// Another program's motion.
+class OwnMotion final : public collision::VertexMotion {
+ public:
+  OwnMotion() : VertexMotion(collision::MotionKind::kOwn, 3, 0, {}) {}
+  void parameters(double, std::span<double>) const override {}
+  void vertices(std::span<const double>, int first, std::span<Eigen::Vector3d> out) const override {
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = Eigen::Vector3d::Unit(static_cast<Eigen::Index>(i) + first);
+  }
+  double speedBound(double, double) const override { return 0; }
+  double accelerationBound(double, double) const override { return 0; }
+  double rounding(double, double) const override { return 0; }
+};
+
+TEST(SaveProblem, RefusesWhatFilesCannotSay) {
+  const Folder folder;
+  const std::string file = folder.write("kept.yaml", "as it was");
+  const auto refused = [&](const Problem& problem, std::initializer_list<std::string> words) {
+    expectInputError([&] { saveProblem(problem, file); }, file, 0, words);
+    EXPECT_EQ(readText(file), "as it was");
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+  };
+  Problem problem = ball();
+  problem.goals[0].name = "the far side";
+  refused(problem, {"the far side", "group state"});
+  problem = ball();
+  problem.world.objects.push_back({"nothing yet", {}, {}});
+  refused(problem, {"nothing yet", "no shape"});
+  problem = ball();
+  problem.execution.duration = std::numeric_limits<double>::infinity();
+  refused(problem, {"execution.duration", "finite"});
+  problem = ball();
+  robots::RobotDescription two = *problem.robot.model;
+  two.variables[2].velocity = 0.5;
+  problem.robot.model = std::make_shared<const robots::Model>(two);
+  refused(problem, {"robot.model.variables[2]", "another one"});
+  problem = ball();
+  const std::vector<Eigen::Vector3d> rest = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const std::vector<collision::DeformableMesh::Triangle> face = {{0, 1, 2}};
+  problem.world.deforming.push_back(
+      makeDeformingObstacle("own", collision::DeformableMesh::make(rest, face),
+                            std::make_shared<OwnMotion>(), turned(3, 0)));
+  refused(problem, {"the motion of 'own'", "waves"});
+  problem = ball();
+  problem.start[0] = 5;
+  EXPECT_THROW(saveProblem(problem, file), robots::InputError);
+  expectInputError([&] { saveProblem(ball(), folder.path("a.json")); }, folder.path("a.json"), 0,
+                   {".yaml"});
+  expectInputError([&] { saveProblem(ball(), folder.path("none/a.yaml")); },
+                   folder.path("none/a.yaml"), 0, {"folder"});
+}
+
+TEST(SaveProblem, ColorsAreChecked) {
+  Problem problem = ball();
+  problem.world.objects[0].color = {0, 0.5, 1.5};
+  EXPECT_THROW(validate(problem), robots::InputError);
+  const Folder folder;
+  const auto file = [&](const std::string& color) {
+    return folder.write(
+        "c.yaml",
+        "leeway: 1\nbody: {joint: planar, bounds: {lower: [-1, -1], upper: [1, 1]},"
+        " shapes: [{sphere: {radius: 0.1}}]}\nstart: [0, 0, 0]\ngoal: [1, 0, 0]\n"
+        "objects:\n  - {name: a, position: [0, 9, 0], sphere: {radius: 0.1}, color: " +
+            color + "}\n");
+  };
+  EXPECT_EQ(*loadProblem(file("[1, 0.5, 0]")).world.objects[0].color, (std::array{1.0, 0.5, 0.0}));
+  for (const auto& [color, word] : {std::pair("red", "from 0 to 1"),
+                                    {"[1, 0]", "list of 2"},
+                                    {"[1, 0, 2]", "holds 2"},
+                                    {"[1, 0, .nan]", "finite"}}) {
+    const std::string name = file(color);
+    expectInputError([&] { loadProblem(name); }, name, 6, {word});
+  }
+}
+
+TEST(SaveProblem, BallsOfCloudsAreRead) {
+  const Folder folder;
+  const auto load = [&](const std::string& cloud) {
+    return loadProblem(
+        folder.write("b.yaml",
+                     "leeway: 1\nbody: {joint: planar, bounds: {lower: [-1, -1], upper: [1, 1]},"
+                     " shapes: [{sphere: {radius: 0.1}}]}\nstart: [0, 0, 0]\ngoal: [1, 0, 0]\n"
+                     "objects:\n  - {name: a, position: [0, 9, 0], cloud: {" +
+                         cloud + "}}\n"));
+  };
+  EXPECT_EQ(load("balls: [[0, 0, 0, 0.1], [1, 0, 0, 0.2]]").world.objects[0].cloud->size(), 2u);
+  const std::string name = folder.path("b.yaml");
+  for (const auto& [cloud, word] : {std::pair("balls: []", "at least one"),
+                                    {"balls: [[0, 0, 0]]", "radius"},
+                                    {"balls: [[0, 0, 0, -1]]", "radius -1"},
+                                    {"balls: [[0, 0, 0, 1]], radius: 1", "beside"},
+                                    {"balls: [[0, 0, 0, 1]], unseen: occupied", "free"}})
+    expectInputError([&] { load(cloud); }, name, 6, {word});
+}
+
+}  // namespace
+}  // namespace leeway::planner
