@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/plan.h"
@@ -26,7 +27,7 @@ struct ViewArguments {
   PlanOverrides overrides;
   std::vector<std::string> files;
   view::PageChoice page{.file = "view.html"};
-  std::string svg;
+  std::string svg, compare;
   bool shortest = false;
 };
 
@@ -59,31 +60,47 @@ int runView(ViewArguments& arguments) {
   const bool only_picture = !arguments.svg.empty() && arguments.page.file.empty();
   if (!arguments.svg.empty()) view::expectPicture(arguments.svg);
   if (!only_picture) view::expectPage(arguments.page);
+  if (!arguments.compare.empty() && only_picture)
+    badUsage("--compare shows two paths in a page; --output FILE.html is expected beside --svg");
   std::vector<std::string> inputs = filesOf(arguments.source);
   inputs.push_back(path_file);
+  inputs.push_back(arguments.compare);
   expectApart(std::array{arguments.svg, only_picture ? std::string() : arguments.page.file},
               inputs);
   planner::Problem problem = loadProblem(arguments.source, arguments.overrides.timeLimit());
   apply(arguments.overrides, problem);
   std::vector<std::string> warnings;
   const planner::PathReading reading{.shortest = arguments.shortest, .warnings = &warnings};
-  const view::Subject subject =
-      path_file.empty() ? solve(problem, arguments)
-                        : view::subjectOfPath(problem, arguments.source.problem,
-                                              planner::readPath(path_file, problem, reading));
+  view::Subject subject = path_file.empty()
+                              ? solve(problem, arguments)
+                              : view::subjectOfPath(problem, arguments.source.problem,
+                                                    planner::readPath(path_file, problem, reading));
+  subject.path_file = path_file.empty() ? "plan" : path_file;
+  std::optional<view::Subject> compared;
+  if (!arguments.compare.empty()) {
+    if (!subject.decisions.empty())
+      badUsage("--compare shows two paths, and an execution has none; a path file is expected");
+    compared.emplace(view::subjectOfPath(problem, arguments.source.problem,
+                                         planner::readPath(arguments.compare, problem, reading)));
+    compared->path_file = arguments.compare;
+  }
   printWarnings(warnings);
   endProgress();
   if (!arguments.svg.empty()) planner::writeFileWhole(arguments.svg, view::pictureSvg(subject));
-  if (!only_picture) view::writePage(arguments.page, subject);
+  if (!only_picture) view::writePage(arguments.page, subject, compared ? &*compared : nullptr);
   std::string text =
       fmt::format("{}: {}{}\n", problem.name, verdictText(subject.verdict, subject.good),
                   interrupted() ? ", interrupted" : "");
   text += view::nearestText(subject.least);
   for (const std::string& note : subject.notes) text += note + "\n";
+  if (compared)
+    text += fmt::format("\n{}: {}\n", arguments.compare,
+                        verdictText(compared->verdict, compared->good)) +
+            view::nearestText(compared->least);
   fmt::print("{}", wrapped(text));
   if (!arguments.svg.empty()) fmt::print("{}\n", arguments.svg);
   if (!only_picture) fmt::print("{}\n", arguments.page.file);
-  return subject.good ? kYes : kNo;
+  return subject.good && (!compared || compared->good) ? kYes : kNo;
 }
 
 }  // namespace
@@ -101,6 +118,9 @@ Verb addView(CLI::App& command) {
   CLI::Option* output = app->add_option("--output", arguments->page.file, "the page")
                             ->type_name("FILE.html")
                             ->capture_default_str();
+  app->add_option("--compare", arguments->compare,
+                  "a second path of the same problem, shown beside the first in the page")
+      ->type_name("FILE");
   app->add_option(
          "--svg", arguments->svg,
          "a picture instead of the page (both with --output): three views with start, goal "
@@ -111,7 +131,10 @@ Verb addView(CLI::App& command) {
       "The page needs no network and no server. docs/view.md explains it.\n"
       "Examples:\n"
       "  leeway view problems/shelf/reach.yaml --output shelf.html\n"
-      "  leeway view problems/shelf/reach.yaml --svg shelf.svg");
+      "  leeway view problems/shelf/reach.yaml --svg shelf.svg\n"
+      "  leeway plan problems/shelf/reach.yaml --output short.json\n"
+      "  leeway plan problems/shelf/reach.yaml --objective clearance --output wide.json\n"
+      "  leeway view problems/shelf/reach.yaml short.json --compare wide.json");
   return {app, [arguments, output] {
             if (!arguments->svg.empty() && output->count() == 0) arguments->page.file.clear();
             return runView(*arguments);

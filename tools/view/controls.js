@@ -9,7 +9,7 @@ export class Controls {
     this.app = app;
     const { motion } = app;
     this.play = element('button', { id: 'play', text: 'Play', onclick: () => app.toggle() });
-    this.scrub = element('input', { id: 'scrub', type: 'range', min: motion.begin, max: motion.begin + motion.duration, step: 'any', value: motion.begin, 'aria-label': 'time', oninput: () => { const wanted = +this.scrub.value; app.pause(); app.seek(wanted); } });
+    this.scrub = element('input', { id: 'scrub', type: 'range', min: motion.begin, max: app.end, step: 'any', value: motion.begin, 'aria-label': 'time', oninput: () => { const wanted = +this.scrub.value; app.pause(); app.seek(wanted); } });
     this.clock = element('output', { id: 'clock' });
     this.speed = element('select', { id: 'speed', 'aria-label': 'speed', onchange: () => { app.speed = +this.speed.value; } }, ...kSpeeds.map((s) => element('option', { value: s, text: `${s}\u00d7`, selected: s === 1 })));
     this.choice = element('select', { id: 'choice', 'aria-label': 'clearance', title: 'whose clearance is shown', onchange: () => app.choose(this.choice.value) }, ...app.near.choices().map(([value, text]) => element('option', { value, text, selected: value === app.near.choice })));
@@ -24,7 +24,13 @@ export class Controls {
     this.play.textContent = app.playing ? 'Pause' : 'Play';
     this.scrub.value = app.time;
     this.choice.value = app.near.choice;
-    this.clock.textContent = `${app.time.toFixed(2)} / ${(app.motion.begin + app.motion.duration).toFixed(2)} s`;
+    this.clock.textContent = `${app.time.toFixed(2)} / ${app.end.toFixed(2)} s`;
+    if (app.recorder) {
+      const record = app.view.querySelector('#record');
+      record.hidden = !app.recorder.canRecord;
+      record.textContent = app.recorder.recording ? 'Stop' : 'Video';
+      record.setAttribute('aria-pressed', `${Boolean(app.recorder.recording)}`);
+    }
   }
   faster(by) {
     const i = Math.min(Math.max(kSpeeds.indexOf(this.app.speed) + by, 0), kSpeeds.length - 1);
@@ -46,7 +52,8 @@ export class Controls {
       m: () => app.seekLeast(),
       g: () => app.lookAtGap(),
       l: () => app.changeScale(),
-      p: () => app.savePicture(),
+      p: () => app.recorder.savePicture(),
+      v: () => app.recorder.toggle(),
       f: () => app.stage?.frame(app.box),
       1: () => from(0, -1, 0.05), 2: () => from(1, 0, 0.05), 3: () => from(0, -0.01, 1),
       Escape: () => app.select(-1),

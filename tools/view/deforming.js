@@ -1,7 +1,7 @@
 // Obstacles that deform: vertices at frames, linear between two of them.
 import { BufferAttribute, DoubleSide, Matrix4, Mesh, MeshLambertMaterial } from 'three';
 import { Poses } from './motion.js';
-import { meshGeometry } from './shapes.js';
+import { kRanks, meshGeometry, setRank } from './shapes.js';
 
 export class Deforming {
   constructor(page, frames) {
@@ -15,6 +15,7 @@ export class Deforming {
     const geometry = meshGeometry(this.vertices, page.array(frames.triangles));
     this.attribute = geometry.getAttribute('position');
     this.mesh = new Mesh(geometry, new MeshLambertMaterial({ flatShading: true, side: DoubleSide }));
+    setRank(this.mesh.material, kRanks.deforming);
     this.mesh.frustumCulled = false;
     this.mesh.matrixAutoUpdate = false;
     this.mesh.matrix.copy(new Poses(page.array(frames.pose)).matrix(0, new Matrix4()));

@@ -1,5 +1,5 @@
 // What is drawn over the bodies: the nearest pair, trails, the way out of a collision, the search, coarse bounds.
-import { AxesHelper, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, Group, InstancedMesh, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry, Vector3 } from 'three';
+import { AxesHelper, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, EdgesGeometry, Group, InstancedMesh, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, SphereGeometry, Vector3 } from 'three';
 import { positions } from './shapes.js';
 import { colours } from './theme.js';
 
@@ -37,6 +37,30 @@ export class NearestLine {
     this.tube.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), length > 0 ? along.divideScalar(length) : new Vector3(0, 1, 0));
     this.tube.scale.set(size, length, size);
     [a, b].forEach((p, i) => { this.ends[i].position.copy(p); this.ends[i].scale.setScalar(2.6 * size); });
+  }
+}
+
+// The edges of what the robot holds, seen while it holds it.
+export class Outline {
+  constructor(parts, body) {
+    this.body = body;
+    this.group = new Group();
+    this.group.matrixAutoUpdate = false;
+    const list = [];
+    for (let i = 0; i < parts.count; ++i) if (parts.body[i] === body) list.push(i);
+    for (const { geometry, local } of parts.drawn(list)) {
+      const lines = new LineSegments(new EdgesGeometry(geometry, 35), new LineBasicMaterial({ color: colours().outline }));
+      lines.matrixAutoUpdate = false;
+      lines.matrix.copy(local);
+      lines.frustumCulled = false;
+      this.group.add(lines);
+    }
+  }
+  place(matrices, isHeld) {
+    this.group.visible = isHeld;
+    this.group.children.forEach((lines) => lines.material.color.set(colours().outline));
+    if (matrices.has(this.body)) this.group.matrix.copy(matrices.get(this.body));
+    this.group.matrixWorldNeedsUpdate = true;
   }
 }
 

@@ -1,14 +1,17 @@
 // The page: reads its data, makes the scene and the texts, and keeps both at one time.
 import { Matrix4, Vector3 } from 'three';
+import { Address } from './address.js';
+import { Compared } from './compared.js';
 import { Controls } from './controls.js';
 import { Deforming } from './deforming.js';
-import { Balls, NearestLine, Search, Trail, frames, wayOut } from './figures.js';
+import { Balls, NearestLine, Outline, Search, Trail, frames, wayOut } from './figures.js';
 import { Motion, Poses } from './motion.js';
 import { Nearness } from './nearness.js';
 import { Panel } from './panel.js';
 import { picks } from './picking.js';
 import { ClearancePlot, JointPlot, decisionColour } from './plot.js';
-import { Parts } from './shapes.js';
+import { Recorder } from './recorder.js';
+import { Parts, kRanks } from './shapes.js';
 import { Stage, boxOfBalls, kMany } from './stage.js';
 import { colours, onThemeChange } from './theme.js';
 import { unpack } from './unpack.js';
@@ -37,8 +40,15 @@ class App {
     this.moving = new Set(this.data.moving);
     this.driven = new Set(this.data.driven);
     this.held = new Set(this.data.held);
+    this.colliding = new Set();
     this.links = new Set(this.data.links);
     this.deforming = [];
+    this.given = new Map(this.data.colors.map(([body, colour]) => [body, `#${colour.map((share) => Math.round(255 * share).toString(16).padStart(2, '0')).join('')}`]));
+    this.compared = this.data.compared ? new Compared(page, this.data) : null;
+    this.end = Math.max(this.motion.begin + this.motion.duration, this.compared?.end ?? -Infinity);
+    this.deformable = new Set(this.data.frames.map((f) => f.body));
+    for (let i = 0; i < this.parts.count; ++i) if (this.parts.kind[i] === 'deformable') this.deformable.add(this.parts.body[i]);
+    this.rankWorld();
     this.groups = { robot: [], world: [] };
     this.build();
   }
@@ -52,7 +62,9 @@ class App {
       button('look-least', 'Least', 'where the room is least (M)', () => this.seekLeast()),
       button('look-gap', 'Gap', 'look at the gap (G)', () => this.lookAtGap()),
       button('look-all', 'All', 'see all of it (F)', () => this.stage?.frame(this.box)),
-      button('save', 'PNG', 'save a picture (P)', () => this.savePicture())));
+      button('save', 'PNG', 'save a picture (P)', () => this.recorder.savePicture()),
+      button('record', 'Video', 'save a video of the motion (V)', () => this.recorder.toggle()),
+      button('link', 'Link', 'copy a link to this time and view; open it beside this file', () => this.copyLink())));
     try {
       this.stage = new Stage(this.view, this.parts.count > kMany);
       this.buildScene();
@@ -61,6 +73,7 @@ class App {
       this.stage = null;
       this.view.append(element('p', { id: 'no-webgl', text: 'The scene needs WebGL 2, which this browser does not offer. The plots and the numbers are here all the same.' }));
     }
+    this.recorder = new Recorder(this);
     this.controls = new Controls(this);
     this.panel = new Panel(this);
     const still = this.motion.duration === 0;
@@ -77,6 +90,26 @@ class App {
     if (this.stage) this.stage.frame(this.box, this.viewpoint);
     onThemeChange(() => this.paint());
     this.seek(this.time);
+    this.address = new Address(this);
+    this.address.restore();
+    this.stage?.controls.addEventListener('end', () => this.address.changed());
+  }
+
+  // Small bodies before large ones: what lies on a table in its plane is seen.
+  rankWorld() {
+    const size = new Map();
+    for (let i = 0; i < this.parts.count; ++i) {
+      const radius = this.parts.ballOf(i)[3];
+      const body = this.parts.body[i];
+      if (!this.moving.has(body)) size.set(body, Math.max(size.get(body) ?? 0, radius < 0 ? Infinity : radius));
+    }
+    const order = [...size.keys()].sort((a, b) => size.get(a) - size.get(b));
+    this.rank = new Map(order.map((body, i) => [body, kRanks.world + (order.length <= kRanks.worlds ? i : i % kRanks.worlds)]));
+    // Colours in the order of the problem, so that neighbours there differ.
+    this.palette = new Map(this.data.bodies.map((_, body) => body).filter((body) => !this.links.has(body) && (!this.moving.has(body) || this.held.has(body))).map((body, i) => [body, i]));
+  }
+  rankOf(part) {
+    return this.rank.get(this.parts.body[part]) ?? kRanks.robot + (this.held.has(this.parts.body[part]) ? 1 : 0);
   }
 
   partsOf(body) {
@@ -86,13 +119,37 @@ class App {
   }
 
   colourOf(part) {
+    return this.colourOfBody(this.parts.body[part]);
+  }
+  colourOfBody(body) {
     const c = colours();
-    const body = this.parts.body[part];
-    if (this.held.has(body)) return c.held;
-    if (this.moving.has(body) && !this.driven.has(body)) return c.robot;
+    if (body === this.selected) return c.selected;
+    if (this.colliding.has(body)) return c.collision;
+    return this.plainColour(body);
+  }
+  // A body's colour while nothing is said about it.
+  plainColour(body) {
+    const c = colours();
+    if (this.given.has(body)) return this.given.get(body);
+    if (this.held.has(body) && this.isHeld(body)) return c.held;
+    if (this.moving.has(body) && !this.held.has(body) && !this.driven.has(body)) return c.robot;
     if (this.links.has(body)) return c.base;
-    if (this.parts.kind[part] === 'deformable') return c.deforming;
-    return c.worlds[body % c.worlds.length];
+    if (this.deformable.has(body)) return c.deforming;
+    return c.worlds[(this.palette.get(body) ?? body) % c.worlds.length];
+  }
+  // Whether the robot holds an object at this time. Steps take hold of it and let it go; what no step names is held all the time.
+  isHeld(body) {
+    const events = this.data.steps.filter((step) => step.object === this.data.bodies[body]);
+    if (events.length === 0) return true;
+    const past = events.filter((step) => step.begin <= this.time);
+    return past.length > 0 ? past[past.length - 1].kind === 'attach' : events[0].kind === 'detach';
+  }
+  // The bodies of pairs that are not farther apart than their margin at this time.
+  findColliding() {
+    const found = new Set();
+    const add = (near) => { if (near && near.lower !== null && near.lower <= near.margin) found.add(near.a).add(near.b); };
+    for (const choice of ['world', 'self', ...this.near.pairs.keys()]) add(this.near.at(this.moment, `${choice}`));
+    return found;
   }
 
   buildScene() {
@@ -102,18 +159,19 @@ class App {
     const robot = all.filter((i) => this.moving.has(parts.body[i]));
     const links = all.filter((i) => !this.moving.has(parts.body[i]) && this.links.has(parts.body[i]));
     const world = all.filter((i) => !this.moving.has(parts.body[i]) && !this.links.has(parts.body[i]) && !framed.has(parts.body[i]));
+    const options = { rankOf: (part) => this.rankOf(part) };
     const colourOf = (part) => this.colourOf(part);
     this.box = this.findBox(robot, all.filter((i) => !this.moving.has(parts.body[i]) && !this.links.has(parts.body[i])));
     const centre = this.box.getCenter(new Vector3());
     const away = world.map((part) => parts.poses.position(part, new Vector3()).distanceTo(centre));
     const nearestFirst = world.map((_, i) => i).sort((i, k) => away[i] - away[k]).map((i) => world[i]);
-    this.groups.robot = parts.instances(robot, colourOf);
-    this.groups.base = parts.instances(links, colourOf);
-    this.groups.world = parts.instances(nearestFirst, colourOf);
+    this.groups.robot = parts.instances(robot, colourOf, options);
+    this.groups.base = parts.instances(links, colourOf, options);
+    this.groups.world = parts.instances(nearestFirst, colourOf, options);
     this.groups.world.forEach((i) => stage.addLarge(i));
     for (const group of Object.values(this.groups)) for (const i of group) stage.scene.add(i.mesh);
     this.deforming = data.frames.map((f) => new Deforming(page, f));
-    this.deforming.forEach((d) => { d.mesh.material.color.set(colours().deforming); stage.scene.add(d.mesh); });
+    this.deforming.forEach((d) => stage.scene.add(d.mesh));
     this.planes = world.filter((i) => parts.kind[i] === 'half-space').map((i) => stage.addPlane(parts.matrixOf(i), 1.2 * this.box.getSize(new Vector3()).length()));
     this.addGhosts(robot.filter((i) => !this.driven.has(parts.body[i])));
     this.addFigures(robot);
@@ -133,6 +191,7 @@ class App {
       layer('robot along the path', false, show(this.pathGhosts));
       layer('trail of a link', true, show([this.trail.line]));
     }
+    if (this.compared) layer(`the other path: ${this.compared.label}`, true, show(this.compared.meshes));
     if (data.searched > 0) layer(this.searchText(), !data.good, show([this.search.lines]));
     layer('balls that queries ask first', false, (on) => { this.balls.mesh.visible = on; });
     if (data.parts.pieces.length > 0) layer(`convex pieces of meshes (${data.parts.pieces.length})`, false, (on) => this.showPieces(on));
@@ -201,12 +260,14 @@ class App {
   }
 
   addGhosts(robot) {
-    const ghost = (matrices, colour, opacity) => this.parts.instances(robot.filter((part) => matrices.has(this.parts.body[part])), () => colour, { opacity }).map((i) => {
+    // Behind all else in the same place.
+    const ghost = (matrices, colour, opacity, red = []) => this.parts.instances(robot.filter((part) => matrices.has(this.parts.body[part])), (part) => (red.includes(this.parts.body[part]) ? colours().collision : colour), { opacity, rankOf: () => kRanks.ghost }).map((i) => {
       i.place(matrices);
       this.stage.scene.add(i.mesh);
       return i.mesh;
     });
-    this.endGhosts = this.data.ends.map((end, e) => ghost(this.endMatrices(end), e === 0 ? colours().start : colours().goal, end.valid ? 0.22 : 0.5));
+    this.endGhosts = this.data.ends.map((end, e) => ghost(this.endMatrices(end), e === 0 ? colours().start : colours().goal, end.valid ? 0.22 : 0.5, end.valid || !end.closest ? [] : [end.closest.a, end.closest.b]));
+    if (this.compared) this.compared.addTo(this.stage.scene, this.parts, robot);
     this.pathGhosts = [];
     const last = this.motion.times.length - 1;
     for (let g = 1; g <= kGhosts && this.motion.duration > 0; ++g) {
@@ -221,7 +282,8 @@ class App {
     this.trail = new Trail();
     this.trail.set(this.motion, this.parts, data.tip);
     this.balls = new Balls(this.parts, robot);
-    stage.scene.add(this.nearest.group, this.trail.line, this.balls.mesh);
+    this.outlines = [...this.held].map((body) => new Outline(this.parts, body));
+    stage.scene.add(this.nearest.group, this.trail.line, this.balls.mesh, ...this.outlines.map((outline) => outline.group));
     if (data.searched > 0) {
       this.search = new Search(this.page, this.motion.bodies);
       this.search.set(data.tip);
@@ -274,8 +336,7 @@ class App {
   // Colours anew.
   paint() {
     if (!this.stage) return;
-    for (const group of Object.values(this.groups)) for (const i of group) i.paint(this.selected, colours().selected);
-    for (const d of this.deforming) d.mesh.material.color.set(d.body === this.selected ? colours().selected : colours().deforming);
+    this.painted = null;
     this.trail.line.material.color.set(colours().trail);
     this.search?.paint();
     this.refresh();
@@ -287,7 +348,7 @@ class App {
   }
   start() {
     if (this.motion.duration === 0) return;
-    const end = this.motion.begin + this.motion.duration;
+    const { end } = this;
     if (this.time >= end) this.seek(this.motion.begin);
     this.playing = true;
     let last = null;
@@ -299,6 +360,7 @@ class App {
       this.time = Math.min(this.time + this.speed * passed, end);
       if (this.time >= end) this.playing = false;
       this.refresh();
+      if (!this.playing) this.address.changed();
       requestAnimationFrame(step);
     };
     requestAnimationFrame(step);
@@ -309,8 +371,11 @@ class App {
     this.seek(this.time);
   }
   seek(time) {
-    this.time = this.motion.times[this.motion.momentNear(time)];
+    // (A path that is compared may take longer.)
+    const { motion } = time > this.motion.begin + this.motion.duration && this.compared ? this.compared : this;
+    this.time = motion.times[motion.momentNear(time)];
     this.refresh();
+    this.address?.changed();
   }
   // Where the choice is least: with the choice that the page begins with, the certificate's place and value.
   seekLeast() {
@@ -340,28 +405,16 @@ class App {
     this.stage.lookBetween(a, b, this.targets());
     this.nearest.update();
   }
-  // The scene with what is known now, as a picture.
-  savePicture() {
-    if (!this.stage) return;
-    const { canvas } = this.stage;
-    this.stage.renderNow();
-    const picture = document.createElement('canvas');
-    const ratio = canvas.width / canvas.clientWidth;
-    picture.width = canvas.width;
-    picture.height = canvas.height;
-    const c = picture.getContext('2d');
-    c.drawImage(canvas, 0, 0);
-    c.scale(ratio, ratio);
-    c.fillStyle = colours().ink;
-    c.textBaseline = 'top';
-    const lines = [`${this.data.name}: ${this.data.verdict}`, ...Array.from(this.nearestText.children, (line) => line.textContent)];
-    lines.forEach((line, i) => { c.font = `${i === 0 ? 600 : 400} 14px system-ui, sans-serif`; c.fillText(line, 12, 12 + 20 * i); });
-    picture.toBlob((blob) => {
-      const link = element('a', { href: URL.createObjectURL(blob), download: `${this.data.name.replace(/[^\p{L}\p{N}._-]+/gu, '-') || 'view'}.png` });
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-      this.saved = blob.size;
-    });
+  async copyLink() {
+    this.address.write();
+    const button = document.getElementById('link');
+    try {
+      await navigator.clipboard.writeText(location.href);
+      button.textContent = 'Copied';
+    } catch {
+      button.textContent = 'In the address'; // where the browser gives pages no clipboard
+    }
+    setTimeout(() => { button.textContent = 'Link'; }, 2000);
   }
 
   // The step of a task that goes on at a time; where nothing moves in one, the one before it.
@@ -382,9 +435,12 @@ class App {
   placeScene() {
     const { matrices } = this.motion;
     this.groups.robot.forEach((i) => i.place(matrices));
+    this.paintBodies();
+    this.outlines.forEach((outline) => outline.place(matrices, this.isHeld(outline.body)));
+    this.compared?.setTime(this.time);
     if (this.balls.mesh.visible) this.balls.place(matrices);
     // Not where the robot itself stands.
-    const stands = (e) => this.data.ends[e].valid && (e === 0 ? this.time === this.motion.begin : this.time === this.motion.begin + this.motion.duration) && this.motion.duration > 0;
+    const stands = (e) => this.data.ends[e].valid && (e === 0 ? this.time === this.motion.begin : this.time >= this.motion.begin + this.motion.duration) && this.motion.duration > 0;
     this.endGhosts.forEach((ghost, e) => ghost.forEach((mesh) => { mesh.visible = this.showEnds && !stands(e); }));
     (this.pieces ?? []).forEach((i) => i.mesh.visible && i.place(matrices));
     this.deforming.forEach((d) => d.setTime(this.time));
@@ -393,6 +449,16 @@ class App {
     if (closest && this.showNearest) this.nearest.set(this.motion.toWorld(closest.a, closest.point_a), this.motion.toWorld(closest.b, closest.point_b));
     else this.nearest.set(null, null);
     this.stage.draw();
+  }
+  // When what is said by colours has changed.
+  paintBodies() {
+    this.colliding = this.findColliding();
+    const held = [...this.held].filter((body) => this.isHeld(body));
+    const said = JSON.stringify([[...this.colliding], held, this.selected, colours().page]);
+    if (said === this.painted) return;
+    this.painted = said;
+    for (const group of Object.values(this.groups)) for (const i of group) i.paint();
+    for (const d of this.deforming) d.mesh.material.color.set(this.colourOfBody(d.body));
   }
   showDistance() {
     const { data, near } = this;
@@ -412,6 +478,7 @@ class App {
     }
     if (closest) lines.push(element('span', { className: 'soft', text: `margin ${+(closest.margin * 1e3).toFixed(3)} mm` }));
     if (proven !== undefined) lines.push(element('span', { className: 'soft', id: 'proven', text: proven === null ? 'not proven here' : `proven here: at least ${millimetres(proven)} mm` }));
+    if (this.compared) lines.push(...this.compared.lines(this, near.choice));
     const step = this.stepAt(this.time);
     if (step) lines.push(element('span', { id: 'step', text: `${step.name} (${step.kind})` }));
     if (decision) {

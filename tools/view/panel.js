@@ -27,7 +27,7 @@ export class Panel {
     const count = `${data.bodies.length} bodies in ${data.parts.count} parts, ${data.pair_count} pairs checked`;
     const error = data.triangles > 0 ? `; meshes are shown to within ${(data.mesh_error * 1e3).toPrecision(2)} mm` : '';
     const steps = data.steps.map((step) => element('button', { className: 'link', text: `${step.begin.toFixed(2)} s: ${step.name} (${step.kind})`, onclick: () => { this.app.pause(); this.app.seek(step.begin); } }));
-    return [...this.least(), ...notes, ...steps, element('p', { className: 'soft', text: `${data.source}: ${count}${error}.` })];
+    return [...this.least(), ...this.compared(), ...notes, ...steps, element('p', { className: 'soft', text: `${data.source}: ${count}${error}.` })];
   }
 
   // The least clearances, which also go there.
@@ -40,6 +40,24 @@ export class Panel {
       const text = `nearest to ${what}: ${distanceText(near)}, ${app.data.bodies[near.a]} and ${app.data.bodies[near.b]}, ${app.motion.times[moment].toFixed(2)} s`;
       return [element('button', { className: 'link', id: `least-${choice}`, text, onclick: () => { app.choose(choice); app.seekLeast(); } })];
     });
+  }
+
+  // The other path's figures beside the first one's.
+  compared() {
+    const { app } = this;
+    const { compared } = app;
+    if (!compared) return [];
+    const rows = [['verdict', app.data.verdict, compared.verdict], ['time', `${app.motion.duration.toFixed(2)} s`, `${compared.motion.duration.toFixed(2)} s`]];
+    for (const [choice, what] of [['world', 'from the world'], ['self', 'from itself']]) {
+      const moment = app.near.least(choice);
+      const other = compared.least(choice);
+      if (moment < 0 && !other) continue;
+      rows.push([what, moment < 0 ? 'nothing near' : distanceText(app.near.at(moment, choice)), other ? distanceText(other.near) : 'nothing near']);
+    }
+    const mark = element('th', { text: compared.label });
+    mark.classList.add('compared');
+    return [element('table', { id: 'compared' }, element('thead', {}, element('tr', {}, element('th', {}), element('th', { text: compared.mine }), mark)),
+      element('tbody', {}, ...rows.map(([what, a, b]) => element('tr', {}, element('td', { text: what }), element('td', { text: a }), element('td', { text: b })))))];
   }
 
   layers() {
@@ -108,6 +126,6 @@ export class Panel {
 }
 
 function keys() {
-  const all = [['Space', 'play or pause'], ['\u2190 \u2192', 'one moment back, on'], ['Home End', 'start, end'], ['\u2212 +', 'slower, faster'], ['M', 'where the room is least'], ['G', 'look at the gap'], ['F', 'see all of it'], ['L', 'a scale that shows what is near'], ['P', 'save a picture'], ['1 2 3', 'from the front, the side, above'], ['Esc', 'select nothing']];
+  const all = [['Space', 'play or pause'], ['\u2190 \u2192', 'one moment back, on'], ['Home End', 'start, end'], ['\u2212 +', 'slower, faster'], ['M', 'where the room is least'], ['G', 'look at the gap'], ['F', 'see all of it'], ['L', 'a scale that shows what is near'], ['P', 'save a picture'], ['V', 'save a video'], ['1 2 3', 'from the front, the side, above'], ['Esc', 'select nothing']];
   return [element('dl', {}, ...all.flatMap(([key, what]) => [element('dt', { text: key }), element('dd', { text: what })]))];
 }

@@ -23,7 +23,7 @@ class Plot {
     const seek = (event) => {
       const box = canvas.getBoundingClientRect();
       const share = (event.clientX - box.left - kLeft) / Math.max(box.width - kLeft - kRight, 1);
-      app.seek(app.motion.begin + Math.min(Math.max(share, 0), 1) * app.motion.duration);
+      app.seek(app.motion.begin + Math.min(Math.max(share, 0), 1) * (app.end - app.motion.begin));
     };
     canvas.addEventListener('pointerdown', (event) => { canvas.setPointerCapture(event.pointerId); app.pause(); seek(event); });
     canvas.addEventListener('pointermove', (event) => {
@@ -40,7 +40,7 @@ class Plot {
     const { c, app } = this;
     const share = (this.hover[0] - kLeft) / Math.max(this.width - kLeft - kRight, 1);
     if (share < 0 || share > 1) return;
-    const moment = app.motion.momentNear(app.motion.begin + share * app.motion.duration);
+    const moment = app.motion.momentNear(app.motion.begin + share * (app.end - app.motion.begin));
     const at = this.x(app.motion.times[moment]);
     const all = [[`${app.motion.times[moment].toFixed(3)} s`, this.colours.ink], ...lines(moment, this.hover[1])];
     c.strokeStyle = this.colours.soft;
@@ -58,7 +58,8 @@ class Plot {
     all.forEach(([text, colour], i) => { c.fillStyle = colour; c.fillText(text, x + 6, kTop + 5 + 15 * i); });
   }
   x(time) {
-    const { begin, duration } = this.app.motion;
+    const { begin } = this.app.motion;
+    const duration = this.app.end - begin;
     return kLeft + (duration > 0 ? (time - begin) / duration : 0.5) * (this.width - kLeft - kRight);
   }
   // A plot's own scale: numbers to numbers, rising.
@@ -98,7 +99,8 @@ class Plot {
       c.fillText(format(value), kLeft - 6, y);
     }
     c.textBaseline = 'top';
-    const { begin, duration } = this.app.motion;
+    const { begin } = this.app.motion;
+    const duration = this.app.end - begin;
     if (duration > 0) {
       for (const time of ticks(begin, begin + duration, Math.max(this.width / 90, 2))) {
         c.textAlign = time === begin ? 'left' : this.x(time) > this.width - 24 ? 'right' : 'center';
@@ -132,6 +134,7 @@ export class ClearancePlot extends Plot {
     const { data } = app;
     const millimetres = (values) => values.map((v) => (v === null ? null : v * 1e3));
     this.groups = { world: millimetres(app.near.values('world')), self: millimetres(app.near.values('self')) };
+    this.other = app.compared ? { world: millimetres(app.compared.near.values('world')), self: millimetres(app.compared.near.values('self')) } : {};
     this.keep = data.keep === null ? null : data.keep * 1e3;
     this.isNear = false; // the scale that shows what is near
     this.choose();
@@ -143,7 +146,7 @@ export class ClearancePlot extends Plot {
     this.measured = this.groups[near.choice] ?? millimetres(near.values());
     this.proven = millimetres(data.proven.all.map((_, i) => near.proven(i) ?? null));
     this.margins = near.margins().map(([margin, of]) => [margin * 1e3, of]);
-    const values = [...this.measured, ...this.proven, ...this.margins.map(([m]) => m), ...(near.choice === 'world' ? [this.keep] : [])].filter((v) => v !== null && Number.isFinite(v));
+    const values = [...this.measured, ...(this.other[near.choice] ?? []), ...this.proven, ...this.margins.map(([m]) => m), ...(near.choice === 'world' ? [this.keep] : [])].filter((v) => v !== null && Number.isFinite(v));
     this.low = Math.min(0, ...values);
     // Names of steps stand above the curves.
     this.high = Math.max(this.low + 1, ...values) * (data.steps.length > 0 && !this.isNear ? 1.3 : 1.06);
@@ -175,6 +178,10 @@ export class ClearancePlot extends Plot {
     c.beginPath();
     c.rect(kLeft - 4, kTop - 4, this.width - kLeft - kRight + 8, this.height - kTop - kBottom + 8);
     c.clip();
+    c.fillStyle = colour.collision;
+    c.globalAlpha = 0.22;
+    for (const [from, to] of this.collisions()) c.fillRect(this.x(from) - 1, kTop, Math.max(this.x(to) - this.x(from), 2) + 1, this.height - kTop - kBottom);
+    c.globalAlpha = 1;
     // The proven bound, stretch by stretch, filled: room that is certain.
     c.fillStyle = c.strokeStyle = colour.proven;
     const fill = new Path2D();
@@ -193,6 +200,7 @@ export class ClearancePlot extends Plot {
     c.lineWidth = 1.6;
     c.stroke(edge);
     for (const group of ['world', 'self']) if (this.groups[group] !== this.measured) this.curve(this.groups[group], this.colourOf(group), 1, [5, 3]);
+    if (this.other[app.near.choice]) this.curve(this.other[app.near.choice], colour.compared, 1.6, [], app.compared.motion.times);
     this.curve(this.measured, this.colourOf(app.near.choice), 1.6);
     this.least();
     c.restore();
@@ -210,6 +218,20 @@ export class ClearancePlot extends Plot {
     this.cursor();
     this.tell((moment) => this.lines(moment));
   }
+  // The stretches of time whose moments have a pair that is not farther apart than its margin, world and robot alike.
+  collisions() {
+    if (this.tooNear) return this.tooNear;
+    const { near, motion, data } = this.app;
+    const isNear = (closest) => Boolean(closest) && closest.lower !== null && closest.lower <= closest.margin;
+    this.tooNear = [];
+    let last = null;
+    data.world.forEach((_, i) => {
+      if (!isNear(near.at(i, 'world')) && !isNear(near.at(i, 'self'))) { last = null; return; }
+      if (last) last[1] = motion.times[i];
+      else this.tooNear.push(last = [motion.times[i], motion.times[i]]);
+    });
+    return this.tooNear;
+  }
   colourOf(choice) {
     return { world: this.colours.measured, self: this.colours.self }[choice] ?? this.colours.goal;
   }
@@ -218,6 +240,7 @@ export class ClearancePlot extends Plot {
     const { near, data, motion } = this.app;
     const text = (name, closest) => `${name} ${distanceText(closest)}${closest ? `, ${data.bodies[closest.a]} \u2013 ${data.bodies[closest.b]}` : ''}`;
     const all = [['world', 'from the world'], ['self', 'from itself']].map(([group, name]) => [text(name, near.at(moment, group)), this.colourOf(group)]);
+    if (this.other[near.choice]) all.push([text(this.app.compared.label, this.app.compared.at(motion.times[moment], near.choice)), this.colours.compared]);
     if (!this.groups[near.choice]) all.unshift([text('chosen', near.at(moment)), this.colourOf(near.choice)]);
     const stretch = Math.min(motion.momentBefore(motion.times[moment]), this.proven.length - 1);
     const proven = near.proven(stretch);
@@ -238,8 +261,8 @@ export class ClearancePlot extends Plot {
       if (end > begin && next - x > c.measureText(name).width + 6) c.fillText(name, x + 3, kTop + 2);
     }
   }
-  curve(values, colourOf, width, dash = []) {
-    const { c, app } = this;
+  curve(values, colourOf, width, dash = [], times = this.app.motion.times) {
+    const { c } = this;
     c.strokeStyle = colourOf;
     c.lineWidth = width;
     c.setLineDash(dash);
@@ -247,7 +270,7 @@ export class ClearancePlot extends Plot {
     let down = false;
     values.forEach((value, i) => {
       if (value === null) { down = false; return; }
-      const [x, y] = [this.x(app.motion.times[i]), this.y(value)];
+      const [x, y] = [this.x(times[i]), this.y(value)];
       if (down) c.lineTo(x, y);
       else c.moveTo(x, y);
       down = true;
@@ -269,6 +292,8 @@ export class ClearancePlot extends Plot {
     const { choice } = this.app.near;
     const dash = (group) => (choice === group ? [] : [5, 3]);
     const entries = [['proven', colour.proven, []], ['world', this.colourOf('world'), dash('world')], ['itself', this.colourOf('self'), dash('self')], ['margin', colour.margin, [6, 4]], ['least', colour.nearest, null]];
+    if (this.collisions().length > 0) entries.push(['too near', colour.collision, []]);
+    if (this.other[choice]) entries.splice(3, 0, [this.app.compared.label, colour.compared, []]);
     if (!this.groups[choice]) entries.splice(1, 0, ['pair', this.colourOf(choice), []]);
     if (this.keep !== null && choice === 'world') entries.splice(4, 0, ['kept from the world', colour.margin, [2, 3]]);
     c.textBaseline = 'top';
@@ -290,7 +315,7 @@ export class ClearancePlot extends Plot {
     const { c, app } = this;
     app.data.decisions.forEach(([time, decision], i) => {
       if (!decisionColour(decision)) return;
-      const next = app.data.decisions[i + 1]?.[0] ?? app.motion.begin + app.motion.duration;
+      const next = app.data.decisions[i + 1]?.[0] ?? app.end;
       c.fillStyle = decisionColour(decision);
       c.fillRect(this.x(time), this.height - kBottom - 4, Math.max(this.x(next) - this.x(time), 2), 4);
     });

@@ -1,5 +1,5 @@
 // Geometries, each made once, and the parts of bodies as instances of them.
-import { BoxGeometry, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, InstancedMesh, Matrix4, MeshLambertMaterial, SphereGeometry } from 'three';
+import { BoxGeometry, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, InstancedBufferAttribute, InstancedMesh, Matrix4, MeshLambertMaterial, SphereGeometry } from 'three';
 import { Poses } from './motion.js';
 
 // The engine's shapes have z as their axis, three.js's have y.
@@ -25,6 +25,20 @@ function pieces(kind, [x, y, z], mesh) {
     case 'half-space': return [];
     default: return [[mesh, [1, 1, 1], 0]];
   }
+}
+
+// Faces of two bodies in one plane would flicker. So what has a higher rank is drawn a little farther away from the camera, along each ray, where it
+// covers the same pixels: by a share of the distance, for faces that are seen edgewise, and by some steps of the depth buffer, for what is far away.
+export const kRanks = { robot: 0, deforming: 2, world: 3, worlds: 24, plane: 28, ghost: 120 };
+const kStep = 4e-5; // of the distance, a rank
+
+export function setRank(material, rank = null) {
+  material.onBeforeCompile = (shader) => {
+    const value = rank === null ? 'rank' : rank.toFixed(1);
+    shader.vertexShader = (rank === null ? 'attribute float rank;\n' : '') + shader.vertexShader.replace('#include <project_vertex>',
+      `#include <project_vertex>\nmvPosition.xyz *= 1.0 + ${kStep} * ${value};\ngl_Position = projectionMatrix * mvPosition;\ngl_Position.z += 8e-7 * ${value} * gl_Position.w;`);
+  };
+  material.customProgramCacheKey = () => `rank ${rank}`;
 }
 
 export class Parts {
@@ -60,6 +74,10 @@ export class Parts {
     return meshGeometry(positions(this.page.array(mesh.vertices), mesh.low, mesh.step), this.page.array(mesh.triangles));
   }
 
+  // The geometries of parts, one by one, in the frame of their body.
+  drawn(list) {
+    return this.instances(list, () => '#fff').flatMap((i) => i.entries.map(({ local }) => ({ geometry: i.mesh.geometry, local })));
+  }
   // The parts of a list as instances: [{geometry key, part, local matrix in the frame of the part's body}].
   instances(list, colourOf, options) {
     const byGeometry = new Map();
@@ -78,7 +96,7 @@ export class Parts {
 
 // All instances of one geometry in a group of parts.
 class Instances {
-  constructor(parts, key, entries, colourOf, { opacity = 1 } = {}) {
+  constructor(parts, key, entries, colourOf, { opacity = 1, rankOf = () => 0 } = {}) {
     this.parts = parts;
     this.entries = entries;
     this.colourOf = colourOf;
@@ -86,7 +104,14 @@ class Instances {
     material.transparent = opacity < 1;
     material.opacity = opacity;
     material.depthWrite = opacity >= 1;
-    this.mesh = new InstancedMesh(parts.geometry(key), material, entries.length);
+    setRank(material);
+    // The numbers of the geometry are shared, the ranks are not.
+    const geometry = new BufferGeometry();
+    const shared = parts.geometry(key);
+    geometry.setIndex(shared.index);
+    for (const [name, attribute] of Object.entries(shared.attributes)) geometry.setAttribute(name, attribute);
+    geometry.setAttribute('rank', new InstancedBufferAttribute(Float32Array.from(entries, ({ part }) => rankOf(part)), 1));
+    this.mesh = new InstancedMesh(geometry, material, entries.length);
     this.mesh.frustumCulled = false;
     this.mesh.userData.instances = this;
     this.place(new Map());
@@ -101,9 +126,9 @@ class Instances {
     this.mesh.instanceMatrix.needsUpdate = true;
     this.mesh.boundingSphere = null;
   }
-  paint(selected = -1, highlight = null) {
+  paint() {
     const colour = new Color();
-    this.entries.forEach(({ part }, i) => this.mesh.setColorAt(i, colour.set(this.parts.body[part] === selected ? highlight : this.colourOf(part))));
+    this.entries.forEach(({ part }, i) => this.mesh.setColorAt(i, colour.set(this.colourOf(part))));
     this.mesh.instanceColor.needsUpdate = true;
   }
 }

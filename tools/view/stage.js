@@ -1,6 +1,7 @@
 // The 3D view: camera, lights, ground; draws when something has changed, and only then.
 import { AmbientLight, Box3, Color, DirectionalLight, GridHelper, HemisphereLight, PerspectiveCamera, Raycaster, Scene, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { kRanks, setRank } from './shapes.js';
 import { colours, onThemeChange } from './theme.js';
 
 export const kMany = 20000; // parts that a machine without a graphics card draws in a blink
@@ -116,6 +117,21 @@ export class Stage {
     this.draw();
   }
 
+  // Where the camera is, what it looks at, and what it cuts away: eight numbers.
+  view() {
+    const { camera, controls } = this;
+    return [...camera.position.toArray(), ...controls.target.toArray(), camera.near, camera.far];
+  }
+  setView([x, y, z, tx, ty, tz, near, far]) {
+    if (!(near > 0 && far > near)) return;
+    Object.assign(this.camera, { near, far });
+    this.camera.position.set(x, y, z);
+    this.camera.updateProjectionMatrix();
+    this.controls.target.set(tx, ty, tz);
+    this.controls.update();
+    this.draw();
+  }
+
   // For who reads the pixels in the same task.
   renderNow() {
     this.scene.background = new Color(colours().scene);
@@ -132,6 +148,7 @@ export class Stage {
     holder.add(group);
     group.material.transparent = true;
     group.material.opacity = 0.6;
+    setRank(group.material, kRanks.plane);
     this.scene.add(holder);
     onThemeChange(() => { group.geometry.dispose(); group.geometry = new GridHelper(2 * extent, 20, colours().grid, colours().grid).geometry; this.draw(); });
     return holder;

@@ -512,7 +512,9 @@ int run(const Arguments& arguments) {
   std::size_t done = 0;
   for (const BatchItem& item : items) {
     if (output.has(item.problem)) {
-      count(item.problem, Json::parse(output.line(item.problem)));
+      const Json kept = Json::parse(output.line(item.problem));
+      count(item.problem, kept);
+      pages.add(item.problem, kept, {});
       ++done;
       continue;
     }
@@ -529,10 +531,10 @@ int run(const Arguments& arguments) {
       printInterrupted(done, items.size(), output, arguments);
       return kNo;
     }
-    pages.add(outcome.page);
     Json line = {{"problem", item.problem}, {"version", kJsonVersion}, {"options", options}};
     line.update(outcome.line);
     output.add(item.problem, jsonText(line));
+    pages.add(item.problem, line, outcome.page);
     count(item.problem, line);
     log.limit(outcome.time_limit);
     ++done;

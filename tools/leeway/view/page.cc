@@ -85,10 +85,12 @@ Vector3d sizesOf(const collision::Shape& shape) {
 /// Makes the document and its arrays, which tools/view/ reads.
 class Document {
  public:
-  explicit Document(const Subject& subject)
+  /// `pack` receives the arrays.
+  Document(const Subject& subject, Pack& pack)
       : subject_(subject),
         scene_(subject.scene->scene()),
         model_(subject.scene->model()),
+        pack_(pack),
         meshes_(pack_, kTriangles),
         q_(model_.variables.size()),
         X_WL_(model_.links.size()) {
@@ -100,10 +102,12 @@ class Document {
         if (!scene_.bodies()[at(body)].moving) moving_.push_back(body);
   }
 
-  std::string text() {
+  /// `compared`: another path of the same problem; null: none.
+  std::string text(const Subject* compared) {
     Json document = {{"format", 1},
                      {"name", subject_.problem.name},
                      {"source", subject_.source},
+                     {"label", fileName(subject_.path_file)},
                      {"robot", model_.name},
                      {"verdict", subject_.verdict},
                      {"good", subject_.good},
@@ -121,10 +125,26 @@ class Document {
     document["meshes"] = meshes_.document();
     document["triangles"] = meshes_.triangles();
     document["mesh_error"] = meshes_.largestError();
+    document["compared"] = compared == nullptr ? Json() : Document(*compared, pack_).comparedJson();
     return pack_.text(document);
   }
 
  private:
+  /// A page may be sent to anyone: it names files, not where they are on this machine.
+  static std::string fileName(const std::string& file) {
+    return std::filesystem::path(file).filename().string();
+  }
+
+  /// Motion and clearances of another path. Its world and robot are those of the page.
+  Json comparedJson() {
+    Json document = {{"label", fileName(subject_.path_file)},
+                     {"verdict", subject_.verdict},
+                     {"good", subject_.good}};
+    addMotion(document);
+    addClearance(document);
+    return document;
+  }
+
   void addBodies(Json& document) const {
     Json names = Json::array();
     for (const collision::Body& body : scene_.bodies()) names.push_back(body.name);
@@ -137,13 +157,23 @@ class Document {
     // The last body in tree order, whose trail is shown.
     document["tip"] = tip();
     Json held = Json::array();
-    for (const planner::Attachment& a : subject_.problem.robot.attachments)
+    for (const planner::Attachment& a : shownProblem(subject_.problem).robot.attachments)
       if (const int body = scene_.find(a.object.name); body >= 0) held.push_back(body);
     document["held"] = held;
     Json links = Json::array();
     for (std::size_t b = 0; b < scene_.bodies().size(); ++b)
       if (model_.findLink(scene_.bodies()[b].name) >= 0) links.push_back(b);
     document["links"] = links;
+    Json colors = Json::array();
+    const auto addColor = [&](const planner::Object& object) {
+      const int body = object.color ? scene_.find(object.name) : -1;
+      if (body >= 0) colors.push_back({body, *object.color});
+    };
+    const planner::Problem& problem = subject_.problem;
+    for (const planner::Object& object : problem.world.objects) addColor(object);
+    for (const planner::DeformingObstacle& o : problem.world.deforming) addColor(o.object);
+    for (const planner::Attachment& a : problem.robot.attachments) addColor(a.object);
+    document["colors"] = colors;
   }
 
   int tip() const {
@@ -519,6 +549,7 @@ class Document {
       if (!stage.kind.empty())
         steps.push_back({{"name", stage.name},
                          {"kind", stage.kind},
+                         {"object", stage.object},
                          {"begin", subject_.timeline.waypoint_times.at(at(stage.first))},
                          {"end", subject_.timeline.waypoint_times.at(at(stage.last))}});
     document["steps"] = steps;
@@ -527,7 +558,7 @@ class Document {
   const Subject& subject_;
   const collision::Scene& scene_;
   const robots::Model& model_;
-  Pack pack_;
+  Pack& pack_;
   MeshStore meshes_;
   std::vector<int> moving_;
   std::vector<double> q_;
@@ -550,11 +581,12 @@ void openFile(const std::string& file) {
 
 }  // namespace
 
-std::string page(const Subject& subject) {
+std::string page(const Subject& subject, const Subject* compared) {
   const std::string_view source = pageSource();
   const std::size_t place = source.find(kDataPlace);
   std::string html(source.substr(0, place));
-  html += Document(subject).text();
+  Pack pack;
+  html += Document(subject, pack).text(compared);
   html += source.substr(place + kDataPlace.size());
   return html;
 }
@@ -576,8 +608,8 @@ void addPageOptions(CLI::App& app, PageChoice& choice) {
   app.add_flag("--open", choice.open, "show the page in the browser")->needs(view);
 }
 
-void writePage(const PageChoice& choice, const Subject& subject) {
-  planner::writeFileWhole(choice.file, page(subject));
+void writePage(const PageChoice& choice, const Subject& subject, const Subject* compared) {
+  planner::writeFileWhole(choice.file, page(subject, compared));
   if (choice.open) openFile(choice.file);
 }
 

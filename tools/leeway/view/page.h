@@ -37,6 +37,7 @@ struct Subject {
   std::vector<std::string> notes;  ///< sentences for people
   SearchEdges searched;
   std::vector<std::pair<double, std::string>> decisions;  ///< of an execution, by time [s]
+  std::string path_file = {};  ///< where the path comes from: its file, or "plan"
 };
 
 /// The subject of a plan, of a path from a file, of an execution. Each function compiles the
@@ -49,9 +50,10 @@ Subject subjectOfExecution(const planner::Problem& problem, const std::string& s
                            const std::vector<planner::ReplanStep>& steps,
                            planner::ReplanStatus status);
 
-/// Returns an HTML document that needs no other files. Throws robots::InputError if the command was
-/// built without the page (see expectPage()).
-std::string page(const Subject& subject);
+/// Returns an HTML document that needs no other files. `compared`: another path of the same problem,
+/// shown beside the first; null: none. Throws robots::InputError if the command was built
+/// without the page (see expectPage()).
+std::string page(const Subject& subject, const Subject* compared = nullptr);
 
 /// The options --view and --open of a verb.
 struct PageChoice {
@@ -68,7 +70,7 @@ inline void expectPage(const PageChoice& choice) {
   if (!choice.file.empty()) expectPage(choice.file);
 }
 /// Writes the page as a whole. If `open`, also shows it in the user's browser.
-void writePage(const PageChoice& choice, const Subject& subject);
+void writePage(const PageChoice& choice, const Subject& subject, const Subject* compared = nullptr);
 
 /// Returns three views of start, goal and the motion between them as an SVG document, for papers
 /// and logs. `only_picture`: without title and texts, for an index.

@@ -12,28 +12,66 @@
 namespace leeway::tools::view {
 namespace {
 
-// Pictures are drawings in the document itself. The page forbids scripts.
+// Sorts the rows. The policy below allows this script alone, by its hash: after a change
+//   printf %s "$SCRIPT" | openssl dgst -sha256 -binary | base64
+constexpr const char* kSort =
+    R"js(document.querySelectorAll("th button").forEach((button, column) => button.addEventListener("click", () => {
+  const head = button.parentElement, body = document.querySelector("tbody");
+  const down = head.getAttribute("aria-sort") === "ascending";
+  document.querySelectorAll("th").forEach((other) => other.removeAttribute("aria-sort"));
+  head.setAttribute("aria-sort", down ? "descending" : "ascending");
+  const key = (row) => { const { v } = row.cells[column].dataset; return v === undefined ? row.cells[column].textContent : v === "" ? Infinity : +v; };
+  const order = (a, b) => (typeof a === "number" ? a - b || 0 : a.localeCompare(b, undefined, { numeric: true }));
+  const sign = down ? -1 : 1;
+  body.append(...[...body.rows].sort((a, b) => sign * order(key(a), key(b))));
+}));)js";
+
 constexpr const char* kIndexHead = R"(<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'; img-src 'self' file:; script-src 'sha256-lkFrXcXiU9I07P9psXTPhHhe0ADVQc8gKEfISAgOPEo='; base-uri 'none'; form-action 'none'">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Leeway: plans</title>
+<title>@TITLE@</title>
 <style>
-:root { color-scheme: light dark }
+:root { color-scheme: light dark; --line: #d5d8de; --soft: #5b606b; --good: #00704f; --bad: #b3261e; --accent: #0072b2 }
 body { font: 14px/1.4 system-ui, "DejaVu Sans", sans-serif; margin: 14px; background: #fff; color: #1c1e24 }
-h1 { font-size: 18px; margin: 0 0 12px }
-main { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 420px), 1fr)); gap: 14px }
-a { color: inherit; text-decoration: none; border: 1px solid #8886; border-radius: 8px; padding: 8px; display: block; overflow: hidden; overflow-wrap: anywhere }
-a:hover, a:focus-visible { outline: 2px solid #0072b2 }
-a > svg { width: 100%; height: auto; display: block }
-.good { color: #00704f } .bad { color: #b3261e }
-@media (prefers-color-scheme: dark) { body { background: #15171b; color: #eceef2 } .good { color: #2fc79a } .bad { color: #ff8a80 } }
+h1 { font-size: 20px; margin: 0 0 4px } p { margin: 0 0 12px; color: var(--soft) }
+table { border-collapse: collapse; width: 100% }
+th, td { border-bottom: 1px solid var(--line); padding: 4px 8px; text-align: left; vertical-align: middle; overflow-wrap: anywhere }
+.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap }
+th { position: sticky; top: 0; background: #fff; white-space: nowrap }
+th button { font: inherit; font-weight: 600; border: 0; background: none; color: inherit; padding: 4px 0; cursor: pointer }
+th[aria-sort=ascending] button::after { content: " \25b2" } th[aria-sort=descending] button::after { content: " \25bc" }
+a { color: var(--accent) }
+td img { width: 220px; height: 74px; object-fit: contain; display: block; background: #fff; border-radius: 4px }
+.soft { color: var(--soft) } .good { color: var(--good) } .bad { color: var(--bad) }
+@media (max-width: 760px) { body { margin: 8px } th, td { padding: 4px } .picture, .total { display: none } }
+@media (prefers-color-scheme: dark) { :root { --line: #3a3e47; --soft: #a3a9b5; --good: #2fc79a; --bad: #ff8a80; --accent: #56b4e9 } body, th { background: #15171b; color: #eceef2 } }
 </style>
 </head>
 <body>
 )";
+
+/// The last two parts of a file's name, without its ending: "shelf/reach". The index may be sent to
+/// others, so it does not say where the file is on this machine.
+std::string titleOf(const std::string& problem) {
+  const std::filesystem::path path = std::filesystem::path(problem).lexically_normal();
+  const std::string folder = path.parent_path().filename().string();
+  return folder.empty() ? path.stem().string() : folder + "/" + path.stem().string();
+}
+
+/// The sum of a plan's times [s]: from compiling to its proof.
+double totalOf(const nlohmann::ordered_json& time) {
+  double total = 0;
+  for (const char* stage : {"compile", "plan", "simplify", "improve", "push", "certify"})
+    total += time.value(stage, 0.0);
+  return total;
+}
+
+std::string replaced(std::string text, std::string_view word, const std::string& with) {
+  return text.replace(text.find(word), word.size(), with);
+}
 
 }  // namespace
 
@@ -47,31 +85,75 @@ PageFolder::PageFolder(const std::string& folder) : folder_(folder) {
 }
 
 FolderPage folderPage(const Subject& subject) {
+  const planner::PathClearance& least = subject.least.all;
+  const bool has_clearance = least.closest_segment >= 0;
   return {page(subject),
-          fmt::format(
-              "<b>{}</b> <span class=\"{}\">{}</span>{}<br>{}{}", escaped(subject.problem.name),
-              subject.good ? "good" : "bad", escaped(subject.verdict),
-              subject.least.all.closest_segment < 0 ? "" : ", " + escaped(leastText(subject.least)),
-              escaped(subject.source), pictureSvg(subject, true)),
+          pictureSvg(subject, true),
+          subject.problem.name,
+          has_clearance ? clearanceText(least.clearance) : std::string(),
+          has_clearance ? least.clearance.lower : 0,
+          subject.verdict,
           subject.good};
 }
 
-void PageFolder::add(const FolderPage& page) {
-  if (folder_.empty() || page.html.empty()) return;
-  const std::string name = fmt::format("{:04}.html", ++count_);
-  planner::writeFileWhole(folder_ + "/" + name, page.html);
+void PageFolder::add(const std::string& problem, const nlohmann::ordered_json& line,
+                     const FolderPage& page) {
+  if (folder_.empty()) return;
+  const std::string title = escaped(titleOf(problem));
+  std::string name = title, picture;
+  if (!page.html.empty()) {
+    const std::string file = fmt::format("{:04}", ++count_);
+    planner::writeFileWhole(fmt::format("{}/{}.html", folder_, file), page.html);
+    planner::writeFileWhole(fmt::format("{}/{}.svg", folder_, file), page.svg);
+    name = fmt::format("<a href=\"{}.html\">{}</a>", file, title);
+    picture = fmt::format(
+        "<a href=\"{0}.html\"><img src=\"{0}.svg\" alt=\"{1}\" loading=\"lazy\"></a>", file, title);
+  }
+  if (!page.name.empty() && page.name != std::filesystem::path(problem).stem().string())
+    name += fmt::format("<br><span class=\"soft\">{}</span>", escaped(page.name));
+  ++rows_count_;
   good_ += page.good ? 1 : 0;
-  entries_ += fmt::format("<a href=\"{}\">{}</a>\n", name, page.entry);
+  const auto milliseconds = [](double seconds) {
+    return fmt::format("data-v=\"{}\">{:.3g} ms", seconds, seconds * 1e3);
+  };
+  std::string plan = "data-v=\"\">", total = "data-v=\"\">";
+  if (line.contains("time_s") && line["time_s"].is_object()) {
+    plan_s_ += line["time_s"].value("plan", 0.0);
+    total_s_ += totalOf(line["time_s"]);
+    plan = milliseconds(line["time_s"].value("plan", 0.0));
+    total = milliseconds(totalOf(line["time_s"]));
+  }
+  const std::string verdict =
+      page.html.empty() ? line.value("status", std::string("error")) : page.verdict;
+  const std::string clearance =
+      page.clearance.empty()
+          ? "data-v=\"\">"
+          : fmt::format("data-v=\"{}\">{}", page.clearance_m, escaped(page.clearance));
+  rows_ += fmt::format(
+      "<tr><td>{}</td><td class=\"{}\">{}</td><td class=\"number\" {}</td>"
+      "<td class=\"number\" {}</td><td class=\"number total\" {}</td>"
+      "<td class=\"picture\">{}</td></tr>\n",
+      name, page.good ? "good" : "bad", escaped(verdict), clearance, plan, total, picture);
 }
 
 void PageFolder::finish() const {
   if (folder_.empty()) return;
+  const std::string plans = counted(static_cast<std::size_t>(rows_count_), "plan");
+  const std::string head = replaced(kIndexHead, "@TITLE@", "Leeway: " + plans);
   planner::writeFileWhole(
       folder_ + "/index.html",
-      kIndexHead +
-          fmt::format("<h1>{}, {} certified</h1>\n<main>\n",
-                      counted(static_cast<std::size_t>(count_), "plan"), good_) +
-          entries_ + "</main>\n</body>\n</html>\n");
+      head +
+          fmt::format(
+              "<h1>Plans of leeway batch</h1>\n"
+              "<p>{}, {} certified, {} not; {:.3g} s of planning, {:.3g} s in all. A click on a "
+              "heading sorts.</p>\n<main>\n<table>\n<thead><tr><th><button>Problem</button></th>"
+              "<th><button>Result</button></th><th class=\"number\"><button>Clearance</button></th>"
+              "<th class=\"number\"><button>Plan</button></th>"
+              "<th class=\"number total\"><button>In all</button></th>"
+              "<th class=\"picture\"></th></tr></thead>\n<tbody>\n",
+              plans, good_, rows_count_ - good_, plan_s_, total_s_) +
+          rows_ + "</tbody>\n</table>\n</main>\n<script>" + kSort +
+          "</script>\n</body>\n</html>\n");
 }
 
 }  // namespace leeway::tools::view

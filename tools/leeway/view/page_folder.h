@@ -1,34 +1,41 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "tools/leeway/view/page.h"
 
 namespace leeway::tools::view {
 
-/// One page of a folder, and its entry in the index. Both are empty without a page.
+/// A page of a folder, its picture, and its least clearance. Empty: none.
 struct FolderPage {
-  std::string html, entry;
+  std::string html, svg;
+  std::string name;        ///< the problem's
+  std::string clearance;   ///< "10.57 mm"; empty without a path, or where nothing is near
+  double clearance_m = 0;  ///< to sort by
+  std::string verdict;
   bool good = false;  ///< as Subject's
 };
 /// May be called by several threads.
 FolderPage folderPage(const Subject& subject);
 
-/// Writes a page for each of many problems, and an index with their pictures.
+/// Writes a page for each of many problems, and an index of all of them that can be sorted.
 class PageFolder {
  public:
   /// Makes the folder. Writes nothing if `folder` is empty. Throws robots::InputError if the folder
   /// cannot be made, and as expectPage() does.
   explicit PageFolder(const std::string& folder);
-  /// Writes the next page. Its file has its number as name, because a problem's name may not suit a
-  /// file.
-  void add(const FolderPage& page);
+  /// Writes the next page, named by its number, so that names of problems name no files, and adds
+  /// its row to the index. `problem`: its file, whose folder and name are the title. `line`: what
+  /// `batch` says of it. Without a page the row has no link.
+  void add(const std::string& problem, const nlohmann::ordered_json& line, const FolderPage& page);
   /// Writes index.html.
   void finish() const;
 
  private:
-  std::string folder_, entries_;
-  int count_ = 0, good_ = 0;
+  std::string folder_, rows_;
+  int count_ = 0, rows_count_ = 0, good_ = 0;
+  double plan_s_ = 0, total_s_ = 0;
 };
 
 }  // namespace leeway::tools::view

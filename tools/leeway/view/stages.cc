@@ -70,6 +70,10 @@ std::vector<Stage> stagesOf(const Problem& problem,
     const planner::Step& step = problem.steps[s];
     const planner::PathStep& stretch = path.steps[s];
     Stage stage{step.name, kKinds[step.action.index()], stretch.first, stretch.last, {}, {}};
+    if (const auto* attach = std::get_if<planner::AttachStep>(&step.action))
+      stage.object = attach->object;
+    if (const auto* detach = std::get_if<planner::DetachStep>(&step.action))
+      stage.object = detach->object;
     stage.problem = planner::stageOf(world, step);
     if (stage.last > stage.first)
       stage.scene = std::make_shared<const CompiledScene>(stage.problem);

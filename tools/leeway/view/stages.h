@@ -17,6 +17,7 @@ struct Stage {
   int first = 0, last = 0;  ///< waypoints
   planner::Problem problem;
   std::shared_ptr<const planner::CompiledScene> scene;
+  std::string object = {};  ///< that the step takes hold of or lets go of
 };
 
 /// Returns the problem whose scene contains every shown body once. For a task, all objects that any
