@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "collision/base/numbers.h"
@@ -269,16 +270,11 @@ void writeCsv(const std::string& file, const Profile& profile, bool steps) {
 }
 
 void writeSvg(const std::string& file, const planner::Problem& problem, const Profile& profile,
-              double margin) {
-  std::vector<ProfileStretch> stretches;
-  for (const Stretch& stretch : profile.stretches) {
-    stretches.push_back({stretch.segment + stretch.t0, stretch.segment + stretch.t1,
-                         stretch.all.clearance.lower, stretch.all.clearance.upper});
-  }
+              const view::Timeline& timeline, double margin) {
   const std::string note = !profile.nothing_checked.empty() ? "nothing was checked"
                            : profile.certified ? "every edge is certified to keep its margins"
                                                : "not every edge is certified";
-  planner::writeFileWhole(file, profileSvg(problem.name, note, "edge", stretches, margin));
+  planner::writeFileWhole(file, profileSvg(problem.name, note, timeline, margin));
 }
 
 /// The clearance of a whole path, with the place where it is least.
@@ -391,14 +387,17 @@ int runClearance(ClearanceArguments& arguments) {
       measure(stages, path, arguments, interactivePlanOptions(arguments.limits.timeLimit()));
   if (!steps) proveConstraints(*stages.front().scene, problem, path, profile);
   endProgress();
-  if (!arguments.view.file.empty()) {
-    view::writePage(arguments.view, view::subjectOfPath(problem, arguments.source.problem, path));
+  std::optional<view::Subject> subject;
+  if (!arguments.view.file.empty() || !arguments.svg.empty()) {
+    subject.emplace(view::subjectOfPath(problem, arguments.source.problem, path));
+    subject->path_file = path_file;
   }
+  if (!arguments.view.file.empty()) view::writePage(arguments.view, *subject);
   if (!arguments.svg.empty()) {
     double margin = kInfinity;
     for (const view::Stage& stage : stages)
       if (stage.scene) margin = std::min(margin, leastMargin(*stage.scene));
-    writeSvg(arguments.svg, problem, profile, margin);
+    writeSvg(arguments.svg, problem, profile, subject->timeline, margin);
   }
   if (!arguments.csv.empty()) {
     writeCsv(arguments.csv, profile, steps);
@@ -439,7 +438,8 @@ Verb addClearance(CLI::App& command) {
   addShortest(*app, arguments->shortest);
   view::addPageOptions(*app, arguments->view);
   app->add_option("--csv", arguments->csv, "also write it as a table")->type_name("FILE.csv");
-  app->add_option("--svg", arguments->svg, "also draw it")->type_name("FILE.svg");
+  app->add_option("--svg", arguments->svg, "also draw it over the time of the motion")
+      ->type_name("FILE.svg");
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer(
       "Example:\n"

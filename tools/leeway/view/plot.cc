@@ -15,6 +15,9 @@ namespace {
 constexpr double kLeft = 64, kBottom = 52, kTop = 28, kRight = 18, kMargin = 14;
 constexpr double kTickLabel = 11, kLabel = 12, kTitle = 13, kFigureTitle = 17, kNote = 11.5;
 constexpr double kLegendRow = 20, kLegendText = 12.5, kLegendKey = 30, kLegendGap = 22;
+constexpr double kTitleLine = 16;  // of a title in several
+/// Bold text is as much wider.
+constexpr double kBold = 1.1;
 /// Mean width of a character relative to the font size, slightly generous.
 constexpr double kCharacter = 0.58;
 
@@ -74,6 +77,31 @@ std::string textElement(double x, double y, const char* anchor, double size, con
       "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" font-size=\"{}\" class=\"{}\"{}>{}"
       "</text>\n",
       x, y, anchor, size, css, attributes, escaped(content));
+}
+
+/// Attributes that squeeze a text into a length, where it is longer.
+std::string squeezed(const std::string& text, double size, double length) {
+  if (textWidth(text, size) <= length) return {};
+  return fmt::format(" textLength=\"{:.1f}\" lengthAdjust=\"spacingAndGlyphs\"", length);
+}
+
+/// A text in lines of at most `length`, broken between words.
+std::vector<std::string> linesOf(const std::string& text, double size, double length) {
+  std::vector<std::string> lines;
+  std::string line;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string longer = line + (line.empty() ? "" : " ") + text.substr(at, end - at);
+    if (!line.empty() && textWidth(longer, size) > length) {
+      lines.push_back(line);
+      line = text.substr(at, end - at);
+    } else {
+      line = longer;
+    }
+    at = end + 1;
+  }
+  lines.push_back(line);
+  return lines;
 }
 
 std::string lineElement(double x1, double y1, double x2, double y2, const char* css) {
@@ -238,18 +266,27 @@ class PanelDrawing {
         x_(rulerFor(panel, false)),
         y_(rulerFor(panel, true)) {}
 
+  /// A panel's title in lines that its column has room for.
+  static std::vector<std::string> titleLines(const PlotPanel& panel, double width) {
+    return linesOf(panel.title, kTitle * kBold, width + kRight);
+  }
+
   std::string draw(const std::vector<const PlotSeries*>& legend) const {
     std::string svg = fmt::format(
         "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" class=\"area\"/>\n",
         left_, top_, width_, height_);
     svg += drawTicks();
-    svg += textElement(left_, top_ - 9, "start", kTitle, "text", panel_.title,
-                       " font-weight=\"bold\"");
+    const std::vector<std::string> title = titleLines(panel_, width_);
+    for (std::size_t i = 0; i < title.size(); ++i)
+      svg += textElement(left_, top_ - 9 - kTitleLine * static_cast<double>(title.size() - 1 - i),
+                         "start", kTitle, "text", title[i],
+                         " font-weight=\"bold\"" + squeezed(title[i], kTitle, width_ + kRight));
     svg += textElement(left_ + width_ / 2, top_ + height_ + 36, "middle", kLabel, "soft",
-                       panel_.x.label);
-    svg += textElement(0, 0, "middle", kLabel, "soft", panel_.y.label,
-                       fmt::format(" transform=\"translate({:.1f} {:.1f}) rotate(-90)\"",
-                                   left_ - 48, top_ + height_ / 2));
+                       panel_.x.label, squeezed(panel_.x.label, kLabel, width_ + kRight));
+    svg += textElement(
+        0, 0, "middle", kLabel, "soft", panel_.y.label,
+        fmt::format(" transform=\"translate({:.1f} {:.1f}) rotate(-90)\"{}", left_ - 48,
+                    top_ + height_ / 2, squeezed(panel_.y.label, kLabel, height_ + kTop)));
     // Backwards, so that the first series, the report's subject, is drawn on top.
     for (std::size_t i = panel_.series.size(); i-- > 0;) {
       const PlotSeries& series = panel_.series[i];
@@ -392,7 +429,11 @@ std::string toSvg(const Figure& figure) {
   const std::size_t used = std::max<std::size_t>(1, std::min(columns, figure.panels.size()));
   const std::size_t rows = (figure.panels.size() + columns - 1) / columns;
   const double cell_width = kLeft + figure.panel_width + kRight;
-  const double cell_height = kTop + figure.panel_height + kBottom;
+  std::size_t title_lines = 1;
+  for (const PlotPanel& panel : figure.panels)
+    title_lines = std::max(title_lines, PanelDrawing::titleLines(panel, figure.panel_width).size());
+  const double title_height = kTitleLine * static_cast<double>(title_lines - 1);
+  const double cell_height = kTop + title_height + figure.panel_height + kBottom;
   const double width = 2 * kMargin + std::max({cell_width * static_cast<double>(used),
                                                textWidth(figure.title, kFigureTitle * 1.1),
                                                textWidth(figure.note, kNote)});
@@ -413,7 +454,7 @@ std::string toSvg(const Figure& figure) {
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     const std::size_t row = i / columns, column = i % columns;
     const double left = kMargin + kLeft + cell_width * static_cast<double>(column);
-    const double top = y + kTop + cell_height * static_cast<double>(row);
+    const double top = y + kTop + title_height + cell_height * static_cast<double>(row);
     body += PanelDrawing(figure, figure.panels[i], left, top).draw(legend);
   }
   const double height = y + cell_height * static_cast<double>(rows) + kMargin;

@@ -1,5 +1,6 @@
 #include "tools/leeway/view/profile_svg.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -11,31 +12,40 @@ namespace {
 constexpr double kMillimetres = 1e3;
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 
-/// Adds a step from `begin` to `end`. A value that is not finite becomes NaN, which breaks the
-/// line.
-void addStep(PlotSeries& series, const ProfileStretch& stretch, double value) {
-  const double y = std::isfinite(value) ? value * kMillimetres : kNothing;
-  series.points.push_back({stretch.begin, y});
-  series.points.push_back({stretch.end, y});
+/// A clearance in millimetres; NaN, which breaks the line, for one that is not finite.
+double shown(double clearance) {
+  return std::isfinite(clearance) ? clearance * kMillimetres : kNothing;
 }
 
 }  // namespace
 
-std::string profileSvg(const std::string& title, const std::string& note, const std::string& axis,
-                       const std::vector<ProfileStretch>& stretches, double margin) {
-  PlotSeries lower{.name = "proven on the whole stretch", .points = {}, .marker = false};
-  PlotSeries upper{.name = "met on the stretch", .points = {}, .marker = false};
-  PlotSeries margins{.name = "margin", .points = {}, .marker = false, .dashed = true};
-  double lowest = 0;  // the axis includes 0, so that small changes look small
-  for (const ProfileStretch& stretch : stretches) {
-    addStep(lower, stretch, stretch.lower);
-    addStep(upper, stretch, stretch.upper);
-    if (std::isfinite(stretch.lower)) lowest = std::min(lowest, stretch.lower * kMillimetres);
+std::string profileSvg(const std::string& title, const std::string& note,
+                       const view::Timeline& timeline, double margin) {
+  const auto series = [](const char* name) {
+    PlotSeries made{.name = name, .points = {}, .marker = false};
+    return made;
+  };
+  PlotSeries proven = series("proven"), world = series("from the world"),
+                     self = series("from itself"), margins = series("margin");
+  margins.dashed = true;
+  double lowest = 0;  // the axis holds 0, so that no small change looks like a large one
+  const auto& moments = timeline.moments;
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    world.points.push_back({moments[i].time, shown(moments[i].world.clearance.upper)});
+    self.points.push_back({moments[i].time, shown(moments[i].self.clearance.upper)});
+    for (const PlotSeries* measured : {&world, &self})
+      if (std::isfinite(measured->points.back().y))
+        lowest = std::min(lowest, measured->points.back().y);
+    if (i >= timeline.stretches.size()) continue;
+    const double lower = shown(timeline.stretches[i].lower);
+    proven.points.push_back({moments[i].time, lower});
+    proven.points.push_back({moments[i + 1].time, lower});
+    if (std::isfinite(lower)) lowest = std::min(lowest, lower);
   }
-  if (!stretches.empty() && std::isfinite(margin)) {
-    const ProfileStretch whole{stretches.front().begin, stretches.back().end, margin, margin};
-    addStep(margins, whole, margin);
-    lowest = std::min(lowest, margin * kMillimetres);
+  if (std::isfinite(margin)) {
+    for (const view::Moment* end : {&moments.front(), &moments.back()})
+      margins.points.push_back({end->time, shown(margin)});
+    lowest = std::min(lowest, shown(margin));
   }
   Figure figure;
   figure.title = title;
@@ -44,9 +54,9 @@ std::string profileSvg(const std::string& title, const std::string& note, const 
   figure.panel_width = 680;
   figure.panels.push_back(
       {.title = "",
-       .x = {.label = axis, .scale = AxisScale::kLinear},
+       .x = {.label = "time [s]", .scale = AxisScale::kLinear},
        .y = {.label = "clearance [mm]", .scale = AxisScale::kLinear, .lower = lowest},
-       .series = {lower, upper, margins}});
+       .series = {proven, world, self, margins}});
   return toSvg(figure);
 }
 
