@@ -65,6 +65,7 @@ std::shared_ptr<const PoseMotion> PoseMotion::keys(std::vector<Key> keys) {
     requireNumber(isSmall(stretch.velocity) && isSmall(stretch.turn.angle()),
                   where(i) + " is too soon after the key before; speeds up to 1e9 are expected");
   }
+  motion->keys_ = std::move(keys);
   return motion;
 }
 
@@ -81,6 +82,9 @@ std::shared_ptr<const PoseMotion> PoseMotion::steady(const Key& at, const Eigen:
   const Eigen::Vector3d axis =
       rate > 0 ? Eigen::Vector3d(angular_velocity.normalized()) : Eigen::Vector3d::UnitZ();
   motion->is_steady_ = true;
+  motion->keys_ = {key};
+  motion->velocity_ = velocity;
+  motion->angular_velocity_ = angular_velocity;
   motion->starts_ = {key.time};
   motion->stretches_ = {{key.X_WB.translation, velocity, AxisTurn(key.X_WB.rotation, axis, rate)}};
   return motion;

@@ -42,8 +42,8 @@ Goal takeGoal(const std::string& file, int line, const std::string& name,
 VariableRanges statedRanges(const std::string& what, const std::string& text,
                             const Problem& problem);
 
-/// Reads `start:` of a problem file: a group state, a list in group order, a map by joint or group, or
-/// poses.
+/// Reads `start:` of a problem file: a group state, a list in group order, a map by joint or group,
+/// or poses.
 void readStart(const YamlReader& reader, Problem& problem);
 
 /// Reads one goal in the forms of readStart(), after objects and frames. A pair [from, to] or `any`

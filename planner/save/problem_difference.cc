@@ -78,6 +78,20 @@ bool isSame(const std::vector<Geometry>& a, const std::vector<Geometry>& b) {
                     });
 }
 
+bool isSame(const ObjectMotion& a, const ObjectMotion& b) {
+  if (a.speed_bound != b.speed_bound || a.turn_bound != b.turn_bound || a.age != b.age ||
+      (a.poses == nullptr) != (b.poses == nullptr))
+    return false;
+  if (a.poses == nullptr) return true;
+  using Key = collision::PoseMotion::Key;
+  return a.poses->isSteady() == b.poses->isSteady() && a.poses->velocity() == b.poses->velocity() &&
+         a.poses->angularVelocity() == b.poses->angularVelocity() &&
+         std::equal(
+             a.poses->keyPoses().begin(), a.poses->keyPoses().end(), b.poses->keyPoses().begin(),
+             b.poses->keyPoses().end(),
+             [](const Key& x, const Key& y) { return x.time == y.time && isSame(x.X_WB, y.X_WB); });
+}
+
 bool isSame(const Object& a, const Object& b) {
   const auto isSameBall = [](const PointCloud::Ball& x, const PointCloud::Ball& y) {
     return x.center == y.center && x.radius == y.radius;
@@ -86,13 +100,15 @@ bool isSame(const Object& a, const Object& b) {
     return false;
   if (a.cloud && (!std::equal(a.cloud->balls.begin(), a.cloud->balls.end(), b.cloud->balls.begin(),
                               b.cloud->balls.end(), isSameBall) ||
-                  a.cloud->complete_within != b.cloud->complete_within))
+                  a.cloud->completeWithin() != b.cloud->completeWithin()))
+    return false;
+  if ((a.motion == nullptr) != (b.motion == nullptr) || (a.motion && !isSame(*a.motion, *b.motion)))
     return false;
   return isSame(a.geometries, b.geometries);
 }
 
 bool isSame(const robots::PoseRegion& a, const robots::PoseRegion& b) {
-  return a.link == b.link && isSame(a.X_LF, b.X_LF) && isSame(a.X_WR, b.X_WR) &&
+  return a.link == b.link && a.base == b.base && isSame(a.X_LF, b.X_LF) && isSame(a.X_WR, b.X_WR) &&
          a.position == b.position && a.rpy == b.rpy &&
          a.position_tolerance == b.position_tolerance && a.angle_tolerance == b.angle_tolerance;
 }
@@ -125,7 +141,7 @@ bool isSame(const MoveStep& a, const MoveStep& b) {
 bool isSame(const LineStep& a, const LineStep& b) {
   return a.frame == b.frame && a.by == b.by && a.relative_to == b.relative_to &&
          a.position_tolerance == b.position_tolerance && a.angle_tolerance == b.angle_tolerance &&
-         isSame(a.turn, b.turn) && isSame(a.poses, b.poses);
+         isSame(a.turn, b.turn) && isSame(a.poses, b.poses) && a.speed == b.speed;
 }
 bool isSame(const AttachStep& a, const AttachStep& b) {
   return a.object == b.object && a.link == b.link && a.touch == b.touch;
@@ -280,6 +296,8 @@ std::string problemDifference(const Problem& a, const Problem& b) {
   if (a.name != b.name) return "name";
   if (a.robot.variables != b.robot.variables) return "robot.variables";
   if (a.start != b.start) return "start";
+  if (static_cast<bool>(a.condition.accept) != static_cast<bool>(b.condition.accept))
+    return "condition";
   // (More frames may have been added for poses.)
   std::vector<Frame> frames = b.robot.frames;
   if (frames.size() > a.robot.frames.size()) frames.resize(a.robot.frames.size());

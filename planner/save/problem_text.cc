@@ -440,6 +440,7 @@ class Writer {
       text.add("poses", listText(poses));
     }
     if (!way.relative_to.empty()) text.add("relative_to", wordText(way.relative_to));
+    if (way.speed < kInfinity) text.add("speed", numberText(way.speed, what));
     return text.add("position_tolerance", numberText(way.position_tolerance, what))
         .add("angle_tolerance", numberText(way.angle_tolerance, what))
         .text();
@@ -552,7 +553,13 @@ class Writer {
     robots::throwIfStopped(stop_, "a problem was written");
     const std::string what = "'" + object.name + "'";
     MapText text;
-    text.add("name", wordText(object.name)).addPose(pose, "the pose of " + what);
+    text.add("name", wordText(object.name));
+    const collision::PoseMotion* const poses = object.motion ? object.motion->poses.get() : nullptr;
+    if (poses == nullptr)
+      text.addPose(pose, "the pose of " + what);
+    else if (poses->isSteady())
+      text.addPose(poses->keyPoses().front().X_WB, "the pose of " + what);
+    if (object.motion) text.add("moving", movingText(*object.motion, what));
     if (object.color) text.add("color", numbersText(*object.color, "the color of " + what));
     const bool is_simple = object.geometries.size() == 1 &&
                            isNear(object.geometries[0].X_BG, Pose()) &&
@@ -576,6 +583,27 @@ class Writer {
     return text.text();
   }
 
+  static std::string movingText(const ObjectMotion& motion, const std::string& what) {
+    MapText text;
+    if (motion.poses != nullptr && motion.poses->isSteady()) {
+      text.add("velocity", vectorText(motion.poses->velocity(), what))
+          .add("turning", vectorText(motion.poses->angularVelocity(), what))
+          .add("time", numberText(motion.poses->keyPoses().front().time, what));
+    } else if (motion.poses != nullptr) {
+      std::vector<std::string> keys;
+      for (const collision::PoseMotion::Key& key : motion.poses->keyPoses())
+        keys.push_back(
+            MapText().add("time", numberText(key.time, what)).addPose(key.X_WB, what).text());
+      text.add("keys", listText(keys));
+    } else if (motion.age != 0) {
+      text.add("age", numberText(motion.age, what));
+    }
+    if (motion.speed_bound < kInfinity)
+      text.add("speed_bound", numberText(motion.speed_bound, what));
+    if (motion.turn_bound < kInfinity) text.add("turn_bound", numberText(motion.turn_bound, what));
+    return text.text();
+  }
+
   static std::string cloudText(const PointCloud& cloud, const std::string& what) {
     std::vector<std::string> balls;
     for (const PointCloud::Ball& ball : cloud.balls)
@@ -583,8 +611,8 @@ class Writer {
           std::array{ball.center.x(), ball.center.y(), ball.center.z(), ball.radius}, what));
     MapText text;
     text.add("balls", listText(balls));
-    if (cloud.complete_within < kInfinity)
-      text.add("crop", numberText(cloud.complete_within, what));
+    if (cloud.completeWithin() < kInfinity)
+      text.add("crop", numberText(cloud.completeWithin(), what));
     return text.text();
   }
 

@@ -132,9 +132,8 @@ inline bool movesRobot(const Step& step) {
          std::holds_alternative<LineStep>(step.action);
 }
 /// Checks a step in the world that the steps before it leave, and applies the step to `world` as
-/// far as names are concerned: objects are attached where they are at the start. `is_first`: none before it has moved the robot.
-/// Throws
-/// std::invalid_argument.
+/// far as names are concerned: objects are attached where they are at the start. `is_first`: none
+/// before it has moved the robot. Throws std::invalid_argument.
 void takeStep(const Step& step, Problem& world, bool is_first);
 
 /// A rotation by an angle in [0, pi] about a unit axis.
@@ -171,8 +170,8 @@ Problem detached(const Problem& problem, const std::string& object,
 std::vector<robots::Geometry> placedShapes(const Problem& problem, const std::string& name,
                                            std::span<const double> configuration);
 std::vector<PointCloud::Ball> robotReach(const Problem& problem);
-/// poseRegion() for a problem that passed checkRobot(). `base_moves`: whether it may be relative to what planned joints move, which
-/// is then the region's base.
+/// poseRegion() for a problem that passed checkRobot(). `base_moves`: whether it may be relative to
+/// what planned joints move, which is then the region's base.
 robots::PoseRegion regionOf(const Problem& problem, const FramePose& pose, bool base_moves = false);
 /// The region for a constraint's frame F, seen from its reference frame, that allows any pose.
 robots::PoseRegion frameOf(const Problem& problem, const Constraint& constraint);

@@ -25,8 +25,7 @@ constexpr Keys kShape[] = {"name",       "position", "orientation", "rpy",      
 constexpr Keys kObject[] = {"name",         "position",  "orientation", "rpy",      "shapes",
                             "attach",       "box",       "sphere",      "cylinder", "capsule",
                             "cone",         "ellipsoid", "half_space",  "mesh",     "convex_hull",
-                            "height_field", "cloud",     "octree",      "moving",
-                            "color"};
+                            "height_field", "cloud",     "octree",      "moving",   "color"};
 constexpr Keys kMoving[] = {"keys",        "velocity",   "turning", "time",
                             "speed_bound", "turn_bound", "age"};
 constexpr Keys kMovingKey[] = {"time", "position", "orientation", "rpy"};

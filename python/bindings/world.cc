@@ -54,7 +54,7 @@ void add(World& world, const std::string& name, std::vector<collision::Geometry>
   requireNew(world, name);
   const collision::Pose X_WO = pose(position, orientation, rpy);
   const auto painted = colorOf(color);
-  world.change().objects.push_back({name, std::move(geometries), X_WO, nullptr, painted});
+  world.change().objects.push_back({name, std::move(geometries), X_WO, nullptr, nullptr, painted});
 }
 
 /// A method that adds one shape. `Sizes` are the factory's arguments, all Python objects.
@@ -231,7 +231,8 @@ struct CloudKeywords {
 /// Adds a cloud, filtered; returns what was left out.
 py::list addFiltered(World& world, const std::string& name, PointCloud cloud,
                      const CloudKeywords& of) {
-  Object object{name, {}, pose(of.position, of.orientation, of.rpy), nullptr, colorOf(of.color)};
+  Object object{name,    {},      pose(of.position, of.orientation, of.rpy),
+                nullptr, nullptr, colorOf(of.color)};
   const double margin = number(of.carve_margin, "carve_margin");
   if (py::isinstance<py::str>(of.carve))
     throw py::type_error("carve is '" + std::string(py::str(of.carve)) +

@@ -416,7 +416,9 @@ TEST(Guard, SecondsSince1970AreAsGoodAsAnyTime) {
   for (const double T : {0.02, 0.001}) {
     const Rows rows = towardsWall(0.3, 0.5, T, 60);
     for (const double begin : {0.0, 1.764e9 + 0.3}) {
-      Guard guard(problem, {.period = T});
+      GuardOptions options;
+      options.period = T;
+      Guard guard(problem, options);
       for (int k = 0; k + 10 <= 60; ++k) {
         const Rows chunk(rows.begin() + k, rows.begin() + k + 10);
         const GuardAnswer& answer = guard.check({.setpoints = flat(chunk), .time = begin + k * T});

@@ -19,7 +19,7 @@ namespace leeway::planner {
 namespace {
 
 /// A column with two arms of two joints, and a gripper on the left one.
-constexpr const char* kUrdf = R"(<robot name="two">
+constexpr const char* kTwoArms = R"(<robot name="two">
 <link name="column"/>
 <link name="l1"><collision><origin xyz="0.2 0 0"/><geometry><box size="0.4 0.05 0.05"/></geometry></collision></link>
 <link name="l2"><collision><origin xyz="0.2 0 0"/><geometry><box size="0.4 0.05 0.05"/></geometry></collision></link>
@@ -33,7 +33,7 @@ constexpr const char* kUrdf = R"(<robot name="two">
 <joint name="grip" type="prismatic"><parent link="l2"/><child link="finger"/><axis xyz="0 1 0"/><limit lower="0" upper="0.04" effort="1" velocity="1"/></joint>
 </robot>
 )";
-constexpr const char* kSrdf = R"(<robot name="two">
+constexpr const char* kTwoArmsSrdf = R"(<robot name="two">
 <group name="left"><joint name="l_a"/><joint name="l_b"/></group>
 <group name="right"><joint name="r_a"/><joint name="r_b"/></group>
 <group name="both"><group name="left"/><group name="right"/></group>
@@ -48,8 +48,8 @@ constexpr const char* kSrdf = R"(<robot name="two">
 class Groups : public testing::Test {
  protected:
   Groups() {
-    folder_.write("two.urdf", kUrdf);
-    folder_.write("two.srdf", kSrdf);
+    folder_.write("two.urdf", kTwoArms);
+    folder_.write("two.srdf", kTwoArmsSrdf);
   }
   /// `group` is in line 2, `start` in line 3, `goal` in line 4.
   std::string write(const std::string& start, const std::string& goal, const std::string& more = "",

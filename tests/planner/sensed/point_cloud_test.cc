@@ -53,16 +53,16 @@ TEST(PointCloud, ArraysWithStridesAndBothPrecisions) {
 TEST(PointCloud, StridesThatPointsDoNotFitInAreRefused) {
   const double doubles[] = {0.5, 0, 0, 0.6, 0, 0};
   const float floats[] = {0.5, 0, 0, 0.6F, 0, 0};
-  using Number = PointArray::Number;
+  using Type = PointArray::Number;
   for (const PointArray& packed :
-       {PointArray{.first = doubles, .count = 2, .number = Number::kDouble},
+       {PointArray{.first = doubles, .count = 2, .number = Type::kDouble},
         PointArray{.first = floats, .count = 2}}) {
     const PointCloud cloud = makeCloud(packed, 0.02);
     ASSERT_EQ(cloud.size(), 2U);
     EXPECT_NEAR((cloud.balls[1].center - Vector3d(0.6, 0, 0)).norm(), 0, 1e-7);
   }
   for (const std::size_t stride : {1U, 4U, 12U, 23U})
-    EXPECT_THROW(makeCloud({doubles, 2, stride, Number::kDouble}, 0.02), std::invalid_argument);
+    EXPECT_THROW(makeCloud({doubles, 2, stride, Type::kDouble}, 0.02), std::invalid_argument);
   for (const std::size_t stride : {1U, 4U, 11U})
     EXPECT_THROW(makeCloud({floats, 2, stride}, 0.02), std::invalid_argument);
   EXPECT_THROW(makeCloud({nullptr, 2}, 0.02), std::invalid_argument);

@@ -50,8 +50,8 @@ Subject subjectOfExecution(const planner::Problem& problem, const std::string& s
                            const std::vector<planner::ReplanStep>& steps,
                            planner::ReplanStatus status);
 
-/// Returns an HTML document that needs no other files. `compared`: another path of the same problem,
-/// shown beside the first; null: none. Throws robots::InputError if the command was built
+/// Returns an HTML document that needs no other files. `compared`: another path of the same
+/// problem, shown beside the first; null: none. Throws robots::InputError if the command was built
 /// without the page (see expectPage()).
 std::string page(const Subject& subject, const Subject* compared = nullptr);
 

@@ -26,7 +26,7 @@ std::string profileSvg(const std::string& title, const std::string& note,
     return made;
   };
   PlotSeries proven = series("proven"), world = series("from the world"),
-                     self = series("from itself"), margins = series("margin");
+             self = series("from itself"), margins = series("margin");
   margins.dashed = true;
   double lowest = 0;  // the axis holds 0, so that no small change looks like a large one
   const auto& moments = timeline.moments;

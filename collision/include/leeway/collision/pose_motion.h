@@ -48,6 +48,11 @@ class PoseMotion {
   /// The number of keys; 1 for a steady motion.
   std::size_t keyCount() const { return starts_.size(); }
   bool isSteady() const { return is_steady_; }
+  /// What the motion was made of: its keys, whose rotations are orthogonal up to rounding, and the
+  /// velocities of a steady motion [m/s], [rad/s]; zero for one through keys.
+  const std::vector<Key>& keyPoses() const { return keys_; }
+  const Eigen::Vector3d& velocity() const { return velocity_; }
+  const Eigen::Vector3d& angularVelocity() const { return angular_velocity_; }
 
   /// Keys whose rotations are within this of half a turn are refused [rad].
   static constexpr double kHalfTurn = 1e-6;
@@ -62,6 +67,8 @@ class PoseMotion {
   std::size_t stretchAt(double time) const;
 
   bool is_steady_ = false;
+  std::vector<Key> keys_;
+  Eigen::Vector3d velocity_ = Eigen::Vector3d::Zero(), angular_velocity_ = Eigen::Vector3d::Zero();
   std::vector<double> starts_;  // of the stretches [s]; the first also holds for earlier times
   std::vector<Stretch> stretches_;
 };

@@ -227,9 +227,9 @@ PlanResult plan(std::shared_ptr<const CompiledScene> scene, const Problem& probl
 /// from inverse kinematics that is nearest to `start` in the space's distance. If a task begins
 /// with a line, it is the one from which the line can be followed farthest. Without a valid one, it
 /// is the nearest one. Throws robots::InputError if inverse kinematics finds none, and as
-/// validate() does. Without start_poses, returns the problem itself. Deterministic, unless the search
-/// for the longest line is cut short: after half of the problem's time limit, or once `stop`, which
-/// may be empty, returns true. Compiles the problem.
+/// validate() does. Without start_poses, returns the problem itself. Deterministic, unless the
+/// search for the longest line is cut short: after half of the problem's time limit, or once
+/// `stop`, which may be empty, returns true. Compiles the problem.
 Problem placeStart(const Problem& problem, const std::function<bool()>& stop = {});
 
 /// Returns the certificate of any path, with clearances to within the tolerance [m]. `world_guess`:

@@ -32,8 +32,6 @@ struct ObjectMotion {
   double turn_bound = std::numeric_limits<double>::infinity();
   /// How long before Execution::start it was seen at X_WO [s]; 0 with `poses`.
   double age = 0;
-  /// Red, green and blue, 0 to 1, for pages and pictures alone; nothing: they choose one.
-  std::optional<std::array<double, 3>> color = {};
 };
 
 /// A named body with a shape: an obstacle, or an object that a link holds.
@@ -50,6 +48,8 @@ struct Object {
   /// Guard follow it. Everything else takes it as it stands at Execution::start, or where it was
   /// seen last before that.
   std::shared_ptr<const ObjectMotion> motion = nullptr;
+  /// Red, green and blue, 0 to 1, for pages and pictures alone; nothing: they choose one.
+  std::optional<std::array<double, 3>> color = {};
 };
 
 /// Returns the object with a motion. With `motion.poses` it stands where these have it at `time`
@@ -410,9 +410,9 @@ struct Problem {
 ///   nothing can meet; goals together with steps; steps with names that do not exist;
 /// - a name of two things, or an empty name; a name in margins, wishes or contacts that does not
 ///   exist; a pair that has the same name twice;
-/// - constraints of frames that do not move, or that constrain nothing; they or a condition together
-///   with steps, another objective than length, another planner than Connect, or corners that are
-///   cut;
+/// - constraints of frames that do not move, or that constrain nothing; they or a condition
+///   together with steps, another objective than length, another planner than Connect, or corners
+///   that are cut;
 /// - poses that are not finite or not rotations; numbers that are not finite or out of range; a
 ///   planner or parameters that do not exist or do not fit the objective;
 /// - deforming obstacles without a snapshot of Execution::start, objects that do not stand where
