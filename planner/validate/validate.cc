@@ -125,11 +125,11 @@ void checkWorld(const Problem& problem) {
   std::optional<CropNeeds> needs;
   for (const Object& object : problem.world.objects) {
     requireObject(problem, object);
+    if (const std::string fault = motionFault(object, problem.execution.start); !fault.empty())
+      refuse(problem, fmt::format("object '{}' {}", object.name, fault));
     if (!object.cloud || object.cloud->crops.empty()) continue;
     if (!needs) needs = cropNeeds(problem);
     if (const std::string fault = cropFault(object, *needs); !fault.empty()) refuse(problem, fault);
-    if (const std::string fault = motionFault(object, problem.execution.start); !fault.empty())
-      refuse(problem, fmt::format("object '{}' {}", object.name, fault));
   }
   for (const Attachment& held : problem.robot.attachments) {
     requireObject(problem, held.object);

@@ -110,8 +110,6 @@ TEST_F(GuardVerb, WrongLinesStopTheRobotAndTheNextAreRead) {
       {"[1, 2]", "setpoints[0] is 1; a list of 2 numbers is expected"},
       {"[[1, \"x\"]]", "setpoints[0] is \"x\"; a number is expected"},
       {"{", "byte 2: this is not JSON"},
-      {"nan,0", "'nan' is not a finite number"},
-      {"0,inf", "'inf' is not a finite number"},
       {"[[1e999, 0]]", "a number is too large"},
       {"{\"time\": -1}", "time is -1 s; seconds that do not go back"},
       {"{\"time\": 1.76e18}", "time is 1.76e+18 s; seconds that do not go back"},
@@ -154,6 +152,7 @@ TEST_F(GuardVerb, WrongLinesStopTheRobotAndTheNextAreRead) {
   const Answer nan = guard("reach.yaml", "nan,0\n");
   EXPECT_EQ(nan.status, 0);
   EXPECT_EQ(nan.document()["reason"], "invalid");
+  EXPECT_EQ(nan.document()["message"], "a setpoint is not a finite number");
 }
 
 TEST_F(GuardVerb, ARobotThatIsNotCertifiedIsStatus1) {

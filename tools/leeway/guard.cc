@@ -163,8 +163,7 @@ class LineReader {
     line.setpoints.resize(fields.size());
     for (std::size_t i = 0; i < fields.size(); ++i) {
       const std::optional<double> value = numberOf(fields[i]);
-      if (!value || !std::isfinite(*value))
-        throw LineFault{fmt::format("'{}' is not a finite number", fields[i])};
+      if (!value) throw LineFault{fmt::format("'{}' is no number", fields[i])};
       line.setpoints[i / n * n + order_[i % n]] = *value;
     }
     return line;
@@ -379,8 +378,7 @@ class Session {
       }
       setpoints = line->setpoints.size() / reader_.names().size();
       check(*line);
-      message = faultOf(setpoints, line->time);
-      if (!message.empty()) tellFault(message);
+      message = refusalOf(*line);
     } catch (const LineFault& fault) {
       message = fault.message;
       tellFault(message);
@@ -401,16 +399,23 @@ class Session {
     fmt::print(stderr, "{}:{}: {}\n", kStandardInput, number_, message);
   }
 
-  /// What the guard refused of a line whose sizes and numbers are right; empty if nothing.
-  std::string faultOf(std::size_t setpoints, std::optional<double> time) const {
+  /// Why the guard refused a line whose sizes are right; empty if it did not. Numbers that are not
+  /// finite are a fault of the policy, not of the line.
+  std::string refusalOf(const Line& line) {
     if (guard_.answer().reason != planner::GuardReason::kInvalid) return {};
-    if (setpoints > static_cast<std::size_t>(most_setpoints_))
-      return fmt::format("{} setpoints; at most {} (--most-setpoints) are expected", setpoints,
-                         most_setpoints_);
-    return fmt::format(
+    const auto is_finite = [](double x) { return std::isfinite(x); };
+    if (!std::all_of(line.setpoints.begin(), line.setpoints.end(), is_finite))
+      return "a setpoint is not a finite number";
+    const std::size_t setpoints = line.setpoints.size() / reader_.names().size();
+    std::string message = fmt::format(
         "time is {} s; seconds that do not go back, and near which numbers are at most 0.001 "
         "periods apart, are expected",
-        time.value_or(guard_.nextTime()));
+        line.time.value_or(guard_.nextTime()));
+    if (setpoints > static_cast<std::size_t>(most_setpoints_))
+      message = fmt::format("{} setpoints; at most {} (--most-setpoints) are expected", setpoints,
+                            most_setpoints_);
+    tellFault(message);
+    return message;
   }
 
   void check(const Line& line) {

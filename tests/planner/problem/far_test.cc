@@ -141,7 +141,8 @@ TEST(Bounds, HoldForJointsThatAreNotPlanned) {
               "bounds.drve: no joint is named 'drve'; did you mean 'drive'?");
   expectFault(folder, with("[0]", "bounds: {drive: {}}\n"), 5,
               "bounds.drive: joint 'drive' has no bounds; a lower and an upper bound are expected");
-  expectFault(folder, with("[0]", "bounds: {drive: }\n"), 5, "joint 'drive' has no bounds");
+  expectFault(folder, with("[0]", "bounds: {drive: }\n"), 5,
+              "bounds.drive is nothing; [lower, upper]");
 }
 
 constexpr const char* kTetrahedron =

@@ -38,7 +38,8 @@ TEST(ProblemSchema, KnowsTheLoadersKeysAndNoOthers) {
 }
 
 TEST(ProblemSchema, HasNoKindThatTheLoaderLacks) {
-  std::set<std::string> known = {"state", "value", "joint_limits"};  // not maps: alternative forms
+  std::set<std::string> known = {"state", "group_state", "value",
+                                 "joint_limits"};  // not maps: alternative forms
   for (const MapFormat& format : mapFormats()) known.insert(std::string(format.name));
   const json all = schema();
   for (const auto& entry : all.at("$defs").items())

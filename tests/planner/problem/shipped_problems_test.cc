@@ -84,8 +84,10 @@ TEST_P(ShippedProblem, StartAndGoalsAreValid) {
     EXPECT_GT(check.clearance.lower, problem_.margins.common) << what;
   };
   expectValid("start", startPoint(problem_));
-  for (const Goal& goal : problem_.goals)
+  for (const Goal& goal : problem_.goals) {
+    if (!goal.poses.empty()) continue;  // the search finds its joint values: IsSolved...
     for (const auto& point : goalPoints(goal)) expectValid(goal.name, point);
+  }
 }
 
 TEST_P(ShippedProblem, IsSolvedUnlessItHasNoSolution) {
