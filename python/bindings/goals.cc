@@ -354,6 +354,8 @@ void setStart(planner::Problem& problem, const py::object& start) {
   if (py::isinstance<py::dict>(start)) {
     std::vector<robots::PoseRegion> regions;
     bool has_values = false;
+    // A joint that the map leaves out would keep an old value: the robot may be elsewhere.
+    std::vector<double> given(q.size(), std::numeric_limits<double>::quiet_NaN());
     for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(start)) {
       const std::string name = py::str(key);
       const auto item = py::reinterpret_borrow<py::object>(value);
@@ -364,16 +366,29 @@ void setStart(planner::Problem& problem, const py::object& start) {
         continue;
       }
       has_values = true;
+      std::vector<double> own(q.size(), std::numeric_limits<double>::quiet_NaN());
       if (group)
-        setValues(*group, item, "start of " + name, q);
+        setValues(*group, item, "start of " + name, own);
       else
-        q[at(variableOf(problem, name))] = number(value, ("start of " + name).c_str());
+        own[at(variableOf(problem, name))] = number(value, ("start of " + name).c_str());
+      for (std::size_t v = 0; v < own.size(); ++v) {
+        if (std::isnan(own[v])) continue;
+        if (!std::isnan(given[v]))
+          throw py::value_error("start gives joint '" + problem.robot.model->variables[v].name +
+                                "' twice; once is expected");
+        q[v] = given[v] = own[v];
+      }
     }
     if (!regions.empty()) {
       if (has_values) refuseMixed("start");
       problem.start_poses = std::move(regions);
       return;
     }
+    for (const int variable : problem.robot.variables)
+      if (std::isnan(given[at(variable)]))
+        throw py::value_error("start says nothing of joint '" +
+                              problem.robot.model->variables[at(variable)].name +
+                              "'; a value for every planned joint is expected");
   } else {
     setValues(problem, start, "start", q);
   }

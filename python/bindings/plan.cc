@@ -76,7 +76,7 @@ struct CallOptions {
 Result planOne(const py::args& args, const py::kwargs& kwargs) {
   py::dict keywords = kwargs.attr("copy")();
   const CallOptions options(keywords);
-  const Problem problem = problemOf("plan", args, keywords);
+  const Problem problem = problemOf("plan", args, keywords, true);
   noMore("plan", keywords);
   requireGoal(problem);
   Interrupt interrupt(options.stop);

@@ -117,7 +117,7 @@ std::string html(const Problem& problem) {
 
 }  // namespace
 
-Problem problemOf(const char* call, const py::args& args, py::dict& keywords) {
+Problem problemOf(const char* call, const py::args& args, py::dict& keywords, bool needs_start) {
   static constexpr std::array kNames = {"robot", "world", "start", "goal"};
   Problem problem;
   py::dict settings;
@@ -144,7 +144,12 @@ Problem problemOf(const char* call, const py::args& args, py::dict& keywords) {
     problem = makeProblem(given[0].cast<const Robot&>(),
                           given[1].is_none() ? nullptr : &given[1].cast<const World&>());
     // With the settings, in whose order poses find the frames that they name.
-    if (!given[2].is_none()) settings["start"] = given[2];
+    if (!given[2].is_none())
+      settings["start"] = given[2];
+    else if (needs_start)
+      throw py::value_error(std::string(call) +
+                            "(): no start is given; a group state, numbers, a dict by joint or a "
+                            "FramePose is expected");
     if (!given[3].is_none()) settings["goal"] = given[3];
   }
   for (const auto& [key, value] : py::dict(keywords.attr("copy")()))

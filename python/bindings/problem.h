@@ -59,7 +59,8 @@ bool isSetting(const std::string& name);
 
 /// The problem that a call means: (problem) or (robot, world, start, goal), with settings. `call`
 /// is for messages. Takes what it knows from `keywords`.
-Problem problemOf(const char* call, const py::args& args, py::dict& keywords);
+Problem problemOf(const char* call, const py::args& args, py::dict& keywords,
+                  bool needs_start = false);
 
 /// Throws ValueError where there is nothing to plan to.
 void requireGoal(const Problem& problem);

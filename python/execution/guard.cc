@@ -65,7 +65,7 @@ std::unique_ptr<Guarding> makeGuard(const py::args& args, const py::kwargs& kwar
   if (const py::object given = take("work"); !given.is_none())
     options.work = given.cast<std::int64_t>();
   const py::object errors = take("joint_errors");
-  made->problem = problemOf("Guard", args, keywords);
+  made->problem = problemOf("Guard", args, keywords, true);
   noMore("Guard", keywords);
   if (!errors.is_none()) {
     if (py::isinstance<py::float_>(errors) || py::isinstance<py::int_>(errors))

@@ -44,7 +44,7 @@ std::unique_ptr<Execution> makeExecution(const py::args& args, const py::kwargs&
   py::dict keywords = kwargs.attr("copy")();
   auto made = std::make_unique<Execution>();
   if (keywords.contains("stop")) made->stop = keywords.attr("pop")("stop");
-  made->problem = problemOf("Replanner", args, keywords);
+  made->problem = problemOf("Replanner", args, keywords, true);
   noMore("Replanner", keywords);
   requireGoal(made->problem);
   const std::shared_ptr<const planner::Problem> value = made->problem.value();
@@ -113,7 +113,7 @@ ReplanResult replan(const py::args& args, const py::kwargs& kwargs) {
   };
   const py::object on_step = take("on_step"), stop = take("stop"), most = take("steps");
   const int steps = most.is_none() ? 0 : most.cast<int>();
-  const Problem problem = problemOf("replan", args, keywords);
+  const Problem problem = problemOf("replan", args, keywords, true);
   noMore("replan", keywords);
   requireGoal(problem);
   if (!on_step.is_none() && PyCallable_Check(on_step.ptr()) == 0)

@@ -242,7 +242,7 @@ def test_an_obstacle_that_is_added_to_the_problems_world_is_avoided(robot):
 def test_settings_that_change_others_change_what_was_handed_out(robot):
     problem = good(robot)
     others, steps, goals = problem.others, problem.steps, problem.goals
-    problem.start = {"joint1": 0.1, "finger_joint": 0.02}
+    problem.start = {**dict(zip(robot.joint_names, problem.start)), "joint1": 0.1, "finger_joint": 0.02}
     assert others == {"finger_joint": 0.02} and problem.others is others
     problem.steps = [TaskStep.move(TUCKED)]
     assert goals == [] and len(steps) == 1
@@ -399,3 +399,21 @@ def test_copies_of_what_cannot_be_changed_can(robot):
     problem = leeway.Scene(good(robot)).problem.copy()
     problem.world.add_sphere("ball", 0.1, position=(5, 0, 0))
     assert "ball" in problem.world
+
+
+def test_starts_say_something_of_every_planned_joint(robot):
+    problem, goal = good(robot), [0.8, 0.4, 0, -1.6, 0, 1.1416, 0]
+    for some in ({}, {"joint1": 0.1}, {"finger_joint": 0.02}):
+        for use in (lambda: setattr(problem, "start", some), lambda: leeway.plan(robot, worlds(), some, goal), lambda: leeway.check(problem, state=some),
+                    lambda: leeway.Guard(robot, worlds(), some), lambda: leeway.Scene(problem).check(some)):
+            with pytest.raises(ValueError, match="start says nothing of joint"):
+                use()
+    for use in (lambda: leeway.plan(robot, worlds(), None, goal), lambda: leeway.plan(robot, worlds(), goal=goal), lambda: leeway.Guard(robot, worlds())):
+        with pytest.raises(ValueError, match="no start is given"):
+            use()
+
+
+def test_a_mesh_of_vertices_has_a_scale(robot):
+    for scale in (0, (1, 0, 1)):
+        with pytest.raises(ValueError, match="scale is 0.0; numbers other than 0 are expected"):
+            worlds().add_mesh("new", vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles=[[0, 1, 2]], scale=scale)
