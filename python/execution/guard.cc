@@ -1,6 +1,8 @@
 #include "leeway/planner/guard.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "python/base/busy.h"
@@ -102,11 +104,24 @@ Answer check(Guarding& self, const py::object& setpoints, const py::object& posi
   return copyOf(self.guard->answer(), self.problem);
 }
 
+/// Whether numbers of a sensor are finite. If one is not, the guard refuses the observation: this
+/// is not an error of the program. True for what is not numbers.
+bool areFinite(const py::object& value) {
+  const auto array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(value);
+  return !array || std::all_of(array.data(), array.data() + array.size(),
+                               [](double x) { return std::isfinite(x); });
+}
+
+double timeOf(const py::object& time) {
+  return areFinite(time) ? number(time, "time") : std::numeric_limits<double>::quiet_NaN();
+}
+
 const char* setVerticesOf(Guarding& self, const std::string& object, const py::object& vertices,
                           const py::object& time, const py::object& bound) {
   const Busy busy(self.busy, kBusyGuard);
-  const std::vector<Eigen::Vector3d> given = points(vertices, "vertices");
-  const double when = number(time, "time"), speed_bound = speedBoundOf(bound);
+  std::vector<Eigen::Vector3d> given;  // of no use where not finite
+  if (areFinite(vertices)) given = points(vertices, "vertices");
+  const double when = timeOf(time), speed_bound = speedBoundOf(bound);
   return planner::toString(
       released([&] { return self.guard->setVertices(object, given, when, speed_bound); }));
 }
@@ -115,8 +130,12 @@ const char* setPoseOf(Guarding& self, const std::string& object, const py::objec
                       const py::object& time, const py::object& bound,
                       const py::object& turn_bound) {
   const Busy busy(self.busy, kBusyGuard);
-  const collision::Pose X_WO = pose(given, "pose");
-  const double when = number(time, "time"), speed = speedBoundOf(bound);
+  collision::Pose X_WO;
+  if (areFinite(given))
+    X_WO = pose(given, "pose");
+  else
+    X_WO.translation.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const double when = timeOf(time), speed = speedBoundOf(bound);
   const double turning = speedBoundOf(turn_bound, "turn_bound");
   return planner::toString(
       released([&] { return self.guard->setPose(object, X_WO, when, speed, turning); }));

@@ -312,6 +312,8 @@ def test_a_guard_follows_vertices_from_numpy(robot):
     assert guard.check(still, time=0.2).reason == "jumped"
     assert guard.set_vertices("sheet", sheet[:3], 0.3) == "invalid"
     assert guard.set_vertices("sheet", sheet, 0.1) == "late"
+    assert guard.set_vertices("sheet", sheet * np.nan, 0.3) == "invalid"
+    assert guard.set_vertices("sheet", sheet, np.nan) == "late"
     assert guard.set_vertices("sheet", sheet + [0, 0, 0.3], 0.3, speed_bound=0.1) == "taken"
     guard.look(0.3)
     assert guard.check(still, time=0.3)
@@ -333,6 +335,8 @@ def test_a_guard_and_a_replanner_follow_objects_that_move(robot):
     assert guard.check(still, time=0.1)
     assert guard.set_pose("cart", (0.9, 0, 0.4, 0, 0, 0, 1), 0.2, speed_bound=0.1, turn_bound=0) == "jumped"
     assert guard.set_pose("cart", (0.9, 0, 0.4), 0.1, speed_bound=0.1, turn_bound=0) == "late"
+    assert guard.set_pose("cart", (0.9, np.nan, 0.4), 0.3) == "invalid"
+    assert guard.set_pose("cart", (0.9, 0, 0.4), float("inf")) == "late"
     assert guard.set_pose("cart", (0.9, 0, 0.4), 0.3, speed_bound=0.1) == "taken"  # how it turns is not known
     guard.look(0.3)
     assert guard.check(still, time=0.3).passed == 0
