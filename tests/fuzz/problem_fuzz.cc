@@ -62,7 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       if (problem.goals.empty() && problem.steps.empty())
         fuzz::fail("a problem without goals and steps");
       for (const planner::Goal& goal : problem.goals)
-        if (goal.ranges.size() != problem.robot.variables.size())
+        if (goal.ranges.size() != (goal.poses.empty() ? problem.robot.variables.size() : 0))
           fuzz::fail("a goal of the wrong size");
       for (const double q : problem.start)
         if (!(q - q == 0)) fuzz::fail("a start that is not finite");
