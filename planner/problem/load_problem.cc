@@ -503,11 +503,10 @@ void filterClouds(const YamlReader& file, Problem& problem) {
   KnownNames known(problem);
   if (const auto groups = file.find("groups")) readGroups(*groups, known);
   objects->eachItem([&](const YamlReader& map) {
-    const auto cloud = map.find("cloud");
-    if (!cloud) return;
-    const std::string name = map.find("name")->text();
+    const auto cloud = map.find("cloud"), name = map.find("name");
+    if (!cloud || !name) return;  // an object without a name is an error that is known
     for (Object& object : problem.world.objects)
-      if (object.name == name && object.cloud) {
+      if (object.name == name->text() && object.cloud) {
         const auto carve = cloud->find("carve");
         filterCloud(*cloud, carve ? readNames(*carve, known) : std::vector<std::string>(), problem,
                     object);
