@@ -65,6 +65,17 @@ class CloudProblems : public testing::Test {
   Folder folder_;
 };
 
+TEST_F(CloudProblems, ACloudWithoutANameIsOneErrorWhereAllAreCollected) {
+  folder_.write("scan.xyz", "0 0 0\n");
+  robots::InputErrors errors;
+  ProblemOptions options;
+  options.load.errors = &errors;
+  const std::string path = folder_.write(
+      "problem.yaml", kBall + " - {n*ae: wall, cloud: {file: scan.xyz, radius: 0.02}}\n");
+  EXPECT_THROW(loadProblem(path, options), robots::InputError);
+  EXPECT_GT(errors.count(), 0U);
+}
+
 TEST_F(CloudProblems, PlansAmongBallsAsAmongSpheres) {
   // More balls than a PairTable has places.
   const std::string points = wall(0.03, 0.4, 0.3, 0.25);
