@@ -98,7 +98,7 @@ struct CropNeeds {
 };
 /// Returns the first step that attaches an object, "step 'take'"; empty: none.
 std::string firstGrasp(const Problem& problem);
-/// Those of a problem that was checked as far as checkRobot() does. O(geometries of the robot).
+/// Returns the needs of a problem that passed checkRobot(). O(geometries of the robot).
 CropNeeds cropNeeds(const Problem& problem);
 /// Returns a message if balls which matter may be missing from the object's cropped cloud because
 /// it was cropped for another robot, pose or margin; otherwise an empty string.
@@ -148,8 +148,8 @@ void requireOneWay(const AxisTurn& turn, const std::string& what);
 /// for points of one line.
 Eigen::Vector3d arcNormal(const Eigen::Vector3d& from, const Eigen::Vector3d& via,
                           const Eigen::Vector3d& to, const std::string& what);
-/// Throws std::invalid_argument for a line that goes nowhere, or not where it can be known. `X_RF`:
-/// where its frame begins, seen from its reference; nothing where that is not known yet.
+/// Throws std::invalid_argument for a line without motion, invalid numbers or rotations, half turns
+/// and arcs without a circle. `X_RF`: the frame's first pose in its reference, if it is known.
 void checkWay(const LineStep& line, const std::optional<robots::Pose>& X_RF);
 
 /// Throws for a problem whose start is given by poses.

@@ -15,6 +15,7 @@
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/did_you_mean.h"
+#include "planner/base/tolerances.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/plan_overrides.h"
@@ -29,8 +30,6 @@ namespace {
 constexpr const char* kStandardInput = "standard input";
 /// More lists and objects in each other than any line has [count].
 constexpr int kDeepest = 16;
-/// An orientation's length may be this far from 1, as numbers with four digits are.
-constexpr double kUnitLength = 1e-3;
 /// Longer lines are refused [B].
 constexpr std::size_t kLongestLine = std::size_t{1} << 26U;
 
@@ -278,7 +277,7 @@ class LineReader {
     const std::vector<double> p = rowOf(value["position"], 3, "observe.position");
     const std::vector<double> q = rowOf(value["orientation"], 4, "observe.orientation");
     const Eigen::Quaterniond turn(q[3], q[0], q[1], q[2]);
-    if (!(std::abs(turn.norm() - 1) <= kUnitLength))
+    if (!(std::abs(turn.norm() - 1) <= planner::kMendableQuaternion))
       throw LineFault{
           fmt::format("observe.orientation has length {}; a unit quaternion x y z w is "
                       "expected",

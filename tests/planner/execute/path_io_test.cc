@@ -621,7 +621,7 @@ TEST_F(PathIo, MessagesOfBadFiles) {
          ":1: key 'points' is missing in the file; a list of waypoints is expected");
   expect(write("b.json", "[1]"),
          ":1: is no map; joint_names and points (trajectory_msgs/JointTrajectory) are expected");
-  // Of two paths in one file, or of two values of a key, others may read the other one.
+  // If a file has two paths, or a key has two values, another reader may take the other one.
   const std::string row = "[{positions: [1, 2, 3, 4, 5, 6, 7]}]";
   const std::string names =
       "joint_names: [joint1, joint2, joint3, joint4, joint5, joint6, joint7]\n";

@@ -212,6 +212,28 @@ class OwnMotion final : public collision::VertexMotion {
   double rounding(double, double) const override { return 0; }
 };
 
+TEST(SaveProblem, KeepsWhatMoves) {
+  Problem problem = ball();
+  problem.execution.start = 0.7;
+  const auto add = [&](const std::string& name, double x, const ObjectMotion& motion) {
+    const Object object = {name, {{Shape::sphere(0.1), {}, name}}, turned(x, 0.3)};
+    problem.world.objects.push_back(movingObject(object, motion, problem.execution.start));
+  };
+  using collision::PoseMotion;
+  add("seen", 5, {.poses = nullptr, .speed_bound = 0.3, .turn_bound = 0.2, .age = 0.1});
+  add("steady", 6,
+      {.poses = PoseMotion::steady({0.5, turned(6, 0.3)}, {0, 0, 0.1}, {0.1, 0, 0.2})});
+  add("keys", 7,
+      {.poses = PoseMotion::keys({{0, turned(7, 0.3)}, {2, turned(8, 1)}}),
+       .speed_bound = 9,
+       .turn_bound = 9});
+  const Problem loaded = again(problem);
+  const Problem still = ball();
+  EXPECT_EQ(problemDifference(loaded, still), "world.objects");
+  problem.world.objects[1].motion = nullptr;
+  EXPECT_EQ(problemDifference(problem, loaded), "world.objects[1]");
+}
+
 TEST(SaveProblem, RefusesWhatFilesCannotSay) {
   const Folder folder;
   const std::string file = folder.write("kept.yaml", "as it was");
@@ -223,6 +245,9 @@ TEST(SaveProblem, RefusesWhatFilesCannotSay) {
   Problem problem = ball();
   problem.goals[0].name = "the far side";
   refused(problem, {"the far side", "group state"});
+  problem = ball();
+  problem.condition.accept = [](std::span<const double>) { return true; };
+  refused(problem, {"condition"});
   problem = ball();
   problem.world.objects.push_back({"nothing yet", {}, {}});
   refused(problem, {"nothing yet", "no shape"});

@@ -48,8 +48,8 @@ class PoseMotion {
   /// The number of keys; 1 for a steady motion.
   std::size_t keyCount() const { return starts_.size(); }
   bool isSteady() const { return is_steady_; }
-  /// What the motion was made of: its keys, whose rotations are orthogonal up to rounding, and the
-  /// velocities of a steady motion [m/s], [rad/s]; zero for one through keys.
+  /// The arguments of keys() or steady(): the key poses, with rotations made orthogonal up to
+  /// rounding, and the velocities of a steady motion [m/s], [rad/s]; zero for a motion with keys.
   const std::vector<Key>& keyPoses() const { return keys_; }
   const Eigen::Vector3d& velocity() const { return velocity_; }
   const Eigen::Vector3d& angularVelocity() const { return angular_velocity_; }

@@ -48,7 +48,7 @@ struct Object {
   /// Guard follow it. Everything else takes it as it stands at Execution::start, or where it was
   /// seen last before that.
   std::shared_ptr<const ObjectMotion> motion = nullptr;
-  /// Red, green and blue, 0 to 1, for pages and pictures alone; nothing: they choose one.
+  /// Red, green and blue, 0 to 1, in pages and pictures. Without a color, these choose one.
   std::optional<std::array<double, 3>> color = {};
 };
 
