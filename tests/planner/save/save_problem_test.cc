@@ -234,6 +234,23 @@ TEST(SaveProblem, KeepsWhatMoves) {
   EXPECT_EQ(problemDifference(problem, loaded), "world.objects[1]");
 }
 
+TEST(SaveProblem, KeepsTheSpeedOfLines) {
+  Problem problem = ball();
+  problem.goals.clear();
+  LineStep line;
+  line.frame = "ball";
+  line.by = {0.25, 0, 0};
+  line.speed = 0.125;
+  Step step;
+  step.name = "slow";
+  step.action = line;
+  problem.steps = {step};
+  EXPECT_EQ(std::get<LineStep>(again(problem).steps[0].action).speed, 0.125);
+  Problem faster = problem;
+  std::get<LineStep>(faster.steps[0].action).speed = 0.25;
+  EXPECT_EQ(problemDifference(problem, faster), "steps[0]");
+}
+
 TEST(SaveProblem, RefusesWhatFilesCannotSay) {
   const Folder folder;
   const std::string file = folder.write("kept.yaml", "as it was");
