@@ -477,11 +477,13 @@ struct Guard::Impl {
                       const Obstacles::Bound& bound) {
     Obstacles& obstacles = proof.obstacles();
     Obstacles::requireBound(object, bound);
-    if (!(time >= obstacles.seenAt(object, seen)) || !std::isfinite(time))
-      return Observation::kLate;
+    const double last = obstacles.seenAt(object, seen);
+    // A sight whose time was ahead of every answer's does not shut out those that follow.
+    const bool replaces = time < last && has_begun && last > nextTime() + options.horizon;
+    if (!std::isfinite(time) || !(time >= last || replaces)) return Observation::kLate;
     const double jump = obstacles.jump(object, seen, time);
     if (std::isnan(jump)) return Observation::kInvalid;
-    const bool widens = obstacles.widens(object, seen, bound);
+    const bool widens = replaces || obstacles.widens(object, seen, bound);
     try {
       obstacles.set(object, seen, time, bound);
     } catch (const std::invalid_argument&) {  // a coordinate that is too large

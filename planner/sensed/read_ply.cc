@@ -43,9 +43,9 @@ class PlyPoints {
     for (const PlyElement& e : elements_)
       if ((e.name == "face" || e.name == "tristrips") && e.count > 0)
         warnings_.push_back(fmt::format(
-            "{}:{}: the {} elements '{}' are left out: a cloud has balls at vertices, and its "
+            "{}:{}: the element '{}' ({}) is left out: a cloud has balls at vertices, and its "
             "surface is free between them; 'mesh' takes the surface",
-            source_.path(), e.place.line, e.count, e.name));
+            source_.path(), e.place.line, e.name, e.count));
     if (vertices + 1 == elements_.end()) expectEnd();
   }
 
@@ -144,8 +144,9 @@ class PlyPoints {
 
   [[noreturn]] void failEnded(const PlyElement& element, std::size_t i) const {
     source_.fail(place(),
-                 fmt::format("the file ends after {} of {} elements '{}'; all are expected", i,
-                             element.count, element.name));
+                 fmt::format("the file ends after {} of {} rows of the element '{}'; all are "
+                             "expected",
+                             i, element.count, element.name));
   }
 
   /// `axes`: places of x, y and z among the properties; none: the element is passed over.

@@ -129,9 +129,34 @@ std::vector<std::array<std::int32_t, 3>> triangles(py::handle value, const char*
   return result;
 }
 
+bool isTruth(py::handle value) {
+  // (numpy's own is not derived from bool.)
+  const std::string type = Py_TYPE(value.ptr())->tp_name;
+  return py::isinstance<py::bool_>(value) || type == "numpy.bool_" || type == "numpy.bool";
+}
+
+std::string shown(py::handle value) {
+  std::string text_of = std::string(py::repr(value)).substr(0, 100);
+  std::replace(text_of.begin(), text_of.end(), '\n', ' ');
+  return text_of;
+}
+
+std::uint64_t whole(py::handle value, const char* name, std::uint64_t largest) {
+  const py::object index = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  const unsigned long long result = index ? PyLong_AsUnsignedLongLong(index.ptr()) : 0;
+  if (!index || PyErr_Occurred() != nullptr || result > largest || isTruth(value)) {
+    PyErr_Clear();
+    throw py::value_error(std::string(name) + " is " + shown(value) +
+                          "; a whole number of at least 0 and at most " + std::to_string(largest) +
+                          " is expected");
+  }
+  return result;
+}
+
 double number(py::handle value, const char* name) {
   const double result = PyFloat_AsDouble(value.ptr());
-  if (result == -1 && PyErr_Occurred() != nullptr) {
+  const bool fails = result == -1 && PyErr_Occurred() != nullptr;
+  if (fails || isTruth(value)) {
     PyErr_Clear();
     throw py::type_error(std::string(name) + " is of type " + Py_TYPE(value.ptr())->tp_name +
                          "; a number is expected");

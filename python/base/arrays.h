@@ -9,6 +9,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -44,8 +46,19 @@ Rows scalars(py::handle value, const char* name);
 Eigen::Vector3d vector3(py::handle value, const char* name);
 std::vector<Eigen::Vector3d> points(py::handle value, const char* name);  ///< of shape (n, 3)
 std::vector<std::array<std::int32_t, 3>> triangles(py::handle value, const char* name);
-/// A finite number.
+/// A finite number, which is not True or False.
 double number(py::handle value, const char* name);
+/// Whether `value` is True or False, of Python or numpy.
+bool isTruth(py::handle value);
+/// A whole number from 0 to `largest`; no float, True or False. Throws ValueError.
+std::uint64_t whole(py::handle value, const char* name, std::uint64_t largest);
+template <class Integer>
+Integer whole(py::handle value, const char* name) {
+  return static_cast<Integer>(
+      whole(value, name, std::uint64_t{std::numeric_limits<Integer>::max()}));
+}
+/// A wrong value for messages, in one line.
+std::string shown(py::handle value);
 
 /// None, a position (3), a position and a quaternion x y z qx qy qz qw (7), or a matrix (4, 4).
 collision::Pose pose(py::handle value, const char* name);

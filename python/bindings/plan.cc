@@ -178,7 +178,7 @@ py::list planMany(const py::object& given, const py::kwargs& kwargs) {
   }
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   if (!wanted.is_none()) {
-    threads = wanted.cast<int>();
+    threads = whole<int>(wanted, "threads");
     if (threads < 1) throw py::value_error("threads are below 1; at least one is expected");
   }
   threads = std::min(threads, static_cast<int>(std::max<std::size_t>(1, problems.size())));

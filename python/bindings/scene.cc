@@ -158,7 +158,7 @@ State check(const Scene& self, const py::object& state, double tolerance) {
   positiveTolerance(tolerance);
   const planner::CompiledScene& scene = *self.compiled;
   result.limit = brokenLimit(scene.space(), result.point);
-  const std::shared_ptr<const planner::Problem> problem = self.problem.value();
+  const std::shared_ptr<const planner::Problem> problem = self.current();
   if (result.limit.empty()) result.limit = planner::brokenConstraint(scene, *problem, result.point);
   result.nothing_checked = scene.nothingChecked();
   forEach(self, 1, [&](EdgeCertifier& certifier, std::size_t) {
@@ -174,6 +174,14 @@ State check(const Scene& self, const py::object& state, double tolerance) {
     }
   });
   return result;
+}
+
+Scene withObjectAt(const Scene& self, const std::string& name, const py::object& place) {
+  const collision::Pose X_WO = pose(place, "pose");
+  Scene moved(self.problem, released([&] { return self.compiled->withObjectAt(name, X_WO); }));
+  moved.moved = self.moved;
+  moved.moved[name] = X_WO;
+  return moved;
 }
 
 bool isValid(const State& state) {
@@ -311,6 +319,15 @@ Scene::Scene(Problem of, std::shared_ptr<const planner::CompiledScene> scene)
       compiled(std::move(scene)),
       certifiers(std::make_shared<Certifiers>(compiled)) {}
 
+std::shared_ptr<const planner::Problem> Scene::current() const {
+  if (moved.empty()) return problem.value();
+  auto changed = std::make_shared<planner::Problem>(*problem);
+  for (planner::Object& object : changed->world.objects)
+    if (const auto place = moved.find(object.name); place != moved.end())
+      object.X_WO = place->second;
+  return changed;
+}
+
 const char* verdictName(Verdict verdict) {
   return verdict == Verdict::kFree      ? "free"
          : verdict == Verdict::kNotFree ? "not_free"
@@ -363,8 +380,13 @@ void defineScene(py::module_& module) {
   define(scene, "certify", "(self, a, b)",
          "How far the edge from a to b is certified, and what is in the way.", certify,
          py::arg("a"), py::arg("b"));
+  define(scene, "with_object_at", "(self, name, pose)",
+         "The scene with an object of its world at another pose, at the cost of the change: "
+         "thousands of moves cost as much each. Move an object of the last result, or always of "
+         "the first scene.",
+         withObjectAt, py::arg("name"), py::arg("pose"));
   defineConstant(
-      scene, "problem", [](const Scene& self) { return Problem(self.problem.value(), true); },
+      scene, "problem", [](const Scene& self) { return Problem(self.current(), true); },
       "The problem that was compiled, constant; copy() gives one to change.");
   defineConstant(
       scene, "robot", [](const Scene& self) { return self.problem.robot(); }, "Its robot.");

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
@@ -25,12 +27,15 @@ class Certifiers {
 
 /// A problem compiled for questions about states and edges.
 struct Scene {
-  Problem problem;
+  Problem problem;  ///< with its objects where they were when it was compiled
+  std::map<std::string, collision::Pose> moved;  ///< X_WO since then
   std::shared_ptr<const planner::CompiledScene> compiled;
   std::shared_ptr<Certifiers> certifiers;
 
   explicit Scene(Problem of, std::shared_ptr<const planner::CompiledScene> scene);
   std::size_t size() const { return problem.size(); }
+  /// The problem with its objects where they are now.
+  std::shared_ptr<const planner::Problem> current() const;
 };
 
 /// What check() says of one state.

@@ -26,25 +26,8 @@ std::string word(const py::object& value, const char* name) {
   return value.cast<std::string>();
 }
 
-/// A whole number from 0 to the largest of `Integer`.
-template <class Integer>
-Integer whole(const py::object& value, const char* name) {
-  const py::object index = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
-  const unsigned long long result = index ? PyLong_AsUnsignedLongLong(index.ptr()) : 0;
-  constexpr Integer kLargest = std::numeric_limits<Integer>::max();
-  if (!index || PyErr_Occurred() != nullptr || result > kLargest) {
-    PyErr_Clear();
-    throw py::value_error(std::string(name) + " is " + shown(value) +
-                          "; a whole number of at least 0 and at most " + std::to_string(kLargest) +
-                          " is expected");
-  }
-  return static_cast<Integer>(result);
-}
-
 bool truth(const py::object& value, const char* name) {
-  // (numpy's own is not derived from bool.)
-  const std::string type = Py_TYPE(value.ptr())->tp_name;
-  if (!py::isinstance<py::bool_>(value) && type != "numpy.bool_" && type != "numpy.bool")
+  if (!isTruth(value))
     throw py::type_error(std::string(name) + " is " + shown(value) + "; True or False is expected");
   return py::bool_(value);
 }
@@ -703,12 +686,6 @@ void Problem::set(const Setting& setting, const py::object& value) {
     handed_out->second.image = imageOf(handed_out->second.object);
   }
   value_ = std::make_shared<const planner::Problem>(std::move(changed));
-}
-
-std::string shown(py::handle value) {
-  std::string text_of = std::string(py::repr(value)).substr(0, 100);
-  std::replace(text_of.begin(), text_of.end(), '\n', ' ');
-  return text_of;
 }
 
 void defineSettings(py::module_& module, py::class_<Problem>& problem) {

@@ -51,9 +51,6 @@ py::object stepList(const planner::Problem& problem);
 std::vector<std::pair<std::string, std::string>> namePairs(const planner::Problem& problem,
                                                            py::handle item, const char* name);
 
-/// A wrong value for messages, in one line.
-std::string shown(py::handle value);
-
 void defineGoals(py::module_& module);
 void defineTasks(py::module_& module);
 

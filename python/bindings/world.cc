@@ -246,11 +246,9 @@ py::list addFiltered(World& world, const std::string& name, PointCloud cloud,
   }
   if (!of.thin.is_none()) cloud = planner::thinned(cloud, number(of.thin, "thin"));
   if (!of.most_balls.is_none()) {
-    const double most = number(of.most_balls, "most_balls");
-    if (!(most >= 1) || most != std::floor(most))
-      throw py::value_error("most_balls is " + text(most) + "; a whole number from 1 is expected");
-    // (Beyond 2^53 no cloud is thinned.)
-    cloud = planner::thinnedTo(cloud, static_cast<std::size_t>(std::min(most, 0x1p53)));
+    const auto most = whole<std::size_t>(of.most_balls, "most_balls");
+    if (most == 0) throw py::value_error("most_balls is 0; a whole number from 1 is expected");
+    cloud = planner::thinnedTo(cloud, most);
   }
   py::list left_out;
   for (const planner::CloudFilter& filter : cloud.filters)

@@ -63,14 +63,14 @@ std::unique_ptr<Guarding> makeGuard(const py::args& args, const py::kwargs& kwar
   set("point_error", options.point_error);
   set("horizon", options.horizon);
   if (const py::object given = take("most_setpoints"); !given.is_none())
-    options.most_setpoints = given.cast<int>();
+    options.most_setpoints = whole<int>(given, "most_setpoints");
   if (const py::object given = take("work"); !given.is_none())
-    options.work = given.cast<std::int64_t>();
+    options.work = whole<std::int64_t>(given, "work");
   const py::object errors = take("joint_errors");
   made->problem = problemOf("Guard", args, keywords, true);
   noMore("Guard", keywords);
   if (!errors.is_none()) {
-    if (py::isinstance<py::float_>(errors) || py::isinstance<py::int_>(errors))
+    if (const Rows values = scalars(errors, "joint_errors"); values.shape.empty())
       options.joint_errors.assign(made->size(), number(errors, "joint_errors"));
     else
       options.joint_errors = numbers(errors, "joint_errors", made->size());

@@ -112,7 +112,7 @@ ReplanResult replan(const py::args& args, const py::kwargs& kwargs) {
     return keywords.attr("pop")(name);
   };
   const py::object on_step = take("on_step"), stop = take("stop"), most = take("steps");
-  const int steps = most.is_none() ? 0 : most.cast<int>();
+  const int steps = most.is_none() ? 0 : whole<int>(most, "steps");
   const Problem problem = problemOf("replan", args, keywords, true);
   noMore("replan", keywords);
   requireGoal(problem);

@@ -189,6 +189,8 @@ def test_a_path_among_few_balls_of_a_depth_image_is_verified(robot):
     (np.ones((3, 3)), 0.1, {"carve_margin": 0.1}, "carve_margin stands without carve"),
     (np.ones((3, 3)), 0.1, {"most_balls": 0}, "most_balls is 0"),
     (np.ones((3, 3)), 0.1, {"most_balls": 1.5}, "most_balls is 1.5"),
+    (np.ones((3, 3)), 0.1, {"most_balls": True}, "most_balls is True"),
+    (np.ones((3, 3)), True, {}, "radius is of type bool"),
 ])
 def test_bad_depth_images_are_refused_in_one_line(world, depth, radius, more, words):
     count = len(world)

@@ -292,6 +292,10 @@ def test_a_guard_passes_what_has_room_to_stop(robot, world):
     for nan in (dict(setpoints=[[np.nan] * 7]), dict(position=[np.inf] * 7), dict(velocity=[np.nan] * 7)):
         stopped = guard.check(**nan)
         assert stopped.reason == "invalid" and stopped.certified
+    for wrong in (dict(most_setpoints=2.5), dict(most_setpoints=True), dict(work=1e6), dict(work=-1), dict(joint_errors="0"), dict(joint_errors=[0.1] * 3)):
+        with pytest.raises((ValueError, TypeError), match=list(wrong)[0]):
+            leeway.Guard(robot, world, start, accelerations=2, **wrong)
+    assert leeway.Guard(robot, world, start, accelerations=2, work=np.int64(10**6), joint_errors=np.float32(0.001)).check()
     for wrong in (dict(setpoints=[1] * 6), dict(setpoints=[[1] * 6]), dict(position=[1]), dict(time=float("nan"))):
         with pytest.raises(ValueError):
             guard.check(**wrong)

@@ -185,3 +185,27 @@ def test_inverse_kinematics(robot):
     assert again.solutions.tobytes() == found.solutions.tobytes()
     far = leeway.inverse_kinematics(robot, "hand", (5, 0, 0))
     assert not far and far.status == "unreachable" and far.solutions.shape == (0, 7) and far.nearest.shape == (7,)
+
+
+def test_a_scene_with_an_object_elsewhere_is_the_scene_compiled_so(robot, shelf):
+    world = leeway.World()
+    world.add_box("cart", (0.3, 0.3, 0.3), position=(0.6, 0, 0.3))
+    world.add_sphere("ball", 0.1, position=(-0.5, 0.4, 0.5))
+    scene = leeway.Scene(robot, world, margin=0.01)
+    points = states(robot, 60)
+    before = scene.clearances(points)
+    moving = scene
+    for i in range(50):
+        place = np.eye(4)
+        place[:3, 3] = 0.4 + 0.01 * i, -0.2, 0.4
+        moving = moving.with_object_at("cart", place)
+    moving = moving.with_object_at("ball", (-0.4, 0.4, 0.5))
+    world.move("cart", (0.89, -0.2, 0.4))
+    world.move("ball", (-0.4, 0.4, 0.5))
+    compiled = leeway.Scene(robot, world, margin=0.01)
+    assert np.allclose(moving.clearances(points), compiled.clearances(points), atol=2e-6)
+    assert np.array_equal(scene.clearances(points), before) and np.array_equal(scene.problem.world.pose("cart")[:3, 3], (0.6, 0, 0.3))
+    assert np.array_equal(moving.problem.world.pose("cart"), compiled.problem.world.pose("cart"))
+    for name, pose in (("nothing", None), ("hand", None), ("cart", (np.nan, 0, 0)), ("cart", (1, 2))):
+        with pytest.raises(ValueError):
+            scene.with_object_at(name, pose)

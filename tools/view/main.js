@@ -49,7 +49,7 @@ class App {
     this.deformable = new Set(this.data.frames.map((f) => f.body));
     for (let i = 0; i < this.parts.count; ++i) if (this.parts.kind[i] === 'deformable') this.deformable.add(this.parts.body[i]);
     this.rankWorld();
-    this.groups = { robot: [], world: [] };
+    this.groups = { robot: [], base: [], driven: [], world: [] };
     this.build();
   }
 
@@ -106,7 +106,7 @@ class App {
     const order = [...size.keys()].sort((a, b) => size.get(a) - size.get(b));
     this.rank = new Map(order.map((body, i) => [body, kRanks.world + (order.length <= kRanks.worlds ? i : i % kRanks.worlds)]));
     // Colours in the order of the problem, so that neighbours there differ.
-    this.palette = new Map(this.data.bodies.map((_, body) => body).filter((body) => !this.links.has(body) && (!this.moving.has(body) || this.held.has(body))).map((body, i) => [body, i]));
+    this.palette = new Map(this.data.bodies.map((_, body) => body).filter((body) => !this.links.has(body) && (!this.moving.has(body) || this.held.has(body) || this.driven.has(body))).map((body, i) => [body, i]));
   }
   rankOf(part) {
     return this.rank.get(this.parts.body[part]) ?? kRanks.robot + (this.held.has(this.parts.body[part]) ? 1 : 0);
@@ -156,33 +156,36 @@ class App {
     const { parts, stage, data, page } = this;
     const all = [...Array(parts.count).keys()];
     const framed = new Set(data.frames.map((f) => f.body));
-    const robot = all.filter((i) => this.moving.has(parts.body[i]));
+    const robot = all.filter((i) => this.moving.has(parts.body[i]) && !this.driven.has(parts.body[i]));
+    const driven = all.filter((i) => this.driven.has(parts.body[i]));
     const links = all.filter((i) => !this.moving.has(parts.body[i]) && this.links.has(parts.body[i]));
     const world = all.filter((i) => !this.moving.has(parts.body[i]) && !this.links.has(parts.body[i]) && !framed.has(parts.body[i]));
     const options = { rankOf: (part) => this.rankOf(part) };
     const colourOf = (part) => this.colourOf(part);
-    this.box = this.findBox(robot, all.filter((i) => !this.moving.has(parts.body[i]) && !this.links.has(parts.body[i])));
+    this.box = this.findBox([...robot, ...driven], all.filter((i) => !this.moving.has(parts.body[i]) && !this.links.has(parts.body[i])));
     const centre = this.box.getCenter(new Vector3());
     const away = world.map((part) => parts.poses.position(part, new Vector3()).distanceTo(centre));
     const nearestFirst = world.map((_, i) => i).sort((i, k) => away[i] - away[k]).map((i) => world[i]);
     this.groups.robot = parts.instances(robot, colourOf, options);
     this.groups.base = parts.instances(links, colourOf, options);
+    this.groups.driven = parts.instances(driven, colourOf, options);
     this.groups.world = parts.instances(nearestFirst, colourOf, options);
     this.groups.world.forEach((i) => stage.addLarge(i));
     for (const group of Object.values(this.groups)) for (const i of group) stage.scene.add(i.mesh);
     this.deforming = data.frames.map((f) => new Deforming(page, f));
     this.deforming.forEach((d) => stage.scene.add(d.mesh));
     this.planes = world.filter((i) => parts.kind[i] === 'half-space').map((i) => stage.addPlane(parts.matrixOf(i), 1.2 * this.box.getSize(new Vector3()).length()));
-    this.addGhosts(robot.filter((i) => !this.driven.has(parts.body[i])));
+    this.addGhosts(robot);
     this.addFigures(robot);
     const show = (things) => (on) => things.forEach((t) => { t.visible = on; });
     const layer = (name, shown, set) => { this.layers.push({ name, shown, set }); set(shown); };
     const meshes = (group) => group.map((i) => i.mesh);
+    const shapes = [...meshes(this.groups.world), ...meshes(this.groups.driven), ...this.deforming.map((d) => d.mesh)];
     layer('robot', true, show([...meshes(this.groups.robot), ...meshes(this.groups.base)]));
-    if (world.length + framed.size > 0) {
-      layer('world', true, show([...meshes(this.groups.world), ...this.deforming.map((d) => d.mesh), ...this.planes]));
+    if (shapes.length + this.planes.length > 0) {
+      layer('world', true, show([...shapes, ...this.planes]));
       layer('see through the world', false, (on) => {
-        for (const m of [...meshes(this.groups.world), ...this.deforming.map((d) => d.mesh)]) Object.assign(m.material, { transparent: on, opacity: on ? 0.3 : 1, depthWrite: !on, needsUpdate: true });
+        for (const m of shapes) Object.assign(m.material, { transparent: on, opacity: on ? 0.3 : 1, depthWrite: !on, needsUpdate: true });
       });
     }
     layer('nearest pair', true, (on) => { this.showNearest = on; });
@@ -318,7 +321,7 @@ class App {
     }
     (this.pieces ?? []).forEach((i) => { i.mesh.visible = on; });
     const cut = new Set(data.parts.pieces.map(([part]) => part));
-    for (const i of [...this.groups.robot, ...(this.groups.base ?? []), ...this.groups.world]) if (i.entries.every(({ part }) => cut.has(part))) i.mesh.visible = !on;
+    for (const i of Object.values(this.groups).flat()) if (i.entries.every(({ part }) => cut.has(part))) i.mesh.visible = !on;
   }
 
   showTrail(body) {
@@ -434,7 +437,7 @@ class App {
   }
   placeScene() {
     const { matrices } = this.motion;
-    this.groups.robot.forEach((i) => i.place(matrices));
+    for (const i of [...this.groups.robot, ...this.groups.driven]) i.place(matrices);
     this.paintBodies();
     this.outlines.forEach((outline) => outline.place(matrices, this.isHeld(outline.body)));
     this.compared?.setTime(this.time);

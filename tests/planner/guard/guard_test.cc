@@ -824,6 +824,21 @@ TEST(Guard, ObservationsOfObjectsThatFailStopTheRobotUntilTheyAreGoodAgain) {
   EXPECT_EQ(guard.setPose("plate", plateAt(0.41, 0.5), 1.4, 0.2, 0), Observation::kJumped);
 }
 
+TEST(Guard, AnObservationAheadOfTimeDoesNotShutOutThoseThatFollow) {
+  Guard guard(plateProblem({}, 0));
+  const std::vector<double> here = still({-1, 1.2, 0}, 10);
+  ASSERT_EQ(guard.setPose("plate", plateAt(0), 0.2, 0.2, 0), Observation::kTaken);
+  guard.look(0.2);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 0.2}).passed, 10);
+  EXPECT_EQ(guard.setPose("plate", plateAt(0), 1000, 0.2, 0), Observation::kTaken);
+  guard.look(0.4);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 0.4}).passed, 0);
+  EXPECT_EQ(guard.setPose("plate", plateAt(0.01), 0.5, 0.2, 0), Observation::kTaken);
+  guard.look(0.5);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 0.5}).passed, 10);
+  EXPECT_EQ(guard.setPose("plate", plateAt(0), 0.4, 0.2, 0), Observation::kLate);
+}
+
 TEST(Guard, CallsAmongObjectsThatMoveAllocateNothing) {
   Guard guard(plateProblem({}, 0));
   const std::vector<double> here = still({-1, 1.2, 0}, 30);

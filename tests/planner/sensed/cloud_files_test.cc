@@ -125,7 +125,7 @@ TEST_F(CloudFiles, EveryFormReadsTheSame) {
   expectThree("d.pcd", pcdHeader("binary_compressed") + pcdCompressed());
   ASSERT_EQ(warnings_.size(), 4U);
   for (std::size_t i = 0; i < 3; ++i)
-    EXPECT_NE(warnings_[i].find("the 1 elements 'face' are left out"), std::string::npos);
+    EXPECT_NE(warnings_[i].find("the element 'face' (1) is left out"), std::string::npos);
   EXPECT_NE(warnings_[3].find("100 bytes of value 0 follow the 3 points"), std::string::npos);
 }
 
@@ -220,7 +220,7 @@ TEST_F(CloudFiles, DamagedPlysNameTheirPlace) {
   const std::string header = ply("binary_little_endian");
   const std::string binary = header + plyRecords(false);
   expectError("a.ply", binary.substr(0, binary.size() - 1), 0,
-              {"byte", "ends after 2 of 3 elements 'vertex'"});
+              {"byte", "ends after 2 of 3 rows of the element 'vertex'"});
   expectError("a.ply", ply("binary_little_endian", "2000000000") + plyRecords(false), 0,
               {"ends after 3 of 2000000000"});
   std::string list = binary;
@@ -278,7 +278,7 @@ TEST_F(CloudFiles, WhatIsLeftOutIsWarnedOf) {
       "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   EXPECT_EQ(loadCloud(folder_.write("m.ply", mesh), 0.01, warnings_).size(), 3U);
   ASSERT_EQ(warnings_.size(), 1U);
-  EXPECT_NE(warnings_[0].find("m.ply:7: the 1 elements 'face' are left out"), std::string::npos)
+  EXPECT_NE(warnings_[0].find("m.ply:7: the element 'face' (1) is left out"), std::string::npos)
       << warnings_[0];
   warnings_.clear();
   const std::string padded = pcdHeader("binary") + pcdRecords() + std::string(24, '\0');
