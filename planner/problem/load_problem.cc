@@ -588,10 +588,12 @@ Problem fromMoveit(const YamlReader& file, const YamlReader& moveit, const Probl
       other->fail(fmt::format(
           "key '{}' stands beside 'moveit', whose request says it; one of them is expected", key));
   const YamlReader robot = file.at("robot", "urdf and srdf");
-  if (const auto group = robot.find("group"))
-    group->fail(
-        "key 'group' stands beside 'moveit', whose request names the group; one of them is "
-        "expected");
+  for (const char* key : {"group", "chain"})
+    if (const auto group = robot.find(key))
+      group->fail(fmt::format(
+          "key '{}' stands beside 'moveit', whose request names the group; one of them is "
+          "expected",
+          key));
   std::vector<std::string> warnings;
   const auto model = loadRobot(file, robot, options, warnings);
   const YamlReader scene = moveit.at("scene", "the path of a planning scene");
@@ -622,12 +624,22 @@ Problem fromOwnKeys(const YamlReader& file, const ProblemOptions& options) {
   problem.robot.model = robot ? loadRobot(file, *robot, options, problem.warnings)
                               : loadBody(*body, problem.warnings, options.load);
   const auto group = robot ? robot->find("group") : std::nullopt;
+  const auto chain = robot ? robot->find("chain") : std::nullopt;
+  if (group && chain)
+    chain->fail("keys 'group' and 'chain' both say what is planned; one of them is expected");
   const std::vector<std::string> all = {"all"};
-  takeGroups(file.file(),
-             group   ? group->line()
-             : robot ? robot->line()
-                     : body->line(),
-             group ? readGroupNames(*group) : all, problem);
+  if (chain) {
+    const std::vector<YamlReader> ends = chain->items();
+    if (ends.size() != 2)
+      chain->fail(chain->where() + " is not a pair of links; [BASE, TIP] is expected");
+    takeChain(file.file(), chain->line(), ends[0].text(), ends[1].text(), problem);
+  } else {
+    takeGroups(file.file(),
+               group   ? group->line()
+               : robot ? robot->line()
+                       : body->line(),
+               group ? readGroupNames(*group) : all, problem);
+  }
   problem.start = problem.robot.model->defaultConfiguration();
   return problem;
 }
@@ -729,6 +741,12 @@ Problem problemFromStates(std::shared_ptr<const Model> model, const std::string&
   problem.name = model->name;
   problem.robot.model = std::move(model);
   takeGroups("", 0, namedGroups(*problem.robot.model, group), problem);
+  takeStates(start, goal, problem);
+  validate(problem);
+  return problem;
+}
+
+void takeStates(const std::string& start, const std::string& goal, Problem& problem) {
   problem.start = problem.robot.model->defaultConfiguration();
   takeStart("", 0, statedRanges("start", start, problem), problem);
   const VariableRanges ranges = statedRanges("goal", goal, problem);
@@ -736,8 +754,6 @@ Problem problemFromStates(std::shared_ptr<const Model> model, const std::string&
   const bool is_named = std::any_of(states.begin(), states.end(),
                                     [&](const auto& state) { return state.name == goal; });
   problem.goals.push_back(takeGoal("", 0, is_named ? goal : "goal", ranges, problem));
-  validate(problem);
-  return problem;
 }
 
 }  // namespace leeway::planner

@@ -322,7 +322,7 @@ std::vector<std::string> groupNames(const Model& model) {
 }
 
 std::vector<std::string> namedGroups(const Model& model, const std::string& text) {
-  if (model.findGroup(text) >= 0) return {text};
+  if (robots::isGroup(model, text)) return {text};
   std::vector<std::string> names;
   for (const std::string_view name : cellsBetween(text, ',')) names.emplace_back(name);
   return names;
@@ -332,13 +332,37 @@ void takeGroups(const std::string& file, int line, std::span<const std::string> 
                 Problem& problem) {
   const Model& model = *problem.robot.model;
   for (const std::string& name : names)
-    if (model.findGroup(name) < 0)
+    if (!robots::isGroup(model, name)) {
+      std::vector<std::string> known = groupNames(model);
+      const std::vector<std::string> joints = jointNames(model);
+      known.insert(known.end(), joints.begin(), joints.end());
       throw InputError(file, line,
-                       fmt::format("robot '{}' has no group '{}'{}", model.name, name,
-                                   didYouMean(model, "group", name, groupNames(model))));
+                       fmt::format("robot '{}' has no group or joint '{}'{}", model.name, name,
+                                   didYouMean(model, "group", name, known)));
+    }
   if (const std::string fault = robots::groupsFault(model, names); !fault.empty())
     throw InputError(file, line, fault);
   problem.robot.variables = robots::variablesOf(model, names);
+}
+
+void takeChain(const std::string& file, int line, const std::string& base, const std::string& tip,
+               Problem& problem) {
+  const Model& model = *problem.robot.model;
+  const auto linkOf = [&](const std::string& name) {
+    const int link = model.findLink(name);
+    if (link >= 0) return link;
+    std::vector<std::string> known;
+    for (const robots::Link& other : model.links) known.push_back(other.name);
+    throw InputError(file, line,
+                     fmt::format("chain: robot '{}' has no link '{}'{}", model.name, name,
+                                 didYouMean(name, known)));
+  };
+  problem.robot.variables = robots::chainVariables(model, linkOf(base), linkOf(tip));
+  if (problem.robot.variables.empty())
+    throw InputError(file, line,
+                     fmt::format("chain: no joint between '{}' and '{}' can move by itself; two "
+                                 "links with such a joint between them are expected",
+                                 base, tip));
 }
 
 void takeStart(const std::string& file, int line, const VariableRanges& given, Problem& problem) {
@@ -396,7 +420,7 @@ VariableRanges statedRanges(const std::string& what, const std::string& text,
   if (text.find('=') == std::string::npos)
     return statedRanges(what, text, model, problem.robot.variables);
   VariableRanges ranges(model.variables.size());
-  // GROUP=STATE, GROUP=STATE: what is before a '=' begins after the last comma or blank.
+  // GROUP=STATE, JOINT=VALUE: what is before a '=' begins after the last comma or blank.
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t equals = text.find('=', begin);
     const std::size_t next = text.find('=', equals + 1);
@@ -404,14 +428,18 @@ VariableRanges statedRanges(const std::string& what, const std::string& text,
     if (end <= equals) end = text.size();
     const std::string name(withoutBlanks(std::string_view(text).substr(begin, equals - begin)));
     const int group = model.findGroup(name);
-    if (group < 0)
-      throw InputError("", 0,
-                       fmt::format("{} '{}' names '{}', which is not a group{}", what, text, name,
-                                   didYouMean(model, "group", name, groupNames(model))));
+    const int variable = group < 0 ? model.findVariable(name) : -1;
+    if (group < 0 && variable < 0)
+      throw InputError(
+          "", 0,
+          fmt::format("{} '{}' names '{}', which is not a group or joint{}", what, text, name,
+                      didYouMean(model, "group", name, groupNames(model))));
     std::string state = text.substr(equals + 1, end - equals - 1);
     state.erase(state.find_last_not_of(", ") + 1);
     const VariableRanges own =
-        statedRanges(what + " of " + name, state, model, model.groups[at(group)].variables, name);
+        group >= 0 ? statedRanges(what + " of " + name, state, model,
+                                  model.groups[at(group)].variables, name)
+                   : statedRanges(what + " of " + name, state, model, std::vector{variable});
     for (std::size_t v = 0; v < own.size(); ++v) {
       if (!own[v].given) continue;
       if (ranges[v].given)

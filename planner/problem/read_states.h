@@ -23,10 +23,17 @@ std::vector<std::string> groupNames(const robots::Model& model);
 /// The groups of "left, right", or the one group of that name.
 std::vector<std::string> namedGroups(const robots::Model& model, const std::string& text);
 
-/// Plans the joints of the groups together, one group after the other. Throws for unknown names and
-/// groups that are not planned together (robots::groupsFault()).
+/// Plans the joints of the groups (robots::isGroup()) together, one group after the other. Throws
+/// for unknown names and groups that are not planned together (robots::groupsFault()).
 void takeGroups(const std::string& file, int line, std::span<const std::string> names,
                 Problem& problem);
+
+/// Plans the joints between two links. Throws for unknown names, and where none of them moves.
+void takeChain(const std::string& file, int line, const std::string& base, const std::string& tip,
+               Problem& problem);
+
+/// Sets start and goal from a group state or values each, as statedRanges() reads them.
+void takeStates(const std::string& start, const std::string& goal, Problem& problem);
 
 /// Sets problem.start. Throws unless every planned variable is given, single and inside its limits.
 /// Values of other variables must be inside the problem's bounds.

@@ -13,6 +13,7 @@
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/planner/settings.h"
+#include "leeway/robots/groups.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/named_states.h"
 #include "planner/base/tolerances.h"
@@ -92,7 +93,7 @@ class Writer {
     MapText robot;
     robot.add("urdf", wordText(name_of_(model_.urdf_file)));
     if (!model_.srdf_file.empty()) robot.add("srdf", wordText(name_of_(model_.srdf_file)));
-    robot.add("group", wordText(groupName(*plain)));
+    robot.add("group", groupText(*plain));
     if (!with.packages.empty()) {
       MapText packages;
       for (const auto& [name, folder] : with.packages)
@@ -132,16 +133,16 @@ class Writer {
     return text.text();
   }
 
-  std::string groupName(const Model& plain) const {
-    for (const robots::Group& group : plain.groups)
-      if (group.variables == problem_.robot.variables) return group.name;
-    std::string names;
-    for (const robots::Group& group : plain.groups)
-      names += (names.empty() ? "" : ", ") + group.name;
-    refuse(
-        "robot.variables are those of no group that the robot's files have; one of these groups "
-        "is expected: " +
-        names);
+  std::string groupText(const Model& plain) const {
+    const std::vector<std::string> names = robots::groupsOf(plain, problem_.robot.variables);
+    if (names.empty())
+      refuse(
+          "robot.variables are not those of groups and joints that the robot's files have; "
+          "robots::variablesOf() is expected to make them");
+    if (names.size() == 1) return wordText(names[0]);
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "[" : ", ") + wordText(name);
+    return text + "]";
   }
 
   /// MoveIt's joint_limits.yaml, of joints whose velocity, acceleration or jerk is not the file's.

@@ -11,8 +11,9 @@ namespace {
 
 using Keys = std::string_view;
 
-constexpr Keys kRobot[] = {"urdf",  "srdf",     "joint_limits", "packages", "xacro",
-                           "group", "position", "orientation",  "rpy",      "visual_as_collision"};
+constexpr Keys kRobot[] = {
+    "urdf",     "srdf",        "joint_limits", "packages",           "xacro", "group", "chain",
+    "position", "orientation", "rpy",          "visual_as_collision"};
 constexpr Keys kBody[] = {"name", "joint", "bounds", "shapes"};
 constexpr Keys kBounds[] = {"lower", "upper"};
 constexpr Keys kJointBounds[] = {"x", "y", "z", "range", "widen"};

@@ -43,9 +43,12 @@ void refuseLeftOut(const char* what, const std::string& name, const std::string&
 std::vector<int> plannedVariables(const robots::Model& model,
                                   const std::vector<std::string>& groups) {
   for (const std::string& name : groups)
-    if (model.findGroup(name) < 0) {
+    if (!robots::isGroup(model, name)) {
       refuseLeftOut("group", name, model.whyLeftOut("group", name));
-      unknown("group", name, namesOf(model.groups));
+      std::vector<std::string> known = namesOf(model.groups);
+      const std::vector<std::string> joints = namesOf(model.joints);
+      known.insert(known.end(), joints.begin(), joints.end());
+      unknown("group", name, known);
     }
   if (const std::string fault = robots::groupsFault(model, groups); !fault.empty())
     throw py::value_error(fault);
@@ -110,11 +113,31 @@ robots::JointBounds jointBounds(const py::object& bounds) {
   return read;
 }
 
+/// The joints between two links.
+std::vector<int> chainVariables(const robots::Model& model, const py::object& chain) {
+  std::vector<int> ends;
+  if (py::isinstance<py::list>(chain) || py::isinstance<py::tuple>(chain))
+    for (const py::handle name : chain) {
+      const std::string link = py::str(name);
+      ends.push_back(model.findLink(link));
+      if (ends.back() < 0) unknown("link", link, namesOf(model.links));
+    }
+  if (ends.size() != 2)
+    throw py::type_error("chain is " + shown(chain) +
+                         "; a pair of links, (base, tip), is expected");
+  std::vector<int> variables = robots::chainVariables(model, ends[0], ends[1]);
+  if (variables.empty())
+    throw py::value_error(
+        "chain: no joint between the links can move by itself; two links with "
+        "such a joint between them are expected");
+  return variables;
+}
+
 Robot loadRobot(const py::object& urdf, const py::object& srdf, const py::object& group,
-                const py::object& joint_limits, const py::object& base_pose,
-                const py::object& bounds, const py::object& packages, const py::object& xacro,
-                const py::object& meshes, bool kinematics_only, bool visual_as_collision,
-                bool cache) {
+                const py::object& chain, const py::object& joint_limits,
+                const py::object& base_pose, const py::object& bounds, const py::object& packages,
+                const py::object& xacro, const py::object& meshes, bool kinematics_only,
+                bool visual_as_collision, bool cache) {
   Interrupt interrupt;
   robots::LoadOptions options = loadOptions(packages, meshes, cache);
   if (!xacro.is_none())
@@ -133,7 +156,11 @@ Robot loadRobot(const py::object& urdf, const py::object& srdf, const py::object
   }
   if (!base_pose.is_none()) model = robots::withBasePose(*model, pose(base_pose, "base_pose"));
   if (!bounds.is_none()) model = robots::withBounds(*model, jointBounds(bounds));
-  return {model, groupNames(group)};
+  if (chain.is_none())
+    return {model, group.is_none() ? std::vector<std::string>{"all"} : groupNames(group)};
+  if (!group.is_none())
+    throw py::value_error("group and chain both say what is planned; one of them is expected");
+  return {model, chainVariables(*model, chain)};
 }
 
 Robot freeBody(const std::string& name, const py::object& shapes, const std::string& joint,
@@ -290,7 +317,8 @@ std::map<std::string, robots::MeshTreatment, std::less<>> treatments(const py::o
 
 void defineRobot(py::module_& module) {
   const std::string init =
-      "(urdf, srdf=None, *, group='all', joint_limits=None, base_pose=None, bounds=None, "
+      "(urdf, srdf=None, *, group=None, chain=None, joint_limits=None, base_pose=None, "
+      "bounds=None, "
       "packages=None, xacro=None, meshes=None, kinematics_only=False, visual_as_collision=False, "
       "cache=True)";
   py::class_<Robot> robot(
@@ -298,8 +326,9 @@ void defineRobot(py::module_& module) {
       withSignature("Robot", init,
                     "A robot from a URDF and an SRDF, and the group of its joints that is planned. "
                     "Constant: threads may share it.\n\n"
-                    "`group` is one of the SRDF's, or 'all', or a list of groups without a "
-                    "common joint, which are planned together. `joint_limits` is MoveIt's "
+                    "`group` is one of the SRDF's, or a joint, or 'all', or a list of groups and "
+                    "joints, which are planned together; `chain` is two links, (base, tip), and "
+                    "plans the joints between them. `joint_limits` is MoveIt's "
                     "joint_limits.yaml. `base_pose` says where a base that is fixed stands in the "
                     "world. `bounds` narrow the limits of joints, {joint: (lower, upper)} [rad or "
                     "m], or widen them, {joint: {'range': (lower, upper), 'widen': True}}, and say "
@@ -315,11 +344,12 @@ void defineRobot(py::module_& module) {
                     "Raises InputError, with file and line.")
           .c_str());
   defineInit(robot, init, loadRobot, py::arg("urdf"), py::arg("srdf") = py::none(), py::kw_only(),
-             py::arg("group") = "all", py::arg("joint_limits") = py::none(),
-             py::arg("base_pose") = py::none(), py::arg("bounds") = py::none(),
-             py::arg("packages") = py::none(), py::arg("xacro") = py::none(),
-             py::arg("meshes") = py::none(), py::arg("kinematics_only") = false,
-             py::arg("visual_as_collision") = false, py::arg("cache") = true);
+             py::arg("group") = py::none(), py::arg("chain") = py::none(),
+             py::arg("joint_limits") = py::none(), py::arg("base_pose") = py::none(),
+             py::arg("bounds") = py::none(), py::arg("packages") = py::none(),
+             py::arg("xacro") = py::none(), py::arg("meshes") = py::none(),
+             py::arg("kinematics_only") = false, py::arg("visual_as_collision") = false,
+             py::arg("cache") = true);
   defineStatic(
       robot, "free_body", "(name, shapes, *, joint='floating', lower, upper)",
       "One rigid body that moves in space (its point is x y z qx qy qz qw) or, with "
@@ -330,7 +360,7 @@ void defineRobot(py::module_& module) {
   defineCopiesOfConstant(robot);
   define(
       robot, "with_group", "(self, group)",
-      "The same robot, planned by another group, or by a list of groups.",
+      "The same robot, planned by another group, or by a list of groups and joints.",
       [](const Robot& self, const py::object& group) {
         return Robot(self.model, groupNames(group));
       },

@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "leeway/robots/groups.h"
+
 namespace leeway::robots {
 
 namespace {
@@ -46,25 +48,6 @@ bool readEntry(XmlFile& file, const XMLElement& e, const std::string& kind, Robo
     if (!file.gathersErrors()) break;
   }
   return false;
-}
-
-/// The joints above `link`, the root's among them.
-std::set<int> jointsAbove(const RobotDescription& model, int link) {
-  std::set<int> joints;
-  while (link >= 0) {
-    const int joint = model.links[static_cast<std::size_t>(link)].joint;
-    joints.insert(joint);
-    link = model.joints[static_cast<std::size_t>(joint)].parent_link;
-  }
-  return joints;
-}
-
-std::set<int> chainJoints(const RobotDescription& model, int base_link, int tip_link) {
-  const std::set<int> base = jointsAbove(model, base_link), tip = jointsAbove(model, tip_link);
-  std::set<int> joints;
-  std::set_symmetric_difference(base.begin(), base.end(), tip.begin(), tip.end(),
-                                std::inserter(joints, joints.end()));
-  return joints;
 }
 
 Group groupOf(const RobotDescription& model, const std::string& name, const std::set<int>& joints) {
@@ -257,7 +240,8 @@ class SrdfReader {
   }
 
   void addChain(const XMLElement& e, std::set<int>& joints) const {
-    joints.merge(chainJoints(model_, requireLink(e, "base_link"), requireLink(e, "tip_link")));
+    const int base = requireLink(e, "base_link"), tip = requireLink(e, "tip_link");
+    for (const int joint : chainJoints(model_, base, tip)) joints.insert(joint);
   }
 
   void keep(const RawGroup& raw) {
@@ -423,11 +407,6 @@ std::optional<VirtualJoint> readVirtualJoint(XmlFile& srdf, const std::string& r
               [&](InputErrors&) { joint = virtualJointOf(srdf, e, root_link, joints); });
   });
   return joint;
-}
-
-Group chainGroup(const RobotDescription& model, const std::string& name, int base_link,
-                 int tip_link) {
-  return groupOf(model, name, chainJoints(model, base_link, tip_link));
 }
 
 void readSrdf(XmlFile& srdf, RobotDescription& model) {

@@ -24,10 +24,6 @@ std::optional<VirtualJoint> readVirtualJoint(XmlFile& srdf, const std::string& r
                                              std::span<const std::string> joints,
                                              RobotDescription& model);
 
-/// The group of the joints between two links, as an SRDF's <chain> has it.
-Group chainGroup(const RobotDescription& model, const std::string& name, int base_link,
-                 int tip_link);
-
 /// Adds groups, group states, disabled pairs and the file's warnings to a model whose links, joints
 /// and variables are complete. Throws InputError for a file that is no SRDF.
 void readSrdf(XmlFile& srdf, RobotDescription& model);

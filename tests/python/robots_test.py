@@ -92,6 +92,14 @@ def test_several_arms_have_goals_of_their_own():
     files = "robots/dual_arm/dual_arm.urdf", "robots/dual_arm/dual_arm.srdf"
     robot = leeway.Robot(*files, group=["right", "left"])
     assert robot.group == "right, left" and list(robot.joint_names[:1]) == ["right_pan_joint"] and len(robot.joint_names) == 12
+    mixed = leeway.Robot(*files, group=["right_pan_joint", "left"])
+    assert mixed.group == "right_pan_joint, left" and mixed.joint_names[0] == "right_pan_joint" and len(mixed.joint_names) == 7
+    chain = leeway.Robot(*files, chain=("left_tool", "right_tool"))
+    assert sorted(chain.joint_names) == sorted(robot.joint_names)
+    for wrong, words in [(dict(chain=("left_tool",)), "a pair of links"), (dict(chain=("left_tool", "nothing")), "no link 'nothing'"),
+                         (dict(chain=("left_tool", "left_tool")), "no joint between"), (dict(chain=("left_tool", "right_tool"), group="left"), "group and chain both")]:
+        with pytest.raises((TypeError, ValueError), match=words):
+            leeway.Robot(*files, **wrong)
     assert robot.with_group(("left",)).group == "left" and robot.with_group("both").group == "both"
     up = [0, -1.5708, 0, -1.5708, 0, 0]
     turned = [0.5, *up[1:]]

@@ -10,7 +10,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/inverse_kinematics.h"
-#include "planner/base/did_you_mean.h"
+#include "planner/problem/read_states.h"
 #include "tools/leeway/info/input.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
@@ -176,14 +176,9 @@ std::vector<int> solvedVariables(const IkArguments& arguments, const planner::Pr
   const robots::Model& model = *problem.robot.model;
   std::vector<int> planned = problem.robot.variables;
   if (!arguments.group.empty()) {
-    const int group = model.findGroup(arguments.group);
-    if (group < 0) {
-      std::vector<std::string> known;
-      for (const robots::Group& other : model.groups) known.push_back(other.name);
-      badUsage(fmt::format("--group '{}': the robot has no such group{}", arguments.group,
-                           planner::didYouMean(model, "group", arguments.group, known)));
-    }
-    planned = model.groups[static_cast<std::size_t>(group)].variables;
+    planner::Problem other = problem;
+    planner::takeGroups("command line", 0, planner::namedGroups(model, arguments.group), other);
+    planned = other.robot.variables;
   }
   std::vector<int> variables = variablesOf(model, planned, link);
   if (variables.empty())

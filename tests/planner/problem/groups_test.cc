@@ -10,6 +10,7 @@
 
 #include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
+#include "leeway/planner/save_problem.h"
 #include "leeway/planner/task.h"
 #include "leeway/planner/verify.h"
 #include "tests/support/folder.h"
@@ -136,7 +137,7 @@ TEST_F(Groups, MistakesAreNamed) {
   expect("ahead", "ahead", 2, "groups 'left' and 'both' both have joint 'l_a'", "[left, both]");
   expect("ahead", "ahead", 2, "group 'left' stands twice", "[left, left]");
   expect("ahead", "ahead", 2, "no group is named", "[]");
-  expect("ahead", "ahead", 2, "has no group 'lft'; did you mean 'left'?", "[lft, right]");
+  expect("ahead", "ahead", 2, "has no group or joint 'lft'; did you mean 'left'?", "[lft, right]");
   expect(kStart, "{left: ahead}", 4, "goal says nothing of joint 'r_a'");
   expect("{left: ahead}", "ahead", 3, "start says nothing of joint 'r_a'");
   expect(kStart, "{both: ahead, hand: open}", 4, "goal names joint 'grip', which is not planned");
@@ -157,6 +158,51 @@ TEST_F(Groups, MistakesAreNamed) {
          "group state 'open' lacks joints 'r_a', 'r_b', 'l_a' and 'l_b'; a state with");
 }
 
+TEST_F(Groups, AreJointsOrTheChainBetweenTwoLinks) {
+  const auto planned = [](const Problem& problem) {
+    std::vector<std::string> names;
+    for (const int v : problem.robot.variables)
+      names.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
+    return names;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(planned(loadProblem(write("[0, 0.1]", "[1, 0.1]", "", "[r_b, l_a]"))),
+            (Names{"r_b", "l_a"}));
+  EXPECT_EQ(planned(loadProblem(write("[0]", "[1]", "", "l_a"))), Names{"l_a"});
+  EXPECT_EQ(planned(loadProblem(
+                write("{left: ahead, r_b: 0}", "{left: [1, 1], r_b: 1}", "", "[left, r_b]"))),
+            (Names{"l_a", "l_b", "r_b"}));
+  expect("[0, 0]", "[1, 1]", 2, "group 'left' and joint 'l_a' both have joint 'l_a'",
+         "[left, l_a]");
+  expect("[0, 0]", "[1, 1]", 2, "joint 'l_a' stands twice", "[l_a, l_a]");
+  // A chain plans its joints, and no group of the SRDF, whatever joints and groups are called.
+  const auto chain = [&](const std::string& ends, const std::string& more = "") {
+    return folder_.write(
+        "chain.yaml", "leeway: 1\nrobot: {urdf: two.urdf, srdf: two.srdf, chain: " + ends + more +
+                          "}\nstart: zero\ngoal: middle\n");
+  };
+  EXPECT_EQ(planned(loadProblem(chain("[l1, r2]"))), (Names{"l_a", "r_a", "r_b"}));
+  EXPECT_EQ(planned(loadProblem(chain("[column, finger]"))), (Names{"l_a", "l_b", "grip"}));
+  const auto refused = [&](const std::string& file, const char* words) {
+    SCOPED_TRACE(words);
+    robots::expectInputError([&] { loadProblem(file); }, file, 2, {words});
+  };
+  refused(chain("[column, fingr]"), "has no link 'fingr'; did you mean 'finger'?");
+  refused(chain("[column]"), "is not a pair of links; [BASE, TIP] is expected");
+  refused(chain("[l1, l1]"), "no joint between 'l1' and 'l1' can move");
+  refused(chain("[l1, r2]", ", group: left"), "keys 'group' and 'chain' both say what is planned");
+}
+
+TEST_F(Groups, AreSavedByName) {
+  for (const char* group : {"[right, left]", "[r_b, l_a]", "[hand, r_a]", "l_b"}) {
+    const std::string none = std::string(group) == "[right, left]" ? "ahead" : "zero";
+    const Problem problem = loadProblem(write(none, "zero", "", group));
+    const std::string file = folder_.path("saved.yaml");
+    saveProblem(problem, file);
+    EXPECT_EQ(loadProblem(file).robot.variables, problem.robot.variables) << group;
+  }
+}
+
 TEST_F(Groups, AreNamedInOneTextWithoutAFile) {
   const auto model = robots::loadModel(folder_.path("two.urdf"), folder_.path("two.srdf"));
   const Problem problem =
@@ -169,6 +215,9 @@ TEST_F(Groups, AreNamedInOneTextWithoutAFile) {
   const std::vector<std::pair<double, double>> goal = {
       {0.5, 0.5}, {-1, -1}, {-1.5, -1.5}, {0.5, 0.5}};
   EXPECT_EQ(problem.goals[0].ranges, goal);
+  EXPECT_EQ(problemFromStates(model, "l_a,right", "l_a=0.125, right=out", "zero").robot.variables,
+            (std::vector<int>{model->findVariable("l_a"), model->findVariable("r_a"),
+                              model->findVariable("r_b")}));
   EXPECT_EQ(problemFromStates(model, "left,right", "ahead", "0 0 0 0").robot.variables,
             problem.robot.variables);
   const auto message = [&](const char* group, const char* start) -> std::string {
@@ -183,9 +232,10 @@ TEST_F(Groups, AreNamedInOneTextWithoutAFile) {
             "groups 'left' and 'both' both have joint 'l_a'; groups without a common joint are "
             "expected");
   EXPECT_EQ(message("left,rihgt", "ahead"),
-            "robot 'two' has no group 'rihgt'; did you mean 'right'?");
+            "robot 'two' has no group or joint 'rihgt'; did you mean 'right'?");
   EXPECT_EQ(message("left,right", "lft=0 0, right=out"),
-            "start 'lft=0 0, right=out' names 'lft', which is not a group; did you mean 'left'?");
+            "start 'lft=0 0, right=out' names 'lft', which is not a group or joint; did you mean "
+            "'left'?");
   EXPECT_EQ(message("left,right", "left=0 0, left=1 1"),
             "start 'left=0 0, left=1 1' gives joint 'l_a' twice; once is expected");
   EXPECT_EQ(message("left,right", "left=0, right=out"),

@@ -352,7 +352,7 @@ TEST(ProblemMessages, Robots) {
        "nowhere'; an existing folder is expected"},
       {"leeway: 1\nrobot:\n  urdf: " + urdf + "\n  srdf: " + sourceFolder() +
            "/robots/arm6/arm6.srdf\n  group: amr\n" + states,
-       5, "robot 'arm6' has no group 'amr'; did you mean 'arm'?"},
+       5, "robot 'arm6' has no group or joint 'amr'; did you mean 'arm'?"},
       {"leeway: 1\nbody: {joint: flying}\n" + states, 2,
        "body.joint is 'flying'; planar or floating is expected"},
       {"leeway: 1\nbody: {joint: planar, bounds: {lower: [0, 0, 0], upper: [1, 1]}, shapes: "

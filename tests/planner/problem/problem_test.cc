@@ -648,7 +648,8 @@ TEST(ProblemFromStates, TakesGroupStates) {
     }
     return "accepted";
   };
-  EXPECT_EQ(message("amr", "home"), "robot 'arm6' has no group 'amr'; did you mean 'arm'?");
+  EXPECT_EQ(message("amr", "home"),
+            "robot 'arm6' has no group or joint 'amr'; did you mean 'arm'?");
   EXPECT_EQ(message("arm", "hoem"),
             "no group state 'hoem' for the planned joints; did you mean 'home'?");
   const Problem values = problemFromStates(model, "arm", "0 -1.5, 1.5,0 0 0", "1 0 0 0 0 6.2");

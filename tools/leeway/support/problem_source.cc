@@ -26,38 +26,39 @@ void badUsage(const std::string& message) { throw robots::InputError("command li
 
 namespace {
 
-/// The planned group: the group of --group, or the one that --chain adds.
-std::string plannedGroup(const ProblemSource& source) {
-  if (source.chain.empty()) return source.group;
-  if (!source.group.empty())
+/// Whether --group or --chain says what is planned.
+bool saysPlanned(const ProblemSource& source) {
+  if (!source.group.empty() && !source.chain.empty())
     badUsage("--group and --chain both say which joints are planned; one is expected");
-  return source.chain[0] + " to " + source.chain[1];
+  return !source.group.empty() || !source.chain.empty();
 }
 
 std::shared_ptr<const robots::Model> loadRobot(const ProblemSource& source) {
-  const std::string group = plannedGroup(source);
+  saysPlanned(source);
   std::shared_ptr<const robots::Model> model = loadRobotModel(source.robot, source.srdf, source);
   printWarnings(model->warnings);
-  if (source.chain.empty()) return model;
-  int ends[2];
-  for (std::size_t i = 0; i < 2; ++i) {
-    ends[i] = model->findLink(source.chain[i]);
-    if (ends[i] >= 0) continue;
-    std::vector<std::string> known;
-    for (const robots::Link& link : model->links) known.push_back(link.name);
-    badUsage(fmt::format("--chain: {} has no link '{}'{}", source.robot, source.chain[i],
-                         planner::didYouMean(source.chain[i], known)));
-  }
-  if (model->findGroup(group) >= 0)
-    badUsage(fmt::format("--chain: the SRDF has a group '{}'; --group is expected", group));
-  auto with_chain = std::make_shared<robots::Model>(*model);
-  with_chain->groups.push_back(robots::chainGroup(*model, group, ends[0], ends[1]));
-  return with_chain;
+  return model;
+}
+
+/// A problem of the robot alone, which plans what --group or --chain says, or else all joints.
+planner::Problem problemOfRobot(const ProblemSource& source) {
+  planner::Problem problem;
+  problem.robot.model = loadRobot(source);
+  problem.name = problem.robot.model->name;
+  problem.start = problem.robot.model->defaultConfiguration();
+  if (!source.chain.empty())
+    planner::takeChain("command line", 0, source.chain[0], source.chain[1], problem);
+  else
+    planner::takeGroups(
+        "command line", 0,
+        planner::namedGroups(*problem.robot.model, source.group.empty() ? "all" : source.group),
+        problem);
+  return problem;
 }
 
 planner::Problem loadFromRobot(const ProblemSource& source) {
   const bool moveit = !source.scene.empty() || !source.request.empty();
-  const bool states = !(plannedGroup(source) + source.start + source.goal).empty();
+  const bool states = saysPlanned(source) || !(source.start + source.goal).empty();
   const bool pose = !source.goal_pose.empty() || !source.waypoints.empty();
   if (pose && !source.goal.empty())
     badUsage(fmt::format("--goal and {} both say where to go; one is expected",
@@ -74,14 +75,16 @@ planner::Problem loadFromRobot(const ProblemSource& source) {
     return planner::loadMoveit(loadRobot(source), source.scene, source.request,
                                {.load = loadOptions(source)});
   }
-  if (plannedGroup(source).empty() || source.start.empty() || (source.goal.empty() && !pose)) {
+  if (!saysPlanned(source) || source.start.empty() || (source.goal.empty() && !pose)) {
     badUsage(
         "beside --robot either --group or --chain, --start and --goal (or --goal-pose, "
         "or --waypoints) are needed, "
         "or --scene and --request");
   }
-  return planner::problemFromStates(loadRobot(source), plannedGroup(source), source.start,
-                                    pose ? source.start : source.goal);
+  planner::Problem problem = problemOfRobot(source);
+  planner::takeStates(source.start, pose ? source.start : source.goal, problem);
+  planner::validate(problem);
+  return problem;
 }
 
 /// Parses FRAME x y z qx qy qz qw, one pose of --goal-pose.
@@ -175,9 +178,8 @@ namespace {
 
 void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
   addRobotArguments(app, source);
-  app.add_option(
-         "--group", source.group,
-         "planned group of the SRDF; several, whose joints are planned together: LEFT,RIGHT")
+  app.add_option("--group", source.group,
+                 "what is planned: a group of the SRDF, a joint, or several of these: LEFT,RIGHT")
       ->type_name("NAME");
   app.add_option("--chain", source.chain,
                  "in place of --group: the joints between two links are planned")
@@ -393,18 +395,7 @@ planner::Problem loadProblemOrRobot(const ProblemSource& source) {
       !(source.problem + source.start + source.goal + source.scene + source.request).empty()) {
     return loadProblem(source);
   }
-  planner::Problem problem;
-  problem.robot.model = loadRobot(source);
-  const robots::Model& model = *problem.robot.model;
-  problem.name = model.name;
-  problem.start = model.defaultConfiguration();
-  const std::string planned = plannedGroup(source);
-  if (planned.empty()) {
-    for (int v = 0; v < static_cast<int>(model.variables.size()); ++v)
-      problem.robot.variables.push_back(v);
-  } else {
-    planner::takeGroups("command line", 0, planner::namedGroups(model, planned), problem);
-  }
+  planner::Problem problem = problemOfRobot(source);
   if (!source.allowed.empty()) planner::allowTouching(problem, source.stop);
   printWarnings(problem.warnings);
   return problem;

@@ -2,11 +2,18 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "leeway/robots/model.h"
 
 namespace leeway::robots {
+
+// What is planned is a group or a list of groups. A joint is a group of its own; where a group has
+// its name, the group is meant.
+
+/// Returns whether a group or a joint has this name.
+bool isGroup(const RobotDescription& robot, std::string_view name);
 
 /// Returns the variables of groups that are planned together, one group after the other. Throws
 /// std::invalid_argument for a name that is not a group's, and with the message of groupsFault().
@@ -17,8 +24,13 @@ std::vector<int> variablesOf(const RobotDescription& robot, std::span<const std:
 std::string groupsFault(const RobotDescription& robot, std::span<const std::string> groups);
 
 /// Returns the groups whose variables these are, one group after the other: at each place the
-/// longest that fits. Empty if none fits. O(groups * variables).
+/// longest that fits, or else a joint. Empty if none fits. O(groups * variables).
 std::vector<std::string> groupsOf(const RobotDescription& robot, std::span<const int> variables);
+
+/// Returns the joints between two links, from the root on: those above one of them alone. O(depth *
+/// log(depth)).
+std::vector<int> chainJoints(const RobotDescription& robot, int base_link, int tip_link);
+std::vector<int> chainVariables(const RobotDescription& robot, int base_link, int tip_link);
 
 /// Returns whether one of the variables moves the link, also by a joint that follows. O(depth *
 /// variables).
