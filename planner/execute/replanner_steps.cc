@@ -49,13 +49,6 @@ const Problem& executable(const Problem& problem) {
   if (!(e.look_ahead <= kLongestLookAhead * e.step))
     refuse(fmt::format("execution.look_ahead is {}; at most {} steps of {} s is expected",
                        e.look_ahead, kLongestLookAhead, e.step));
-  for (const DeformingObstacle& obstacle : problem.world.deforming)
-    if (const auto fault = speedBoundFault(obstacle, e))
-      refuse(fmt::format("the speed bound of deforming obstacle '{}' {}", obstacle.object.name,
-                         *fault));
-  for (const Object& object : problem.world.objects)
-    if (const auto fault = speedBoundFault(object, e))
-      refuse(fmt::format("the speed bound of object '{}' {}", object.name, *fault));
   return problem;
 }
 

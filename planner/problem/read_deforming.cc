@@ -165,7 +165,7 @@ void readDeforming(const YamlReader& entry, const robots::LoadOptions& load, Pro
   if (const auto color = entry.find("color"))
     problem.world.deforming.back().object.color = readColor(*color);
   if (bound)
-    if (const auto fault = speedBoundFault(problem.world.deforming.back(), problem.execution))
+    if (const auto fault = speedBoundFault(problem.world.deforming.back(), problem.execution.start))
       bound->fail(fmt::format("{} {}", bound->where(), *fault));
   if (const auto margin = entry.find("margin")) {
     const double value = margin->sizeNumber();

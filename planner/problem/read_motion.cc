@@ -344,7 +344,7 @@ void readObjectMotion(const YamlReader& map, const YamlReader& moving, Object& o
   } catch (const std::invalid_argument& error) {
     moving.fail(fmt::format("{}: {}", moving.where(), error.what()));
   }
-  if (const auto fault = speedBoundFault(object, problem.execution))
+  if (const auto fault = speedBoundFault(object, problem.execution.start))
     moving.fail(fmt::format("{}: the speed bound {}", moving.where(), *fault));
 }
 

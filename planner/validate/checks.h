@@ -105,10 +105,9 @@ CropNeeds cropNeeds(const Problem& problem);
 std::string cropFault(const Object& object, const CropNeeds& needs);
 
 /// Returns the fault of a bound on an obstacle's speed that is below the speed which the obstacle's
-/// own motion may reach during the execution.
-std::optional<std::string> speedBoundFault(const DeformingObstacle& obstacle,
-                                           const Execution& execution);
-std::optional<std::string> speedBoundFault(const Object& object, const Execution& execution);
+/// own motion may reach from `start` [s] on: nobody knows how long a Guard follows it.
+std::optional<std::string> speedBoundFault(const DeformingObstacle& obstacle, double start);
+std::optional<std::string> speedBoundFault(const Object& object, double start);
 
 /// Whether the object's cloud was cropped or carved for the place where it stands.
 bool isFitted(const Object& object);

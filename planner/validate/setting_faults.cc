@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/planners.h"
@@ -131,23 +132,20 @@ std::optional<std::string> costPlannerFault(const Problem& problem) {
                      names);
 }
 
-std::optional<std::string> speedBoundFault(const DeformingObstacle& obstacle,
-                                           const Execution& execution) {
+std::optional<std::string> speedBoundFault(const DeformingObstacle& obstacle, double start) {
   if (!obstacle.motion || !std::isfinite(obstacle.speed_bound)) return std::nullopt;
-  const double most =
-      obstacle.motion->speedBound(execution.start, execution.start + execution.duration);
+  const double most = obstacle.motion->speedBound(start, std::numeric_limits<double>::max());
   if (obstacle.speed_bound >= most) return std::nullopt;
   return fmt::format("is {}, and the motion may reach {} m/s; at least that is expected",
                      obstacle.speed_bound, most);
 }
 
-std::optional<std::string> speedBoundFault(const Object& object, const Execution& execution) {
+std::optional<std::string> speedBoundFault(const Object& object, double start) {
   const ObjectMotion* motion = object.motion.get();
   if (motion == nullptr || !motion->poses) return std::nullopt;
   const double extent = extentOf(object);
   const double bound = pointSpeed(motion->speed_bound, motion->turn_bound, extent);
-  const double most =
-      motion->poses->speedBound(execution.start, execution.start + execution.duration, extent);
+  const double most = motion->poses->speedBound(start, std::numeric_limits<double>::max(), extent);
   if (bound >= most) return std::nullopt;
   return fmt::format(
       "and that of its turning bound its points to {} m/s, and the motion may reach {} m/s; at "

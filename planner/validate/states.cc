@@ -230,8 +230,10 @@ std::string motionFault(const Object& object, double start) {
   const robots::Pose X_WO = motion.poses->pose(start);
   if (object.X_WO.translation != X_WO.translation || object.X_WO.rotation != X_WO.rotation)
     return fmt::format(
-        "does not stand where its motion has it at {} s, when execution starts; see movingObject()",
-        start);
+        "does not stand where its motion has it at {} s, when execution starts; movingObject() "
+        "with "
+        "that time is expected, in Python set_motion() with start={}",
+        start, start);
   return {};
 }
 

@@ -110,8 +110,8 @@ std::string deformingFault(const DeformingObstacle& obstacle, const Execution& e
   if (snapshot == nullptr || &snapshot->mesh() != obstacle.mesh.get())
     return "has no snapshot of its mesh; see makeDeformingObstacle()";
   if (snapshot->time() != execution.start)
-    return fmt::format("is as it is at {} s; execution starts at {} s", snapshot->time(),
-                       execution.start);
+    return fmt::format("is as it is at {} s; execution starts at {} s; the same time is expected",
+                       snapshot->time(), execution.start);
   if (!(obstacle.speed_bound >= 0))
     return fmt::format("has the speed bound {}; at least 0 m/s is expected", obstacle.speed_bound);
   return {};
@@ -127,6 +127,8 @@ void checkWorld(const Problem& problem) {
     requireObject(problem, object);
     if (const std::string fault = motionFault(object, problem.execution.start); !fault.empty())
       refuse(problem, fmt::format("object '{}' {}", object.name, fault));
+    if (const auto fault = speedBoundFault(object, problem.execution.start))
+      refuse(problem, fmt::format("the speed bound of object '{}' {}", object.name, *fault));
     if (!object.cloud || object.cloud->crops.empty()) continue;
     if (!needs) needs = cropNeeds(problem);
     if (const std::string fault = cropFault(object, *needs); !fault.empty()) refuse(problem, fault);
@@ -142,6 +144,9 @@ void checkWorld(const Problem& problem) {
     requireObject(problem, obstacle.object);
     if (const std::string fault = deformingFault(obstacle, problem.execution); !fault.empty())
       refuse(problem, fmt::format("deforming obstacle '{}' {}", obstacle.object.name, fault));
+    if (const auto fault = speedBoundFault(obstacle, problem.execution.start))
+      refuse(problem, fmt::format("the speed bound of deforming obstacle '{}' {}",
+                                  obstacle.object.name, *fault));
   }
 }
 

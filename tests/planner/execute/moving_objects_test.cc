@@ -10,6 +10,7 @@
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/guard.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/replanner.h"
 #include "leeway/planner/verify.h"
@@ -344,6 +345,16 @@ TEST(MovingObjects, MistakesAreRefused) {
   Problem bounded = good;
   with(bounded.world.objects.back(), [](ObjectMotion& m) { m.speed_bound = m.turn_bound = 0.1; });
   robots::expectInputError([&] { Replanner{bounded}; }, "test", 0, {"may reach 0.5"});
+  robots::expectInputError([&] { Guard{bounded}; }, "test", 0, {"may reach 0.5"});
+  // So would one that the motion exceeds later than an execution lasts: a Guard follows it then.
+  bounded.execution.duration = 1;
+  with(bounded.world.objects.back(), [](ObjectMotion& m) {
+    m.poses = collision::PoseMotion::keys(
+        {{0, test::at(1, 0, 0)}, {40, test::at(1, 0, 0)}, {41, test::at(0, 0, 0)}});
+    m.speed_bound = m.turn_bound = 0.1;
+  });
+  bounded.world.objects.back().X_WO = test::at(1, 0, 0);
+  robots::expectInputError([&] { validate(bounded); }, "test", 0, {"may reach 1"});
 }
 
 }  // namespace
