@@ -140,6 +140,27 @@ StateCheck EdgeCertifier::clearance(std::span<const double> point, double tolera
   return check;
 }
 
+StateCheck EdgeCertifier::tooNear(std::span<const double> point, double tolerance) {
+  StateCheck check = clearance(point, tolerance);
+  const auto& pairs = scene().scene().pairs();
+  if (check.verdict != Verdict::kNotFree || check.pair < 0 ||
+      check.clearance.upper <= pairs[at(check.pair)].margin)
+    return check;
+  Impl& impl = *impl_;  // whose workspace has the poses of clearance()
+  const std::uint64_t before = impl.workspace.statistics.exact;
+  const collision::SceneResult found = collision::decide(impl.scene->scene(), impl.workspace);
+  if (found.verdict == Verdict::kNotFree && found.pair >= 0) {
+    collision::DistanceRequest request;
+    request.tolerance = tolerance;
+    check.pair = found.pair;
+    check.closest =
+        collision::pairDistance(impl.scene->scene(), impl.workspace, found.pair, request);
+    check.clearance = check.closest.distance;
+  }
+  statistics.distance_queries += impl.workspace.statistics.exact - before;
+  return check;
+}
+
 EdgeRequest EdgeRequest::persistent() {
   EdgeRequest request;
   request.work_limit = kPersistentWork;

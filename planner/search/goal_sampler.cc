@@ -95,7 +95,7 @@ void GoalSampler::drawJoints(std::size_t g, GoalPoints& result, const std::funct
       result.points.push_back(q);
       found = true;
     } else if (result.points.empty() && i < kGoalReports) {
-      keepBetter(result.closest, certifier_->clearance(q, kReportTolerance));
+      keepBetter(result.closest, certifier_->tooNear(q, kReportTolerance));
     }
   }
   result.stopped = result.stopped || stopped;
@@ -105,7 +105,7 @@ void GoalSampler::drawJoints(std::size_t g, GoalPoints& result, const std::funct
     result.warnings.push_back(
         "goal '" + goal.name + "' is left out: " +
         (point && !keepsConstraints(q) ? constraints_->fault(q)
-         : point   ? contactText(*certifier_, certifier_->clearance(q, kReportTolerance))
+         : point   ? contactText(*certifier_, certifier_->tooNear(q, kReportTolerance))
          : stopped ? "no valid point of it was found within the limits"
                    : "none of " + std::to_string(kGoalAttempts) + " points of it was valid"));
 }
@@ -243,7 +243,7 @@ void GoalSampler::take(PoseGoal& drawn, std::span<const robots::IkSolution> solu
     if (certifier_->decide(q) == Verdict::kFree)
       points.points.push_back(q);
     else if (points.points.empty() && drawn.found.size() <= at(kGoalReports))
-      keepBetter(points.closest, certifier_->clearance(q, kReportTolerance));
+      keepBetter(points.closest, certifier_->tooNear(q, kReportTolerance));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -113,7 +114,7 @@ class Plan {
   /// Whether the start and some goal are valid. If not, the result names the bodies in collision.
   bool checkEnds() {
     if (certifier().decide(start_) != Verdict::kFree) {
-      offend(PlanStatus::kInvalidStart, certifier().clearance(start_, kReportTolerance));
+      offend(PlanStatus::kInvalidStart, certifier().tooNear(start_, kReportTolerance));
       return false;
     }
     if (constraints_)
@@ -148,17 +149,20 @@ class Plan {
   /// Stores why a search found no path: the pairs in the way, and the remaining gap.
   void explain(const Hindrance& hindrance) {
     const collision::Scene& scene = scene_->scene();
-    std::vector<std::pair<int, std::uint64_t>> most(hindrance.blocked.begin(),
-                                                    hindrance.blocked.end());
-    std::sort(most.begin(), most.end(), [](const auto& x, const auto& y) {
-      return x.second != y.second ? x.second > y.second : x.first < y.first;
-    });
-    if (most.size() > PlanResult::kMostBlocked) most.resize(PlanResult::kMostBlocked);
-    for (const auto& [index, edges] : most) {
+    // Bodies have several shapes, each with pairs of its own.
+    std::map<std::pair<int, int>, std::uint64_t> of_bodies;
+    for (const auto& [index, edges] : hindrance.blocked) {
       const collision::ScenePair& pair = scene.pairs()[at(index)];
-      result_.blocked.push_back(
-          {scene.bodies()[at(pair.body_a)].name, scene.bodies()[at(pair.body_b)].name, edges});
+      of_bodies[{pair.body_a, pair.body_b}] += edges;
     }
+    std::vector<std::pair<std::pair<int, int>, std::uint64_t>> most(of_bodies.begin(),
+                                                                    of_bodies.end());
+    std::stable_sort(most.begin(), most.end(),
+                     [](const auto& x, const auto& y) { return x.second > y.second; });
+    if (most.size() > PlanResult::kMostBlocked) most.resize(PlanResult::kMostBlocked);
+    for (const auto& [bodies, edges] : most)
+      result_.blocked.push_back(
+          {scene.bodies()[at(bodies.first)].name, scene.bodies()[at(bodies.second)].name, edges});
     result_.gap = {hindrance.gap.distance, hindrance.gap.of_start, hindrance.gap.of_goals};
     for (int i = 0; i < scene_->space().size(); ++i)
       if (turnsLong(i)) result_.long_turns.push_back(variableName(i));

@@ -164,14 +164,9 @@ State check(const Scene& self, const py::object& state, double tolerance) {
   forEach(self, 1, [&](EdgeCertifier& certifier, std::size_t) {
     result.check = certifier.clearance(result.point, tolerance);
     std::tie(result.a, result.b) = pairNames(scene, result.check.pair);
-    if (result.check.verdict == Verdict::kNotFree) {
-      const double margin =
-          scene.scene().pairs()[static_cast<std::size_t>(result.check.pair)].margin;
-      const int near = result.check.clearance.upper <= margin
-                           ? result.check.pair
-                           : certifier.certify(result.point, result.point).pair;
-      std::tie(result.near_a, result.near_b) = pairNames(scene, near);
-    }
+    if (result.check.verdict == Verdict::kNotFree)
+      std::tie(result.near_a, result.near_b) =
+          pairNames(scene, certifier.tooNear(result.point, tolerance).pair);
   });
   return result;
 }

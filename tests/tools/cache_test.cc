@@ -102,6 +102,26 @@ TEST_F(Cache, IsLeftAloneWhereItIsNotWanted) {
   EXPECT_EQ(kept("kept"), 0);
 }
 
+TEST_F(Cache, RemembersWhatWasToldOfARobot) {
+  std::string text = read("arm.urdf");
+  text.insert(text.find("<link"), "<odd/>\n<strange/>\n<queer/>\n");
+  write("odd.urdf", text);
+  const auto told = [&](const std::string& verb) {
+    const Answer answer = shell("LEEWAY_CACHE_DIR=kept '" + leeway::commandFile() + "' " + verb);
+    EXPECT_EQ(answer.status, 0) << answer.err;
+    return answer.err;
+  };
+  const std::string first = told("fk --robot odd.urdf");
+  EXPECT_NE(first.find("<queer>"), std::string::npos) << first;
+  const std::string second = told("fk --robot odd.urdf");
+  EXPECT_EQ(second.find("<queer>"), std::string::npos) << second;
+  EXPECT_NE(second.find("has 3 warnings, which were told before"), std::string::npos) << second;
+  EXPECT_EQ(told("info odd.urdf"), first);
+  EXPECT_EQ(told("fk --robot odd.urdf --no-cache"), first);
+  write("odd.urdf", text.insert(text.find("<odd/>"), "<more/>"));
+  EXPECT_NE(told("fk --robot odd.urdf").find("<queer>"), std::string::npos);
+}
+
 TEST_F(Cache, ThatCannotBeWrittenDoesNoHarm) {
   const json none = plan("LEEWAY_CACHE_DIR=");
   write("file", "no folder");

@@ -288,6 +288,25 @@ TEST_F(Plan, InvalidGoalIsStatus1) {
   EXPECT_EQ(answer.document()["offending"]["b"], "post");
 }
 
+/// Margins differ: the pair that breaks its own is not the closest one.
+TEST_F(Plan, NamesThePairThatBreaksItsMargin) {
+  const std::string robot = leeway::sourceFolder() + "/robots/arm7/arm7";
+  write(
+      "margins.yaml",
+      "leeway: 1\nrobot: {urdf: " + robot + ".urdf, srdf: " + robot +
+          ".srdf, group: arm}\nstart: [-0.8, 0.4, 0, -1.6, 0, 1.1416, 0]\n"
+          "goal: [0.8, 0.4, 0, -1.6, 0, 1.1416, 0]\n"
+          "objects: [{name: post, position: [0.5, 0, 0.5], cylinder: {radius: 0.05, length: 1}}]\n"
+          "margin: 0.01\nmargins: [{between: [hand, post], margin: 0.3}]\n");
+  const Answer answer = run("plan margins.yaml --json");
+  const json offending = answer.document()["offending"];
+  EXPECT_EQ(offending["a"], "hand");
+  EXPECT_EQ(offending["b"], "post");
+  const std::string told = run("plan margins.yaml").out + run("lint margins.yaml").out;
+  EXPECT_NE(told.find("hand and post"), std::string::npos) << told;
+  EXPECT_EQ(told.find("link2 and link4"), std::string::npos) << told;
+}
+
 TEST_F(Plan, NoPathWithinTheLimitsIsStatus1) {
   // A wall without a way around: the arm is caged between two planes.
   std::string text = kReach;
@@ -304,6 +323,9 @@ TEST_F(Plan, NoPathWithinTheLimitsIsStatus1) {
   EXPECT_EQ(document["blocked"][0]["b"], "wall");
   EXPECT_EQ(document["gap"]["from"].size(), 2u);
   EXPECT_TRUE(document["long_turns"].empty());
+  std::set<std::pair<std::string, std::string>> told_pairs;
+  for (const auto& pair : document["blocked"])
+    EXPECT_TRUE(told_pairs.emplace(pair["a"], pair["b"]).second) << document["blocked"];
   const std::string told = run("plan wall.yaml --time 0.2").out;
   for (const char* words :
        {"Most edges were blocked by: ", " and wall (", "Start and goal came within "})

@@ -266,10 +266,7 @@ CheckedState checkState(planner::EdgeCertifier& certifier, const planner::Proble
         certifier.scene().scene().pairs()[static_cast<std::size_t>(checked.check.pair)].margin;
   }
   if (checked.check.verdict == planner::Verdict::kNotFree) {
-    checked.too_near =
-        checked.check.clearance.upper <= checked.margin
-            ? checked.names
-            : pairNames(certifier.scene(), certifier.certify(state.point, state.point).pair);
+    checked.too_near = pairNames(certifier.scene(), certifier.tooNear(state.point, tolerance).pair);
     checked.all_too_near = pairsTooNear(certifier.scene(), state.point, checked.too_near);
   }
   return checked;

@@ -92,7 +92,8 @@ struct CheckedSolution {
   robots::IkSolution solution;
   planner::StateCheck check;
   PairNames names;
-  bool is_checked = true;  ///< false: CompiledScene::nothingChecked(), or meshes are missing
+  bool is_checked = true;   ///< false: CompiledScene::nothingChecked(), or meshes are missing
+  PairNames too_near = {};  ///< a pair that does not keep its margin
 
   bool free() const { return is_checked && check.verdict == planner::Verdict::kFree; }
 };
@@ -118,6 +119,8 @@ std::vector<CheckedSolution> checkAll(const planner::Problem& problem, const std
     for (const int v : problem.robot.variables) point.push_back(all[static_cast<std::size_t>(v)]);
     CheckedSolution checked{solution, certifier.clearance(point, 1e-6), {}, is_checked};
     checked.names = pairNames(certifier.scene(), checked.check.pair);
+    if (checked.check.verdict == planner::Verdict::kNotFree)
+      checked.too_near = pairNames(certifier.scene(), certifier.tooNear(point, 1e-6).pair);
     list.push_back(checked);
   }
   std::stable_sort(list.begin(), list.end(),
@@ -162,7 +165,9 @@ std::string table(const robots::Model& model, const std::vector<int>& variables,
                   : checked.free()                                        ? "free"
                   : checked.check.verdict == planner::Verdict::kUndecided ? "undecided"
                   : checked.check.clearance.upper <= 0                    ? "collision"
-                                                                          : "too near");
+                  : checked.too_near.a == checked.names.a && checked.too_near.b == checked.names.b
+                      ? "too near"
+                      : fmt::format("too near: {}, {}", checked.too_near.a, checked.too_near.b));
     row.push_back(checked.check.pair < 0 ? "-" : checked.names.a + ", " + checked.names.b);
     rows.push_back(row);
   }

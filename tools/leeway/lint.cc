@@ -105,7 +105,7 @@ void lintScene(const planner::Problem& problem, const std::string& file, Finding
     findings.add({file, 0, false, warning});
   const auto look = [&](const std::string& name, const std::vector<double>& point) {
     constexpr double kTolerance = 1e-6;
-    const planner::StateCheck check = certifier.clearance(point, kTolerance);
+    const planner::StateCheck check = certifier.tooNear(point, kTolerance);
     if (check.verdict == planner::Verdict::kFree) return;
     const PairNames pair = pairNames(certifier.scene(), check.pair);
     findings.add({file, 0, false,

@@ -106,6 +106,7 @@ planner::Problem loadFile(const std::string& file, FileKind kind, ProblemSource 
       break;
   }
   source.problem = file;
+  source.tell_again = true;
   return loadProblem(source);
 }
 

@@ -17,7 +17,8 @@
 #include "planner/base/tolerances.h"
 #include "planner/problem/read_states.h"
 #include "planner/validate/checks.h"
-#include "robots/urdf/srdf.h"
+#include "robots/cache/content_key.h"
+#include "robots/cache/disk_cache.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
@@ -33,10 +34,30 @@ bool saysPlanned(const ProblemSource& source) {
   return !source.group.empty() || !source.chain.empty();
 }
 
+/// Prints the warnings about a robot, or that they have been told before.
+void printRobotWarnings(const robots::Model& model, const ProblemSource& source) {
+  const std::vector<std::string>& warnings = model.warnings;
+  const robots::DiskCache cache(source.no_cache || source.tell_again || warnings.size() < 2
+                                    ? std::string()
+                                    : robots::cacheFolder());
+  robots::ContentKey told("told warnings");
+  for (const std::string& warning : warnings) told.add(warning);
+  const std::string key = cache.isOn() ? told.finish() : "";
+  if (!key.empty() && cache.read(key)) {
+    printWarnings(
+        {fmt::format("robot '{}' has {} warnings, which were told before; `leeway info` "
+                     "shows them",
+                     model.name, warnings.size())});
+    return;
+  }
+  printWarnings(warnings);
+  if (!key.empty() && !isQuiet()) cache.write(key, std::as_bytes(std::span("told")));
+}
+
 std::shared_ptr<const robots::Model> loadRobot(const ProblemSource& source) {
   saysPlanned(source);
   std::shared_ptr<const robots::Model> model = loadRobotModel(source.robot, source.srdf, source);
-  printWarnings(model->warnings);
+  printRobotWarnings(*model, source);
   return model;
 }
 
@@ -352,7 +373,7 @@ planner::Problem readProblem(const ProblemSource& source) {
     problem = loadFromRobot(source);
   } else {
     problem = planner::loadProblem(source.problem, {.load = loadOptions(source)});
-    printWarnings(problem.robot.model->warnings);
+    printRobotWarnings(*problem.robot.model, source);
   }
   if (!source.allowed.empty()) planner::allowTouching(problem, source.stop);
   printWarnings(problem.warnings);

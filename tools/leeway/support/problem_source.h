@@ -28,7 +28,8 @@ struct ProblemSource {
   bool visual_as_collision = false;
   bool kinematics_only = false;  ///< unless the start depends on collisions
   bool no_cache = false;
-  robots::Stop stop;  ///< set during reading
+  bool tell_again = false;  ///< warnings about a robot that an earlier command has told
+  robots::Stop stop;        ///< set during reading
   robots::InputErrors* errors = nullptr;
 };
 
@@ -37,8 +38,9 @@ void addProblemArguments(CLI::App& app, ProblemSource& source);
 /// Adds the arguments of a problem and a path: two files, or only the path's with --robot.
 void addProblemAndPathArguments(CLI::App& app, ProblemSource& source,
                                 std::vector<std::string>& files);
-/// Prints the loader's warnings to stderr. Throws robots::InputError, and robots::Stopped for an
-/// interrupt or at the end of `time_limit` [s] (InterruptibleReading).
+/// Prints the loader's warnings to stderr; those about the robot once: a cache folder remembers
+/// them, and a later command says how many there are, in one line. Throws robots::InputError, and
+/// robots::Stopped for an interrupt or at the end of `time_limit` [s] (InterruptibleReading).
 planner::Problem loadProblem(const ProblemSource& source, std::optional<double> time_limit = {});
 /// For verbs that handle a single world: throws robots::InputError for a problem with steps.
 void refuseSteps(const planner::Problem& problem, const char* verb);

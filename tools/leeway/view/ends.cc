@@ -134,7 +134,7 @@ std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem&
   planner::EdgeCertifier certifier(scene);
   for (End& end : ends) {
     if (end.unreachable) continue;
-    end.check = certifier.clearance(end.position, kEndTolerance);
+    end.check = certifier.tooNear(end.position, kEndTolerance);
     end.closest = pairOf(end.check, *scene, shown);
     end.placed = placedObjects(problem, shown, first, end.position);
     if (end.check.verdict == planner::Verdict::kFree || end.check.pair < 0) continue;

@@ -122,6 +122,9 @@ class EdgeCertifier {
   Verdict decide(std::span<const double> point);
   /// Clearance of a point to within tolerance [m], closest pair, witnesses.
   StateCheck clearance(std::span<const double> point, double tolerance);
+  /// The same, but of a pair that does not keep its margin if there is one. It need not be the
+  /// closest pair, because margins differ.
+  StateCheck tooNear(std::span<const double> point, double tolerance);
   /// Certifies the edge from a to b as the space interpolates it.
   EdgeCheck certify(std::span<const double> a, std::span<const double> b,
                     const EdgeRequest& request = {});
