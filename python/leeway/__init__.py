@@ -10,7 +10,16 @@
 Metres, radians, seconds; z up; quaternions x y z w. Arrays are float64, the joints in the last axis. Tutorials: docs/python.md.
 """
 
-from leeway import _leeway
+try:
+    import numpy  # noqa: F401
+except ImportError as error:
+    raise ImportError("leeway needs numpy, which this Python lacks: Debian's is python3-numpy") from error
+try:
+    from leeway import _leeway
+except ImportError as error:
+    raise ImportError(f"leeway's compiled part is missing or does not fit this Python ({error}); docs/python.md says how to build it for "
+                      "this one") from error
+
 from leeway._leeway import *  # noqa: F403
 from leeway._leeway import __version__
 

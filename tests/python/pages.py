@@ -63,7 +63,10 @@ def run_notebook(text):
 
 def run(file):
     text = pathlib.Path(file).read_text()
-    return run_notebook(text) if str(file).endswith(".ipynb") else run_page(text)
+    if not str(file).endswith(".ipynb"):
+        return run_page(text)
+    with contextlib.chdir(pathlib.Path(file).parent):  # as Jupyter does
+        return run_notebook(text)
 
 
 if __name__ == "__main__":

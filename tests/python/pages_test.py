@@ -50,3 +50,11 @@ def test_the_wheel_has_the_package_and_works_alone(tmp_path):
     printed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True,
                              env={**os.environ, "PYTHONPATH": str(tmp_path / "site")}).stdout
     assert printed.split() == [str(tmp_path / "site/leeway/__init__.py"), "True"]
+
+
+def test_a_package_without_its_parts_says_so(tmp_path):
+    shutil.copytree("python/leeway", tmp_path / "leeway", ignore=shutil.ignore_patterns("*.so", "__pycache__"))
+    for hidden, words in [("leeway._leeway", "compiled part is missing"), ("numpy", "needs numpy")]:
+        script = f"import sys; sys.modules[{hidden!r}] = None; import leeway"
+        told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(tmp_path)})
+        assert told.returncode == 1 and words in told.stderr.splitlines()[-1], told.stderr

@@ -34,8 +34,6 @@ struct Finding {
   int line = 0;  ///< 0 without one
   bool error = false;
   std::string message;
-
-  bool operator==(const Finding&) const = default;
 };
 
 /// A warning is "FILE:LINE: text". Without a line, it concerns `file` as a whole.
@@ -65,7 +63,11 @@ class Findings {
  public:
   /// Adds a finding once, because files that share a robot have the same findings about it.
   void add(const Finding& finding) {
-    if (std::find(list_.begin(), list_.end(), finding) == list_.end()) list_.push_back(finding);
+    const auto isSame = [&](const Finding& other) {
+      return other.line == finding.line && other.error == finding.error &&
+             other.message == finding.message && isSameFile(other.file, finding.file);
+    };
+    if (std::none_of(list_.begin(), list_.end(), isSame)) list_.push_back(finding);
   }
   void addWarnings(const std::vector<std::string>& warnings, const std::string& file) {
     for (const std::string& warning : warnings) add(findingOf(warning, file));
@@ -73,6 +75,12 @@ class Findings {
   const std::vector<Finding>& list() const { return list_; }
 
  private:
+  /// Whether two paths, however spelled, are those of one file.
+  static bool isSameFile(const std::string& a, const std::string& b) {
+    std::error_code error;
+    return a == b || std::filesystem::equivalent(a, b, error);
+  }
+
   std::vector<Finding> list_;
 };
 

@@ -155,10 +155,12 @@ Verb addGrowth(CLI::App* app) {
       addOne(app, "growth", "worlds, edges and plans as boxes, triangles and joints grow, with FCL",
              "--family joints", *options, "of the plans");
   one->add_option("--family", *families, "only these")
+      ->delimiter(',')
       ->check(CLI::IsMember(report::growthFamilies()));
   for (auto& [family, counts] : options->counts) {
     const auto [least, most] = report::growthRange(family);
     addNumber(one, ("--" + family).c_str(), counts, least, most, "sizes of the worlds or robots")
+        ->delimiter(',')
         ->type_name("N ...");
   }
   addNumber(one, "--edges", options->edges, 1, 100'000,

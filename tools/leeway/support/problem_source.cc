@@ -173,7 +173,8 @@ void addRobotArguments(CLI::App& app, ProblemSource& source) {
                  "MoveIt's joint_limits.yaml: velocities, accelerations, jerks, narrower positions")
       ->type_name("YAML");
   app.add_option("--bounds", source.bounds,
-                 "narrower limits of a joint [rad or m]; may be repeated")
+                 "narrower limits of a joint [rad or m], or of JOINT/x and JOINT/y of a planar or "
+                 "floating one [m]; may be repeated")
       ->type_name("JOINT LOWER UPPER")
       ->type_size(3)
       ->expected(1)
