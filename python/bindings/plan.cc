@@ -232,6 +232,10 @@ planner::Certificate clearance(const Problem& problem, const py::object& path, d
   if (!(tolerance > 0) || parts < 1 || parts > 100000)
     throw py::value_error("tolerance must be positive and parts between 1 and 100000");
   const std::shared_ptr<const planner::Problem> value = problem.value();
+  if (!value->steps.empty())
+    throw py::value_error(
+        "clearance: the problem has steps, between which its world changes; a problem without "
+        "steps is expected (verify() and the command `leeway clearance` take one with steps)");
   Interrupt interrupt;
   return interrupt.released([&] {
     const auto scene = std::make_shared<const planner::CompiledScene>(*value, interrupt.callback());

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "leeway/planner/plan.h"
+#include "python/base/at.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
 #include "python/bindings/settings.h"
@@ -53,9 +55,11 @@ py::object valid(const Scene& self, const py::object& states) {
   std::vector<char> answers(points.count());
   const planner::ConfigurationSpace& space = self.compiled->space();
   const bool proves = self.compiled->nothingChecked().empty();
+  const auto problem = self.current();
   forEach(self, points.count(), [&](EdgeCertifier& certifier, std::size_t i) {
     answers[i] = proves && space.withinLimits(points.row(i)) &&
-                 certifier.decide(points.row(i)) == Verdict::kFree;
+                 certifier.decide(points.row(i)) == Verdict::kFree &&
+                 planner::brokenConstraint(*self.compiled, *problem, points.row(i)).empty();
   });
   return bools(answers, points.shape);
 }
@@ -88,6 +92,17 @@ std::pair<Rows, Rows> edges(const Scene& self, const py::object& a, const py::ob
   return ends;
 }
 
+/// Whether all constraints of the problem are proven to hold along an edge.
+bool keepsConstraints(const Scene& scene, const planner::Problem& problem,
+                      std::span<const double> a, std::span<const double> b) {
+  if (problem.constraints.empty()) return true;
+  planner::Path path;
+  for (const int v : scene.compiled->space().variables())
+    path.names.push_back(scene.compiled->model().variables[at(v)].name);
+  path.positions = {{a.begin(), a.end()}, {b.begin(), b.end()}};
+  return planner::proveConstraints(*scene.compiled, problem, path).has_value();
+}
+
 py::object validEdges(const Scene& self, const py::object& a, const py::object& b,
                       bool persistent) {
   const std::pair<Rows, Rows> ends = edges(self, a, b);
@@ -97,9 +112,11 @@ py::object validEdges(const Scene& self, const py::object& a, const py::object& 
   std::vector<char> answers(from.count());
   const planner::ConfigurationSpace& space = self.compiled->space();
   const bool proves = self.compiled->nothingChecked().empty();
+  const auto problem = self.current();
   forEach(self, from.count(), [&](EdgeCertifier& certifier, std::size_t i) {
     answers[i] = proves && space.withinLimits(from.row(i)) && space.withinLimits(to.row(i)) &&
-                 certifier.certify(from.row(i), to.row(i), request).verdict == Verdict::kFree;
+                 certifier.certify(from.row(i), to.row(i), request).verdict == Verdict::kFree &&
+                 keepsConstraints(self, *problem, from.row(i), to.row(i));
   });
   return bools(answers, from.shape);
 }
@@ -132,10 +149,16 @@ Edge certify(const Scene& self, const py::object& a, const py::object& b) {
     throw py::value_error("a is more than one state; valid_edges() takes many");
   planner::EdgeRequest request = planner::EdgeRequest::persistent();
   request.last_valid = true;
+  const auto problem = self.current();
   Edge edge;
   forEach(self, 1, [&, &start = from, &end = to](EdgeCertifier& certifier, std::size_t) {
     edge.check = certifier.certify(start.values, end.values, request);
     if (!certifier.scene().nothingChecked().empty()) edge.check = {};
+    if (edge.check.verdict == Verdict::kFree &&
+        !keepsConstraints(self, *problem, start.values, end.values)) {
+      edge.check.verdict = Verdict::kUndecided;
+      edge.check.last_valid = 0;
+    }
     std::tie(edge.a, edge.b) = pairNames(certifier.scene(), edge.check.pair);
   });
   return edge;
@@ -352,10 +375,11 @@ void defineScene(py::module_& module) {
                     "without the interpreter's lock.")
           .c_str());
   defineInit(scene, "(robot, world=None, start=None, goal=None, **settings)", makeScene);
-  define(scene, "valid", "(self, states)",
-         "Which states are within the limits and proven to keep all margins: a bool for (joints,), "
-         "bools (...,) for (..., joints). Undecided is not valid.",
-         valid, py::arg("states"));
+  define(
+      scene, "valid", "(self, states)",
+      "Which states are within the limits and proven to keep all margins and constraints: a bool "
+      "for (joints,), bools (...,) for (..., joints). Undecided is not valid.",
+      valid, py::arg("states"));
   define(scene, "clearances", "(self, states, *, tolerance=1e-06)",
          "The least distance of checked pairs as proven intervals: (..., 2), lower and upper ends "
          "[m].",
@@ -366,15 +390,17 @@ void defineScene(py::module_& module) {
          check, py::arg("state"), py::kw_only(), py::arg("tolerance") = 1e-6);
   define(scene, "valid_edges", "(self, a, b, *, persistent=False)",
          "Which edges from a to b, both (..., joints), are certified: every point of the edge is "
-         "proven to keep all margins. `persistent` spends a hundred times the work before it "
+         "proven to keep all margins and constraints. `persistent` spends a hundred times the work "
+         "before it "
          "leaves an edge undecided, which counts as not valid.",
          validEdges, py::arg("a"), py::arg("b"), py::kw_only(), py::arg("persistent") = false);
   define(scene, "edge_clearances", "(self, a, b, *, tolerance=0.0001)",
          "The least clearance along each edge as proven intervals: (..., 2) [m].", edgeClearances,
          py::arg("a"), py::arg("b"), py::kw_only(), py::arg("tolerance") = 1e-4);
   define(scene, "certify", "(self, a, b)",
-         "How far the edge from a to b is certified, and what is in the way.", certify,
-         py::arg("a"), py::arg("b"));
+         "How far the edge from a to b is certified, and what is in the way. Where a constraint is "
+         "not proven, it is 'undecided', and certified nowhere.",
+         certify, py::arg("a"), py::arg("b"));
   define(scene, "with_object_at", "(self, name, pose)",
          "The scene with an object of its world at another pose, at the cost of the change: "
          "thousands of moves cost as much each. Move an object of the last result, or always of "

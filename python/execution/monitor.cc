@@ -84,6 +84,15 @@ std::vector<double> spread(const Scene& scene, const std::vector<double>& planne
 
 std::unique_ptr<Monitor> makeMonitor(const Scene& scene, const py::object& accelerations,
                                      const py::object& velocities) {
+  const planner::World& world = scene.problem->world;
+  const auto refuse = [](const std::string& name, const char* how) {
+    throw py::value_error("Monitor: '" + name + "' " + how +
+                          "; obstacles that stand still are expected (a Guard follows others)");
+  };
+  for (const planner::Object& object : world.objects)
+    if (object.motion) refuse(object.name, "moves");
+  for (const planner::DeformingObstacle& obstacle : world.deforming)
+    if (obstacle.motion || obstacle.speed_bound != 0) refuse(obstacle.object.name, "deforms");
   const Robot robot = scene.problem.robot();
   std::vector<double> velocity;
   if (velocities.is_none())

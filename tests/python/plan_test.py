@@ -535,3 +535,41 @@ def test_pairs_that_are_not_checked_are_counted(robot, world, tmp_path):
                     "</joint>" + ARM.format(shape.format("0.4 0 0.1", "0.8 0.05 0.1")) + "</robot>")
     resting = leeway.plan(leeway.Robot(urdf), None, [0.0], [1.0])
     assert ("touching at every sampled configuration", 1, [("rest", "arm")]) in resting.certificate.unchecked
+
+
+def test_a_monitor_refuses_what_it_does_not_follow(robot):
+    sheet = np.array([[-0.2, -0.2, 0], [0.2, -0.2, 0], [-0.2, 0.2, 0]])
+    for change in (lambda w: w.set_motion("cart", velocity=(-5, 0, 0)), lambda w: w.set_motion("cart", speed_bound=5),
+                   lambda w: w.add_deforming("sheet", sheet, [[0, 1, 2]], position=(2, 0, 0)),
+                   lambda w: w.add_deforming("sheet", sheet, [[0, 1, 2]], position=(2, 0, 0), speed_bound=5)):
+        world = leeway.World()
+        world.add_box("cart", (0.2, 0.2, 0.2), position=(1.5, 0, 0.1))
+        change(world)
+        with pytest.raises(ValueError, match="Monitor: '(cart|sheet)' (moves|deforms)"):
+            leeway.Monitor(leeway.Scene(robot, world), accelerations=[1] * 7)
+    world.remove("sheet")
+    world.add_deforming("sheet", sheet, [[0, 1, 2]], position=(2, 0, 0), speed_bound=0)
+    assert leeway.Monitor(leeway.Scene(robot, world), accelerations=[1] * 7)
+
+
+def test_a_scene_counts_constraints(robot):
+    start = [0, 0.4, 0, -1.6, 0, 1.1416, 0]
+    upright = leeway.Constraint("hand", axis=robot.pose("hand", start)[:3, :3].T @ (0, 0, 1), angle=0.2)
+    tilted = [0, 0.4, 0, -1.6, 0, 0.5, 0]
+    turned = [0.5, 0.4, 0, -1.6, 0, 1.1416, 0]
+    scene = leeway.Scene(robot, leeway.World(), start, constraints=[upright])
+    plain = leeway.Scene(robot, leeway.World(), start)
+    assert plain.valid(tilted) and plain.valid_edges(start, tilted) and plain.certify(start, tilted)
+    assert scene.check(start) and not scene.check(tilted)
+    assert scene.valid([start, tilted, turned]).tolist() == [True, False, True]
+    assert scene.valid_edges([start, start], [tilted, turned]).tolist() == [False, True]
+    assert scene.certify(start, turned)
+    edge = scene.certify(start, tilted)
+    assert not edge and edge.verdict == "undecided" and edge.last_valid == 0
+
+
+def test_clearance_refuses_steps():
+    task = leeway.load("problems/pick_place/can.yaml")
+    assert task.steps
+    with pytest.raises(ValueError, match="the problem has steps"):
+        leeway.clearance(task, [task.start, task.start])
