@@ -154,6 +154,11 @@ Edge certify(const Scene& self, const py::object& a, const py::object& b) {
   forEach(self, 1, [&, &start = from, &end = to](EdgeCertifier& certifier, std::size_t) {
     edge.check = certifier.certify(start.values, end.values, request);
     if (!certifier.scene().nothingChecked().empty()) edge.check = {};
+    const planner::ConfigurationSpace& space = certifier.scene().space();
+    if (!space.withinLimits(start.values) || !space.withinLimits(end.values)) {
+      edge.check = {};
+      edge.check.verdict = Verdict::kNotFree;
+    }
     if (edge.check.verdict == Verdict::kFree &&
         !keepsConstraints(self, *problem, start.values, end.values)) {
       edge.check.verdict = Verdict::kUndecided;
@@ -399,7 +404,8 @@ void defineScene(py::module_& module) {
          py::arg("a"), py::arg("b"), py::kw_only(), py::arg("tolerance") = 1e-4);
   define(scene, "certify", "(self, a, b)",
          "How far the edge from a to b is certified, and what is in the way. Where a constraint is "
-         "not proven, it is 'undecided', and certified nowhere.",
+         "not proven, it is 'undecided'; with an end outside the limits it is 'not_free'. It is "
+         "certified nowhere then.",
          certify, py::arg("a"), py::arg("b"));
   define(scene, "with_object_at", "(self, name, pose)",
          "The scene with an object of its world at another pose, at the cost of the change: "

@@ -84,6 +84,8 @@ std::vector<double> spread(const Scene& scene, const std::vector<double>& planne
 
 std::unique_ptr<Monitor> makeMonitor(const Scene& scene, const py::object& accelerations,
                                      const py::object& velocities) {
+  if (const std::string nothing = scene.compiled->nothingChecked(); !nothing.empty())
+    throw py::value_error("Monitor: nothing is checked: " + nothing);
   const planner::World& world = scene.problem->world;
   const auto refuse = [](const std::string& name, const char* how) {
     throw py::value_error("Monitor: '" + name + "' " + how +

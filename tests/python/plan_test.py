@@ -564,6 +564,8 @@ def test_a_scene_counts_constraints(robot):
     assert scene.valid([start, tilted, turned]).tolist() == [True, False, True]
     assert scene.valid_edges([start, start], [tilted, turned]).tolist() == [False, True]
     assert scene.certify(start, turned)
+    outside = plain.certify(start, [4, 0.4, 0, -1.6, 0, 1.1416, 0])
+    assert outside.verdict == "not_free" and outside.last_valid == 0 and outside.pair is None
     edge = scene.certify(start, tilted)
     assert not edge and edge.verdict == "undecided" and edge.last_valid == 0
 

@@ -152,13 +152,6 @@ std::vector<double> parseValues(const planner::Problem& problem, const std::stri
   return point;
 }
 
-std::optional<robots::GroupState> findGroupState(const planner::Problem& problem,
-                                                 const std::string& name) {
-  for (const auto& state : robots::namedStates(*problem.robot.model))
-    if (state.name == name) return state;
-  return std::nullopt;
-}
-
 std::vector<double> groupStatePoint(const planner::Problem& problem,
                                     const robots::GroupState& state) {
   std::vector<double> point = startPoint(problem);
@@ -183,7 +176,6 @@ std::vector<NamedState> collectStates(const planner::Problem& problem,
                                       const std::vector<std::string>& wanted) {
   std::vector<NamedState> states;
   for (const std::string& text : wanted) {
-    refuseLeftOut(problem, text);
     if (text == "goal" && !problem.steps.empty())
       badState(text, "a task has a goal for each of its moves; start or a named state is expected");
     if (problem.goals.empty() && (text == "goal" || (text == "start" && problem.steps.empty()))) {
@@ -193,7 +185,7 @@ std::vector<NamedState> collectStates(const planner::Problem& problem,
       states.push_back({"start", startPoint(problem)});
     } else if (text == "goal") {
       appendGoals(problem, states);
-    } else if (const auto state = findGroupState(problem, text)) {
+    } else if (const auto state = findState(problem, text)) {
       states.push_back({text, groupStatePoint(problem, *state)});
     } else {
       states.push_back({text, parseValues(problem, text)});

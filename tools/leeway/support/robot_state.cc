@@ -29,9 +29,26 @@ std::string meantState(const robots::Model& model, const std::string& text,
   return planner::didYouMean(model, "group state", text, words);
 }
 
-void refuseLeftOut(const planner::Problem& problem, const std::string& text) {
-  const std::string why = problem.robot.model->whyStateLeftOut(text, problem.robot.variables);
-  if (!why.empty()) badState(text, "is not known" + why);
+std::optional<robots::GroupState> findState(const planner::Problem& problem,
+                                            const std::string& name) {
+  const std::vector<int>& planned = problem.robot.variables;
+  if (const std::string why = problem.robot.model->whyStateLeftOut(name, planned); !why.empty())
+    badState(name, "is not known" + why);
+  std::vector<robots::GroupState> found;
+  for (const robots::GroupState& state : robots::namedStates(*problem.robot.model)) {
+    if (state.name != name) continue;
+    const auto gives = [&](int variable) {
+      return std::any_of(state.values.begin(), state.values.end(),
+                         [&](const auto& value) { return value.first == variable; });
+    };
+    if (std::all_of(planned.begin(), planned.end(), gives)) return state;
+    found.push_back(state);
+  }
+  if (found.empty()) return std::nullopt;
+  // Where a whole robot is planned, as one that is read alone, a state is of some of its joints.
+  if (found.size() == 1 && planned.size() == problem.robot.model->variables.size())
+    return found.front();
+  badState(name, robots::stateLackFault(*problem.robot.model, name, planned));
 }
 
 std::vector<std::string> splitAt(char separator, const std::string& text) {
@@ -81,10 +98,8 @@ std::vector<double> parseConfiguration(const planner::Problem& problem, const st
   const robots::Model& model = *problem.robot.model;
   std::vector<double> q = problem.start;
   if (text == "start") return q;
-  refuseLeftOut(problem, text);
-  for (const robots::GroupState& state : robots::namedStates(model)) {
-    if (state.name != text) continue;
-    for (const auto& [variable, value] : state.values) q[at(variable)] = value;
+  if (const auto state = findState(problem, text)) {
+    for (const auto& [variable, value] : state->values) q[at(variable)] = value;
     return q;
   }
   const std::vector<std::string> parts = listed(text);

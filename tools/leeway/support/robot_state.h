@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,9 +28,12 @@ double parseNumber(const std::string& option, const std::string& text);
 std::string meantState(const robots::Model& model, const std::string& text,
                        std::vector<std::string> words);
 
-/// Throws robots::InputError if `text` names a group state that the loader left out, of a group
-/// that has the planned joints.
-void refuseLeftOut(const planner::Problem& problem, const std::string& text);
+/// Returns the group state of that name that gives all planned joints a value; nothing if there is
+/// none of the name. Where all joints of the robot are planned, the only state of the name will do:
+/// other joints are as at the start. Throws robots::InputError if the state lacks joints, or was
+/// left out by the loader.
+std::optional<robots::GroupState> findState(const planner::Problem& problem,
+                                            const std::string& name);
 
 std::vector<std::string> splitAt(char separator, const std::string& text);
 /// Returns the values of a list: numbers that commas or blanks part ("1, 2", "1 2"), or values by
