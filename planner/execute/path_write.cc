@@ -13,6 +13,7 @@
 #include "planner/base/tolerances.h"
 #include "planner/execute/trajectory_samples.h"
 #include "planner/execute/unchecked_json.h"
+#include "planner/validate/checks.h"
 #include "robots/base/read_file.h"
 
 namespace leeway::planner {
@@ -116,6 +117,8 @@ std::vector<std::pair<std::string, std::string>> certificateEntries(
       {"closest", closest},
       {"segments", segments + "]"},
       {"not_checked", dumped(uncheckedJson(certificate.unchecked))}};
+  if (const auto time = obstaclesAt(problem))
+    entries.emplace_back("obstacles_at", numberText(*time));
   if (!certificate.conditions.empty())
     entries.emplace_back("conditions", quotedText(certificate.conditions));
   return entries;

@@ -109,6 +109,9 @@ std::string cropFault(const Object& object, const CropNeeds& needs);
 std::optional<std::string> speedBoundFault(const DeformingObstacle& obstacle, double start);
 std::optional<std::string> speedBoundFault(const Object& object, double start);
 
+/// When obstacles that move stand where a plan sees them [s]; nothing if none moves.
+std::optional<double> obstaclesAt(const Problem& problem);
+
 /// Whether the object's cloud was cropped or carved for the place where it stands.
 bool isFitted(const Object& object);
 /// A bound on how far points of an object are from its frame's origin [m]; infinite with a

@@ -248,6 +248,16 @@ Object movingObject(Object object, const ObjectMotion& motion, double time) {
   return object;
 }
 
+std::optional<double> obstaclesAt(const Problem& problem) {
+  const bool has_moving = std::any_of(problem.world.objects.begin(), problem.world.objects.end(),
+                                      [](const Object& o) { return o.motion != nullptr; });
+  const bool has_deforming =
+      std::any_of(problem.world.deforming.begin(), problem.world.deforming.end(),
+                  [](const DeformingObstacle& o) { return o.motion != nullptr; });
+  if (!has_moving && !has_deforming) return std::nullopt;
+  return problem.execution.start;
+}
+
 double mostMargin(const Problem& problem) {
   double most = problem.margins.common;
   for (const PairMargin& m : problem.margins.pairs) most = std::max(most, m.margin);

@@ -299,10 +299,18 @@ planner::Path givenPath(const Problem& problem, const py::object& path) {
   if (py::isinstance<Result>(path)) {
     const Result& result = path.cast<const Result&>();
     const Robot robot = problem.robot();
-    if (result.value.path.names.size() != robot.size())
-      throw py::value_error("path is a result of " +
-                            std::to_string(result.value.path.names.size()) + " joints; " +
-                            std::to_string(robot.size()) + " are expected");
+    const std::vector<std::string>& names = result.value.path.names;
+    std::vector<std::string> planned;
+    for (std::size_t i = 0; i < robot.size(); ++i) planned.push_back(robot.variableName(i));
+    if (names != planned) {
+      const auto listed = [](const std::vector<std::string>& all) {
+        std::string text;
+        for (const std::string& name : all) text += (text.empty() ? "" : ", ") + name;
+        return text;
+      };
+      throw py::value_error("path is a result of the joints " + listed(names) + "; " +
+                            listed(planned) + " are expected, in this order");
+    }
     return result.value.path;
   }
   if (py::isinstance<py::str>(path) || py::hasattr(path, "__fspath__")) {

@@ -61,8 +61,11 @@ std::string groupsFault(const RobotDescription& robot, std::span<const std::stri
       const auto [other, is_new] = taken.emplace(v, name);
       if (is_new) continue;
       if (other->second == name) return wordFor(robot, name) + " stands twice; once is expected";
-      return wordFor(robot, other->second) + " and " + wordFor(robot, name) + " both have joint '" +
-             robot.variables[at(v)].name + "'; groups without a common joint are expected";
+      const bool are_groups = robot.findGroup(name) >= 0 && robot.findGroup(other->second) >= 0;
+      return (are_groups ? "groups '" + other->second + "' and '" + name + "'"
+                         : wordFor(robot, other->second) + " and " + wordFor(robot, name)) +
+             " both have joint '" + robot.variables[at(v)].name +
+             "'; groups without a common joint are expected";
     }
   }
   return {};

@@ -110,6 +110,10 @@ def test_several_arms_have_goals_of_their_own():
     problem.goal = {"left": turned, "right": "up"}
     result = leeway.plan(problem)
     assert result and leeway.verify(problem, result.path)
+    other = leeway.Problem(robot.with_group(["left", "right"]), leeway.World(), start={"left": up, "right": "up"}, goal={"left": turned, "right": "up"})
+    for measure in (leeway.clearance, leeway.verify):
+        with pytest.raises(ValueError, match="path is a result of the joints right_pan_joint, .*; left_pan_joint, "):
+            measure(other, result)
     problem.goal = {"left": turned, "right": "any"}
     assert np.isfinite(problem.goal).all() and problem.goal[0, 0] < problem.goal[0, 1]
     pose = leeway.FramePose("left_tool", position=robot.pose("left_tool", up + turned)[:3, 3])

@@ -186,19 +186,24 @@ TEST_F(BadInput, StatesOfOtherGroupsAreNotTakenInPart) {
               "  <group_state name=\"left\" group=\"first\"><joint name=\"shoulder\" "
               "value=\"-1\"/></group_state>\n  <group_state name=\"half\" group=\"first\"><joint "
               "name=\"shoulder\" value=\"-1\"/></group_state>\n");
+  srdf.insert(srdf.find("  <group_state"),
+              "  <group name=\"second\"><joint name=\"elbow\"/></group>\n  <group_state "
+              "name=\"half\" group=\"second\"><joint name=\"elbow\" value=\"1\"/></group_state>\n"
+              "  <group_state name=\"bent\" group=\"second\"><joint name=\"elbow\" "
+              "value=\"1\"/></group_state>\n");
   write("arm.srdf", srdf);
   for (const char* verb : {"check", "fk", "ik"}) {
     const std::string call =
         std::string(verb) + " reach.yaml --json " +
         (std::string(verb) == "ik" ? "--link lower --position 0.6 0.4 0 " : "");
-    expectRefused(call + "--state half", {"group state 'half' lacks joint 'elbow'"});
+    expectRefused(call + "--state half", {"group state 'half' lacks joint"});
   }
   const json state = run("check reach.yaml --json --state left").document();
   EXPECT_EQ(state["states"][0]["positions"], json({1, 0.25})) << state;
   EXPECT_EQ(run("fk reach.yaml --json --state left").document(),
             run("fk reach.yaml --json --state shoulder=1,elbow=0.25").document());
-  EXPECT_EQ(run("fk arm.urdf --srdf arm.srdf --json --state half").document(),
-            run("fk arm.urdf --srdf arm.srdf --json --state shoulder=-1").document());
+  EXPECT_EQ(run("fk arm.urdf --srdf arm.srdf --json --state bent").document(),
+            run("fk arm.urdf --srdf arm.srdf --json --state elbow=1").document());
 }
 
 }  // namespace

@@ -59,7 +59,8 @@ TEST_F(RobotFiles, AnEntryOfTheSrdfThatNobodyNeedsIsLeftOut) {
   expectRefused("plan up.yaml",
                 {"up.yaml:5: group state 'up' is not known; it is left out: " + state});
   write("hand.yaml", replaced(kReach, "group: arm", "group: hand"));
-  expectRefused("plan hand.yaml", {"hand.yaml:3: ", "no group 'hand'; it is left out: " + group});
+  expectRefused("plan hand.yaml",
+                {"hand.yaml:3: ", "no group or joint 'hand'; it is left out: " + group});
   const std::string robot = "--robot arm.urdf --srdf arm.srdf ";
   const std::vector<std::pair<std::string, std::string>> asked = {
       {"plan " + robot + "--group arm --start up --goal left", state},
@@ -229,7 +230,7 @@ TEST_F(RobotFiles, AChainIsPlannedBetweenJointValues) {
       0);
   for (const auto& [arguments, words] : std::vector<std::pair<std::string, std::string>>{
            {"--chain base lowr " + ends, "no link 'lowr'; did you mean 'lower'?"},
-           {"--chain lower lower " + ends, "has no joint"},
+           {"--chain lower lower " + ends, "no joint between"},
            {"--chain base lower --group all " + ends, "--group and --chain"},
            {"--chain base lower --start '1 2 3' --goal '0 0'",
             "start '1 2 3' is 3 numbers; 2 are expected, of shoulder, elbow"},

@@ -11,6 +11,7 @@
 #include "collision/base/numbers.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/guard.h"
+#include "leeway/planner/path_io.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/replanner.h"
 #include "leeway/planner/verify.h"
@@ -19,6 +20,7 @@
 #include "planner/base/tolerances.h"
 #include "planner/execute/obstacles.h"
 #include "tests/support/dense_truth.h"
+#include "tests/support/folder.h"
 #include "tests/support/input_errors.h"
 #include "tests/support/small_problems.h"
 
@@ -300,6 +302,10 @@ TEST(MovingObjects, PlansSeeTheStart) {
   ASSERT_EQ(result.status, PlanStatus::kSolved);
   EXPECT_EQ(verify(open, result.path).status, VerifyStatus::kCertified);
   EXPECT_NE(verify(closed, result.path).status, VerifyStatus::kCertified);
+  // The path's file says of which moment it speaks.
+  const Folder folder;
+  writePath(folder.path("path.json"), open, result);
+  EXPECT_NE(readText(folder.path("path.json")).find("\"obstacles_at\": 2"), std::string::npos);
 }
 
 TEST(MovingObjects, MistakesAreRefused) {

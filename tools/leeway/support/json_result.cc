@@ -8,6 +8,7 @@
 
 #include "leeway/robots/input_error.h"
 #include "planner/execute/unchecked_json.h"
+#include "planner/validate/checks.h"
 #include "tools/leeway/support/pair_samples.h"
 #include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
@@ -168,7 +169,7 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
   document["path"] = Json();
   document["length"] = Json();
   document["shortest_length"] = jsonNumber(result.shortest_length);
-  const auto obstacles_at = obstaclesAt(problem);
+  const auto obstacles_at = planner::obstaclesAt(problem);
   document["obstacles_at"] = obstacles_at ? Json(*obstacles_at) : Json();
   document["clearance_bound"] = jsonNumber(result.clearance_bound);
   document["cost"] = costJson(result.cost);

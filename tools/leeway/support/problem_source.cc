@@ -362,9 +362,9 @@ planner::Problem readProblem(const ProblemSource& source) {
   }
   if (!source.problem.empty() &&
       (!(source.robot + source.srdf + source.joint_limits + source.scene + source.request +
-         plannedGroup(source) + source.start + source.goal)
+         source.start + source.goal)
             .empty() ||
-       !source.bounds.empty() || !source.widen.empty())) {
+       saysPlanned(source) || !source.bounds.empty() || !source.widen.empty())) {
     badUsage(fmt::format(
         "{} names its robot, start and goal itself; leave the other problem options out",
         source.problem));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/validate/checks.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
@@ -19,13 +20,6 @@ PairNames pairNames(const planner::CompiledScene& scene, int pair) {
           bodies[static_cast<std::size_t>(entry.body_b)].name};
 }
 
-std::optional<double> obstaclesAt(const planner::Problem& problem) {
-  const bool has_seen = std::any_of(problem.world.objects.begin(), problem.world.objects.end(),
-                                    [](const auto& o) { return o.motion != nullptr; });
-  if (!has_seen && !movesAsKnown(problem)) return {};
-  return problem.execution.start;
-}
-
 bool movesAsKnown(const planner::Problem& problem) {
   return std::any_of(problem.world.deforming.begin(), problem.world.deforming.end(),
                      [](const auto& o) { return o.motion != nullptr; }) ||
@@ -34,7 +28,7 @@ bool movesAsKnown(const planner::Problem& problem) {
 }
 
 std::string obstaclesText(const planner::Problem& problem) {
-  const auto time = obstaclesAt(problem);
+  const auto time = planner::obstaclesAt(problem);
   if (!time) return "";
   std::string text = fmt::format("; the obstacles stand as at {:g} s", *time);
   for (const planner::Object& o : problem.world.objects)

@@ -17,10 +17,7 @@ PairNames pairNames(const planner::CompiledScene& scene, int pair);
 
 /// Whether the motion of some obstacle is known, so that it can be shown.
 bool movesAsKnown(const planner::Problem& problem);
-/// If obstacles move, the time of their motions [s] at which plans, checks and proofs place them.
-/// Nothing if all are at rest.
-std::optional<double> obstaclesAt(const planner::Problem& problem);
-/// The same as the end of a sentence, with a space before it.
+/// planner::obstaclesAt() as the end of a sentence, with a space before it.
 std::string obstaclesText(const planner::Problem& problem);
 
 /// Returns a line for each constraint of a problem, with the bounds that are proven along a path.
