@@ -87,7 +87,8 @@ std::vector<TimedPoint> partOf(const ConfigurationSpace& space, std::span<const 
                                double t0, double t1) {
   const auto place = [&](double t) {
     std::size_t i = 1;
-    while (i + 1 < motion.size() && motion[i].time <= t) ++i;
+    // The first of rows with one time, so that the part begins where the motion does.
+    while (i + 1 < motion.size() && motion[i].time < t) ++i;
     const TimedPoint &a = motion[i - 1], &b = motion[i];
     if (t <= a.time) return a.position;
     if (t >= b.time) return b.position;

@@ -114,6 +114,23 @@ TEST(Replanner, WithoutAnythingThatDeformsThePathIsFollowed) {
   EXPECT_GT(fastest, 0.999);
 }
 
+/// An edge that takes less time than doubles can add gives two rows of one time. A step must still
+/// begin at the state in which the one before ended.
+TEST(Replanner, PartsBeginAtTheFirstOfRowsWithOneTime) {
+  const Problem problem = test::wallProblem();
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+  const std::vector<double> a = {1 - 0x1p-53, 0, 0}, b = {1, 0, 0}, c = {1.5, 0, 0};
+  const std::vector<double> limits = {1, 1, 1};
+  std::vector<std::vector<double>> rest;
+  const std::vector<TimedPoint> motion = travel(space, limits, {a, b, c}, 8, 9, &rest);
+  ASSERT_EQ(motion[0].time, motion[1].time);
+  const std::vector<TimedPoint> first = partOf(space, motion, 8, 8.25),
+                                second = partOf(space, motion, 8.25, 9);
+  EXPECT_EQ(first.front().position, a);
+  EXPECT_EQ(first.back().position, second.front().position);
+  EXPECT_EQ(second.back().position, rest.front());
+}
+
 TEST(Replanner, WaitsForAGateThatOpens) {
   // Closed from the start to 2 s: no path, so it waits; then the gate moves up and away.
   const Problem problem = gate({{0, {0, 0, 0}}, {2, {0, 0, 0}}, {3, {0, 0, 1.2}}});
