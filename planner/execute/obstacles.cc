@@ -204,7 +204,7 @@ Obstacles::~Obstacles() = default;
 
 void Obstacles::add(std::unique_ptr<Followed> obstacle, const CompiledScene& scene) {
   bodies_.push_back(scene.scene().find(obstacle->name));
-  updates_.push_back({obstacle->name, {}, {}, 0});
+  updates_.push_back({obstacle->name, {}, {}});
   obstacles_.push_back(std::move(obstacle));
 }
 
@@ -242,6 +242,8 @@ void Obstacles::look(double time) {
       o.seen = time;
     }
     o.describe(updates_[i]);
+    updates_[i].seen = o.seen;
+    updates_[i].predicted = o.predicted;
   }
 }
 

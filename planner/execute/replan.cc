@@ -1,36 +1,11 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
-#include <limits>
+#include <utility>
 
-#include "collision/base/numbers.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/replanner.h"
-#include "planner/base/clock.h"
 
 namespace leeway::planner {
-namespace {
-
-/// Adds a step that took `seconds` of computing to the sums of an execution.
-void add(const ReplanStep& step, double seconds, ReplanResult& result) {
-  ++result.steps;
-  result.compute_s += seconds;
-  result.longest_step_s = std::max(result.longest_step_s, seconds);
-  (step.decision == Decision::kPlan     ? result.plans
-   : step.decision == Decision::kFollow ? result.follows
-   : step.decision == Decision::kEvade  ? result.evasions
-                                        : result.waits) += 1;
-  result.certified = result.certified && step.certified;
-  result.clearance.lower = std::min(result.clearance.lower, step.clearance.lower);
-  result.clearance.upper = std::min(result.clearance.upper, step.clearance.upper);
-  // A step begins where the one before ended.
-  result.trajectory.insert(result.trajectory.end(),
-                           step.motion.begin() + (result.trajectory.empty() ? 0 : 1),
-                           step.motion.end());
-}
-
-}  // namespace
 
 const char* toString(ReplanStatus status) {
   switch (status) {
@@ -51,41 +26,27 @@ const char* toString(ReplanStatus status) {
 ReplanResult replan(const Problem& problem, const ReplanOptions& options,
                     const std::function<void(const ReplanStep&)>& on_step, int steps) {
   Replanner replanner(problem, options);
-  ReplanResult result;
-  result.seed = problem.seed;
-  result.clearance = {kInfinity, kInfinity};
-  result.certified = true;
-  for (const int v : problem.robot.variables)
-    result.names.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
-  if (!replanner.scene()->nothingChecked().empty()) {
-    result.status = ReplanStatus::kNothingChecked;
-    result.certified = false;
-    return result;
-  }
+  ReplanResult result = replanner.executed();
+  if (result.status == ReplanStatus::kNothingChecked) return result;
+  std::vector<TimedPoint> trajectory;
+  ReplanStatus status = result.status;
   const double end = problem.execution.start + problem.execution.duration;
-  while (true) {
-    if ((options.stop && options.stop()) || (steps > 0 && result.steps >= steps)) {
-      result.status = ReplanStatus::kStopped;
-      break;
-    }
+  for (int taken = 0; status == ReplanStatus::kStopped; ++taken) {
+    if ((options.stop && options.stop()) || (steps > 0 && taken >= steps)) break;
     if (!(replanner.time() < end - problem.execution.step / 2)) {
-      result.status = ReplanStatus::kTimeout;
+      status = ReplanStatus::kTimeout;
       break;
     }
-    const Clock::time_point begin = Clock::now();
     const ReplanStep step = replanner.step();
-    add(step, secondsSince(begin), result);
+    // A step begins where the one before ended.
+    trajectory.insert(trajectory.end(), step.motion.begin() + (trajectory.empty() ? 0 : 1),
+                      step.motion.end());
     if (on_step) on_step(step);
-    if (step.decision == Decision::kUnsafe) {
-      result.status = ReplanStatus::kUnsafe;
-      break;
-    }
-    if (step.reached) {
-      result.status = ReplanStatus::kReached;
-      break;
-    }
+    status = replanner.executed().status;
   }
-  result.replans = replanner.replans();
+  result = replanner.executed();
+  result.status = status;
+  result.trajectory = std::move(trajectory);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/replanner.h"
@@ -28,6 +29,32 @@ std::vector<double> startOf(const Problem& problem) {
   for (const int v : problem.robot.variables)
     point.push_back(problem.start[static_cast<std::size_t>(v)]);
   return point;
+}
+
+/// Adds a step that took `seconds` of computing to the sums of an execution.
+void add(const ReplanStep& step, double seconds, ReplanResult& result) {
+  ++result.steps;
+  result.compute_s += seconds;
+  result.longest_step_s = std::max(result.longest_step_s, seconds);
+  (step.decision == Decision::kPlan     ? result.plans
+   : step.decision == Decision::kFollow ? result.follows
+   : step.decision == Decision::kEvade  ? result.evasions
+                                        : result.waits) += 1;
+  result.certified = result.certified && step.certified;
+  result.clearance.lower = std::min(result.clearance.lower, step.clearance.lower);
+  result.clearance.upper = std::min(result.clearance.upper, step.clearance.upper);
+}
+
+/// The sums of an execution before its first step.
+ReplanResult sumsOf(const Problem& problem, bool proves) {
+  ReplanResult result;
+  result.seed = problem.seed;
+  result.clearance = {kInfinity, kInfinity};
+  result.certified = proves;
+  if (!proves) result.status = ReplanStatus::kNothingChecked;
+  for (const int v : problem.robot.variables)
+    result.names.push_back(problem.robot.model->variables[at(v)].name);
+  return result;
 }
 
 std::uint64_t stream(std::uint64_t first, int number) {
@@ -82,7 +109,8 @@ struct Replanner::Impl {
         seen(scene),
         now(problem.execution.start),
         state(startOf(problem)),
-        trail{state} {}
+        trail{state},
+        sums(sumsOf(problem, proves)) {}
 
   /// A possible motion, and how far it is proven.
   struct Candidate {
@@ -302,7 +330,7 @@ struct Replanner::Impl {
     path = best.rest;
     first_edge_known = best.first_edge_known;
     if (best.decision == Decision::kPlan) {
-      if (plans++ > 0) ++replans;
+      if (sums.plans > 0) ++sums.replans;
       pause = 1;
     }
     const bool moved = best.decision == Decision::kFollow || best.decision == Decision::kPlan;
@@ -317,6 +345,7 @@ struct Replanner::Impl {
   }
 
   ReplanStep run() {
+    const Clock::time_point start = Clock::now();
     ReplanStep step;
     step.index = index;
     step.time = now;
@@ -344,6 +373,14 @@ struct Replanner::Impl {
     step.edges += after.edges - before.edges;
     step.distance_queries += after.distance_queries - before.distance_queries;
     step.looks = 1 + certifier.looks - looks;
+    step.observed = std::exchange(observed, {});
+    step.measured = std::exchange(measured, {});
+    add(step, secondsSince(start), sums);
+    sums.duration = now - execution().start;
+    if (proves)
+      sums.status = !step.certified ? ReplanStatus::kUnsafe
+                    : step.reached  ? ReplanStatus::kReached
+                                    : ReplanStatus::kStopped;
     return step;
   }
 
@@ -354,6 +391,14 @@ struct Replanner::Impl {
           fmt::format("{} of '{}' seen at {} s, later than the present {} s",
                       sight.index() == 0 ? "vertices" : "a pose", object, time, now));
     obstacles.set(object, sight, time, bound);
+    ObstacleSight seen_now{object, time, {}, bound.speed, bound.turning};
+    if (const auto* pose = std::get_if<robots::Pose>(&sight)) {
+      seen_now.seen = *pose;
+    } else {
+      const auto& vertices = std::get<0>(sight);
+      seen_now.seen = std::vector<Eigen::Vector3d>(vertices.begin(), vertices.end());
+    }
+    observed.push_back(std::move(seen_now));
   }
 
   Problem problem;
@@ -372,7 +417,10 @@ struct Replanner::Impl {
   Candidate best;
   std::vector<double> marks;
   double waited = 0;
-  int index = 0, searches = 0, plans = 0, replans = 0;
+  std::vector<ObstacleSight> observed;          // since the last step
+  std::optional<std::vector<double>> measured;  // likewise
+  ReplanResult sums;
+  int index = 0, searches = 0;
   int next_plan = 0, pause = 1;
 };
 
@@ -387,7 +435,8 @@ double Replanner::time() const { return impl_->now; }
 std::span<const double> Replanner::state() const { return impl_->state; }
 const Waypoints& Replanner::path() const { return impl_->path; }
 bool Replanner::reached() const { return impl_->path.size() == 1 && impl_->inGoal(impl_->state); }
-int Replanner::replans() const { return impl_->replans; }
+int Replanner::replans() const { return impl_->sums.replans; }
+ReplanResult Replanner::executed() const { return impl_->sums; }
 std::shared_ptr<const CompiledScene> Replanner::scene() const { return impl_->seen; }
 
 void Replanner::setState(std::span<const double> point) {
@@ -396,6 +445,7 @@ void Replanner::setState(std::span<const double> point) {
         "a state of {} finite numbers within the limits is expected", impl_->state.size()));
   if (std::equal(point.begin(), point.end(), impl_->state.begin())) return;
   impl_->state.assign(point.begin(), point.end());
+  impl_->measured = impl_->state;
   impl_->trail.push_back(impl_->state);
   impl_->first_edge_known = false;
   // One waypoint is the goal, and the robot is no longer there.

@@ -23,21 +23,6 @@ using robots::JointType;
 using robots::Model;
 using robots::Pose;
 
-/// The rotation by `angle` about a unit axis: it keeps the part of a vector along the axis and
-/// turns the part across it. Sine and cosine are rounded from long double, because C libraries
-/// agree on that.
-Matrix3d rotationAbout(const Vector3d& axis, double angle) {
-  const double s = static_cast<double>(std::sin(static_cast<long double>(angle)));
-  const double c = static_cast<double>(std::cos(static_cast<long double>(angle)));
-  Matrix3d R;
-  for (int i = 0; i < 3; ++i) {
-    const Vector3d e = Vector3d::Unit(i);
-    const Vector3d along = axis * axis[i];
-    R.col(i) = along + c * (e - along) + s * axis.cross(e);
-  }
-  return R;
-}
-
 /// The rotation of a quaternion xyzw whose length is not zero. Turns the unit vectors: v + 2 w (u x
 /// v) + 2 u x (u x v), where u and w are normalised.
 Matrix3d rotationOf(const double* q) {
@@ -128,6 +113,20 @@ Sphere enclosingPoints(std::span<const Vector3d> points) {
 }
 
 }  // namespace
+
+/// Keeps the part of a vector along the axis and turns the part across it. Sine and cosine are
+/// rounded from long double, because C libraries agree on that.
+Matrix3d rotationAbout(const Vector3d& axis, double angle) {
+  const double s = static_cast<double>(std::sin(static_cast<long double>(angle)));
+  const double c = static_cast<double>(std::cos(static_cast<long double>(angle)));
+  Matrix3d R;
+  for (int i = 0; i < 3; ++i) {
+    const Vector3d e = Vector3d::Unit(i);
+    const Vector3d along = axis * axis[i];
+    R.col(i) = along + c * (e - along) + s * axis.cross(e);
+  }
+  return R;
+}
 
 std::vector<Pose> placeLinks(const Model& model, std::span<const double> q) {
   std::vector<Pose> X_WL(model.links.size());

@@ -9,6 +9,9 @@
 
 namespace leeway::planner::verification {
 
+/// The rotation by `angle` about a unit axis [rad].
+Eigen::Matrix3d rotationAbout(const Eigen::Vector3d& axis, double angle);
+
 /// Returns the poses of all links in the world at the configuration q of all variables, computed
 /// from the Joint structs alone. O(links).
 std::vector<robots::Pose> placeLinks(const robots::Model& model, std::span<const double> q);

@@ -16,14 +16,20 @@ namespace {
 
 class PathCheck {
  public:
-  PathCheck(const Problem& problem, const ConfigurationSpace& space, const Path& path)
-      : problem_(problem), space_(space), path_(path) {}
+  PathCheck(const Problem& problem, const ConfigurationSpace& space, const Path& path,
+            bool ends_in_goal)
+      : problem_(problem), space_(space), path_(path), ends_in_goal_(ends_in_goal) {}
 
   std::optional<PathFault> run() const {
     std::size_t waypoint = 0;
     std::string reason = fault(waypoint);
     if (reason.empty()) return std::nullopt;
     return PathFault{waypoint, std::move(reason)};
+  }
+
+  bool isInGoal(const std::vector<double>& q) const {
+    return std::any_of(problem_.goals.begin(), problem_.goals.end(),
+                       [&](const Goal& goal) { return meets(goal, q); });
   }
 
  private:
@@ -40,8 +46,7 @@ class PathCheck {
     if (const std::string reason = notStart(path_.positions.front()); !reason.empty())
       return reason;
     waypoint = path_.positions.size() - 1;
-    for (const Goal& goal : problem_.goals)
-      if (meets(goal, path_.positions.back())) return {};
+    if (!ends_in_goal_ || isInGoal(path_.positions.back())) return {};
     return "the last waypoint is in none of the problem's goals";
   }
 
@@ -153,13 +158,19 @@ class PathCheck {
   const Problem& problem_;
   const ConfigurationSpace& space_;
   const Path& path_;
+  bool ends_in_goal_;
 };
 
 }  // namespace
 
 std::optional<PathFault> findFault(const Problem& problem, const ConfigurationSpace& space,
-                                   const Path& path) {
-  return PathCheck(problem, space, path).run();
+                                   const Path& path, bool ends_in_goal) {
+  return PathCheck(problem, space, path, ends_in_goal).run();
+}
+
+bool isInGoal(const Problem& problem, const ConfigurationSpace& space,
+              const std::vector<double>& q) {
+  return PathCheck(problem, space, {}, false).isInGoal(q);
 }
 
 std::optional<VerifyResult> findUnaccepted(const Problem& problem, const ConfigurationSpace& space,

@@ -6,6 +6,9 @@
 //
 // The rest on both sides goes back to the queue.
 //
+// An obstacle that moves is placed at the time of the middle, and v includes its speed. If only a
+// bound on its motion is known since it was seen, d is reduced by how far it can have moved.
+//
 // A cloud is a tree of balls, and each ball contains those below it. An interval is checked with
 // the tree's root first. If a ball does not suffice, the interval is checked with its children.
 
@@ -33,6 +36,7 @@
 #include "planner/verify/pairs.h"
 #include "planner/verify/path_check.h"
 #include "planner/verify/task_check.h"
+#include "planner/verify/timed_check.h"
 
 namespace leeway::planner {
 namespace {
@@ -65,12 +69,13 @@ struct CloudPair {
 class Verifier {
  public:
   Verifier(const Problem& problem, const Path& path, const PlanOptions& options,
-           const ClearanceWish& wish)
+           const ClearanceWish& wish, TimedPath* timed = nullptr)
       : problem_(problem),
         model_(*problem.robot.model),
         path_(path),
         options_(options),
         wish_(wish),
+        timed_(timed),
         space_(problem.robot.model, problem.robot.variables) {
     result_.clearance_lower = kInfinity;
     q_ = problem.start;
@@ -82,7 +87,8 @@ class Verifier {
 
   VerifyResult run() {
     model_.expectMeshes();
-    if (const std::optional<PathFault> fault = findFault(problem_, space_, path_)) {
+    if (const std::optional<PathFault> fault =
+            findFault(problem_, space_, path_, timed_ == nullptr)) {
       const std::size_t last = path_.positions.size() < 2 ? 0 : path_.positions.size() - 2;
       const double t = fault->waypoint > last ? 1 : 0;
       return fail(VerifyStatus::kRefuted, std::min(fault->waypoint, last), t, t, nullptr,
@@ -175,13 +181,16 @@ class Verifier {
     return result;
   }
 
-  static std::string tooNear(double upper, double margin) {
+  struct Look;
+  static std::string tooNear(const Look& look, double margin) {
     char text[96];
+    const double upper = look.distance.upper - look.nearer;
     if (upper <= 0)
       std::snprintf(text, sizeof text, "at least %.3f mm deep", std::floor(-upper * 1e6) / 1e3);
     else
       std::snprintf(text, sizeof text, "at most %.3f mm apart", std::ceil(upper * 1e6) / 1e3);
-    const std::string found = text;
+    const std::string found =
+        look.nearer > 0 ? text + std::string(" if it moves as its bounds allow") : text;
     std::snprintf(text, sizeof text, ", more than %.6g mm apart is required", margin * 1e3);
     return found + text;
   }
@@ -194,6 +203,12 @@ class Verifier {
 
   void collectShapes() {
     bodies_ = collectBodies(problem_);
+    if (timed_ != nullptr) {
+      movers_.resize(bodies_.size());
+      for (std::size_t b = 0; b < bodies_.size(); ++b)
+        for (std::size_t m = 0; m < timed_->bodies.size(); ++m)
+          if (bodies_[b].link < 0 && bodies_[b].name == timed_->bodies[m].name()) movers_[b] = m;
+    }
     pairs_ = collectPairs(problem_, bodies_);
     for (const BodyPair& pair : pairs_.checked)
       for (const robots::Geometry& a : *bodies_[pair.a].geometries)
@@ -221,7 +236,10 @@ class Verifier {
     a_ = path_.positions[segment];
     b_ = path_.positions[std::min(segment + 1, path_.positions.size() - 1)];
     placed_at_ = std::numeric_limits<double>::quiet_NaN();
+    // The space goes the shorter way, as long as it is not nearly half a turn.
+    if (timed_ != nullptr) space_.unwrap(a_, b_);
     space_.lineDifference(a_, b_, difference_);
+    segment_ = segment;
     std::fill(dq_.begin(), dq_.end(), 0.0);
     for (std::size_t i = 0; i < difference_.size(); ++i)
       dq_[at(problem_.robot.variables[i])] = difference_[i];
@@ -248,6 +266,8 @@ class Verifier {
           part.kind == ConfigurationSpace::Kind::kCircle)
         return "a turn of more than 1000 rad: rounding is not small there";
       if (part.kind != ConfigurationSpace::Kind::kCircle) continue;
+      if (timed_ != nullptr && std::abs(difference_[i]) > kLongestLineTurn)
+        return "a turn of nearly half a turn, which may go either way";
       const auto inside = [](double x) { return x >= -std::numbers::pi && x < std::numbers::pi; };
       if (inside(a_[i]) && inside(b_[i])) continue;
       const int master = model_.variables[at(problem_.robot.variables[i])].joint;
@@ -271,8 +291,13 @@ class Verifier {
     Interval distance;  ///< [m]
     DistanceStatus status = DistanceStatus::kInvalid;
     double motion = 0;  ///< bound on the shapes' approach within half of the span [m]
-    double slack = 0;   ///< rounding of both placements [m]
+    double slack = 0;   ///< rounding of both placements, and `grown` [m]
+    double grown = 0;   ///< how far the second shape can be from where it was placed [m]
+    double nearer = 0;  ///< how much nearer it can certainly be [m]
     Motion a, b;
+
+    /// A distance that the pair can certainly have [m].
+    double upper() const { return distance.upper + (slack - grown) - nearer; }
   };
 
   /// Records that a pair of shapes is as near as the look found.
@@ -297,10 +322,21 @@ class Verifier {
     return b.link < 0 ? b.X_LB : X_WL[at(b.link)] * b.X_LB;
   }
 
+  /// The place of the second shape of a pair if it moves by itself. `half` is a share of the edge.
+  std::optional<Place> placeMover(const ShapePair& pair, double t, double half) {
+    if (timed_ == nullptr || !movers_[pair.bodies->b]) return std::nullopt;
+    const std::size_t m = *movers_[pair.bodies->b];
+    const double begin = timed_->times[segment_], end = timed_->times[segment_ + 1];
+    const Sphere sphere_O{pair.b->X_BG * pair.sphere_b.center, pair.sphere_b.radius};
+    return timed_->bodies[m].at(timed_->known[timed_->steps[segment_]][m],
+                                begin + t * (end - begin), half * (end - begin), sphere_O);
+  }
+
   Look look(const ShapePair& pair, double t, double half) {
     const std::vector<Pose>& X_WL = poses(t);
+    const std::optional<Place> mover = placeMover(pair, t, half);
     const Pose X_WA = place(pair.bodies->a, X_WL) * pair.a->X_BG,
-               X_WB = place(pair.bodies->b, X_WL) * pair.b->X_BG;
+               X_WB = (mover ? mover->X_WO : place(pair.bodies->b, X_WL)) * pair.b->X_BG;
     Look look;
     look.a = boundMotion(model_, pair.bodies->joints_a, X_WL, dq_, X_WA * pair.sphere_a.center,
                          pair.sphere_a.radius, half);
@@ -308,7 +344,15 @@ class Verifier {
                          pair.sphere_b.radius, half);
     look.slack = look.a.slack + look.b.slack + kVerifyRounding;
     look.motion = half * (look.a.speed + look.b.speed);
-    measure(pair, X_WA, X_WB, look);
+    if (mover) {
+      const double duration = timed_->times[segment_ + 1] - timed_->times[segment_];
+      if (duration > 0) look.motion += half * duration * mover->speed * (1 + kVerifyRounding);
+      look.grown = mover->grown;
+      look.nearer = mover->nearer;
+      look.slack += mover->slack + mover->grown;
+    }
+    measure(pair, mover && mover->shape != nullptr ? *mover->shape : pair.b->shape, X_WA, X_WB,
+            look);
     return look;
   }
 
@@ -322,7 +366,8 @@ class Verifier {
   /// Computes the distance as exactly as needed. The first request is whether it suffices for the
   /// whole span. If it does, raises the threshold until the certified clearance does not depend on
   /// it. If not, computes its value.
-  void measure(const ShapePair& pair, const Pose& X_WA, const Pose& X_WB, Look& look) {
+  void measure(const ShapePair& pair, const collision::Shape& shape_b, const Pose& X_WA,
+               const Pose& X_WB, Look& look) {
     const double margin = pair.bodies->margin, floor = isRefining() ? floorOf(pair) : margin;
     DistanceRequest request;
     request.depth = margin < 0;
@@ -333,14 +378,13 @@ class Verifier {
       return;  // the rotation of an unbounded shape has no speed bound
     const auto ask = [&] {
       const DistanceResult answer =
-          collision::distance(pair.a->shape, X_WA, pair.b->shape, X_WB, request, scratch_);
+          collision::distance(pair.a->shape, X_WA, shape_b, X_WB, request, scratch_);
       look.status = answer.status;
       look.distance.lower = std::max(look.distance.lower, answer.distance.lower);
       look.distance.upper = std::min(look.distance.upper, answer.distance.upper);
     };
     ask();
-    if (look.status == DistanceStatus::kInvalid || look.distance.upper + look.slack <= margin)
-      return;
+    if (look.status == DistanceStatus::kInvalid || look.upper() <= margin) return;
     if (look.distance.lower > request.threshold) {
       if (isRefining()) return;
       // It suffices. Double the threshold until it reaches the clearance so far or the true
@@ -360,11 +404,11 @@ class Verifier {
     do {
       if (!std::isfinite(look.distance.upper)) return;
       request.tolerance =
-          std::max(kVerifyTolerance, kVerifyFraction * (look.distance.upper - floor));
+          std::max(kVerifyTolerance, kVerifyFraction * (look.distance.upper - look.grown - floor));
       ask();
     } while (look.status == DistanceStatus::kConverged && request.tolerance > kVerifyTolerance &&
              look.distance.upper - look.distance.lower >
-                 1.25 * kVerifyFraction * (look.distance.upper - floor));
+                 1.25 * kVerifyFraction * (look.distance.upper - look.grown - floor));
   }
 
   /// Returns false if the path is refuted or the work limit is reached.
@@ -394,9 +438,8 @@ class Verifier {
         leaveOpen(segment, span, &pair, "no distance can be had, or no bound of the motion");
         return true;
       }
-      if (found.distance.upper + found.slack <= margin) {
-        refuted_ = fail(VerifyStatus::kRefuted, segment, t, t, &pair,
-                        tooNear(found.distance.upper, margin));
+      if (found.upper() <= margin) {
+        refuted_ = fail(VerifyStatus::kRefuted, segment, t, t, &pair, tooNear(found, margin));
         return false;
       }
       const double room = (found.distance.lower - found.slack - floor) * roomShare();
@@ -404,9 +447,11 @@ class Verifier {
         proven(found.distance.lower - found.slack - found.motion);
         continue;
       }
-      if (found.distance.upper + found.slack <= floor) {
+      if (found.distance.upper + found.slack - 2 * found.grown <= floor) {
         // No proof is possible here, so the edge stays undecided or is refuted.
-        leaveOpen(segment, {t, t}, &pair, "a mesh that overlaps within its margin is not proven");
+        leaveOpen(segment, {t, t}, &pair,
+                  found.grown > 0 ? "it may come too near within the bounds on its motion"
+                                  : "a mesh that overlaps within its margin is not proven");
         onlyRefute(work, limit);
       }
       if (found.motion <= kVerifySmallestMotion || !(t > span.begin && t < span.end)) {
@@ -487,9 +532,9 @@ class Verifier {
       leaveOpen(segment, span, &shapes, "no distance can be had, or no bound of the motion");
       return PartAnswer::kUndecided;
     }
-    if (is_ball && found.distance.upper + found.slack <= pair.bodies->margin) {
-      refuted_ = fail(VerifyStatus::kRefuted, segment, t, t, &shapes,
-                      tooNear(found.distance.upper, pair.bodies->margin));
+    if (is_ball && found.upper() <= pair.bodies->margin) {
+      refuted_ =
+          fail(VerifyStatus::kRefuted, segment, t, t, &shapes, tooNear(found, pair.bodies->margin));
       return PartAnswer::kRefuted;
     }
     const double room = (found.distance.lower - found.slack - floorOf(shapes)) * roomShare();
@@ -543,9 +588,12 @@ class Verifier {
   const Path& path_;
   const PlanOptions& options_;
   const ClearanceWish& wish_;
+  TimedPath* timed_;  ///< null: nothing moves by itself
   const Clock::time_point begin_ = Clock::now();
   ConfigurationSpace space_;
   std::vector<Body> bodies_;
+  std::vector<std::optional<std::size_t>> movers_;  ///< of bodies: which of timed_->bodies
+  std::size_t segment_ = 0;
   verification::Pairs pairs_;
   std::vector<ShapePair> shapes_;
   std::map<const PointCloud*, BallTree> trees_;
@@ -567,6 +615,11 @@ class Verifier {
 VerifyResult verification::verifyValid(const Problem& problem, const Path& path,
                                        const PlanOptions& options, const ClearanceWish& wish) {
   return Verifier(problem, path, options, wish).run();
+}
+
+VerifyResult verification::verifyTimed(const Problem& problem, TimedPath& motion,
+                                       const PlanOptions& options, const ClearanceWish& wish) {
+  return Verifier(problem, motion.path, options, wish, &motion).run();
 }
 
 VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options,

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "planner/yaml/document_builder.h"
 
@@ -123,12 +124,12 @@ class YamlDocument::JsonEvents : public Builder {
   int line_of_token_ = 0;  // 0: the current line
 };
 
-bool YamlDocument::parseJson(std::string& text, int& error_line) {
+bool YamlDocument::parseJson(std::string& text, int& error_line, int first_line) {
   // At most one entry per sign between them, so the nodes' memory never moves.
   nodes_.reserve(1 + static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
                    return c == ',' || c == ':' || c == '[' || c == '{';
                  })));
-  Reading reading{text.data(), 1};
+  Reading reading{text.data(), first_line};
   JsonEvents events(*this, text, reading);
   const bool is_json =
       nlohmann::json::sax_parse(CountingIterator(text.data(), &reading),
@@ -141,6 +142,16 @@ bool YamlDocument::parseJson(std::string& text, int& error_line) {
   texts_ = std::move(text);
   texts_ += events.behind;
   return true;
+}
+
+YamlDocument YamlDocument::ofJson(std::string file, std::string text, int line) {
+  YamlDocument document;
+  document.file_ = std::move(file);
+  int error_line = 0;
+  if (!document.parseJson(text, error_line, line))
+    throw robots::InputError(document.file_, error_line,
+                             "is not JSON; a JSON document is expected");
+  return document;
 }
 
 }  // namespace leeway::planner

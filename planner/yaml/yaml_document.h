@@ -48,6 +48,10 @@ class YamlDocument {
   YamlDocument(std::string file, std::string text, const robots::Stop& stop = {},
                robots::InputErrors* errors = nullptr);
 
+  /// Parses a text that is JSON and begins at `line` of `file`. Throws robots::InputError for
+  /// others. O(text).
+  static YamlDocument ofJson(std::string file, std::string text, int line);
+
   const std::string& file() const { return file_; }
   robots::InputErrors* errors() const { return errors_; }
   const YamlNode& node(YamlIndex i) const { return nodes_[static_cast<std::size_t>(i)]; }
@@ -66,9 +70,9 @@ class YamlDocument {
   class YamlEvents;
   class JsonEvents;
   YamlDocument() = default;
-  /// Parses `text` as JSON, and moves it into `texts_`. If it is not JSON, returns false, changes
-  /// nothing, and sets `error_line` to the line of the first error.
-  bool parseJson(std::string& text, int& error_line);
+  /// Parses `text`, which begins at `first_line`, as JSON, and moves it into `texts_`. If it is not
+  /// JSON, returns false, changes nothing, and sets `error_line` to the line of the first error.
+  bool parseJson(std::string& text, int& error_line, int first_line = 1);
   void parseYaml(const std::string& text);
   bool isAlias(YamlIndex i) const { return node(i).kind == YamlNode::Kind::kAlias; }
 

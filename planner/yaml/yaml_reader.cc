@@ -47,6 +47,11 @@ YamlReader YamlReader::load(const std::string& path, const robots::Stop& stop,
   return root;
 }
 
+YamlReader YamlReader::ofJson(const std::string& path, std::string text, int line) {
+  return {std::make_shared<const YamlDocument>(YamlDocument::ofJson(path, std::move(text), line)),
+          0, line};
+}
+
 void YamlReader::fail(const std::string& message) const {
   throw InputError(file(), line_, message);
 }

@@ -26,6 +26,8 @@ class YamlReader {
   /// With `errors`, reading goes on after an error where this class says so.
   static YamlReader load(const std::string& path, const robots::Stop& stop = {},
                          robots::InputErrors* errors = nullptr);
+  /// A JSON document that begins at `line` of a file. Throws InputError for other texts.
+  static YamlReader ofJson(const std::string& path, std::string text, int line);
 
   const std::string& file() const { return document_->file(); }
   int line() const { return line_; }

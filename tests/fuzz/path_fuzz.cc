@@ -1,13 +1,46 @@
 // Any bytes as a path file of each format: a path or an InputError; a path has rows of the right
-// size and finite numbers.
+// size and finite numbers. Any bytes as lines of a log, with the sums that they need: a verdict or
+// an InputError with a message.
+
+#include <algorithm>
+#include <cstdio>
+#include <string_view>
 
 #include "leeway/planner/path_io.h"
+#include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
+#include "planner/execute/log_line.h"
 #include "tests/fuzz/shapes.h"
 #include "tests/fuzz/target.h"
 #include "tests/fuzz/text_input.h"
 
 namespace leeway::fuzz {
+
+namespace {
+
+/// A log of the problem below, without sums.
+constexpr const char* kStep =
+    R"({"version":1,"step":0,"time":0,"decision":"plan","certified":true,"reached":true,"joint_names":["a","b"],"position":[0.01,0.5],)"
+    R"("motion":[{"time":0,"position":[0,0.5]},{"time":0.05,"position":[0.01,0.5]}],"measured":null,"observed":[],"obstacles":[{"name":"cart","seen":0,"predicted":false}])";
+constexpr const char* kEnd =
+    R"({"version":1,"status":"reached","problem":"fuzz","certified":true,"duration":0.05,"steps":1,"plans":1,"follows":0,"waits":0,"evasions":0)";
+
+/// The lines with their sums.
+std::string summed(std::string_view text) {
+  std::string log;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    char sum[17];
+    std::snprintf(sum, sizeof sum, "%016llx",
+                  static_cast<unsigned long long>(planner::lineSum(line)));
+    log.append(line).append(planner::kBeforeSum).append(sum).append(planner::kAfterSum) += '\n';
+  }
+  return log;
+}
+
+}  // namespace
 
 std::vector<std::string> seedInputs() {
   return {
@@ -17,12 +50,31 @@ std::vector<std::string> seedInputs() {
       "joint_names: [a, b]\npoints:\n  - positions: [0, 0.5]\n    time_from_start: {sec: 0, "
       "nanosec: 0}\n  - positions: [1, -1]\n",
       "time,a,b\n0,0,0.5\n1,0.5,-0.5\n",
-      "0 0.5\n0.25 1\n1 -3\n"};
+      "0 0.5\n0.25 1\n1 -3\n",
+      std::string(kStep) + "\n" + kEnd + "\n"};
 }
 
 std::vector<std::string> dictionary() {
-  return {"[",   "]",   "{",     "}", "null", "\"a\"", "\"\\u0000\"", "\"positions\"", "points:",
-          "nan", "inf", "1e999", ",", "\n",   "\r\n",  "a,a",         "time",          "\"b,\""};
+  return {"[",
+          "]",
+          "{",
+          "}",
+          "null",
+          "\"a\"",
+          "\"\\u0000\"",
+          "\"positions\"",
+          "points:",
+          "nan",
+          "inf",
+          "1e999",
+          ",",
+          "\n",
+          "\r\n",
+          "a,a",
+          "time",
+          "\"b,\"",
+          "\"observed\":[{\"object\":\"cart\",\"time\":0,\"position\":[0,0,0],"
+          "\"rotation\":[[1,0,0],[0,1,0],[0,0,1]],\"speed_bound\":null,\"turn_bound\":0}]"};
 }
 
 }  // namespace leeway::fuzz
@@ -41,6 +93,29 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     p.goals.push_back({"goal", {{0, 0}, {0, 0}}});
     return p;
   }();
+  static const planner::Problem execution = [] {
+    planner::Problem p = problem;
+    p.name = "fuzz";
+    p.start = {0, 0.5};
+    p.goals = {{"goal", {{-1, 1}, {-3, 3}}}};
+    p.world.objects.push_back(
+        planner::movingObject({"cart", {{collision::Shape::sphere(0.1), {}, "cart"}}, {}},
+                              {.speed_bound = 0.1, .turn_bound = 0.1}));
+    return p;
+  }();
+  const std::string log = fuzz::summed({reinterpret_cast<const char*>(data), size});
+  const std::string file = fuzz::writeInput(
+      "input.jsonl", {reinterpret_cast<const std::uint8_t*>(log.data()), log.size()});
+  for (const std::string& input : {file, fuzz::writeInput("bytes.jsonl", {data, size})}) {
+    try {
+      const planner::VerifyResult result = planner::verifyLog(execution, input);
+      if (result.status == planner::VerifyStatus::kCertified)
+        fuzz::fail("a robot without shapes is certified");
+      if (result.reason.empty()) fuzz::fail("a verdict without a reason");
+    } catch (const robots::InputError& error) {
+      if (error.what()[0] == '\0') fuzz::fail("an error without a message");
+    }
+  }
   for (const char* name : {"input.json", "input.yaml", "input.csv", "input.path"}) {
     try {
       const planner::Path path = planner::readPath(fuzz::writeInput(name, {data, size}), problem);

@@ -3,8 +3,10 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "leeway/planner/plan.h"
@@ -31,9 +33,21 @@ struct TimedPoint {
 /// The cost of following one obstacle in a step.
 struct ObstacleUpdate {
   std::string object;
-  std::string strategy;  ///< the one that ran, by choice of `auto` or not; "pose": it is rigid
-  std::string reason;    ///< why `auto` chose it, in a few words; else "asked for", "it is rigid"
-  double update_s = 0;   ///< of its hierarchy, to the step's beginning [s]
+  std::string strategy;    ///< the one that ran, by choice of `auto` or not; "pose": it is rigid
+  std::string reason;      ///< why `auto` chose it, in a few words; else "asked for", "it is rigid"
+  double update_s = 0;     ///< of its hierarchy, to the step's beginning [s]
+  double seen = 0;         ///< when it was last seen, at or before the step's beginning [s]
+  bool predicted = false;  ///< the step was proven against its motion, not against a bound on it
+};
+
+/// An observation of one obstacle by the program: see Replanner::setVertices() and setPose().
+struct ObstacleSight {
+  std::string object;
+  double time = 0;  ///< [s]
+  /// The vertices in its frame [m], or the pose X_WO.
+  std::variant<std::vector<Eigen::Vector3d>, robots::Pose> seen;
+  double speed_bound = 0;  ///< from then on [m/s]
+  double turn_bound = 0;   ///< of a pose [rad/s]
 };
 
 /// One step: from one look at the world to the next.
@@ -62,6 +76,10 @@ struct ReplanStep {
 
   double update_s = 0, certify_s = 0, plan_s = 0, clearance_s = 0;  ///< of computing [s]
   std::vector<ObstacleUpdate> obstacles;
+  /// Observations by the program since the step before: obstacles in the order of the calls, and
+  /// the state that Replanner::setState() changed.
+  std::vector<ObstacleSight> observed;
+  std::optional<std::vector<double>> measured;
   /// `looks`: instants at which obstacles were placed, the present one included.
   std::uint64_t looks = 0, edges = 0, distance_queries = 0, iterations = 0;
 };
@@ -72,6 +90,8 @@ struct ReplanOptions {
   /// Width of ReplanStep::clearance [m], to which the obstacles' motion within the step is added.
   double clearance_tolerance = 1e-3;
 };
+
+struct ReplanResult;
 
 /// Executes a problem among obstacles that move, step by step: those that deform, and objects with
 /// a motion. At the beginning of a step it
@@ -116,6 +136,9 @@ class Replanner {
   const std::vector<std::vector<double>>& path() const;
   bool reached() const;  ///< state() is in a goal, and the path is used up
   int replans() const;   ///< paths planned besides the first
+  /// The steps so far, without their trajectory. The status is kReached, kUnsafe (the last step),
+  /// kNothingChecked or kStopped.
+  ReplanResult executed() const;
 
   /// The robot's true state now. Throws std::invalid_argument for another size, and for numbers
   /// that are not finite or outside the limits.
@@ -157,6 +180,7 @@ struct ReplanResult {
   std::uint64_t seed = 0;
   std::vector<std::string> names;      ///< of the planned variables
   std::vector<TimedPoint> trajectory;  ///< what was executed
+  double duration = 0;                 ///< of that [s]
   int steps = 0, plans = 0, follows = 0, waits = 0, evasions = 0;
   int replans = 0;                           ///< plans besides the first
   Interval clearance;                        ///< the least of all steps [m]
@@ -168,6 +192,14 @@ struct ReplanResult {
 /// Calls `on_step`, unless empty, after every step; `steps` > 0 limits their number.
 ReplanResult replan(const Problem& problem, const ReplanOptions& options = {},
                     const std::function<void(const ReplanStep&)>& on_step = {}, int steps = 0);
+
+/// A line of an execution's log, without the line's end: one JSON document a step, and one of the
+/// whole execution as the last line. `leeway replan --help` lists the keys. Numbers read back to
+/// the bit. The log states what was observed and the motion that was executed, for verifyLog(). The
+/// key `sum` at the end of a line shows that the line was not changed by accident (lineSum()).
+/// `load_s`: the time in which the problem was read [s].
+std::string logLine(const Problem& problem, const ReplanStep& step);
+std::string logLine(const Problem& problem, const ReplanResult& result, double load_s = 0);
 
 /// Writes an executed trajectory as CSV: a header of `time` and the joints' names, 17 digits. Whole
 /// or not at all; throws robots::InputError.

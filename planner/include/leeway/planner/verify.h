@@ -19,8 +19,9 @@ enum class VerifyStatus : unsigned char {
 /// The outcome of an independent proof.
 struct VerifyResult {
   VerifyStatus status = VerifyStatus::kUndecided;
-  int segment = -1;       ///< edge that fails or is undecided
-  double t0 = 0, t1 = 0;  ///< part of that edge, in [0, 1]
+  int segment = -1;       ///< edge that fails or is undecided; -1: none, or a log
+  int line = 0;           ///< of a log, from 1, that fails or is undecided; 0: none
+  double t0 = 0, t1 = 0;  ///< part of that edge, in [0, 1]; of a log: times [s]
   std::string a, b;       ///< bodies that are too near
   /// Lower bound of a certified path's clearance [m]; infinite without pairs. Rounding apart, it
   /// exceeds the margin by at least a quarter of what the true clearance does.
@@ -48,5 +49,24 @@ struct VerifyResult {
 /// each stretch. By default the proof of the margins is enough.
 VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions& options = {},
                     const std::function<bool(const Interval&)>& is_enough = {});
+
+/// Proves or refutes the log of an execution, the lines that logLine() makes, from the log and the
+/// problem alone: that its steps follow each other without gaps, from the problem's start, within
+/// the limits on position and velocity; that each step kept all margins, whatever obstacles did
+/// within their motions, or within the bounds that were stated when they were seen; that no
+/// obstacle was seen farther away than its bound allowed while a step relied on it; and that the
+/// robot is in a goal where the log says so. Costs, reasons and clearances in the log are not
+/// used; clearances are proven again. What was observed is taken from the log.
+///
+/// Independent of Replanner as verify() is: rigid obstacles move by the verifier's own kinematics.
+/// Shared are collision::distance(), the interpolation, and the vertices and speed bounds of
+/// VertexMotion. Continuous joints go the shorter way from row to row. `is_enough`: as for
+/// verify().
+///
+/// Throws robots::InputError, with file and line, for a file that cannot be read, a line that is no
+/// document of a log or was changed or cut, a log of another problem; also as Replanner does.
+VerifyResult verifyLog(const Problem& problem, const std::string& file,
+                       const PlanOptions& options = {},
+                       const std::function<bool(const Interval&)>& is_enough = {});
 
 }  // namespace leeway::planner

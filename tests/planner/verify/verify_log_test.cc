@@ -1,0 +1,625 @@
+// Logs of executions: what Replanner writes is proven, and what was changed is refuted or refused.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "collision/base/numbers.h"
+#include "leeway/planner/replanner.h"
+#include "leeway/planner/verify.h"
+#include "leeway/robots/input_error.h"
+#include "planner/base/random.h"
+#include "planner/execute/log_line.h"
+#include "planner/verify/moving_body.h"
+#include "tests/support/dense_truth.h"
+#include "tests/support/folder.h"
+#include "tests/support/input_errors.h"
+#include "tests/support/small_problems.h"
+
+namespace leeway::planner {
+namespace {
+
+using collision::DeformableMesh;
+using collision::PoseMotion;
+using collision::VertexMotion;
+using Json = nlohmann::ordered_json;
+using Lines = std::vector<std::string>;
+
+robots::Pose posed(double x, double y, double angle) {
+  robots::Pose pose = test::at(x, y, 0);
+  pose.rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  return pose;
+}
+
+Object bar(const std::string& name, const ObjectMotion& motion) {
+  return movingObject(test::box(name, {0.05, 0.3, 0.5}, 0, 0, 0), motion);
+}
+
+/// A disc at the left of a gap in a wall.
+Problem gate() {
+  Problem problem = test::wallProblem();
+  problem.name = "gate";
+  problem.start = {-1, 1.2, 0};
+  problem.goals = {test::pointGoal("goal", {1, 1.2, 0})};
+  problem.margins.common = 0.01;
+  problem.limits.iterations = 1000;
+  problem.execution.duration = 12;
+  return problem;
+}
+
+/// A bar closes the gap for a while.
+Problem barGate() {
+  Problem problem = gate();
+  problem.world.objects.push_back(
+      bar("bar", {.poses = PoseMotion::keys(
+                      {{0, posed(0, 1.2, 0)}, {1, posed(0, 1.2, 0.2)}, {2, posed(0, 2.2, 1)}})}));
+  return problem;
+}
+
+std::vector<Eigen::Vector3d> sheetVertices() {
+  std::vector<Eigen::Vector3d> vertices;
+  for (int j = 0; j <= 2; ++j)
+    for (int i = 0; i <= 4; ++i) vertices.emplace_back(0, 0.95 + 0.125 * i, -0.5 + 0.5 * j);
+  return vertices;
+}
+
+std::shared_ptr<const DeformableMesh> sheet() {
+  std::vector<DeformableMesh::Triangle> triangles;
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < 4; ++i) {
+      const int a = j * 5 + i, c = a + 5;
+      triangles.push_back({a, a + 1, c + 1});
+      triangles.push_back({a, c + 1, c});
+    }
+  return DeformableMesh::make(sheetVertices(), triangles);
+}
+
+/// A sheet closes the gap for a while.
+Problem sheetGate() {
+  collision::MorphMotion motion;
+  motion.references = {sheetVertices(), sheetVertices()};
+  for (Eigen::Vector3d& v : motion.references[1]) v.z() += 1.2;
+  motion.keys = {{0.5, {1, 0}}, {1.5, {0, 1}}};
+  Problem problem = gate();
+  problem.world.deforming.push_back(
+      makeDeformingObstacle("sheet", sheet(), VertexMotion::morph(motion), {}));
+  return problem;
+}
+
+Lines logOf(const Problem& problem, int steps = 0) {
+  Lines lines;
+  const ReplanResult result = replan(
+      problem, {}, [&](const ReplanStep& step) { lines.push_back(logLine(problem, step)); }, steps);
+  lines.push_back(logLine(problem, result));
+  return lines;
+}
+
+/// The program sees a bar, or a sheet, at each step, as a motion that the robot does not know moves
+/// it, with the tightest bounds that are true.
+Lines logOfObserver(const Problem& problem, const PoseMotion& unknown, int most = 200) {
+  Lines lines;
+  Replanner replanner(problem);
+  for (int k = 0; k < most && !replanner.reached(); ++k) {
+    const double now = replanner.time(), next = now + problem.execution.step;
+    replanner.setPose("bar", unknown.pose(now), now, unknown.speedBound(now, next, 0),
+                      unknown.speedBound(now, next, 1e6) * 1e-6 + 1e-9);
+    const ReplanStep step = replanner.step();
+    lines.push_back(logLine(problem, step));
+    if (!step.certified) break;
+  }
+  lines.push_back(logLine(problem, replanner.executed()));
+  return lines;
+}
+
+std::shared_ptr<const PoseMotion> opening() {
+  return PoseMotion::keys(
+      {{0, posed(0, 1.2, 0)}, {0.4, posed(0, 1.2, 0)}, {1.4, posed(0, 2.2, 1)}});
+}
+
+Problem observedGate() {
+  Problem problem = gate();
+  problem.world.objects.push_back(bar("bar", {.speed_bound = 0, .turn_bound = 0}));
+  problem.world.objects.back().X_WO = posed(0, 1.2, 0);
+  return problem;
+}
+
+std::string textOf(const Lines& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+class VerifyLog : public ::testing::Test {
+ protected:
+  VerifyResult verified(const Problem& problem, const Lines& lines) {
+    return verifyLog(problem, folder_.write("run.jsonl", textOf(lines)));
+  }
+  std::string file() const { return folder_.path("run.jsonl"); }
+
+  void expectCertified(const Problem& problem, const Lines& lines) {
+    ASSERT_GT(lines.size(), 3u);
+    const VerifyResult result = verified(problem, lines);
+    EXPECT_EQ(result.status, VerifyStatus::kCertified)
+        << "line " << result.line << ", " << result.t0 << " s: " << result.a << " " << result.b
+        << ": " << result.reason;
+    EXPECT_GT(result.clearance_lower, problem.margins.common);
+    EXPECT_EQ(result.line, 0);
+  }
+  void expectRefused(const Problem& problem, const Lines& lines, int line,
+                     std::initializer_list<std::string> words) {
+    const std::string path = folder_.write("run.jsonl", textOf(lines));
+    robots::expectInputError([&] { verifyLog(problem, path); }, path, line, words);
+  }
+  void expectNotProven(const Problem& problem, const Lines& lines, VerifyStatus status, int line,
+                       const std::string& words) {
+    const VerifyResult result = verified(problem, lines);
+    EXPECT_EQ(result.status, status) << result.reason;
+    EXPECT_EQ(result.line, line) << result.reason;
+    EXPECT_NE(result.reason.find(words), std::string::npos) << result.reason;
+  }
+
+  Folder folder_;
+};
+
+/// A line with a document that was changed, and the sum of the changed text.
+std::string forged(const std::string& line, const std::function<void(Json&)>& change) {
+  Json document = Json::parse(line);
+  change(document);
+  document.erase("sum");
+  std::string text = document.dump();
+  text.pop_back();
+  return fmt::format("{}{}{:016x}{}", text, kBeforeSum, lineSum(text), kAfterSum);
+}
+
+TEST_F(VerifyLog, StepsWithoutObstaclesThatMoveAreProven) {
+  expectCertified(gate(), logOf(gate()));
+}
+
+TEST_F(VerifyLog, RigidObstaclesMoveByTheVerifiersOwnKinematics) {
+  Problem problem = barGate();
+  expectCertified(problem, logOf(problem));
+  problem.execution.foresight = Foresight::kSpeedBound;
+  expectCertified(problem, logOf(problem));
+  problem.world.objects.back() =
+      bar("bar", {.poses = PoseMotion::steady({0, posed(0, 1.2, 0.1)}, {0, 0.4, 0}, {0, 0, 0.5})});
+  problem.execution.foresight = Foresight::kMotion;
+  expectCertified(problem, logOf(problem));
+}
+
+TEST_F(VerifyLog, WhatWasSeenOnceGrows) {
+  Problem problem = gate();
+  problem.world.objects.push_back(
+      bar("bar", {.speed_bound = 0.05, .turn_bound = 0.05, .age = 0.5}));
+  problem.world.objects.back().X_WO = test::at(0, -1, 0);
+  expectCertified(problem, logOf(problem));
+}
+
+TEST_F(VerifyLog, DeformingObstaclesAreProven) {
+  Problem problem = sheetGate();
+  expectCertified(problem, logOf(problem));
+  problem.execution.foresight = Foresight::kSpeedBound;
+  expectCertified(problem, logOf(problem));
+  problem.world.deforming[0].speed_bound = 2;
+  expectCertified(problem, logOf(problem));
+}
+
+TEST_F(VerifyLog, BodiesThatTurnFreelyAreProven) {
+  Problem problem = test::problemOf(test::flyingBox(), {-0.5, 0, 0, 0, 0, 0, 1},
+                                    {0.5, 0.2, 0.1, 0, 0, std::sqrt(0.5), std::sqrt(0.5)});
+  problem.world.objects.push_back(test::box("block", {0.05, 0.2, 0.2}, 0, 0, 0));
+  problem.limits.iterations = 2000;
+  expectCertified(problem, logOf(problem));
+}
+
+TEST_F(VerifyLog, WhatAProgramObservesIsProven) {
+  const Problem problem = observedGate();
+  const Lines lines = logOfObserver(problem, *opening());
+  EXPECT_GT(lines.size(), 20u);
+  expectCertified(problem, lines);
+  const Json first = Json::parse(lines[0]);
+  EXPECT_EQ(first["observed"][0]["object"], "bar");
+  EXPECT_EQ(first["obstacles"][0]["seen"], 0);
+  EXPECT_EQ(first["obstacles"][0]["predicted"], false);
+}
+
+TEST_F(VerifyLog, VerticesThatAProgramObservesAreProven) {
+  Problem problem = gate();
+  problem.world.deforming.push_back(makeDeformingObstacle("sheet", sheet(), nullptr, {}));
+  Lines lines;
+  Replanner replanner(problem);
+  std::vector<Eigen::Vector3d> seen = sheetVertices();
+  while (!replanner.reached() && lines.size() < 200) {
+    replanner.setVertices("sheet", seen, replanner.time(), 0.5);
+    const ReplanStep step = replanner.step();
+    ASSERT_TRUE(step.certified);
+    lines.push_back(logLine(problem, step));
+    for (Eigen::Vector3d& v : seen) v.z() += 0.4 * problem.execution.step;
+  }
+  EXPECT_TRUE(replanner.reached());
+  lines.push_back(logLine(problem, replanner.executed()));
+  expectCertified(problem, lines);
+  // A sheet that was seen farther away than its bound allows was not within it before.
+  Lines jumped = lines;
+  jumped[5] = forged(lines[5], [](Json& line) { line["observed"][0]["vertices"][7][0] = 0.1; });
+  expectNotProven(problem, jumped, VerifyStatus::kRefuted, 6, "is 0.1");
+  jumped = lines;
+  jumped[5] = forged(lines[5], [](Json& line) { line["observed"][0]["vertices"].erase(3); });
+  expectRefused(problem, jumped, 6, {"14 vertices of 'sheet'; 15 are expected"});
+}
+
+/// Any change of a line, or of their order, is found, whatever it changes.
+TEST_F(VerifyLog, EveryChangeOfALineIsFound) {
+  const Problem problem = observedGate();
+  const Lines lines = logOfObserver(problem, *opening());
+  ASSERT_GT(lines.size(), 10u);
+  for (const char* key :
+       {"\"time\":", "\"decision\":\"", "\"certified\":", "\"clearance_lower\":",
+        "\"motion\":[{\"time\":", "\"observed\":[{\"object\":\"bar\",\"time\":", "\"rotation\":[[",
+        "\"speed_bound\":", "\"seen\":", "\"edges\":", "\"sum\":\""}) {
+    Lines changed = lines;
+    const std::size_t at = changed[4].find(key);
+    ASSERT_NE(at, std::string::npos) << key;
+    char& c = changed[4][at + std::string(key).size()];
+    c = c == '1' ? '2' : '1';
+    expectRefused(problem, changed, 5, {"the line was changed after it was written: its sum is "});
+  }
+  for (const std::size_t left :
+       {std::size_t{0}, std::size_t{1}, lines[4].size() / 2, lines[4].size() - 1}) {
+    Lines cut(lines.begin(), lines.begin() + 5);
+    cut[4].resize(left);
+    expectRefused(problem, cut, 5, {"the line has no sum at its end: it was cut or changed"});
+  }
+}
+
+TEST_F(VerifyLog, LinesThatAreMissingOrNotInOrderAreFound) {
+  const Problem problem = barGate();
+  const Lines lines = logOf(problem);
+  ASSERT_GT(lines.size(), 10u);
+  Lines changed = lines;
+  changed.erase(changed.begin());
+  expectNotProven(problem, changed, VerifyStatus::kRefuted, 1,
+                  "step 1 is where step 0 is expected");
+  changed = lines;
+  changed.erase(changed.begin() + 4);
+  expectNotProven(problem, changed, VerifyStatus::kRefuted, 5,
+                  "step 5 is where step 4 is expected");
+  changed = lines;
+  std::swap(changed[4], changed[5]);
+  expectNotProven(problem, changed, VerifyStatus::kRefuted, 5,
+                  "step 5 is where step 4 is expected");
+  changed = lines;
+  changed.insert(changed.begin() + 4, changed[3]);
+  expectNotProven(problem, changed, VerifyStatus::kRefuted, 5,
+                  "step 3 is where step 4 is expected");
+  changed = lines;
+  changed.erase(changed.end() - 2);
+  expectNotProven(problem, changed, VerifyStatus::kRefuted, static_cast<int>(changed.size()),
+                  "steps is ");
+  changed = lines;
+  changed.pop_back();
+  expectNotProven(problem, changed, VerifyStatus::kUndecided, static_cast<int>(changed.size()),
+                  "the log was cut behind this line");
+  changed = lines;
+  changed.push_back(lines.back());
+  expectRefused(problem, changed, static_cast<int>(changed.size()),
+                {"the line follows the end of the execution"});
+  expectRefused(problem, {}, 0, {"is empty"});
+  expectRefused(problem, {"{}"}, 1, {"the line has no sum"});
+  EXPECT_THROW(verifyLog(problem, folder_.path("nowhere.jsonl")), robots::InputError);
+}
+
+/// Lines that were changed on purpose, with new sums.
+TEST_F(VerifyLog, WhatContradictsTheRestIsRefuted) {
+  const Problem problem = observedGate();
+  const Lines lines = logOfObserver(problem, *opening());
+  ASSERT_GT(lines.size(), 12u);
+  const int last = static_cast<int>(lines.size());
+  const auto expectRefuted = [&](int line, const std::function<void(Json&)>& change,
+                                 const std::string& words) {
+    Lines changed = lines;
+    changed[static_cast<std::size_t>(line) - 1] =
+        forged(lines[static_cast<std::size_t>(line) - 1], change);
+    SCOPED_TRACE(words);
+    expectNotProven(problem, changed, VerifyStatus::kRefuted, line, words);
+  };
+  expectRefuted(
+      1, [](Json& l) { l["step"] = 1; }, "step 1 is where step 0");
+  expectRefuted(
+      1, [](Json& l) { l["motion"][0]["time"] = 0.01; }, "the execution begins at 0 s");
+  expectRefuted(
+      1,
+      [](Json& l) {
+        for (Json& row : l["motion"]) row["position"][1] = 1.3;
+        l["position"][1] = 1.3;
+      },
+      "the first waypoint is not the start");
+  expectRefuted(
+      5, [](Json& l) { l["motion"][0]["time"] = 0.19; }, "the step before ends at 0.2");
+  expectRefuted(
+      5, [](Json& l) { l["time"] = 0.21; }, "its time is 0.21 s; its motion begins at");
+  expectRefuted(
+      5, [](Json& l) { l["motion"][0]["position"][0] = -0.99; },
+      "its motion does not begin where the step before ends: ");
+  expectRefuted(
+      5, [](Json& l) { l["position"][1] = 0; }, "position is not where its motion ends");
+  expectRefuted(
+      5,
+      [](Json& l) {
+        Json& rows = l["motion"];
+        rows.insert(rows.end() - 1, rows[0]);
+        rows[1]["time"] = 0.19;
+      },
+      "times that do not decrease are expected");
+  expectRefuted(
+      5, [](Json& l) { l["observed"][0]["time"] = 0.3; }, "'bar' was seen at 0.3 s, later");
+  expectRefuted(
+      5, [](Json& l) { l["observed"] = Json::array(); }, "'bar' was seen at 0.2");
+  expectRefuted(
+      5, [](Json& l) { l["observed"][0]["time"] = 0.19; }, "'bar' was seen at 0.2");
+  expectRefuted(
+      5, [](Json& l) { l["observed"][0]["position"][1] = 1.7; },
+      "at most 0 m is allowed by its speed bound, on which line 4 relied");
+  expectRefuted(
+      5,
+      [](Json& l) {
+        l["observed"][0]["rotation"] = {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}};
+      },
+      "allowed by its turning bound, on which line 4 relied");
+  expectRefuted(
+      5, [](Json& l) { l["obstacles"][0]["predicted"] = true; }, "'bar' is predicted");
+  expectRefuted(
+      5, [](Json& l) { l["obstacles"] = Json::array(); }, "it lists 0 obstacles");
+  expectRefuted(
+      5, [](Json& l) { l["obstacles"][0]["name"] = "car"; }, "obstacles[0] is 'car'");
+  expectRefuted(
+      5, [](Json& l) { l["certified"] = false; }, "certified is false with the decision");
+  expectRefuted(
+      5, [](Json& l) { l["reached"] = true; }, "ends in none of the problem's goals");
+  expectRefuted(
+      last, [](Json& l) { l["steps"] = 3; }, "steps is 3; by the lines before it is ");
+  expectRefuted(
+      last, [](Json& l) { l["waits"] = 0; }, "waits is 0; by the lines before it is ");
+  expectRefuted(
+      last, [](Json& l) { l["certified"] = false; }, "certified is false");
+  expectRefuted(
+      last, [](Json& l) { l["status"] = "unsafe"; }, "status: ");
+  expectRefuted(
+      last, [](Json& l) { l["duration"] = 1; }, "duration is 1; by the lines before");
+}
+
+TEST_F(VerifyLog, WhatIsNoLineOfALogIsRefused) {
+  const Problem problem = observedGate();
+  const Lines lines = logOfObserver(problem, *opening());
+  const int last = static_cast<int>(lines.size());
+  const auto expectBad = [&](int line, const std::function<void(Json&)>& change,
+                             std::initializer_list<std::string> words) {
+    Lines changed = lines;
+    changed[static_cast<std::size_t>(line) - 1] =
+        forged(lines[static_cast<std::size_t>(line) - 1], change);
+    SCOPED_TRACE(*words.begin());
+    expectRefused(problem, changed, line, words);
+  };
+  expectBad(3, [](Json& l) { l["version"] = 2; }, {"version is 2; 1 is expected"});
+  expectBad(3, [](Json& l) { l.erase("motion"); }, {"key 'motion' is missing"});
+  expectBad(3, [](Json& l) { l["decision"] = "folow"; }, {"decision is 'folow'", "'follow'"});
+  expectBad(3, [](Json& l) { l["joint_names"][1] = "disc/z"; },
+            {"'disc/z'", "'disc/y' is expected"});
+  expectBad(3, [](Json& l) { l["joint_names"].erase(1); }, {"2 joints are named; 3"});
+  expectBad(3, [](Json& l) { l["motion"].erase(1); }, {"motion has ", "at least 2"});
+  expectBad(3, [](Json& l) { l["motion"][0]["position"].erase(1); }, {"2 numbers; 3"});
+  expectBad(3, [](Json& l) { l["motion"][1]["position"][0] = "a"; }, {"a number is expected"});
+  expectBad(3, [](Json& l) { l["motion"][1]["position"][0] = nullptr; }, {"a number is expected"});
+  expectBad(3, [](Json& l) { l["motion"][1]["time"] = "soon"; }, {"a number is expected"});
+  expectBad(3, [](Json& l) { l["observed"][0]["object"] = "ba"; },
+            {"no object with a motion 'ba'; did you mean 'bar'?"});
+  expectBad(3, [](Json& l) { l["observed"][0]["rotation"][0][0] = 0; }, {"the pose is at"});
+  expectBad(3, [](Json& l) { l["observed"][0]["speed_bound"] = -1; }, {"zero or more"});
+  expectBad(last, [](Json& l) { l["problem"] = "other"; }, {"'other'", "'gate' is expected"});
+  expectBad(last, [](Json& l) { l["status"] = "arrived"; }, {"status is 'arrived'"});
+}
+
+/// The motion itself is proven: a robot that drives where it cannot be, or too fast, is found even
+/// if everything else in its log agrees.
+TEST_F(VerifyLog, MotionsThatAreNotFreeOrTooFastAreRefuted) {
+  const Problem problem = barGate();
+  const Lines lines = logOf(problem);
+  // The bar is in the gap until about 1 s; the robot drives through it from the start.
+  Lines bold;
+  const double step = problem.execution.step;
+  for (int k = 0; k < 30; ++k)
+    bold.push_back(forged(lines[0], [&](Json& l) {
+      const auto row = [&](int i) {
+        return Json{{"time", i * step}, {"position", {-1 + 0.05 * i, 1.2, 0}}};
+      };
+      l["step"] = k;
+      l["time"] = k * step;
+      l["motion"] = {row(k), row(k + 1)};
+      l["position"] = l["motion"][1]["position"];
+      l["decision"] = "follow";
+      l["reached"] = false;
+      l["obstacles"][0]["seen"] = k * step;
+    }));
+  const VerifyResult hit = verified(problem, bold);
+  EXPECT_EQ(hit.status, VerifyStatus::kRefuted) << hit.reason;
+  EXPECT_EQ(hit.a, "disc");
+  EXPECT_EQ(hit.b, "bar");
+  EXPECT_GE(hit.line, 14);
+  EXPECT_LE(hit.line, 25);
+  EXPECT_GE(hit.t0, 0.65);
+  EXPECT_NE(hit.reason.find("mm"), std::string::npos) << hit.reason;
+  Problem slow = problem;
+  slow.execution.velocities = {{"disc/x", 0.9}};
+  const VerifyResult fast = verified(slow, bold);
+  EXPECT_EQ(fast.status, VerifyStatus::kRefuted);
+  EXPECT_EQ(fast.line, 1);
+  EXPECT_NE(fast.reason.find("disc/x moves by 0.05"), std::string::npos) << fast.reason;
+  // The log of one problem does not prove another, with a gap that stays closed.
+  Problem closed = gate();
+  closed.world.objects.push_back(
+      bar("bar", {.poses = PoseMotion::keys({{0, posed(0, 1.2, 0)}, {9, posed(0, 1.2, 0.1)}})}));
+  const VerifyResult other = verified(closed, lines);
+  EXPECT_EQ(other.status, VerifyStatus::kRefuted);
+  EXPECT_EQ(other.b, "bar");
+}
+
+/// A bound that is known to be too small for the gap between looks proves nothing.
+TEST_F(VerifyLog, BoundsCountFromTheTimeOfTheSight) {
+  const Problem problem = observedGate();
+  Lines lines = logOfObserver(problem, *opening(), 6);
+  const VerifyResult known = verified(problem, lines);
+  ASSERT_EQ(known.status, VerifyStatus::kCertified) << known.reason;
+  // From 1 m away, a bar that is 30 m/s fast could reach the robot within the step.
+  lines[5] = forged(lines[5], [](Json& l) { l["observed"][0]["speed_bound"] = 30; });
+  const VerifyResult near = verified(problem, lines);
+  EXPECT_EQ(near.status, VerifyStatus::kRefuted);
+  EXPECT_EQ(near.line, 6);
+  EXPECT_NE(near.reason.find("if it moves as its bounds allow"), std::string::npos) << near.reason;
+  // No bound, and no bound on its turning.
+  lines[5] = forged(lines[5], [](Json& l) { l["observed"][0]["speed_bound"] = nullptr; });
+  EXPECT_EQ(verified(problem, lines).status, VerifyStatus::kUndecided);
+  lines[5] = forged(lines[5], [](Json& l) {
+    l["observed"][0]["speed_bound"] = 0;
+    l["observed"][0]["turn_bound"] = nullptr;
+  });
+  EXPECT_EQ(verified(problem, lines).status, VerifyStatus::kUndecided);
+}
+
+TEST_F(VerifyLog, AMeasuredStateOffTheMotionLeavesAGap) {
+  const Problem problem = gate();
+  Replanner replanner(problem);
+  Lines lines;
+  for (int k = 0; k < 4; ++k) {
+    if (k == 2) {
+      std::vector<double> state(replanner.state().begin(), replanner.state().end());
+      state[1] += 1e-3;
+      replanner.setState(state);
+    }
+    lines.push_back(logLine(problem, replanner.step()));
+  }
+  lines.push_back(logLine(problem, replanner.executed()));
+  expectNotProven(problem, lines, VerifyStatus::kUndecided, 3,
+                  "the robot was measured off its motion: disc/y is 1.2");
+}
+
+TEST_F(VerifyLog, ProblemsThatNoExecutionTakesAreRefused) {
+  const Lines lines = logOf(gate(), 2);
+  Problem problem = gate();
+  problem.goals.clear();
+  EXPECT_THROW(verified(problem, lines), robots::InputError);
+  problem = gate();
+  problem.condition.accept = [](std::span<const double>) { return true; };
+  EXPECT_THROW(verified(problem, lines), robots::InputError);
+}
+
+TEST_F(VerifyLog, NothingIsProvenWithoutPairsOrSteps) {
+  Problem problem = gate();
+  for (const Object& object : problem.world.objects)
+    problem.contacts.allowed.emplace_back("disc", object.name);
+  const Lines lines = logOf(problem);
+  EXPECT_EQ(lines.size(), 1u);
+  EXPECT_EQ(verified(problem, lines).status, VerifyStatus::kNothingChecked);
+  EXPECT_EQ(Json::parse(lines[0])["status"], "nothing_checked");
+  Replanner replanner(gate());
+  EXPECT_EQ(verified(gate(), {logLine(gate(), replanner.executed())}).status,
+            VerifyStatus::kUndecided);
+}
+
+/// The poses of the verifier are those of PoseMotion.
+TEST_F(VerifyLog, ItsOwnPosesAgreeWithTheMotions) {
+  Random random(80, 0);
+  const auto number = [&](double most) { return random.uniform(-most, most); };
+  const auto turn = [&] {
+    return Eigen::Quaterniond(number(1), number(1), number(1), number(1))
+        .normalized()
+        .toRotationMatrix();
+  };
+  for (int k = 0; k < 200; ++k) {
+    std::vector<PoseMotion::Key> keys;
+    for (int i = 0; i < 4; ++i)
+      keys.push_back({1.5 * i, {turn(), {number(2), number(2), number(2)}}});
+    const auto poses = k % 2 == 0 ? PoseMotion::keys(keys)
+                                  : PoseMotion::steady(keys[0], {number(1), number(1), number(1)},
+                                                       {number(3), number(3), number(3)});
+    const Object object = bar("bar", {.poses = poses});
+    verification::MovingBody body(object, {});
+    const verification::Sphere sphere{{0.1, 0.2, 0.3}, 0.5};
+    for (int i = 0; i < 20; ++i) {
+      const double time = random.uniform(-1, 6), half = random.uniform(0, 0.5);
+      const verification::Place place = body.at(body.lookedAt(0), time, half, sphere);
+      const robots::Pose expected = poses->pose(time);
+      EXPECT_NEAR((place.X_WO.rotation - expected.rotation).norm(), 0, 1e-12);
+      EXPECT_NEAR((place.X_WO.translation - expected.translation).norm(), 0, 1e-12);
+      EXPECT_EQ(place.grown, 0);
+      const Eigen::Vector3d p(0.1, 0.2, 0.8);
+      for (const double end : {time - half, time + half})
+        EXPECT_LE((poses->pose(end) * p - place.X_WO * p).norm(),
+                  place.speed * half * (1 + 1e-9) + place.slack);
+    }
+  }
+}
+
+/// The slow twin: random bars, one known by keys, one by its velocity, one that the program sees.
+TEST_F(VerifyLog, RandomExecutionsAreProvenAndTheirClearanceHolds) {
+  int steps = 0, certified = 0;
+  for (int seed = 0; seed < 10; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(81, static_cast<std::uint64_t>(seed));
+    const auto randomKeys = [&] {
+      std::vector<PoseMotion::Key> keys;
+      double angle = random.uniform(-3, 3);
+      for (int key = 0; key < 5; ++key) {
+        keys.push_back(
+            {1.2 * key, posed(random.uniform(-0.9, 1.2), random.uniform(-1.2, 1.2), angle)});
+        angle += random.uniform(-2.5, 2.5);
+      }
+      return PoseMotion::keys(keys);
+    };
+    Problem problem = test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0});
+    problem.margins.common = 0.01;
+    problem.limits.iterations = 300;
+    problem.execution.step = 0.1;
+    problem.seed = static_cast<std::uint64_t>(seed);
+    if (seed % 3 == 2) problem.execution.foresight = Foresight::kSpeedBound;
+    problem.world.objects.push_back(bar("keys", {.poses = randomKeys()}));
+    problem.world.objects.push_back(
+        bar("steady", {.poses = PoseMotion::steady(
+                           {0, posed(random.uniform(-0.9, 1.2), random.uniform(-1.2, 1.2), 0)},
+                           {random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), 0},
+                           {0, 0, random.uniform(-1, 1)})}));
+    const std::shared_ptr<const PoseMotion> unknown = randomKeys();
+    Problem truth = problem;
+    truth.world.objects.push_back(bar("bar", {.poses = unknown}));
+    problem.world.objects.push_back(bar("bar", {.speed_bound = 0, .turn_bound = 0}));
+    problem.world.objects.back().X_WO = unknown->pose(0);
+    Lines lines = logOfObserver(problem, *unknown, 40);
+    const VerifyResult result = verified(problem, lines);
+    const bool is_safe = Json::parse(lines.back())["certified"].get<bool>();
+    if (is_safe) {
+      EXPECT_EQ(result.status, VerifyStatus::kCertified)
+          << "line " << result.line << ": " << result.a << " " << result.b << " " << result.reason;
+      ++certified;
+    }
+    if (result.status != VerifyStatus::kCertified) continue;
+    for (std::size_t i = 0; i + 1 < lines.size(); ++i) {
+      std::vector<TimedPoint> motion;
+      const Json line = Json::parse(lines[i]);
+      for (const Json& row : line["motion"])
+        motion.push_back({row["time"].get<double>(), row["position"].get<std::vector<double>>()});
+      EXPECT_GE(test::denseClearance(truth, motion, 0.005, 1.0),
+                std::min(1.0, result.clearance_lower) - 1e-9);
+      ++steps;
+    }
+  }
+  EXPECT_GE(certified, 4);
+  EXPECT_GT(steps, 60);
+}
+
+}  // namespace
+}  // namespace leeway::planner
