@@ -208,6 +208,20 @@ planner::VerifyResult verify(const Problem& problem, const py::object& path, boo
   return result;
 }
 
+planner::VerifyResult verifyLog(const Problem& problem, const py::object& file,
+                                const py::object& stop) {
+  const std::string name = fileName(file, "file");
+  requireGoal(problem);
+  Interrupt interrupt(stop);
+  const std::shared_ptr<const planner::Problem> value = problem.value();
+  planner::PlanOptions options;
+  options.stop = interrupt.callback();
+  planner::VerifyResult result =
+      released([&] { return planner::verifyLog(*value, name, options); });
+  interrupt.rethrow();
+  return result;
+}
+
 /// The path with `parts` edges in place of each.
 planner::Path parted(const planner::ConfigurationSpace& space, const planner::Path& path,
                      int parts) {
@@ -268,9 +282,11 @@ void defineVerification(py::module_& module) {
                       "is near.");
   result.def_readonly("edge", &VerifyResult::segment,
                       "The edge that fails or is undecided; -1: none.");
+  result.def_readonly("line", &VerifyResult::line,
+                      "The line of a log that fails or is undecided; 0: none.");
   defineConstant(
       result, "t", [](const VerifyResult& self) { return py::make_tuple(self.t0, self.t1); },
-      "The part of that edge, in [0, 1].");
+      "The part of that edge, in [0, 1]; of a log: times [s].");
   defineConstant(
       result, "pair", [](const VerifyResult& self) { return pairObject(self.a, self.b); },
       "What is too near there, or None.");
@@ -380,6 +396,12 @@ void definePlan(py::module_& module) {
          "`path`: a Result, an array (n, joints) or a file. Rows mean straight lines: a continuous "
          "joint goes from 3 to -3 by 6 rad; with `shortest` it goes the shorter way.",
          verify, py::arg("problem"), py::arg("path"), py::kw_only(), py::arg("shortest") = false,
+         py::arg("stop") = py::none());
+  define(module, "verify_log", "(problem, file, *, stop=None)",
+         "Proves or refutes the log of an execution, a file with the lines that Step.log and "
+         "Executed.log have, or that `leeway replan` prints: each step kept all margins and limits "
+         "among what was observed. Raises InputError for a line that was cut or changed.",
+         verifyLog, py::arg("problem"), py::arg("file"), py::kw_only(),
          py::arg("stop") = py::none());
   define(module, "clearance", "(problem, path, *, tolerance=0.0001, parts=1, shortest=False)",
          "The clearance along a path, each edge cut into `parts`, to within `tolerance` [m]: a "

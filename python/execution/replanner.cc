@@ -54,10 +54,18 @@ std::unique_ptr<Execution> makeExecution(const py::args& args, const py::kwargs&
   return made;
 }
 
-/// A step and the names of what it says.
+/// A step, and the problem whose names it uses.
 struct Step {
   ReplanStep value;
-  std::size_t columns;
+  std::shared_ptr<const planner::Problem> problem;
+
+  std::size_t columns() const { return problem->robot.variables.size(); }
+};
+
+/// An execution so far, or a whole one.
+struct Executed {
+  ReplanResult value;
+  std::shared_ptr<const planner::Problem> problem;
 };
 
 Step step(Execution& self) {
@@ -68,7 +76,7 @@ Step step(Execution& self) {
     Execution& of;
     ~Reset() { of.interrupt = nullptr; }
   } const reset{self};
-  Step result{released([&] { return self.replanner->step(); }), self.size()};
+  Step result{released([&] { return self.replanner->step(); }), self.problem.value()};
   interrupt.rethrow();
   return result;
 }
@@ -105,7 +113,7 @@ auto reading(Read read) {
   };
 }
 
-ReplanResult replan(const py::args& args, const py::kwargs& kwargs) {
+Executed replan(const py::args& args, const py::kwargs& kwargs) {
   py::dict keywords = kwargs.attr("copy")();
   const auto take = [&](const char* name) -> py::object {
     if (!keywords.contains(name)) return py::none();
@@ -122,18 +130,17 @@ ReplanResult replan(const py::args& args, const py::kwargs& kwargs) {
   planner::ReplanOptions options;
   options.stop = interrupt.callback();
   std::function<void(const ReplanStep&)> told;
-  const std::size_t columns = problem.size();
+  const std::shared_ptr<const planner::Problem> value = problem.value();
   if (!on_step.is_none())
     told = [&](const ReplanStep& taken) {
       const py::gil_scoped_acquire locked;
       try {
-        on_step(Step{taken, columns});
+        on_step(Step{taken, value});
       } catch (...) {
         interrupt.fail();
       }
     };
-  const std::shared_ptr<const planner::Problem> value = problem.value();
-  ReplanResult result = released([&] { return planner::replan(*value, options, told, steps); });
+  Executed result{released([&] { return planner::replan(*value, options, told, steps); }), value};
   interrupt.rethrow();
   return result;
 }
@@ -192,9 +199,13 @@ void defineStep(py::module_& module) {
       "What it took [s]: {update, certify, plan, clearance}.");
   defineConstant(
       step_class, "motion",
-      [](const Step& self) { return timedPoints(self.value.motion, self.columns); },
+      [](const Step& self) { return timedPoints(self.value.motion, self.columns()); },
       "Where to be when: (n, 1 + joints), the time [s] and the joints' values; between two rows at "
       "constant speed.");
+  defineConstant(
+      step_class, "log", [](const Step& self) { return logLine(*self.problem, self.value); },
+      "The step as one line of a log, without the line's end: JSON with what was observed and the "
+      "motion, for verify_log().");
   step_class.def("__repr__", [](const Step& self) {
     return "<leeway.Step " + std::to_string(self.value.index) + " at " + text(self.value.time) +
            " s: " + toString(self.value.decision) +
@@ -203,34 +214,46 @@ void defineStep(py::module_& module) {
 }
 
 void defineExecuted(py::module_& module) {
-  py::class_<ReplanResult> result(module, "Executed",
-                                  "A whole execution. True if the goal is reached, every step "
-                                  "certified.");
-  defineConstant(
-      result, "status", [](const ReplanResult& self) { return toString(self.status); },
+  py::class_<Executed> executed(module, "Executed",
+                                "A whole execution. True if the goal is reached, every step "
+                                "certified.");
+  const auto property = [&](const char* name, auto get, const char* doc) {
+    defineConstant(
+        executed, name, [get](const Executed& self) { return get(self.value); }, doc);
+  };
+  property(
+      "status", [](const ReplanResult& r) { return toString(r.status); },
       "'reached', 'unsafe', 'timeout', 'stopped' or 'nothing_checked'.");
-  defineConstant(
-      result, "trajectory",
-      [](const ReplanResult& self) { return timedPoints(self.trajectory, self.names.size()); },
-      "What was executed: (n, 1 + joints), the time [s] and the joints' values.");
-  defineConstant(
-      result, "joint_names", [](const ReplanResult& self) { return listOf(self.names); },
+  property(
+      "trajectory", [](const ReplanResult& r) { return timedPoints(r.trajectory, r.names.size()); },
+      "What was executed: (n, 1 + joints), the time [s] and the joints' values; empty for "
+      "Replanner.executed.");
+  property(
+      "joint_names", [](const ReplanResult& r) { return listOf(r.names); },
       "Names of the trajectory's columns after the first.");
-  result.def_readonly("steps", &ReplanResult::steps, "Steps taken.");
-  result.def_readonly("replans", &ReplanResult::replans, "Paths planned besides the first.");
-  result.def_readonly("certified", &ReplanResult::certified, "Every step was.");
-  defineConstant(
-      result, "lower", [](const ReplanResult& self) { return self.clearance.lower; },
+  property(
+      "steps", [](const ReplanResult& r) { return r.steps; }, "Steps taken.");
+  property(
+      "replans", [](const ReplanResult& r) { return r.replans; },
+      "Paths planned besides the first.");
+  property(
+      "certified", [](const ReplanResult& r) { return r.certified; }, "Every step was.");
+  property(
+      "lower", [](const ReplanResult& r) { return r.clearance.lower; },
       "The clearance of all steps is at least this [m].");
-  defineConstant(
-      result, "upper", [](const ReplanResult& self) { return self.clearance.upper; },
+  property(
+      "upper", [](const ReplanResult& r) { return r.clearance.upper; },
       "The least clearance is at most this [m].");
-  result.def("__bool__", [](const ReplanResult& self) {
-    return self.status == planner::ReplanStatus::kReached;
+  defineConstant(
+      executed, "log", [](const Executed& self) { return logLine(*self.problem, self.value); },
+      "The last line of a log, after those of the steps (Step.log), without the line's end.");
+  executed.def("__bool__", [](const Executed& self) {
+    return self.value.status == planner::ReplanStatus::kReached;
   });
-  result.def("__repr__", [](const ReplanResult& self) {
-    return std::string("<leeway.Executed: ") + toString(self.status) + ", " +
-           std::to_string(self.steps) + " steps, " + std::to_string(self.replans) + " replans>";
+  executed.def("__repr__", [](const Executed& self) {
+    return std::string("<leeway.Executed: ") + toString(self.value.status) + ", " +
+           std::to_string(self.value.steps) + " steps, " + std::to_string(self.value.replans) +
+           " replans>";
   });
 }
 
@@ -280,6 +303,10 @@ void defineReplanner(py::module_& module) {
   defineConstant(execution, "replans",
                  reading([](Execution& self) { return self.replanner->replans(); }),
                  "Paths planned besides the first.");
+  defineConstant(execution, "executed", reading([](Execution& self) {
+                   return Executed{self.replanner->executed(), self.problem.value()};
+                 }),
+                 "The steps so far: an Executed without its trajectory.");
   defineConstant(execution, "scene", reading([](Execution& self) {
                    return Scene(self.problem, self.replanner->scene());
                  }),

@@ -121,6 +121,7 @@ def calls(robot, world, problem, scene):
         "set_motion": lambda v: world.copy().set_motion(v, velocity=(0, 0, 1)), "set_motion velocity": lambda v: world.copy().set_motion("post", velocity=v),
         "set_motion times": lambda v: world.copy().set_motion("post", times=v, poses=v), "set_motion poses": lambda v: world.copy().set_motion("post", times=[0], poses=v),
         "set_state": lambda v: setattr(replanner, "state", v), "replan": lambda v: leeway.replan(problem, on_step=v, steps=1, iterations=1),
+        "verify_log": lambda v: leeway.verify_log(problem, v), "verify_log problem": lambda v: leeway.verify_log(v, "x.jsonl"),
         "save": result.save, "trajectory": lambda v: leeway.plan(robot, None, q, q + 0.1).trajectory(v),
         "planner_parameters": leeway.planner_parameters,
         "self": lambda v: leeway.World.add_sphere(v, "new", 1), "unbound": lambda v: leeway.Scene.valid(v, q),

@@ -238,11 +238,13 @@ def test_moveit_and_free_bodies(tmp_path):
     assert result and leeway.verify(result.problem, result)
 
 
-def test_replanning_among_obstacles_that_deform():
+def test_replanning_among_obstacles_that_deform(tmp_path):
     problem = leeway.load("problems/deforming/curtain.yaml")
     steps = []
     executed = leeway.replan(problem, on_step=steps.append, steps=5)
     assert executed.status in ("stopped", "reached") and executed.certified
+    (tmp_path / "run.jsonl").write_text("\n".join([*(step.log for step in steps), executed.log, ""]))
+    assert leeway.verify_log(problem, str(tmp_path / "run.jsonl"))
     assert [step.index for step in steps] == list(range(len(steps)))
     assert all(step.certified and step.lower > 0 for step in steps)
     replanner = leeway.Replanner(problem)
@@ -253,7 +255,7 @@ def test_replanning_among_obstacles_that_deform():
     assert replanner.scene.check(replanner.state)
 
 
-def test_replanner_follows_vertices_from_numpy(robot):
+def test_replanner_follows_vertices_from_numpy(robot, tmp_path):
     x, y = np.meshgrid(np.linspace(-0.2, 0.2, 5), np.linspace(-0.2, 0.2, 5))
     sheet = np.column_stack([x.ravel(), y.ravel(), np.zeros(25)])
     corner = np.array([i * 5 + j for i in range(4) for j in range(4)])
@@ -261,12 +263,32 @@ def test_replanner_follows_vertices_from_numpy(robot):
     world = leeway.World()
     world.add_deforming("sheet", sheet, triangles, speed_bound=0.1, position=(0.6, 0, 0.1))
     replanner = leeway.Replanner(robot, world, "ready", turned(robot, 0.8), margin=0.01)
+    log = []
     while not replanner.reached:
         replanner.set_vertices("sheet", sheet, speed_bound=0.1)
         sheet[:, 2] += 0.002
-        assert replanner.step().certified
+        step = replanner.step()
+        assert step.certified
+        log.append(step.log)
     with pytest.raises(ValueError):
         replanner.set_vertices("sheet", sheet[:-1])
+    executed = replanner.executed
+    assert executed and executed.status == "reached" and executed.steps == len(log) and executed.trajectory.shape == (0, 8)
+    file = tmp_path / "run.jsonl"
+    file.write_text("\n".join([*log, executed.log, ""]))
+    problem = leeway.Problem(robot, world, "ready", turned(robot, 0.8), margin=0.01)
+    proven = leeway.verify_log(problem, file)
+    assert proven and proven.lower > 0.01 and proven.line == 0, proven
+    assert json.loads(log[0])["observed"][0]["vertices"][3] == [0.1, -0.2, 0]
+    file.write_text("\n".join([*log, ""]))
+    cut = leeway.verify_log(problem, file)
+    assert cut.status == "undecided" and cut.line == len(log) and "cut" in cut.reason
+    file.write_text("\n".join([*log[1:], executed.log, ""]))
+    missing = leeway.verify_log(problem, file)
+    assert missing.status == "refuted" and missing.line == 1 and missing.edge == -1
+    file.write_text("\n".join([log[0], log[1].replace('"certified":true', '"certified":false'), ""]))
+    with pytest.raises(leeway.InputError, match="run.jsonl:2: the line was changed"):
+        leeway.verify_log(problem, file)
 
 
 def test_a_guard_passes_what_has_room_to_stop(robot, world):

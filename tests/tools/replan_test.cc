@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <regex>
 #include <set>
 
@@ -107,6 +110,7 @@ TEST_F(Replan, TheSameSeedSaysTheSame) {
     std::vector<json> lines = run("replan gate.yaml --json").lines();
     for (json& line : lines) {
       line.erase("time_s");
+      line.erase("sum");
       if (line.contains("obstacles")) {
         line["obstacles"][0].erase("update_s");
       }
@@ -114,6 +118,71 @@ TEST_F(Replan, TheSameSeedSaysTheSame) {
     return lines;
   };
   EXPECT_EQ(withoutCosts(), withoutCosts());
+}
+
+/// The log of an execution is proven again; a log that was cut or changed is not.
+TEST_F(Replan, TheLogIsProven) {
+  EXPECT_EQ(run("replan gate.yaml --text --output run.jsonl").status, 0);
+  const std::string log = read("run.jsonl");
+  const Answer proven = run("verify gate.yaml --log run.jsonl --json");
+  EXPECT_EQ(proven.status, 0) << proven.err << proven.out;
+  EXPECT_EQ(proven.document()["status"], "certified");
+  EXPECT_GT(proven.document()["clearance_lower"], 0.01);
+  EXPECT_TRUE(proven.document()["where"].is_null());
+  const Answer text = run("verify gate.yaml --log run.jsonl");
+  EXPECT_EQ(text.status, 0);
+  EXPECT_NE(text.flat().find("certified: all steps of run.jsonl, least clearance"),
+            std::string::npos)
+      << text.out;
+  EXPECT_NE(text.flat().find("the obstacles moved within what is known of them"),
+            std::string::npos);
+  // What --json prints is the same log.
+  write("stdout.jsonl", run("replan gate.yaml --json").out);
+  EXPECT_EQ(run("verify gate.yaml --log stdout.jsonl").status, 0);
+
+  const std::size_t last = log.rfind('\n', log.size() - 2) + 1;
+  const auto lines = static_cast<int>(std::count(log.begin(), log.end(), '\n'));
+  write("cut.jsonl", log.substr(0, last));
+  const Answer cut = run("verify gate.yaml --log cut.jsonl --json");
+  EXPECT_EQ(cut.status, 1);
+  EXPECT_EQ(cut.document()["status"], "undecided");
+  EXPECT_EQ(cut.document()["where"]["line"], lines - 1);
+  EXPECT_NE(cut.document()["reason"].get<std::string>().find("cut"), std::string::npos);
+  write("within.jsonl", log.substr(0, last - 9));
+  expectRefused("verify gate.yaml --log within.jsonl",
+                {fmt::format("within.jsonl:{}: ", lines - 1), "it was cut or changed"});
+  std::string changed = log;
+  changed.replace(changed.find("\"decision\":\"wait\""), 17, "\"decision\":\"plan\"");
+  write("changed.jsonl", changed);
+  expectRefused("verify gate.yaml --log changed.jsonl",
+                {"changed.jsonl:1: ", "was changed after it was written"});
+  write("missing.jsonl", log.substr(log.find('\n') + 1));
+  const Answer missing = run("verify gate.yaml --log missing.jsonl");
+  EXPECT_EQ(missing.status, 1);
+  EXPECT_NE(missing.flat().find("refuted: line 1 at 0.05 s: step 1 is where step 0 is expected"),
+            std::string::npos)
+      << missing.out;
+  // A sheet that stays where it is: the robot drove through it.
+  std::string closed = kGate;
+  closed.replace(closed.find("{time: 1,"), 9, "{time: 5,");
+  closed.replace(closed.find("{time: 2,"), 9, "{time: 9,");
+  write("closed.yaml", closed);
+  const Answer hit = run("verify closed.yaml --log run.jsonl --json");
+  EXPECT_EQ(hit.status, 1);
+  EXPECT_EQ(hit.document()["status"], "refuted");
+  EXPECT_EQ(hit.document()["where"]["b"], "sheet");
+}
+
+TEST_F(Replan, LogsNeedAProblemAndNothingElse) {
+  EXPECT_EQ(run("replan gate.yaml --steps 2 --json --output run.jsonl").status, 1);
+  expectRefused("verify gate.yaml run.jsonl --log run.jsonl", {"with --log, a problem file alone"});
+  expectRefused("verify --log run.jsonl", {"with --log, a problem file alone"});
+  expectRefused("verify gate.yaml --log run.jsonl --shortest", {"--log", "--shortest"});
+  expectRefused("verify gate.yaml --log run.jsonl --ends exact", {"--log", "--ends"});
+  expectRefused("verify gate.yaml --log nowhere.jsonl", {"nowhere.jsonl: "});
+  expectRefused("verify reach.yaml --log run.jsonl", {"run.jsonl:3: ", "'gate'"});
+  write("empty.jsonl", "");
+  expectRefused("verify gate.yaml --log empty.jsonl", {"empty.jsonl: ", "is empty"});
 }
 
 TEST_F(Replan, TextAndLimits) {
@@ -140,7 +209,7 @@ TEST_F(Replan, WhatDoesNotDeformIsExecutedToo) {
 TEST_F(Replan, BadInputIsStatus2) {
   expectRefused("replan gate.yaml --steps -1", {"--steps"});
   expectRefused("replan gate.yaml --json --text", {"--json", "--text"});
-  expectRefused("replan gate.yaml --output x.txt", {".csv"});
+  expectRefused("replan gate.yaml --output x.txt", {".csv", ".jsonl"});
   expectRefused("replan gate.yaml --output nowhere/x.csv", {"nowhere"});
   std::string broken = kGate;
   broken.replace(broken.find("[1, 0]}"), 7, "[1]}");

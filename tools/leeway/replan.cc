@@ -9,8 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/path_io.h"
 #include "leeway/planner/replanner.h"
 #include "leeway/robots/input_error.h"
+#include "robots/base/read_file.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/output_file.h"
@@ -23,7 +25,8 @@
 namespace leeway::tools {
 namespace {
 
-constexpr std::string_view kRowsEndings[] = {".csv"};
+constexpr std::string_view kLogEnding = ".jsonl";
+constexpr std::string_view kOutputEndings[] = {".csv", kLogEnding};
 
 // The keys of the JSON documents, for --help. A test checks that none is missing.
 constexpr const char* kKeys =
@@ -42,12 +45,20 @@ constexpr const char* kKeys =
   broken.a, broken.b      else these were in the way
   remaining_s             that the rest of the path takes
   reached                 the step ends in a goal
-  position                at the end of the step, by planned joint
-  obstacles[]             name; strategy that its hierarchy was updated by; reason: why auto chose it,
-                          else "asked for"; update_s: what the update took
+  joint_names             the planned joints, in the order of the values below
+  position                at the end of the step
+  motion[]                what is executed: time, position; between rows at constant speed, continuous
+                          joints the shorter way
+  measured                the robot's true state, where a program has set it since the step before
+  observed[]              what a program has seen since then: object, time; position, rotation (rows of
+                          the matrix) or vertices; speed_bound and turn_bound from then on (null: none)
+  obstacles[]             name; seen: when, at last; predicted: proven against its motion, else against
+                          a bound; strategy that its hierarchy was updated by; reason: why auto chose
+                          it, else "asked for"; update_s: what the update took
   time_s                  of computing: update of all obstacles, certify, plan, clearance
   counts                  looks: instants at which obstacles were placed; edges and distance_queries
                           asked for; iterations of planners
+  sum                     of the line's text before this key (FNV-1a, 64 bits): shows changes
 and at the end, with version:
   status                  reached, unsafe, timeout (execution: duration), stopped (--steps),
                           nothing_checked (no pair of shapes is: no step is taken)
@@ -60,6 +71,8 @@ and at the end, with version:
                           how many, and how many by decision
   replans                 plans besides the first
   time_s                  of computing: load, compute (all steps), longest_step
+  sum                     as above
+The lines are a log: `leeway verify PROBLEM.yaml --log FILE` proves what they state.
 )";
 
 struct ReplanArguments {
@@ -70,67 +83,6 @@ struct ReplanArguments {
   view::PageChoice view;
   bool json = false, text = false;
 };
-
-Json namesJson(const std::string& a, const std::string& b) {
-  return a.empty() ? Json() : Json({{"a", a}, {"b", b}});
-}
-
-Json stepJson(const planner::ReplanStep& step) {
-  Json obstacles = Json::array();
-  for (const planner::ObstacleUpdate& o : step.obstacles) {
-    obstacles.push_back({{"name", o.object},
-                         {"strategy", o.strategy},
-                         {"reason", o.reason},
-                         {"update_s", o.update_s}});
-  }
-  return {{"step", step.index},
-          {"time", step.time},
-          {"decision", planner::toString(step.decision)},
-          {"certified", step.certified},
-          {"clearance_lower", jsonNumber(step.clearance.lower)},
-          {"clearance_upper", jsonNumber(step.clearance.upper)},
-          {"closest", namesJson(step.closest_a, step.closest_b)},
-          {"look_ahead", step.look_ahead},
-          {"path_held", step.path_held},
-          {"broken", namesJson(step.broken_a, step.broken_b)},
-          {"remaining_s", jsonNumber(step.remaining_s)},
-          {"reached", step.reached},
-          {"position", step.motion.back().position},
-          {"obstacles", obstacles},
-          {"time_s",
-           {{"update", step.update_s},
-            {"certify", step.certify_s},
-            {"plan", step.plan_s},
-            {"clearance", step.clearance_s}}},
-          {"counts",
-           {{"looks", step.looks},
-            {"edges", step.edges},
-            {"distance_queries", step.distance_queries},
-            {"iterations", step.iterations}}}};
-}
-
-Json summaryJson(const planner::Problem& problem, const planner::ReplanResult& result,
-                 double load_s) {
-  const double lasted = result.trajectory.empty()
-                            ? 0
-                            : result.trajectory.back().time - result.trajectory.front().time;
-  return {
-      {"status", planner::toString(result.status)},
-      {"problem", problem.name},
-      {"seed", result.seed},
-      {"certified", result.certified},
-      {"clearance_lower", jsonNumber(result.clearance.lower)},
-      {"clearance_upper", jsonNumber(result.clearance.upper)},
-      {"duration", lasted},
-      {"steps", result.steps},
-      {"plans", result.plans},
-      {"replans", result.replans},
-      {"follows", result.follows},
-      {"waits", result.waits},
-      {"evasions", result.evasions},
-      {"time_s",
-       {{"load", load_s}, {"compute", result.compute_s}, {"longest_step", result.longest_step_s}}}};
-}
 
 /// The table for people: one row for every run of steps with the same decision.
 class Rows {
@@ -238,18 +190,27 @@ void warnOfProblem(const planner::Problem& problem, const std::string& file) {
   }
 }
 
+bool isLog(const std::string& output) { return robots::endingOf(output) == kLogEnding; }
+
 /// Handles each step when it is done. Prints JSON lines, or collects rows of a table for the end;
-/// shows progress; and keeps the steps for a page.
+/// shows progress; and keeps the steps for a page, and their lines for a file.
 class StepLog {
  public:
-  StepLog(int most_steps, bool json, bool keep)
-      : most_steps_(most_steps), json_(json), keep_(keep) {}
+  StepLog(const planner::Problem& problem, const ReplanArguments& arguments, bool json)
+      : problem_(problem),
+        most_steps_(arguments.steps),
+        json_(json),
+        keep_(!arguments.view.file.empty()),
+        keep_lines_(isLog(arguments.output)) {}
 
   void add(const planner::ReplanStep& step) {
     if (keep_) kept_.push_back(step);
+    std::string line;
+    if (json_ || keep_lines_) line = planner::logLine(problem_, step) + "\n";
+    if (keep_lines_) lines_ += line;
     if (json_) {
       endProgress();
-      fmt::print("{}\n", jsonText(versioned(stepJson(step))));
+      fmt::print("{}", line);
       std::fflush(stdout);
     } else {
       rows_.add(step);
@@ -267,14 +228,18 @@ class StepLog {
 
   const std::vector<planner::ReplanStep>& kept() const { return kept_; }
   std::string table() const { return rows_.text(); }
+  /// Those of all steps, if they are written to a file.
+  const std::string& lines() const { return lines_; }
 
  private:
+  const planner::Problem& problem_;
   int most_steps_;
-  bool json_, keep_;
+  bool json_, keep_, keep_lines_;
   int begun_ = 1;
   std::string state_;
   Rows rows_;
   std::vector<planner::ReplanStep> kept_;
+  std::string lines_;
 };
 
 int runReplan(const ReplanArguments& arguments) {
@@ -282,7 +247,7 @@ int runReplan(const ReplanArguments& arguments) {
     throw robots::InputError("command line", 0, "--json and --text exclude each other");
   }
   if (!arguments.output.empty()) {
-    checkOutputFile(arguments.output, kRowsEndings);
+    checkOutputFile(arguments.output, kOutputEndings);
   }
   view::expectPage(arguments.view);
   expectApart(std::array{arguments.output, arguments.view.file}, filesOf(arguments.source));
@@ -294,14 +259,17 @@ int runReplan(const ReplanArguments& arguments) {
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   warnOfProblem(problem, arguments.source.problem);
   const bool json = arguments.json || (!arguments.text && isatty(STDOUT_FILENO) != 1);
-  StepLog log(arguments.steps, json, !arguments.view.file.empty());
+  StepLog log(problem, arguments, json);
   planner::ReplanOptions options;
   options.stop = interactivePlanOptions().stop;
   options.progress = [&](const std::string& phase, double) { log.show(phase); };
   const planner::ReplanResult result = planner::replan(
       problem, options, [&](const planner::ReplanStep& step) { log.add(step); }, arguments.steps);
   endProgress();
-  if (!arguments.output.empty()) {
+  const std::string end = planner::logLine(problem, result, load_s) + "\n";
+  if (isLog(arguments.output)) {
+    planner::writeFileWhole(arguments.output, log.lines() + end);
+  } else if (!arguments.output.empty()) {
     planner::writeTrajectory(arguments.output, problem, result.trajectory);
   }
   if (!arguments.view.file.empty()) {
@@ -309,7 +277,7 @@ int runReplan(const ReplanArguments& arguments) {
                                                              log.kept(), result.status));
   }
   if (json) {
-    fmt::print("{}\n", jsonText(versioned(summaryJson(problem, result, load_s))));
+    fmt::print("{}", end);
   } else {
     fmt::print("{}\n{}\n{}", verdictLine(problem, result), log.table(), summaryText(result));
   }
@@ -327,8 +295,10 @@ Verb addReplan(CLI::App& command) {
   app->add_option("--steps", arguments->steps, "at most so many steps; 0: until it ends")
       ->type_name("N")
       ->check(countFrom(0, 1'000'000'000));
-  app->add_option("--output", arguments->output, "write what was executed: time and joints")
-      ->type_name("FILE.csv");
+  app->add_option("--output", arguments->output,
+                  "write what was executed: time and joints (.csv), or the log (.jsonl): the lines "
+                  "of --json, which `verify --log` proves")
+      ->type_name("FILE");
   view::addPageOptions(*app, arguments->view);
   app->add_flag("--json", arguments->json,
                 "print one JSON document a step and one at the end; so it is where stdout is no "

@@ -24,15 +24,20 @@ namespace {
 struct VerifyArguments {
   ProblemSource source;
   std::vector<std::string> files;
+  std::string log;
   PlanOverrides limits;
   std::string ends = "near";
   bool shortest = false;
   bool json = false;
 };
 
+/// The proven parts, for people: "3 edges", and the obstacles that move.
+struct Proven {
+  std::string parts, obstacles;
+};
+
 /// The result for people. The first line has the verdict.
-std::string resultText(const planner::Problem& problem, const planner::Path& path,
-                       const planner::VerifyResult& result) {
+std::string resultText(const Proven& proven, const planner::VerifyResult& result) {
   const bool certified = result.status == planner::VerifyStatus::kCertified;
   std::string text =
       verdictText(result.status == planner::VerifyStatus::kNothingChecked ? "nothing checked"
@@ -40,12 +45,11 @@ std::string resultText(const planner::Problem& problem, const planner::Path& pat
                   certified);
   if (certified) {
     const planner::Interval clearance{result.clearance_lower, result.clearance_upper};
-    return fmt::format("{}: {}, {}{}\n{}.\n", text,
-                       counted(path.positions.empty() ? 0 : path.positions.size() - 1, "edge"),
+    return fmt::format("{}: {}, {}{}\n{}.\n", text, proven.parts,
                        std::isfinite(clearance.lower)
                            ? "least clearance " + clearanceText(clearance)
                            : "there is nothing else that it could touch",
-                       obstaclesText(problem), planner::toString(result.unchecked));
+                       proven.obstacles, planner::toString(result.unchecked));
   }
   if (result.status == planner::VerifyStatus::kNothingChecked)
     return fmt::format("{}: {}\n", text, result.reason);
@@ -55,34 +59,69 @@ std::string resultText(const planner::Problem& problem, const planner::Path& pat
     text += from == to ? fmt::format(": edge {} at t = {}", result.segment, from)
                        : fmt::format(": edge {} between t = {} and {}", result.segment, from, to);
   }
+  if (result.line > 0) {
+    const std::string from = fmt::format("{:.6g}", result.t0),
+                      to = fmt::format("{:.6g}", result.t1);
+    text += fmt::format(": line {}", result.line);
+    if (result.t0 != 0 || result.t1 != 0)
+      text += from == to ? fmt::format(" at {} s", from)
+                         : fmt::format(" between {} s and {} s", from, to);
+  }
   if (!result.a.empty()) text += fmt::format(", {} and {}", result.a, result.b);
   if (!result.reason.empty()) text += fmt::format(": {}", result.reason);
   return text + "\n";
 }
 
+/// Reads the path, and proves it.
+planner::VerifyResult verifyPath(const std::string& file, const VerifyArguments& arguments,
+                                 planner::Problem& problem, planner::PlanOptions& options,
+                                 const std::function<bool(const planner::Interval&)>& is_enough,
+                                 std::vector<std::string>& warnings, Proven& proven) {
+  const planner::Path path =
+      planner::readPath(file, problem, {.shortest = arguments.shortest, .warnings = &warnings});
+  if (arguments.ends == "near")
+    for (const std::string& warning : takeNearEnds(path, problem))
+      warnings.push_back(file + ": " + warning);
+  printWarnings(warnings);
+  // The proof does not use this scene.
+  printWarnings(planner::CompiledScene(problem).warnings());
+  UnitProgress progress(std::max<std::size_t>(2, path.positions.size()) - 1);
+  options.progress = [&](const std::string& phase, double) { progress.next(phase); };
+  proven = {counted(path.positions.empty() ? 0 : path.positions.size() - 1, "edge"),
+            obstaclesText(problem)};
+  return planner::verify(problem, path, options, is_enough);
+}
+
 int runVerify(VerifyArguments& arguments) {
-  const std::string path_file = takePathFile(arguments.source, arguments.files);
+  const bool is_log = !arguments.log.empty();
+  std::string path_file;
+  if (!is_log) {
+    path_file = takePathFile(arguments.source, arguments.files);
+  } else {
+    if (arguments.files.size() > 1 || arguments.files.empty() != !arguments.source.robot.empty())
+      badUsage("with --log, a problem file alone, or --robot alone, is expected");
+    if (!arguments.files.empty()) arguments.source.problem = arguments.files.front();
+  }
   // A proof uses no results of earlier runs.
   arguments.source.no_cache = true;
   planner::Problem problem = loadProblem(arguments.source, arguments.limits.timeLimit());
   apply(arguments.limits, problem);
-  std::vector<std::string> warnings;
-  const planner::Path path = planner::readPath(
-      path_file, problem, {.shortest = arguments.shortest, .warnings = &warnings});
-  if (arguments.ends == "near")
-    for (const std::string& warning : takeNearEnds(path, problem))
-      warnings.push_back(path_file + ": " + warning);
-  printWarnings(warnings);
-  // The proof does not use this scene.
-  printWarnings(planner::CompiledScene(problem).warnings());
   planner::PlanOptions options = interactivePlanOptions(arguments.limits.timeLimit());
-  UnitProgress progress(std::max<std::size_t>(2, path.positions.size()) - 1);
-  options.progress = [&](const std::string& phase, double) { progress.next(phase); };
   // People see the clearance with two decimals. JSON has the bound that proving the margins gives.
   std::function<bool(const planner::Interval&)> is_enough;
   if (!arguments.json)
     is_enough = [](const planner::Interval& clearance) { return figureOf(clearance).has_value(); };
-  const planner::VerifyResult result = planner::verify(problem, path, options, is_enough);
+  std::vector<std::string> warnings;
+  Proven proven{"all steps of " + arguments.log,
+                "; the obstacles moved within what is known of them"};
+  if (is_log) {
+    refuseSteps(problem, "verify --log");
+    printWarnings(planner::CompiledScene(problem).warnings());
+    if (obstaclesText(problem).empty()) proven.obstacles.clear();
+  }
+  const planner::VerifyResult result =
+      is_log ? planner::verifyLog(problem, arguments.log, options, is_enough)
+             : verifyPath(path_file, arguments, problem, options, is_enough, warnings, proven);
   endProgress();
   if (arguments.json) {
     Json document = toJson(result);
@@ -92,7 +131,7 @@ int runVerify(VerifyArguments& arguments) {
     document["interrupted"] = interrupted();
     printJson(document);
   } else {
-    fmt::print("{}", wrapped(resultText(problem, path, result)));
+    fmt::print("{}", wrapped(resultText(proven, result)));
   }
   return result.status == planner::VerifyStatus::kCertified ? kYes : kNo;
 }
@@ -111,11 +150,18 @@ Verb addVerify(CLI::App& command) {
       ->check(CLI::IsMember({"near", "exact"}))
       ->capture_default_str();
   addShortest(*app, arguments->shortest);
+  app->add_option(
+         "--log", arguments->log,
+         "prove the log of an execution, which `replan --output` writes, instead of a path")
+      ->type_name("FILE")
+      ->excludes(app->get_option("--ends"), app->get_option("--shortest"));
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer(
-      "Example:\n"
+      "Examples:\n"
       "  leeway plan problems/shelf/reach.yaml --output path.json && leeway verify "
-      "problems/shelf/reach.yaml path.json");
+      "problems/shelf/reach.yaml path.json\n"
+      "  leeway replan problems/moving/conveyor.yaml --output run.jsonl && leeway verify "
+      "problems/moving/conveyor.yaml --log run.jsonl");
   return {app, [arguments] { return runVerify(*arguments); }};
 }
 

@@ -219,8 +219,10 @@ Json toJson(const planner::VerifyResult& result) {
                    {"clearance_lower", certified ? jsonNumber(result.clearance_lower) : Json()}};
   Json where;  // null: certified, or the failure has no place on the path
   if (!certified && result.status != planner::VerifyStatus::kNothingChecked &&
-      result.segment >= 0) {
-    where = {{"segment", result.segment}, {"t0", result.t0}, {"t1", result.t1}};
+      (result.segment >= 0 || result.line > 0)) {
+    where = result.line > 0 ? Json({{"line", result.line}}) : Json({{"segment", result.segment}});
+    where["t0"] = result.t0;
+    where["t1"] = result.t1;
     where["a"] = result.a.empty() ? Json() : Json(result.a);
     where["b"] = result.b.empty() ? Json() : Json(result.b);
   }
