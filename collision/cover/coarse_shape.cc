@@ -104,6 +104,11 @@ CoarseShape::CoarseShape(const Shape& shape, const Pose& X_FG) {
   slack_ = kCoarseRounding * (center_F_.lpNorm<1>() + center_G.lpNorm<1>() + half_.lpNorm<1>());
 }
 
+CoarseShape::CoarseShape(const Ball& ball_F) : exact_(true), center_F_(ball_F.center) {
+  half_.setConstant(ball_F.radius);
+  slack_ = kCoarseRounding * (center_F_.lpNorm<1>() + half_.lpNorm<1>());
+}
+
 double CoarseShape::signedDistance(const Eigen::Vector3d& p_F) const {
   const Eigen::Vector3d p = rotation_GF_ * (p_F - center_F_);
   switch (kind_) {

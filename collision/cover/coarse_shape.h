@@ -3,16 +3,11 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "leeway/collision/ball.h"
 #include "leeway/collision/pose.h"
 #include "leeway/collision/shape.h"
 
 namespace leeway::collision {
-
-/// A solid ball in some frame.
-struct Ball {
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // [m]
-  double radius = 0;                                 // [m]
-};
 
 /// An axis-aligned box in a shape's own frame [m].
 struct AxisBox {
@@ -31,6 +26,8 @@ class CoarseShape {
   CoarseShape() = default;
   /// Makes the replacement for `shape`, placed in frame F by X_FG. O(vertices).
   CoarseShape(const Shape& shape, const Pose& X_FG);
+  /// The same for a sphere that is placed in F.
+  explicit CoarseShape(const Ball& ball_F);
 
   /// A lower bound, rounding included, on the signed distance of the point to the shape [m];
   /// negative inside.

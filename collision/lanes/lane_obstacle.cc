@@ -103,9 +103,18 @@ LaneSweep::Impl::Exact LaneSweep::Impl::exactOf(const Shape& shape, const Pose& 
 }
 
 LaneSweep::Impl::Obstacle LaneSweep::Impl::obstacleIn(std::int32_t place) const {
-  const auto [shape, X_WG] = world->placed(place);
-  Obstacle o = obstacleOf(*shape, X_WG);
-  o.exact_shape = exactOf(*shape, X_WG);
+  const LaneWorld::Placed placed = world->placed(place);
+  Obstacle o;
+  if (placed.shape != nullptr) {
+    o = obstacleOf(*placed.shape, placed.X_WG);
+    o.exact_shape = exactOf(*placed.shape, placed.X_WG);
+  } else {
+    const Shape sphere = Shape::sphere(placed.ball.radius);
+    const Pose X_WG{Eigen::Matrix3d::Identity(), placed.ball.center};
+    o = obstacleOf(sphere, X_WG);
+    o.exact_shape = exactOf(sphere, X_WG);  // the view of a sphere borrows nothing
+    o.exact_shape.shape = nullptr;
+  }
   o.place = place;
   return o;
 }
@@ -128,17 +137,35 @@ Eigen::AlignedBox3d LaneSweep::Impl::boxOf(const Shape& shape, const Pose& X_WG)
   return {center - extent, center + extent};
 }
 
-ObstacleBoxes::Box LaneSweep::boxAround(const Shape& shape, const Pose& X_WG) {
-  const Eigen::AlignedBox3d exact = Impl::boxOf(shape, X_WG);
-  const double rounding = kTransferRounding * (2 * X_WG.translation.lpNorm<1>() +
-                                               exact.min().lpNorm<1>() + exact.max().lpNorm<1>());
+namespace {
+
+/// A box in single precision around one whose corners are off by the rounding of a pose with this
+/// translation.
+ObstacleBoxes::Box grownBox(const Eigen::Vector3d& low, const Eigen::Vector3d& high,
+                            const Eigen::Vector3d& translation, bool is_ball) {
+  const double rounding =
+      kTransferRounding * (2 * translation.lpNorm<1>() + low.lpNorm<1>() + high.lpNorm<1>());
   ObstacleBoxes::Box box;
   for (int k = 0; k < 3; ++k) {
-    box.low[k] = std::max(roundedDown(exact.min()[k] - rounding), -kFar);
-    box.high[k] = std::min(roundedUpToFloat(exact.max()[k] + rounding), kFar);
+    box.low[k] = std::max(roundedDown(low[k] - rounding), -kFar);
+    box.high[k] = std::min(roundedUpToFloat(high[k] + rounding), kFar);
   }
-  box.is_ball = shape.type() == ShapeType::kSphere;
+  box.is_ball = is_ball;
   return box;
+}
+
+}  // namespace
+
+ObstacleBoxes::Box LaneSweep::boxAround(const Shape& shape, const Pose& X_WG) {
+  const Eigen::AlignedBox3d exact = Impl::boxOf(shape, X_WG);
+  return grownBox(exact.min(), exact.max(), X_WG.translation, shape.type() == ShapeType::kSphere);
+}
+
+ObstacleBoxes::Box LaneSweep::boxAroundBall(const Ball& ball, const Eigen::Vector3d& origin) {
+  const Eigen::Vector3d radius = Eigen::Vector3d::Constant(ball.radius);
+  // The centre was placed by the body's pose; as the pose of a geometry its own translation counts.
+  return grownBox(ball.center - radius, ball.center + radius,
+                  origin.cwiseAbs() + ball.center.cwiseAbs(), true);
 }
 
 // The obstacle of a part of a mesh: its hull, grown by how far the part protrudes from it.

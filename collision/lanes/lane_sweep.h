@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "collision/base/spare_memory.h"
@@ -22,8 +21,12 @@ namespace leeway::collision {
 class LaneWorld {
  public:
   virtual ~LaneWorld() = default;
-  /// The shape in a place and its pose; the shape must live as long as this object.
-  virtual std::pair<const Shape*, Pose> placed(int place) const = 0;
+  struct Placed {
+    const Shape* shape = nullptr;  ///< must live as long as the LaneWorld; null: `ball` is there
+    Pose X_WG;                     ///< of the shape
+    Ball ball;                     ///< in the world
+  };
+  virtual Placed placed(int place) const = 0;
   struct Pair {
     double threshold = 0;  ///< [m]
     bool by_parts = true;  ///< see LaneSweep::addPair()
@@ -80,6 +83,8 @@ class LaneSweep {
   int addObstacle(const Shape& shape, const Pose& X_WG, int place = -1);
   /// The box around such a shape in the world, rounding included.
   static ObstacleBoxes::Box boxAround(const Shape& shape, const Pose& X_WG);
+  /// boxAround() a ball of a body; `origin` is that of the body's frame, in the world.
+  static ObstacleBoxes::Box boxAroundBall(const Ball& ball, const Eigen::Vector3d& origin);
   /// Whether a shape of the world must be added as an obstacle: it has balls or parts in addition
   /// to its box, or it deforms and is therefore near everything. All others are made when they are
   /// near.

@@ -1,7 +1,8 @@
 #include "collision/lanes/obstacle_boxes.h"
 
 #include <algorithm>
-#include <limits>
+#include <bit>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -36,16 +37,26 @@ struct Middle {
   std::int32_t box;
 };
 
-Spread spreadOf(std::span<const Middle> middles) {
+template <class Things, class MiddleOf>
+Spread spreadOfEach(const Things& things, const MiddleOf& middle) {
   Spread spread;
   std::fill_n(spread.low, 3, kFar);
   std::fill_n(spread.high, 3, -kFar);
-  for (const Middle& m : middles)
+  for (const auto& thing : things)
     for (int k = 0; k < 3; ++k) {
-      spread.low[k] = std::min(spread.low[k], m.at[k]);
-      spread.high[k] = std::max(spread.high[k], m.at[k]);
+      const float at = middle(thing, k);
+      spread.low[k] = std::min(spread.low[k], at);
+      spread.high[k] = std::max(spread.high[k], at);
     }
   return spread;
+}
+Spread spreadOf(std::span<const Middle> middles) {
+  return spreadOfEach(middles, [](const Middle& m, int k) { return m.at[k]; });
+}
+Spread spreadOf(std::span<const Box> boxes, std::span<const std::int32_t> order) {
+  return spreadOfEach(order, [boxes](std::int32_t i, int k) {
+    return middle(boxes[static_cast<std::size_t>(i)], k);
+  });
 }
 
 // The largest power of kWidth below n: the number of boxes of a full node.
@@ -90,9 +101,10 @@ void sortBoxes(std::span<const Box> boxes, std::span<std::int32_t> order) {
   for (std::size_t i = 0; i < middles.size(); ++i) order[i] = middles[i].box;
 }
 
-// At least this many boxes are sorted along a Morton curve, which is faster; for fewer boxes,
-// halving gives tighter nodes.
-constexpr std::size_t kManyBoxes = 1U << 16U;
+// More boxes, or more balls, than this are sorted along a Morton curve, which is faster; for fewer,
+// halving gives tighter nodes. Balls of a cloud are nearly of one size and evenly spread, so that
+// their nodes are as tight either way.
+constexpr std::size_t kManyBoxes = 1U << 16U, kManyBalls = 1U << 8U;
 
 // Spreads bits to every third position.
 std::uint64_t spread(std::uint64_t x) {
@@ -103,23 +115,51 @@ std::uint64_t spread(std::uint64_t x) {
   return (x | x << 2U) & 0x1249249249249249U;
 }
 
+// Sorts by the bits from `low` to `high`, which are not above 64; equal ones keep their order.
+// Least significant digits come first.
+void sortByBits(std::vector<std::uint64_t>& keys, unsigned low, unsigned high) {
+  constexpr unsigned kDigit = 11;
+  std::vector<std::uint64_t> sorted(keys.size());
+  for (unsigned shift = low; shift < high; shift += kDigit) {
+    const std::uint64_t mask = (std::uint64_t{1} << std::min(kDigit, high - shift)) - 1;
+    std::size_t next[1U << kDigit] = {};
+    for (const std::uint64_t key : keys) ++next[key >> shift & mask];
+    std::size_t sum = 0;
+    for (std::size_t digit = 0; digit <= mask; ++digit) {
+      const std::size_t count = std::exchange(next[digit], sum);
+      sum += count;
+    }
+    for (const std::uint64_t key : keys) sorted[next[key >> shift & mask]++] = key;
+    keys.swap(sorted);
+  }
+}
+
+// Boxes in one cell of the curve keep their order. Points of a surface are in about sqrt(n) cells
+// along each axis; the curve has sixteen times as many.
 void sortAlongCurve(std::span<const Box> boxes, std::span<std::int32_t> order) {
-  constexpr float kCells = 0x1p20F;
-  const Spread world = spreadOf(middlesOf(boxes, order));
+  if (order.empty()) return;
+  const auto of_number = static_cast<unsigned>(std::bit_width(boxes.size() - 1));
+  const unsigned of_axis = std::min(static_cast<unsigned>(std::bit_width(order.size())) / 2 + 4,
+                                    std::min((64 - of_number) / 3, 21U));
+  const auto most = static_cast<float>((1U << of_axis) - 1);
+  const Spread world = spreadOf(boxes, order);
   const float length = world.length(world.longest());
-  const float cells = length > 0 ? kCells / length : 0;
-  std::vector<std::pair<std::uint64_t, std::int32_t>> keys;
+  const float cells = length > 0 ? most / length : 0;
+  std::vector<std::uint64_t> keys;
   keys.reserve(order.size());
   for (const std::int32_t i : order) {
     std::uint64_t key = 0;
     for (int k = 0; k < 3; ++k) {
       const float cell = (middle(boxes[static_cast<std::size_t>(i)], k) - world.low[k]) * cells;
-      key = key << 1U | spread(static_cast<std::uint64_t>(std::clamp(cell, 0.0F, kCells)));
+      // Infinity and NaN get a cell, too; they only make nodes larger.
+      key = key << 1U | spread(static_cast<std::uint64_t>(cell >= 0 ? std::min(cell, most) : 0));
     }
-    keys.emplace_back(key, i);
+    keys.push_back(key << of_number | static_cast<std::uint64_t>(i));
   }
-  std::sort(keys.begin(), keys.end());
-  for (std::size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].second;
+  sortByBits(keys, of_number, of_number + 3 * of_axis);
+  const std::uint64_t number = (std::uint64_t{1} << of_number) - 1;
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    order[i] = static_cast<std::int32_t>(keys[i] & number);
 }
 
 Level emptyLevel(std::size_t count) {
@@ -151,7 +191,7 @@ ObstacleBoxes::ObstacleBoxes(std::span<const Box> boxes, std::shared_ptr<const O
   std::vector<std::int32_t> order(boxes.size());
   std::iota(order.begin(), order.end(), 0);
   if (boxes.size() > kMostInList) {
-    const Spread world = spreadOf(middlesOf(boxes, order));
+    const Spread world = spreadOf(boxes, order);
     const float longest = kLargeShare * world.length(world.longest());
     const auto isLarge = [&](std::int32_t i) {
       const Box& box = boxes[static_cast<std::size_t>(i)];
@@ -162,10 +202,19 @@ ObstacleBoxes::ObstacleBoxes(std::span<const Box> boxes, std::shared_ptr<const O
     // Large boxes are last, so that the nodes of the others stay full.
     const auto large = std::stable_partition(order.begin(), order.end(),
                                              [&](std::int32_t i) { return !isLarge(i); });
-    if (large - order.begin() > static_cast<std::ptrdiff_t>(kManyBoxes))
-      sortAlongCurve(boxes, {order.begin(), large});
+    const auto isBall = [&](std::int32_t i) { return boxes[static_cast<std::size_t>(i)].is_ball; };
+    const auto many = [](std::size_t count) { return static_cast<std::ptrdiff_t>(count); };
+    auto balls = large;
+    // Many balls come after the other boxes, so that nodes have balls alone.
+    if (std::count_if(order.begin(), large, isBall) > many(kManyBalls)) {
+      balls =
+          std::stable_partition(order.begin(), large, [&](std::int32_t i) { return !isBall(i); });
+      sortAlongCurve(boxes, {balls, large});
+    }
+    if (balls - order.begin() > many(kManyBoxes))
+      sortAlongCurve(boxes, {order.begin(), balls});
     else
-      sortBoxes(boxes, {order.begin(), large});
+      sortBoxes(boxes, {order.begin(), balls});
     sortBoxes(boxes, {large, order.end()});
   }
   levels_.push_back(emptyLevel(boxes.size()));

@@ -20,29 +20,46 @@
 #include "collision/scene/scene_checks.h"
 
 namespace leeway::collision {
+
+Geometry Body::geometry(std::size_t number) const {
+  if (number < geometries.size()) return geometries[number];
+  const Ball& ball = (*balls)[number - geometries.size()];
+  return {Shape::sphere(ball.radius), {Eigen::Matrix3d::Identity(), ball.center}, {}};
+}
+
 namespace {
+
+/// Grows a ball by the rounding of its place.
+Ball grown(const Ball& ball) {
+  return {ball.center, ball.radius + kTransferRounding * (ball.center.lpNorm<1>() + ball.radius)};
+}
+
+}  // namespace
+
+BallBounds::BallBounds(const Body& body, const Ball& ball)
+    : outer(grown({body.X_WB * ball.center, ball.radius})),
+      coarse(Ball{outer.center, ball.radius}) {}
 
 GeometryBounds boundsOf(const Body& body, const Geometry& geometry) {
   const Pose X_FG = body.moving ? Pose{} * geometry.X_BG : body.X_WB * geometry.X_BG;
   GeometryBounds bounds;
-  bounds.outer.center = X_FG * geometry.shape.boundingCenter();
-  const double radius = geometry.shape.boundingRadius();
-  bounds.outer.radius = radius + kTransferRounding * (bounds.outer.center.lpNorm<1>() + radius);
+  bounds.outer = grown({X_FG * geometry.shape.boundingCenter(), geometry.shape.boundingRadius()});
   bounds.coarse = CoarseShape(geometry.shape, X_FG);
   if (body.moving) bounds.inner = innerBalls(geometry.shape, X_FG);
   return bounds;
 }
 
-}  // namespace
-
-void Scene::Things::add(Body body, int first) {
-  first_geometry.push_back(first);
+void Scene::Things::add(Body body, std::size_t first) {
+  first_geometry.push_back(static_cast<int>(first));
+  first_bounds.push_back(bounds.size());
   for (const Geometry& g : body.geometries) bounds.push_back(boundsOf(body, g));
+  size += body.size();
   bodies.push_back(std::move(body));
 }
 
-void Scene::Things::replace(std::size_t body, std::size_t first, Body by) {
-  for (const Geometry& g : by.geometries) bounds[first++] = boundsOf(by, g);
+void Scene::Things::replace(std::size_t body, Body by) {
+  std::size_t next = first_bounds[body];
+  for (const Geometry& g : by.geometries) bounds[next++] = boundsOf(by, g);
   bodies[body] = std::move(by);
 }
 
@@ -133,6 +150,7 @@ class StillGeometries {
       boxes.push_back(boxOf(g.shape, X_WG));
       scale = greatest(scale, scaleOf(g.shape, X_WG, (bounds++)->outer));
     }
+    if (body.balls) takeBalls(body);
   }
 
   std::vector<ObstacleBoxes::Box> boxes;
@@ -140,6 +158,21 @@ class StillGeometries {
   double scale = 0;
 
  private:
+  /// As for spheres at the balls' centres, without their poses and bounds.
+  void takeBalls(const Body& body) {
+    const Pose& X_WB = body.X_WB;
+    const double origin = (X_WB.rotation.transpose() * X_WB.translation).lpNorm<1>();
+    double most = 0;
+    for (const Ball& ball : *body.balls) {
+      const Eigen::Vector3d center = X_WB * ball.center;
+      boxes.push_back(LaneSweep::boxAroundBall({center, ball.radius}, X_WB.translation));
+      most = greatest(most,
+                      center.lpNorm<1>() + std::max(ball.center.lpNorm<1>() + origin, ball.radius));
+    }
+    // At least scaleOf(): R^T (R c + t) is c + R^T t, up to rounding.
+    scale = greatest(scale, most * (1 + kTransferRounding));
+  }
+
   std::size_t first_place_;
 };
 
@@ -150,7 +183,7 @@ void Scene::findStill() {
   StillGeometries built(0);
   built.reserve(pairs_.places());
   for (std::size_t b = first; b < things_->bodies.size(); ++b)
-    built.take(things_->bodies[b], things_->bounds.data() + things_->first_geometry[b]);
+    built.take(things_->bodies[b], things_->bounds.data() + things_->first_bounds[b]);
   still_ = {};
   if (!built.boxes.empty()) still_.boxes = std::make_shared<const ObstacleBoxes>(built.boxes);
   still_.added = std::make_shared<const std::vector<std::int32_t>>(std::move(built.added));
@@ -162,14 +195,12 @@ void Scene::findAddedStill() {
   std::size_t count = 0;  // number of geometries that were added and are in places
   const std::size_t built = things_->bodies.size();
   const std::size_t first = std::max(at(pairs_.firstStill()), built) - built;
-  for (std::size_t b = first; b < added_->bodies.size(); ++b)
-    count += added_->bodies[b].geometries.size();
+  for (std::size_t b = first; b < added_->bodies.size(); ++b) count += added_->bodies[b].size();
   const std::size_t first_place = pairs_.places() - count;
   StillGeometries still(first_place);
   still.reserve(count);
   for (std::size_t b = first; b < added_->bodies.size(); ++b)
-    still.take(added_->bodies[b],
-               added_->bounds.data() + added_->first_geometry[b] - things_->bounds.size());
+    still.take(added_->bodies[b], added_->bounds.data() + added_->first_bounds[b]);
   std::shared_ptr<const ObstacleBoxes> of_built;
   if (first_place > 0) of_built = still_.boxes->first() ? still_.boxes->first() : still_.boxes;
   std::vector<std::int32_t> places;
@@ -189,13 +220,13 @@ void Scene::setShape(int body, int geometry, const Shape& shape) {
   const std::shared_ptr<Things> more = is_added ? std::make_shared<Things>(*added_) : nullptr;
   Things& things = is_added ? *more : own();
   Body& changed = things.bodies[at(body) - (is_added ? built : 0)];
-  Geometry& g = changed.geometries[at(geometry)];
+  Geometry& g = changed.geometries.at(at(geometry));
   const bool is_boxed =
       pairs_.places() > 0 && body >= pairs_.firstStill() &&
       !(g.shape.type() == ShapeType::kDeformable && shape.type() == ShapeType::kDeformable);
   g.shape = shape;
-  GeometryBounds& bounds = things.bounds[at(SceneAccess::geometryIndex(*this, body, geometry)) -
-                                         (is_added ? things_->bounds.size() : 0)];
+  GeometryBounds& bounds =
+      things.bounds[things.first_bounds[at(body) - (is_added ? built : 0)] + at(geometry)];
   bounds = boundsOf(changed, g);
   if (is_added) added_ = more;
   if (is_boxed) {
@@ -219,7 +250,7 @@ void Scene::setPoses(std::span<const std::pair<int, Pose>> X_WB) {
     Body changed = moved->bodies[i];
     changed.X_WB = pose;
     requirePoses(changed);
-    moved->replace(i, at(moved->first_geometry[i]) - things_->bounds.size(), std::move(changed));
+    moved->replace(i, std::move(changed));
   }
   added_ = std::move(moved);
   if (still_.boxes) findAddedStill();
@@ -255,12 +286,11 @@ namespace {
 void requireNoHalfSpaces(std::span<const Body> bodies, const ScenePairs& pairs) {
   for (std::size_t row = 0; row < pairs.rows().size(); ++row) {
     const Body& a = bodies[at(pairs.rows()[row].body)];
-    if (!isHalfSpace(a.geometries[at(pairs.rows()[row].geometry)])) continue;
+    if (!isHalfSpace(a, at(pairs.rows()[row].geometry))) continue;
     for (std::size_t place = 0; place < pairs.places(); ++place) {
       const auto [body, geometry] = pairs.geometryIn(place);
       const Body& b = bodies[at(body)];
-      if (isHalfSpace(b.geometries[at(geometry)]) && pairs.numberOf(row, place) >= 0)
-        refuseHalfSpaces(a, b);
+      if (isHalfSpace(b, at(geometry)) && pairs.numberOf(row, place) >= 0) refuseHalfSpaces(a, b);
     }
   }
 }
@@ -268,10 +298,10 @@ void requireNoHalfSpaces(std::span<const Body> bodies, const ScenePairs& pairs) 
 /// Adds all pairs of geometries of two bodies, of which A moves.
 void addPairs(std::span<const Body> bodies, int a, int b, double margin,
               std::vector<ScenePair>& pairs) {
-  const std::vector<Geometry>&of_a = bodies[at(a)].geometries, &of_b = bodies[at(b)].geometries;
+  const Body &of_a = bodies[at(a)], &of_b = bodies[at(b)];
   for (std::size_t g = 0; g < of_a.size(); ++g) {
     for (std::size_t h = 0; h < of_b.size(); ++h) {
-      if (isHalfSpace(of_a[g]) && isHalfSpace(of_b[h]))
+      if (isHalfSpace(of_a, g) && isHalfSpace(of_b, h))
         refuseHalfSpaces(bodies[at(a)], bodies[at(b)]);
       pairs.push_back({a, static_cast<std::int32_t>(g), b, static_cast<std::int32_t>(h), margin});
     }
@@ -328,12 +358,12 @@ class Exceptions {
 std::size_t mostPairs(std::span<const Body> bodies, int added, std::span<const int> moving) {
   std::size_t all = 0, all_moving = 0, base = 0, base_moving = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    all += bodies[i].geometries.size();
-    if (i < at(added)) base += bodies[i].geometries.size();
+    all += bodies[i].size();
+    if (i < at(added)) base += bodies[i].size();
   }
   for (const int i : moving) {
-    all_moving += bodies[at(i)].geometries.size();
-    if (i < added) base_moving += bodies[at(i)].geometries.size();
+    all_moving += bodies[at(i)].size();
+    if (i < added) base_moving += bodies[at(i)].size();
   }
   return base_moving * (all - base) + (all_moving - base_moving) * all;
 }
@@ -343,7 +373,10 @@ std::size_t mostPairs(std::span<const Body> bodies, int added, std::span<const i
 Scene SceneBuilder::build() && {
   requireMargin(default_margin_);
   for (const PairMargin& m : margins_) requireMargin(m.margin);
-  for (const Body& body : bodies_) requirePoses(body);
+  for (const Body& body : bodies_) {
+    requirePoses(body);
+    requireBalls(body);
+  }
 
   Scene scene = std::move(base_);
   const ScenePairs base = std::move(scene.pairs_);
@@ -351,18 +384,18 @@ Scene SceneBuilder::build() && {
   scene.still_ = {};
   Scene::Things& things = scene.own();
   if (scene.added_) {
-    for (const Body& body : scene.added_->bodies)
-      things.add(body, static_cast<int>(things.bounds.size()));
+    for (const Body& body : scene.added_->bodies) things.add(body, things.size);
     scene.added_ = nullptr;
   }
   scene.removed_.clear();
   const auto added = static_cast<int>(things.bodies.size());
   things.bodies.reserve(things.bodies.size() + bodies_.size());
   things.first_geometry.reserve(things.bodies.capacity());
+  things.first_bounds.reserve(things.bodies.capacity());
   std::size_t geometries = things.bounds.size();
   for (const Body& body : bodies_) geometries += body.geometries.size();
   things.bounds.reserve(geometries);
-  for (Body& body : bodies_) things.add(std::move(body), static_cast<int>(things.bounds.size()));
+  for (Body& body : bodies_) things.add(std::move(body), things.size);
   const std::span<const Body> bodies = things.bodies;
   const Exceptions exceptions(bodies.size(), allowed_, margins_);
   const auto count = static_cast<int>(bodies.size());
@@ -424,7 +457,7 @@ Scene SceneBuilder::build() && {
     const auto first = at(things.first_geometry[at(b)] - things.first_geometry[at(end)]);
     for (std::size_t row = 0; row < pairs.rows_.size(); ++row) {
       if (pairs.rows_[row].body != a) continue;
-      for (std::size_t h = 0; h < bodies[at(b)].geometries.size(); ++h) {
+      for (std::size_t h = 0; h < bodies[at(b)].size(); ++h) {
         if (exception.allowed)
           pairs.leaveOut({row, first + h});
         else
@@ -449,16 +482,17 @@ void SceneBuilder::addTable(std::span<const Body> bodies, int first_still,
   std::size_t places = 0;
   bool is_one_each = true;
   for (const Body& body : bodies.subspan(at(first_still))) {
-    places += body.geometries.size();
-    is_one_each = is_one_each && body.geometries.size() == 1;
+    places += body.size();
+    is_one_each = is_one_each && body.size() == 1;
   }
   if (rows.empty() || places == 0) return;
   requireNumbers(rows.size(), places);
   pairs.rows_ = std::move(rows);
   pairs.places_ = places;
   pairs.first_still_ = first_still;
+  if (!is_one_each) pairs.geometries_.reserve(places);
   for (std::size_t b = at(first_still); !is_one_each && b < bodies.size(); ++b)
-    for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g)
+    for (std::size_t g = 0; g < bodies[b].size(); ++g)
       pairs.geometries_.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(g)});
 }
 

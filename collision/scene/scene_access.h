@@ -21,12 +21,26 @@ struct SceneAccess {
                       : scene.added_->first_geometry[b - built]) +
            geometry;
   }
+  /// By geometryIndex(), in a scene without balls.
   static const GeometryBounds& bounds(const Scene& scene, int geometry_index) {
     const auto i = static_cast<std::size_t>(geometry_index), built = scene.things_->bounds.size();
     return i < built ? scene.things_->bounds[i] : scene.added_->bounds[i - built];
   }
+  /// The bounds of a geometry that is not a ball.
+  static const GeometryBounds& bounds(const Scene& scene, int body, int geometry) {
+    const auto b = static_cast<std::size_t>(body), built = scene.things_->bodies.size();
+    const Scene::Things& things = b < built ? *scene.things_ : *scene.added_;
+    return things.bounds[things.first_bounds[b < built ? b : b - built] +
+                         static_cast<std::size_t>(geometry)];
+  }
+  static SceneGeometry geometry(const Scene& scene, int body, int geometry) {
+    const Body& of = scene.bodies()[static_cast<std::size_t>(body)];
+    const auto number = static_cast<std::size_t>(geometry);
+    if (number >= of.geometries.size()) return {of, number};
+    return {of.geometries[number], bounds(scene, body, geometry)};
+  }
   static std::size_t geometryCount(const Scene& scene) {
-    return scene.things_->bounds.size() + (scene.added_ ? scene.added_->bounds.size() : 0);
+    return scene.things_->size + (scene.added_ ? scene.added_->size : 0);
   }
   /// Sets the pose of a moving body until a workspace moves it.
   static void place(Scene& scene, int body, const Pose& X_WB) {
@@ -47,10 +61,9 @@ struct SceneAccess {
   /// The boxes around fixed geometries, one for each place; null if there are no places.
   static const ObstacleBoxes* boxes(const Scene& scene) { return scene.still_.boxes.get(); }
   /// The geometry in a place.
-  static const Geometry& geometryIn(const Scene& scene, int place) {
-    const auto [body, geometry] = scene.pairs_.geometryIn(static_cast<std::size_t>(place));
-    return scene.bodies()[static_cast<std::size_t>(body)]
-        .geometries[static_cast<std::size_t>(geometry)];
+  static SceneGeometry geometryIn(const Scene& scene, int place) {
+    const auto of = scene.pairs_.geometryIn(static_cast<std::size_t>(place));
+    return geometry(scene, of.body, of.geometry);
   }
   static const std::shared_ptr<const ObstacleBoxes>& sharedBoxes(const Scene& scene) {
     return scene.still_.boxes;

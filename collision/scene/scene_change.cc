@@ -27,14 +27,14 @@ bool SceneChange::isAdded(int body) const {
   return body >= 0 && at(body) >= before && at(body) < before + bodies_.size();
 }
 
-/// The number of a removed body that a change had added; -1: none has as many geometries.
-int SceneChange::numberToUse(std::size_t geometries) const {
+/// The number of a removed body that a change had added; -1: none has as many geometries and balls.
+int SceneChange::numberToUse(const Body& like) const {
   const Bodies bodies = scene_.bodies();
   const auto first = static_cast<int>(scene_.things_->bodies.size());
   if (scene_.pairs_.places_ == 0 || first < scene_.pairs_.firstStill()) return -1;
   const auto fits = [&](int body) {
-    return body >= first && bodies[at(body)].geometries.size() == geometries &&
-           used_again_.count(body) == 0;
+    return body >= first && bodies[at(body)].geometries.size() == like.geometries.size() &&
+           bodies[at(body)].size() == like.size() && used_again_.count(body) == 0;
   };
   const auto found = std::find_if(removed_.begin(), removed_.end(), fits);
   if (found != removed_.end()) return *found;
@@ -55,8 +55,9 @@ void SceneChange::remove(int body) {
 
 int SceneChange::add(Body body) {
   requirePoses(body);
+  requireBalls(body);
   if (body.moving) refuse("'" + body.name + "' moves and is added; a body that stands still");
-  if (const int number = numberToUse(body.geometries.size()); number >= 0) {
+  if (const int number = numberToUse(body); number >= 0) {
     used_again_.emplace(number, std::move(body));
     return number;
   }
@@ -92,13 +93,9 @@ Scene SceneChange::build() && {
     const Scene::Things& built = *scene_.things_;
     auto added = scene_.added_ ? std::make_shared<Scene::Things>(*scene_.added_)
                                : std::make_shared<Scene::Things>();
-    for (auto& [number, body] : used_again_) {
-      const int geometry = SceneAccess::geometryIndex(scene_, number, 0);
-      added->replace(at(number) - built.bodies.size(), at(geometry) - built.bounds.size(),
-                     std::move(body));
-    }
-    for (Body& body : bodies_)
-      added->add(std::move(body), static_cast<int>(built.bounds.size() + added->bounds.size()));
+    for (auto& [number, body] : used_again_)
+      added->replace(at(number) - built.bodies.size(), std::move(body));
+    for (Body& body : bodies_) added->add(std::move(body), built.size + added->size);
     scene_.added_ = std::move(added);
     useAgain();
     if (!bodies_.empty()) addPairs(first);
@@ -126,8 +123,7 @@ void SceneChange::removePairs() {
   for (const int body : removed_) {
     if (body < pairs.firstStill()) continue;
     const std::size_t place = at(SceneAccess::geometryIndex(scene_, body, 0) - first);
-    for (std::size_t g = 0; g < scene_.bodies()[at(body)].geometries.size(); ++g)
-      pairs.clearPlace(place + g);
+    for (std::size_t g = 0; g < scene_.bodies()[at(body)].size(); ++g) pairs.clearPlace(place + g);
   }
 }
 
@@ -147,7 +143,7 @@ void SceneChange::useAgain() {
   for (const auto& [number, moved_from] : used_again_) {
     requireNoHalfSpaces(at(number));
     const std::size_t place = at(SceneAccess::geometryIndex(scene_, number, 0) - first);
-    for (std::size_t g = 0; g < scene_.bodies()[at(number)].geometries.size(); ++g) {
+    for (std::size_t g = 0; g < scene_.bodies()[at(number)].size(); ++g) {
       pairs.restorePlace(place + g);
       for (std::size_t row = 0; row < pairs.rows_.size(); ++row)
         pairs.set({row, place + g}, marginOf(pairs.rows_[row].body, at(number)));
@@ -160,9 +156,9 @@ void SceneChange::useAgain() {
 void SceneChange::requireNoHalfSpaces(std::size_t body) const {
   const Bodies bodies = scene_.bodies();
   const std::vector<Geometry>& of = bodies[body].geometries;
-  if (std::none_of(of.begin(), of.end(), isHalfSpace)) return;
+  if (std::none_of(of.begin(), of.end(), [](const Geometry& g) { return isHalfSpace(g); })) return;
   for (const ScenePairs::Row& a : scene_.pairs_.rows_)
-    if (isHalfSpace(bodies[at(a.body)].geometries[at(a.geometry)]) && marginOf(a.body, body))
+    if (isHalfSpace(bodies[at(a.body)], at(a.geometry)) && marginOf(a.body, body))
       refuseHalfSpaces(bodies[at(a.body)], bodies[body]);
 }
 
@@ -190,8 +186,8 @@ void SceneChange::addPlaces(std::size_t first) {
   std::size_t count = 0;
   bool is_one_each = pairs.geometries_.empty();
   for (std::size_t b = first; b < bodies.size(); ++b) {
-    count += bodies[b].geometries.size();
-    is_one_each = is_one_each && bodies[b].geometries.size() == 1;
+    count += bodies[b].size();
+    is_one_each = is_one_each && bodies[b].size() == 1;
   }
   if (pairs.rows_.empty() || count == 0) {
     if (first_place == 0) pairs.rows_.clear();
@@ -207,7 +203,7 @@ void SceneChange::addPlaces(std::size_t first) {
       pairs.geometries_ = std::move(before);
     }
     for (std::size_t b = first; b < bodies.size(); ++b)
-      for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g)
+      for (std::size_t g = 0; g < bodies[b].size(); ++g)
         pairs.geometries_.push_back({static_cast<std::int32_t>(b), static_cast<std::int32_t>(g)});
   }
   pairs.places_ += count;
@@ -215,8 +211,10 @@ void SceneChange::addPlaces(std::size_t first) {
     std::size_t place = first_place;
     for (std::size_t b = first; b < bodies.size(); ++b) {
       const std::optional<double> margin = marginOf(pairs.rows_[row].body, b);
-      for (std::size_t g = 0; g < bodies[b].geometries.size(); ++g, ++place)
-        pairs.set({row, place}, margin);
+      const std::size_t end = place + bodies[b].size();
+      // New places have no exceptions yet.
+      if (ScenePairs::isUsual(pairs.rows_[row], margin)) place = end;
+      for (; place < end; ++place) pairs.set({row, place}, margin);
     }
   }
   scene_.findAddedStill();

@@ -28,7 +28,32 @@ inline void requirePoses(const Body& body) {
   for (const Geometry& g : body.geometries) require(g.X_BG);
 }
 
+/// Rejects balls that no query could answer for. O(balls).
+inline void requireBalls(const Body& body) {
+  if (!body.balls || body.balls->empty()) return;
+  const auto refuse = [&body](std::size_t i, const std::string& what) {
+    throw std::invalid_argument("scene: ball " + std::to_string(i) + " of '" + body.name + "' " +
+                                what);
+  };
+  if (body.moving) refuse(0, "moves; balls of a fixed body are expected");
+  double known = -1;  // most balls of a cloud have one radius
+  for (std::size_t i = 0; i < body.balls->size(); ++i) {
+    const Ball& ball = (*body.balls)[i];
+    if (!ball.center.allFinite()) refuse(i, "has a centre that is not finite");
+    if (ball.radius == known) continue;
+    try {
+      known = Shape::sphere(ball.radius).radius();
+    } catch (const InvalidShape& error) {
+      refuse(i, std::string("is refused: ") + error.what());
+    }
+  }
+}
+
 inline bool isHalfSpace(const Geometry& g) { return g.shape.type() == ShapeType::kHalfSpace; }
+/// The same for a number below Body::size().
+inline bool isHalfSpace(const Body& body, std::size_t geometry) {
+  return geometry < body.geometries.size() && isHalfSpace(body.geometries[geometry]);
+}
 
 [[noreturn]] inline void refuseHalfSpaces(const Body& a, const Body& b) {
   throw std::invalid_argument("half-space of '" + a.name + "' with half-space of '" + b.name +

@@ -135,8 +135,7 @@ bool ScenePairs::isCleared(std::size_t place) const {
 
 void ScenePairs::set(const Place& of, std::optional<double> margin) {
   const Row& row = rows_[of.row];
-  const bool is_usual = margin.has_value() != row.is_sparse && (!margin || *margin == row.margin);
-  if (is_usual && exceptions_.find(keyOf(of)) == nullptr) return;
+  if (isUsual(row, margin) && exceptions_.find(keyOf(of)) == nullptr) return;
   Exceptions::Entry& entry = exceptions_.of(keyOf(of));
   entry.has_pair = entry.has_margin = margin.has_value();
   entry.margin = margin.value_or(0);

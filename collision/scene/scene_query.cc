@@ -65,7 +65,8 @@ void Workspace::prepare(const Scene& scene) {
   std::fill_n(nowhere.high, 3, kFar);
   const ObstacleBoxes& boxes = *SceneAccess::boxes(scene);
   boxes.forEachNear(nowhere, [&](std::size_t slot) {
-    if (boxes.obstacle(slot) >= 0) take(SceneAccess::geometryIn(scene, boxes.obstacle(slot)));
+    if (boxes.obstacle(slot) >= 0)
+      take(SceneAccess::geometryIn(scene, boxes.obstacle(slot)).geometry());
   });
 }
 
@@ -111,43 +112,54 @@ double transferSlack(const Scene& scene, const Workspace& workspace, int a, int 
                               poseOf(scene, workspace, b).translation.lpNorm<1>() + p.lpNorm<1>());
 }
 
-const GeometryBounds& boundsOf(const Scene& scene, int body, int geometry) {
-  return SceneAccess::bounds(scene, SceneAccess::geometryIndex(scene, body, geometry));
+/// Calls use(outer, coarse) with the bounds of a pair's second geometry.
+template <class Use>
+double withBounds(const Scene& scene, const ScenePair& pair, const Use& use) {
+  const Body& body = scene.bodies()[at(pair.body_b)];
+  const std::size_t number = at(pair.geometry_b), stored = body.geometries.size();
+  if (number >= stored) {
+    const BallBounds of(body, (*body.balls)[number - stored]);
+    return use(of.outer, of.coarse);
+  }
+  const GeometryBounds& of = SceneAccess::bounds(scene, pair.body_b, pair.geometry_b);
+  return use(of.outer, of.coarse);
 }
 
 /// Lower bound on the separation: the outer ball of each body against the coarse shape of the
 /// other.
 double coarseLower(const Scene& scene, const Workspace& workspace, const ScenePair& pair) {
-  const GeometryBounds& a = boundsOf(scene, pair.body_a, pair.geometry_a);
-  const GeometryBounds& b = boundsOf(scene, pair.body_b, pair.geometry_b);
-  const Eigen::Vector3d center_B =
-      transferred(scene, workspace, a.outer.center, pair.body_a, pair.body_b);
-  double lower = b.coarse.lower(center_B) - a.outer.radius;
-  if (std::isfinite(b.outer.radius)) {
-    const Eigen::Vector3d center_A =
-        transferred(scene, workspace, b.outer.center, pair.body_b, pair.body_a);
-    lower = std::max(lower, a.coarse.lower(center_A) - b.outer.radius);
-  }
-  // A NaN pose must not count as far away.
-  return std::isnan(lower)
-             ? -kInfinity
-             : lower - transferSlack(scene, workspace, pair.body_a, pair.body_b, center_B);
+  const GeometryBounds& a = SceneAccess::bounds(scene, pair.body_a, pair.geometry_a);  // moves
+  return withBounds(scene, pair, [&](const Ball& outer, const CoarseShape& coarse) {
+    const Eigen::Vector3d center_B =
+        transferred(scene, workspace, a.outer.center, pair.body_a, pair.body_b);
+    double lower = coarse.lower(center_B) - a.outer.radius;
+    if (std::isfinite(outer.radius)) {
+      const Eigen::Vector3d center_A =
+          transferred(scene, workspace, outer.center, pair.body_b, pair.body_a);
+      lower = std::max(lower, a.coarse.lower(center_A) - outer.radius);
+    }
+    // A NaN pose must not count as far away.
+    return std::isnan(lower)
+               ? -kInfinity
+               : lower - transferSlack(scene, workspace, pair.body_a, pair.body_b, center_B);
+  });
 }
 
 /// Upper bound on the separation from A's inner balls in B's coarse shape. Stops at the first ball
 /// that proves contact.
 double coarseUpper(const Scene& scene, const Workspace& workspace, const ScenePair& pair) {
-  const GeometryBounds& a = boundsOf(scene, pair.body_a, pair.geometry_a);
-  const GeometryBounds& b = boundsOf(scene, pair.body_b, pair.geometry_b);
-  double upper = kInfinity;
-  for (const Ball& ball : a.inner) {
-    const Eigen::Vector3d center_B =
-        transferred(scene, workspace, ball.center, pair.body_a, pair.body_b);
-    const double slack = transferSlack(scene, workspace, pair.body_a, pair.body_b, center_B);
-    upper = std::min(upper, b.coarse.upper(center_B) - ball.radius + slack);
-    if (upper <= pair.margin) break;
-  }
-  return std::isnan(upper) ? kInfinity : upper;
+  const GeometryBounds& a = SceneAccess::bounds(scene, pair.body_a, pair.geometry_a);  // moves
+  return withBounds(scene, pair, [&](const Ball&, const CoarseShape& coarse) {
+    double upper = kInfinity;
+    for (const Ball& ball : a.inner) {
+      const Eigen::Vector3d center_B =
+          transferred(scene, workspace, ball.center, pair.body_a, pair.body_b);
+      const double slack = transferSlack(scene, workspace, pair.body_a, pair.body_b, center_B);
+      upper = std::min(upper, coarse.upper(center_B) - ball.radius + slack);
+      if (upper <= pair.margin) break;
+    }
+    return std::isnan(upper) ? kInfinity : upper;
+  });
 }
 
 Verdict verdictOf(const Interval& distance, double margin) {
@@ -201,7 +213,7 @@ Verdict decidePair(const Scene& scene, Workspace& workspace, int p, DistanceResu
 ObstacleBoxes::Box boxOfRow(const Scene& scene, const Workspace& workspace, std::size_t row,
                             double reach) {
   const ScenePairs::Row& of = scene.pairs().rows()[row];
-  const Ball& ball = boundsOf(scene, of.body, of.geometry).outer;
+  const Ball& ball = SceneAccess::bounds(scene, of.body, of.geometry).outer;
   const Eigen::Vector3d center = workspace.pose(of.body) * ball.center;
   const double slack = transferSlack(scene, workspace, of.body, of.body, ball.center);
   const double radius = ball.radius + reach + 2 * slack;
@@ -230,8 +242,9 @@ namespace {
 DistanceResult distanceOf(const Scene& scene, Workspace& workspace, int p,
                           const DistanceRequest& request, PairCache* cache) {
   const ScenePair pair = scene.pairs()[at(p)];
-  const Geometry& a = scene.bodies()[at(pair.body_a)].geometries[at(pair.geometry_a)];
-  const Geometry& b = scene.bodies()[at(pair.body_b)].geometries[at(pair.geometry_b)];
+  const Geometry& a = scene.bodies()[at(pair.body_a)].geometries[at(pair.geometry_a)];  // moves
+  const SceneGeometry of_b = SceneAccess::geometry(scene, pair.body_b, pair.geometry_b);
+  const Geometry& b = of_b.geometry();
   const double slack =
       transferSlack(scene, workspace, pair.body_a, pair.body_b, Eigen::Vector3d::Zero()) +
       kTransferRounding * (a.X_BG.translation.lpNorm<1>() + b.X_BG.translation.lpNorm<1>());

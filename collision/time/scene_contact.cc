@@ -19,8 +19,9 @@ ContactResult contactOfPair(const Scene& scene, int p, std::span<const RigidMoti
   const Still still_a(body_a.X_WB), still_b(body_b.X_WB);
   const RigidMotion* given_a = motions[static_cast<std::size_t>(pair.body_a)];
   const RigidMotion* given_b = motions[static_cast<std::size_t>(pair.body_b)];
-  const Geometry& a = body_a.geometries[static_cast<std::size_t>(pair.geometry_a)];
-  const Geometry& b = body_b.geometries[static_cast<std::size_t>(pair.geometry_b)];
+  const SceneGeometry of_a = SceneAccess::geometry(scene, pair.body_a, pair.geometry_a);
+  const SceneGeometry of_b = SceneAccess::geometry(scene, pair.body_b, pair.geometry_b);
+  const Geometry &a = of_a.geometry(), &b = of_b.geometry();
   const MountedMotion motion_a(given_a != nullptr ? *given_a : still_a, a.X_BG);
   const MountedMotion motion_b(given_b != nullptr ? *given_b : still_b, b.X_BG);
   request.margin += pair.margin;

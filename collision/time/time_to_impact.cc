@@ -164,7 +164,7 @@ void ImpactSchedule::setMotion(int body, const PointMotion& motion, double time)
     hasten(items_of_body_[at(i)]);
   const ScenePairs& pairs = scene_->pairs();
   if (pairs.places() == 0 || body < pairs.firstStill()) return;
-  if (scene_->bodies()[at(body)].geometries.empty()) return;
+  if (scene_->bodies()[at(body)].size() == 0) return;
   if (!std::exchange(is_moved_still_[at(body)], true)) moved_still_.push_back(body);
   for (std::size_t row = 0; row < pairs.rows().size(); ++row)
     hasten(static_cast<std::int32_t>(pairs.listedCount() + row));
@@ -194,9 +194,7 @@ double ImpactSchedule::lookAtRow(std::size_t row, double time, double horizon, W
   const ScenePairs::Row& of = pairs.rows()[row];
   const double end = time + horizon, margin = of.most;
   const PointMotion motion = closing(motionAt(of.body, time), fastestStill(time));
-  const double radius =
-      SceneAccess::bounds(*scene_, SceneAccess::geometryIndex(*scene_, of.body, of.geometry))
-          .outer.radius;
+  const double radius = SceneAccess::bounds(*scene_, of.body, of.geometry).outer.radius;
   // The reach of the motions until the row is due again, and then up to the first pair.
   const double wait = kImpactHorizons * horizon;
   double reach =

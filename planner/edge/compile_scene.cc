@@ -33,11 +33,11 @@ bool hasShapes(const Object& object) {
   return !object.geometries.empty() || (object.cloud && !object.cloud->balls.empty());
 }
 
-/// Returns an object as a body: first its cloud's balls, then its shapes.
+/// Returns an object as a body, which shares the cloud's balls.
 collision::Body bodyOf(const Object& object) {
-  collision::Body body{object.name, {}, false, object.X_WO};
-  if (object.cloud) body.geometries = geometriesOf(*object.cloud);
-  body.geometries.insert(body.geometries.end(), object.geometries.begin(), object.geometries.end());
+  collision::Body body{object.name, object.geometries, false, object.X_WO};
+  if (object.cloud && !object.cloud->balls.empty())
+    body.balls = {object.cloud, &object.cloud->balls};
   return body;
 }
 
@@ -482,7 +482,13 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjectAt(const std::stri
         "CompiledScene::withObjectAt(): the cloud of '{}' was cropped or carved for its "
         "place; withObjects() with a cloud made for the new one is expected",
         name));
-  const Object moved{name, scene_.bodies()[at(body)].geometries, X_WO};
+  const collision::Body& before = scene_.bodies()[at(body)];
+  Object moved{name, before.geometries, X_WO};
+  if (before.balls) {
+    auto cloud = std::make_shared<PointCloud>();
+    cloud->balls = *before.balls;
+    moved.cloud = std::move(cloud);
+  }
   return withObjects({&moved, 1}, {&body, 1});
 }
 
@@ -582,7 +588,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
   for (const Replacement& r : shapes) {
     if (r.growth <= 0) continue;  // NaN grows, too: such a pair is never free
     changed->is_variant_ = true;
-    for (std::size_t g = 0; g < bodies[at(r.body)].geometries.size(); ++g)
+    for (std::size_t g = 0; g < bodies[at(r.body)].size(); ++g)
       changed->scene_.growMargins(r.body, static_cast<int>(g), r.growth);
   }
   return changed;
@@ -652,15 +658,17 @@ std::string differenceOf(const Object& object, const collision::Body& body,
                          const robots::Pose& X_WB, bool moves) {
   if (moves != (object.motion != nullptr)) return moves ? "moves" : "stands still";
   if (!isSamePose(object.X_WO, X_WB)) return "stands elsewhere";
-  const std::size_t balls = object.cloud ? object.cloud->size() : 0;
-  if (balls > body.geometries.size()) return "has another shape";
-  const std::span<const collision::Geometry> geometries = body.geometries;
-  for (std::size_t i = 0; i < balls; ++i)
-    if (geometries[i].shape.type() != collision::ShapeType::kSphere ||
-        geometries[i].shape.radius() != object.cloud->balls[i].radius ||
-        geometries[i].X_BG.translation != object.cloud->balls[i].center)
-      return "has another cloud";
-  return areSameShapes(object.geometries, geometries.subspan(balls)) ? "" : "has another shape";
+  if (!areSameShapes(object.geometries, body.geometries)) return "has another shape";
+  const std::span<const collision::Ball> balls =
+      object.cloud ? object.cloud->balls : std::span<const collision::Ball>();
+  const std::span<const collision::Ball> known =
+      body.balls ? *body.balls : std::span<const collision::Ball>();
+  const bool is_same = balls.data() == known.data() ||
+                       std::equal(balls.begin(), balls.end(), known.begin(), known.end(),
+                                  [](const collision::Ball& x, const collision::Ball& y) {
+                                    return x.radius == y.radius && x.center == y.center;
+                                  });
+  return is_same ? "" : "has another cloud";
 }
 
 bool areSameMargins(const Margins& x, const Margins& y) {

@@ -204,8 +204,8 @@ class EdgeCertifier::Impl::ClearanceSearch {
       if (!impl_.asked.has(pair)) continue;
       if (frames.keepsGap(pair, best.clearance.upper + pair.rounding, t, t)) continue;
       const Eigen::Vector3d center = frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a));
-      const double lower = frames.piece(pair.b).bounds->coarse.lower(center) -
-                           frames.piece(pair.a).bounds->outer.radius - pair.rounding;
+      const double lower = frames.piece(pair.b).bounds().coarse.lower(center) -
+                           frames.piece(pair.a).bounds().outer.radius - pair.rounding;
       impl_.order.emplace_back(std::isnan(lower) ? -kInfinity : lower, p);
     }
     std::sort(impl_.order.begin(), impl_.order.end());

@@ -210,10 +210,10 @@ int EdgeFrames::place(double t) {
   const std::span<const Piece> listed = edges_->pieces.listed();  // all moving pieces are listed
   for (std::size_t i = 0; i < moving_.size(); ++i) {
     const Piece& moving = listed[at(moving_[i])];
-    centers[i] = X_WL[at(moving.link)] * moving.bounds->outer.center;
+    centers[i] = X_WL[at(moving.link)] * moving.bounds().outer.center;
     // Beyond the reach the bound on rounding does not hold. Limits keep bodies within it.
     if (watch_reach_ &&
-        !(centers[i].norm() + moving.bounds->outer.radius <= scene_->edgeModel().reach))
+        !(centers[i].norm() + moving.bounds().outer.radius <= scene_->edgeModel().reach))
       return -1;
   }
   ++used_;
@@ -233,7 +233,7 @@ bool EdgeFrames::nearInRow(std::size_t row, int slot, double reach,
   const EdgePairs::Row& of = edges_->pairs.rows()[row];
   const Eigen::Vector3d& at_center = center(slot, of.piece);
   // (The rounding of the sums is far below that of single precision, which rounds outwards.)
-  const double radius = piece(of.piece).bounds->outer.radius + reach + of.most_threshold;
+  const double radius = piece(of.piece).bounds().outer.radius + reach + of.most_threshold;
   collision::ObstacleBoxes::Box box;
   for (int k = 0; k < 3; ++k) {
     box.low[k] = collision::roundedDown(at_center[k] - radius);
@@ -257,14 +257,14 @@ Pose EdgeFrames::piecePose(int slot, int number) const {
   const Piece& p = piece(number);
   const Pose& X_WB =
       p.link >= 0 ? links(slot)[at(p.link)] : scene_->scene().bodies()[at(p.body)].X_WB;
-  return p.at_origin ? X_WB : X_WB * p.geometry->X_BG;
+  return p.at_origin ? X_WB : X_WB * p.geometry().X_BG;
 }
 
 Pose EdgeFrames::relative(int slot, const EdgePair& pair) const {
   const Pose X_WA = piecePose(slot, pair.a);
   const Piece& b = piece(pair.b);
   if (b.link < 0)
-    return (scene_->scene().bodies()[at(b.body)].X_WB * b.geometry->X_BG).inverse() * X_WA;
+    return (scene_->scene().bodies()[at(b.body)].X_WB * b.geometry().X_BG).inverse() * X_WA;
   const Pose X_WB = piecePose(slot, pair.b);
   return {X_WB.rotation.transpose() * X_WA.rotation,
           X_WB.rotation.transpose() * (X_WA.translation - X_WB.translation)};

@@ -25,13 +25,17 @@ struct Piece {
   int body = -1;
   int link = -1;    ///< that carries it; -1: the world
   int moving = -1;  ///< its number among the moving pieces
-  const collision::Geometry* geometry = nullptr;
-  const collision::GeometryBounds* bounds = nullptr;  ///< in the link's frame, or the world's
-  bool at_origin = false;                             ///< X_BG is the identity
+  collision::SceneGeometry stored;
+  bool at_origin = false;     ///< X_BG is the identity
   bool is_free_mesh = false;  ///< a mesh that a planned floating or planar joint carries
   /// For pieces of the world: the sum of the absolute coordinates of their inverse pose and of
   /// their ball's centre [m].
   double scale = 0;
+
+  const collision::Geometry& geometry() const { return stored.geometry(); }
+  const collision::Shape& shape() const { return geometry().shape; }
+  /// In the link's frame, or the world's.
+  const collision::GeometryBounds& bounds() const { return stored.bounds(); }
 };
 
 /// The geometries of a scene. Each call constructs the piece of a geometry in a place, because
@@ -193,11 +197,12 @@ class EdgeFrames {
   /// Centre of a piece's ball, in the world.
   const Eigen::Vector3d& center(int slot, int number) const {
     const Piece& p = piece(number);
-    return p.link < 0 ? p.bounds->outer.center : centers_[at(slot) * moving_.size() + at(p.moving)];
+    return p.link < 0 ? p.bounds().outer.center
+                      : centers_[at(slot) * moving_.size() + at(p.moving)];
   }
   /// Whether both shapes are convex. A sweep of such a pair also detects containment.
   bool isConvex(const EdgePair& pair) const {
-    return piece(pair.a).geometry->shape.isConvex() && piece(pair.b).geometry->shape.isConvex();
+    return piece(pair.a).shape().isConvex() && piece(pair.b).shape().isConvex();
   }
   /// Appends the pairs of a row that may not keep their thresholds plus `reach` >= 0 [m] at a
   /// slot's configuration, in any order. False if `pairs` has no room for all. Descends the boxes

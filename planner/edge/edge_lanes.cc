@@ -55,9 +55,16 @@ namespace {
 class EdgeWorld final : public collision::LaneWorld {
  public:
   EdgeWorld(const EdgeScene& edges, const collision::Scene& scene) : edges_(edges), scene_(scene) {}
-  std::pair<const collision::Shape*, collision::Pose> placed(int place) const override {
-    const Piece piece = edges_.pieces[at(edges_.pairs.pieceIn(at(place)))];
-    return {&piece.geometry->shape, scene_.bodies()[at(piece.body)].X_WB * piece.geometry->X_BG};
+  Placed placed(int place) const override {
+    const auto of = scene_.pairs().geometryIn(at(place));
+    const collision::Body& body = scene_.bodies()[at(of.body)];
+    const std::size_t stored = body.geometries.size(), number = at(of.geometry);
+    if (number >= stored) {
+      const collision::Ball& ball = (*body.balls)[number - stored];
+      return {nullptr, {}, {body.X_WB * ball.center, ball.radius}};
+    }
+    const collision::Geometry& g = body.geometries[number];
+    return {&g.shape, body.X_WB * g.X_BG, {}};
   }
   std::optional<Pair> pairOf(int row, int place) const override {
     const std::int32_t number = scene_.pairs().numberOf(at(row), at(place));
@@ -113,8 +120,8 @@ void SceneLanes::addPlaced(const CompiledScene& scene, const EdgeScene& edges) {
   for (const std::int32_t place : collision::SceneAccess::added(scene.scene())) {
     const Piece piece = edges.pieces[at(edges.pairs.pieceIn(at(place)))];
     const RobotLanes::Piece added =
-        addStill(*piece.geometry, scene.scene().bodies()[at(piece.body)].X_WB, piece.bounds->outer,
-                 sweep, place);
+        addStill(piece.geometry(), scene.scene().bodies()[at(piece.body)].X_WB,
+                 piece.bounds().outer, sweep, place);
     sweep.setBalls(added.obstacle, added.piece);
     longest = std::max(longest, added.reach);
   }

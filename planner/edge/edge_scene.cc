@@ -40,8 +40,8 @@ bool isCarriedFreely(const CompiledScene& scene, int link) {
 bool sweepsSurfaces(const Piece& a, const Piece& b, double margin) {
   if (!(margin >= 0) || a.is_free_mesh == b.is_free_mesh) return false;
   const Piece& still = a.is_free_mesh ? b : a;
-  return still.link < 0 && still.geometry->shape.type() == collision::ShapeType::kMesh &&
-         collision::sweepsMesh(a.geometry->shape, b.geometry->shape);
+  return still.link < 0 && still.shape().type() == collision::ShapeType::kMesh &&
+         collision::sweepsMesh(a.shape(), b.shape());
 }
 
 /// Rounding error of the poses of a pair's pieces [m].
@@ -52,14 +52,13 @@ double roundingOf(const EdgeModel& model, const Piece& a, const Piece& b) {
          collision::kTransferRounding * scale;
 }
 
-/// The geometry of number `index` in the scene, without the data that only moving pieces or only
-/// pieces of the world have.
-Piece pieceOf(const CompiledScene& scene, int body, const collision::Geometry& g, int index) {
+/// A geometry of a body, without the data that only moving pieces or only pieces of the world have.
+Piece pieceOf(const CompiledScene& scene, int body, int geometry) {
   Piece piece;
   piece.body = body;
   piece.link = scene.bodyLink(body);
-  piece.geometry = &g;
-  piece.bounds = &collision::SceneAccess::bounds(scene.scene(), index);
+  piece.stored = collision::SceneAccess::geometry(scene.scene(), body, geometry);
+  const collision::Geometry& g = piece.geometry();
   piece.at_origin = g.X_BG.rotation == Eigen::Matrix3d::Identity() &&
                     g.X_BG.translation == Eigen::Vector3d::Zero();
   return piece;
@@ -68,9 +67,9 @@ Piece pieceOf(const CompiledScene& scene, int body, const collision::Geometry& g
 /// Piece::scale of a piece of the world.
 double scaleOf(const CompiledScene& scene, const Piece& piece) {
   const collision::Pose& X_WB = scene.scene().bodies()[at(piece.body)].X_WB;
-  const collision::Pose X_WG = piece.at_origin ? X_WB : X_WB * piece.geometry->X_BG;
+  const collision::Pose X_WG = piece.at_origin ? X_WB : X_WB * piece.geometry().X_BG;
   return (X_WG.rotation.transpose() * X_WG.translation).lpNorm<1>() +
-         piece.bounds->outer.center.lpNorm<1>();
+         piece.bounds().outer.center.lpNorm<1>();
 }
 
 /// The pair of a moving piece with a static piece, which is in the world.
@@ -104,8 +103,8 @@ class EdgeSceneBuilder {
     edges_.pieces.scene_ = &compiled_;
     edges_.pieces.listed_.reserve(collision::SceneAccess::geometryCount(scene_) - all.places());
     for (std::size_t b = 0; b < end; ++b)
-      for (const collision::Geometry& g : scene_.bodies()[b].geometries)
-        addPiece(static_cast<int>(b), g);
+      for (std::size_t g = 0; g < scene_.bodies()[b].size(); ++g)
+        addPiece(static_cast<int>(b), static_cast<int>(g));
     addPairs();
     addRows();
     for (const EdgePair& pair : pairs_.listed_) {
@@ -118,12 +117,12 @@ class EdgeSceneBuilder {
   Piece piece(int i) const { return edges_.pieces[at(i)]; }
   const Piece& listed(int i) const { return edges_.pieces.listed_[at(i)]; }
 
-  void addPiece(int body, const collision::Geometry& g) {
+  void addPiece(int body, int geometry) {
     const auto index = static_cast<int>(edges_.pieces.listed().size());
-    Piece piece = pieceOf(compiled_, body, g, index);
+    Piece piece = pieceOf(compiled_, body, geometry);
     if (piece.link >= 0) {
-      piece.is_free_mesh =
-          g.shape.type() == collision::ShapeType::kMesh && isCarriedFreely(compiled_, piece.link);
+      piece.is_free_mesh = piece.shape().type() == collision::ShapeType::kMesh &&
+                           isCarriedFreely(compiled_, piece.link);
       piece.moving = static_cast<int>(edges_.moving.size());
       edges_.moving.push_back(index);
     } else {
@@ -192,7 +191,7 @@ class EdgeSceneBuilder {
     const std::span<const std::int32_t> added = collision::SceneAccess::added(scene_);
     const bool has_mesh = std::any_of(added.begin(), added.end(), [&](std::int32_t place) {
       const Piece still = piece(pairs_.pieceIn(at(place)));
-      return still.geometry->shape.type() == collision::ShapeType::kMesh;
+      return still.shape().type() == collision::ShapeType::kMesh;
     });
     Piece farthest;
     farthest.scale = collision::SceneAccess::scaleOfStill(scene_);
@@ -227,8 +226,7 @@ class EdgeSceneBuilder {
 Piece Pieces::inPlace(std::size_t i) const {
   const collision::Scene& scene = scene_->scene();
   const auto [body, geometry] = scene.pairs().geometryIn(i - listed_.size());
-  Piece piece = pieceOf(*scene_, body, scene.bodies()[at(body)].geometries[at(geometry)],
-                        static_cast<int>(i));
+  Piece piece = pieceOf(*scene_, body, geometry);
   piece.scale = scaleOf(*scene_, piece);
   return piece;
 }

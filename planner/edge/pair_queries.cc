@@ -21,8 +21,8 @@ PairQueries::PairQueries(EdgeFrames& frames, collision::Workspace& workspace,
       world_balls_(frames.scene().edges().moving.size()) {}
 
 PairState PairQueries::coarseState(int slot, const EdgePair& pair) const {
-  const collision::GeometryBounds& a = *frames_.piece(pair.a).bounds;
-  const collision::GeometryBounds& b = *frames_.piece(pair.b).bounds;
+  const collision::GeometryBounds& a = frames_.piece(pair.a).bounds();
+  const collision::GeometryBounds& b = frames_.piece(pair.b).bounds();
   const double lower =
       b.coarse.lower(frames_.inFrameOf(slot, pair.b, frames_.center(slot, pair.a)));
   const double threshold = asked_.thresholdOf(pair);
@@ -41,11 +41,10 @@ collision::DistanceResult PairQueries::distanceAt(int slot, const EdgePair& pair
                                                   const collision::DistanceRequest& request) {
   ++count;
   ++statistics->distance_queries;
-  collision::DistanceResult result =
-      collision::distance(frames_.piece(pair.a).geometry->shape, frames_.piecePose(slot, pair.a),
-                          frames_.piece(pair.b).geometry->shape, frames_.piecePose(slot, pair.b),
-                          request, collision::SceneAccess::scratch(workspace_),
-                          &collision::SceneAccess::cache(workspace_, pair.scene_pair));
+  collision::DistanceResult result = collision::distance(
+      frames_.piece(pair.a).shape(), frames_.piecePose(slot, pair.a), frames_.piece(pair.b).shape(),
+      frames_.piecePose(slot, pair.b), request, collision::SceneAccess::scratch(workspace_),
+      &collision::SceneAccess::cache(workspace_, pair.scene_pair));
   if (pair.is_reversed) {
     std::swap(result.point_a, result.point_b);
     std::swap(result.triangle_a, result.triangle_b);
@@ -142,7 +141,7 @@ PairQueries::SweptBall PairQueries::sweptBall(const EdgeInterval& interval, cons
                                               const Eigen::Vector3d& c1) {
   // No point leaves the chord between its two positions by more than h^2 A / 8.
   const double growth = interval.h * interval.h * motionOf(interval, pair.motion).acceleration / 8;
-  const double radius = (c1 - c0).norm() / 2 + growth + frames_.piece(pair.a).bounds->outer.radius;
+  const double radius = (c1 - c0).norm() / 2 + growth + frames_.piece(pair.a).bounds().outer.radius;
   return {(c0 + c1) / 2, radius, growth, interval_};
 }
 
@@ -165,7 +164,7 @@ double PairQueries::coarseSweep(const EdgeInterval& interval, const EdgePair& pa
       b.link < 0 ? worldBall(interval, pair)
                  : sweptBall(interval, pair, centerAt(interval.slot0), centerAt(interval.slot1));
   growth = ball.growth;
-  const double lower = b.bounds->coarse.lower(ball.center) - ball.radius;
+  const double lower = b.bounds().coarse.lower(ball.center) - ball.radius;
   return std::isnan(lower) ? -kInfinity : lower;
 }
 
@@ -177,8 +176,8 @@ Interval PairQueries::hullSweep(const EdgeInterval& interval, const EdgePair& pa
   if (nodes > 0) request.node_limit = nodes;
   ++count;
   ++statistics->distance_queries;
-  const collision::Shape& a = frames_.piece(pair.a).geometry->shape;
-  const collision::Shape& b = frames_.piece(pair.b).geometry->shape;
+  const collision::Shape& a = frames_.piece(pair.a).shape();
+  const collision::Shape& b = frames_.piece(pair.b).shape();
   Interval distance =
       collision::sweptDistance(a, frames_.relative(interval.slot0, pair),
                                frames_.relative(interval.slot1, pair), growth, b, request,
@@ -229,9 +228,9 @@ collision::MeshSweepResult PairQueries::sweepSurfaces(const EdgeInterval& interv
   request.least_time = least_interval;
   const int mark = frames_.used();
   PairPlacements placements(frames_, pair);
-  const collision::MeshSweepResult result = collision::sweepMesh(
-      frames_.piece(pair.a).geometry->shape, placements, frames_.piece(pair.b).geometry->shape,
-      request, collision::SceneAccess::scratch(workspace_));
+  const collision::MeshSweepResult result =
+      collision::sweepMesh(frames_.piece(pair.a).shape(), placements, frames_.piece(pair.b).shape(),
+                           request, collision::SceneAccess::scratch(workspace_));
   // An undecided sweep placed many short parts that are not used again. A few such sweeps would
   // fill all slots.
   if (result.status == collision::MeshSweepStatus::kUndecided) frames_.release(mark);

@@ -189,8 +189,8 @@ class EdgeCertifier::Impl::CostSearch {
   void boundBelow(const EdgePair& pair, const collision::DistanceResult& found, int middle,
                   const collision::ThreePoses& X_BA, double growth, double lower, double half_way,
                   const collision::ThreeGaps& above) {
-    const collision::Shape& a = impl_.frames.piece(pair.a).geometry->shape;
-    const collision::Shape& b = impl_.frames.piece(pair.b).geometry->shape;
+    const collision::Shape& a = impl_.frames.piece(pair.a).shape();
+    const collision::Shape& b = impl_.frames.piece(pair.b).shape();
     const Eigen::Vector3d away_W = isReversed(pair) ? found.normal : -found.normal;
     const Eigen::Vector3d away_B =
         impl_.frames.piecePose(middle, pair.b).rotation.transpose() * away_W;

@@ -99,9 +99,9 @@ void check(Random& random, const Problem& problem, int edges, Count& count) {
     const int slot = frames.place(t);
     EXPECT_GE(slot, 0);
     const EdgePair& pair = frames.pairs()[p];
-    return collision::distance(frames.piece(pair.a).geometry->shape, frames.piecePose(slot, pair.a),
-                               frames.piece(pair.b).geometry->shape, frames.piecePose(slot, pair.b),
-                               {}, scratch)
+    return collision::distance(frames.piece(pair.a).shape(), frames.piecePose(slot, pair.a),
+                               frames.piece(pair.b).shape(), frames.piecePose(slot, pair.b), {},
+                               scratch)
         .distance;
   };
   std::vector<double> b(static_cast<std::size_t>(scene->space().size()));
@@ -231,13 +231,13 @@ TEST(EdgeLanes, GroupsCertifyOnlyWhatIsApart) {
   EXPECT_GT(count.near, 100);
 }
 
-/// A wavy surface of balls of different sizes, some of them in the same place or `far` away. Its
-/// middle is at most `room` from the origin.
-Object randomCloud(Random& random, double room, double far = 0) {
+/// A wavy surface of balls of different sizes, some of them in the same place or `far` away; `side`
+/// of them along each axis. Its middle is at most `room` from the origin.
+Object randomCloud(Random& random, double room, double far = 0, int side = 14) {
   PointCloud cloud;
-  for (int i = 0; i < 14; ++i)
-    for (int j = 0; j < 14; ++j) {
-      const double x = 0.06 * i - 0.4, y = 0.06 * j - 0.4;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j) {
+      const double x = 0.84 * i / side - 0.4, y = 0.84 * j / side - 0.4;
       cloud.balls.push_back({{x, y, 0.1 * std::sin(5 * x)}, random.uniform(0.001, 0.04)});
     }
   for (int i = 0; i < 20; ++i) cloud.balls.push_back(cloud.balls[0]);
@@ -273,6 +273,22 @@ TEST(EdgeLanes, BallsOfCloudsCertifyOnlyWhatIsApart) {
   EXPECT_GT(count.certified, 100000);
   EXPECT_GT(count.open, 100);
   EXPECT_GT(count.near, 40);
+}
+
+/// In a dense cloud, contacts are searched before all balls near a piece were compared.
+TEST(EdgeLanes, BallsOfDenseCloudsCertifyOnlyWhatIsApart) {
+  Random random(36);
+  Count count;
+  for (int round = 0; round < 8; ++round) {
+    Problem problem = testing::randomProblem(random, testing::randomArm(random), 3, 1.2);
+    problem.world.objects.push_back(randomCloud(random, 0.6, 0, 40));
+    if (round % 4 == 2)
+      problem.contacts.allowed.emplace_back(problem.robot.model->links.back().name, "cloud");
+    check(random, problem, 12, count);
+  }
+  EXPECT_GT(count.edges, 40);
+  EXPECT_GT(count.contacts, 20);
+  EXPECT_GT(count.certified, 100000);
 }
 
 void expectTheSameOnEveryInstructionSet(const Problem& problem, Random& random) {
@@ -311,6 +327,8 @@ TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {
   Problem problem = testing::randomProblem(random, testing::randomArm(random), 20, 1.2);
   expectTheSameOnEveryInstructionSet(problem, random);
   problem.world.objects.push_back(randomCloud(random, 0.5));
+  expectTheSameOnEveryInstructionSet(problem, random);
+  problem.world.objects.back() = randomCloud(random, 0.5, 0, 40);
   expectTheSameOnEveryInstructionSet(problem, random);
 }
 

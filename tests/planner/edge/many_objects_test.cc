@@ -252,14 +252,14 @@ void expectClearanceOfAllPairs(const CompiledScene& scene, std::span<const doubl
   for (const collision::ScenePair& pair : scene.scene().pairs()) {
     const auto placed = [&](int body, int geometry) {
       const collision::Body& b = bodies[static_cast<std::size_t>(body)];
-      const collision::Geometry& g = b.geometries[static_cast<std::size_t>(geometry)];
+      const collision::Geometry g = b.geometry(static_cast<std::size_t>(geometry));
       const int link = scene.bodyLink(body);
       const collision::Pose& X_WB = link < 0 ? b.X_WB : X_WL[static_cast<std::size_t>(link)];
-      return std::pair(&g.shape, X_WB * g.X_BG);
+      return std::pair(g.shape, X_WB * g.X_BG);
     };
     const auto [a, X_WA] = placed(pair.body_a, pair.geometry_a);
     const auto [b, X_WB] = placed(pair.body_b, pair.geometry_b);
-    const collision::Interval apart = collision::distance(*a, X_WA, *b, X_WB, {}).distance;
+    const collision::Interval apart = collision::distance(a, X_WA, b, X_WB, {}).distance;
     upper = std::min(upper, apart.upper);
     is_free = is_free && apart.lower > pair.margin - 1e-9;
     EXPECT_LE(check.clearance.lower, apart.upper + 1e-9);

@@ -18,8 +18,8 @@ namespace {
 Interval distanceAt(EdgeFrames& frames, const EdgePair& pair, double t) {
   const int slot = frames.place(t);
   EXPECT_GE(slot, 0);
-  return collision::distance(frames.piece(pair.a).geometry->shape, frames.piecePose(slot, pair.a),
-                             frames.piece(pair.b).geometry->shape, frames.piecePose(slot, pair.b),
+  return collision::distance(frames.piece(pair.a).shape(), frames.piecePose(slot, pair.a),
+                             frames.piece(pair.b).shape(), frames.piecePose(slot, pair.b),
                              collision::DistanceRequest())
       .distance;
 }

@@ -56,16 +56,16 @@ class Stepper {
         if (slots[lane] < 0) return false;
         const planner::Piece& a = frames_.piece(pair.a);
         const planner::Piece& b = frames_.piece(pair.b);
-        const double coarse = b.bounds->coarse.lower(frames_.inFrameOf(
+        const double coarse = b.bounds().coarse.lower(frames_.inFrameOf(
                                   slots[lane], pair.b, frames_.center(slots[lane], pair.a))) -
-                              a.bounds->outer.radius;
+                              a.bounds().outer.radius;
         if (coarse > pair.threshold) continue;
         collision::DistanceRequest request;
         request.threshold = pair.threshold;
         request.depth = pair.threshold < 0;
-        if (!(collision::distance(a.geometry->shape, frames_.piecePose(slots[lane], pair.a),
-                                  b.geometry->shape, frames_.piecePose(slots[lane], pair.b),
-                                  request, collision::SceneAccess::scratch(workspace_),
+        if (!(collision::distance(a.shape(), frames_.piecePose(slots[lane], pair.a), b.shape(),
+                                  frames_.piecePose(slots[lane], pair.b), request,
+                                  collision::SceneAccess::scratch(workspace_),
                                   &collision::SceneAccess::cache(workspace_, pair.scene_pair))
                   .distance.lower > pair.threshold))
           return false;

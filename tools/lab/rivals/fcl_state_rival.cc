@@ -1,6 +1,10 @@
 #include "tools/lab/rivals/fcl_state_rival.h"
 
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
+#include <fcl/config.h>
+#if FCL_HAVE_OCTOMAP
+#include <fcl/geometry/octree/octree.h>
+#endif
 #include <fcl/geometry/shape/halfspace.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/distance.h>
@@ -35,6 +39,21 @@ Geometry makeGeometry(const Shape& shape) {
   return makeFclShape(convex);
 }
 
+/// See makeFclStateEngine().
+Geometry makeOctree(const std::vector<collision::Ball>& balls) {
+#if FCL_HAVE_OCTOMAP
+  double radius = std::numeric_limits<double>::infinity();
+  for (const collision::Ball& ball : balls) radius = std::min(radius, ball.radius);
+  const auto cells = std::make_shared<octomap::OcTree>(2 * radius / std::sqrt(3.0));
+  for (const collision::Ball& ball : balls)
+    cells->updateNode(ball.center.x(), ball.center.y(), ball.center.z(), true, true);
+  cells->updateInnerOccupancy();
+  return std::make_shared<fcl::OcTreed>(cells);
+#else
+  return nullptr;
+#endif
+}
+
 /// Number of fixed bodies above which FCL's dynamic tree finds the near ones; fewer are faster to
 /// test one by one.
 constexpr std::size_t kTree = 64;
@@ -52,6 +71,7 @@ class FclChecker : public StateChecker {
         // A half-space has no box.
         if (!body.moving && std::isfinite(parts_.back().radius)) still.push_back(parts_.size() - 1);
       }
+      if (body.balls) addOctree(makeOctree(*body.balls), still);
       if (body.moving)
         moving_.push_back(first_.size() - 1);
       else
@@ -82,8 +102,9 @@ class FclChecker : public StateChecker {
     for (const collision::ScenePair& pair : scene_.pairs()) {
       const Part& a = parts_[partOf(pair.body_a, pair.geometry_a)];
       const Part& b = parts_[partOf(pair.body_b, pair.geometry_b)];
-      // FCL has no distances of half-spaces.
-      if (!std::isfinite(a.radius + b.radius)) return std::numeric_limits<double>::quiet_NaN();
+      // FCL has no distances of half-spaces, and cells are not the balls.
+      if (!std::isfinite(a.radius + b.radius) || b.is_octree)
+        return std::numeric_limits<double>::quiet_NaN();
       if ((a.p_WC - b.p_WC).norm() - a.radius - b.radius >= least) continue;
       fcl::DistanceResultd result;
       fcl::distance(a.shape.get(), a.X_WG, b.shape.get(), b.X_WG, distance_request_, result);
@@ -98,7 +119,7 @@ class FclChecker : public StateChecker {
     fcl::Transform3d X_WG;
     Eigen::Vector3d p_WC;  ///< centre of the bounding sphere
     double radius;
-    bool in_tree = false;
+    bool in_tree = false, is_octree = false;
   };
   struct Query {
     FclChecker* checker;
@@ -106,8 +127,19 @@ class FclChecker : public StateChecker {
     bool found = false;
   };
 
+  /// All balls of a body are its last part.
   std::size_t partOf(int body, int geometry) const {
-    return first_[static_cast<std::size_t>(body)] + static_cast<std::size_t>(geometry);
+    const std::size_t stored = scene_.bodies()[static_cast<std::size_t>(body)].geometries.size();
+    return first_[static_cast<std::size_t>(body)] +
+           std::min(static_cast<std::size_t>(geometry), stored);
+  }
+  void addOctree(const Geometry& octree, std::vector<std::size_t>& still) {
+    complete_ = complete_ && octree;
+    if (!octree) return;
+    octree->computeLocalAABB();
+    still.push_back(parts_.size());
+    parts_.push_back({octree, fcl::Transform3d::Identity(), Eigen::Vector3d::Zero(),
+                      octree->aabb_radius, false, true});
   }
   std::size_t keyOf(std::size_t a, std::size_t b) const {
     return std::min(a, b) * parts_.size() + std::max(a, b);
@@ -132,7 +164,8 @@ class FclChecker : public StateChecker {
       const std::size_t a = partOf(pair.body_a, pair.geometry_a);
       const std::size_t b = partOf(pair.body_b, pair.geometry_b);
       if (!parts_[a].in_tree && !parts_[b].in_tree) {
-        listed_.emplace_back(a, b);
+        // A body's balls are one part.
+        if (listed_.empty() || listed_.back() != std::pair(a, b)) listed_.emplace_back(a, b);
         continue;
       }
       checked_.insert(keyOf(a, b));
@@ -167,6 +200,10 @@ class FclChecker : public StateChecker {
       parts_[first + i].X_WG = toFcl(X_WG);
       parts_[first + i].p_WC = X_WG * body.geometries[i].shape.boundingCenter();
     }
+    if (!body.balls || !complete_) return;
+    Part& octree = parts_[first + body.geometries.size()];
+    octree.X_WG = toFcl(X_WB);
+    octree.p_WC = X_WB * octree.shape->aabb_center;
   }
 
   const collision::Scene& scene_;

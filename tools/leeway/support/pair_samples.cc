@@ -65,8 +65,8 @@ collision::Interval distanceOf(const planner::CompiledScene& scene,
                                const collision::DistanceRequest& request,
                                collision::Scratch& scratch) {
   const auto bodies = scene.scene().bodies();
-  const auto geometry = [&](int body, int index) -> const robots::Geometry& {
-    return bodies[static_cast<std::size_t>(body)].geometries[static_cast<std::size_t>(index)];
+  const auto geometry = [&](int body, int index) {
+    return bodies[static_cast<std::size_t>(body)].geometry(static_cast<std::size_t>(index));
   };
   const auto place = [&](int body, const robots::Geometry& of) {
     const int link = scene.bodyLink(body);
@@ -74,8 +74,8 @@ collision::Interval distanceOf(const planner::CompiledScene& scene,
                       : bodies[static_cast<std::size_t>(body)].X_WB) *
            of.X_BG;
   };
-  const robots::Geometry &a = geometry(pair.body_a, pair.geometry_a),
-                         &b = geometry(pair.body_b, pair.geometry_b);
+  const robots::Geometry a = geometry(pair.body_a, pair.geometry_a),
+                         b = geometry(pair.body_b, pair.geometry_b);
   return collision::distance(a.shape, place(pair.body_a, a), b.shape, place(pair.body_b, b),
                              request, scratch)
       .distance;

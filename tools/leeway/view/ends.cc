@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
 #include "collision/base/numbers.h"
 #include "leeway/collision/separation.h"
@@ -47,7 +48,9 @@ class WayOut {
   /// The motion that frees this body from all bodies that it is checked against.
   Eigen::Vector3d of(int body) const {
     const collision::Scene& scene = scene_.scene();
-    const std::vector<collision::PlacedShape> shapes = placed(body);
+    std::vector<collision::PlacedShape> shapes;
+    for (const collision::Geometry& g : scene.bodies()[at(body)].geometries)
+      shapes.push_back({&g.shape, poseOf(body) * g.X_BG});
     double extent = 0;
     for (const collision::PlacedShape& s : shapes)
       extent = std::max(extent, s.shape->boundingRadius());
@@ -65,10 +68,18 @@ class WayOut {
     }
     request.clearance = margin;
     std::vector<collision::PlacedShape> obstacles;
+    std::deque<collision::Shape> near;  // those of `obstacles`
     for (std::size_t b = 0; b < met.size(); ++b) {
       if (met[b] == 0) continue;
-      for (const collision::PlacedShape& s : placed(static_cast<int>(b)))
-        if (isNear(shapes, s, request.longest + margin)) obstacles.push_back(s);
+      const collision::Body& other = scene.bodies()[b];
+      const collision::Pose X_WB = poseOf(static_cast<int>(b));
+      for (std::size_t number = 0; number < other.size(); ++number) {
+        const collision::Geometry g = other.geometry(number);
+        collision::PlacedShape placed{&g.shape, X_WB * g.X_BG};
+        if (!isNear(shapes, placed, request.longest + margin)) continue;
+        placed.shape = &near.emplace_back(g.shape);
+        obstacles.push_back(placed);
+      }
     }
     collision::Scratch scratch;
     const collision::SeparationResult result = separation(shapes, obstacles, request, scratch);
@@ -77,12 +88,9 @@ class WayOut {
   }
 
  private:
-  std::vector<collision::PlacedShape> placed(int body) const {
+  const collision::Pose& poseOf(int body) const {
     const collision::Body& b = scene_.scene().bodies()[at(body)];
-    const collision::Pose& X_WB = b.moving ? X_WL_[at(scene_.bodyLink(body))] : b.X_WB;
-    std::vector<collision::PlacedShape> shapes;
-    for (const collision::Geometry& g : b.geometries) shapes.push_back({&g.shape, X_WB * g.X_BG});
-    return shapes;
+    return b.moving ? X_WL_[at(scene_.bodyLink(body))] : b.X_WB;
   }
 
   static bool isNear(const std::vector<collision::PlacedShape>& shapes,

@@ -191,7 +191,8 @@ class Document {
     Json names = Json::array(), pieces = Json::array();
     for (std::size_t b = 0; b < scene_.bodies().size(); ++b) {
       const collision::Body& of = scene_.bodies()[b];
-      for (const collision::Geometry& g : of.geometries) {
+      for (std::size_t number = 0; number < of.size(); ++number) {
+        const collision::Geometry g = of.geometry(number);
         const auto part = static_cast<int>(body.size());
         body.push_back(static_cast<std::uint32_t>(b));
         kind.push_back(static_cast<std::uint8_t>(g.shape.type()));

@@ -84,7 +84,8 @@ class Picture {
   explicit Picture(const Subject& subject) : subject_(subject) {
     const collision::Scene& scene = subject.scene->scene();
     for (std::size_t b = 0; b < scene.bodies().size(); ++b)
-      for (const collision::Geometry& g : scene.bodies()[b].geometries) {
+      for (std::size_t number = 0; number < scene.bodies()[b].size(); ++number) {
+        const collision::Geometry g = scene.bodies()[b].geometry(number);
         if (!std::isfinite(g.shape.boundingRadius())) continue;
         parts_.push_back({static_cast<int>(b),
                           {},
@@ -92,7 +93,7 @@ class Picture {
                           g.shape.isConvex(),
                           g.shape.boundingCenter(),
                           g.shape.boundingRadius()});
-        shapes_.push_back(&g.shape);
+        shapes_.push_back(g.shape);
       }
     placeAll();
     chooseParts();
@@ -185,9 +186,9 @@ class Picture {
     std::sort(near.begin(), near.end());
     near.resize(std::min(near.size(), kObjects));
     for (std::size_t i = 0; i < parts_.size(); ++i)
-      if (moves(parts_[i])) parts_[i].mesh = displayMesh(*shapes_[i], kMeshTriangles);
+      if (moves(parts_[i])) parts_[i].mesh = displayMesh(shapes_[i], kMeshTriangles);
     for (const auto& [apart, i] : near) {
-      parts_[i].mesh = displayMesh(*shapes_[i], kMeshTriangles);
+      parts_[i].mesh = displayMesh(shapes_[i], kMeshTriangles);
       world_.push_back(i);
       if (apart + 2 * parts_[i].radius < 0.5 * reach)
         grow(parts_[i], start_[static_cast<std::size_t>(parts_[i].body)]);
@@ -333,7 +334,7 @@ class Picture {
 
   const Subject& subject_;
   std::vector<Part> parts_;
-  std::vector<const collision::Shape*> shapes_;
+  std::vector<collision::Shape> shapes_;
   std::vector<std::size_t> world_;
   std::vector<Pose> start_, goal_;
   std::vector<std::vector<Pose>> ghosts_;

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "leeway/collision/ball.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/scene_pairs.h"
 
@@ -33,6 +34,15 @@ struct Body {
   std::vector<Geometry> geometries;
   bool moving = false;
   Pose X_WB;
+  /// Balls in the body's frame, such as those of a point cloud; null if there are none. They are
+  /// geometries, too, and have the numbers after `geometries`. A scene shares them, and stores
+  /// nothing else about each one. Only a fixed body can have balls.
+  std::shared_ptr<const std::vector<Ball>> balls = nullptr;
+
+  /// The number of geometries and balls.
+  std::size_t size() const { return geometries.size() + (balls ? balls->size() : 0); }
+  /// The geometry with a number below size(); of a ball, a sphere. O(1).
+  Geometry geometry(std::size_t number) const;
 };
 
 /// The bodies of a scene, by number: those of the SceneBuilder and those that a SceneChange added.
@@ -105,7 +115,7 @@ class Scene {
   /// Replaces the shape of one geometry, for example by the next snapshot of a deforming obstacle.
   /// No query may run meanwhile; pairs and margins stay. O(1) for a snapshot. O(bodies) for the
   /// first call after this scene was copied or is a copy, for a fixed body that does not deform,
-  /// and for a body that a change added.
+  /// and for a body that a change added. Throws std::out_of_range for a ball.
   void setShape(int body, int geometry, const Shape& shape);
 
   /// Moves bodies that a change added; pairs and margins stay. No query may run meanwhile. Throws
@@ -127,11 +137,13 @@ class Scene {
   friend struct SceneAccess;
   struct Things {
     std::vector<Body> bodies;
-    std::vector<int> first_geometry;  // of each body, in the numbering of all geometries
-    std::vector<GeometryBounds> bounds;
-    void add(Body body, int first);  // first: the number of the body's first geometry
-    // Another body with as many geometries, whose first bounds are the `first`.
-    void replace(std::size_t body, std::size_t first, Body by);
+    std::vector<int> first_geometry;  // of each body, in the numbering of all geometries and balls
+    std::vector<std::size_t> first_bounds;   // of each body, in `bounds`
+    std::vector<GeometryBounds> bounds;      // of geometries; those of a ball are made when needed
+    std::size_t size = 0;                    // the number of geometries and balls
+    void add(Body body, std::size_t first);  // first: the number of the body's first geometry
+    // Another body with as many geometries and as many balls.
+    void replace(std::size_t body, Body by);
   };
   static const std::shared_ptr<Things>& nothing();
   /// Returns the bodies for modification, no longer shared with other scenes.
@@ -179,8 +191,10 @@ class SceneBuilder {
   void setMargin(int body_a, int body_b, double margin);  ///< [m]; the last call for a pair counts
   /// Makes the scene with all pairs that have a moving body and are not allowed, each with its
   /// margin. Throws std::invalid_argument if a margin or a pose is not finite, if a rotation is not
-  /// orthogonal within kRotationTolerance, if a pair has two half-spaces (the message names the
-  /// bodies), or if the number of moving geometries times the number of fixed ones exceeds an int.
+  /// orthogonal within kRotationTolerance, if a ball is not finite, has a radius that
+  /// Shape::sphere() refuses or belongs to a moving body, if a pair has two half-spaces (the
+  /// message names the bodies), or if the number of moving geometries times the number of fixed
+  /// ones exceeds an int.
   /// Bodies after the last moving one and after those of `base` get places in the table. The places
   /// of `base` stay if no moving body is added. O(listed pairs + allowed + margins), plus O(n log
   /// n) in the fixed bodies.
@@ -212,8 +226,8 @@ class SceneChange {
   /// Removes the pairs of a fixed body. The body stays in bodies(), so other bodies keep their
   /// numbers, until add() uses its number again.
   void remove(int body);
-  /// Adds a fixed body and returns its index. That is the number of a removed body with the same
-  /// number of geometries that an earlier change had added, or else the next one, so an object that
+  /// Adds a fixed body and returns its index. That is the number of a removed body with as many
+  /// geometries and balls that an earlier change had added, or else the next one, so an object that
   /// moves again and again leaves one body behind. The new body has pairs with all moving bodies.
   /// O(removed bodies).
   int add(Body body);
@@ -232,7 +246,7 @@ class SceneChange {
 
  private:
   bool isAdded(int body) const;
-  int numberToUse(std::size_t geometries) const;
+  int numberToUse(const Body& like) const;
   void useAgain();
   std::pair<int, int> movingAndAdded(int body_a, int body_b) const;
   /// nullopt: the two may touch.

@@ -150,6 +150,10 @@ class ScenePairs {
   void restorePlace(std::size_t place);
   // Sets a pair to its margin; without a margin the two may touch. Replaces what was set before.
   void set(const Place& of, std::optional<double> margin);
+  // Whether a pair of the row needs no entry for this margin, or for none: it may touch.
+  static bool isUsual(const Row& row, std::optional<double> margin) {
+    return margin.has_value() != row.is_sparse && (!margin || *margin == row.margin);
+  }
   void setMargin(const Place& of, double margin) {
     Exceptions::Entry& entry = exceptions_.of(keyOf(of));
     entry.has_margin = true;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "leeway/collision/ball.h"
 #include "leeway/robots/model.h"
 
 namespace leeway::planner {
@@ -21,10 +22,7 @@ struct CloudFilter {
 /// that union for the obstacle. Space between and behind the balls is free (docs/sensed.md).
 /// Immutable once it belongs to an object.
 struct PointCloud {
-  struct Ball {
-    Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< in the cloud's frame C [m]
-    double radius = 0;                                 ///< [m], from 1e-9
-  };
+  using Ball = collision::Ball;
   /// A call of cropped(): the balls that it removed are farther than `distance` from `reach_W`
   /// while the cloud stands at `X_WC`.
   struct Crop {
@@ -36,7 +34,7 @@ struct PointCloud {
     /// O(balls x balls), O(balls) for the same balls.
     bool covers(std::span<const Ball> others_W) const;
   };
-  std::vector<Ball> balls;
+  std::vector<Ball> balls;           ///< in the cloud's frame C; radii from 1e-9 m
   std::vector<CloudFilter> filters;  ///< in the order in which they were applied
   /// The crops of the cloud. A problem is refused if one of its margins is larger than a crop's
   /// distance, the cloud stands elsewhere, or the robot reaches beyond a crop's reach.
