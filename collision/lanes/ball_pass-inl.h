@@ -60,13 +60,8 @@ class BallPass {
     const Sweep::Pair& pair = kernel_.pair(number);
     const std::uint32_t by_balls = contact(pair, kAll);
     if (by_balls != 0) return kernel_.noteContact(number, -1, by_balls);
-    const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
     std::int32_t point = -1;
-    const auto inside = [&](const Sweep::LanePiece::Points& points) {
-      return pointsInside(kernel_, pair, points.begin, points.end, kAll, point);
-    };
-    std::uint32_t lanes = inside(a.points);
-    if (lanes == 0 && a.fine.begin != a.points.begin) lanes = inside(a.fine);
+    const std::uint32_t lanes = inside(pair, point);
     return lanes != 0 ? kernel_.noteContact(number, point, lanes) : LaneSweepKernel::Contact{};
   }
 
@@ -118,6 +113,9 @@ class BallPass {
       const std::uint32_t lanes = contact(pair, c.lanes);
       if (lanes != 0) return kernel_.noteContact(c.pair, -1, lanes);
     }
+    // Among many candidates, as in a dense cloud, the first ones are the deepest: if a piece is in
+    // contact, its points show it there, before the others are tested.
+    int tries = scratch_.candidates.size() > kManyCandidates ? kPointTries : 0;
     for (const Scratch::Candidate& c : scratch_.candidates) {
       const Sweep::Pair& pair = kernel_.pair(c.pair);
       if (!isAsked(pair)) continue;
@@ -135,12 +133,26 @@ class BallPass {
       }
       scratch_.open.push_back({pair.id, open});
       scratch_.open_pairs.push_back(c.pair);
+      if (pair.pieces || tries-- <= 0) continue;
+      std::int32_t point = -1;
+      const std::uint32_t lanes = inside(pair, point);
+      if (lanes != 0) return kernel_.noteContact(c.pair, point, lanes);
     }
     return {};
   }
 
  private:
   static std::size_t size(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+  /// The lanes in which a point of the pair's piece is inside its obstacle, and the point.
+  HWY_INLINE std::uint32_t inside(const Sweep::Pair& pair, std::int32_t& point) {
+    const Sweep::LanePiece& a = s_.pieces[size(pair.a)];
+    const auto inside = [&](const Sweep::LanePiece::Points& points) {
+      return pointsInside(kernel_, pair, points.begin, points.end, kAll, point);
+    };
+    const std::uint32_t lanes = inside(a.points);
+    return lanes != 0 || a.fine.begin == a.points.begin ? lanes : inside(a.fine);
+  }
 
   bool isAsked(const Sweep::Pair& pair) const { return (pair.kind & kernel_.asked.kinds) != 0; }
 
@@ -333,9 +345,13 @@ class BallPass {
                             const ObstacleBoxes& boxes, std::size_t first_slot) {
     const auto levels = boxes.levels();
     if (levels.empty()) return;
-    const WorldCull cull{
-        p,     low,        high,
-        boxes, first_slot, s_.pieces[p].row_above + growthOf(s_.pieces[p].motion) + kernel_.slack};
+    const WorldCull cull{p,
+                         low,
+                         high,
+                         boxes,
+                         first_slot,
+                         s_.pieces[p].row_above + growthOf(s_.pieces[p].motion) + kernel_.slack,
+                         s_.pieces[p].row_above + kernel_.slack};
     cullBoxes(cull, levels.size() - 1, 0, levels.back().size(), kAll);
   }
 
@@ -346,6 +362,8 @@ class BallPass {
     const ObstacleBoxes& boxes;
     std::size_t first_slot;
     float above;  // lower bound on requiredGap() for every pair of the row
+    // Upper bound on the gap at which a pair of the row is in contact in the middle of an interval.
+    float below;
   };
 
   /// Tests boxes [begin, end) of a level by the box around the piece's sweep, and nodes also by its
@@ -431,6 +449,75 @@ class BallPass {
         if (met_.id >= 0) return;
       }
     }
+    near_balls_ += static_cast<int>(ObstacleBoxes::kWidth);
+    if (near_balls_ >= kNearBalls && !has_searched_) meetWorld();
+  }
+
+  /// Searches a contact of any row with a ball of the world, by inner balls. In a dense cloud,
+  /// thousands of balls are near the covers of a piece in contact, and of the pieces before it.
+  void meetWorld() {
+    has_searched_ = true;
+    const ObstacleBoxes* const first = s_.boxes->first().get();
+    for (const LaneSweep::Row& row : s_.rows) {
+      const auto p = size(row.piece);
+      const Sweep::LanePiece& piece = s_.pieces[p];
+      if (piece.group >= 0 && scratch_.group_near[size(piece.group)] == 0) continue;
+      placeInner(p);
+      float low[3], high[3];
+      growBox(&scratch_.low[3 * p], &scratch_.high[3 * p], piece.row_above, low, high);
+      const auto meet = [&](const ObstacleBoxes& boxes, std::size_t first_slot) {
+        const std::size_t levels = boxes.levels().size();
+        if (levels < 2 || met_.id >= 0) return;
+        const float below = piece.row_above + kernel_.slack;
+        meetBoxes({p, low, high, boxes, first_slot, below, below}, levels - 1, 0,
+                  boxes.levels().back().size());
+      };
+      if (first != nullptr) meet(*first, 0);
+      meet(*s_.boxes, first != nullptr ? first->slots() : 0);
+      if (met_.id >= 0) return;
+    }
+  }
+
+  /// Searches a contact with the balls in the nodes [begin, end) of a level above 0.
+  void meetBoxes(const WorldCull& of, std::size_t level, std::size_t begin, std::size_t end) {
+    const D d;
+    const ObstacleBoxes::Level& boxes = of.boxes.levels()[level];
+    end = std::min(end, boxes.size());
+    for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
+      std::uint32_t near = nearBoxes(of.low, of.high, boxes, i);
+      for (std::size_t j = i; near != 0; near >>= 1U, ++j) {
+        if ((near & 1U) == 0) continue;
+        if (ObstacleBoxes::kWidth * j >= of.boxes.levels()[level - 1].size()) break;
+        if (!isNearInner(of, boxOf(boxes, j))) continue;
+        if (level > 1)
+          meetBoxes(of, level - 1, ObstacleBoxes::kWidth * j, ObstacleBoxes::kWidth * (j + 1));
+        else if (of.boxes.hasBallsAlone(j))
+          meetBalls(of, j);
+        if (met_.id >= 0) return;
+      }
+    }
+  }
+
+  HWY_INLINE bool isNearInner(const WorldCull& of, const Sweep::Core& box) {
+    const Sweep::LanePiece& piece = s_.pieces[of.p];
+    for (int i = piece.inner; i < piece.end; ++i) {
+      scratch_.work->add(kLaneBallWork);
+      if (contactWithObstacle(box, scratch_.balls[size(i)], of.below + s_.balls[size(i)].radius) !=
+          0)
+        return true;
+    }
+    return false;
+  }
+
+  void meetBalls(const WorldCull& of, std::size_t node) {
+    const ObstacleBoxes::Level& balls = of.boxes.levels()[0];
+    const std::size_t begin = ObstacleBoxes::kWidth * node;
+    for (std::size_t j = begin; j < begin + ObstacleBoxes::kWidth; ++j) {
+      const std::int32_t number = s_.pairOf(s_.pieces[of.p], of.first_slot + j);
+      if (number < 0) continue;
+      meetBall(of, number, boxOf(balls, j), kAll);
+      if (met_.id >= 0) return;
+    }
   }
 
   /// Tests a ball of the world, given by its box, in the lanes in which the balls of the cover are
@@ -438,9 +525,8 @@ class BallPass {
   /// and its middle is within 4 u of a coordinate of the centre on each axis.
   HWY_INLINE void considerBall(const WorldCull& of, std::int32_t number, const Sweep::Core& box,
                                const std::uint32_t* near_box, int count) {
-    Sweep::Core point = box;
-    std::fill_n(point.half, 3, 0.0F);
-    const float above = of.above + std::max(box.half[0], std::max(box.half[1], box.half[2]));
+    const Sweep::Core point = middleOf(box);
+    const float above = of.above + longestHalf(box);
     const Sweep::LanePiece& piece = s_.pieces[of.p];
     std::uint32_t open = 0;
     for (int i = 0; i < count; ++i) {
@@ -457,20 +543,31 @@ class BallPass {
     open = openToObstacle<kStill>(point, scratch_.outer[of.p], of_outer, open, &key);
     scratch_.work->add(kLaneBallWork);
     if (open == 0) return;
-    meetBall(of, number, point, above, open);
+    meetBall(of, number, box, open);
     if (met_.id < 0) addCandidate({key - of_outer, number, -1, open});
   }
 
-  /// Records a contact by inner balls with a ball of the world around `point`, if one comes within
-  /// `above` of it.
-  HWY_INLINE void meetBall(const WorldCull& of, std::int32_t number, const Sweep::Core& point,
-                           float above, std::uint32_t lanes) {
+  static Sweep::Core middleOf(const Sweep::Core& box) {
+    Sweep::Core point = box;
+    std::fill_n(point.half, 3, 0.0F);
+    return point;
+  }
+  static float longestHalf(const Sweep::Core& box) {
+    return std::max(box.half[0], std::max(box.half[1], box.half[2]));
+  }
+
+  /// Records a contact by inner balls with a ball of the world, given by its box, if one comes near
+  /// it.
+  HWY_INLINE void meetBall(const WorldCull& of, std::int32_t number, const Sweep::Core& box,
+                           std::uint32_t lanes) {
     const Sweep::LanePiece& piece = s_.pieces[of.p];
+    const Sweep::Core point = middleOf(box);
+    const float below = of.below + longestHalf(box);
     placeInner(of.p);
     for (int i = piece.inner; i < piece.end; ++i) {
       scratch_.work->add(kLaneBallWork);
       if ((lanes & contactWithObstacle(point, scratch_.balls[size(i)],
-                                       above + s_.balls[size(i)].radius)) == 0)
+                                       below + s_.balls[size(i)].radius)) == 0)
         continue;
       const Sweep::Pair& pair = kernel_.pair(number);
       const std::uint32_t met = isAsked(pair) ? contact(pair, lanes) : 0;
@@ -642,6 +739,14 @@ class BallPass {
   Scratch& scratch_;
   const LaneSweepKernel& kernel_;
   LaneSweepKernel::Contact met_;  // found while boxes were culled; it ends the pass
+  // Balls of the world that were compared with covers in this pass [count], and whether meetWorld()
+  // was called, which it is once: after the first kNearBalls.
+  static constexpr int kNearBalls = 512;
+  int near_balls_ = 0;
+  // With more candidates than this, the points of this many open pairs are tested early [count].
+  static constexpr std::size_t kManyCandidates = 64;
+  static constexpr int kPointTries = 4;
+  bool has_searched_ = false;
 };
 
 }  // namespace leeway::collision::HWY_NAMESPACE
