@@ -9,7 +9,6 @@
 #include <cstring>
 #include <limits>
 #include <stdexcept>
-#include <unordered_map>
 
 #include "collision/base/tolerances.h"
 #include "leeway/collision/distance.h"
@@ -90,14 +89,12 @@ struct Cell {
     return i[0] == other.i[0] && i[1] == other.i[1] && i[2] == other.i[2];
   }
 };
-struct CellHash {
-  std::size_t operator()(const Cell& cell) const {
-    std::uint64_t hash = 0;
-    for (const std::int64_t i : cell.i)
-      hash = (std::rotl(hash, 21) ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15U;
-    return hash ^ (hash >> 32U);
-  }
-};
+std::uint64_t hashOf(const Cell& cell) {
+  std::uint64_t hash = 0;
+  for (const std::int64_t i : cell.i)
+    hash = (std::rotl(hash, 21) ^ static_cast<std::uint64_t>(i)) * 0x9E3779B97F4A7C15U;
+  return hash ^ (hash >> 32U);
+}
 
 /// A bound on how far the ball reaches from `center` [m].
 double reachFrom(const Vector3d& center, const Ball& ball) {
@@ -106,9 +103,37 @@ double reachFrom(const Vector3d& center, const Ball& ball) {
 
 /// The balls of a cell.
 struct CellBalls {
+  Cell cell;
   std::size_t first, count = 0;
   Vector3d low, high;
   double radius = 0;
+};
+
+/// The cells of a grid that have balls, in the order of their first balls: a hash table with linear
+/// probing.
+class GridCells {
+ public:
+  explicit GridCells(std::size_t most) : slots_(std::bit_ceil(2 * most + 1), kFree) {}
+
+  /// The number of the cell, a new one if `ball` is its first.
+  std::size_t numberOf(const Cell& cell, std::size_t ball, const Vector3d& center) {
+    // Points of a scan often share a cell with the one before.
+    if (last_ < cells.size() && cells[last_].cell == cell) return last_;
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t slot = static_cast<std::size_t>(hashOf(cell)) & mask;
+    while (slots_[slot] != kFree && !(cells[slots_[slot]].cell == cell)) slot = (slot + 1) & mask;
+    if (slots_[slot] == kFree) {
+      slots_[slot] = cells.size();
+      cells.push_back({cell, ball, 0, center, center, 0});
+    }
+    return last_ = slots_[slot];
+  }
+  std::vector<CellBalls> cells;
+
+ private:
+  static constexpr std::size_t kFree = ~std::size_t{0};
+  std::vector<std::size_t> slots_;
+  std::size_t last_ = 0;
 };
 
 /// Balls, sorted into parts whose centers are near each other.
@@ -244,18 +269,15 @@ PointCloud makeCloud(const PointArray& points, std::span<const double> radii) {
 
 PointCloud thinned(const PointCloud& cloud, double cell) {
   requireSize("cell", cell);
-  std::unordered_map<Cell, std::size_t, CellHash> numbers;
-  numbers.reserve(cloud.size() / 2);
+  GridCells grid(cloud.size());
   std::vector<std::size_t> cell_of(cloud.size());
-  std::vector<CellBalls> cells;
+  std::vector<CellBalls>& cells = grid.cells;
   for (std::size_t b = 0; b < cloud.size(); ++b) {
     const Vector3d& p = cloud.balls[b].center;
     Cell key{};
     for (int k = 0; k < 3; ++k) key.i[k] = static_cast<std::int64_t>(std::floor(p[k] / cell));
-    const auto [found, is_new] = numbers.emplace(key, cells.size());
-    if (is_new) cells.push_back({b, 0, p, p, 0});
-    cell_of[b] = found->second;
-    CellBalls& balls = cells[found->second];
+    cell_of[b] = grid.numberOf(key, b, p);
+    CellBalls& balls = cells[cell_of[b]];
     ++balls.count;
     balls.low = balls.low.cwiseMin(p);
     balls.high = balls.high.cwiseMax(p);

@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <set>
 
 #include "leeway/collision/distance.h"
 
@@ -104,6 +106,11 @@ TEST(PointCloud, ThinningContainsAllThatItRemoves) {
         EXPECT_TRUE(std::any_of(thin.balls.begin(), thin.balls.end(),
                                 [&](const Ball& outer) { return contains(outer, ball); }));
       EXPECT_EQ(thin.filters.back().removed, cloud.size() - thin.size());
+      std::set<std::array<double, 3>> cells;
+      for (const Ball& ball : cloud.balls)
+        cells.insert({std::floor(ball.center.x() / cell), std::floor(ball.center.y() / cell),
+                      std::floor(ball.center.z() / cell)});
+      EXPECT_EQ(thin.size(), cells.size());
       EXPECT_LE(thin.largestRadius(), cell * std::sqrt(3.0) / 2 + 0.03 + 1e-9);
       merged += static_cast<int>(cloud.size() - thin.size());
     }
