@@ -38,6 +38,14 @@ TEST(ReportGrowth, WorldsGrowInOneThing) {
     EXPECT_NEAR(made / static_cast<double>(triangles), 1, 0.1);
     EXPECT_EQ(problem.world.objects.size(), 9U);
   }
+  for (const std::int64_t points : {1000, 50000}) {
+    const planner::Problem problem = growthProblem("points", points);
+    std::size_t made = 0;
+    for (const planner::Object& object : problem.world.objects)
+      if (object.cloud) made += object.cloud->size();
+    EXPECT_NEAR(static_cast<double>(made) / static_cast<double>(points), 1, 0.05);
+    EXPECT_EQ(problem.world.objects.size(), 18U);
+  }
   for (const int joints : {2, 3, 7, 14}) {
     const planner::Problem problem = growthProblem("joints", joints);
     EXPECT_EQ(problem.robot.variables.size(), static_cast<std::size_t>(joints));
@@ -94,8 +102,9 @@ TEST(ReportGrowth, ARivalWalksTheSameEdges) {
 class ReportGrowthVerb : public CommandTest {};
 
 TEST_F(ReportGrowthVerb, WritesARowAWorldAndPictures) {
-  const Answer answer =
-      run("report growth --boxes 20 10 --triangles 200 --joints 3 --edges 5 --output out --json");
+  const Answer answer = run(
+      "report growth --boxes 20 10 --triangles 200 --joints 3 --points 300 --edges 5 --output out "
+      "--json");
   ASSERT_EQ(answer.status, 0) << answer.out << answer.err;
   const json told = answer.document();
   EXPECT_EQ(told["own_errors"], 0);
@@ -106,13 +115,14 @@ TEST_F(ReportGrowthVerb, WritesARowAWorldAndPictures) {
   std::size_t rows = 0, own = 0;
   for (; std::getline(csv, line); ++rows) own += line.find(",Leeway,solved,") != std::string::npos;
   EXPECT_EQ(rows, told["rows"]);
-  EXPECT_EQ(own, 4U);
+  EXPECT_EQ(own, 5U);
   EXPECT_NE(read("out/growth.svg").find("planning [ms]"), std::string::npos);
 }
 
 TEST_F(ReportGrowthVerb, RefusesWhatItCannotUse) {
   expectRefused("report growth --boxes 2", {"--boxes", "8"});
   expectRefused("report growth --joints 1", {"--joints"});
+  expectRefused("report growth --points 10", {"--points", "100"});
   expectRefused("report growth --family zebras", {"zebras", "triangles"});
 }
 

@@ -108,7 +108,8 @@ GrowthRow ours(const std::string& family, std::int64_t count, std::vector<Edge>&
   EdgeCertifier certifier(scene);
   row.make_s = secondsSince(compile) + (family == "triangles" ? read_s : 0);
   row.bytes = heapBytes() - (family == "triangles" ? before : with_problem);
-  if (family == "boxes") row.change_s = secondsToChange(*scene, problem, options.rounds);
+  if (family == "boxes" || family == "points")
+    row.change_s = secondsToChange(*scene, problem, options.rounds);
   if (edges.empty() || family == "joints") edges = askedEdges(problem, options.edges);
   row.edges = static_cast<int>(edges.size());
   row.edge_us = microsecondsAnEdge(edges, options.rounds,

@@ -20,6 +20,7 @@ struct GrowthReportOptions : ReportOptions {
   std::map<std::string, std::vector<std::int64_t>> counts = {
       {"boxes", {10, 100, 1000, 10000, 100000}},
       {"joints", {2, 4, 7, 14, 28, 40}},
+      {"points", {1000, 10000, 100000, 1000000}},
       {"triangles", {1000, 10000, 100000}}};
   int edges = 200;   ///< limit on the edges, which planning requests
   int rounds = 5;    ///< rounds over the edges; the median is reported
@@ -37,8 +38,8 @@ struct GrowthRow {
   /// Time from the world in memory until it can be queried, including all data that meshes store.
   /// Wall clock [s].
   double make_s = 0;
-  /// For boxes, ours: time from moving one box until that world can be queried. Median of the
-  /// rounds. Wall clock [s].
+  /// Ours: time from moving one box, or a tenth of the points, until that world can be queried.
+  /// Median of the rounds. Wall clock [s].
   double change_s = 0;
   double bytes = 0;  ///< memory on the heap; 0 if the C library does not provide it
   /// Mean time of one edge [us], over the edges that planning requests in the first world of the

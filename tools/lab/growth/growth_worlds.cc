@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "leeway/collision/triangle_mesh.h"
+#include "leeway/planner/point_cloud.h"
 
 namespace leeway::tools::report {
 namespace {
@@ -96,18 +97,24 @@ void addFar(planner::Problem& problem, std::int64_t count) {
   }
 }
 
-Shape makeRing(std::int64_t triangles) {
-  const int around =
-      std::max(3, static_cast<int>(std::lround(std::sqrt(static_cast<double>(triangles)))));
-  const int across = std::max(3, around / 2);
-  std::vector<Vector3d> vertices;
+/// Points of a wavy ring, in circles across it.
+std::vector<Vector3d> pointsOfRing(int around, int across) {
+  std::vector<Vector3d> points;
   for (int i = 0; i < around; ++i)
     for (int k = 0; k < across; ++k) {
       const double a = kTurn * i / around, b = kTurn * k / across;
       const double r = 0.08 + 0.01 * std::sin(8 * a + 5 * b) + 0.001 * std::sin(71 * a);
-      vertices.emplace_back((0.8 + r * std::cos(b)) * std::cos(a),
-                            (0.8 + r * std::cos(b)) * std::sin(a), r * std::sin(b));
+      points.emplace_back((0.8 + r * std::cos(b)) * std::cos(a),
+                          (0.8 + r * std::cos(b)) * std::sin(a), r * std::sin(b));
     }
+  return points;
+}
+
+int rootOf(double square) { return std::max(3, static_cast<int>(std::lround(std::sqrt(square)))); }
+
+Shape makeRing(std::int64_t triangles) {
+  const int around = rootOf(static_cast<double>(triangles)), across = std::max(3, around / 2);
+  const std::vector<Vector3d> vertices = pointsOfRing(around, across);
   std::vector<std::array<std::int32_t, 3>> faces;
   const auto vertex = [&](int i, int k) { return i % around * across + k % across; };
   for (int i = 0; i < around; ++i)
@@ -118,15 +125,34 @@ Shape makeRing(std::int64_t triangles) {
   return Shape::mesh(collision::TriangleMesh::make(vertices, faces));
 }
 
+/// Adds the ring as ten clouds.
+void addClouds(planner::Problem& problem, std::int64_t count) {
+  constexpr std::size_t kClouds = 10;
+  constexpr double kRadius = 0.03;  // covers the ring from 1,500 points on
+  const int around = rootOf(10 * static_cast<double>(count));
+  const std::vector<Vector3d> points = pointsOfRing(
+      around, std::max(3, static_cast<int>(std::lround(static_cast<double>(count) / around))));
+  for (std::size_t c = 0; c < kClouds; ++c) {
+    planner::Object object;
+    object.name = fmt::format("cloud_{}", c);
+    auto cloud = std::make_shared<planner::PointCloud>();
+    for (std::size_t p = points.size() * c / kClouds; p < points.size() * (c + 1) / kClouds; ++p)
+      cloud->balls.push_back({points[p], kRadius});
+    object.cloud = std::move(cloud);
+    problem.world.objects.push_back(std::move(object));
+  }
+}
+
 }  // namespace
 
 const std::vector<std::string>& growthFamilies() {
-  static const std::vector<std::string> families = {"boxes", "triangles", "joints"};
+  static const std::vector<std::string> families = {"boxes", "triangles", "joints", "points"};
   return families;
 }
 
 std::pair<std::int64_t, std::int64_t> growthRange(const std::string& family) {
   if (family == "joints") return {2, 100};
+  if (family == "points") return {100, 10'000'000};
   return {family == "boxes" ? kNearBoxes : 18, 10'000'000};
 }
 
@@ -146,6 +172,7 @@ planner::Problem growthProblem(const std::string& family, std::int64_t count) {
   problem.goals.push_back(std::move(goal));
   addNear(problem);
   if (family == "boxes") addFar(problem, count - kNearBoxes);
+  if (family == "points") addClouds(problem, count);
   if (family == "triangles") {
     planner::Object ring;
     ring.name = "ring";

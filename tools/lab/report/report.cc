@@ -152,7 +152,8 @@ Verb addGrowth(CLI::App* app) {
   auto options = std::make_shared<report::GrowthReportOptions>();
   auto families = std::make_shared<std::vector<std::string>>();
   CLI::App* one =
-      addOne(app, "growth", "worlds, edges and plans as boxes, triangles and joints grow, with FCL",
+      addOne(app, "growth",
+             "worlds, edges and plans as boxes, triangles, joints and points grow, with FCL",
              "--family joints", *options, "of the plans");
   one->add_option("--family", *families, "only these")
       ->delimiter(',')

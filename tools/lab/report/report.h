@@ -53,7 +53,8 @@ int runReportIk(report::IkReportOptions options);
 /// Times, lengths and tails of plans, with OMPL's RRTConnect over the rivals.
 int runReportPlanning(report::PlanningReportOptions options);
 
-/// Cost of making a world, of an edge and of a plan as boxes, triangles and joints grow in number.
+/// Cost of making a world, of an edge and of a plan as boxes, triangles, joints and points grow in
+/// number.
 int runReportGrowth(report::GrowthReportOptions options);
 
 /// Least clearance from the world, and the integral of a hinge, against time, with OMPL's
