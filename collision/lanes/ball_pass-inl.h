@@ -75,7 +75,7 @@ class BallPass {
       const float above = fixed + s_.pieces[size(a)].outer.radius;
       placePart(size(a));
       for (int b = of_b.begin; b < of_b.end; ++b, ++near) {
-        scratch_.work->add(2 * kLaneBallWork);
+        scratch_.work.add(2 * kLaneBallWork);
         if (whole.pieces) {
           placePart(size(b));
           *near = openToBall<kStill>(scratch_.outer[size(a)], scratch_.outer[size(b)],
@@ -226,7 +226,7 @@ class BallPass {
     }
     const float fixed = bundle.above + growth + 2 * kernel_.slack;
     const float above = fixed + s_.pieces[a].outer.radius + s_.pieces[b].outer.radius;
-    scratch_.work->add(kLaneBallWork);
+    scratch_.work.add(kLaneBallWork);
     if (openToBall<kStill>(scratch_.outer[a], scratch_.outer[b], above, kAll) == 0) return true;
     placeCover(a);
     return uncoveredPieces<true>(s_.pieces[a], b, fixed, kAll) == 0;
@@ -384,7 +384,7 @@ class BallPass {
         // NaN and infinity also meet nodes that are padding, which have no children.
         if (ObstacleBoxes::kWidth * j >= of.boxes.levels()[level - 1].size()) break;
         const Sweep::Core node = boxOf(boxes, j);
-        scratch_.work->add(kLaneBallWork);
+        scratch_.work.add(kLaneBallWork);
         const std::uint32_t open = openToObstacle<kStill>(
             node, scratch_.outer[of.p], of.above + s_.pieces[of.p].outer.radius, lanes);
         if (open == 0) continue;
@@ -429,7 +429,7 @@ class BallPass {
                                            of.above + s_.balls[ball].radius, lanes);
       open |= near_box[i];
     }
-    scratch_.work->add(count * kLaneBallWork);
+    scratch_.work.add(count * kLaneBallWork);
     // The cover decides nothing here if it is empty or has more balls than were tested.
     const bool has_more = count == 0 || count < piece.inner - piece.cover;
     if (open == 0 && !has_more) return;
@@ -532,7 +532,7 @@ class BallPass {
     for (int i = 0; i < count; ++i) {
       const std::uint32_t lanes = near_box[i] & ~open;
       if (lanes == 0) continue;
-      scratch_.work->add(kLaneBallWork);
+      scratch_.work.add(kLaneBallWork);
       const std::size_t ball = size(piece.cover + i);
       open |=
           openToObstacle<kStill>(point, scratch_.balls[ball], above + s_.balls[ball].radius, lanes);
@@ -541,7 +541,7 @@ class BallPass {
     float key;
     const float of_outer = above + piece.outer.radius;
     open = openToObstacle<kStill>(point, scratch_.outer[of.p], of_outer, open, &key);
-    scratch_.work->add(kLaneBallWork);
+    scratch_.work.add(kLaneBallWork);
     if (open == 0) return;
     meetBall(of, number, box, open);
     if (met_.id < 0) addCandidate({key - of_outer, number, -1, open});
@@ -565,7 +565,7 @@ class BallPass {
     const float below = of.below + longestHalf(box);
     placeInner(of.p);
     for (int i = piece.inner; i < piece.end; ++i) {
-      scratch_.work->add(kLaneBallWork);
+      scratch_.work.add(kLaneBallWork);
       if ((lanes & contactWithObstacle(point, scratch_.balls[size(i)],
                                        below + s_.balls[size(i)].radius)) == 0)
         continue;
@@ -586,7 +586,7 @@ class BallPass {
     const float above = requiredGap(pair) + piece.outer.radius;
     float key;
     const std::uint32_t lanes = openToObstacle<kStill>(o, scratch_.outer[p], above, among, &key);
-    scratch_.work->add(kLaneBallWork);
+    scratch_.work.add(kLaneBallWork);
     if (lanes != 0 && !isProven(pair)) addCandidate({key - above, number, pair.a, lanes});
   }
 
@@ -602,7 +602,7 @@ class BallPass {
     float key;
     const std::uint32_t lanes =
         openToBall<kStill>(scratch_.outer[a], scratch_.outer[b], above, kAll, &key);
-    scratch_.work->add(kLaneBallWork);
+    scratch_.work.add(kLaneBallWork);
     if (lanes != 0 && !isProven(pair)) addCandidate({key - above, number, pair.a, lanes});
   }
 
@@ -638,7 +638,7 @@ class BallPass {
     if (scratch_.cover_stamp[p] == scratch_.stamp) return;
     scratch_.cover_stamp[p] = scratch_.stamp;
     const Sweep::LanePiece& piece = s_.pieces[p];
-    scratch_.work->add((piece.inner - piece.cover) * kLaneBallWork);
+    scratch_.work.add((piece.inner - piece.cover) * kLaneBallWork);
     if (piece.frame < 0) return;
     for (int i = piece.cover; i < piece.inner; ++i)
       placeBall<kStill>(frame(piece), s_.balls[size(i)].center, scratch_.balls[size(i)]);
@@ -647,7 +647,7 @@ class BallPass {
     if (scratch_.inner_stamp[p] == scratch_.stamp) return;
     scratch_.inner_stamp[p] = scratch_.stamp;
     const Sweep::LanePiece& piece = s_.pieces[p];
-    scratch_.work->add((piece.end - piece.inner) * kLaneBallWork);
+    scratch_.work.add((piece.end - piece.inner) * kLaneBallWork);
     if (piece.frame < 0) return;
     for (int i = piece.inner; i < piece.end; ++i)
       placeBall<true>(frame(piece), s_.balls[size(i)].center, scratch_.balls[size(i)]);
@@ -704,7 +704,7 @@ class BallPass {
       for (int i = a.cover; i < a.inner && open != lanes; ++i)
         open |= openToObstacle<kStill>(o, scratch_.balls[size(i)], fixed + s_.balls[size(i)].radius,
                                        lanes & ~open);
-      scratch_.work->add((a.inner - a.cover) * kLaneBallWork);
+      scratch_.work.add((a.inner - a.cover) * kLaneBallWork);
       if (open == 0 || pair.balls < 0) return open;
       lanes = open;
     }
@@ -723,11 +723,11 @@ class BallPass {
       if (kAny && open != 0) break;
       const Placed& ball = scratch_.balls[size(i)];
       const float above = fixed + s_.balls[size(i)].radius;
-      scratch_.work->add(kLaneBallWork);
+      scratch_.work.add(kLaneBallWork);
       const std::uint32_t near =
           openToBall<kStill>(ball, scratch_.outer[number], above + b.outer.radius, lanes & ~open);
       if (near == 0) continue;
-      scratch_.work->add((b.inner - b.cover) * kLaneBallWork);
+      scratch_.work.add((b.inner - b.cover) * kLaneBallWork);
       for (int j = b.cover; j < b.inner && open != lanes; ++j)
         open |= openToBall<kStill>(ball, scratch_.balls[size(j)], above + s_.balls[size(j)].radius,
                                    near & ~open);

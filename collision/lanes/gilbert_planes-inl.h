@@ -76,7 +76,7 @@ class GilbertPlanes {
       planes.touching |= (open & touching()) << at;
       store(d, normal_, planes.normal, at);
     }
-    kernel_.scratch.work->add(coarse * workOf(a_.points) + fine * workOf(a_.fine));
+    kernel_.scratch.work.add(coarse * workOf(a_.points) + fine * workOf(a_.fine));
   }
 
  private:

@@ -53,7 +53,7 @@ bool LaneSweepKernel::findPlane(const Sweep::Pair& pair, int lane, bool closely,
   DistanceRequest request;
   request.depth = false;
   request.tolerance = closely ? kLanePlaneTolerance / 8 : kLanePlaneTolerance;
-  scratch.work->add(kPlaneSearchWork);
+  scratch.work.add(kPlaneSearchWork);
   const DistanceResult r =
       convexDistance(viewOfPiece(a), X_BA, b, request, scratch.distance, cache);
   if (!(r.distance.upper > 0) || !r.normal.allFinite()) return false;

@@ -140,7 +140,7 @@ HWY_INLINE std::uint32_t notSeparatedByPoints(const LaneSweepKernel& kernel,
   const float above =
       pair.plane_above + points.radius + growth + (pair.pieces ? 4 : 1) * kernel.slack;
   const V bar = hn::Set(d, plane.offset + above * kLaneNormalOutwards);
-  kernel.scratch.work->add(kLanePlaneWork + workOf(points));
+  kernel.scratch.work.add(kLanePlaneWork + workOf(points));
   std::uint32_t open = 0;
   for (std::size_t at = 0; at < kLanes; at += hn::Lanes(d)) {
     if ((lanes >> at & ((1U << hn::Lanes(d)) - 1)) == 0) continue;

@@ -69,7 +69,7 @@ HWY_INLINE std::uint32_t pointsInside(const LaneSweepKernel& kernel, const Sweep
   const float below = pair.contact_below - kernel.slack - a.own + o.radius;
   const std::uint32_t met =
       contactOfPoints(s, kernel.frames[a.frame], o, begin, end, below, lanes, point);
-  kernel.scratch.work->add((point - begin + 1) * kLanePointWork);
+  kernel.scratch.work.add((point - begin + 1) * kLanePointWork);
   return met;
 }
 

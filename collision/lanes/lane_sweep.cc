@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <tuple>
 #include <utility>
 
 #include "collision/base/greatest.h"
@@ -362,6 +363,7 @@ void LaneSweep::Impl::findBundles() {
     std::int32_t group, other, pair;
   };
   std::vector<Member> members;
+  members.reserve(piece_pairs.size());
   std::vector<std::int32_t> loose;
   for (const std::int32_t p : piece_pairs) {
     const Pair& pair = pairs[at(p)];
@@ -373,8 +375,8 @@ void LaneSweep::Impl::findBundles() {
     else
       loose.push_back(p);
   }
-  std::stable_sort(members.begin(), members.end(), [](const Member& x, const Member& y) {
-    return std::pair(x.group, x.other) < std::pair(y.group, y.other);
+  std::sort(members.begin(), members.end(), [](const Member& x, const Member& y) {
+    return std::tuple(x.group, x.other, x.pair) < std::tuple(y.group, y.other, y.pair);
   });
   piece_pairs.clear();
   std::vector<std::int32_t> of_one;
@@ -431,10 +433,14 @@ void LaneSweep::Impl::addBundle(std::int32_t group, std::int32_t other,
 // Boxes are rounded outwards; comparing them rounds by less than the pair's own rounding, which
 // free_above includes.
 void LaneSweep::Impl::findLoosePairs() {
+  int obstacle = -1;  // the last one; many pairs in a row have the same
+  Eigen::AlignedBox3d box;
   for (const Pair& pair : pairs) {
     if (pair.pieces) continue;
-    const Exact& exact = obstacles[at(pair.b)].exact_shape;
-    const Eigen::AlignedBox3d box = boxOf(*exact.shape, exact.X_WG);
+    if (std::exchange(obstacle, pair.b) != pair.b) {
+      const Exact& exact = obstacles[at(pair.b)].exact_shape;
+      box = boxOf(*exact.shape, exact.X_WG);
+    }
     // A threshold of NaN is never kept, so such an obstacle counts as near everything.
     const double grown = std::isnan(pair.free_above) ? std::numeric_limits<double>::infinity()
                                                      : static_cast<double>(pair.free_above);

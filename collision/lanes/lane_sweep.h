@@ -159,7 +159,10 @@ class LaneSweep {
   /// The state of a run. Made after finish(); only the constructor allocates.
   class Scratch {
    public:
-    explicit Scratch(const LaneSweep& sweep);
+    /// `queries`: for the distance queries of plane searches. Runs count their work, and that of
+    /// these searches must be counted (collision::countInto()), into `work`. Once its limit is
+    /// reached, no more planes are searched, and pairs stay open. Both must outlive this object.
+    Scratch(const LaneSweep& sweep, collision::Scratch& queries, Work& work);
     ~Scratch();
     /// The pairs that the last run did not certify, if it found no contact.
     std::span<const Open> open() const;
@@ -169,10 +172,6 @@ class LaneSweep {
     /// After run(): removes, for each open() pair, lanes that the caller knows to be free; pairs
     /// without a remaining lane are no longer open. O(open pairs).
     void close(std::span<const std::uint32_t> lanes);
-
-    /// From now on runs count their work into `work`, which must outlive this object. Once its
-    /// limit is reached, no more planes are searched, and pairs stay open.
-    void countInto(Work& work);
 
    private:
     friend class LaneSweep;

@@ -225,6 +225,8 @@ struct LaneSweep::Impl {
 };
 
 struct LaneSweep::Scratch::Impl {
+  Impl(collision::Scratch& queries, Work& of_runs) : distance(queries), work(of_runs) {}
+
   struct Placed {
     LaneValues center[3];  // in the middle of each interval
     LaneValues way[3];     // displacement over half an interval
@@ -278,9 +280,8 @@ struct LaneSweep::Scratch::Impl {
   std::vector<std::int32_t> part_owners;  // the pair that owns a block; -1: none
   /// The memory of the pairs of parts of a pair.
   PartMemory* partsOf(const LaneSweep::Impl::Pair& pair, std::size_t most_parts);
-  collision::Scratch distance;
-  Work own;
-  Work* work = &own;  // counts passes and the queries of `distance`
+  collision::Scratch& distance;
+  Work& work;  // counts passes and the queries of `distance`
   std::uint64_t stamp = 0;
   /// A pair that was found in contact, and the point that was inside; point -1: found by balls.
   struct PastContact {

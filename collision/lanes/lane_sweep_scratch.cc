@@ -15,9 +15,9 @@ constexpr std::size_t kMostMade = std::size_t{1} << 8U;
 
 }  // namespace
 
-LaneSweep::Scratch::Scratch(const LaneSweep& sweep) : impl_(std::make_unique<Impl>()) {
+LaneSweep::Scratch::Scratch(const LaneSweep& sweep, collision::Scratch& queries, Work& work)
+    : impl_(std::make_unique<Impl>(queries, work)) {
   const LaneSweep::Impl& s = *sweep.impl_;
-  countInto(impl_->own);
   // Not initialized, because moving balls are placed before they are read.
   impl_->outer = spareArray<Impl::Placed>(s.pieces.size());
   impl_->balls = spareArray<Impl::Placed>(s.stock->balls.size());
@@ -80,11 +80,6 @@ void LaneSweepKernel::findObstacle(Sweep::Pair& pair) const {
 bool LaneSweep::Scratch::isFull() const { return impl_->is_full; }
 
 std::span<const LaneSweep::Open> LaneSweep::Scratch::open() const { return impl_->open; }
-
-void LaneSweep::Scratch::countInto(Work& work) {
-  impl_->work = &work;
-  collision::countInto(impl_->distance, work);
-}
 
 void LaneSweep::Scratch::close(std::span<const std::uint32_t> lanes) {
   std::size_t kept = 0;

@@ -177,7 +177,7 @@ LaneSweepKernel::Separation LaneSweepKernel::separateByParts(std::int32_t number
   // not matter.
   const std::int32_t first = blocking;
   for (std::int32_t k = 0; k < count && all.open != lanes; ++k) {
-    if (scratch.work->isSpent()) return {lanes, false, false};
+    if (scratch.work.isSpent()) return {lanes, false, false};
     const std::int32_t part = k == 0 ? first : k <= first ? k - 1 : k;
     const std::uint32_t left = near[part] & ~all.open;
     if (left == 0) continue;
@@ -212,7 +212,7 @@ LaneSweep::Contact LaneSweepKernel::separateOpen(bool closely) const {
     const Sweep::Pair& pair = this->pair(number);
     const Sweep::LanePiece& a = sweep.pieces[static_cast<std::size_t>(pair.a)];
     std::uint32_t lanes = scratch.open[i].lanes;
-    if (scratch.work->isSpent()) {
+    if (scratch.work.isSpent()) {
       scratch.open_pairs[kept] = number;
       scratch.open[kept++] = {pair.id, lanes, false};
       continue;

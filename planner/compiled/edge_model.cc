@@ -10,6 +10,7 @@
 #include "collision/base/numbers.h"
 #include "collision/scene/scene_access.h"
 #include "leeway/robots/kinematics.h"
+#include "planner/base/largest_value.h"
 #include "planner/base/tolerances.h"
 
 namespace leeway::planner {
@@ -45,12 +46,36 @@ std::vector<int> jumpingCircles(const ConfigurationSpace& space) {
   return places;
 }
 
+/// See RobotMotions::largest_exact.
+double largestExact(const ConfigurationSpace& space, int i) {
+  const int variable = space.variables()[at(i)];
+  const double most = largestValue(space.model(), variable);
+  if (isAngle(space.model(), variable)) return most;
+  const double limit = std::max(std::abs(space.lower(i)), std::abs(space.upper(i)));
+  return std::min(most, std::max(limit, kLargestLengthOutside));
+}
+
+/// All other joints stand still along every edge.
+std::vector<int> movedJoints(const ConfigurationSpace& space) {
+  const Model& model = space.model();
+  std::vector<double> any(model.variables.size(), 0);
+  for (const int v : space.variables()) any[at(v)] = 1;
+  std::vector<robots::JointMotion> motion(model.joints.size());
+  robots::jointMotion(model, any, motion);
+  std::vector<int> moved;
+  for (std::size_t j = 0; j < motion.size(); ++j)
+    if (motion[j].angle != 0 || motion[j].travel != 0) moved.push_back(static_cast<int>(j));
+  return moved;
+}
+
 class EdgeModelBuilder {
  public:
   EdgeModelBuilder(const ConfigurationSpace& space, const collision::Scene& scene,
                    std::span<const int> carriers, std::span<const VariableRange> ranges)
-      : scene_(scene), carriers_(carriers), model_(space.model()), ranges_(ranges) {
+      : space_(space), scene_(scene), carriers_(carriers), model_(space.model()), ranges_(ranges) {
     result_.jumping_circles = jumpingCircles(space);
+    result_.moved_joints = movedJoints(space);
+    for (int i = 0; i < space.size(); ++i) result_.largest_exact.push_back(largestExact(space, i));
   }
 
   RobotMotions build(std::span<const robots::LinkGap* const> gaps) {
@@ -76,7 +101,7 @@ class EdgeModelBuilder {
     const int a = geometryOf(pair.body_a, pair.geometry_a),
               b = geometryOf(pair.body_b, pair.geometry_b);
     const int link_a = linkOf(pair.body_a), link_b = linkOf(pair.body_b);
-    EdgeModel::Pair result{motionOf(a, link_a, link_b), false, gap, mostOf(gap)};
+    EdgeModel::Pair result{motionOf(a, link_a, link_b), false, gapOf(gap)};
     // A static body is never the swept one. Otherwise a motion for each of many objects would be
     // bounded on every edge, and a deforming obstacle has no fixed shape.
     if (link_b >= 0 && std::isfinite(ballOf(b).radius)) {
@@ -87,10 +112,22 @@ class EdgeModelBuilder {
     result_.pairs.push_back(result);
   }
 
-  static float mostOf(const robots::LinkGap* gap) {
-    if (gap == nullptr) return 0;
-    return std::accumulate(gap->gaps.begin(), gap->gaps.end(), gap->cell_gap,
-                           [](float x, float y) { return std::max(x, y); });
+  /// Index of a pair's gap; -1 for null.
+  int gapOf(const robots::LinkGap* table) {
+    if (table == nullptr) return -1;
+    const float most = std::accumulate(table->gaps.begin(), table->gaps.end(), table->cell_gap,
+                                       [](float x, float y) { return std::max(x, y); });
+    result_.gaps.push_back(
+        {table, angleOf(table->joint), angleOf(table->other), static_cast<double>(most)});
+    return static_cast<int>(result_.gaps.size()) - 1;
+  }
+  EdgeModel::Angle angleOf(int joint) const {
+    const robots::KinematicStep& step = model_.steps[at(joint)];
+    const std::span<const int> planned = space_.variables();
+    const auto found = std::find(planned.begin(), planned.end(), step.variable);
+    if (found == planned.end())  // its range is its value
+      return {-1, 0, step.multiplier * ranges_[at(step.variable)].lower + step.offset};
+    return {static_cast<int>(found - planned.begin()), step.multiplier, step.offset};
   }
 
   void addWorldMotions() {
@@ -169,6 +206,7 @@ class EdgeModelBuilder {
                        static_cast<double>(longest) * reach * kInterpolationRounding;
   }
 
+  const ConfigurationSpace& space_;
   const collision::Scene& scene_;
   std::span<const int> carriers_;
   const Model& model_;

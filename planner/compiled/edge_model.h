@@ -22,12 +22,24 @@ struct EdgeModel {
                  ///< relative to the world
     bool is_reversed;  ///< `motion` is that of b relative to a: of two moving bodies, the one near
                        ///< the joints between them moves less
-    const robots::LinkGap* gap;  ///< proven for the two links by two joints' angles; null: no proof
-    float most_gap = 0;          ///< that `gap` proves at any angles [m]
+    int gap = -1;      ///< index into `gaps`; -1: no proof
   };
   std::vector<Pair> pairs;
   /// The robot's motions. Pairs share them and need not use all.
   std::span<const robots::RelativeMotion> motions;
+  /// A joint's angle is multiplier * a number of a point + offset [rad]; if place < 0, it is the
+  /// offset.
+  struct Angle {
+    int place;
+    double multiplier, offset;
+  };
+  /// The gap between a pair's links, proven by two joints' angles.
+  struct Gap {
+    const robots::LinkGap* table;
+    Angle joint, other;
+    double most;  ///< that the table proves at any angles [m]
+  };
+  std::span<const Gap> gaps;
   std::shared_ptr<const PreparedRobot> robot;
 
   /// The distance of any point of a moving body from its exact position, by exact kinematics at the
@@ -52,11 +64,16 @@ struct EdgeModel {
 struct RobotMotions {
   std::vector<EdgeModel::Pair> pairs;  ///< one per pair of the robot's scene
   std::vector<robots::RelativeMotion> motions;
+  std::vector<EdgeModel::Gap> gaps;
   /// For each geometry of a moving body, its motion relative to the world: index into `motions`;
   /// -1: it stands still.
   std::vector<int> of_world;
   double rounding = 0, reach = 0;  ///< as in EdgeModel
   std::vector<int> jumping_circles;
+  std::vector<int> moved_joints;  ///< that edges can move
+  /// The largest magnitude at which each number of a point interpolates as exactly as bounds
+  /// assume.
+  std::vector<double> largest_exact;
 };
 
 /// `robot`: the robot's bodies with their pairs; `carriers`: the link of each body; `gaps`: one per

@@ -31,38 +31,20 @@ std::size_t mostTasks(const EdgeFrames& frames) {
 EdgeCertifier::Impl::Impl(std::shared_ptr<const CompiledScene> compiled)
     : scene(std::move(compiled)),
       frames(scene, kEdgeSlots),
-      lanes(frames),
       workspace(scene->scene()),
+      lanes(frames, collision::SceneAccess::scratch(workspace), work),
       queue(frames, mostTasks(frames)),
       queries(frames, workspace, work, asked, memory),
       contacts(frames, lanes, queries, work, memory),
       parts(frames, lanes, contacts, queue, work, mostOpen(frames), mostTasks(frames)) {
   workspace.pose_error = scene->edgeModel().rounding;
   collision::countInto(collision::SceneAccess::scratch(workspace), work);
-  lanes.countInto(work);
   frames.countInto(work);
   cost_parts.reserve(kEdgeSlots);
   near_pairs.reserve(mostOpen(frames));
   asked_pairs.reserve(mostOpen(frames));
-  never_parted.reserve(mostOpen(frames));
   order.reserve(std::min(mostTasks(frames), frames.pairs().size()));
   memory.resize(frames.pairs().numbers());
-  takePairs();
-}
-
-void EdgeCertifier::Impl::takePairs() {
-  most_rounding = frames.pairs().mostRounding();
-  const collision::ScenePairs& all = scene->scene().pairs();
-  looks_at_all = all.numbers() <= kManyPairs;
-  looked_at.clear();
-  for (std::size_t p = 0; p < (looks_at_all ? all.numbers() : all.listedCount()); ++p)
-    if (all.has(p)) looked_at.push_back(static_cast<int>(p));
-  const int robot = scene->bodiesOfRobot();
-  const double of_world = scene->scene().pairs().leastMargin(robot, true);
-  const double of_robot = scene->scene().pairs().leastMargin(robot, false);
-  least_margin[static_cast<std::size_t>(Pairs::kAll)] = std::min(of_world, of_robot);
-  least_margin[static_cast<std::size_t>(Pairs::kSelf)] = of_robot;
-  least_margin[static_cast<std::size_t>(Pairs::kWorld)] = of_world;
 }
 
 namespace {
@@ -98,9 +80,7 @@ void EdgeCertifier::rebind(std::shared_ptr<const CompiledScene> scene) {
         "EdgeCertifier::rebind(): a scene with other pairs; a variant of the scene before, with "
         "other shapes or margins, is expected");
   impl_->frames.rebind(scene);
-  impl_->lanes_fit = false;
   impl_->scene = std::move(scene);
-  impl_->takePairs();
   impl_->workspace.prepare(impl_->scene->scene());
   impl_->queries.startInterval();
 }
@@ -168,7 +148,7 @@ EdgeRequest EdgeRequest::persistent() {
 }
 
 std::int64_t EdgeCertifier::Impl::defaultWork() const {
-  return frames.hasSurfacePairs() ? kFlightWork : kEdgeWork;
+  return frames.edges().has_surface_pairs ? kFlightWork : kEdgeWork;
 }
 
 EdgeRequest EdgeCertifier::searching() const {
@@ -187,26 +167,23 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
     trace->emplace_back(b.begin(), b.end());
   }
   Impl& impl = *impl_;
-  impl.work_limit = request.work_limit > 0 ? request.work_limit : impl.defaultWork();
+  impl.startWork(request.work_limit > 0 ? request.work_limit : impl.defaultWork());
   impl.queries.least_interval = request.smallest_interval;
   const Impl::Asking asking(impl, Pairs::kAll, request.separation);
-  EdgeCheck check = impl.decideEdge(a, b);
+  const bool begins = impl.frames.begin(a, b);
+  EdgeCheck check = begins ? impl.decideEdge() : EdgeCheck();
   if (check.verdict == Verdict::kUndecided) ++statistics.undecided_edges;
   if (check.verdict == Verdict::kFree)
     check.last_valid = 1;
-  else if (request.last_valid && impl.has_begun)
+  else if (request.last_valid && begins)
     check.last_valid = impl.lastValid();
   return check;
 }
 
-EdgeCheck EdgeCertifier::Impl::decideEdge(std::span<const double> a, std::span<const double> b) {
+EdgeCheck EdgeCertifier::Impl::decideEdge() {
   ++edge;
-  startWork(work_limit);
-  has_begun = frames.begin(a, b);
-  if (!has_begun) return {};
   const collision::SweepFronts fronts(collision::SceneAccess::scratch(workspace));
-  const bool by_lanes = lanes_fit && lanes.begin(frames);
-  const PairVerdict verdict = by_lanes ? certifyByLanes() : certifyByBisection();
+  const PairVerdict verdict = lanes.begin(frames) ? certifyByLanes() : certifyByBisection();
   statistics->work += work.done;
   return checkOf(verdict);
 }
@@ -227,7 +204,6 @@ EdgeCheck EdgeCertifier::Impl::checkOf(const PairVerdict& verdict) {
 /// The stages that decide whether an edge is free. Each stage passes on the pairs that it leaves
 /// open, with their sixteenths of the edge. The numbers are those of edge_certifier_impl.h.
 PairVerdict EdgeCertifier::Impl::certifyByLanes() {
-  constexpr std::uint32_t all_lanes = (1U << collision::kLanes) - 1;
   constexpr PairVerdict free{Verdict::kFree}, undecided{Verdict::kUndecided};
   const EdgeLanes::Parts& whole = EdgeLanes::wholeEdge();
   const auto contactAt = [&](const collision::LaneSweep::Contact& contact) {
@@ -250,11 +226,6 @@ PairVerdict EdgeCertifier::Impl::certifyByLanes() {
   if (work.isSpent()) return {Verdict::kUndecided, lanes.open().front().id};
   // 5. Contacts of pairs whose hulls meet.
   if (const auto verdict = contacts.search(whole)) return *verdict;
-
-  never_parted.clear();
-  for (const collision::LaneSweep::Open& pair : lanes.open())
-    if (pair.lanes == all_lanes && !frames.isConvex(frames.pair(pair.id)))
-      never_parted.push_back(pair.id);
   if (!parts.begin()) return undecided;
   // 6. Planes over finer parts.
   if (const auto verdict = parts.certify()) return *verdict;

@@ -253,6 +253,7 @@ std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRob
   const RobotMotions& motions = robot->motions();
   model->pairs = motions.pairs;
   model->motions = motions.motions;
+  model->gaps = motions.gaps;
   model->rounding = motions.rounding;
   model->reach = motions.reach;
   model->needs_limits = robot->hasProven();

@@ -27,7 +27,6 @@
 // clang-format on
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -73,31 +72,32 @@ struct EdgeCertifier::Impl {
 
   // The order of the stages (certify_edge.cc).
 
-  /// Decides an edge within work_limit. An edge that cannot be started is also undecided.
-  EdgeCheck decideEdge(std::span<const double> a, std::span<const double> b);
+  /// Decides the edge that frames have begun, within the limit of `work`.
+  EdgeCheck decideEdge();
   PairVerdict certifyByLanes();
   /// Without lanes: exact sweeps only, starting with the whole edge.
   PairVerdict certifyByBisection();
   /// Records a pair that is not free.
   EdgeCheck checkOf(const PairVerdict& verdict);
 
-  /// Sets looked_at, most_rounding and least_margin.
-  void takePairs();
-
   // The question; by default, of certify(), that all pairs keep their margins.
 
   /// While it lives, only some pairs are checked, and pairs with a smaller margin must keep a
   /// separation [m].
   class Asking;
-  double leastMargin() const { return least_margin[static_cast<std::size_t>(asked.pairs)]; }
+  double leastMargin() const { return frames.edges().leastMargin(asked.pairs); }
   /// How far the required separation is above the least margin [m].
   double beyondMargins() const { return std::max(0.0, asked.separation - leastMargin()); }
 
   // One configuration (edge_state.cc).
 
   /// The pairs, in order, that may not keep their thresholds, or may be within `reach` >= 0 [m];
-  /// valid until the next call.
-  std::span<const int> nearPairs(int slot, double reach);
+  /// valid until the next call. Some are missing if the list is full.
+  struct Near {
+    std::span<const int> pairs;
+    bool are_all;
+  };
+  Near nearPairs(int slot, double reach);
   /// For an edge without length that frames have begun: stages 1, 2 and 4, which usually decide.
   std::optional<Verdict> decideByLanes();
   /// All pairs at t, placed in `slot`. `offender`: the pair that is not free or undecided.
@@ -112,8 +112,8 @@ struct EdgeCertifier::Impl {
   /// Sweeps an interval's tasks, and keeps those that stay open. Stops at a pair that is not free
   /// and returns it.
   std::optional<PairVerdict> sweepTasks(EdgeInterval& interval);
-  /// Checks, at the edge's end, pairs of meshes that were open on the whole edge, because a body
-  /// may be inside another although their surfaces never meet.
+  /// Checks, at the edge's end, pairs of meshes with tasks on the whole edge, because a body may be
+  /// inside another although their surfaces never meet.
   std::optional<PairVerdict> checkContainment();
   class VerdictRule;
   /// Sweeps all tasks, and the halves of those that stay open, level by level.
@@ -134,10 +134,9 @@ struct EdgeCertifier::Impl {
 
   std::shared_ptr<const CompiledScene> scene;
   EdgeFrames frames;
-  EdgeLanes lanes;
-  bool lanes_fit = true;  ///< false after rebind(): lanes contain the shapes of the previous scene
   collision::Workspace workspace;
   collision::Work work;  ///< spent on the current edge or state
+  EdgeLanes lanes;
   Asked asked;
   EdgeMemory memory;  ///< of earlier edges
   EdgeQueue queue;
@@ -145,25 +144,13 @@ struct EdgeCertifier::Impl {
   ContactSearch contacts;
   EdgeParts parts;
 
-  double most_rounding = 0;              ///< of all pairs [m]
-  std::array<double, 3> least_margin{};  ///< of each kind of Pairs [m]
-
-  // The current edge.
-
-  std::uint64_t edge = 0;  ///< its number
-  std::int64_t work_limit = 0;
-  bool has_begun = false;  ///< the edge can be certified at all
+  std::uint64_t edge = 0;  ///< the number of the current edge
 
   // Lists.
 
-  std::vector<int> looked_at;  ///< pairs that may be near anywhere: listed pairs, or all
-  bool looks_at_all = false;   ///< because they are few
-  collision::SpareVector<int> near_pairs,
-      asked_pairs;                            ///< of nearPairs(), and of the previous call
-  bool near_pairs_full = false;               ///< more pairs were near than there is room for
-  std::vector<int> never_parted;              ///< pairs for checkContainment()
-  std::vector<std::pair<double, int>> order;  ///< pairs by coarse distance
-  std::vector<CostPart> cost_parts;           ///< a heap by their width
+  collision::SpareVector<int> near_pairs, asked_pairs;  ///< of nearPairs(); of the previous call
+  std::vector<std::pair<double, int>> order;            ///< pairs by coarse distance
+  std::vector<CostPart> cost_parts;                     ///< a heap by their width
 
   int last_contact = -1;  ///< the pair that was last not free; -1: none
   int last_named = -1;    ///< the pair that the last verdict named

@@ -55,14 +55,15 @@ class EdgeCertifier::Impl::ClearanceSearch {
   /// pairs, those within a reach come first; the reach grows until it exceeds the least known
   /// distance.
   void searchState(int slot, double t) {
+    const double rounding = impl_.frames.pairs().mostRounding();
     impl_.asked_pairs.clear();
     for (double reach = kFirstReach;; reach *= kReachGrowth) {
       const double known = best.clearance.upper;
-      if (std::isfinite(known)) reach = std::max(known, 0.0) + impl_.most_rounding;
-      const std::span<const int> near = impl_.nearPairs(slot, reach);
+      if (std::isfinite(known)) reach = std::max(known, 0.0) + rounding;
+      const auto [near, are_all] = impl_.nearPairs(slot, reach);
       searchPairs(slot, t, near);
-      if (near.size() == impl_.frames.pairs().size() || impl_.near_pairs_full ||
-          best.clearance.upper + impl_.most_rounding <= reach || isCutOff() || impl_.work.isSpent())
+      if (near.size() == impl_.frames.pairs().size() || !are_all ||
+          best.clearance.upper + rounding <= reach || isCutOff() || impl_.work.isSpent())
         return;
       impl_.asked_pairs = impl_.near_pairs;
     }
@@ -71,7 +72,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
   /// Searches the pairs that balls leave within a reach of each other, for an edge without length
   /// that frames have begun. It uses sixteen lanes for one configuration, but most pairs end there.
   void searchNearLanes(int slot) {
-    if (!impl_.lanes_fit || !impl_.lanes.begin(impl_.frames)) return;
+    if (!impl_.lanes.begin(impl_.frames)) return;
     const double beyond = std::max(0.0, kRoughFirst - impl_.leastMargin());
     if (impl_.lanes.sweepBeyond(impl_.frames, impl_.asked.pairs, beyond).id >= 0 ||
         impl_.lanes.isFull())
@@ -217,7 +218,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
 
   /// Lists the pairs that may come as near as the least known distance.
   void listWholeEdge(int start, int end) {
-    const double reach = std::max(best.clearance.upper, 0.0) + impl_.most_rounding;
+    const double reach = std::max(best.clearance.upper, 0.0) + impl_.frames.pairs().mostRounding();
     if (!impl_.takeWholeEdge(start, end, reach)) settle(-kInfinity);
   }
 
@@ -227,7 +228,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
     // Lanes do not bound depths.
     if (isCutOff() || !(enough() > 0) || !std::isfinite(enough())) return false;
     EdgeLanes& lanes = impl_.lanes;
-    if (!impl_.lanes_fit || !lanes.begin(impl_.frames)) return false;
+    if (!lanes.begin(impl_.frames)) return false;
     const double least = impl_.leastMargin();
     double beyond = 0;
     for (int pass = 0;; ++pass) {
@@ -286,8 +287,7 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   Impl::ClearanceSearch search(impl, request);
   const Impl::Asking asking(impl, request.pairs, -kInfinity);
   if (impl.leastMargin() == kInfinity) return search.best;  // there are no such pairs
-  const std::int64_t work_limit = request.work_limit > 0 ? request.work_limit : kClearanceWork;
-  impl.startWork(work_limit);
+  impl.startWork(request.work_limit > 0 ? request.work_limit : kClearanceWork);
   impl.queries.count = 0;
   const int start = impl.frames.begin(a, b) ? impl.frames.place(0) : -1;
   const int end = start < 0 ? -1 : impl.frames.place(1);
@@ -299,7 +299,7 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   if (search.needsSearchWithoutSweeps()) {
     impl.frames.release(end + 1);
     statistics.work += impl.work.done;
-    impl.startWork(work_limit);
+    impl.startWork(impl.work.limit);
     search.searchWithoutSweeps(start, end);
   }
   statistics.work += impl.work.done;
@@ -332,7 +332,7 @@ EdgeClearance EdgeCertifier::roughClearance(std::span<const double> a, std::span
   impl.startWork(kRoughWork);
   EdgeClearance& best = search.best;
   best.clearance.lower = -kInfinity;
-  if (!impl.frames.begin(a, b) || !impl.lanes_fit || !impl.lanes.begin(impl.frames)) return best;
+  if (!impl.frames.begin(a, b) || !impl.lanes.begin(impl.frames)) return best;
   const double least = impl.leastMargin();
   double beyond = std::max(0.0, most - least);
   const int passes = once ? 1 : kRoughPasses;
@@ -359,9 +359,10 @@ EdgeClearance EdgeCertifier::proveClearance(std::span<const double> a, std::span
   const Impl::Asking asking(impl, request.pairs, request.wanted);
   if (impl.leastMargin() == kInfinity) return best;  // there are no such pairs
   best.clearance.lower = -kInfinity;
-  impl.work_limit = request.work_limit > 0 ? request.work_limit : impl.defaultWork();
+  impl.startWork(request.work_limit > 0 ? request.work_limit : impl.defaultWork());
   impl.queries.least_interval = 0;
-  const EdgeCheck check = impl.decideEdge(a, b);
+  if (!impl.frames.begin(a, b)) return best;
+  const EdgeCheck check = impl.decideEdge();
   if (check.verdict == Verdict::kFree) {
     best.clearance.lower = std::max(request.wanted, impl.leastMargin());
     best.keeps_margins = true;

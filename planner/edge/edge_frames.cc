@@ -9,58 +9,34 @@
 #include "collision/base/tolerances.h"
 #include "collision/lanes/obstacle_boxes.h"
 #include "leeway/robots/kinematics.h"
-#include "planner/base/largest_value.h"
 #include "planner/base/tolerances.h"
-#include "planner/compiled/edge_model.h"
+#include "planner/compiled/prepared_robot.h"
 
 namespace leeway::planner {
-
-namespace {
-
-/// The largest magnitude at which a number of a point interpolates as exactly as bounds assume.
-double largestExact(const ConfigurationSpace& space, int i) {
-  const int variable = space.variables()[at(i)];
-  const double most = largestValue(space.model(), variable);
-  if (isAngle(space.model(), variable)) return most;
-  const double limit = std::max(std::abs(space.lower(i)), std::abs(space.upper(i)));
-  return std::min(most, std::max(limit, kLargestLengthOutside));
-}
-
-}  // namespace
 
 EdgeFrames::EdgeFrames(std::shared_ptr<const CompiledScene> scene, int capacity)
     : scene_(std::move(scene)), links_(scene_->model().links.size()), capacity_(capacity) {
   const ConfigurationSpace& space = scene_->space();
   const auto size = static_cast<std::size_t>(space.size());
-  for (std::vector<double>* v : {&a_, &b_, &difference_, &point_}) v->resize(size);
-  for (int i = 0; i < space.size(); ++i) largest_.push_back(largestExact(space, i));
-  q_.resize(scene_->model().variables.size());
-  dq_.resize(q_.size());
-  shared_slots_.resize(kSharedPlaces + 1);
+  const std::size_t variables = scene_->model().variables.size();
+  numbers_.resize(4 * size + 2 * variables);
+  double* next = numbers_.data();
+  for (std::span<double>* point : {&a_, &b_, &difference_, &point_})
+    *point = {std::exchange(next, next + size), size};
+  for (std::span<double>* q : {&q_, &dq_}) *q = {std::exchange(next, next + variables), variables};
+  shared_slots_ = collision::spareArray<int>(kSharedPlaces + 1);
   only_lines_ = std::all_of(space.parts().begin(), space.parts().end(), [](const auto& part) {
     return part.kind == ConfigurationSpace::Kind::kLine;
   });
-  take(scene_->edges());
+  take();
   joint_motion_.resize(scene_->model().joints.size());
-  findMovedJoints();
   poses_.reserve(at(capacity) * links_);
   centers_.reserve(at(capacity) * moving_.size());
 }
 
-/// All other joints stand still along every edge.
-void EdgeFrames::findMovedJoints() {
-  const robots::Model& model = scene_->model();
-  std::vector<double> any(model.variables.size(), 0);
-  for (const int v : scene_->space().variables()) any[at(v)] = 1;
-  std::vector<robots::JointMotion> motion(model.joints.size());
-  robots::jointMotion(model, any, motion);
-  for (std::size_t j = 0; j < motion.size(); ++j)
-    if (motion[j].angle != 0 || motion[j].travel != 0) moved_joints_.push_back(static_cast<int>(j));
-}
-
 void EdgeFrames::rebind(std::shared_ptr<const CompiledScene> scene) {
   scene_ = std::move(scene);
-  take(scene_->edges());
+  take();
   release(0);
 }
 
@@ -76,16 +52,14 @@ const Piece& EdgeFrames::findPiece(int number) const {
                           [&](std::int32_t) { return edges_->pieces[at(number)]; });
 }
 
-void EdgeFrames::take(const EdgeScene& edges) {
-  edges_ = &edges;
-  known_pairs_.resize(edges.pairs.numbers() - edges.pairs.listed().size());
+void EdgeFrames::take() {
+  edges_ = &scene_->edges();
+  known_pairs_.resize(edges_->pairs.numbers() - edges_->pairs.listed().size());
   known_pieces_.resize(scene_->scene().pairs().places());
-  moving_ = edges.moving;
-  gaps_.clear();
-  if (edges.gaps.empty()) return;
-  scene_->expand(point_, q_);  // joints that are not planned have these values
-  for (const robots::LinkGap* table : edges.gaps)
-    gaps_.push_back({table, angleOf(table->joint), angleOf(table->other)});
+  moving_ = edges_->moving;
+  const RobotMotions& motions = scene_->edgeModel().robot->motions();
+  largest_ = motions.largest_exact;
+  moved_joints_ = motions.moved_joints;
 }
 
 namespace {
@@ -99,15 +73,8 @@ std::int64_t arcsIn(const robots::LinkGap::Range& range) {
 
 }  // namespace
 
-EdgeFrames::Angle EdgeFrames::angleOf(int joint) const {
-  const robots::KinematicStep& step = scene_->model().steps[at(joint)];
-  const std::span<const int> planned = scene_->space().variables();
-  const auto found = std::find(planned.begin(), planned.end(), static_cast<int>(step.variable));
-  if (found == planned.end()) return {-1, 0, step.multiplier * q_[at(step.variable)] + step.offset};
-  return {static_cast<int>(found - planned.begin()), step.multiplier, step.offset};
-}
-
-robots::LinkGap::Range EdgeFrames::range(const Angle& angle, double t0, double t1) const {
+robots::LinkGap::Range EdgeFrames::range(const EdgeModel::Angle& angle, double t0,
+                                         double t1) const {
   if (angle.place < 0) return {angle.offset, angle.offset};
   const double start = angle.multiplier * a_[at(angle.place)] + angle.offset;
   const double turn = angle.multiplier * difference_[at(angle.place)];
@@ -116,7 +83,7 @@ robots::LinkGap::Range EdgeFrames::range(const Angle& angle, double t0, double t
 
 bool EdgeFrames::keepsGap(const EdgePair& pair, double threshold, double t0, double t1) const {
   if (pair.gap < 0) return false;
-  const Gap& gap = gaps_[at(pair.gap)];
+  const EdgeModel::Gap& gap = scene_->edgeModel().gaps[at(pair.gap)];
   const robots::LinkGap::Range angles = range(gap.joint, t0, t1), others = range(gap.other, t0, t1);
   if (work_ != nullptr) work_->add(arcsIn(angles) * arcsIn(others) * collision::kCellWork);
   const double kept = gap.table->over(angles, others);
@@ -223,9 +190,13 @@ int EdgeFrames::place(double t) {
 int EdgeFrames::slotAt(double t) {
   const double number = t * kSharedPlaces;
   if (number != std::floor(number)) return place(t);
-  SharedSlot& shared = shared_slots_[static_cast<std::size_t>(number)];
-  if (shared.slot < 0 || shared.generation != generation_) shared = {generation_, place(t)};
-  return shared.slot;
+  if (shared_generation_ != generation_) {
+    std::fill_n(shared_slots_.get(), kSharedPlaces + 1, -1);
+    shared_generation_ = generation_;
+  }
+  int& slot = shared_slots_[static_cast<std::size_t>(number)];
+  if (slot < 0) slot = place(t);
+  return slot;
 }
 
 bool EdgeFrames::nearInRow(std::size_t row, int slot, double reach,

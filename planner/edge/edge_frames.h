@@ -3,6 +3,7 @@
 // Private to planner/: the pairs that are checked along an edge, and the edge's configurations,
 // each placed once.
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -14,7 +15,9 @@
 #include "collision/base/work.h"
 #include "collision/scene/scene_access.h"
 #include "leeway/planner/compiled_scene.h"
+#include "leeway/planner/problem.h"
 #include "leeway/robots/motion_bound.h"
+#include "planner/compiled/edge_model.h"
 
 namespace leeway::planner {
 
@@ -64,7 +67,7 @@ struct EdgePair {
   bool is_self;      ///< between two parts of the robot
   bool is_reversed;  ///< a is the scene's second body
   bool by_surfaces;  ///< swept by collision::sweepMesh(); its margin is not negative
-  int gap = -1;      ///< index into the table of its links' gap by joint angles; -1: none
+  int gap = -1;      ///< index into EdgeModel::gaps; -1: no proof by joint angles
 };
 
 /// The pairs of a scene. First come the pairs that the scene lists, ordered by their first piece
@@ -128,8 +131,16 @@ struct EdgeScene {
   Pieces pieces;            ///< one per geometry
   std::vector<int> moving;  ///< the moving pieces
   EdgePairs pairs;
-  std::vector<const robots::LinkGap*> gaps;
   bool has_surface_pairs = false;  ///< at least one pair is by_surfaces
+  /// The pairs that may be near anywhere, ascending: all, if they are few, or the listed pairs.
+  std::vector<int> near_anywhere;
+  bool areAllNear() const { return near_anywhere.size() == pairs.size(); }
+  /// The smallest margin of the pairs in question [m]; infinity without such pairs.
+  double leastMargin(Pairs of) const { return least_margin_[static_cast<std::size_t>(of)]; }
+
+ private:
+  friend class EdgeSceneBuilder;
+  std::array<double, 3> least_margin_{};
 };
 
 /// Places configurations a + t dq of one edge in numbered slots. Allocates only in the constructor.
@@ -173,9 +184,8 @@ class EdgeFrames {
   bool keepsGap(const EdgePair& pair, double threshold, double t0, double t1) const;
   /// From now on, adds the cost of placing and of tables to `work`.
   void countInto(collision::Work& work) { work_ = &work; }
-  /// Whether at least one pair is by_surfaces.
-  bool hasSurfacePairs() const { return edges_->has_surface_pairs; }
   bool isWithinLimits() const { return within_limits_; }
+  const EdgeScene& edges() const { return *edges_; }
   const EdgePairs& pairs() const { return edges_->pairs; }
   /// A pair by its number. A pair of the table is constructed once and kept. O(1).
   EdgePair pair(int number) const {
@@ -222,8 +232,7 @@ class EdgeFrames {
  private:
   EdgePair findPair(int number) const;
   const Piece& findPiece(int number) const;
-  void take(const EdgeScene& edges);
-  void findMovedJoints();
+  void take();
   /// Takes an edge's ends; false as for begin().
   bool takeLines(std::span<const double> a, std::span<const double> b);
   bool takeAny(std::span<const double> a, std::span<const double> b);
@@ -235,39 +244,23 @@ class EdgeFrames {
   mutable collision::PairTable<EdgePair> known_pairs_;
   mutable collision::PairTable<Piece> known_pieces_;
   std::span<const int> moving_;
-  /// A joint's angle is multiplier * a planned number + offset [rad]; if place < 0, it is the
-  /// offset.
-  struct Angle {
-    int place;
-    double multiplier, offset;
-  };
-  /// The gap between a pair's links by two joints' angles.
-  struct Gap {
-    const robots::LinkGap* table;
-    Angle joint, other;
-  };
-  /// Requires q_ for joints that are not planned.
-  Angle angleOf(int joint) const;
   /// The range from t0 to t1.
-  robots::LinkGap::Range range(const Angle& angle, double t0, double t1) const;
-  std::vector<Gap> gaps_;
+  robots::LinkGap::Range range(const EdgeModel::Angle& angle, double t0, double t1) const;
   std::size_t links_;
   collision::Work* work_ = nullptr;
   int capacity_;
   int used_ = 0;
   std::uint64_t generation_ = 0;
   static constexpr int kSharedPlaces = 1 << 9;
-  struct SharedSlot {
-    std::uint64_t generation = 0;
-    int slot = -1;
-  };
-  std::vector<SharedSlot> shared_slots_;  // of slotAt()
-  bool only_lines_ = false;               // in the space
+  collision::SpareArray<int> shared_slots_;  // of slotAt(); -1: none
+  std::uint64_t shared_generation_ = 0;      // in which they were set
+  bool only_lines_ = false;                  // in the space
   bool within_limits_ = true, watch_reach_ = false;
-  std::vector<double> a_, b_, difference_, point_, q_, dq_;
-  std::vector<double> largest_;  // the largest exact magnitude of each number of a point
+  std::vector<double> numbers_;  // all of the following
+  std::span<double> a_, b_, difference_, point_, q_, dq_;
+  std::span<const double> largest_;  // RobotMotions::largest_exact
   std::vector<robots::JointMotion> joint_motion_;
-  std::vector<int> moved_joints_;
+  std::span<const int> moved_joints_;
   // Data by slot. Memory is reserved for all slots and constructed slot by slot, because few edges
   // use many.
   collision::SpareVector<Pose> poses_;               // one per link

@@ -156,18 +156,20 @@ void SceneLanes::setWorld(const CompiledScene& scene, const EdgeScene& edges,
                  collision::SceneAccess::scaleOfStill(scene.scene()));
 }
 
-EdgeLanes::EdgeLanes(const EdgeFrames& frames)
+EdgeLanes::EdgeLanes(const EdgeFrames& frames, collision::Scratch& queries, collision::Work& work)
     : scene_(frames.sharedScene()),
       lanes_(scene_->lanes()),
       robot_(lanes_.robot),
-      scratch_(std::make_unique<LaneSweep::Scratch>(lanes_.sweep)),
-      frame_steps_(robot_.frame_steps) {
+      work_(work),
+      scratch_(lanes_.sweep, queries, work),
+      frame_steps_(robot_.frame_steps),
+      frames_(collision::spareArray<collision::LaneFrame>(2 * robot_.steps.size())),
+      lane_frames_(frames_.get(), robot_.steps.size()),
+      contact_frames_(frames_.get() + robot_.steps.size(), robot_.steps.size()) {
   const robots::Model& model = scene_->model();
   middle_.resize(at(scene_->space().size()));
   q_.resize(model.variables.size());
   joint_motion_.assign(2 * model.joints.size(), 0.0F);
-  lane_frames_.resize(robot_.steps.size());
-  contact_frames_.resize(robot_.steps.size());
   growth_values_.resize(robot_.growth.paddedSize());
   pass_growth_.resize(growth_values_.size());
   const std::size_t most_kept = frames.pairs().listed().size() + LaneSweep::kMostNear;
@@ -232,7 +234,7 @@ void EdgeLanes::setFloatingStep(const Step& step, const double* q, const double*
 }
 
 bool EdgeLanes::begin(const EdgeFrames& frames) {
-  if (!lanes_.usable || !frames.isWithinLimits()) return false;
+  if (frames.sharedScene() != scene_ || !lanes_.usable || !frames.isWithinLimits()) return false;
   const std::span<const double> a = frames.start(), difference = frames.difference();
   for (const ConfigurationSpace::Part& part : scene_->space().parts()) {
     const std::size_t i = at(part.first);
@@ -260,14 +262,9 @@ bool EdgeLanes::begin(const EdgeFrames& frames) {
   return true;
 }
 
-void EdgeLanes::countInto(collision::Work& work) {
-  work_ = &work;
-  scratch_->countInto(work);
-}
-
 void EdgeLanes::placeFrames(const collision::LaneValues& places,
-                            std::vector<collision::LaneFrame>& frames) {
-  if (work_ != nullptr) work_->add(collision::kLanePassWork);
+                            std::span<collision::LaneFrame> frames) {
+  work_.add(collision::kLanePassWork);
   collision::placeFrames(frame_steps_, places, frames);
 }
 
@@ -311,12 +308,12 @@ class GapProofs final : public LaneSweep::Proofs {
 LaneSweep::Contact EdgeLanes::sweep(const EdgeFrames& frames, Pairs asked, double demanded) {
   placeFrames(kMiddles, lane_frames_);
   const LaneSweep::Contact again =
-      lanes_.sweep.meetAgain(lane_frames_, slack_, *scratch_, kindsOf(asked));
+      lanes_.sweep.meetAgain(lane_frames_, slack_, scratch_, kindsOf(asked));
   if (again.id >= 0) return again;
   beginPass(frames, kMiddles);
   demandInPass(beyond_);
   const GapProofs proofs(frames, demanded, 0);
-  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_, {kindsOf(asked), &proofs});
+  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, scratch_, {kindsOf(asked), &proofs});
 }
 
 /// Growth is a distance that must be kept in addition to the threshold. So is `beyond`.
@@ -331,14 +328,14 @@ LaneSweep::Contact EdgeLanes::sweepBeyond(const EdgeFrames& frames, Pairs asked,
   beginPass(frames, kMiddles);
   demandInPass(beyond);
   const GapProofs proofs(frames, -std::numeric_limits<double>::infinity(), beyond);
-  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, *scratch_, {kindsOf(asked), &proofs});
+  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, scratch_, {kindsOf(asked), &proofs});
 }
 
 void EdgeLanes::closeGaps(const EdgeFrames& frames, double demanded) {
   constexpr double kShare = 1.0 / collision::kLanes;
   bool closes = false;
   closed_.clear();
-  for (const LaneSweep::Open& open : scratch_->open()) {
+  for (const LaneSweep::Open& open : scratch_.open()) {
     closed_.push_back(0);
     if (at(open.id) >= frames.pairs().listed().size()) continue;  // with the world
     const EdgePair& pair = frames.pairs().listed()[at(open.id)];
@@ -350,11 +347,11 @@ void EdgeLanes::closeGaps(const EdgeFrames& frames, double demanded) {
         closed_.back() |= 1U << lane;
     closes = closes || closed_.back() != 0;
   }
-  if (closes) scratch_->close(closed_);
+  if (closes) scratch_.close(closed_);
 }
 
 LaneSweep::Contact EdgeLanes::searchPlanes() {
-  return lanes_.sweep.separate(lane_frames_, pass_growth_, slack_, *scratch_);
+  return lanes_.sweep.separate(lane_frames_, pass_growth_, slack_, scratch_);
 }
 
 EdgeLanes::Parts::Range EdgeLanes::Parts::rangeOf(std::uint32_t lanes) const {
@@ -389,11 +386,11 @@ LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
   for (std::size_t i = 0; i < growth_values_.size(); ++i)
     pass_growth_[i] = share_squared * growth_values_[i];
   demandInPass(beyond_);
-  return lanes_.sweep.runPairs(pairs, lane_frames_, pass_growth_, slack_, *scratch_);
+  return lanes_.sweep.runPairs(pairs, lane_frames_, pass_growth_, slack_, scratch_);
 }
 
 std::optional<double> EdgeLanes::findContact(int pair, double from, double width) {
-  if (!lanes_.sweep.canMeet(pair, *scratch_)) return std::nullopt;
+  if (!lanes_.sweep.canMeet(pair, scratch_)) return std::nullopt;
   // Checks the middle of each lane's share. Over the whole edge these are the middles of sweep(),
   // so the ends of the shares are checked instead.
   const double share = width / collision::kLanes, first = width < 1 ? share / 2 : share;
@@ -401,15 +398,15 @@ std::optional<double> EdgeLanes::findContact(int pair, double from, double width
   for (int i = 0; i < collision::kLanes; ++i)
     places.at[i] = static_cast<float>(from - 0.5 + (first + i * share));
   placeFrames(places, contact_frames_);
-  const LaneSweep::Contact contact = lanes_.sweep.meet(pair, contact_frames_, slack_, *scratch_);
+  const LaneSweep::Contact contact = lanes_.sweep.meet(pair, contact_frames_, slack_, scratch_);
   if (contact.id < 0) return std::nullopt;
   return 0.5 + static_cast<double>(places.at[contact.lane]);
 }
 
 LaneSweep::Contact EdgeLanes::checkStates(const collision::LaneValues& places) {
   placeFrames(places, lane_frames_);
-  const LaneSweep::Contact again = lanes_.sweep.meetAgain(lane_frames_, slack_, *scratch_);
-  return again.id >= 0 ? again : lanes_.sweep.runStill(lane_frames_, slack_, *scratch_);
+  const LaneSweep::Contact again = lanes_.sweep.meetAgain(lane_frames_, slack_, scratch_);
+  return again.id >= 0 ? again : lanes_.sweep.runStill(lane_frames_, slack_, scratch_);
 }
 
 }  // namespace leeway::planner

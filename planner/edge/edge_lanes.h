@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "collision/base/spare_memory.h"
+#include "collision/base/work.h"
 #include "collision/lanes/lane_sweep.h"
 #include "planner/compiled/robot_lanes.h"
 #include "planner/edge/edge_frames.h"
@@ -41,9 +43,11 @@ struct SceneLanes {
 /// the constructor.
 class EdgeLanes {
  public:
-  explicit EdgeLanes(const EdgeFrames& frames);
+  /// Counts the cost of passes into `work`; see LaneSweep::Scratch.
+  EdgeLanes(const EdgeFrames& frames, collision::Scratch& queries, collision::Work& work);
 
-  /// Takes the edge that `frames` has begun. False if lanes do not apply: reaches without bound,
+  /// Takes the edge that `frames` has begun. False if lanes do not apply: another scene than at
+  /// first (EdgeFrames::rebind()), whose shapes they do not have, reaches without bound,
   /// configurations outside the limits, or turns too large for single precision. Call it before the
   /// passes below. O(joints).
   bool begin(const EdgeFrames& frames);
@@ -90,9 +94,9 @@ class EdgeLanes {
   std::optional<double> findContact(int pair, double from, double width);
   /// Whether more pairs were near in the last pass over the whole edge than there is room for. Then
   /// some pairs were not checked.
-  bool isFull() const { return scratch_->isFull(); }
+  bool isFull() const { return scratch_.isFull(); }
   /// The pairs that the last pass left open.
-  std::span<const collision::LaneSweep::Open> open() const { return scratch_->open(); }
+  std::span<const collision::LaneSweep::Open> open() const { return scratch_.open(); }
 
   /// After sweep() or sweepBeyond(): h^2 A / 8, how far points leave their chords within a lane
   /// [m], for one of EdgeModel::motions.
@@ -102,9 +106,6 @@ class EdgeLanes {
 
   /// Checks single configurations, at t = 1/2 + places.
   collision::LaneSweep::Contact checkStates(const collision::LaneValues& places);
-
-  /// From now on, adds the cost of passes to `work`; see LaneSweep::Scratch::countInto().
-  void countInto(collision::Work& work);
 
   std::size_t bytes() const { return lanes_.sweep.bytes(); }
 
@@ -116,7 +117,7 @@ class EdgeLanes {
   void beginPass(const EdgeFrames& frames, const collision::LaneValues& middles);
   void demandInPass(double beyond);
 
-  void placeFrames(const collision::LaneValues& places, std::vector<collision::LaneFrame>& frames);
+  void placeFrames(const collision::LaneValues& places, std::span<collision::LaneFrame> frames);
   void setStep(const EdgeFrames& frames, std::size_t i);
   void setFloatingStep(const Step& step, const double* q, const double* dq,
                        collision::FrameStep& out) const;
@@ -126,10 +127,14 @@ class EdgeLanes {
   const SceneLanes& lanes_;  // of the scene
   const RobotLanes& robot_;  // the robot's part of lanes_
 
+  collision::Work& work_;
+
   // The current edge.
-  std::unique_ptr<collision::LaneSweep::Scratch> scratch_;
+  collision::LaneSweep::Scratch scratch_;
   std::vector<collision::FrameStep> frame_steps_;
-  std::vector<collision::LaneFrame> lane_frames_, contact_frames_;
+  // The frames are not initialized: they are placed, and moved, before they are read.
+  collision::SpareArray<collision::LaneFrame> frames_;
+  std::span<collision::LaneFrame> lane_frames_, contact_frames_;  // in frames_
   std::vector<float> joint_motion_, growth_values_;
   std::vector<float>
       pass_growth_;  ///< of the last pass, including the distance beyond the thresholds
@@ -137,7 +142,6 @@ class EdgeLanes {
   std::vector<std::uint32_t> closed_;  ///< lanes, one entry per open pair
   float slack_ = 0;                    ///< rounding of frames [m]
   double beyond_ = 0;                  ///< set by demandBeyond() [m]
-  collision::Work* work_ = nullptr;
 };
 
 }  // namespace leeway::planner

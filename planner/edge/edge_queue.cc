@@ -32,6 +32,14 @@ bool EdgeQueue::add(int pair, double from, double width, int level) {
   return true;
 }
 
+double EdgeQueue::widthOf(int pair) const {
+  double width = 0;  // exact
+  for (const EdgeInterval& interval : now_.intervals)
+    for (int i = interval.begin; i < interval.end; ++i)
+      if (now_.pairs[at(i)] == pair) width += interval.h;
+  return width;
+}
+
 bool EdgeQueue::take(EdgeInterval& interval) {
   auto& [intervals, pairs] = now_;
   if (order_ == Order::kFromLeft) {

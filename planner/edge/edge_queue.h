@@ -41,6 +41,10 @@ class EdgeQueue {
   /// The pairs of all tasks.
   std::span<const int> pairs() const { return now_.pairs; }
 
+  /// The sum of the widths of a pair's tasks: below 1 if they leave out a part of the edge.
+  /// O(tasks).
+  double widthOf(int pair) const;
+
   /// Appends a task. A task over the interval of the previous task joins its group. False if full.
   bool add(int pair, double from, double width, int level = 0);
   /// Replaces all tasks by one interval, the whole edge, whose ends are placed. fill(interval,

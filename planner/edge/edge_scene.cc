@@ -11,6 +11,7 @@
 #include "collision/base/tolerances.h"
 #include "collision/scene/scene_access.h"
 #include "collision/sweep/mesh_sweep.h"
+#include "planner/base/tolerances.h"
 #include "planner/compiled/edge_model.h"
 #include "planner/compiled/prepared_robot.h"
 #include "planner/edge/edge_frames.h"
@@ -111,6 +112,11 @@ class EdgeSceneBuilder {
       edges_.has_surface_pairs = edges_.has_surface_pairs || pair.by_surfaces;
       pairs_.most_rounding_ = collision::greatest(pairs_.most_rounding_, pair.rounding);
     }
+    findNearAnywhere();
+    const double of_world = all.leastMargin(compiled_.bodiesOfRobot(), true),
+                 of_robot = all.leastMargin(compiled_.bodiesOfRobot(), false);
+    static_assert(static_cast<int>(Pairs::kWorld) == 1 && static_cast<int>(Pairs::kSelf) == 2);
+    edges_.least_margin_ = {std::min(of_world, of_robot), of_world, of_robot};
   }
 
  private:
@@ -134,22 +140,17 @@ class EdgeSceneBuilder {
   /// Adds pairs ordered by their first piece, then as in the scene, by counting sort.
   void addPairs() {
     const collision::ScenePairs& all = scene_.pairs();
-    // The first piece of each pair, and then the position of the next pair of each piece.
-    std::vector<int> first(all.listedCount());
+    std::vector<EdgePair> in_scene_order;
+    in_scene_order.reserve(all.listedCount());
+    // The position of the next pair of each piece.
     std::vector<std::size_t> places(edges_.pieces.listed().size() + 1, 0);
-    std::size_t of_robot = 0;
-    for (std::size_t p = 0; p < first.size(); ++p) {
-      const collision::ScenePair pair = all[p];
-      const bool is_reversed = compiled_.isOfRobot(pair) && model_.pairs[of_robot++].is_reversed;
-      first[p] = is_reversed
-                     ? collision::SceneAccess::geometryIndex(scene_, pair.body_b, pair.geometry_b)
-                     : collision::SceneAccess::geometryIndex(scene_, pair.body_a, pair.geometry_a);
-      ++places[at(first[p]) + 1];
+    for (std::size_t p = 0; p < all.listedCount(); ++p) {
+      in_scene_order.push_back(pairOf(static_cast<int>(p)));
+      ++places[at(in_scene_order.back().a) + 1];
     }
     std::partial_sum(places.begin(), places.end(), places.begin());
-    pairs_.listed_.resize(first.size());
-    for (std::size_t p = 0; p < first.size(); ++p)
-      pairs_.listed_[places[at(first[p])]++] = pairOf(static_cast<int>(p));
+    pairs_.listed_.resize(in_scene_order.size());
+    for (const EdgePair& pair : in_scene_order) pairs_.listed_[places[at(pair.a)]++] = pair;
   }
 
   EdgePair pairOf(int p) {
@@ -173,10 +174,7 @@ class EdgeSceneBuilder {
     e.threshold = pair.margin + e.rounding;
     e.by_surfaces = sweepsSurfaces(listed(e.a), listed(e.b), pair.margin);
     e.gap = -1;
-    if (known.gap != nullptr && static_cast<double>(known.most_gap) > e.threshold) {
-      e.gap = static_cast<int>(edges_.gaps.size());
-      edges_.gaps.push_back(known.gap);
-    }
+    if (known.gap >= 0 && model_.gaps[at(known.gap)].most > e.threshold) e.gap = known.gap;
     return e;
   }
 
@@ -206,6 +204,19 @@ class EdgeSceneBuilder {
       pairs_.rows_.push_back(row);
       if (has_mesh && piece(row.piece).is_free_mesh) findSurfacePairs(r);
     }
+  }
+
+  void findNearAnywhere() {
+    const collision::ScenePairs& all = scene_.pairs();
+    std::vector<int>& near = edges_.near_anywhere;
+    near.resize(all.listedCount());
+    std::iota(near.begin(), near.end(), 0);
+    if (all.numbers() > kManyPairs) return;
+    near.reserve(all.size());
+    for (std::size_t row = 0; row < all.rows().size(); ++row)
+      for (std::size_t place = 0; place < all.places(); ++place)
+        if (const std::int32_t number = all.numberOf(row, place); number >= 0)
+          near.push_back(number);
   }
 
   void findSurfacePairs(std::size_t row) {

@@ -13,18 +13,19 @@
 
 namespace leeway::planner {
 
-std::span<const int> EdgeCertifier::Impl::nearPairs(int slot, double reach) {
-  near_pairs_full = false;
-  if (looks_at_all) return looked_at;
-  near_pairs.assign(looked_at.begin(), looked_at.end());
+EdgeCertifier::Impl::Near EdgeCertifier::Impl::nearPairs(int slot, double reach) {
+  const std::span<const int> anywhere = frames.edges().near_anywhere;
+  if (frames.edges().areAllNear()) return {anywhere, true};
+  near_pairs.assign(anywhere.begin(), anywhere.end());
+  bool has_room = true;
   for (std::size_t row = 0; row < frames.pairs().rows().size(); ++row)
-    near_pairs_full = !frames.nearInRow(row, slot, reach, near_pairs) || near_pairs_full;
+    has_room = frames.nearInRow(row, slot, reach, near_pairs) && has_room;
   std::sort(near_pairs.begin(), near_pairs.end());
-  return near_pairs;
+  return {near_pairs, has_room};
 }
 
 std::optional<Verdict> EdgeCertifier::Impl::decideByLanes() {
-  if (!lanes_fit || !lanes.begin(frames)) return std::nullopt;
+  if (!lanes.begin(frames)) return std::nullopt;
   if (lanes.sweep(frames, asked.pairs, asked.separation).id >= 0) return Verdict::kNotFree;
   if (lanes.isFull()) return std::nullopt;
   lanes.closeGaps(frames, asked.separation);
@@ -37,8 +38,8 @@ Verdict EdgeCertifier::Impl::checkState(int slot, double t, int& offender) {
   if (frames.pairs().empty()) return Verdict::kFree;
   // Balls come first, for all pairs, because most collisions are deep. The last contact is likely
   // to be the next.
-  const std::span<const int> near = nearPairs(slot, beyondMargins());
-  if (near_pairs_full) return Verdict::kUndecided;
+  const auto [near, are_all] = nearPairs(slot, beyondMargins());
+  if (!are_all) return Verdict::kUndecided;
   const auto count = static_cast<int>(near.size());
   const int first = last_contact;
   asked_pairs.clear();

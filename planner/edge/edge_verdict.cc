@@ -10,17 +10,19 @@ namespace leeway::planner {
 
 bool EdgeCertifier::Impl::takeWholeEdge(int start, int end, double reach) {
   queries.startInterval();
+  const std::span<const int> anywhere = frames.edges().near_anywhere;
+  const bool are_all = frames.edges().areAllNear();
   bool has_room = true;
   queue.takeWholeEdge(
       start, end, [&](const EdgeInterval& whole, collision::SpareVector<int>& open) {
-        open.assign(looked_at.begin(), looked_at.end());
-        for (std::size_t row = 0; !looks_at_all && row < frames.pairs().rows().size(); ++row) {
+        open.assign(anywhere.begin(), anywhere.end());
+        for (std::size_t row = 0; !are_all && row < frames.pairs().rows().size(); ++row) {
           // No point is farther than this from its position at the nearer end.
           const double way = queries.motionOf(whole, frames.pairs().rows()[row].motion).speed / 2;
           for (const int slot : {start, end})
             has_room = has_room && frames.nearInRow(row, slot, reach + way, open);
         }
-        if (!looks_at_all) {
+        if (!are_all) {
           std::sort(open.begin(), open.end());
           open.erase(std::unique(open.begin(), open.end()), open.end());
         }
@@ -47,13 +49,15 @@ std::optional<PairVerdict> EdgeCertifier::Impl::checkContainment() {
   // A pair that balls or planes separated anywhere is apart there. One body cannot get inside the
   // other unless their surfaces meet.
   int end = -1;
-  for (const int p : never_parted) {
-    const std::span<const int> open = queue.pairs();
-    if (std::find(open.begin(), open.end(), p) == open.end()) continue;
-    if (end < 0) end = frames.place(1);
-    const PairState state = end < 0 ? PairState::kOpen : queries.exactState(end, frames.pair(p));
-    if (state == PairState::kNotFree) return PairVerdict{Verdict::kNotFree, p, 1};
-    if (state == PairState::kOpen) return PairVerdict{Verdict::kUndecided, p, 1};
+  for (const EdgeInterval& interval : queue.intervals()) {
+    if (interval.t0 > 0) continue;
+    for (const int p : queue.pairs(interval)) {
+      if (queue.widthOf(p) < 1 || frames.isConvex(frames.pair(p))) continue;
+      if (end < 0) end = frames.place(1);
+      const PairState state = end < 0 ? PairState::kOpen : queries.exactState(end, frames.pair(p));
+      if (state == PairState::kNotFree) return PairVerdict{Verdict::kNotFree, p, 1};
+      if (state == PairState::kOpen) return PairVerdict{Verdict::kUndecided, p, 1};
+    }
   }
   return std::nullopt;
 }
@@ -155,7 +159,7 @@ class EdgeCertifier::Impl::LastValidRule {
 
 double EdgeCertifier::Impl::lastValid() {
   frames.release(0);
-  startWork(work_limit);
+  startWork(work.limit);
   int offender = -1;
   const int start = frames.place(0), end = frames.place(1);
   if (start < 0 || checkState(start, 0, offender) != Verdict::kFree || end < 0) return 0;

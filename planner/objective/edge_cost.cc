@@ -34,7 +34,7 @@ class EdgeCertifier::Impl::CostSearch {
   EdgeCost run() {
     const int start = impl_.frames.place(0), end = start < 0 ? -1 : impl_.frames.place(1);
     if (end < 0) return {};
-    if (!impl_.takeWholeEdge(start, end, reach_ + impl_.most_rounding)) return {};
+    if (!impl_.takeWholeEdge(start, end, reach_ + impl_.frames.pairs().mostRounding())) return {};
     parts_.clear();
     add(impl_.queue.intervals().front());
     while (!isEnough() && splitWidest()) {

@@ -10,6 +10,7 @@
 #include "planner/base/tolerances.h"
 #include "planner/base/waypoints.h"
 #include "planner/constraint/constraint_proof.h"
+#include "planner/edge/edge_frames.h"
 
 namespace leeway::planner {
 namespace {
@@ -152,11 +153,6 @@ class Clearances {
   int tries_ = 0;  ///< number of failed proofs
 };
 
-/// The smallest margin of the pairs [m]; infinity without such pairs.
-double leastMarginOf(const CompiledScene& compiled, Pairs pairs) {
-  return compiled.scene().pairs().leastMargin(compiled.bodiesOfRobot(), pairs != Pairs::kSelf);
-}
-
 }  // namespace
 
 namespace {
@@ -245,8 +241,8 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
   Clearances of_world(certifier, positions, tolerance, Pairs::kWorld, world_guess);
   Clearances of_robot(certifier, positions, tolerance, Pairs::kSelf, 0);
   // A free edge is proven to keep its margins, which may be a stronger statement than the interval.
-  const double margin_of_world = leastMarginOf(certifier.scene(), Pairs::kWorld);
-  const double margin_of_robot = leastMarginOf(certifier.scene(), Pairs::kSelf);
+  const double margin_of_world = certifier.scene().edges().leastMargin(Pairs::kWorld);
+  const double margin_of_robot = certifier.scene().edges().leastMargin(Pairs::kSelf);
   const auto certifyEdges = [&] {
     for (std::size_t i = 0; i < edges; ++i) {
       const bool is_free =

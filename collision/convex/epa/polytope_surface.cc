@@ -35,7 +35,7 @@ PolytopeBuffers::PolytopeBuffers() {
   visible.reserve(kFacetCapacity);
   horizon.reserve(3 * kFacetCapacity);
   path.reserve(kFacetCapacity);
-  edge_mark.resize(kVertexCapacity);
+  edge_mark.reserve(kVertexCapacity);
 }
 
 int signOfDeterminant(const Vector& a, const Vector& b, const Vector& c) {
@@ -62,6 +62,7 @@ PolytopeSurface::PolytopeSurface(PolytopeBuffers& buffers, double roundoff, cons
 SupportPoint& PolytopeSurface::nextVertex() {
   const auto next = static_cast<std::size_t>(vertex_count_);
   if (next == buffers_.vertices.size()) buffers_.vertices.emplace_back();
+  if (next == buffers_.edge_mark.size()) buffers_.edge_mark.push_back(0);
   return buffers_.vertices[next];
 }
 

@@ -61,7 +61,9 @@ TEST(LaneSweep, NothingIsBeyondAPlane) {
       for (std::size_t k = 0; k < 9; ++k)
         std::fill_n(frames[i].rotation[k].at, kLanes, k % 4 == 0 ? 1.0F : 0.0F);
     }
-    LaneSweepKernel::Scratch scratch;
+    collision::Scratch queries;
+    Work work;
+    LaneSweepKernel::Scratch scratch(queries, work);
     const LaneSweepKernel kernel{sweep, scratch, frames.data(), nullptr, 0};
     LaneSweepKernel::Sweep::Pair pair{};
     pair.a = 0;
@@ -81,6 +83,8 @@ TEST(LaneSweep, NothingIsBeyondAPlane) {
 /// A hull turns past a box, points clustered or not.
 struct Passing {
   LaneSweep sweep;
+  Scratch queries;
+  Work work;
   std::unique_ptr<LaneSweep::Scratch> scratch;
 
   Passing(const PointCover& points, const Shape& box, const Pose& X_WB)
@@ -107,7 +111,7 @@ struct Passing {
   void finish(int piece, const Shape& box, const Pose& X_WB) {
     sweep.addPair(piece, sweep.addObstacle(box, X_WB), -1, 0.0);
     sweep.finish();
-    scratch = std::make_unique<LaneSweep::Scratch>(sweep);
+    scratch = std::make_unique<LaneSweep::Scratch>(sweep, queries, work);
   }
 
   /// Lanes still open after a run and a plane search, and whether the hulls are apart.

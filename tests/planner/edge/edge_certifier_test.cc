@@ -834,12 +834,13 @@ TEST(EdgeCertifier, WhatAVirtualJointPlacesDoesNotFly) {
   std::vector<double> q = shared->defaultConfiguration();
   Problem problem = test::problemOf(shared, q, q);
   problem.world.objects.push_back({"rock", {{mesh, {}, "rock"}}, test::at(0, 0, 0.5)});
-  EXPECT_TRUE(EdgeFrames(std::make_shared<const CompiledScene>(problem), 4).hasSurfacePairs());
+  EXPECT_TRUE(
+      EdgeFrames(std::make_shared<const CompiledScene>(problem), 4).edges().has_surface_pairs);
   problem.robot.variables = {7, 8};
   problem.goals = {test::pointGoal("goal", {0, 0})};
   const auto still = std::make_shared<const CompiledScene>(problem);
   EXPECT_GT(still->scene().pairs().size(), 0U);
-  EXPECT_FALSE(EdgeFrames(still, 4).hasSurfacePairs());
+  EXPECT_FALSE(EdgeFrames(still, 4).edges().has_surface_pairs);
 }
 
 TEST(EdgeCertifier, WhatIsNoNumberIsUndecided) {

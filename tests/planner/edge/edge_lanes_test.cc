@@ -92,8 +92,9 @@ void checkParts(Random& random, const EdgeFrames& frames, EdgeLanes& lanes,
 void check(Random& random, const Problem& problem, int edges, Count& count) {
   const auto scene = std::make_shared<const CompiledScene>(problem);
   EdgeFrames frames(scene, 256);
-  EdgeLanes lanes(frames);
   collision::Scratch scratch;
+  collision::Work work;
+  EdgeLanes lanes(frames, scratch, work);
   const auto distanceOf = [&](std::size_t p, double t) {
     frames.release(0);
     const int slot = frames.place(t);
@@ -298,9 +299,10 @@ void expectTheSameOnEveryInstructionSet(const Problem& problem, Random& random) 
   std::vector<std::vector<std::uint32_t>> results;
   onEveryTarget([&](const char*) {
     EdgeFrames frames(scene, 64);
-    EdgeLanes lanes(frames);
+    collision::Scratch queries;
     collision::Work work;
-    lanes.countInto(work);
+    collision::countInto(queries, work);
+    EdgeLanes lanes(frames, queries, work);
     std::vector<std::uint32_t>& result = results.emplace_back();
     std::vector<double> b(points[0].size());
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
@@ -320,6 +322,26 @@ void expectTheSameOnEveryInstructionSet(const Problem& problem, Random& random) 
   });
   EXPECT_GT(results[0].size(), 250U);
   for (const auto& result : results) EXPECT_EQ(result, results[0]);
+}
+
+// They have the shapes of the scene that they were made for.
+TEST(EdgeLanes, ApplyOnlyToTheirScene) {
+  Random random(33);
+  const auto scene = std::make_shared<const CompiledScene>(
+      testing::randomProblem(random, testing::randomArm(random), 3, 1.2));
+  EdgeFrames frames(scene, 4);
+  collision::Scratch queries;
+  collision::Work work;
+  EdgeLanes lanes(frames, queries, work);
+  const std::vector<double> a = randomPlanned(random, *scene);
+  ASSERT_TRUE(frames.begin(a, a));
+  EXPECT_TRUE(lanes.begin(frames));
+  frames.rebind(scene->withMarginAtLeast(0.1));
+  ASSERT_TRUE(frames.begin(a, a));
+  EXPECT_FALSE(lanes.begin(frames));
+  frames.rebind(scene);
+  ASSERT_TRUE(frames.begin(a, a));
+  EXPECT_TRUE(lanes.begin(frames));
 }
 
 TEST(EdgeLanes, GiveTheSameAnswersOnEveryInstructionSet) {

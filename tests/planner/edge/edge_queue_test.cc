@@ -43,6 +43,17 @@ TEST_F(EdgeQueueTest, GroupsTasksByInterval) {
   EXPECT_EQ(queue.intervals()[0].slot1, queue.intervals()[1].slot0);  // t = 1/2, placed once
 }
 
+TEST_F(EdgeQueueTest, SumsTheWidthsOfAPair) {
+  EXPECT_EQ(queue.widthOf(3), 0);
+  for (int i = 0; i < 16; ++i) EXPECT_TRUE(queue.add(3, i / 16.0, 1 / 16.0));
+  for (int i = 0; i < 16; ++i) EXPECT_TRUE(i == 9 || queue.add(1, i / 16.0, 1 / 16.0));
+  EXPECT_EQ(queue.widthOf(3), 1);
+  EXPECT_EQ(queue.widthOf(1), 15 / 16.0);
+  EXPECT_TRUE(queue.join([](int, double) { return true; }));
+  EXPECT_EQ(queue.widthOf(3), 1);
+  EXPECT_EQ(queue.widthOf(1), 15 / 16.0);
+}
+
 TEST_F(EdgeQueueTest, RefusesMoreThanItHasRoomFor) {
   for (int pair = 0; pair < 64; ++pair) ASSERT_TRUE(queue.add(pair, 0, 1));
   EXPECT_FALSE(queue.add(64, 0, 1));

@@ -19,7 +19,10 @@ namespace leeway::bench {
 class Stepper {
  public:
   Stepper(const std::shared_ptr<const planner::CompiledScene>& scene, double step)
-      : step_(step), frames_(scene, kLanes), lanes_(frames_), workspace_(scene->scene()) {}
+      : step_(step),
+        frames_(scene, kLanes),
+        workspace_(scene->scene()),
+        lanes_(frames_, collision::SceneAccess::scratch(workspace_), work_) {}
 
   /// True if no state collides; `a` is not checked. Allocates nothing.
   bool isFree(const std::vector<double>& a, const std::vector<double>& b) {
@@ -76,8 +79,9 @@ class Stepper {
 
   double step_;
   planner::EdgeFrames frames_;
-  planner::EdgeLanes lanes_;
   collision::Workspace workspace_;
+  collision::Work work_;
+  planner::EdgeLanes lanes_;
 };
 
 }  // namespace leeway::bench
