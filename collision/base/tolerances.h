@@ -192,7 +192,7 @@ inline constexpr double kStretchRounding = 1e-12;
 inline constexpr int kSweepHalvings = 30;
 
 // Bounds of links: coarse shapes and vector lanes (coarse_shape.cc, ball_cover.cc, lane_frames.h,
-// lane_sweep.cc, lane_sweep_simd.cc, lane_frames_simd.cc)
+// make_lane_sweep.cc, lane_passes_simd.cc, lane_frames_simd.cc)
 
 /// Relative rounding of a point's distance to a placed box, cylinder or ball: about twenty
 /// operations of 1.2e-16 each, and a rotation's departure of the same order. Smaller breaks the
@@ -491,7 +491,7 @@ inline constexpr int kSeparationChoices = 300;
 inline constexpr double kSeparationLeastTurn = 1e-3;
 inline constexpr int kSeparationRaySteps = 16;
 
-// Covers of links and vector lanes (coarse_shape.cc, part_cover.cc, point_cover.cc, lane_sweep.cc)
+// Covers of links and vector lanes (coarse_shape.cc, part_cover.cc, point_cover.cc, lanes/)
 
 /// Vertices of a hull or mesh that are kept as inner balls of radius 0 [count]. Each proves more
 /// collisions, but makes pairs that are free more expensive.

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "collision/base/work.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/point_cloud.h"
 #include "tests/support/every_target.h"

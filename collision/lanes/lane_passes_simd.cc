@@ -10,7 +10,7 @@
 #include "collision/lanes/lane_sweep_impl.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "collision/lanes/lane_sweep_simd.cc"
+#define HWY_TARGET_INCLUDE "collision/lanes/lane_passes_simd.cc"
 #include "collision/base/targets.h"
 //
 #include <hwy/foreach_target.h>

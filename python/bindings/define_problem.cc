@@ -1,5 +1,3 @@
-#include "python/bindings/problem.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,6 +12,7 @@
 #include "python/base/at.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
+#include "python/bindings/problem.h"
 #include "python/bindings/settings.h"
 
 namespace leeway::python {

@@ -1,7 +1,5 @@
 // Scenes: bodies that must not touch.
 
-#include "leeway/collision/scene.h"
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -18,6 +16,7 @@
 #include "collision/lanes/obstacle_boxes.h"
 #include "collision/scene/scene_access.h"
 #include "collision/scene/scene_checks.h"
+#include "leeway/collision/scene.h"
 
 namespace leeway::collision {
 

@@ -1,7 +1,5 @@
 // Construction of a LaneSweep.
 
-#include "collision/lanes/lane_sweep.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -15,6 +13,7 @@
 #include "collision/base/numbers.h"
 #include "collision/base/rounding.h"
 #include "collision/base/tolerances.h"
+#include "collision/lanes/lane_sweep.h"
 #include "collision/lanes/lane_sweep_impl.h"
 
 namespace leeway::collision {
