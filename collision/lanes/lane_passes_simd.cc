@@ -198,8 +198,8 @@ LaneSweep::Contact LaneSweepKernel::contactOfOpen() const {
     const Sweep::Pair& pair = this->pair(number);
     std::int32_t point = -1;
     const std::uint32_t met = HWY_DYNAMIC_DISPATCH(PointsInside)(
-        *this, pair, sweep.pieces[static_cast<std::size_t>(pair.a)].points, scratch.open[i].lanes,
-        point);
+        *this, pair, sweep.pieces[static_cast<std::size_t>(pair.a)].points,
+        scratch.open[i].intervals, point);
     if (met != 0) return noteContact(number, point, met);
   }
   return {};
@@ -211,7 +211,7 @@ LaneSweep::Contact LaneSweepKernel::separateOpen(bool closely) const {
     const std::int32_t number = scratch.open_pairs[i];
     const Sweep::Pair& pair = this->pair(number);
     const Sweep::LanePiece& a = sweep.pieces[static_cast<std::size_t>(pair.a)];
-    std::uint32_t lanes = scratch.open[i].lanes;
+    std::uint32_t lanes = scratch.open[i].intervals;
     if (scratch.work.isSpent()) {
       scratch.open_pairs[kept] = number;
       scratch.open[kept++] = {pair.id, lanes, false};

@@ -41,7 +41,7 @@ class LaneWorld {
 /// Over an interval, the centre of a ball stays within `growth` of a segment through its position
 /// in the middle, so the ball stays in a capsule. A capsule is apart from a convex shape if the
 /// plane through the shape's point nearest to the capsule's middle separates them. If the capsules
-/// of a pair leave lanes open, these are tried in turn:
+/// of a pair leave intervals open, these are tried in turn:
 ///   1. the plane that separated the hulls of both bodies' points last;
 ///   2. the points themselves: one inside an obstacle proves a contact;
 ///   3. planes found for each lane, and by distance queries in the middle of open intervals;
@@ -98,7 +98,7 @@ class LaneSweep {
   /// Adds a pair: piece and obstacle must keep a separation above `threshold` [m]. Use it for few
   /// pairs; setWorld() adds many. Answers identify a pair by its number in the order of addition.
   /// `balls`: a piece of the world whose balls also contain the obstacle, or -1; they may settle
-  /// lanes that the obstacle's box leaves open. `by_parts`: convex parts may also settle them.
+  /// intervals that the obstacle's box leaves open. `by_parts`: convex parts may also settle them.
   /// `kind`: a bit, see Asked. `has_proof`: run() queries the caller's Proofs for the pair.
   void addPair(int piece, int obstacle, int balls, double threshold, bool by_parts = true,
                std::uint8_t kind = 1, bool has_proof = false);
@@ -127,26 +127,26 @@ class LaneSweep {
   void finish();
   std::size_t bytes() const;
 
-  /// A pair and the lanes in which it is not certified.
+  /// A pair and the intervals in which it is not certified, a bit for each.
   struct Open {
     int id;
-    std::uint32_t lanes;
+    std::uint32_t intervals;
     /// The hulls are apart in the middle of these intervals by more than rounding, so planes may
     /// separate them over shorter intervals.
     bool apart = false;
   };
-  /// A pair that is proven not to keep its threshold in the middle of this lane's interval.
+  /// A pair that is proven not to keep its threshold in the middle of an interval.
   struct Contact {
     int id = -1;  ///< -1: none found
-    int lane = 0;
+    int interval = 0;
   };
 
-  /// Additional proofs by the caller. They are queried for pairs whose balls are near in some lane,
-  /// before more expensive tests.
+  /// Additional proofs by the caller. They are queried for pairs whose balls are near in some
+  /// interval, before more expensive tests.
   class Proofs {
    public:
     virtual ~Proofs() = default;
-    /// Whether the pair is proven to keep its threshold in all lanes. Must not allocate.
+    /// Whether the pair is proven to keep its threshold in all intervals. Must not allocate.
     virtual bool keeps(int id) const = 0;
   };
 
@@ -169,9 +169,9 @@ class LaneSweep {
     /// Whether more than kMostNear pairs were near in the last pass over all pairs, so that some
     /// were not tested.
     bool isFull() const;
-    /// After run(): removes, for each open() pair, lanes that the caller knows to be free; pairs
-    /// without a remaining lane are no longer open. O(open pairs).
-    void close(std::span<const std::uint32_t> lanes);
+    /// After run(): removes, for each open() pair, intervals that the caller knows to be free;
+    /// pairs without a remaining interval are no longer open. O(open pairs).
+    void close(std::span<const std::uint32_t> intervals);
 
    private:
     friend class LaneSweep;
@@ -197,8 +197,8 @@ class LaneSweep {
   /// a distance query of a few points for some of them.
   Contact separate(std::span<const LaneFrame> frames, std::span<const float> growth, float slack,
                    Scratch& scratch) const;
-  /// Tests only planes and points, for some pairs in some lanes. Planes are searched to a smaller
-  /// tolerance than in separate().
+  /// Tests only planes and points, for some pairs in some intervals. Planes are searched to a
+  /// smaller tolerance than in separate().
   Contact runPairs(std::span<const Open> pairs, std::span<const LaneFrame> frames,
                    std::span<const float> growth, float slack, Scratch& scratch) const;
   /// Searches a contact of one pair in the middle of the intervals, by balls and all points. Frames

@@ -81,11 +81,11 @@ bool LaneSweep::Scratch::isFull() const { return impl_->is_full; }
 
 std::span<const LaneSweep::Open> LaneSweep::Scratch::open() const { return impl_->open; }
 
-void LaneSweep::Scratch::close(std::span<const std::uint32_t> lanes) {
+void LaneSweep::Scratch::close(std::span<const std::uint32_t> intervals) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < impl_->open.size(); ++i) {
-    impl_->open[i].lanes &= ~lanes[i];
-    if (impl_->open[i].lanes == 0) continue;
+    impl_->open[i].intervals &= ~intervals[i];
+    if (impl_->open[i].intervals == 0) continue;
     impl_->open[kept] = impl_->open[i];
     impl_->open_pairs[kept++] = impl_->open_pairs[i];
   }

@@ -219,7 +219,7 @@ constexpr int kLastValidTries = 4;
 constexpr int kLanePasses = 24;
 constexpr double kFinestPart = 0x1p-10;
 
-/// Several open lanes are swept exactly as one interval while the sweep's growth stays below this
+/// Several open intervals are swept exactly as one while the sweep's growth stays below this
 /// [m]. Bodies that are always near each other have little relative motion, and one sweep of meshes
 /// costs as much over a long interval as over a short one. Measured.
 constexpr double kMergedGrowth = 2e-3;

@@ -19,7 +19,7 @@ std::size_t mostOpen(const EdgeFrames& frames) {
                   frames.pairs().listed().size() + collision::LaneSweep::kMostNear);
 }
 
-/// Up to 2^14 pairs may all be open in all lanes; with more pairs, each may be open in four lanes.
+/// Up to 2^14 pairs may be open in all intervals of a pass; with more, each may be open in four.
 std::size_t mostTasks(const EdgeFrames& frames) {
   const std::size_t pairs = mostOpen(frames);
   return std::max({std::size_t{1} << 16U,
@@ -207,7 +207,7 @@ PairVerdict EdgeCertifier::Impl::certifyByLanes() {
   constexpr PairVerdict free{Verdict::kFree}, undecided{Verdict::kUndecided};
   const EdgeLanes::Parts& whole = EdgeLanes::wholeEdge();
   const auto contactAt = [&](const collision::LaneSweep::Contact& contact) {
-    return PairVerdict{Verdict::kNotFree, contact.id, whole.middle(contact.lane)};
+    return PairVerdict{Verdict::kNotFree, contact.id, whole.middle(contact.interval)};
   };
   contacts.begin();
 

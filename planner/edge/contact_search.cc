@@ -45,7 +45,7 @@ std::optional<PairVerdict> ContactSearch::searchLikely(const EdgeLanes::Parts& p
   for (const collision::LaneSweep::Open& pair : lanes_.open()) {
     if (memory_.of(pair.id).lane_contact_score < 0) continue;
     if (likely_looks_.size() == kLooks || work_.isSpent()) break;
-    const EdgeLanes::Parts::Range range = parts.rangeOf(pair.lanes);
+    const EdgeLanes::Parts::Range range = parts.rangeOf(pair.intervals);
     if (const std::optional<double> t = lanes_.findContact(pair.id, range.from, range.width))
       return PairVerdict{Verdict::kNotFree, pair.id, *t};
     --memory_.of(pair.id).lane_contact_score;
@@ -62,7 +62,7 @@ std::optional<PairVerdict> ContactSearch::search(const EdgeLanes::Parts& parts) 
     // Pairs that are always near and hardly ever collide have a score below 0.
     if (pair.apart || memory_.of(pair.id).contact_score < 0) continue;
     if (looks_ >= kLooks || work_.isSpent()) break;
-    const EdgeLanes::Parts::Range range = parts.rangeOf(pair.lanes);
+    const EdgeLanes::Parts::Range range = parts.rangeOf(pair.intervals);
     // Over an unchanged range, the checks of searchLikely() would fail again.
     const auto known =
         std::find_if(likely_looks_.begin(), likely_looks_.end(),

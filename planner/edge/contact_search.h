@@ -13,7 +13,7 @@
 
 namespace leeway::planner {
 
-/// Checks pairs that a pass of lanes left open, in the middle of their open lanes.
+/// Checks pairs that a pass of lanes left open, in the middle of their open intervals.
 /// PairMemory::contact_score, learned from earlier edges, selects the pairs. Returns kNotFree if a
 /// pair is in contact, kUndecided if a configuration could not be placed, otherwise nullopt.
 class ContactSearch {
@@ -24,9 +24,9 @@ class ContactSearch {
 
   /// Call it before the searches of an edge.
   void begin();
-  /// Runs before the search for planes, which costs more. It checks between the middles of lanes,
-  /// for pairs whose lane_contact_score allows it, and exactly, for pairs that the last exact check
-  /// found in contact.
+  /// Runs before the search for planes, which costs more. It checks between the middles of
+  /// intervals, for pairs whose lane_contact_score allows it, and exactly, for pairs that the last
+  /// exact check found in contact.
   std::optional<PairVerdict> searchLikely(const EdgeLanes::Parts& parts);
   /// Runs after planes, on open pairs whose hulls are not apart.
   std::optional<PairVerdict> search(const EdgeLanes::Parts& parts);

@@ -12,7 +12,7 @@
 //   2. gaps between links, by joint angles          EdgeLanes::closeGaps
 //   3. contacts, where they are likely              ContactSearch::searchLikely
 //   4. new planes                                   EdgeLanes::searchPlanes
-//   5. contacts in the middle of open lanes         ContactSearch::search
+//   5. contacts in the middle of open intervals     ContactSearch::search
 //   6. planes again, over finer parts               EdgeParts
 //   7. containment at the edge's end                checkContainment         edge_verdict.cc
 //   8. exact sweeps of the remaining tasks, halved  PairQueries, by EdgeQueue::subdivide

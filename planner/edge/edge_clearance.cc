@@ -29,11 +29,11 @@ class EdgeCertifier::Impl::ClearanceSearch {
   /// Searches the edge that frames have begun, with its ends placed.
   void searchEdge(int start, int end) {
     // The wanted clearance may be proven without computing a distance.
-    const bool listed = std::isfinite(wanted_) && listNearLanes();
+    const bool listed = std::isfinite(wanted_) && listNearIntervals();
     if (listed && impl_.queue.empty()) return;
     searchState(end, 1);
     searchState(start, 0);
-    if (!listed && !listNearLanes()) listWholeEdge(start, end);
+    if (!listed && !listNearIntervals()) listWholeEdge(start, end);
     searchTasks();
   }
   /// Containment is decided at the ends, and changes where surfaces meet. If they may have met, the
@@ -71,7 +71,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
 
   /// Searches the pairs that balls leave within a reach of each other, for an edge without length
   /// that frames have begun. It uses sixteen lanes for one configuration, but most pairs end there.
-  void searchNearLanes(int slot) {
+  void searchNearPairs(int slot) {
     if (!impl_.lanes.begin(impl_.frames)) return;
     const double beyond = std::max(0.0, kRoughFirst - impl_.leastMargin());
     if (impl_.lanes.sweepBeyond(impl_.frames, impl_.asked.pairs, beyond).id >= 0 ||
@@ -85,11 +85,11 @@ class EdgeCertifier::Impl::ClearanceSearch {
   }
 
   /// Computes the distances of the first `count` pairs that a pass over the whole edge left open,
-  /// in the middle of their open lanes.
-  void searchOpenLanes(int count) {
+  /// in the middle of their open intervals.
+  void searchOpenIntervals(int count) {
     for (const collision::LaneSweep::Open& pair : impl_.lanes.open()) {
       if (--count < 0 || isCutOff()) return;
-      const double t = EdgeLanes::wholeEdge().rangeOf(pair.lanes).middle();
+      const double t = EdgeLanes::wholeEdge().rangeOf(pair.intervals).middle();
       const int slot = impl_.frames.place(t);
       if (slot < 0) return;
       refine(slot, t, impl_.frames.pair(pair.id));
@@ -222,9 +222,9 @@ class EdgeCertifier::Impl::ClearanceSearch {
     if (!impl_.takeWholeEdge(start, end, reach)) settle(-kInfinity);
   }
 
-  /// Lists the lanes that are not proven to be far enough, and settles the rest. False, with
+  /// Lists the intervals that are not proven to be far enough, and settles the rest. False, with
   /// nothing settled, if lanes do not apply.
-  bool listNearLanes() {
+  bool listNearIntervals() {
     // Lanes do not bound depths.
     if (isCutOff() || !(enough() > 0) || !std::isfinite(enough())) return false;
     EdgeLanes& lanes = impl_.lanes;
@@ -237,7 +237,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
       // A lower upper end leaves fewer pairs open, and a pass costs less than intervals.
       const double known = best.clearance.upper;
       if (lanes.open().empty() || pass == kClearancePasses) break;
-      searchOpenLanes(kClearanceLooks);
+      searchOpenIntervals(kClearanceLooks);
       if (isCutOff()) return false;
       if (!(best.clearance.upper < known - tolerance_)) break;
     }
@@ -316,7 +316,7 @@ EdgeClearance EdgeCertifier::nearest(std::span<const double> point, Pairs pairs,
   search.best.clearance = {-kInfinity, known};
   impl.startWork(kRoughWork);
   const int slot = impl.frames.begin(point, point) ? impl.frames.place(0) : -1;
-  if (slot >= 0) search.searchNearLanes(slot);
+  if (slot >= 0) search.searchNearPairs(slot);
   if (slot >= 0 && !(search.best.clearance.upper < known)) search.searchState(slot, 0);
   statistics.work += impl.work.done;
   return search.best;
@@ -343,7 +343,7 @@ EdgeClearance EdgeCertifier::roughClearance(std::span<const double> a, std::span
       best.keeps_margins = true;
       break;
     }
-    search.searchOpenLanes(1);
+    search.searchOpenIntervals(1);
     beyond = std::min(beyond, std::max(0.0, best.clearance.upper - least)) / 2;
   }
   statistics.work += impl.work.done;

@@ -25,7 +25,7 @@ using collision::LaneSweep;
 using robots::Joint;
 using robots::JointType;
 
-/// The share of an edge that a lane has in the pass over the whole edge; exact.
+/// The width of an interval in the pass over the whole edge; exact.
 constexpr float kWidth = 1.0F / collision::kLanes;
 
 /// Kinds of pairs for collision::LaneSweep.
@@ -340,11 +340,11 @@ void EdgeLanes::closeGaps(const EdgeFrames& frames, double demanded) {
     if (at(open.id) >= frames.pairs().listed().size()) continue;  // with the world
     const EdgePair& pair = frames.pairs().listed()[at(open.id)];
     if (pair.gap < 0) continue;
-    for (int lane = 0; lane < collision::kLanes; ++lane)
-      if ((open.lanes >> lane & 1U) != 0 &&
-          frames.keepsGap(pair, std::max(pair.threshold, demanded + pair.rounding), lane * kShare,
-                          (lane + 1) * kShare))
-        closed_.back() |= 1U << lane;
+    for (int interval = 0; interval < collision::kLanes; ++interval)
+      if ((open.intervals >> interval & 1U) != 0 &&
+          frames.keepsGap(pair, std::max(pair.threshold, demanded + pair.rounding),
+                          interval * kShare, (interval + 1) * kShare))
+        closed_.back() |= 1U << interval;
     closes = closes || closed_.back() != 0;
   }
   if (closes) scratch_.close(closed_);
@@ -354,12 +354,12 @@ LaneSweep::Contact EdgeLanes::searchPlanes() {
   return lanes_.sweep.separate(lane_frames_, pass_growth_, slack_, scratch_);
 }
 
-EdgeLanes::Parts::Range EdgeLanes::Parts::rangeOf(std::uint32_t lanes) const {
+EdgeLanes::Parts::Range EdgeLanes::Parts::rangeOf(std::uint32_t intervals) const {
   double begin = 1, end = 0;  // parts need not be in the order of time
-  for (int lane = 0; lane < collision::kLanes; ++lane) {
-    if ((lanes >> lane & 1U) == 0) continue;
-    begin = std::min(begin, from[lane]);
-    end = std::max(end, from[lane] + width);
+  for (int interval = 0; interval < collision::kLanes; ++interval) {
+    if ((intervals >> interval & 1U) == 0) continue;
+    begin = std::min(begin, from[interval]);
+    end = std::max(end, from[interval] + width);
   }
   return {begin, end - begin};
 }
@@ -391,7 +391,7 @@ LaneSweep::Contact EdgeLanes::sweepParts(const Parts& parts,
 
 std::optional<double> EdgeLanes::findContact(int pair, double from, double width) {
   if (!lanes_.sweep.canMeet(pair, scratch_)) return std::nullopt;
-  // Checks the middle of each lane's share. Over the whole edge these are the middles of sweep(),
+  // Checks the middle of each share. Over the whole edge these are the middles of sweep(),
   // so the ends of the shares are checked instead.
   const double share = width / collision::kLanes, first = width < 1 ? share / 2 : share;
   collision::LaneValues places;
@@ -400,7 +400,7 @@ std::optional<double> EdgeLanes::findContact(int pair, double from, double width
   placeFrames(places, contact_frames_);
   const LaneSweep::Contact contact = lanes_.sweep.meet(pair, contact_frames_, slack_, scratch_);
   if (contact.id < 0) return std::nullopt;
-  return 0.5 + static_cast<double>(places.at[contact.lane]);
+  return 0.5 + static_cast<double>(places.at[contact.interval]);
 }
 
 LaneSweep::Contact EdgeLanes::checkStates(const collision::LaneValues& places) {

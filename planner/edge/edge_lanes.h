@@ -60,29 +60,29 @@ class EdgeLanes {
   /// rounding [m], and the planes and points that decided a pair last. `frames` must be as in
   /// begin(). See LaneSweep::run().
   collision::LaneSweep::Contact sweep(const EdgeFrames& frames, Pairs asked, double demanded);
-  /// Runs after a sweep() without contact. Closes the lanes in which EdgeFrames::keepsGap() holds
-  /// for thresholds of at least `demanded` plus rounding [m].
+  /// Runs after a sweep() without contact. Closes the intervals in which EdgeFrames::keepsGap()
+  /// holds for thresholds of at least `demanded` plus rounding [m].
   void closeGaps(const EdgeFrames& frames, double demanded);
   /// Runs after a sweep() without contact. Searches planes for the pairs that it left open.
   collision::LaneSweep::Contact searchPlanes();
   /// As sweep(), for separations above each pair's threshold plus `beyond` >= 0 [m].
   collision::LaneSweep::Contact sweepBeyond(const EdgeFrames& frames, Pairs asked, double beyond);
 
-  /// Parts of the edge, one per lane: from + [0, width]. Each `from` is a multiple of `width`,
+  /// Parts of the edge, one in each lane: from + [0, width]. Each `from` is a multiple of `width`,
   /// which is a power of two of at least 2^-16.
   struct Parts {
     double from[collision::kLanes] = {};
     double width = 0;
-    int share = 1;  ///< neighbouring lanes that make up one part of the previous pass
+    int share = 1;  ///< neighbours that make up one part of the previous pass
 
-    /// From the start of the first of some lanes to the end of the last one.
+    /// From the start of the first of some parts to the end of the last one.
     struct Range {
       double from, width;
       double middle() const { return from + width / 2; }
       bool operator==(const Range&) const = default;
     };
-    Range rangeOf(std::uint32_t lanes) const;
-    double middle(int lane) const { return from[lane] + width / 2; }
+    Range rangeOf(std::uint32_t intervals) const;
+    double middle(int interval) const { return from[interval] + width / 2; }
   };
   /// The parts of sweep().
   static const Parts& wholeEdge();
@@ -98,8 +98,8 @@ class EdgeLanes {
   /// The pairs that the last pass left open.
   std::span<const collision::LaneSweep::Open> open() const { return scratch_.open(); }
 
-  /// After sweep() or sweepBeyond(): h^2 A / 8, how far points leave their chords within a lane
-  /// [m], for one of EdgeModel::motions.
+  /// After sweep() or sweepBeyond(): h^2 A / 8, how far points leave their chords within an
+  /// interval [m], for one of EdgeModel::motions.
   double growth(int motion) const {
     return static_cast<double>(growth_values_[static_cast<std::size_t>(motion)]);
   }
@@ -139,7 +139,7 @@ class EdgeLanes {
   std::vector<float>
       pass_growth_;  ///< of the last pass, including the distance beyond the thresholds
   std::vector<double> middle_, q_;     ///< the edge's middle, as a point and as a configuration
-  std::vector<std::uint32_t> closed_;  ///< lanes, one entry per open pair
+  std::vector<std::uint32_t> closed_;  ///< intervals, one entry per open pair
   float slack_ = 0;                    ///< rounding of frames [m]
   double beyond_ = 0;                  ///< set by demandBeyond() [m]
 };

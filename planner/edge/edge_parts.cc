@@ -26,10 +26,10 @@ bool EdgeParts::begin() {
   parts_.clear();
   part_pairs_.clear();
   next_ = 0;
-  return addOpenLanes() && list(EdgeLanes::wholeEdge());
+  return addOpenIntervals() && list(EdgeLanes::wholeEdge());
 }
 
-int EdgeParts::lanesPerSweep(const collision::LaneSweep::Open& pair) const {
+int EdgeParts::intervalsPerSweep(const collision::LaneSweep::Open& pair) const {
   double growth = lanes_.growth(frames_.pair(pair.id).motion);
   int width = 1;
   while (width < collision::kLanes && 4 * growth <= kMergedGrowth) {
@@ -39,26 +39,26 @@ int EdgeParts::lanesPerSweep(const collision::LaneSweep::Open& pair) const {
   return width;
 }
 
-bool EdgeParts::isSweptOver(const collision::LaneSweep::Open& pair, int lane, int width) const {
+bool EdgeParts::isSweptOver(const collision::LaneSweep::Open& pair, int interval, int width) const {
   const auto block = [](int first, int count) { return ((1U << count) - 1) << first; };
-  const std::uint32_t wanted = block(lane, width);
+  const std::uint32_t wanted = block(interval, width);
   if (!frames_.pair(pair.id).by_surfaces)
-    return (pair.lanes & wanted) != 0 && lanesPerSweep(pair) == width;
+    return (pair.intervals & wanted) != 0 && intervalsPerSweep(pair) == width;
   // The sweep of surfaces halves long parts itself if that pays, so it gets the widest open blocks.
-  if ((pair.lanes & wanted) != wanted) return false;
+  if ((pair.intervals & wanted) != wanted) return false;
   if (width == collision::kLanes) return true;
-  const std::uint32_t wider = block(lane & ~(2 * width - 1), 2 * width);
-  return (pair.lanes & wider) != wider;
+  const std::uint32_t wider = block(interval & ~(2 * width - 1), 2 * width);
+  return (pair.intervals & wider) != wider;
 }
 
-bool EdgeParts::addOpenLanes() {
+bool EdgeParts::addOpenIntervals() {
   if (lanes_.isFull()) return false;
   constexpr double h = 1.0 / collision::kLanes;
   for (int width = collision::kLanes, level = 0; width >= 1; width /= 2, ++level)
-    for (int lane = 0; lane < collision::kLanes; lane += width)
+    for (int interval = 0; interval < collision::kLanes; interval += width)
       for (const collision::LaneSweep::Open& pair : lanes_.open())
-        if (!isForParts(pair) && isSweptOver(pair, lane, width) &&
-            !queue_.add(pair.id, lane * h, width * h, level))
+        if (!isForParts(pair) && isSweptOver(pair, interval, width) &&
+            !queue_.add(pair.id, interval * h, width * h, level))
           return false;
   return true;
 }
@@ -72,7 +72,7 @@ std::optional<PairVerdict> EdgeParts::certify() {
     const EdgeLanes::Parts parts = take();
     const collision::LaneSweep::Contact contact = lanes_.sweepParts(parts, pass_pairs_);
     if (contact.id >= 0)
-      return PairVerdict{Verdict::kNotFree, contact.id, parts.middle(contact.lane)};
+      return PairVerdict{Verdict::kNotFree, contact.id, parts.middle(contact.interval)};
     if (const auto verdict = contacts_.search(parts)) return verdict;
     if (!list(parts)) return PairVerdict{Verdict::kUndecided, -1, parts.from[0]};
   }
@@ -94,9 +94,9 @@ EdgeLanes::Parts EdgeParts::take() {
   pass_pairs_.clear();
   for (std::size_t k = 0; k < count; ++k, ++next_) {
     const Part& part = parts_[next_];
-    const int lane = static_cast<int>(k) * share;
-    for (int i = 0; i < share; ++i) parts.from[lane + i] = part.from + i * parts.width;
-    const std::uint32_t mask = ((1U << share) - 1) << lane;
+    const int interval = static_cast<int>(k) * share;
+    for (int i = 0; i < share; ++i) parts.from[interval + i] = part.from + i * parts.width;
+    const std::uint32_t mask = ((1U << share) - 1) << interval;
     for (int i = part.begin; i < part.end; ++i) {
       const int id = part_pairs_[at(i)];
       const auto known = std::find_if(pass_pairs_.begin(), pass_pairs_.end(),
@@ -104,7 +104,7 @@ EdgeLanes::Parts EdgeParts::take() {
       if (known == pass_pairs_.end())
         pass_pairs_.push_back({id, mask});
       else
-        known->lanes |= mask;
+        known->intervals |= mask;
     }
   }
   return parts;
@@ -113,15 +113,15 @@ EdgeLanes::Parts EdgeParts::take() {
 bool EdgeParts::list(const EdgeLanes::Parts& parts) {
   for (int first = 0; first < collision::kLanes; first += parts.share) {
     if (!listWideOpen(parts, first)) return false;
-    for (int lane = first; lane < first + parts.share; ++lane)
-      if (!listLane(parts, lane, first)) return false;
+    for (int interval = first; interval < first + parts.share; ++interval)
+      if (!listInterval(parts, interval, first)) return false;
   }
   return true;
 }
 
 bool EdgeParts::isWideOpen(const collision::LaneSweep::Open& pair, int first, int share) {
   const std::uint32_t mask = ((1U << share) - 1) << first;
-  return share > 1 && 2 * std::popcount(pair.lanes & mask) > share;
+  return share > 1 && 2 * std::popcount(pair.intervals & mask) > share;
 }
 
 bool EdgeParts::listWideOpen(const EdgeLanes::Parts& parts, int first) {
@@ -132,24 +132,24 @@ bool EdgeParts::listWideOpen(const EdgeLanes::Parts& parts, int first) {
   return true;
 }
 
-bool EdgeParts::listLane(const EdgeLanes::Parts& parts, int lane, int first) {
-  // After the pass over the whole edge, addOpenLanes() handles the pairs that finer passes cannot
-  // separate.
+bool EdgeParts::listInterval(const EdgeLanes::Parts& parts, int interval, int first) {
+  // After the pass over the whole edge, addOpenIntervals() handles the pairs that finer passes
+  // cannot separate.
   const bool is_whole_edge = parts.share == 1;
   if (part_pairs_.size() + lanes_.open().size() > part_pairs_.capacity()) return false;
   const auto begin = static_cast<int>(part_pairs_.size());
   for (const collision::LaneSweep::Open& pair : lanes_.open()) {
-    if ((pair.lanes >> lane & 1U) == 0 || isWideOpen(pair, first, parts.share)) continue;
+    if ((pair.intervals >> interval & 1U) == 0 || isWideOpen(pair, first, parts.share)) continue;
     if (is_whole_edge ? isForParts(pair) : pair.apart) {
       part_pairs_.push_back(pair.id);
-    } else if (!is_whole_edge && !queue_.add(pair.id, parts.from[lane], parts.width)) {
+    } else if (!is_whole_edge && !queue_.add(pair.id, parts.from[interval], parts.width)) {
       return false;
     }
   }
   const auto end = static_cast<int>(part_pairs_.size());
   if (begin == end) return true;
   if (parts_.size() == parts_.capacity()) return false;
-  parts_.push_back({parts.from[lane], parts.width, begin, end});
+  parts_.push_back({parts.from[interval], parts.width, begin, end});
   return true;
 }
 

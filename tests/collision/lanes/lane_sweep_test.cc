@@ -114,14 +114,14 @@ struct Passing {
     scratch = std::make_unique<LaneSweep::Scratch>(sweep, queries, work);
   }
 
-  /// Lanes still open after a run and a plane search, and whether the hulls are apart.
+  /// Intervals still open after a run and a plane search, and whether the hulls are apart.
   std::pair<std::uint32_t, bool> open(const std::vector<LaneFrame>& frames, float growth) {
     const float values[kLanes] = {growth};
     if (sweep.run(frames, values, 1e-6F, *scratch, {}).id >= 0 ||
         sweep.separate(frames, values, 1e-6F, *scratch).id >= 0)
       return {0, false};
     if (scratch->open().empty()) return {0, true};
-    return {scratch->open().front().lanes, scratch->open().front().apart};
+    return {scratch->open().front().intervals, scratch->open().front().apart};
   }
 };
 

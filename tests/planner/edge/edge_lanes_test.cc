@@ -55,26 +55,26 @@ void checkParts(Random& random, const EdgeFrames& frames, EdgeLanes& lanes,
   parts.width = std::ldexp(1.0 / kLanes, -1 - random.integer(6));
   for (double& from : parts.from) {
     const std::uint32_t open =
-        pairs[static_cast<std::size_t>(random.integer(static_cast<int>(pairs.size())))].lanes;
+        pairs[static_cast<std::size_t>(random.integer(static_cast<int>(pairs.size())))].intervals;
     int lane = random.integer(kLanes);
     while ((open >> lane & 1U) == 0) lane = (lane + 1) % kLanes;
     from = static_cast<double>(lane) / kLanes +
            parts.width * random.integer(static_cast<int>(1 / (kLanes * parts.width)));
   }
-  for (LaneSweep::Open& pair : pairs) pair.lanes = random.integer(2) == 0 ? 0xff00U : 0x5555U;
+  for (LaneSweep::Open& pair : pairs) pair.intervals = random.integer(2) == 0 ? 0xff00U : 0x5555U;
   const LaneSweep::Contact contact = lanes.sweepParts(parts, pairs);
   if (contact.id >= 0) {
     ++count.part_contacts;
     const auto p = static_cast<std::size_t>(contact.id);
-    EXPECT_LE(distanceOf(p, parts.from[contact.lane] + parts.width / 2).lower,
+    EXPECT_LE(distanceOf(p, parts.from[contact.interval] + parts.width / 2).lower,
               frames.pairs()[p].threshold);
     return;
   }
   for (const LaneSweep::Open& pair : pairs) {
     const auto p = static_cast<std::size_t>(pair.id);
-    std::uint32_t certified = pair.lanes;
+    std::uint32_t certified = pair.intervals;
     for (const LaneSweep::Open& left : lanes.open())
-      if (left.id == pair.id) certified &= ~left.lanes;
+      if (left.id == pair.id) certified &= ~left.intervals;
     for (int lane = 0; lane < kLanes; ++lane) {
       if ((certified >> lane & 1U) == 0) continue;
       ++count.part_certified;
@@ -124,12 +124,13 @@ void check(Random& random, const Problem& problem, int edges, Count& count) {
       ASSERT_TRUE(frames.scene().scene().pairs().has(static_cast<std::size_t>(contact.id)));
       const EdgePair& pair = frames.pairs()[static_cast<std::size_t>(contact.id)];
       EXPECT_LE(
-          distanceOf(static_cast<std::size_t>(contact.id), (contact.lane + 0.5) / kLanes).lower,
+          distanceOf(static_cast<std::size_t>(contact.id), (contact.interval + 0.5) / kLanes).lower,
           pair.threshold);
       continue;
     }
     std::vector<std::uint32_t> open(frames.pairs().numbers(), 0);
-    for (const LaneSweep::Open& o : lanes.open()) open[static_cast<std::size_t>(o.id)] = o.lanes;
+    for (const LaneSweep::Open& o : lanes.open())
+      open[static_cast<std::size_t>(o.id)] = o.intervals;
     for (std::size_t p = 0; p < open.size(); ++p)
       for (int lane = 0; lane < kLanes && frames.scene().scene().pairs().has(p); ++lane) {
         if ((open[p] >> lane & 1U) != 0) {
@@ -312,12 +313,12 @@ void expectTheSameOnEveryInstructionSet(const Problem& problem, Random& random) 
       LaneSweep::Contact contact = lanes.sweep(frames, Pairs::kAll, -kInfinity);
       if (contact.id < 0) contact = lanes.searchPlanes();
       result.push_back(static_cast<std::uint32_t>(contact.id));
-      result.push_back(static_cast<std::uint32_t>(contact.lane));
+      result.push_back(static_cast<std::uint32_t>(contact.interval));
       result.push_back(static_cast<std::uint32_t>(work.done));  // edges end when it is exhausted
       if (contact.id >= 0) continue;
       for (const LaneSweep::Open& o : lanes.open()) {
         result.push_back(static_cast<std::uint32_t>(o.id));
-        result.push_back(o.lanes);
+        result.push_back(o.intervals);
       }
     }
   });

@@ -33,9 +33,9 @@ class Stepper {
     for (int block = 0; block < blocks; ++block) {
       collision::LaneValues places;
       double t[kLanes];
-      for (int lane = 0; lane < kLanes; ++lane) {
-        t[lane] = std::min(block + lane * blocks + 1, states) / static_cast<double>(states);
-        places.at[lane] = static_cast<float>(t[lane] - 0.5);
+      for (int i = 0; i < kLanes; ++i) {
+        t[i] = std::min(block + i * blocks + 1, states) / static_cast<double>(states);
+        places.at[i] = static_cast<float>(t[i] - 0.5);
       }
       if (lanes_.checkStates(places).id >= 0 || lanes_.isFull() || !isOpenFree(t)) return false;
     }
@@ -51,23 +51,23 @@ class Stepper {
     std::fill(slots, slots + kLanes, -1);
     for (const auto& open : lanes_.open()) {
       const planner::EdgePair pair = frames_.pair(open.id);
-      for (int lane = 0; lane < kLanes; ++lane) {
-        if ((open.lanes >> lane & 1U) == 0) continue;
-        if (lane > 0 && t[lane] == t[lane - 1]) continue;  // past the last state
-        if (frames_.keepsGap(pair, pair.threshold, t[lane], t[lane])) continue;
-        if (slots[lane] < 0) slots[lane] = frames_.place(t[lane]);
-        if (slots[lane] < 0) return false;
+      for (int i = 0; i < kLanes; ++i) {
+        if ((open.intervals >> i & 1U) == 0) continue;
+        if (i > 0 && t[i] == t[i - 1]) continue;  // past the last state
+        if (frames_.keepsGap(pair, pair.threshold, t[i], t[i])) continue;
+        if (slots[i] < 0) slots[i] = frames_.place(t[i]);
+        if (slots[i] < 0) return false;
         const planner::Piece& a = frames_.piece(pair.a);
         const planner::Piece& b = frames_.piece(pair.b);
         const double coarse = b.bounds().coarse.lower(frames_.inFrameOf(
-                                  slots[lane], pair.b, frames_.center(slots[lane], pair.a))) -
+                                  slots[i], pair.b, frames_.center(slots[i], pair.a))) -
                               a.bounds().outer.radius;
         if (coarse > pair.threshold) continue;
         collision::DistanceRequest request;
         request.threshold = pair.threshold;
         request.depth = pair.threshold < 0;
-        if (!(collision::distance(a.shape(), frames_.piecePose(slots[lane], pair.a), b.shape(),
-                                  frames_.piecePose(slots[lane], pair.b), request,
+        if (!(collision::distance(a.shape(), frames_.piecePose(slots[i], pair.a), b.shape(),
+                                  frames_.piecePose(slots[i], pair.b), request,
                                   collision::SceneAccess::scratch(workspace_),
                                   &collision::SceneAccess::cache(workspace_, pair.scene_pair))
                   .distance.lower > pair.threshold))
