@@ -10,9 +10,10 @@
 // FCL has no tolerance query, so its distance query is used instead. `differ` counts FCL's answers
 // outside our interval (its own errors are near 1e-7), and verdicts on collision that differ.
 //
-//   bench_meshes [--placements N] [--seed S] [--pieces] [MESH MESH]...
+//   bench_meshes [--placements N] [--seed S] [--pieces] [--deforming] [MESH MESH]...
 //
-// --pieces omits the generated pairs that have no pieces.
+// --pieces omits the generated pairs that have no pieces. --deforming also times each pair as
+// deforming meshes at rest, whose nodes have eight boxes along fixed axes, against its triangles.
 
 #include <fcl/fcl.h>
 
@@ -26,6 +27,7 @@
 #include <string>
 #include <vector>
 
+#include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/distance.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/robots/model.h"
@@ -77,7 +79,7 @@ class Random : public leeway::bench::SplitMix {
 
 struct Mesh {
   std::string name;
-  Shape shape, triangles_only;
+  Shape shape, triangles_only, at_rest;
   std::shared_ptr<FclModel> model;
 
   Mesh(const std::string& what, const Soup& soup)
@@ -85,6 +87,10 @@ struct Mesh {
         shape(Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles))),
         triangles_only(
             Shape::mesh(TriangleMesh::make(soup.vertices, soup.triangles, {.decompose = false}))),
+        at_rest(Shape::deformable(
+            leeway::collision::Deformable(
+                leeway::collision::DeformableMesh::make(soup.vertices, soup.triangles), nullptr)
+                .snapshot())),
         model(std::make_shared<FclModel>()) {
     std::vector<fcl::Triangle> triangles;
     for (const auto& t : soup.triangles) {
@@ -156,13 +162,13 @@ Pose place(const Mesh& a, const Mesh& b, Class kind, Random& random, Scratch& sc
 }
 
 struct Timing {
-  double cold = 0, warm = 0, triangles = 0, fcl = 0;
+  double cold = 0, warm = 0, triangles = 0, deforming = 0, fcl = 0;
   int differ = 0;
 };
 
 class Bench {
  public:
-  Bench(const Mesh& a, const Mesh& b) : a_(a), b_(b) {}
+  Bench(const Mesh& a, const Mesh& b, bool deforming) : a_(a), b_(b), deforming_(deforming) {}
 
   Timing run(Class kind, Query query, Random& random) {
     const double size = std::min(a_.shape.boundingRadius(), b_.shape.boundingRadius());
@@ -181,12 +187,16 @@ class Bench {
     }
     Timing timing;
     const int repeats = repeatsFor(track, query);
-    std::vector<double> cold, warm, triangles, fcl;
+    std::vector<double> cold, warm, triangles, deforming, fcl;
     for (int block = 0; block < kBlocks; ++block) {
       cold.push_back(timed(repeats, [&](int i) { ours(track, i, query, nullptr); }));
       if (a_.pieces() > 0 && b_.pieces() > 0) {
-        triangles.push_back(timed(repeats, [&](int i) { withoutPieces(track, i, query); }));
+        triangles.push_back(timed(
+            repeats, [&](int i) { of(a_.triangles_only, b_.triangles_only, track, i, query); }));
       }
+      if (deforming_)
+        deforming.push_back(
+            timed(repeats, [&](int i) { of(a_.at_rest, b_.at_rest, track, i, query); }));
       fcl.push_back(timed(repeats, [&](int i) { theirs(track, i, query); }));
       warm.push_back(timed(repeats, [&](int i) { ours(track, i, query, &cache_); }));
     }
@@ -194,6 +204,7 @@ class Bench {
     timing.warm = median(warm);
     timing.fcl = median(fcl);
     timing.triangles = triangles.empty() ? timing.cold : median(triangles);
+    timing.deforming = deforming.empty() ? 0 : median(deforming);
     for (int i = 0; i < kTrack; ++i) timing.differ += agrees(track, i, query) ? 0 : 1;
     return timing;
   }
@@ -231,9 +242,8 @@ class Bench {
     return r;
   }
 
-  void withoutPieces(const Track& track, int i, Query query) {
-    const DistanceResult r = distance(a_.triangles_only, {}, b_.triangles_only, track.X_WB[i],
-                                      request(track, i, query), scratch_);
+  void of(const Shape& a, const Shape& b, const Track& track, int i, Query query) {
+    const DistanceResult r = distance(a, {}, b, track.X_WB[i], request(track, i, query), scratch_);
     sink_ = sink_ + r.distance.lower;
   }
 
@@ -279,6 +289,7 @@ class Bench {
 
   const Mesh& a_;
   const Mesh& b_;
+  const bool deforming_;
   Scratch scratch_;
   PairCache cache_;
   volatile double sink_ = 0;
@@ -287,7 +298,7 @@ class Bench {
 struct Options {
   int placements = 12;
   std::uint64_t seed = 1;
-  bool only_pieces = false;
+  bool only_pieces = false, deforming = false;
   std::vector<std::string> files;  // used two by two
 
   bool valid() const { return placements >= 1 && files.size() % 2 == 0; }
@@ -302,6 +313,8 @@ Options parse(int argc, char** argv) {
       options.seed = std::strtoull(argv[++i], nullptr, 10);
     } else if (std::strcmp(argv[i], "--pieces") == 0) {
       options.only_pieces = true;
+    } else if (std::strcmp(argv[i], "--deforming") == 0) {
+      options.deforming = true;
     } else {
       options.files.emplace_back(argv[i]);
     }
@@ -339,9 +352,10 @@ void printPieces(const Mesh& mesh) {
 // By class and query.
 using Ratios = std::vector<double>[3][3];
 
-// The ratios of all placements: those of pairs of triangles, and those of pairs with convex pieces.
+// The ratios of all placements: those of pairs of triangles, those of pairs with convex pieces, and
+// those of deforming meshes.
 struct Summary {
-  Ratios over_triangles, over_pieces, against_triangles;
+  Ratios over_triangles, over_pieces, against_triangles, deforming;
 };
 
 void addTo(std::vector<double>& all, const std::vector<double>& more) {
@@ -352,7 +366,8 @@ void addTo(std::vector<double>& all, const std::vector<double>& more) {
 void measure(Bench& bench, const Mesh& a, const Mesh& b, Class kind, Query query,
              const Options& options, Summary& summary) {
   Random random(options.seed);
-  std::vector<double> cold, warm, triangles, fcl, cold_ratio, warm_ratio, triangle_ratio;
+  std::vector<double> cold, warm, triangles, fcl, cold_ratio, warm_ratio, triangle_ratio,
+      deforming_ratio;
   int differ = 0;
   for (int i = 0; i < options.placements; ++i) {
     const Timing t = bench.run(kind, query, random);
@@ -363,12 +378,14 @@ void measure(Bench& bench, const Mesh& a, const Mesh& b, Class kind, Query query
     cold_ratio.push_back(t.cold / t.fcl);
     warm_ratio.push_back(t.warm / t.fcl);
     triangle_ratio.push_back(t.cold / t.triangles);
+    if (options.deforming) deforming_ratio.push_back(t.deforming / t.triangles);
     differ += t.differ;
   }
   const int k = static_cast<int>(kind), q = static_cast<int>(query);
   const bool pieces = a.pieces() > 0 && b.pieces() > 0;
   addTo((pieces ? summary.over_pieces : summary.over_triangles)[k][q], cold_ratio);
   if (pieces) addTo(summary.against_triangles[k][q], triangle_ratio);
+  addTo(summary.deforming[k][q], deforming_ratio);
   std::printf("%-38s %-9s %-10s %10.0f %10.0f %10.0f %10.0f %7.3f %7.3f %7.3f %7d\n",
               (a.name + " - " + b.name).c_str(), kClassNames[k], kQueryNames[q], median(cold),
               median(warm), median(triangles), median(fcl), median(cold_ratio), median(warm_ratio),
@@ -390,7 +407,8 @@ int run(int argc, char** argv) {
   const Options options = parse(argc, argv);
   if (!options.valid()) {
     std::fprintf(stderr,
-                 "usage: bench_meshes [--placements N] [--seed S] [--pieces] [MESH MESH]...\n");
+                 "usage: bench_meshes [--placements N] [--seed S] [--pieces] [--deforming] "
+                 "[MESH MESH]...\n");
     return 2;
   }
   const std::vector<std::pair<Mesh, Mesh>> pairs = pairsOf(options);
@@ -403,7 +421,7 @@ int run(int argc, char** argv) {
               "differ");
   Summary summary;
   for (const auto& [a, b] : pairs) {
-    Bench bench(a, b);
+    Bench bench(a, b, options.deforming);
     for (const Class kind : {Class::kFar, Class::kNear, Class::kTouching}) {
       for (const Query query : {Query::kDistance, Query::kTolerance, Query::kCollision})
         measure(bench, a, b, kind, query, options, summary);
@@ -412,6 +430,7 @@ int run(int argc, char** argv) {
   printRatios("FCL over pairs of triangles", summary.over_triangles);
   printRatios("FCL over pairs with convex pieces", summary.over_pieces);
   printRatios("triangles over pairs with convex pieces", summary.against_triangles);
+  printRatios("triangles over pairs of deforming meshes at rest", summary.deforming);
   return 0;
 }
 
