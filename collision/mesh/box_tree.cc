@@ -146,7 +146,7 @@ struct BoxTree::Builder {
     const bool by_count = depth >= (in_piece || input.pieces == 0 ? kFreeDepth : kFreePieceDepth);
     std::vector<Cluster> clusters = parts(whole, by_count);
     for (std::size_t i = 0; i < clusters.size(); ++i) {
-      setLane(nodes[at(id)], static_cast<int>(i), clusters[i], input);
+      setColumn(nodes[at(id)], static_cast<int>(i), clusters[i], input);
     }
     nodes[at(id)].count = static_cast<std::int32_t>(clusters.size());
     const auto children = [&](Builder& builder, std::size_t from, std::size_t to) {
@@ -208,8 +208,8 @@ struct BoxTree::Builder {
     const auto offset = shifted(0);
     nodes.insert(nodes.end(), part.nodes.begin(), part.nodes.end());
     for (std::size_t id = before; id < nodes.size(); ++id) {
-      for (std::int32_t lane = 0; lane < nodes[id].count; ++lane) {
-        if (nodes[id].child[lane] >= 0) nodes[id].child[lane] += offset;
+      for (std::int32_t column = 0; column < nodes[id].count; ++column) {
+        if (nodes[id].child[column] >= 0) nodes[id].child[column] += offset;
       }
     }
   }
@@ -248,7 +248,7 @@ BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> t
   Cluster whole;
   whole.end = static_cast<std::int32_t>(triangles.size());
   builder.fit(whole);
-  setLane(builder.nodes[0], 0, whole, input);
+  setColumn(builder.nodes[0], 0, whole, input);
   const std::int32_t child = builder.childFor(whole, 0, false);
   builder.nodes[0].child[0] = child;
   builder.nodes[0].count = 1;
@@ -258,15 +258,15 @@ BoxTree::BoxTree(std::span<const Vector3d> vertices, std::span<const Triangle> t
 
 // The box in single precision: along the rounded axes, around the rounded centre, and large enough
 // for every corner.
-void BoxTree::setLane(BoxNode& node, int lane, const Cluster& cluster, const Input& input) {
+void BoxTree::setColumn(BoxNode& node, int column, const Cluster& cluster, const Input& input) {
   Vector3d center, half = Vector3d::Zero();
   Matrix3d axes;
   for (int k = 0; k < 3; ++k) {
-    node.center[k][lane] = static_cast<float>(cluster.box.center[k]);
-    center[k] = static_cast<double>(node.center[k][lane]);
+    node.center[k][column] = static_cast<float>(cluster.box.center[k]);
+    center[k] = static_cast<double>(node.center[k][column]);
     for (int i = 0; i < 3; ++i) {
-      node.axis[k][i][lane] = static_cast<float>(cluster.box.axes(i, k));
-      axes(i, k) = static_cast<double>(node.axis[k][i][lane]);
+      node.axis[k][i][column] = static_cast<float>(cluster.box.axes(i, k));
+      axes(i, k) = static_cast<double>(node.axis[k][i][column]);
     }
   }
   for (std::int32_t place = cluster.begin; place < cluster.end; ++place) {
@@ -277,10 +277,10 @@ void BoxTree::setLane(BoxNode& node, int lane, const Cluster& cluster, const Inp
   }
   double squared = 0;
   for (int k = 0; k < 3; ++k) {
-    node.half[k][lane] = floatAbove(half[k] + kRelativeRounding * input.extent);
+    node.half[k][column] = floatAbove(half[k] + kRelativeRounding * input.extent);
     squared += half[k] * half[k];
   }
-  node.radius[lane] = static_cast<float>(std::sqrt(squared));
+  node.radius[column] = static_cast<float>(std::sqrt(squared));
 }
 
 // Checks the nodes of a file, in preorder.
@@ -293,8 +293,8 @@ struct BoxTree::Check {
     if (depth > kMaxDepth || next >= tree.nodes_.size()) return false;
     const BoxNode& here = tree.nodes_[next++];
     if (here.count < 1 || here.count > BoxNode::kWidth || !isFinite(here)) return false;
-    for (std::int32_t lane = 0; lane < here.count; ++lane) {
-      if (!child(here.child[lane], depth, in_piece)) return false;
+    for (std::int32_t column = 0; column < here.count; ++column) {
+      if (!child(here.child[column], depth, in_piece)) return false;
     }
     return true;
   }
@@ -316,12 +316,12 @@ struct BoxTree::Check {
   static bool isFinite(const BoxNode& node) {
     // A sum of products with 0 is 0, or NaN if a factor is not finite.
     float sum = 0;
-    for (int lane = 0; lane < BoxNode::kWidth; ++lane) {
+    for (int column = 0; column < BoxNode::kWidth; ++column) {
       for (int k = 0; k < 3; ++k) {
-        sum += 0 * node.center[k][lane] + 0 * node.half[k][lane];
-        for (int i = 0; i < 3; ++i) sum += 0 * node.axis[k][i][lane];
+        sum += 0 * node.center[k][column] + 0 * node.half[k][column];
+        for (int i = 0; i < 3; ++i) sum += 0 * node.axis[k][i][column];
       }
-      sum += 0 * node.radius[lane];
+      sum += 0 * node.radius[column];
     }
     return sum == 0;
   }
@@ -344,12 +344,12 @@ std::unique_ptr<const BoxTree> BoxTree::fromNodes(std::pmr::vector<BoxNode> node
   return tree;
 }
 
-OrientedBox BoxNode::box(int lane) const {
+OrientedBox BoxNode::box(int column) const {
   OrientedBox box;
   for (int k = 0; k < 3; ++k) {
-    box.center[k] = center[k][lane];
-    box.half[k] = half[k][lane];
-    for (int i = 0; i < 3; ++i) box.axis[k][i] = axis[k][i][lane];
+    box.center[k] = center[k][column];
+    box.half[k] = half[k][column];
+    for (int i = 0; i < 3; ++i) box.axis[k][i] = axis[k][i][column];
   }
   return box;
 }

@@ -26,7 +26,7 @@ struct BoxNode {
   static constexpr int kWidth = 8;
 
   alignas(32) float center[3][kWidth];
-  alignas(32) float axis[3][3][kWidth];  ///< axis[k][coordinate][lane]
+  alignas(32) float axis[3][3][kWidth];  ///< axis[k][coordinate][column]
   alignas(32) float half[3][kWidth];
   alignas(32) float radius[kWidth];  ///< half the diagonal
   /// >= 0: a node; < 0: the triangle in slot ~child or, from BoxTree::firstPiece() on, a convex
@@ -34,7 +34,7 @@ struct BoxNode {
   std::int32_t child[kWidth];
   std::int32_t count;
 
-  OrientedBox box(int lane) const;
+  OrientedBox box(int column) const;
 };
 
 /// A hierarchy of oriented boxes over the triangles of a mesh, with eight boxes in each node (S.
@@ -82,7 +82,7 @@ class BoxTree {
   struct Builder;
   struct Check;
   BoxTree() = default;
-  static void setLane(BoxNode& node, int lane, const Cluster& cluster, const Input& input);
+  static void setColumn(BoxNode& node, int column, const Cluster& cluster, const Input& input);
 
   std::pmr::vector<BoxNode> nodes_{largeArrays()};
   std::vector<std::int32_t> piece_node_;

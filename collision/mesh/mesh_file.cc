@@ -56,37 +56,37 @@ bool areSizes(const std::vector<Vector3d>& vertices) {
 
 bool isSize(double size) { return size >= 0 && std::isfinite(size); }
 
-// A lane of a BoxNode. (Nodes are a third empty, and they are the largest part of a file.)
-struct BoxLane {
+// A column of a BoxNode. (Nodes are a third empty, and they are the largest part of a file.)
+struct BoxColumn {
   float center[3], axis[3][3], half[3], radius;
   std::int32_t child;
 };
 
 void packBoxes(std::span<const BoxNode> nodes, ByteWriter& to) {
   std::vector<std::uint8_t> counts;
-  std::vector<BoxLane> lanes;
+  std::vector<BoxColumn> columns;
   counts.reserve(nodes.size());
-  lanes.reserve(5 * nodes.size());
+  columns.reserve(5 * nodes.size());
   for (const BoxNode& node : nodes) {
     counts.push_back(static_cast<std::uint8_t>(node.count));
     for (std::int32_t i = 0; i < node.count; ++i) {
-      BoxLane& lane = lanes.emplace_back();
+      BoxColumn& column = columns.emplace_back();
       for (int k = 0; k < 3; ++k) {
-        lane.center[k] = node.center[k][i];
-        lane.half[k] = node.half[k][i];
-        for (int j = 0; j < 3; ++j) lane.axis[k][j] = node.axis[k][j][i];
+        column.center[k] = node.center[k][i];
+        column.half[k] = node.half[k][i];
+        for (int j = 0; j < 3; ++j) column.axis[k][j] = node.axis[k][j][i];
       }
-      lane.radius = node.radius[i];
-      lane.child = node.child[i];
+      column.radius = node.radius[i];
+      column.child = node.child[i];
     }
   }
   to.array(counts);
-  to.array(lanes);
+  to.array(columns);
 }
 
-// Null if counts and lanes do not match, or are not a tree of the mesh.
+// Null if counts and columns do not match, or are not a tree of the mesh.
 std::unique_ptr<const BoxTree> boxesOf(std::span<const std::uint8_t> counts,
-                                       std::span<const BoxLane> lanes, std::size_t triangles,
+                                       std::span<const BoxColumn> columns, std::size_t triangles,
                                        int pieces) {
   // A branching tree has at most this many.
   if (counts.size() > triangles + static_cast<std::size_t>(pieces) + 1) return nullptr;
@@ -94,21 +94,21 @@ std::unique_ptr<const BoxTree> boxesOf(std::span<const std::uint8_t> counts,
   nodes.reserve(counts.size());
   std::size_t next = 0;
   for (const std::uint8_t count : counts) {
-    if (count > BoxNode::kWidth || count > lanes.size() - next) return nullptr;
+    if (count > BoxNode::kWidth || count > columns.size() - next) return nullptr;
     BoxNode& node = nodes.emplace_back();
     node.count = count;
     for (std::int32_t i = 0; i < count; ++i) {
-      const BoxLane& lane = lanes[next++];
+      const BoxColumn& column = columns[next++];
       for (int k = 0; k < 3; ++k) {
-        node.center[k][i] = lane.center[k];
-        node.half[k][i] = lane.half[k];
-        for (int j = 0; j < 3; ++j) node.axis[k][j][i] = lane.axis[k][j];
+        node.center[k][i] = column.center[k];
+        node.half[k][i] = column.half[k];
+        for (int j = 0; j < 3; ++j) node.axis[k][j][i] = column.axis[k][j];
       }
-      node.radius[i] = lane.radius;
-      node.child[i] = lane.child;
+      node.radius[i] = column.radius;
+      node.child[i] = column.child;
     }
   }
-  if (next != lanes.size()) return nullptr;
+  if (next != columns.size()) return nullptr;
   return BoxTree::fromNodes(std::move(nodes), triangles, pieces);
 }
 
@@ -138,7 +138,7 @@ void MeshFile::pack(const BuiltMesh& built, ByteWriter& to) {
              mesh.triangles_.size() * (sizeof(Triangle) + 2 * sizeof(std::int32_t)) +
              plan.nodes.size() * sizeof(MeshTreePlan::Node) +
              plan.core.size() * sizeof(std::int32_t) +
-             5 * sizeof(BoxLane) * tree.boxes().nodes().size());
+             5 * sizeof(BoxColumn) * tree.boxes().nodes().size());
   to.array(mesh.vertices_);
   to.array(mesh.triangles_);
   to.array(mesh.triangle_component_);
@@ -194,7 +194,7 @@ std::shared_ptr<TriangleMesh> MeshFile::unpack(ByteReader& from) {
   std::vector<PackedPiece> pieces;
   if (!unpackPieces(from, mesh->pieces_.pieces, pieces)) return nullptr;
   const std::span<const std::uint8_t> counts = from.view<std::uint8_t>();
-  const std::span<const BoxLane> lanes = from.view<BoxLane>();
+  const std::span<const BoxColumn> columns = from.view<BoxColumn>();
   if (from.failed()) return nullptr;
   std::unique_ptr<MeshTree> tree;
   std::unique_ptr<const BoxTree> boxes;
@@ -204,7 +204,7 @@ std::shared_ptr<TriangleMesh> MeshFile::unpack(ByteReader& from) {
         tree = std::make_unique<MeshTree>(mesh->vertices_, mesh->triangles_,
                                           mesh->triangle_component_, plan, std::move(hull));
       },
-      [&] { boxes = boxesOf(counts, lanes, count, mesh->pieces_.pieces); });
+      [&] { boxes = boxesOf(counts, columns, count, mesh->pieces_.pieces); });
   try {
     for (PackedPiece& piece : pieces) tree->addPiece(std::move(piece.hull), piece.excess);
   } catch (const InvalidShape&) {

@@ -182,31 +182,31 @@ class DeformFollower {
       const WideBox boxes1 = same_tree ? source1.boxes(item.child, room1) : WideBox{};
       const DeformTree::Node& node = from_.tree->node(item.child);
       const std::size_t begin = count;
-      for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
+      for (int column = 0; column < kWidth && node.child[column] != DeformTree::kNone; ++column) {
         MovingBox box;
         for (int i = 0; i < 3; ++i) {
-          box.low0[i] = static_cast<double>(boxes0.low[i][lane]);
-          box.high0[i] = static_cast<double>(boxes0.high[i][lane]);
-          box.low1[i] = static_cast<double>(boxes1.low[i][lane]);
-          box.high1[i] = static_cast<double>(boxes1.high[i][lane]);
+          box.low0[i] = static_cast<double>(boxes0.low[i][column]);
+          box.high0[i] = static_cast<double>(boxes0.high[i][column]);
+          box.low1[i] = static_cast<double>(boxes1.low[i][column]);
+          box.high1[i] = static_cast<double>(boxes1.high[i][column]);
         }
-        if (!same_tree) laterBox(item.child, lane, box);
+        if (!same_tree) laterBox(item.child, column, box);
         const int slab = slabs_.first(box);
         if (slab == kSlabs || slabs_.timeOf(slab) >= limit()) continue;
         // Keeps the earliest on top of the stack.
         std::size_t place = count++;
         for (; place > begin && stack[place - 1].slab < slab; --place)
           stack[place] = stack[place - 1];
-        stack[place] = {node.child[lane], slab};
+        stack[place] = {node.child[column], slab};
       }
     }
   }
 
   /// Computes the box in the later snapshot from its vertices, because its hierarchy is a different
   /// one.
-  void laterBox(std::int32_t node, int lane, MovingBox& box) const {
+  void laterBox(std::int32_t node, int column, MovingBox& box) const {
     MovingBox later;
-    for (const std::int32_t v : from_.tree->vertices(node, lane)) {
+    for (const std::int32_t v : from_.tree->vertices(node, column)) {
       const Vector& p = to_.vertices[static_cast<std::size_t>(v)];
       later.add(p, p);
     }

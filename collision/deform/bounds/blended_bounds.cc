@@ -15,12 +15,12 @@
 namespace leeway::collision {
 namespace {
 
-// The boxes of a field below a node. Empty lanes are 0, because infinity times a weight of 0 is
+// The boxes of a field below a node. Empty columns are 0, because infinity times a weight of 0 is
 // NaN.
 WideBox boxOf(const BlendedMotion::Field& field, const DeformTree& tree, std::int32_t node) {
   WideBox box{};
-  for (int lane = 0; lane < kWidth; ++lane) {
-    const std::span<const std::int32_t> vertices = tree.vertices(node, lane);
+  for (int column = 0; column < kWidth; ++column) {
+    const std::span<const std::int32_t> vertices = tree.vertices(node, column);
     if (vertices.empty()) break;
     Eigen::Vector3d low = field[static_cast<std::size_t>(vertices[0])], high = low;
     for (const std::int32_t v : vertices) {
@@ -28,21 +28,21 @@ WideBox boxOf(const BlendedMotion::Field& field, const DeformTree& tree, std::in
       high = high.cwiseMax(field[static_cast<std::size_t>(v)]);
     }
     for (int k = 0; k < 3; ++k) {
-      box.low[k][lane] = roundedDown(low[k]);
-      box.high[k][lane] = roundedUpToFloat(high[k]);
+      box.low[k][column] = roundedDown(low[k]);
+      box.high[k][column] = roundedUpToFloat(high[k]);
     }
   }
   return box;
 }
 
 // The number of a node's children.
-std::uint8_t lanesOf(const DeformTree& tree, std::int32_t node) {
-  std::uint8_t lanes = 0;
-  while (lanes < kWidth && tree.node(node).child[lanes] != DeformTree::kNone) ++lanes;
-  return lanes;
+std::uint8_t childrenOf(const DeformTree& tree, std::int32_t node) {
+  std::uint8_t children = 0;
+  while (children < kWidth && tree.node(node).child[children] != DeformTree::kNone) ++children;
+  return children;
 }
 
-// Starts a sum with [-slack, slack] in every lane.
+// Starts a sum with [-slack, slack] in every column.
 BoxSum sumOf(double slack) {
   BoxSum sum;
   std::fill_n(sum.low, BoxSum::kNumbers, -slack);
@@ -132,7 +132,7 @@ BlendedBounds::BlendedBounds(const BlendedMotion& motion, const DeformTree& tree
     for (const BlendedMotion::Field* field : all) boxes_.addField(*field);
   }
   for (std::int32_t node = 0; node < nodes; ++node) {
-    lanes_.push_back(lanesOf(tree, node));
+    children_.push_back(childrenOf(tree, node));
     if (volume == DeformVolume::kBall) {
       for (const BlendedMotion::Field* field : all) balls_.push_back(ballsOf(*field, tree, node));
       continue;
@@ -187,8 +187,8 @@ void BlendedBounds::Boxes::blend(std::int32_t node, const double* first, std::sp
 BlendedBounds::Diagonals BlendedBounds::diagonalsOf(const BlendedMotion::Field& field,
                                                     const DeformTree& tree, std::int32_t node) {
   Diagonals result{};
-  for (int lane = 0; lane < kWidth; ++lane) {
-    const std::span<const std::int32_t> vertices = tree.vertices(node, lane);
+  for (int column = 0; column < kWidth; ++column) {
+    const std::span<const std::int32_t> vertices = tree.vertices(node, column);
     if (vertices.empty()) break;
     for (int i = 0; i < kDiagonals; ++i) {
       double low = kInfinity, high = -kInfinity;
@@ -197,8 +197,8 @@ BlendedBounds::Diagonals BlendedBounds::diagonalsOf(const BlendedMotion::Field& 
         low = std::min(low, along);
         high = std::max(high, along);
       }
-      result.low[i][lane] = roundedDown(low);
-      result.high[i][lane] = roundedUpToFloat(high);
+      result.low[i][column] = roundedDown(low);
+      result.high[i][column] = roundedUpToFloat(high);
     }
   }
   return result;
@@ -210,18 +210,18 @@ BlendedBounds::Balls BlendedBounds::ballsOf(const BlendedMotion::Field& field,
                                             const DeformTree& tree, std::int32_t node) {
   Balls result{};
   const WideBox box = boxOf(field, tree, node);
-  for (int lane = 0; lane < kWidth; ++lane) {
-    const std::span<const std::int32_t> vertices = tree.vertices(node, lane);
+  for (int column = 0; column < kWidth; ++column) {
+    const std::span<const std::int32_t> vertices = tree.vertices(node, column);
     if (vertices.empty()) break;
     Eigen::Vector3d center;
     for (int k = 0; k < 3; ++k) {
-      result.center[k][lane] = 0.5F * box.low[k][lane] + 0.5F * box.high[k][lane];
-      center[k] = static_cast<double>(result.center[k][lane]);
+      result.center[k][column] = 0.5F * box.low[k][column] + 0.5F * box.high[k][column];
+      center[k] = static_cast<double>(result.center[k][column]);
     }
     double squared = 0;
     for (const std::int32_t v : vertices)
       squared = std::max(squared, (field[static_cast<std::size_t>(v)] - center).squaredNorm());
-    result.radius[lane] = roundedUpToFloat(std::sqrt(squared));
+    result.radius[column] = roundedUpToFloat(std::sqrt(squared));
   }
   return result;
 }
@@ -234,10 +234,10 @@ void BlendedBounds::bound(std::int32_t node, std::span<const double> parameters,
   }
   box.clear();
   const BlendedBalls balls = blendBalls(node, parameters);
-  for (int lane = 0; lane < lanes_[static_cast<std::size_t>(node)]; ++lane) {
+  for (int column = 0; column < children_[static_cast<std::size_t>(node)]; ++column) {
     for (int k = 0; k < 3; ++k) {
-      box.low[k][lane] = roundedDown(balls.center[k][lane] - balls.radius[lane]);
-      box.high[k][lane] = roundedUpToFloat(balls.center[k][lane] + balls.radius[lane]);
+      box.low[k][column] = roundedDown(balls.center[k][column] - balls.radius[column]);
+      box.high[k][column] = roundedUpToFloat(balls.center[k][column] + balls.radius[column]);
     }
   }
 }
@@ -277,7 +277,7 @@ void BlendedBounds::boundBoxes(std::int32_t node, std::span<const double> parame
     }
   }
   motionKernels().put(sum, box);
-  box.clear(lanes_[static_cast<std::size_t>(node)]);
+  box.clear(children_[static_cast<std::size_t>(node)]);
 }
 
 // The difference of two sums is the sum with the differences of the parameters. Each of the two
@@ -304,7 +304,7 @@ double BlendedBounds::displacementRounding(std::span<const double> from,
 
 std::size_t BlendedBounds::bytes() const {
   std::size_t bytes = sizeof(*this) + diagonals_.capacity() * sizeof(Diagonals) +
-                      balls_.capacity() * sizeof(Balls) + lanes_.capacity() +
+                      balls_.capacity() * sizeof(Balls) + children_.capacity() +
                       field_sizes_.capacity() * sizeof(double);
   for (const Boxes* boxes : {&boxes_, &differences_})
     bytes += boxes->axes.capacity() + boxes->rows.capacity() * sizeof(AxisRow);
@@ -319,17 +319,17 @@ BlendedBounds::BlendedBalls BlendedBounds::blendBalls(std::int32_t node,
   const Balls* balls = &balls_[static_cast<std::size_t>(node) * volumesOfNode()];
   for (std::size_t i = 0; i < volumesOfNode(); ++i) {
     const double p = weight(parameters, i);
-    for (int lane = 0; lane < kWidth; ++lane) {
+    for (int column = 0; column < kWidth; ++column) {
       for (int k = 0; k < 3; ++k)
-        sum.center[k][lane] += p * static_cast<double>(balls[i].center[k][lane]);
-      sum.radius[lane] += std::abs(p) * static_cast<double>(balls[i].radius[lane]);
+        sum.center[k][column] += p * static_cast<double>(balls[i].center[k][column]);
+      sum.radius[column] += std::abs(p) * static_cast<double>(balls[i].radius[column]);
     }
   }
   return sum;
 }
 
 void BlendedBounds::tighten(std::int32_t node, std::span<const double> parameters,
-                            const Probe& probe, LaneBounds& bounds) const {
+                            const Probe& probe, WideBounds& bounds) const {
   if (volume_ == DeformVolume::kDop) tightenByDiagonals(node, parameters, probe, bounds);
   if (volume_ == DeformVolume::kBall) tightenByBalls(node, parameters, probe, bounds);
 }
@@ -338,13 +338,13 @@ void BlendedBounds::tighten(std::int32_t node, std::span<const double> parameter
 // along them are off by that times a size, where probe.slack is 2^-19 of that size. If the axes
 // depart from a rotation as far as allowed, the error doubles. Four times the slack covers both.
 void BlendedBounds::tightenByDiagonals(std::int32_t node, std::span<const double> parameters,
-                                       const Probe& probe, LaneBounds& bounds) const {
+                                       const Probe& probe, WideBounds& bounds) const {
   double low[kDiagonals][kWidth], high[kDiagonals][kWidth];
   const double slack = rounding(parameters);
   for (int i = 0; i < kDiagonals; ++i) {
-    for (int lane = 0; lane < kWidth; ++lane) {
-      low[i][lane] = -slack;
-      high[i][lane] = slack;
+    for (int column = 0; column < kWidth; ++column) {
+      low[i][column] = -slack;
+      high[i][column] = slack;
     }
   }
   const Diagonals* diagonals = &diagonals_[static_cast<std::size_t>(node) * volumesOfNode()];
@@ -353,9 +353,9 @@ void BlendedBounds::tightenByDiagonals(std::int32_t node, std::span<const double
     const auto& lower = p >= 0 ? diagonals[f].low : diagonals[f].high;
     const auto& upper = p >= 0 ? diagonals[f].high : diagonals[f].low;
     for (int i = 0; i < kDiagonals; ++i) {
-      for (int lane = 0; lane < kWidth; ++lane) {
-        low[i][lane] += p * static_cast<double>(lower[i][lane]);
-        high[i][lane] += p * static_cast<double>(upper[i][lane]);
+      for (int column = 0; column < kWidth; ++column) {
+        low[i][column] += p * static_cast<double>(lower[i][column]);
+        high[i][column] += p * static_cast<double>(upper[i][column]);
       }
     }
   }
@@ -363,34 +363,34 @@ void BlendedBounds::tightenByDiagonals(std::int32_t node, std::span<const double
   const double grown = static_cast<double>(probe.radius) + body_slack;
   for (int i = 0; i < kDiagonals; ++i) {
     const Interval across = reachAlongDiagonal(probe, i, 4 * body_slack);
-    for (int lane = 0; lane < lanes_[static_cast<std::size_t>(node)]; ++lane) {
-      double gap = std::max(low[i][lane] - across.upper, across.lower - high[i][lane]);
+    for (int column = 0; column < children_[static_cast<std::size_t>(node)]; ++column) {
+      double gap = std::max(low[i][column] - across.upper, across.lower - high[i][column]);
       if (!(gap >= -kInfinity)) continue;  // NaN: both are infinite
       gap *= kPerDiagonal;
-      raise(gap - std::abs(gap) * kRotationTolerance - grown, bounds.lower[lane]);
+      raise(gap - std::abs(gap) * kRotationTolerance - grown, bounds.lower[column]);
     }
   }
 }
 
 // A centre within the body's box proves nothing about depth.
 void BlendedBounds::tightenByBalls(std::int32_t node, std::span<const double> parameters,
-                                   const Probe& probe, LaneBounds& bounds) const {
+                                   const Probe& probe, WideBounds& bounds) const {
   const BlendedBalls balls = blendBalls(node, parameters);
   const double grown = static_cast<double>(probe.radius) + static_cast<double>(probe.slack);
-  for (int lane = 0; lane < lanes_[static_cast<std::size_t>(node)]; ++lane) {
+  for (int column = 0; column < children_[static_cast<std::size_t>(node)]; ++column) {
     double squared = 0;
     for (int j = 0; j < 3; ++j) {
       double along = 0;
       for (int k = 0; k < 3; ++k)
-        along += static_cast<double>(probe.axis[j][k]) * balls.center[k][lane];
+        along += static_cast<double>(probe.axis[j][k]) * balls.center[k][column];
       const double outside = std::max({along - static_cast<double>(probe.axis_high[j]),
                                        static_cast<double>(probe.axis_low[j]) - along, 0.0});
       squared += outside * outside;
     }
     if (!(squared > 0)) continue;
     // Axes that depart from a rotation overstate distances.
-    raise(std::sqrt(squared) * (1 - kRotationTolerance) - balls.radius[lane] - grown,
-          bounds.lower[lane]);
+    raise(std::sqrt(squared) * (1 - kRotationTolerance) - balls.radius[column] - grown,
+          bounds.lower[column]);
   }
 }
 

@@ -33,7 +33,7 @@ class BlendedBounds final : public NodeBounds {
   bool hasVolumes() const override { return volume_ != DeformVolume::kBox; }
   std::size_t bytes() const override;
   void tighten(std::int32_t node, std::span<const double> parameters, const Probe& probe,
-               LaneBounds& bounds) const override;
+               WideBounds& bounds) const override;
 
  private:
   static constexpr int kDiagonals = 6;
@@ -75,9 +75,9 @@ class BlendedBounds final : public NodeBounds {
   BlendedBalls blendBalls(std::int32_t node, std::span<const double> parameters) const;
   void boundBoxes(std::int32_t node, std::span<const double> parameters, WideBox& box) const;
   void tightenByDiagonals(std::int32_t node, std::span<const double> parameters, const Probe& probe,
-                          LaneBounds& bounds) const;
+                          WideBounds& bounds) const;
   void tightenByBalls(std::int32_t node, std::span<const double> parameters, const Probe& probe,
-                      LaneBounds& bounds) const;
+                      WideBounds& bounds) const;
   /// The weight of a node's volume i: 1 for the base, which is the first one.
   double weight(std::span<const double> parameters, std::size_t i) const {
     return !has_base_ ? parameters[i] : i == 0 ? 1 : parameters[i - 1];
@@ -93,7 +93,7 @@ class BlendedBounds final : public NodeBounds {
   std::vector<Balls> balls_;
   Boxes differences_;  // without a base: of the mean of the fields, then of each field minus the
                        // mean
-  std::vector<std::uint8_t> lanes_;  // children of each node
+  std::vector<std::uint8_t> children_;  // children of each node
   double base_size_ = 0;
   std::vector<double> field_sizes_;  // largest |coordinate| [m]
 };

@@ -9,25 +9,25 @@ namespace leeway::collision {
 CachedBounds::CachedBounds(const CachedVertices& motion, const DeformTree& tree, std::int32_t nodes)
     : frames_(motion.frameCount()),
       rows_(3 * frames_ * static_cast<std::size_t>(nodes)),
-      lanes_(static_cast<std::size_t>(nodes)) {
+      children_(static_cast<std::size_t>(nodes)) {
   // Backwards, because children have higher numbers than their parents.
   for (std::int32_t node = nodes - 1; node >= 0; --node) {
     const auto n = static_cast<std::size_t>(node);
-    for (int lane = 0; lane < kWidth; ++lane) {
-      const std::int32_t child = tree.node(node).child[lane];
-      if (child == DeformTree::kNone) break;  // empty lanes are last
-      ++lanes_[n];
-      const std::span<const std::int32_t> below = tree.vertices(node, lane);
+    for (int column = 0; column < kWidth; ++column) {
+      const std::int32_t child = tree.node(node).child[column];
+      if (child == DeformTree::kNone) break;  // empty children are last
+      ++children_[n];
+      const std::span<const std::int32_t> below = tree.vertices(node, column);
       for (std::size_t f = 0; f < frames_; ++f) {
         AxisRow* const rows = &rows_[3 * (n * frames_ + f)];
         const bool known = child >= 0 && child < nodes;
         const AxisRow* const of_child =
             known ? &rows_[3 * (static_cast<std::size_t>(child) * frames_ + f)] : nullptr;
-        const int lanes = known ? lanes_[static_cast<std::size_t>(child)] : 0;
+        const int children = known ? children_[static_cast<std::size_t>(child)] : 0;
         const Eigen::Vector3f* const frame = motion.frame(f);
         for (int k = 0; k < 3; ++k) {
           float low = std::numeric_limits<float>::infinity(), high = -low;
-          for (int i = 0; i < lanes; ++i) {
+          for (int i = 0; i < children; ++i) {
             low = std::min(low, of_child[k].low[i]);
             high = std::max(high, of_child[k].high[i]);
           }
@@ -37,8 +37,8 @@ CachedBounds::CachedBounds(const CachedVertices& motion, const DeformTree& tree,
               high = std::max(high, frame[v][k]);
             }
           }
-          rows[k].low[lane] = low;
-          rows[k].high[lane] = high;
+          rows[k].low[column] = low;
+          rows[k].high[column] = high;
         }
       }
     }
@@ -57,11 +57,11 @@ void CachedBounds::bound(std::int32_t node, std::span<const double> parameters,
   // There is no frame after the last one.
   kernels.blend(rowsOf(node, parameters), kAllAxes, weights, nullptr, share > 0 ? 2 : 1, sum);
   kernels.put(sum, box);
-  box.clear(lanes_[static_cast<std::size_t>(node)]);
+  box.clear(children_[static_cast<std::size_t>(node)]);
 }
 
 void CachedBounds::fetch(std::int32_t node, std::span<const double> parameters) const {
-  if (static_cast<std::size_t>(node) >= lanes_.size()) return;
+  if (static_cast<std::size_t>(node) >= children_.size()) return;
   const AxisRow* const rows = rowsOf(node, parameters);
   for (int i = 0; i < (parameters[1] > 0 ? 6 : 3); ++i) __builtin_prefetch(rows + i);
 }

@@ -26,7 +26,7 @@ class CachedBounds {
   /// Prefetches the data that bound() reads.
   void fetch(std::int32_t node, std::span<const double> parameters) const;
   std::size_t bytes() const {
-    return sizeof(*this) + rows_.capacity() * sizeof(AxisRow) + lanes_.capacity();
+    return sizeof(*this) + rows_.capacity() * sizeof(AxisRow) + children_.capacity();
   }
 
  private:
@@ -36,8 +36,8 @@ class CachedBounds {
   }
 
   std::size_t frames_;
-  std::vector<AxisRow> rows_;        // node by node, frame by frame: x, y, z
-  std::vector<std::uint8_t> lanes_;  // children of each node
+  std::vector<AxisRow> rows_;           // node by node, frame by frame: x, y, z
+  std::vector<std::uint8_t> children_;  // children of each node
 };
 
 }  // namespace leeway::collision

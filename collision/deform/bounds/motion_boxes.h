@@ -15,7 +15,7 @@ struct alignas(64) AxisRow {
   float low[kWidth], high[kWidth];
 };
 
-/// Sums of boxes of the eight children of a node: x of all lanes, then y, z.
+/// Sums of boxes of the eight children of a node: x of all columns, then y, z.
 struct BoxSum {
   static constexpr int kNumbers = 3 * kWidth;
   double low[kNumbers], high[kNumbers];
@@ -26,9 +26,9 @@ struct SkinRest {
   double center[3][kWidth], half[3][kWidth];
 };
 
-/// A bone's weights in the vertices of each lane. All are within `range` of `mean`, and within
-/// `residue` of mean + gradient . (rest position - center). The means of a lane's bones sum to 1,
-/// as the weights do. If range and mean are 0, the bone carries no vertex of the lane.
+/// A bone's weights in the vertices of each column. All are within `range` of `mean`, and within
+/// `residue` of mean + gradient . (rest position - center). The means of a column's bones sum to 1,
+/// as the weights do. If range and mean are 0, the bone carries no vertex of the column.
 struct SkinPart {
   std::int32_t bone;
   double mean[kWidth], range[kWidth], residue[kWidth], gradient[3][kWidth];
@@ -44,10 +44,10 @@ struct MotionKernels {
   /// Rounds a sum outwards.
   void (*put)(const BoxSum& sum, WideBox& box);
   /// Displaces the boxes in `before` by the displacements in `way`. `way` is first clamped to low
-  /// .. high, which also replaces NaN; `side` receives the longest side of each lane's way.
+  /// .. high, which also replaces NaN; `side` receives the longest side of each column's way.
   void (*move)(const WideBox& before, float low, float high, WideBox& way, WideBox& box,
                float* side);
-  /// The boxes of skinned_bounds.cc, grown by `rounding`; lanes without a part are undefined.
+  /// The boxes of skinned_bounds.cc, grown by `rounding`; columns without a part are undefined.
   void (*skin)(const SkinRest& rest, std::span<const SkinPart> parts, const double* to,
                const double* from, double rounding, WideBox& box);
 };

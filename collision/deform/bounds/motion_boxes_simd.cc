@@ -142,7 +142,7 @@ void skin(const SkinRest& rest, std::span<const SkinPart> parts, const double* t
         x[i] += mean * r.x;
         y[i] += mean * r.y;
         z[i] += mean * r.z;
-        // A bone that carries no vertex of the lane is ignored.
+        // A bone that carries no vertex of the column is ignored.
         const bool has_part = static_cast<int>(part.range[i] > 0) | static_cast<int>(mean > 0);
         const double lower = has_part ? image - reach : kInfinity,
                      upper = has_part ? image + reach : -kInfinity;

@@ -23,13 +23,13 @@ inline constexpr std::int32_t kNodesAhead = 3;
 class NodeBounds {
  public:
   virtual ~NodeBounds() = default;
-  /// The boxes of the node's children. Each contains every vertex of tree.vertices(node, lane) as
-  /// VertexMotion::vertices() computes it for these parameters, rounding included; lanes without a
-  /// child are empty. Never throws or allocates.
+  /// The boxes of the node's children. Each contains every vertex of tree.vertices(node, column) as
+  /// VertexMotion::vertices() computes it for these parameters, rounding included; columns without
+  /// a child are empty. Never throws or allocates.
   virtual void bound(std::int32_t node, std::span<const double> parameters, WideBox& box) const = 0;
 
   /// Boxes of the displacements, from the parameters `from` to `to`, of the vertices below each
-  /// child of the node. They include the rounding of VertexMotion::vertices() for both; lanes
+  /// child of the node. They include the rounding of VertexMotion::vertices() for both; columns
   /// without a child are undefined. `rounding`: displacementRounding(from, to), which is the same
   /// for all nodes. Not for DeformVolume::kBall. Never throws or allocates.
   virtual void displacement(std::int32_t node, std::span<const double> from,
@@ -42,7 +42,7 @@ class NodeBounds {
   /// Raises the lower bounds on the separation of a body and each child of the node to the bounds
   /// that volumes other than boxes prove. Never throws or allocates.
   virtual void tighten(std::int32_t /*node*/, std::span<const double> /*parameters*/,
-                       const Probe& /*probe*/, LaneBounds& /*bounds*/) const {}
+                       const Probe& /*probe*/, WideBounds& /*bounds*/) const {}
 
   virtual std::size_t bytes() const = 0;  ///< of memory
 };

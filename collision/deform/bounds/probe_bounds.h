@@ -25,10 +25,10 @@ struct Probe {
 };
 
 /// Lower bounds on the signed separation of a body and each of eight boxes or triangles [m].
-struct LaneBounds {
-  alignas(64) float lower[kWidth];  ///< infinity for empty lanes of a node
-  unsigned open;                    ///< a bit for each lane at or below the bar
-  float closed;                     ///< the least bound of the other lanes
+struct WideBounds {
+  alignas(64) float lower[kWidth];  ///< infinity for empty columns of a node
+  unsigned open;                    ///< a bit for each column at or below the bar
+  float closed;                     ///< the least bound of the other columns
 };
 
 /// Function pointers for one instruction set. Every set yields the same bytes. `vertices` as in
@@ -39,12 +39,12 @@ struct ProbeKernels {
   /// loose.
   void (*childBounds)(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
                       std::span<const std::int32_t> nodes, const WideBox* const* boxes, float bar,
-                      LaneBounds* bounds);
+                      WideBounds* bounds);
   /// Bounds for the triangles in slots [begin, end), at most eight: by their boxes, and by a plane
-  /// for each triangle. Fills only `lower`; lanes without a triangle repeat the last one.
+  /// for each triangle. Fills only `lower`; columns without a triangle repeat the last one.
   void (*triangleBounds)(const Probe& probe, const DeformTree& tree,
                          const Eigen::Vector3d* vertices, std::int32_t begin, std::int32_t end,
-                         LaneBounds& bounds);
+                         WideBounds& bounds);
   /// The least scalar product of `n` and each of these vertices, at least one. False if a vertex is
   /// not finite.
   bool (*leastAlong)(const double* n, const Eigen::Vector3d* vertices,

@@ -23,9 +23,10 @@ namespace leeway::collision {
 namespace HWY_NAMESPACE {
 namespace {
 
-// A bit for each lane at or below the bar; lowers `closed` to the least bound of the other lanes.
+// A bit for each column at or below the bar; lowers `closed` to the least bound of the other
+// columns.
 HWY_INLINE unsigned openOf(Floats lower, Floats bar, Floats& closed) {
-  // A lane with NaN stays open.
+  // A column with NaN stays open.
   const auto above = hn::Gt(lower, bar);
   closed = hn::Min(closed, hn::IfThenElse(above, lower, closed));
   return ~bitsOf(above) & kStepBits;
@@ -39,7 +40,7 @@ HWY_INLINE unsigned openOf(Floats lower, Floats bar, Floats& closed) {
 // was the same) and a refit took a third longer. Boxes in a separate frame for each branch would
 // close no more.
 template <bool kTurned>
-HWY_INLINE void lowerBounds(const Probe& probe, const WideBox& box, float bar, LaneBounds& bounds) {
+HWY_INLINE void lowerBounds(const Probe& probe, const WideBox& box, float bar, WideBounds& bounds) {
   const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
   const auto set = [](float x) { return hn::Set(kLanes, x); };
   Floats closed = set(std::numeric_limits<float>::infinity());
@@ -97,7 +98,7 @@ HWY_INLINE void lowerBounds(const Probe& probe, const WideBox& box, float bar, L
 // triangle's centroid, in coordinates along the probe's own axes, in which the body is a box. This
 // is nearly exact for triangles that are small compared with the distance, whose boxes are loose.
 void triangleBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
-                    std::int32_t begin, std::int32_t end, LaneBounds& bounds) {
+                    std::int32_t begin, std::int32_t end, WideBounds& bounds) {
   HWY_ALIGN float corner[3][kWidth][4];  // corner, triangle, axis
   for (std::int32_t slot = begin; slot < begin + kWidth; ++slot) {
     // Unused lanes repeat the last triangle.
@@ -174,7 +175,7 @@ bool leastAlong(const double* n, const Eigen::Vector3d* vertices, std::span<cons
 }
 
 // Computes `open` and `closed` again.
-void openLanes(float bar, LaneBounds& bounds) {
+void openColumns(float bar, WideBounds& bounds) {
   bounds.open = 0;
   Floats closed = hn::Set(kLanes, std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < kWidth; i += kStep) {
@@ -184,7 +185,7 @@ void openLanes(float bar, LaneBounds& bounds) {
 }
 
 // A bit for each child that is a leaf.
-unsigned leafLanes(const DeformTree::Node& node) {
+unsigned leafColumns(const DeformTree::Node& node) {
   const hn::RebindToSigned<decltype(kLanes)> ints;
   unsigned leaves = 0;
   for (std::size_t i = 0; i < kWidth; i += kStep) {
@@ -236,13 +237,13 @@ HWY_INLINE void directionsTo(const Probe& probe, const WideBox& box, Directions&
 // The leaf's least vertex along that direction, minus that point, is a lower bound on the
 // separation.
 void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
-                const DeformTree::Node& node, const WideBox& box, float bar, LaneBounds& bounds) {
-  const unsigned leaves = bounds.open & leafLanes(node);
+                const DeformTree::Node& node, const WideBox& box, float bar, WideBounds& bounds) {
+  const unsigned leaves = bounds.open & leafColumns(node);
   if (leaves == 0) return;
   // Prefetches the numbers of the leaves' vertices, which are read below.
   for (unsigned left = leaves; left != 0; left &= left - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[lane]));
+    const auto column = static_cast<std::size_t>(std::countr_zero(left));
+    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[column]));
     hwy::Prefetch(tree.leafVertices().data() + leaf.vertex_begin);
   }
   Directions directions;
@@ -251,16 +252,16 @@ void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3
   HWY_ALIGN double least[kWidth];
   std::fill_n(least, kWidth, unknown);
   for (unsigned left = leaves; left != 0; left &= left - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[lane]));
-    const double n[3] = {static_cast<double>(directions.way[0][lane]),
-                         static_cast<double>(directions.way[1][lane]),
-                         static_cast<double>(directions.way[2][lane])};
+    const auto column = static_cast<std::size_t>(std::countr_zero(left));
+    const DeformTree::Leaf& leaf = tree.leaf(DeformTree::leafOf(node.child[column]));
+    const double n[3] = {static_cast<double>(directions.way[0][column]),
+                         static_cast<double>(directions.way[1][column]),
+                         static_cast<double>(directions.way[2][column])};
     double lowest = 0;
     const bool finite =
         leastOf(n, vertices, tree.leafVertices().data() + leaf.vertex_begin,
                 static_cast<std::size_t>(leaf.vertex_end - leaf.vertex_begin), lowest);
-    if (finite) least[lane] = lowest;
+    if (finite) least[column] = lowest;
   }
   const Doubles grown =
       hn::Set(kDoubles, static_cast<double>(probe.radius) + static_cast<double>(probe.slack));
@@ -276,13 +277,13 @@ void leafBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3
     const auto found = hn::DemoteTo(singles, lower), before = hn::Load(singles, bounds.lower + i);
     hn::Store(hn::IfThenElse(hn::Gt(found, before), found, before), singles, bounds.lower + i);
   }
-  openLanes(bar, bounds);
+  openColumns(bar, bounds);
 }
 
 void childBounds(const Probe& probe, const DeformTree& tree, const Eigen::Vector3d* vertices,
                  std::span<const std::int32_t> nodes, const WideBox* const* boxes, float bar,
-                 LaneBounds* bounds) {
-  bar = std::min(bar, std::numeric_limits<float>::max());  // empty lanes stay above it
+                 WideBounds* bounds) {
+  bar = std::min(bar, std::numeric_limits<float>::max());  // empty columns stay above it
   // Two loops: the first has no data-dependent branch, so the processor overlaps its iterations.
   if (probe.turned) {
     for (std::size_t i = 0; i < nodes.size(); ++i)

@@ -63,10 +63,10 @@ SkinnedBounds::SkinnedBounds(const SkinnedVertices& motion, const DeformTree& tr
   rest_size_ = largestCoordinate(motion.rest());
   first_part_.push_back(0);
   for (std::int32_t node = 0; node < nodes; ++node) {
-    std::uint8_t lanes = 0;
+    std::uint8_t children = 0;
     SkinRest rest{};
-    for (; lanes < kWidth; ++lanes) {
-      const std::span<const std::int32_t> vertices = tree.vertices(node, lanes);
+    for (; children < kWidth; ++children) {
+      const std::span<const std::int32_t> vertices = tree.vertices(node, children);
       if (vertices.empty()) break;
       Vector3d low = motion.rest()[static_cast<std::size_t>(vertices[0])], high = low;
       for (const std::int32_t v : vertices) {
@@ -75,13 +75,14 @@ SkinnedBounds::SkinnedBounds(const SkinnedVertices& motion, const DeformTree& tr
       }
       for (int k = 0; k < 3; ++k) {
         const double center = 0.5 * (low[k] + high[k]);
-        rest.center[k][lanes] = center;
+        rest.center[k][children] = center;
         // Four units cover the rounding of the difference.
-        rest.half[k][lanes] = std::max(high[k] - center, center - low[k]) * (1 + 4 * kUnitRoundoff);
+        rest.half[k][children] =
+            std::max(high[k] - center, center - low[k]) * (1 + 4 * kUnitRoundoff);
       }
     }
     rest_.push_back(rest);
-    lanes_.push_back(lanes);
+    children_.push_back(children);
     addParts(motion, tree, node);
     first_part_.push_back(static_cast<std::int32_t>(parts_.size()));
     terms_ = std::max(
@@ -93,7 +94,7 @@ SkinnedBounds::SkinnedBounds(const SkinnedVertices& motion, const DeformTree& tr
 
 void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tree,
                              std::int32_t node) {
-  // Least and largest weight of every bone in every lane. A bone has weight 0 at vertices that it
+  // Least and largest weight of every bone in every column. A bone has weight 0 at vertices that it
   // does not carry.
   struct Seen {
     std::int32_t bone;
@@ -102,8 +103,8 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
   };
   std::vector<Seen> seen;
   std::vector<int> place(static_cast<std::size_t>(motion.boneCount()), -1);
-  for (int lane = 0; lane < kWidth; ++lane) {
-    for (const std::int32_t v : tree.vertices(node, lane)) {
+  for (int column = 0; column < kWidth; ++column) {
+    for (const std::int32_t v : tree.vertices(node, column)) {
       for (const SkinnedVertices::Influence& influence : motion.influences(v)) {
         if (!(influence.weight > 0)) continue;
         int& at = place[static_cast<std::size_t>(influence.bone)];
@@ -113,9 +114,9 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
           std::fill_n(seen.back().least, kWidth, kInfinity);
         }
         Seen& s = seen[static_cast<std::size_t>(at)];
-        s.least[lane] = std::min(s.least[lane], influence.weight);
-        s.largest[lane] = std::max(s.largest[lane], influence.weight);
-        ++s.count[lane];
+        s.least[column] = std::min(s.least[column], influence.weight);
+        s.largest[column] = std::max(s.largest[column], influence.weight);
+        ++s.count[column];
       }
     }
   }
@@ -123,30 +124,32 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
   const std::size_t begin = parts_.size();
   for (const Seen& s : seen) {
     SkinPart part{s.bone, {}, {}, {}, {}};
-    for (int lane = 0; lane < kWidth; ++lane) {
-      const double least = s.count[lane] == tree.vertices(node, lane).size() ? s.least[lane] : 0;
-      part.mean[lane] = 0.5 * (least + s.largest[lane]);
-      part.range[lane] = 0.5 * (s.largest[lane] - least);
+    for (int column = 0; column < kWidth; ++column) {
+      const double least =
+          s.count[column] == tree.vertices(node, column).size() ? s.least[column] : 0;
+      part.mean[column] = 0.5 * (least + s.largest[column]);
+      part.range[column] = 0.5 * (s.largest[column] - least);
     }
     parts_.push_back(part);
   }
-  // Makes the means sum to 1: the bones of the lane share the missing part equally.
-  for (int lane = 0; lane < kWidth; ++lane) {
+  // Makes the means sum to 1: the bones of the column share the missing part equally.
+  for (int column = 0; column < kWidth; ++column) {
     double sum = 0, bones = 0;
     for (std::size_t i = begin; i < parts_.size(); ++i) {
-      sum += parts_[i].mean[lane];
-      bones += parts_[i].mean[lane] > 0 ? 1 : 0;
+      sum += parts_[i].mean[column];
+      bones += parts_[i].mean[column] > 0 ? 1 : 0;
     }
     if (bones == 0) continue;
     const double missing = (1 - sum) / bones;
     for (std::size_t i = begin; i < parts_.size(); ++i) {
-      if (!(parts_[i].mean[lane] > 0)) continue;
-      const double moved = parts_[i].mean[lane] + missing;
-      parts_[i].range[lane] =
-          (parts_[i].range[lane] + std::abs(missing)) * (1 + 8 * kUnitRoundoff) + 4 * kUnitRoundoff;
-      parts_[i].mean[lane] = moved;
+      if (!(parts_[i].mean[column] > 0)) continue;
+      const double moved = parts_[i].mean[column] + missing;
+      parts_[i].range[column] =
+          (parts_[i].range[column] + std::abs(missing)) * (1 + 8 * kUnitRoundoff) +
+          4 * kUnitRoundoff;
+      parts_[i].mean[column] = moved;
     }
-    fitGradients(motion, tree.vertices(node, lane), lane,
+    fitGradients(motion, tree.vertices(node, column), column,
                  std::span<SkinPart>(parts_).subspan(begin));
   }
 }
@@ -154,10 +157,10 @@ void SkinnedBounds::addParts(const SkinnedVertices& motion, const DeformTree& tr
 // Least squares, regularised where the vertices do not span all directions. Any gradient is
 // correct, because the bound uses its residue, which includes the rounding of these sums.
 void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
-                                 std::span<const std::int32_t> vertices, int lane,
+                                 std::span<const std::int32_t> vertices, int column,
                                  std::span<SkinPart> parts) const {
   const SkinRest& rest = rest_.back();
-  const Vector3d center(rest.center[0][lane], rest.center[1][lane], rest.center[2][lane]);
+  const Vector3d center(rest.center[0][column], rest.center[1][column], rest.center[2][column]);
   const auto offset = [&](std::int32_t v) -> Vector3d {
     return motion.rest()[static_cast<std::size_t>(v)] - center;
   };
@@ -177,27 +180,27 @@ void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
   spread += (1e-6 * spread.trace() + 1e-200) * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d inverse = spread.inverse();
   for (SkinPart& part : parts) {
-    part.residue[lane] = part.range[lane];
-    if (!(part.range[lane] > 0)) continue;
+    part.residue[column] = part.range[column];
+    if (!(part.range[column] > 0)) continue;
     Vector3d sum = Vector3d::Zero();
     for (const std::int32_t v : vertices)
-      sum += (weight(v, part.bone) - part.mean[lane]) * offset(v);
+      sum += (weight(v, part.bone) - part.mean[column]) * offset(v);
     const Vector3d gradient = inverse * sum;
     double residue = 0;
     for (const std::int32_t v : vertices) {
       const Vector3d d = offset(v);
       const double linear = gradient.x() * d.x() + gradient.y() * d.y() + gradient.z() * d.z();
-      residue = std::max(residue, std::abs(weight(v, part.bone) - part.mean[lane] - linear));
+      residue = std::max(residue, std::abs(weight(v, part.bone) - part.mean[column] - linear));
     }
     residue += 16 * kUnitRoundoff * (1 + gradient.lpNorm<1>() * (reach + 2 * center.lpNorm<1>()));
     // With a NaN the gradient stays 0, and also if it is steep, because a steep gradient would cost
     // digits.
-    const double across = std::abs(gradient.x()) * rest.half[0][lane] +
-                          std::abs(gradient.y()) * rest.half[1][lane] +
-                          std::abs(gradient.z()) * rest.half[2][lane];
-    if (!(residue < part.range[lane] && across <= kSteepestWeight)) continue;
-    part.residue[lane] = residue;
-    for (int k = 0; k < 3; ++k) part.gradient[k][lane] = gradient[k];
+    const double across = std::abs(gradient.x()) * rest.half[0][column] +
+                          std::abs(gradient.y()) * rest.half[1][column] +
+                          std::abs(gradient.z()) * rest.half[2][column];
+    if (!(residue < part.range[column] && across <= kSteepestWeight)) continue;
+    part.residue[column] = residue;
+    for (int k = 0; k < 3; ++k) part.gradient[k][column] = gradient[k];
   }
 }
 
@@ -208,7 +211,7 @@ void SkinnedBounds::fitGradients(const SkinnedVertices& motion,
 void SkinnedBounds::bound(std::int32_t node, std::span<const double> parameters,
                           WideBox& box) const {
   boundBy(node, parameters, {}, box);
-  box.clear(lanes_[static_cast<std::size_t>(node)]);
+  box.clear(children_[static_cast<std::size_t>(node)]);
 }
 
 // A vertex moves from sum w_b S_b r to sum w_b T_b r, that is by sum w_b (T_b - S_b) r; the

@@ -23,7 +23,7 @@ class SkinnedBounds final : public NodeBounds {
   std::size_t bytes() const override {
     return sizeof(*this) + rest_.capacity() * sizeof(SkinRest) +
            first_part_.capacity() * sizeof(std::int32_t) + parts_.capacity() * sizeof(SkinPart) +
-           lanes_.capacity();
+           children_.capacity();
   }
 
  private:
@@ -33,15 +33,15 @@ class SkinnedBounds final : public NodeBounds {
   /// Prefetches the data of the node's boxes.
   void fetch(std::int32_t node) const;
   void addParts(const SkinnedVertices& motion, const DeformTree& tree, std::int32_t node);
-  void fitGradients(const SkinnedVertices& motion, std::span<const std::int32_t> vertices, int lane,
-                    std::span<SkinPart> parts) const;
+  void fitGradients(const SkinnedVertices& motion, std::span<const std::int32_t> vertices,
+                    int column, std::span<SkinPart> parts) const;
 
   std::vector<SkinRest> rest_;            // one for each node
   std::vector<std::int32_t> first_part_;  // one for each node, and one more
   std::vector<SkinPart> parts_;
-  std::vector<std::uint8_t> lanes_;  // children of each node
-  double rest_size_ = 0;             // largest |coordinate| [m]
-  double terms_ = 0;                 // most weights of a vertex, or parts of a node
+  std::vector<std::uint8_t> children_;  // children of each node
+  double rest_size_ = 0;                // largest |coordinate| [m]
+  double terms_ = 0;                    // most weights of a vertex, or parts of a node
 };
 
 }  // namespace leeway::collision

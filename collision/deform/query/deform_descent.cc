@@ -104,13 +104,13 @@ Probe DescentState::rigidProbe() const {
 }
 
 void DescentState::tightenByVolumes(std::int32_t node, const Probe& probe,
-                                    LaneBounds& bounds) const {
+                                    WideBounds& bounds) const {
   b.snapshot->bounds->tighten(node, b.snapshot->parameters, probe, bounds);
   for (unsigned left = bounds.open; left != 0; left &= left - 1) {
-    const int lane = std::countr_zero(left);
-    if (!isPruned(static_cast<double>(bounds.lower[lane]))) continue;
-    bounds.open &= ~(1U << lane);
-    bounds.closed = std::min(bounds.closed, bounds.lower[lane]);
+    const int column = std::countr_zero(left);
+    if (!isPruned(static_cast<double>(bounds.lower[column]))) continue;
+    bounds.open &= ~(1U << column);
+    bounds.closed = std::min(bounds.closed, bounds.lower[column]);
   }
 }
 

@@ -43,8 +43,8 @@ class DescentState : public DescentBounds {
   }
   /// A rigid A: the box of its core, grown by its radius.
   Probe rigidProbe() const;
-  /// Raises the bounds of a node of B by the volumes of its motion, and closes lanes accordingly.
-  void tighten(std::int32_t node, const Probe& probe, LaneBounds& bounds) const {
+  /// Raises the bounds of a node of B by the volumes of its motion, and closes columns accordingly.
+  void tighten(std::int32_t node, const Probe& probe, WideBounds& bounds) const {
     if (has_volumes) tightenByVolumes(node, probe, bounds);
   }
 
@@ -54,7 +54,7 @@ class DescentState : public DescentBounds {
   void comparePieces(int slot_a, int slot_b);
   /// Compares a piece of A with the pieces of B in slots [begin_b, end_b), nearest first. `lower`
   /// is a bound for all of them, `bounds.lower` for each; its entries are overwritten.
-  void compareWithLeaf(int slot_a, int begin_b, int end_b, double lower, LaneBounds& bounds);
+  void compareWithLeaf(int slot_a, int begin_b, int end_b, double lower, WideBounds& bounds);
   /// Compares the pair that was nearest in the last query, which gives an upper bound at once.
   void warmStart();
   /// Records that this pair was compared first. When it comes up again and its distance is known as
@@ -84,7 +84,7 @@ class DescentState : public DescentBounds {
 
  private:
   bool areBeyondPlane(std::span<const std::int32_t> vertices);
-  void tightenByVolumes(std::int32_t node, const Probe& probe, LaneBounds& bounds) const;
+  void tightenByVolumes(std::int32_t node, const Probe& probe, WideBounds& bounds) const;
   DistanceResult compareWithMesh(const DescentSide& side_a, const DescentSide& side_b,
                                  double threshold, bool depth);
   DistanceResult compareConvex(const ConvexView& piece_a, const ConvexView& piece_b,

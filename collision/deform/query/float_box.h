@@ -19,12 +19,12 @@ inline FloatBox floatBox(const Eigen::Vector3d& low, const Eigen::Vector3d& high
   return box;
 }
 
-/// The box in one lane.
-inline FloatBox floatBox(const WideBox& box, int lane) {
+/// The box in one column.
+inline FloatBox floatBox(const WideBox& box, int column) {
   FloatBox one;
   for (int k = 0; k < 3; ++k) {
-    one.low[k] = box.low[k][lane];
-    one.high[k] = box.high[k][lane];
+    one.low[k] = box.low[k][column];
+    one.high[k] = box.high[k][column];
   }
   return one;
 }

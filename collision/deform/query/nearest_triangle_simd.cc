@@ -126,7 +126,7 @@ class NearestDescent {
     for (std::size_t i = count; i-- > 0;) push(taken[i].ref, squared[i], left[i]);
   }
 
-  // Squared distances of the core and the boxes. Sets a bit for each lane that is not above the
+  // Squared distances of the core and the boxes. Sets a bit for each column that is not above the
   // bar.
   HWY_INLINE unsigned squares(const WideBox& box, float* squared) {
     const Floats zero = hn::Zero(kLanes), most = hn::Set(kLanes, kLargest),
@@ -142,7 +142,7 @@ class NearestDescent {
         sum = hn::Add(sum, hn::Mul(gap, gap));
       }
       if constexpr (kSegment) sum = hn::Max(sum, acrossWay(box, i));
-      // Empty lanes are infinitely far; an overflow is at least the largest float.
+      // Empty columns are infinitely far; an overflow is at least the largest float.
       sum = hn::Min(sum, most);
       hn::Store(sum, kLanes, squared + i);
       const auto beyond = hn::Gt(sum, bar);
@@ -155,7 +155,7 @@ class NearestDescent {
 
   // A box around a segment is loose. A plane perpendicular to the line from the segment to the
   // middle of each box gives another bound. Returns its square; 0 if it proves nothing and for
-  // empty lanes.
+  // empty columns.
   HWY_INLINE Floats acrossWay(const WideBox& box, std::size_t i) const {
     const Floats zero = hn::Zero(kLanes), half = hn::Set(kLanes, 0.5F);
     const auto set = [](double x) HWY_ATTR { return hn::Set(kLanes, static_cast<float>(x)); };
@@ -182,7 +182,7 @@ class NearestDescent {
                                 hn::Lt(squared, hn::Set(kLanes, kLargest)));
     const Floats length = hn::Sqrt(hn::IfThenElse(usable, squared, hn::Set(kLanes, 1.0F)));
     const Floats lower = hn::Sub(hn::Div(proven, length), set(kSingleRounding * search_.size));
-    // A NaN, as in empty lanes, compares as not greater.
+    // A NaN, as in empty columns, compares as not greater.
     const auto known = hn::And(usable, hn::Gt(lower, zero));
     return hn::IfThenElse(known, hn::Mul(lower, lower), zero);
   }
@@ -194,18 +194,18 @@ class NearestDescent {
     const std::int32_t* const vertices = tree_.refitVertices().data() + refit.vertices;
     const std::uint8_t* const corners = tree_.refitCorners().data() + refit.corners;
     for (unsigned open = left; open != 0; open &= open - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(open));
-      const std::int32_t child = node.child[lane];
-      float& near = squared[lane];
+      const auto column = static_cast<std::size_t>(std::countr_zero(open));
+      const std::int32_t child = node.child[column];
+      float& near = squared[column];
       if (DeformTree::isLeaf(child)) {
-        if (isBeyondLeaf(box, lane, vertices, corners, near))
-          left &= ~(1U << lane);
+        if (isBeyondLeaf(box, column, vertices, corners, near))
+          left &= ~(1U << column);
         else
           __builtin_prefetch(&tree_.leaf(DeformTree::leafOf(child)));
       } else {
         source_.fetch(child);
-        if (!source_.isThere(child) && isBeyondLeaves(box, lane, child, near))
-          left &= ~(1U << lane);
+        if (!source_.isThere(child) && isBeyondLeaves(box, column, child, near))
+          left &= ~(1U << column);
       }
     }
   }
@@ -214,14 +214,14 @@ class NearestDescent {
     const DeformTree::Node& node = tree_.node(id);
     const std::size_t first = open_.size();
     for (; left != 0; left &= left - 1) {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-      const std::int32_t child = node.child[lane];
+      const auto column = static_cast<std::size_t>(std::countr_zero(left));
+      const std::int32_t child = node.child[column];
       if (DeformTree::isLeaf(child)) {
         const DeformTree::Leaf& leaf = tree_.leaf(DeformTree::leafOf(child));
         __builtin_prefetch(&tree_.corners(leaf.slot_begin));
         __builtin_prefetch(&tree_.corners(leaf.slot_end - 1));
       }
-      open_.pushSibling(first, {squared[lane], child});
+      open_.pushSibling(first, {squared[column], child});
     }
   }
 
@@ -230,9 +230,9 @@ class NearestDescent {
     double n[3];
     double length;
   };
-  HWY_INLINE bool wayTo(const WideBox& box, std::size_t lane, Way& way) const {
+  HWY_INLINE bool wayTo(const WideBox& box, std::size_t column, Way& way) const {
     for (int k = 0; k < 3; ++k)
-      way.n[k] = static_cast<double>(0.5F * (box.low[k][lane] + box.high[k][lane])) - p_[k];
+      way.n[k] = static_cast<double>(0.5F * (box.low[k][column] + box.high[k][column])) - p_[k];
     if (kSegment && half_squared_ > 0) {
       const double s = std::clamp(dotOf(way.n, h_) / half_squared_, -1.0, 1.0);
       for (int k = 0; k < 3; ++k) way.n[k] -= s * h_[k];
@@ -263,24 +263,24 @@ class NearestDescent {
   }
 
   // isBeyond() for a leaf; vertices and corners are those of its node.
-  HWY_INLINE bool isBeyondLeaf(const WideBox& box, std::size_t lane, const std::int32_t* vertices,
+  HWY_INLINE bool isBeyondLeaf(const WideBox& box, std::size_t column, const std::int32_t* vertices,
                                const std::uint8_t* corners, float& near) {
     Way way;
-    if (!wayTo(box, lane, way)) return false;
+    if (!wayTo(box, column, way)) return false;
     const std::size_t count = *corners;
-    const std::uint8_t* const place = corners + 1 + lane * count;
+    const std::uint8_t* const place = corners + 1 + column * count;
     LeastAlong along(way.n);
     along.add(vertices_, count, [vertices, place](std::size_t i) { return vertices[place[i]]; });
     return isBeyond(along, way, near);
   }
 
   // isBeyond() for a node that has only leaves; false for other nodes.
-  HWY_INLINE bool isBeyondLeaves(const WideBox& box, std::size_t lane, std::int32_t child,
+  HWY_INLINE bool isBeyondLeaves(const WideBox& box, std::size_t column, std::int32_t child,
                                  float& near) {
     for (const std::int32_t below : tree_.node(child).child)
       if (below >= 0) return false;
     Way way;
-    if (!wayTo(box, lane, way)) return false;
+    if (!wayTo(box, column, way)) return false;
     const DeformTree::RefitOffsets &begin =
                                        tree_.refitOffsets()[static_cast<std::size_t>(child) + 1],
                                    &end = tree_.refitOffsets()[static_cast<std::size_t>(child)];

@@ -62,16 +62,17 @@ class PairDescent {
     WideBox room;
     const WideBox& box = state_.boxes_b.boxes(pair.b.ref, room);
     const WideBox* const boxes = &box;
-    LaneBounds bounds;
+    WideBounds bounds;
     const Probe probe = probeOf(pair.a);
     state_.kernels.childBounds(probe, *b_.snapshot->tree, b_.snapshot->vertices.data(),
                                {&pair.b.ref, 1}, &boxes, roundedUpToFloat(state_.bar()), &bounds);
     state_.tighten(pair.b.ref, probe, bounds);
     const DeformTree::Node& node = b_.snapshot->tree->node(pair.b.ref);
     const std::size_t first = open_.size();
-    for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
-      const double lower = std::max(pair.lower, static_cast<double>(bounds.lower[lane]));
-      open_.pushSibling(state_, first, {pair.a, {node.child[lane], floatBox(box, lane)}, lower});
+    for (int column = 0; column < kWidth && node.child[column] != DeformTree::kNone; ++column) {
+      const double lower = std::max(pair.lower, static_cast<double>(bounds.lower[column]));
+      open_.pushSibling(state_, first,
+                        {pair.a, {node.child[column], floatBox(box, column)}, lower});
     }
   }
 
@@ -80,8 +81,8 @@ class PairDescent {
     const WideBox& box = state_.boxes_a.boxes(pair.a.ref, room);
     const DeformTree::Node& node = a_.snapshot->tree->node(pair.a.ref);
     const std::size_t first = open_.size();
-    for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
-      const Part part{node.child[lane], floatBox(box, lane)};
+    for (int column = 0; column < kWidth && node.child[column] != DeformTree::kNone; ++column) {
+      const Part part{node.child[column], floatBox(box, column)};
       const double lower = lowerBound(probeOf(part), pair.b.box.low, pair.b.box.high);
       open_.pushSibling(state_, first, {part, pair.b, std::max(pair.lower, lower)});
     }
@@ -101,7 +102,7 @@ class PairDescent {
                               leaf_a.slot_end, box_a);
     for (int slot_a = leaf_a.slot_begin; slot_a < leaf_a.slot_end; ++slot_a) {
       const Part part{pair.a.ref, floatBox(box_a, slot_a - leaf_a.slot_begin)};
-      LaneBounds bounds;
+      WideBounds bounds;
       if (isRigid(b_)) {
         bounds.lower[0] = -std::numeric_limits<float>::infinity();  // B may be unbounded
       } else {

@@ -116,7 +116,7 @@ void DescentState::comparePieces(int slot_a, int slot_b) {
 }
 
 void DescentState::compareWithLeaf(int slot_a, int begin_b, int end_b, double lower,
-                                   LaneBounds& bounds) {
+                                   WideBounds& bounds) {
   const int count = end_b - begin_b;
   for (int round = 0; round < count; ++round) {
     int next = -1;

@@ -12,10 +12,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-bool boxesMeet(const WideBox& box, int lane, const Vector3d& low, const Vector3d& high) {
+bool boxesMeet(const WideBox& box, int column, const Vector3d& low, const Vector3d& high) {
   for (int k = 0; k < 3; ++k) {
-    if (!(static_cast<double>(box.low[k][lane]) <= high[k] &&
-          low[k] <= static_cast<double>(box.high[k][lane])))
+    if (!(static_cast<double>(box.low[k][column]) <= high[k] &&
+          low[k] <= static_cast<double>(box.high[k][column])))
       return false;
   }
   return true;
@@ -36,8 +36,8 @@ bool windingNumber(const DeformableSnapshotImpl& snapshot, const BoxSource& boxe
     if (!DeformTree::isLeaf(id)) {
       const WideBox& box = boxes.boxes(id, room);
       const DeformTree::Node& node = tree.node(id);
-      for (int lane = 0; lane < kWidth && node.child[lane] != DeformTree::kNone; ++lane) {
-        if (boxesMeet(box, lane, low, high)) stack[size++] = node.child[lane];
+      for (int column = 0; column < kWidth && node.child[column] != DeformTree::kNone; ++column) {
+        if (boxesMeet(box, column, low, high)) stack[size++] = node.child[column];
       }
       continue;
     }

@@ -31,7 +31,7 @@ void compareLeaf(DescentState& state, const OpenNode& open) {
           static_cast<std::size_t>(leaf.vertex_begin),
           static_cast<std::size_t>(leaf.vertex_end - leaf.vertex_begin))))
     return;
-  LaneBounds bounds;
+  WideBounds bounds;
   state.kernels.triangleBounds(state.rigid_probe, tree, state.b.snapshot->vertices.data(),
                                leaf.slot_begin, leaf.slot_end, bounds);
   state.compareWithLeaf(kWholeBody, leaf.slot_begin, leaf.slot_end, static_cast<double>(open.lower),
@@ -44,7 +44,7 @@ void openChildren(DescentState& state, std::span<const OpenNode> parents, OpenNo
   std::array<WideBox, kTogether> room;
   std::array<const WideBox*, kTogether> boxes;
   std::array<std::int32_t, kTogether> nodes;
-  std::array<LaneBounds, kTogether> bounds;
+  std::array<WideBounds, kTogether> bounds;
   for (std::size_t i = 0; i < parents.size(); ++i) {
     nodes[i] = parents[i].ref;
     boxes[i] = &state.boxes_b.boxes(nodes[i], room[i]);
@@ -58,10 +58,10 @@ void openChildren(DescentState& state, std::span<const OpenNode> parents, OpenNo
     const DeformTree::Node& node = tree.node(nodes[i]);
     const std::size_t first = open.size();
     for (unsigned left = bounds[i].open; left != 0; left &= left - 1) {
-      const int lane = std::countr_zero(left);
+      const int column = std::countr_zero(left);
       open.pushSibling(first,
-                       {std::max(parents[i].lower, bounds[i].lower[lane]), node.child[lane]});
-      state.boxes_b.fetch(node.child[lane]);
+                       {std::max(parents[i].lower, bounds[i].lower[column]), node.child[column]});
+      state.boxes_b.fetch(node.child[column]);
     }
   }
 }

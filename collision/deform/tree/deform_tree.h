@@ -14,16 +14,16 @@
 
 namespace leeway::collision {
 
-/// Number of children of a node, each with one lane of the node's bounds.
+/// Number of children of a node, each with one column of the node's bounds.
 inline constexpr int kWidth = 8;
 
-/// Boxes of the eight children of a node, single precision, rounded outwards. A lane without a
+/// Boxes of the eight children of a node, single precision, rounded outwards. A column without a
 /// child is empty: low = +inf, high = -inf.
 struct alignas(64) WideBox {
   float low[3][kWidth];
   float high[3][kWidth];
 
-  /// Empties the lanes from `first` on.
+  /// Empties the columns from `first` on.
   void clear(int first = 0) {
     for (int k = 0; k < 3; ++k) {
       std::fill(low[k] + first, low[k] + kWidth, std::numeric_limits<float>::infinity());
@@ -61,17 +61,17 @@ class DeformTree {
   static constexpr int kMaxDepth = 48;
 
   struct Node {
-    /// >= 0: a node; < -1: leaf -2 - child; kNone: no child. Lanes without a child are last.
+    /// >= 0: a node; < -1: leaf -2 - child; kNone: no child. Columns without a child are last.
     std::int32_t child[kWidth];
   };
   struct Leaf {
     std::int32_t slot_begin, slot_end;      ///< its triangles
     std::int32_t vertex_begin, vertex_end;  ///< in leafVertices(): each of its vertices once
   };
-  /// The lane of its parent that holds a node's box.
+  /// The column of its parent that holds a node's box.
   struct Up {
     std::int32_t parent;  ///< kNone for the root
-    std::int32_t lane;
+    std::int32_t column;
   };
   /// Vertices below a node. Runs of four or more consecutive vertices are listed as fours, the last
   /// of which may overlap the previous one; shorter runs are listed vertex by vertex.
@@ -123,8 +123,8 @@ class DeformTree {
   /// multiple of four.
   std::span<const std::int32_t> refitVertices() const { return refit_vertices_; }
   /// For each node with leaves: the vertex count of its largest leaf, then that many places for
-  /// each lane, counted within the node's refitVertices(). Smaller leaves repeat their last place;
-  /// lanes without a leaf have arbitrary places.
+  /// each column, counted within the node's refitVertices(). Smaller leaves repeat their last
+  /// place; columns without a leaf have arbitrary places.
   std::span<const std::uint8_t> refitCorners() const { return refit_corners_; }
 
   static bool isLeaf(std::int32_t child) { return child < kNone; }
@@ -163,7 +163,7 @@ class DeformTree {
   }
 
   /// The vertices below a child of a node (some of them repeated); empty for kNone. O(1).
-  std::span<const std::int32_t> vertices(std::int32_t node, int lane) const;
+  std::span<const std::int32_t> vertices(std::int32_t node, int column) const;
 
   std::int32_t triangleOf(std::int32_t slot) const {
     return slots_[static_cast<std::size_t>(slot)].triangle;

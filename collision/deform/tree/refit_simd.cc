@@ -28,26 +28,26 @@ using FourFloats = hn::Vec<decltype(kFourFloats)>;
 constexpr std::size_t kFourLanes = hn::MaxLanes(decltype(kFourFloats)());
 constexpr std::size_t kFloatParts = 4 / kFourLanes;
 
-// Writes the union of the eight boxes of a node to the node's lane of its parent.
-HWY_INLINE void unite(const WideBox& box, WideBox& parent, std::size_t lane) {
+// Writes the union of the eight boxes of a node to the node's column of its parent.
+HWY_INLINE void unite(const WideBox& box, WideBox& parent, std::size_t column) {
   for (int k = 0; k < 3; ++k) {
     Floats low = hn::Load(kLanes, box.low[k]), high = hn::Load(kLanes, box.high[k]);
     for (std::size_t i = kStep; i < kWidth; i += kStep) {
       low = hn::Min(low, hn::Load(kLanes, box.low[k] + i));
       high = hn::Max(high, hn::Load(kLanes, box.high[k] + i));
     }
-    parent.low[k][lane] = hn::GetLane(hn::MinOfLanes(kLanes, low));
-    parent.high[k][lane] = hn::GetLane(hn::MaxOfLanes(kLanes, high));
+    parent.low[k][column] = hn::GetLane(hn::MinOfLanes(kLanes, low));
+    parent.high[k][column] = hn::GetLane(hn::MaxOfLanes(kLanes, high));
   }
 }
 
-// The boxes of a node's leaves, lane by lane, from its vertices `near`, rounded to nearest.
+// The boxes of a node's leaves, column by column, from its vertices `near`, rounded to nearest.
 // Rounding is monotonic, so the least of the rounded numbers is the rounded least. All leaves of a
 // node are padded to one size, because a mispredicted loop end costs more.
 HWY_INLINE void leavesFrom(const float (*near)[4], const std::uint8_t* corners, float (*low)[4],
                            float (*high)[4]) {
   const std::size_t count = *corners++;
-  for (std::size_t lane = 0; lane < kWidth; ++lane, corners += count) {
+  for (std::size_t column = 0; column < kWidth; ++column, corners += count) {
     FourFloats l[kFloatParts], h[kFloatParts];
     for (std::size_t i = 0; i < kFloatParts; ++i)
       l[i] = h[i] = hn::Load(kFourFloats, near[corners[0]] + kFourLanes * i);
@@ -59,13 +59,13 @@ HWY_INLINE void leavesFrom(const float (*near)[4], const std::uint8_t* corners, 
       }
     }
     for (std::size_t i = 0; i < kFloatParts; ++i) {
-      hn::Store(l[i], kFourFloats, low[lane] + kFourLanes * i);
-      hn::Store(h[i], kFourFloats, high[lane] + kFourLanes * i);
+      hn::Store(l[i], kFourFloats, low[column] + kFourLanes * i);
+      hn::Store(h[i], kFourFloats, high[column] + kFourLanes * i);
     }
   }
 }
 
-// Writes the boxes of leaves, rounded outwards, to the lanes of leaves. Empties lanes without a
+// Writes the boxes of leaves, rounded outwards, to the columns of leaves. Empties columns without a
 // child, and keeps those of child nodes, which unite() has filled.
 HWY_INLINE void putLeaves(const float (*low)[4], const float (*high)[4],
                           const DeformTree::Node& node, WideBox& box) {
@@ -96,7 +96,7 @@ HWY_INLINE void putLeaves(const float (*low)[4], const float (*high)[4],
 // the union of all its boxes into its parent, which is processed later.
 bool refit(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t begin,
            std::int32_t end, WideBox* boxes) {
-  // Vertices and leaf boxes of the current node; lanes without a leaf have old values.
+  // Vertices and leaf boxes of the current node; columns without a leaf have old values.
   HWY_ALIGN float near[3 * DeformTree::kLeafTriangles * kWidth][4];
   HWY_ALIGN float low[kWidth][4] = {}, high[kWidth][4] = {};
   const std::span<const DeformTree::RefitOffsets> offsets = tree.refitOffsets();
@@ -121,25 +121,25 @@ bool refit(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int32_t
     }
     putLeaves(low, high, node, box);
     const DeformTree::Up& up = tree.up(id);
-    if (up.parent >= begin) unite(box, boxes[up.parent], static_cast<std::size_t>(up.lane));
+    if (up.parent >= begin) unite(box, boxes[up.parent], static_cast<std::size_t>(up.column));
   }
   for (std::size_t i = 1; i < 4; ++i) sums[0].add(sums[i]);
   return sums[0].finite();
 }
 
-// Writes the box of `four` and of the single vertices of the runs to a lane. Returns whether the
+// Writes the box of `four` and of the single vertices of the runs to a column. Returns whether the
 // single vertices are finite.
 HWY_INLINE bool endRuns(const DeformTree& tree, const Eigen::Vector3d* vertices,
                         const DeformTree::Runs& runs, const FourExtremes& four, WideBox& box,
-                        std::int32_t lane) {
+                        std::int32_t column) {
   Extremes e;
   for (std::int32_t i = runs.single_begin; i < runs.single_end; ++i)
     e.add(at(vertices, tree.singles()[static_cast<std::size_t>(i)]));
   double low[3], high[3];
   four.fold(e, low, high);
   for (int k = 0; k < 3; ++k) {
-    box.low[k][lane] = roundedDown(low[k]);
-    box.high[k][lane] = roundedUpToFloat(high[k]);
+    box.low[k][column] = roundedDown(low[k]);
+    box.high[k][column] = roundedUpToFloat(high[k]);
   }
   return e.finite();
 }
@@ -152,7 +152,7 @@ bool branches(const DeformTree& tree, const Eigen::Vector3d* vertices, std::size
     addFours<96>(tree.fours(), branch.runs.four_begin, branch.runs.four_end, vertices, four);
     finite &= four.finite();
     const DeformTree::Up& up = tree.up(branch.root);
-    finite &= endRuns(tree, vertices, branch.runs, four, boxes[up.parent], up.lane);
+    finite &= endRuns(tree, vertices, branch.runs, four, boxes[up.parent], up.column);
   }
   return finite;
 }
@@ -183,7 +183,7 @@ bool allBranches(const DeformTree& tree, const Eigen::Vector3d* vertices, Branch
   for (std::size_t b = 0; b < branches.size(); ++b) {
     four.resume(room[b]);
     const DeformTree::Up& up = tree.up(branches[b].root);
-    finite &= endRuns(tree, vertices, branches[b].runs, four, boxes[up.parent], up.lane);
+    finite &= endRuns(tree, vertices, branches[b].runs, four, boxes[up.parent], up.column);
   }
   return finite;
 }
@@ -214,26 +214,27 @@ void fromVertices(const DeformTree& tree, const Eigen::Vector3d* vertices, std::
   if (std::all_of(node.child, node.child + kWidth, [](std::int32_t child) { return child < 0; }) &&
       fromLeaves(tree, vertices, id, box))
     return;
-  for (std::size_t lane = 0; lane < kWidth; ++lane) {
-    const std::int32_t child = node.child[lane];
+  for (std::size_t column = 0; column < kWidth; ++column) {
+    const std::int32_t child = node.child[column];
     bool finite = true;
     if (child == DeformTree::kNone) {
-      fillLane(box, lane, std::numeric_limits<float>::infinity(),
-               -std::numeric_limits<float>::infinity());
+      fillColumn(box, column, std::numeric_limits<float>::infinity(),
+                 -std::numeric_limits<float>::infinity());
     } else if (child >= tree.upperCount() && id >= tree.upperCount()) {
       const DeformTree::Runs& runs = tree.runs(child);
       FourExtremes four;
       addFours<16>(tree.fours(), runs.four_begin, runs.four_end, vertices, four);
-      finite = endRuns(tree, vertices, runs, four, box, static_cast<std::int32_t>(lane));
+      finite = endRuns(tree, vertices, runs, four, box, static_cast<std::int32_t>(column));
       finite = four.finite() && finite;
     } else {
-      const std::span<const std::int32_t> below = tree.vertices(id, static_cast<int>(lane));
+      const std::span<const std::int32_t> below = tree.vertices(id, static_cast<int>(column));
       const Extremes e = boxOf(vertices, below.data(), below.data() + below.size());
       finite = e.finite();
-      putLane(e, box, lane);
+      putColumn(e, box, column);
     }
     if (!finite) {
-      fillLane(box, lane, -std::numeric_limits<float>::max(), std::numeric_limits<float>::max());
+      fillColumn(box, column, -std::numeric_limits<float>::max(),
+                 std::numeric_limits<float>::max());
     }
   }
 }
@@ -244,10 +245,11 @@ void triangles(const DeformTree& tree, const Eigen::Vector3d* vertices, std::int
   for (std::int32_t slot = begin; slot < end; ++slot) {
     const DeformTree::Triangle& t = tree.corners(slot);
     const Extremes e = boxOf(vertices, t.data(), t.data() + 3);
-    const auto lane = static_cast<std::size_t>(slot - begin);
-    putLane(e, box, lane);
+    const auto column = static_cast<std::size_t>(slot - begin);
+    putColumn(e, box, column);
     if (!e.finite())
-      fillLane(box, lane, -std::numeric_limits<float>::max(), std::numeric_limits<float>::max());
+      fillColumn(box, column, -std::numeric_limits<float>::max(),
+                 std::numeric_limits<float>::max());
   }
 }
 

@@ -18,14 +18,14 @@ std::int32_t copyNode(TreeDraft& draft, const DeformTree& old, std::int32_t node
   const std::int32_t begin = old.slotBegin(node), count = old.slotsBelow(node);
   if (anew[at(node)] != 0) return buildBinned(draft, {begin, begin + count}, depth);
   const std::int32_t id = draft.newNode();
-  for (std::size_t lane = 0; lane < kWidth; ++lane) {
-    const std::int32_t child = old.node(node).child[lane];
+  for (std::size_t column = 0; column < kWidth; ++column) {
+    const std::int32_t child = old.node(node).child[column];
     if (child == DeformTree::kNone) break;
     if (DeformTree::isLeaf(child)) {
       const DeformTree::Leaf& leaf = old.leaf(DeformTree::leafOf(child));
-      draft.setChild(id, lane, draft.newLeaf({leaf.slot_begin, leaf.slot_end}));
+      draft.setChild(id, column, draft.newLeaf({leaf.slot_begin, leaf.slot_end}));
     } else {
-      draft.setChild(id, lane, copyNode(draft, old, child, anew, depth + 1));
+      draft.setChild(id, column, copyNode(draft, old, child, anew, depth + 1));
     }
   }
   draft.endNode(id, count);

@@ -22,11 +22,11 @@ Areas areasOf(const WideBox& box) {
     high[k] = *std::max_element(box.high[k], box.high[k] + kWidth);
   }
   areas.whole = halfArea(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
-  for (int lane = 0; lane < kWidth; ++lane) {
-    if (!(box.low[0][lane] <= box.high[0][lane])) break;  // empty lanes are last
+  for (int column = 0; column < kWidth; ++column) {
+    if (!(box.low[0][column] <= box.high[0][column])) break;  // empty columns are last
     areas.children +=
-        halfArea(box.high[0][lane] - box.low[0][lane], box.high[1][lane] - box.low[1][lane],
-                 box.high[2][lane] - box.low[2][lane]);
+        halfArea(box.high[0][column] - box.low[0][column], box.high[1][column] - box.low[1][column],
+                 box.high[2][column] - box.low[2][column]);
   }
   return areas;
 }

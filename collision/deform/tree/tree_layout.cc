@@ -110,13 +110,13 @@ class TreeLayout {
       const TreeDraft::Node& from = draft_.nodes()[made];
       const std::int32_t id = number_[made];
       DeformTree::Node& node = tree_->nodes_[at(id)];
-      for (std::size_t lane = 0; lane < kWidth; ++lane) {
-        std::int32_t child = from.child[lane];
+      for (std::size_t column = 0; column < kWidth; ++column) {
+        std::int32_t child = from.child[column];
         if (child >= 0) {
           child = number_[at(child)];
-          tree_->up_[at(child)] = {id, static_cast<std::int32_t>(lane)};
+          tree_->up_[at(child)] = {id, static_cast<std::int32_t>(column)};
         }
-        node.child[lane] = child;
+        node.child[column] = child;
       }
       tree_->leaf_begin_[at(id)] = from.leaves.begin;
       tree_->leaf_end_[at(id)] = from.leaves.end;

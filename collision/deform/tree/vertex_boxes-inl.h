@@ -109,12 +109,12 @@ HWY_INLINE void outwards(D d, const Doubles* low, const Doubles* high, float* l,
   }
 }
 
-HWY_INLINE void putLane(const Extremes& e, WideBox& box, std::size_t lane) {
+HWY_INLINE void putColumn(const Extremes& e, WideBox& box, std::size_t column) {
   HWY_ALIGN float l[4], h[4];
   outwards(kDoubles, e.low, e.high, l, h);
   for (int k = 0; k < 3; ++k) {
-    box.low[k][lane] = l[k];
-    box.high[k][lane] = h[k];
+    box.low[k][column] = l[k];
+    box.high[k][column] = h[k];
   }
 }
 
@@ -136,10 +136,10 @@ HWY_INLINE Extremes boxOf(const Eigen::Vector3d* vertices, const std::int32_t* v
   return e;
 }
 
-void fillLane(WideBox& box, std::size_t lane, float low, float high) {
+void fillColumn(WideBox& box, std::size_t column, float low, float high) {
   for (int k = 0; k < 3; ++k) {
-    box.low[k][lane] = low;
-    box.high[k][lane] = high;
+    box.low[k][column] = low;
+    box.high[k][column] = high;
   }
 }
 

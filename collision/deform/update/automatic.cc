@@ -135,11 +135,11 @@ double looseness(const UpdateState& state, const DeformableSnapshotImpl& snapsho
   const bool no_branches = tree.branches().empty();
   double below = branch_area;
   for (std::int32_t node = 0; node < tree.upperCount(); ++node) {
-    for (std::int32_t lane = 0; lane < kWidth; ++lane) {
-      const std::int32_t child = tree.node(node).child[lane];
+    for (std::int32_t column = 0; column < kWidth; ++column) {
+      const std::int32_t child = tree.node(node).child[column];
       if (child == DeformTree::kNone) break;
       if (no_branches || DeformTree::isLeaf(child))
-        below += halfArea(sidesOf(snapshot.boxes[static_cast<std::size_t>(node)], lane));
+        below += halfArea(sidesOf(snapshot.boxes[static_cast<std::size_t>(node)], column));
     }
   }
   return area > 0 ? below / area : 0;

@@ -62,8 +62,8 @@ std::span<const std::int32_t> foursAhead(const UpdateState& state) {
 // can have moved since. Returns the growth at either end along the longest axis, on average [m].
 // The result is infinite if the current snapshot has no boxes of branches, if no bound is known, or
 // if reading all is as fast. Bounds from the motion include the common movement of a branch's
-// vertices, which moves the box without growing it. Other lanes of these nodes are left undefined,
-// because the refit fills them.
+// vertices, which moves the box without growing it. Other columns of these nodes are left
+// undefined, because the refit fills them.
 double moveBranches(const UpdateState& state, DeformableSnapshotImpl& next,
                     const KnownVertices& known) {
   const DeformTree& tree = *state.tree;
@@ -105,12 +105,12 @@ double moveBranches(const UpdateState& state, DeformableSnapshotImpl& next,
     WideBox& box = next.boxes[i];
     float side[kWidth];  // the longest
     motionKernels().move(last.boxes[i], low, high, moved, box, side);
-    for (int lane = 0; lane < kWidth; ++lane) {
-      if (!isBranch(children[lane])) continue;
-      sum += 0.5 * static_cast<double>(side[lane]);
+    for (int column = 0; column < kWidth; ++column) {
+      if (!isBranch(children[column])) continue;
+      sum += 0.5 * static_cast<double>(side[column]);
       // A NaN would not propagate to the boxes above.
       for (int k = 0; k < 3; ++k)
-        if (!(box.low[k][lane] <= box.high[k][lane])) return kInfinity;
+        if (!(box.low[k][column] <= box.high[k][column])) return kInfinity;
     }
   }
   return sum / static_cast<double>(tree.branches().size());
@@ -191,7 +191,7 @@ void addToRound(UpdateState& state, const DeformableSnapshotImpl& snapshot, std:
   UpdateState::BranchRound& round = state.round;
   for (; round.next < end; ++round.next) {
     const DeformTree::Up& up = state.tree->up(branches[round.next].root);
-    const Vector3d side = sidesOf(snapshot.boxes[static_cast<std::size_t>(up.parent)], up.lane);
+    const Vector3d side = sidesOf(snapshot.boxes[static_cast<std::size_t>(up.parent)], up.column);
     if (state.options.strategy == DeformStrategy::kAuto) round.area += halfArea(side);
     round.length += std::max({side.x(), side.y(), side.z()});
   }

@@ -41,11 +41,11 @@ inline double halfArea(const Eigen::Vector3d& side) {
   return side.x() * side.y() + side.y() * side.z() + side.z() * side.x();
 }
 
-/// The sides of the box in a lane that is not empty.
-inline Eigen::Vector3d sidesOf(const WideBox& box, std::int32_t lane) {
+/// The sides of the box in a column that is not empty.
+inline Eigen::Vector3d sidesOf(const WideBox& box, std::int32_t column) {
   Eigen::Vector3d side;
   for (int k = 0; k < 3; ++k)
-    side[k] = static_cast<double>(box.high[k][lane]) - static_cast<double>(box.low[k][lane]);
+    side[k] = static_cast<double>(box.high[k][column]) - static_cast<double>(box.low[k][column]);
   return side;
 }
 

@@ -46,9 +46,9 @@ HWY_ATTR void gapsOf(const BoxNode& node, const OrientedBox& q, const float* dir
   for (int k = 0; k < 3; ++k)
     query_reach += q.half[k] * std::abs(q.axis[k][0] * direction[0] + q.axis[k][1] * direction[1] +
                                         q.axis[k][2] * direction[2]);
-  for (std::size_t lane = 0; lane < BoxNode::kWidth; lane += hn::Lanes(d)) {
-    V cx = hn::Load(d, node.center[0] + lane), cy = hn::Load(d, node.center[1] + lane),
-      cz = hn::Load(d, node.center[2] + lane);
+  for (std::size_t column = 0; column < BoxNode::kWidth; column += hn::Lanes(d)) {
+    V cx = hn::Load(d, node.center[0] + column), cy = hn::Load(d, node.center[1] + column),
+      cz = hn::Load(d, node.center[2] + column);
     V wx = hn::Zero(d), wy = wx, wz = wx;
     if (kMoves == Moves::kQuery) {
       wx = set(sweep->way[0]);
@@ -69,26 +69,30 @@ HWY_ATTR void gapsOf(const BoxNode& node, const OrientedBox& q, const float* dir
     }
     const V tx = hn::Sub(cx, set(q.center[0])), ty = hn::Sub(cy, set(q.center[1])),
             tz = hn::Sub(cz, set(q.center[2]));
-    const V g0 = hn::Load(d, node.half[0] + lane), g1 = hn::Load(d, node.half[1] + lane),
-            g2 = hn::Load(d, node.half[2] + lane);
+    const V g0 = hn::Load(d, node.half[0] + column), g1 = hn::Load(d, node.half[1] + column),
+            g2 = hn::Load(d, node.half[2] + column);
     V size = hn::Add(hn::Add(hn::Add(hn::Abs(tx), hn::Abs(ty)), hn::Abs(tz)),
                      hn::Add(hn::Add(g0, g1), g2));
     if (kMoves != Moves::kNothing)
       size = hn::Add(size, hn::Add(hn::Add(hn::Abs(wx), hn::Abs(wy)), hn::Abs(wz)));
     V slack = hn::Add(hn::Mul(set(kBoxRounding), size), set(fixed));
     if (kMoves == Moves::kNode)
-      slack = hn::Add(slack, hn::Mul(set(sweep->loose), hn::Load(d, node.radius + lane)));
+      slack = hn::Add(slack, hn::Mul(set(sweep->loose), hn::Load(d, node.radius + column)));
     // The reach of both boxes along the node's axes.
     V reach0 = g0, reach1 = g1, reach2 = g2;
     V gap_q[3];
     // The gap along the line of the centres, times |T|.
     const V squared = hn::Add(hn::Add(hn::Mul(tx, tx), hn::Mul(ty, ty)), hn::Mul(tz, tz));
     V along = squared;
-    const V v00 = hn::Load(d, node.axis[0][0] + lane), v01 = hn::Load(d, node.axis[0][1] + lane),
-            v02 = hn::Load(d, node.axis[0][2] + lane), v10 = hn::Load(d, node.axis[1][0] + lane),
-            v11 = hn::Load(d, node.axis[1][1] + lane), v12 = hn::Load(d, node.axis[1][2] + lane),
-            v20 = hn::Load(d, node.axis[2][0] + lane), v21 = hn::Load(d, node.axis[2][1] + lane),
-            v22 = hn::Load(d, node.axis[2][2] + lane);
+    const V v00 = hn::Load(d, node.axis[0][0] + column),
+            v01 = hn::Load(d, node.axis[0][1] + column),
+            v02 = hn::Load(d, node.axis[0][2] + column),
+            v10 = hn::Load(d, node.axis[1][0] + column),
+            v11 = hn::Load(d, node.axis[1][1] + column),
+            v12 = hn::Load(d, node.axis[1][2] + column),
+            v20 = hn::Load(d, node.axis[2][0] + column),
+            v21 = hn::Load(d, node.axis[2][1] + column),
+            v22 = hn::Load(d, node.axis[2][2] + column);
     const auto dot = [](V ax, V ay, V az, V bx, V by, V bz) HWY_ATTR {
       return hn::Abs(hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz)));
     };
@@ -136,7 +140,7 @@ HWY_ATTR void gapsOf(const BoxNode& node, const OrientedBox& q, const float* dir
     const V deepest = hn::Max(hn::Max(hn::Max(gap_q[0], gap_q[1]), gap_q[2]),
                               hn::Max(hn::Max(gap_n0, gap_n1), gap_n2));
     hn::StoreU(hn::Sub(hn::IfThenElse(hn::Gt(across, zero), across, deepest), slack), d,
-               out + lane);
+               out + column);
   }
 }
 

@@ -28,7 +28,7 @@ inline bool operator==(const Part& l, const Part& r) {
 }
 
 /// One of two bodies: a mesh with its boxes and pieces, or a convex shape. Boxes are numbered by
-/// node and lane, node * kWidth + lane; -1 is the box of a convex body.
+/// node and column, node * kWidth + column; -1 is the box of a convex body.
 class MeshBody {
   using Kind = Part::Kind;
 
@@ -81,8 +81,8 @@ class MeshBody {
     };
     if (!isMesh()) return vector(box_.center[0], box_.center[1], box_.center[2]);
     const BoxNode& n = node(box);
-    const std::int32_t lane = box % BoxNode::kWidth;
-    return vector(n.center[0][lane], n.center[1][lane], n.center[2][lane]);
+    const std::int32_t column = box % BoxNode::kWidth;
+    return vector(n.center[0][column], n.center[1][column], n.center[2][column]);
   }
   OrientedBox box(std::int32_t box) const {
     return isMesh() ? node(box).box(box % BoxNode::kWidth) : box_;

@@ -22,11 +22,11 @@ inline OrientedBox randomBox(Random& random, double reach, double size) {
   return box;
 }
 
-inline void setLane(BoxNode& node, int lane, const OrientedBox& box) {
+inline void setColumn(BoxNode& node, int column, const OrientedBox& box) {
   for (int k = 0; k < 3; ++k) {
-    node.center[k][lane] = box.center[k];
-    node.half[k][lane] = box.half[k];
-    for (int i = 0; i < 3; ++i) node.axis[k][i][lane] = box.axis[k][i];
+    node.center[k][column] = box.center[k];
+    node.half[k][column] = box.half[k];
+    for (int i = 0; i < 3; ++i) node.axis[k][i][column] = box.axis[k][i];
   }
 }
 

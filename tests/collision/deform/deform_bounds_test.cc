@@ -36,12 +36,12 @@ void check(const VertexMotion& motion, const BoundsOf& bounds, const DeformTree&
   for (std::int32_t node = 0; node < tree.nodeCount(); ++node) {
     WideBox box;
     bounds.bound(node, parameters, box);
-    for (int lane = 0; lane < kWidth; ++lane) {
-      const Vector3d low(double(box.low[0][lane]), double(box.low[1][lane]),
-                         double(box.low[2][lane]));
-      const Vector3d high(double(box.high[0][lane]), double(box.high[1][lane]),
-                          double(box.high[2][lane]));
-      const std::span<const std::int32_t> vertices = tree.vertices(node, lane);
+    for (int column = 0; column < kWidth; ++column) {
+      const Vector3d low(double(box.low[0][column]), double(box.low[1][column]),
+                         double(box.low[2][column]));
+      const Vector3d high(double(box.high[0][column]), double(box.high[1][column]),
+                          double(box.high[2][column]));
+      const std::span<const std::int32_t> vertices = tree.vertices(node, column);
       if (vertices.empty()) {
         ASSERT_EQ(low.x(), std::numeric_limits<double>::infinity()) << what << " node " << node;
         ASSERT_EQ(high.x(), -std::numeric_limits<double>::infinity()) << what << " node " << node;
@@ -53,9 +53,9 @@ void check(const VertexMotion& motion, const BoundsOf& bounds, const DeformTree&
         most = most.cwiseMax(positions[static_cast<std::size_t>(v)]);
       }
       ASSERT_TRUE((low.array() <= least.array()).all() && (most.array() <= high.array()).all())
-          << what << " node " << node << " lane " << lane << ": vertices from " << least.transpose()
-          << " to " << most.transpose() << ", box from " << low.transpose() << " to "
-          << high.transpose();
+          << what << " node " << node << " column " << column << ": vertices from "
+          << least.transpose() << " to " << most.transpose() << ", box from " << low.transpose()
+          << " to " << high.transpose();
       fit.area += area(high - low);
       fit.exact += area(most - least);
     }
@@ -72,15 +72,15 @@ void checkDisplacement(const VertexMotion& motion, const NodeBounds& bounds, con
   for (std::int32_t node = 0; node < tree.nodeCount(); ++node) {
     WideBox box;
     bounds.displacement(node, from, to, bounds.displacementRounding(from, to), box);
-    for (int lane = 0; lane < kWidth; ++lane) {
-      for (const std::int32_t v : tree.vertices(node, lane)) {
+    for (int column = 0; column < kWidth; ++column) {
+      for (const std::int32_t v : tree.vertices(node, column)) {
         const auto i = static_cast<std::size_t>(v);
         for (int k = 0; k < 3; ++k) {
           // The old box, moved and grown by the displacement, contains the vertex.
-          ASSERT_LE(before[i][k] + double(box.low[k][lane]), after[i][k])
-              << what << " node " << node << " lane " << lane << " vertex " << v;
-          ASSERT_GE(before[i][k] + double(box.high[k][lane]), after[i][k])
-              << what << " node " << node << " lane " << lane << " vertex " << v;
+          ASSERT_LE(before[i][k] + double(box.low[k][column]), after[i][k])
+              << what << " node " << node << " column " << column << " vertex " << v;
+          ASSERT_GE(before[i][k] + double(box.high[k][column]), after[i][k])
+              << what << " node " << node << " column " << column << " vertex " << v;
         }
       }
     }
@@ -241,7 +241,7 @@ TEST(DeformBounds, SameBytesOnEveryInstructionSet) {
         c.motion->parameters(0.3 * i, from);
         c.motion->parameters(0.3 * i + 0.02, to);
         for (std::int32_t node = 0; node < tree->nodeCount(); ++node) {
-          // Empty lanes stay unchanged.
+          // Empty columns stay unchanged.
           bounds->bound(node, to, boxes.emplace_back());
           boxes.push_back(boxes.back());
           bounds->displacement(node, from, to, bounds->displacementRounding(from, to),
@@ -313,21 +313,21 @@ TEST(DeformBounds, VolumesProveWhatHoldsForTheVerticesOfEveryNode) {
         for (std::int32_t node = 0; node < tree->nodeCount(); ++node) {
           WideBox box;
           bounds->bound(node, parameters, box);
-          LaneBounds found;
-          for (int lane = 0; lane < kWidth; ++lane)
-            found.lower[lane] = -std::numeric_limits<float>::infinity();
+          WideBounds found;
+          for (int column = 0; column < kWidth; ++column)
+            found.lower[column] = -std::numeric_limits<float>::infinity();
           bounds->tighten(node, parameters, probe, found);
-          for (int lane = 0; lane < kWidth; ++lane) {
-            const std::span<const std::int32_t> vertices = tree->vertices(node, lane);
+          for (int column = 0; column < kWidth; ++column) {
+            const std::span<const std::int32_t> vertices = tree->vertices(node, column);
             if (vertices.empty()) break;
             double least = std::numeric_limits<double>::infinity();
             for (const std::int32_t v : vertices)
               least = std::min(least, separation(body, positions[static_cast<std::size_t>(v)]));
-            ASSERT_LE(double(found.lower[lane]), least)
-                << c.name << " " << toString(volume) << " node " << node << " lane " << lane;
-            const float low[3] = {box.low[0][lane], box.low[1][lane], box.low[2][lane]},
-                        high[3] = {box.high[0][lane], box.high[1][lane], box.high[2][lane]};
-            raised += double(found.lower[lane]) > lowerBound(probe, low, high) + 1e-3 ? 1 : 0;
+            ASSERT_LE(double(found.lower[column]), least)
+                << c.name << " " << toString(volume) << " node " << node << " column " << column;
+            const float low[3] = {box.low[0][column], box.low[1][column], box.low[2][column]},
+                        high[3] = {box.high[0][column], box.high[1][column], box.high[2][column]};
+            raised += double(found.lower[column]) > lowerBound(probe, low, high) + 1e-3 ? 1 : 0;
           }
         }
       }

@@ -139,10 +139,10 @@ std::vector<float> results() {
         const WideBox &box = upper[static_cast<std::size_t>(up.parent)],
                       &same = in_order[static_cast<std::size_t>(up.parent)];
         for (int k = 0; k < 3; ++k) {
-          EXPECT_EQ(same.low[k][up.lane], box.low[k][up.lane]);
-          EXPECT_EQ(same.high[k][up.lane], box.high[k][up.lane]);
-          all.push_back(box.low[k][up.lane]);
-          all.push_back(box.high[k][up.lane]);
+          EXPECT_EQ(same.low[k][up.column], box.low[k][up.column]);
+          EXPECT_EQ(same.high[k][up.column], box.high[k][up.column]);
+          all.push_back(box.low[k][up.column]);
+          all.push_back(box.high[k][up.column]);
         }
       }
       for (const WideBox& box : boxes) append(all, box);
@@ -155,7 +155,7 @@ std::vector<float> results() {
         kernels.triangles(tree, mesh.vertices.data(), leaf.slot_begin, leaf.slot_end, box);
         append(all, box);
         const Body body = makeBody(random, mesh);
-        LaneBounds bounds;
+        WideBounds bounds;
         probeKernels().triangleBounds(body.probe, tree, mesh.vertices.data(), leaf.slot_begin,
                                       leaf.slot_end, bounds);
         all.insert(all.end(), bounds.lower, bounds.lower + (leaf.slot_end - leaf.slot_begin));
@@ -165,7 +165,7 @@ std::vector<float> results() {
           other = random.below(tree.nodeCount());
           boxes_of.push_back(&boxes[static_cast<std::size_t>(other)]);
         }
-        std::vector<LaneBounds> of_nodes(nodes.size());
+        std::vector<WideBounds> of_nodes(nodes.size());
         for (const float bar : {0.3F, std::numeric_limits<float>::infinity()}) {
           probeKernels().childBounds(body.probe, tree, mesh.vertices.data(), nodes, boxes_of.data(),
                                      bar, of_nodes.data());
@@ -235,15 +235,15 @@ TEST(DeformKernels, BoxesAreTheVertices) {
     ASSERT_TRUE(kernels.refit(tree, mesh.vertices.data(), 0, tree.nodeCount(), boxes.data()));
     ASSERT_TRUE(
         kernels.branches(tree, mesh.vertices.data(), 0, tree.branches().size(), upper.data()));
-    const auto check = [&](const WideBox& box, std::int32_t node, int lane) {
+    const auto check = [&](const WideBox& box, std::int32_t node, int column) {
       for (int k = 0; k < 3; ++k) {
         double low = kInfinity, high = -kInfinity;
-        for (const std::int32_t v : tree.vertices(node, lane)) {
+        for (const std::int32_t v : tree.vertices(node, column)) {
           low = std::min(low, mesh.vertices[static_cast<std::size_t>(v)][k]);
           high = std::max(high, mesh.vertices[static_cast<std::size_t>(v)][k]);
         }
-        const auto l = static_cast<double>(box.low[k][lane]),
-                   h = static_cast<double>(box.high[k][lane]);
+        const auto l = static_cast<double>(box.low[k][column]),
+                   h = static_cast<double>(box.high[k][column]);
         EXPECT_LE(l, low);
         EXPECT_GE(h, high);
         EXPECT_GE(l, low - 1e-6 * std::abs(low) - 1e-30);
@@ -253,23 +253,23 @@ TEST(DeformKernels, BoxesAreTheVertices) {
     for (std::int32_t node = 0; node < tree.nodeCount(); ++node) {
       WideBox box;
       kernels.fromVertices(tree, mesh.vertices.data(), node, box);
-      for (int lane = 0; lane < kWidth; ++lane) {
-        if (tree.node(node).child[lane] == DeformTree::kNone) continue;
-        check(boxes[static_cast<std::size_t>(node)], node, lane);
-        check(box, node, lane);
+      for (int column = 0; column < kWidth; ++column) {
+        if (tree.node(node).child[column] == DeformTree::kNone) continue;
+        check(boxes[static_cast<std::size_t>(node)], node, column);
+        check(box, node, column);
       }
     }
     for (const DeformTree::Branch& branch : tree.branches()) {
       const DeformTree::Up& up = tree.up(branch.root);
-      check(upper[static_cast<std::size_t>(up.parent)], up.parent, up.lane);
+      check(upper[static_cast<std::size_t>(up.parent)], up.parent, up.column);
     }
     for (std::int32_t node = 0; node < tree.nodeCount(); ++node) {
       int leaves = 0, nodes = 0, vertices = 0;
-      for (int lane = 0; lane < kWidth; ++lane) {
-        const std::int32_t child = tree.node(node).child[lane];
+      for (int column = 0; column < kWidth; ++column) {
+        const std::int32_t child = tree.node(node).child[column];
         if (DeformTree::isLeaf(child)) {
           ++leaves;
-          vertices += static_cast<int>(tree.vertices(node, lane).size());
+          vertices += static_cast<int>(tree.vertices(node, column).size());
         } else if (child != DeformTree::kNone) {
           ++nodes;
         }
@@ -316,7 +316,7 @@ TEST(DeformKernels, BoundsHold) {
     const std::int32_t node = random.below(tree.nodeCount());
     const WideBox& box = boxes[static_cast<std::size_t>(node)];
     const auto bar = static_cast<float>(random.uniform(0, 1));
-    LaneBounds bounds, of_triangles;
+    WideBounds bounds, of_triangles;
     const WideBox* const boxes_of = &box;
     probeKernels().childBounds(body.probe, tree, mesh.vertices.data(), {&node, 1}, &boxes_of, bar,
                                &bounds);
@@ -326,27 +326,27 @@ TEST(DeformKernels, BoundsHold) {
     std::array<const WideBox*, 3> boxes_of_several;
     for (std::size_t k = 0; k < 3; ++k)
       boxes_of_several[k] = &boxes[static_cast<std::size_t>(several[k])];
-    std::array<LaneBounds, 3> of_several;
+    std::array<WideBounds, 3> of_several;
     probeKernels().childBounds(body.probe, tree, mesh.vertices.data(), several,
                                boxes_of_several.data(), bar, of_several.data());
     EXPECT_TRUE(std::equal(bounds.lower, bounds.lower + kWidth, of_several[1].lower));
     EXPECT_EQ(bounds.open, of_several[1].open);
     EXPECT_EQ(bounds.closed, of_several[1].closed);
     float least_closed = std::numeric_limits<float>::infinity();
-    for (int lane = 0; lane < kWidth; ++lane) {
-      const std::int32_t child = tree.node(node).child[lane];
-      const bool is_open = (bounds.open >> lane & 1) != 0;
-      EXPECT_EQ(is_open, child != DeformTree::kNone && !(bounds.lower[lane] > bar));
-      if (!is_open) least_closed = std::min(least_closed, bounds.lower[lane]);
+    for (int column = 0; column < kWidth; ++column) {
+      const std::int32_t child = tree.node(node).child[column];
+      const bool is_open = (bounds.open >> column & 1) != 0;
+      EXPECT_EQ(is_open, child != DeformTree::kNone && !(bounds.lower[column] > bar));
+      if (!is_open) least_closed = std::min(least_closed, bounds.lower[column]);
       if (child == DeformTree::kNone) continue;
       (is_open ? open : closed) += 1;
       float low[3], high[3];
       for (int k = 0; k < 3; ++k) {
-        low[k] = box.low[k][lane];
-        high[k] = box.high[k][lane];
+        low[k] = box.low[k][column];
+        high[k] = box.high[k][column];
       }
       const double by_box = lowerBound(body.probe, low, high);
-      const auto lower = static_cast<double>(bounds.lower[lane]);
+      const auto lower = static_cast<double>(bounds.lower[column]);
       EXPECT_GE(lower, by_box - static_cast<double>(body.probe.slack));
       if (!DeformTree::isLeaf(child)) {
         // Only the box bound applies.

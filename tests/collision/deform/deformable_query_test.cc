@@ -191,7 +191,8 @@ TEST(DeformableQuery, DistancesWhoseSquaresLeaveTheRangeOfSingles) {
   }
 }
 
-// The longest segments. Regression: a node's empty lanes seemed near, and their contents were read.
+// The longest segments. Regression: a node's empty columns seemed near, and their contents were
+// read.
 TEST(DeformableQuery, CapsulesAsLongAsThereAre) {
   const Sheet sheet = testing::cloth(7);
   const auto mesh = DeformableMesh::make(sheet.vertices, sheet.triangles);
@@ -284,7 +285,7 @@ TEST(DeformableQuery, BoundsOfATriangleWithoutACornerSayNothing) {
         const Probe probe =
             makeProbe(Vector3d(-0.1, -0.1, 2.9), Vector3d(0.1, 0.1, 3.1), 0, Pose{}, nullptr, 1, 0);
         onEveryTarget([&](const char* target) {
-          LaneBounds bounds;
+          WideBounds bounds;
           probeKernels().triangleBounds(probe, *tree, vertices.data(), 0, 1, bounds);
           EXPECT_EQ(static_cast<double>(bounds.lower[0]), -kInfinity)
               << target << " " << broken << " " << wrong << " " << axis;

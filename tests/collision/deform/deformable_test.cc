@@ -550,12 +550,12 @@ void expectHeld(const DeformableSnapshot& snapshot) {
   const DeformableSnapshotImpl& s = snapshot.impl();
   for (std::int32_t node = 0; node < s.tree->upperCount(); ++node) {
     const WideBox& box = s.boxes[static_cast<std::size_t>(node)];
-    for (int lane = 0; lane < kWidth; ++lane) {
-      for (const std::int32_t v : s.tree->vertices(node, lane)) {
+    for (int column = 0; column < kWidth; ++column) {
+      for (const std::int32_t v : s.tree->vertices(node, column)) {
         const Vector3d& p = s.vertices[static_cast<std::size_t>(v)];
         for (int k = 0; k < 3; ++k) {
-          ASSERT_LE(static_cast<double>(box.low[k][lane]), p[k]) << node << " " << lane;
-          ASSERT_GE(static_cast<double>(box.high[k][lane]), p[k]) << node << " " << lane;
+          ASSERT_LE(static_cast<double>(box.low[k][column]), p[k]) << node << " " << column;
+          ASSERT_GE(static_cast<double>(box.high[k][column]), p[k]) << node << " " << column;
         }
       }
     }

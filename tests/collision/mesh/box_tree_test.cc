@@ -51,25 +51,26 @@ TEST(BoxGaps, AreBelowTheDistanceAndNearItWhenFar) {
     BoxNode node{};
     const double reach = std::pow(10, random.uniform(-1, 1));
     const OrientedBox query = randomBox(random, reach, 1);
-    for (int lane = 0; lane < BoxNode::kWidth; ++lane) {
-      setLane(node, lane, lane == 7 ? query : randomBox(random, reach, 1));
+    for (int column = 0; column < BoxNode::kWidth; ++column) {
+      setColumn(node, column, column == 7 ? query : randomBox(random, reach, 1));
     }
     float gap[BoxNode::kWidth];
     boxGaps(node, query, {}, gap);
-    for (int lane = 0; lane < BoxNode::kWidth; ++lane) {
+    for (int column = 0; column < BoxNode::kWidth; ++column) {
       const double d =
-          distance(hullOf(node.box(lane)), {}, hullOf(query), {}, {}, scratch).distance.upper;
-      if (static_cast<double>(gap[lane]) > std::max(d, 0.0)) {
+          distance(hullOf(node.box(column)), {}, hullOf(query), {}, {}, scratch).distance.upper;
+      if (static_cast<double>(gap[column]) > std::max(d, 0.0)) {
         ++unsafe;
-        ADD_FAILURE() << "case " << i << " lane " << lane << ": gap " << gap[lane] << " > " << d;
+        ADD_FAILURE() << "case " << i << " column " << column << ": gap " << gap[column] << " > "
+                      << d;
       }
       if (!(d > 1e-4)) continue;
       ++apart;
-      separated += gap[lane] > 0 ? 1 : 0;
+      separated += gap[column] > 0 ? 1 : 0;
       if (d > 10) {
-        EXPECT_GT(static_cast<double>(gap[lane]), 0.9 * d);
+        EXPECT_GT(static_cast<double>(gap[column]), 0.9 * d);
       }
-      share += std::max(static_cast<double>(gap[lane]), 0.0) / d;
+      share += std::max(static_cast<double>(gap[column]), 0.0) / d;
     }
   }
   EXPECT_EQ(unsafe, 0);
@@ -86,8 +87,8 @@ TEST(BoxGaps, AlongADirectionAreBelowTheDistanceToo) {
     BoxNode node{};
     const double reach = std::pow(10, random.uniform(-1, 1));
     const OrientedBox query = randomBox(random, reach, 1);
-    for (int lane = 0; lane < BoxNode::kWidth; ++lane)
-      setLane(node, lane, randomBox(random, reach, 1));
+    for (int column = 0; column < BoxNode::kWidth; ++column)
+      setColumn(node, column, randomBox(random, reach, 1));
     const Shape of_query = hullOf(query);
     const DistanceResult first = distance(of_query, {}, hullOf(node.box(0)), {}, {}, scratch);
     // Also a random one, because any direction must be valid; as long as rotations may be, see
@@ -97,15 +98,16 @@ TEST(BoxGaps, AlongADirectionAreBelowTheDistanceToo) {
     float gap[BoxNode::kWidth], plain[BoxNode::kWidth];
     boxGaps(node, query, boxDirection(direction), gap);
     boxGaps(node, query, {}, plain);
-    for (int lane = 0; lane < BoxNode::kWidth; ++lane) {
+    for (int column = 0; column < BoxNode::kWidth; ++column) {
       const double d =
-          distance(hullOf(node.box(lane)), {}, of_query, {}, {}, scratch).distance.upper;
-      if (static_cast<double>(gap[lane]) > std::max(d, 0.0)) {
+          distance(hullOf(node.box(column)), {}, of_query, {}, {}, scratch).distance.upper;
+      if (static_cast<double>(gap[column]) > std::max(d, 0.0)) {
         ++unsafe;
-        ADD_FAILURE() << "case " << i << " lane " << lane << ": gap " << gap[lane] << " > " << d;
+        ADD_FAILURE() << "case " << i << " column " << column << ": gap " << gap[column] << " > "
+                      << d;
       }
-      EXPECT_GE(gap[lane], plain[lane]);
-      larger += gap[lane] > plain[lane] ? 1 : 0;
+      EXPECT_GE(gap[column], plain[column]);
+      larger += gap[column] > plain[column] ? 1 : 0;
     }
     // Along the line of the nearest points only rounding is lost.
     if (!parts) continue;
@@ -123,8 +125,8 @@ TEST(BoxGaps, AreTheSameOnEveryInstructionSet) {
     std::vector<float> all;
     for (int i = 0; i < 200; ++i) {
       BoxNode node{};
-      for (int lane = 0; lane < BoxNode::kWidth; ++lane)
-        setLane(node, lane, randomBox(random, 1, 0.5));
+      for (int column = 0; column < BoxNode::kWidth; ++column)
+        setColumn(node, column, randomBox(random, 1, 0.5));
       float gap[BoxNode::kWidth];
       const OrientedBox query = randomBox(random, 1, 0.5);
       boxGaps(node, query, boxDirection(random.direction()), gap);
@@ -151,10 +153,10 @@ TEST(BoxTree, EveryBoxHoldsItsTriangles) {
     }
     std::set<int> met;
     // Slots below a box; every corner must be inside it.
-    const std::function<std::vector<int>(int, int)> check = [&](int id, int lane) {
+    const std::function<std::vector<int>(int, int)> check = [&](int id, int column) {
       const BoxNode& node = boxes.node(id);
       std::vector<int> slots;
-      int child = node.child[lane];
+      int child = node.child[column];
       if (~child >= boxes.firstPiece()) {
         ++pieces_met;
         child = boxes.pieceNode(~child - boxes.firstPiece());
@@ -168,7 +170,7 @@ TEST(BoxTree, EveryBoxHoldsItsTriangles) {
           slots.insert(slots.end(), part.begin(), part.end());
         }
       }
-      const OrientedBox box = node.box(lane);
+      const OrientedBox box = node.box(column);
       bool holds = true;
       for (const int slot : slots) {
         const Vector3d* corners = tree.corners(slot);
@@ -183,7 +185,7 @@ TEST(BoxTree, EveryBoxHoldsItsTriangles) {
           }
         }
       }
-      EXPECT_TRUE(holds) << m.name << ", node " << id << " lane " << lane;
+      EXPECT_TRUE(holds) << m.name << ", node " << id << " column " << column;
       return slots;
     };
     check(0, 0);
@@ -209,8 +211,8 @@ TEST(BoxTree, AxesHaveLengthOneHoweverThinAMeshIs) {
     tree.makeBoxes(vertices, triangles, {});
     const std::function<void(int)> check = [&](int id) {
       const BoxNode& node = tree.boxes().node(id);
-      for (int lane = 0; lane < node.count; ++lane) {
-        const OrientedBox box = node.box(lane);
+      for (int column = 0; column < node.count; ++column) {
+        const OrientedBox box = node.box(column);
         Eigen::Matrix3d rows;
         for (int k = 0; k < 3; ++k) {
           for (int i = 0; i < 3; ++i) rows(k, i) = static_cast<double>(box.axis[k][i]);
@@ -218,7 +220,7 @@ TEST(BoxTree, AxesHaveLengthOneHoweverThinAMeshIs) {
         const Eigen::Matrix3d off = rows * rows.transpose() - Eigen::Matrix3d::Identity();
         EXPECT_LT(off.cwiseAbs().maxCoeff(), 0x1p-20) << "beside " << beside << ", node " << id;
         ++axes;
-        if (node.child[lane] >= 0) check(node.child[lane]);
+        if (node.child[column] >= 0) check(node.child[column]);
       }
     };
     ASSERT_TRUE(tree.boxes().usable());

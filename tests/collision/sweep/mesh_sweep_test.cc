@@ -300,11 +300,11 @@ struct GapCase {
 GapCase randomGapCase(Random& random) {
   GapCase c;
   c.query = randomBox(random, 2, 1);
-  for (int lane = 0; lane < BoxNode::kWidth; ++lane) {
+  for (int column = 0; column < BoxNode::kWidth; ++column) {
     const OrientedBox box = randomBox(random, 2, 1);
-    setLane(c.node, lane, box);
-    c.node.radius[lane] = std::sqrt(box.half[0] * box.half[0] + box.half[1] * box.half[1] +
-                                    box.half[2] * box.half[2]);
+    setColumn(c.node, column, box);
+    c.node.radius[column] = std::sqrt(box.half[0] * box.half[0] + box.half[1] * box.half[1] +
+                                      box.half[2] * box.half[2]);
   }
   c.sweep.of_node = (random.below(2) == 0);
   c.turn = Eigen::Matrix3d::Zero();
@@ -333,25 +333,26 @@ TEST(SweptBoxGaps, AreBelowTheDistanceAtAllPlacesOnTheWay) {
     const GapCase c = randomGapCase(random);
     float gap[BoxNode::kWidth];
     sweptBoxGaps(c.node, c.query, c.sweep, c.direction, gap);
-    for (int lane = 0; lane < BoxNode::kWidth; ++lane) {
+    for (int column = 0; column < BoxNode::kWidth; ++column) {
       double nearest = std::numeric_limits<double>::infinity();
       for (const double s : {-1.0, -0.4, 0.0, 0.7, 1.0}) {
         const Eigen::Matrix3d map = Eigen::Matrix3d::Identity() + s * c.turn;
-        const OrientedBox& moved = c.sweep.of_node ? c.node.box(lane) : c.query;
-        const OrientedBox& other = c.sweep.of_node ? c.query : c.node.box(lane);
+        const OrientedBox& moved = c.sweep.of_node ? c.node.box(column) : c.query;
+        const OrientedBox& other = c.sweep.of_node ? c.query : c.node.box(column);
         nearest =
             std::min(nearest, distance(hullOf(moved, map, s * c.way), {},
                                        hullOf(other, Eigen::Matrix3d::Identity(), Vector3d::Zero()),
                                        {}, {}, scratch)
                                   .distance.upper);
       }
-      if (static_cast<double>(gap[lane]) > std::max(nearest, 0.0)) {
+      if (static_cast<double>(gap[column]) > std::max(nearest, 0.0)) {
         ++unsafe;
-        ADD_FAILURE() << "case " << i << " lane " << lane << ": " << gap[lane] << " > " << nearest;
+        ADD_FAILURE() << "case " << i << " column " << column << ": " << gap[column] << " > "
+                      << nearest;
       }
       if (!(nearest > 0.2)) continue;
       ++apart;
-      separated += gap[lane] > 0 ? 1 : 0;
+      separated += gap[column] > 0 ? 1 : 0;
     }
   }
   EXPECT_EQ(unsafe, 0);
