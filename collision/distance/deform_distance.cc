@@ -12,9 +12,6 @@
 #include "collision/distance/round_distance.h"
 #include "collision/mesh/descent/descent_answer.h"
 #include "collision/mesh/descent/touching_triangles.h"
-#include "collision/solids/common_point.h"
-#include "collision/solids/contains_at.h"
-#include "collision/solids/solid_depth.h"
 
 namespace leeway::collision {
 namespace {
@@ -67,38 +64,11 @@ DistanceResult descentDistance(const Shape& a, const Pose& X_WA, const Shape& b,
   remember(found, cache);
 
   DistanceResult result = surfaceDistance(found, X_WB);
-  // Where boxes meet, the surfaces may be apart (with one body inside the other or not), or
-  // overlap.
   if (!(found.hull_lower > 0) && !found.misplaced) {
-    Containment containment = Containment::kUndecided;
-    if (found.lower > 0) containment = containsAt(a, X_WA, b, X_WB, found.lower, scratch);
-    if (containment != Containment::kNo) {
-      // A body inside must come out through the surface, so its depth is at least the distance to
-      // the surface.
-      if (containment == Containment::kYes) result.distance.upper = -found.lower;
-      if (containment == Containment::kUndecided)
-        offerCommonPoint(a, b, relative, X_WB, request, scratch, result);
-      result.distance.lower = found.hull_lower;
-      if (request.depth && !(result.distance.upper <= request.threshold)) {
-        const Vector3d way_out = containment == Containment::kYes
-                                     ? Vector3d(result.point_a - result.point_b)
-                                     : result.normal;
-        // A translation that separates the convex bodies around both also separates both.
-        std::array<Vector3d, 8> corners_a, corners_b;
-        const DistanceResult outer =
-            convexDistance(outerOf(side_a, corners_a), relative.X_BA, outerOf(side_b, corners_b),
-                           request, scratch, nullptr, placement.slack);
-        result.iterations += outer.iterations;
-        result.distance.lower = outer.distance.lower;
-        result.normal = X_WB.rotation * outer.normal;
-        if (result.distance.width() > request.tolerance) {
-          const Vector3d middle = X_WB * Vector3d(0.5 * (outer.point_a + outer.point_b));
-          const Vector3d deepest = deepen(a, X_WA, b, X_WB, middle, request, scratch, result);
-          const Vector3d tries[] = {way_out, deepest};
-          separateMeshes(a, X_WA, b, X_WB, tries, request, scratch, result);
-        }
-      }
-    }
+    std::array<Vector3d, 8> corners_a, corners_b;
+    const ConvexView outer_a = outerOf(side_a, corners_a), outer_b = outerOf(side_b, corners_b);
+    decideOverlap({a, X_WA, b, X_WB, relative, outer_a, outer_b, placement.slack}, found.lower,
+                  found.hull_lower, request, scratch, result);
   }
   result.status = statusOf(result.distance, request);
   return result;

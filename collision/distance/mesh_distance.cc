@@ -15,14 +15,9 @@
 #include "collision/mesh/descent/mesh_descent.h"
 #include "collision/mesh/descent/obb_descent.h"
 #include "collision/mesh/descent/touching_triangles.h"
-#include "collision/solids/common_point.h"
-#include "collision/solids/contains_at.h"
-#include "collision/solids/solid_depth.h"
 #include "leeway/collision/triangle_mesh.h"
 
 namespace leeway::collision {
-
-using Eigen::Vector3d;
 
 namespace {
 
@@ -143,37 +138,9 @@ DistanceResult meshDistance(const Shape& a, const Pose& X_WA, const Shape& b, co
   remember(found, warm);
 
   DistanceResult result = surfaceDistance(found, X_WB);
-  // Where hulls meet, the surfaces may be apart (with one body inside the other or not), or
-  // overlap.
-  if (!(found.hull_lower > 0)) {
-    Containment containment = Containment::kUndecided;
-    if (found.lower > 0) containment = containsAt(a, X_WA, b, X_WB, found.lower, scratch);
-    if (containment != Containment::kNo) {
-      // A body inside must come out through the surface, so its depth is at least the distance to
-      // the surface.
-      if (containment == Containment::kYes) result.distance.upper = -found.lower;
-      if (containment == Containment::kUndecided)
-        offerCommonPoint(a, b, relative, X_WB, request, scratch, result);
-      result.distance.lower = found.hull_lower;
-      if (request.depth && !(result.distance.upper <= request.threshold)) {
-        const DistanceResult hulls = convexDistance(hullOf(side_a), relative.X_BA, hullOf(side_b),
-                                                    request, scratch, nullptr, placement.slack);
-        result.iterations += hulls.iterations;
-        result.distance.lower = std::max(result.distance.lower, hulls.distance.lower);
-        const Vector3d way_out = containment == Containment::kYes
-                                     ? Vector3d(result.point_a - result.point_b)
-                                     : result.normal;
-        result.normal = X_WB.rotation * hulls.normal;
-        // (Convex meshes are as deep as their hulls.)
-        if (result.distance.width() > request.tolerance) {
-          const Vector middle = placed(X_WB, 0.5 * (hulls.point_a + hulls.point_b));
-          const Vector deepest = deepen(a, X_WA, b, X_WB, middle, request, scratch, result);
-          const Vector tries[] = {way_out, deepest};
-          separateMeshes(a, X_WA, b, X_WB, tries, request, scratch, result);
-        }
-      }
-    }
-  }
+  if (!(found.hull_lower > 0))
+    decideOverlap({a, X_WA, b, X_WB, relative, hullOf(side_a), hullOf(side_b), placement.slack},
+                  found.lower, found.hull_lower, request, scratch, result);
   result.status = statusOf(result.distance, request);
   return result;
 }

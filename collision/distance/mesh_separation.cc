@@ -5,7 +5,11 @@
 
 #include "collision/base/tolerances.h"
 #include "collision/base/vector.h"
+#include "collision/convex/convex_distance.h"
 #include "collision/distance/cone_direction.h"
+#include "collision/solids/common_point.h"
+#include "collision/solids/contains_at.h"
+#include "collision/solids/solid_depth.h"
 #include "leeway/collision/distance.h"
 
 namespace leeway::collision {
@@ -129,6 +133,35 @@ void separateMeshes(const Shape& a, const Pose& X_WA, const Shape& b, const Pose
                     DistanceResult& result) {
   if (!(result.distance.width() > request.tolerance)) return;
   TranslationSearch(a, X_WA, b, X_WB, request, scratch, result).run(tries);
+}
+
+void decideOverlap(const MeetingBodies& bodies, double surface_lower, double hull_lower,
+                   const DistanceRequest& request, Scratch& scratch, DistanceResult& result) {
+  const auto& [a, X_WA, b, X_WB, relative, outer_a, outer_b, slack] = bodies;
+  Containment containment = Containment::kUndecided;
+  if (surface_lower > 0) containment = containsAt(a, X_WA, b, X_WB, surface_lower, scratch);
+  if (containment == Containment::kNo) return;
+  // A body inside must come out through the surface, so its depth is at least the distance to the
+  // surface.
+  if (containment == Containment::kYes) result.distance.upper = -surface_lower;
+  if (containment == Containment::kUndecided)
+    offerCommonPoint(a, b, relative, X_WB, request, scratch, result);
+  result.distance.lower = hull_lower;
+  if (!request.depth || result.distance.upper <= request.threshold) return;
+  const Vector way_out = containment == Containment::kYes ? Vector(result.point_a - result.point_b)
+                                                          : Vector(result.normal);
+  // A translation that separates the convex bodies around both also separates both. (Convex meshes
+  // are as deep as their hulls.)
+  const DistanceResult outer =
+      convexDistance(outer_a, relative.X_BA, outer_b, request, scratch, nullptr, slack);
+  result.iterations += outer.iterations;
+  result.distance.lower = std::max(result.distance.lower, outer.distance.lower);
+  result.normal = X_WB.rotation * outer.normal;
+  if (!(result.distance.width() > request.tolerance)) return;
+  const Vector middle = placed(X_WB, 0.5 * (outer.point_a + outer.point_b));
+  const Vector deepest = deepen(a, X_WA, b, X_WB, middle, request, scratch, result);
+  const Vector tries[] = {way_out, deepest};
+  separateMeshes(a, X_WA, b, X_WB, tries, request, scratch, result);
 }
 
 }  // namespace leeway::collision
