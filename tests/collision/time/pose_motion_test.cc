@@ -40,7 +40,7 @@ TEST(PoseMotion, PassesItsKeysAndRestsBeyondThem) {
   const Pose a = posed({0, 0, 0}, {0, 0, 1}, 0.2), b = posed({1, 0, 2}, {0, 1, 0}, 1.2),
              c = posed({1, 1, 1}, {1, 0, 0}, -2);
   const auto motion = PoseMotion::keys({{1, a}, {3, b}, {3.5, c}});
-  EXPECT_EQ(motion->keyCount(), 3u);
+  EXPECT_EQ(motion->keyPoses().size(), 3u);
   EXPECT_FALSE(motion->isSteady());
   EXPECT_LT(apart(motion->pose(-5), a), 1e-14);
   EXPECT_LT(apart(motion->pose(1), a), 1e-14);

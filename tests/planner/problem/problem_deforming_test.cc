@@ -280,7 +280,7 @@ TEST_F(ProblemDeforming, ObjectsThatMove) {
   ASSERT_EQ(objects.size(), 4u);
   EXPECT_NEAR(objects[0].X_WO.translation.y(), 1.5, 1e-12);  // as at the start of the execution
   EXPECT_NEAR(objects[0].X_WO.rotation(0, 0), std::cos(0.75), 1e-12);
-  EXPECT_EQ(objects[0].motion->poses->keyCount(), 2u);
+  EXPECT_EQ(objects[0].motion->poses->keyPoses().size(), 2u);
   EXPECT_NEAR(objects[1].X_WO.translation.x(), 1, 1e-12);
   EXPECT_TRUE(objects[1].motion->poses->isSteady());
   EXPECT_EQ(objects[2].motion->poses, nullptr);

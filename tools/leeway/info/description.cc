@@ -167,7 +167,7 @@ Json movingJson(const planner::Problem& problem) {
                     {"motion", !poses              ? "seen"
                                : poses->isSteady() ? "steady"
                                                    : "keys"},
-                    {"keys", poses ? poses->keyCount() : 0},
+                    {"keys", poses ? poses->keyPoses().size() : 0},
                     {"age", object.motion->age},
                     {"speed_bound", jsonNumber(poses ? poses->speedBound(start, end, extent)
                                                      : object.motion->speed_bound +

@@ -45,11 +45,10 @@ class PoseMotion {
   /// since its key. Never throws or allocates. O(log keys + keys between).
   double rounding(double t0, double t1, double reach) const;
 
-  /// The number of keys; 1 for a steady motion.
-  std::size_t keyCount() const { return starts_.size(); }
   bool isSteady() const { return is_steady_; }
-  /// The arguments of keys() or steady(): the key poses, with rotations made orthogonal up to
-  /// rounding, and the velocities of a steady motion [m/s], [rad/s]; zero for a motion with keys.
+  /// The arguments of keys() or steady(): the key poses (one for a steady motion), with rotations
+  /// made orthogonal up to rounding, and the velocities of a steady motion [m/s], [rad/s]; zero for
+  /// a motion with keys.
   const std::vector<Key>& keyPoses() const { return keys_; }
   const Eigen::Vector3d& velocity() const { return velocity_; }
   const Eigen::Vector3d& angularVelocity() const { return angular_velocity_; }
