@@ -232,7 +232,8 @@ class Verifier {
 
   /// Returns false if the whole path is decided or the work limit is reached.
   bool checkSegment(std::size_t segment) {
-    if (options_.progress) options_.progress("edge", secondsSince(begin_));
+    if (options_.progress)
+      options_.progress(isRefining() ? "narrowing the clearance" : "edge", secondsSince(begin_));
     a_ = path_.positions[segment];
     b_ = path_.positions[std::min(segment + 1, path_.positions.size() - 1)];
     placed_at_ = std::numeric_limits<double>::quiet_NaN();

@@ -19,6 +19,7 @@ void defineGuard(py::module_& module);
 void defineMonitor(py::module_& module);
 void definePlanWhere(py::module_& module);
 void defineInverse(py::module_& module);
+void defineView(py::module_& module);
 
 namespace {
 
@@ -66,6 +67,7 @@ PYBIND11_MODULE(_leeway, module) {
   defineTrajectory(module);
   definePlan(module);
   definePlanWhere(module);
+  defineView(module);
   defineScene(module);
   defineReplanner(module);
   defineGuard(module);

@@ -9,6 +9,7 @@
 #include "python/bindings/plan.h"
 #include "python/bindings/scene.h"
 #include "python/bindings/settings.h"
+#include "python/bindings/view.h"
 
 namespace leeway::python {
 namespace {
@@ -66,6 +67,7 @@ struct Step {
 struct Executed {
   ReplanResult value;
   std::shared_ptr<const planner::Problem> problem;
+  std::vector<ReplanStep> taken;  ///< of a whole one, for view()
 };
 
 Step step(Execution& self) {
@@ -129,20 +131,21 @@ Executed replan(const py::args& args, const py::kwargs& kwargs) {
   Interrupt interrupt(stop);
   planner::ReplanOptions options;
   options.stop = interrupt.callback();
-  std::function<void(const ReplanStep&)> told;
+  std::vector<ReplanStep> all;
   const std::shared_ptr<const planner::Problem> value = problem.value();
-  if (!on_step.is_none())
-    told = [&](const ReplanStep& taken) {
-      const py::gil_scoped_acquire locked;
-      try {
-        on_step(Step{taken, value});
-      } catch (...) {
-        interrupt.fail();
-      }
-    };
-  Executed result{released([&] { return planner::replan(*value, options, told, steps); }), value};
+  const auto told = [&](const ReplanStep& taken) {
+    all.push_back(taken);
+    if (on_step.is_none()) return;
+    const py::gil_scoped_acquire locked;
+    try {
+      on_step(Step{taken, value});
+    } catch (...) {
+      interrupt.fail();
+    }
+  };
+  ReplanResult result = released([&] { return planner::replan(*value, options, told, steps); });
   interrupt.rethrow();
-  return result;
+  return {std::move(result), value, std::move(all)};
 }
 
 void defineStep(py::module_& module) {
@@ -247,6 +250,20 @@ void defineExecuted(py::module_& module) {
   defineConstant(
       executed, "log", [](const Executed& self) { return logLine(*self.problem, self.value); },
       "The last line of a log, after those of the steps (Step.log), without the line's end.");
+  define(
+      executed, "view", "(self, file, *, stop=None)",
+      std::string("Writes what `leeway view` shows of this execution: the motion among the "
+                  "obstacles as they moved, and its clearance. ") +
+          kViewDoc,
+      [](const Executed& self, const py::object& file, const py::object& stop) {
+        if (self.taken.empty())
+          throw py::value_error("view: there is no step to show; a whole execution is expected");
+        const Executed held = self;
+        writeView(file, stop, {}, [&](const std::string& path, const view::PageOptions& options) {
+          view::writePage(path, *held.problem, held.taken, held.value.status, options);
+        });
+      },
+      py::arg("file"), py::kw_only(), py::arg("stop") = py::none());
   executed.def("__bool__", [](const Executed& self) {
     return self.value.status == planner::ReplanStatus::kReached;
   });
@@ -304,7 +321,7 @@ void defineReplanner(py::module_& module) {
                  reading([](Execution& self) { return self.replanner->replans(); }),
                  "Paths planned besides the first.");
   defineConstant(execution, "executed", reading([](Execution& self) {
-                   return Executed{self.replanner->executed(), self.problem.value()};
+                   return Executed{self.replanner->executed(), self.problem.value(), {}};
                  }),
                  "The steps so far: an Executed without its trajectory.");
   defineConstant(execution, "scene", reading([](Execution& self) {

@@ -30,6 +30,7 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/link_motion.h"
+#include "leeway/view/page.h"
 
 namespace given {
 

@@ -197,6 +197,8 @@ class CommandTest : public ::testing::Test {
     int examples = 0;
     for (std::string line; std::getline(in, line);) {
       if (!line.starts_with("  leeway ")) continue;
+      for (std::string more; line.ends_with("\\") && std::getline(in, more);)
+        line = line.substr(0, line.size() - 1) + more;
       ++examples;
       const Answer answer = shell("PATH=$(dirname '" + leeway::commandFile() + "'):$PATH; " + line);
       EXPECT_EQ(answer.status, 0) << line << "\n" << answer.err;

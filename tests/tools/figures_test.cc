@@ -1,5 +1,7 @@
 // Figures and text for people: all verbs show the same clearance, and everything fits a terminal.
 
+#include "tools/view/base/figures.h"
+
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -77,10 +79,116 @@ TEST(Terminal, TablesFit) {
   EXPECT_EQ(columns, 12u) << blocks;
 }
 
+/// Where the first column names several rows alike, the parts of a table have the rows' numbers.
+TEST(Terminal, PartsOfTablesCanBeMatched) {
+  const std::string wide(40, 'w');
+  const std::vector<std::vector<std::string>> rows = {
+      {"0", wide, wide, "a - b"}, {"0", wide, wide, "c - d"}, {"1", wide, wide, "e - f"}};
+  const std::string text = formatTable({"edge", "x", "y", "between"}, rows, {3});
+  EXPECT_LE(longestLine(text), kColumns) << text;
+  std::vector<std::string> firsts;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);)
+    if (!line.empty() && line[0] >= '0' && line[0] <= '9')
+      firsts.push_back(line.substr(0, line.find(' ')));
+  EXPECT_EQ(firsts, (std::vector<std::string>{"1", "2", "3", "1", "2", "3"})) << text;
+  // Tables that fit, and those whose first column names the rows, stay as they are.
+  EXPECT_EQ(formatTable({"edge", "x"}, {{"0", "a"}, {"0", "b"}}).find("row"), std::string::npos);
+  EXPECT_EQ(formatTable({"edge", "x", "y", "between"}, {rows[0], rows[2]}, {3}).find("row"),
+            std::string::npos);
+}
+
+TEST(Terminal, HelpBreaksInItsColumns) {
+  const std::string words = "some words of a description that is far too long for a single line";
+  const std::string help =
+      wrappedHelp("Usage: x\n  --option TEXT               " + words + " " + words +
+                  "\n\nExamples:\n  leeway plan " + words + " " + words + " --last");
+  EXPECT_LE(longestLine(help), kColumns) << help;
+  EXPECT_NE(help.find("\n                              "), std::string::npos) << help;
+  EXPECT_NE(help.find(" \\\n      "), std::string::npos) << help;
+  EXPECT_EQ(help.substr(help.size() - 6), "--last");
+}
+
 TEST(Terminal, CountsSaySingularAndPlural) {
   EXPECT_EQ(counted(1, "edge"), "1 edge");
   EXPECT_EQ(counted(0, "edge"), "0 edges");
   EXPECT_EQ(counted(2, "edge"), "2 edges");
+}
+
+/// The command on a terminal, which stdout and stderr share.
+class OnTerminal : public CommandTest {
+ protected:
+  /// The text that the terminal receives.
+  std::string shown(const std::string& arguments) const {
+    return shell("script -qec \"'" + leeway::commandFile() + "' " + arguments + "\" /dev/null").out;
+  }
+  void SetUp() override {
+    CommandTest::SetUp();
+    if (shell("script -qec true /dev/null").status != 0)
+      GTEST_SKIP() << "script(1), which makes a terminal, is not there";
+  }
+};
+
+TEST_F(OnTerminal, ProgressNeverGluesToOutput) {
+  const std::pair<const char*, const char*> verbs[] = {
+      {"batch reach.yaml empty.yaml", "{\"problem\""},
+      {"batch reach.yaml empty.yaml --jobs 2", "{\"problem\""},
+      {"plan reach.yaml --json", "{\r\n  \"version\""},
+      {"replan reach.yaml --json", "{\"version\""}};
+  for (const auto& [verb, begin] : verbs) {
+    const std::string text = shown(verb);
+    int documents = 0;
+    for (std::size_t at = text.find(begin); at != std::string::npos;
+         at = text.find(begin, at + 1)) {
+      ++documents;
+      EXPECT_TRUE(at == 0 || text[at - 1] == '\n' || (at > 2 && text.substr(at - 3, 3) == "\x1b[K"))
+          << verb << ": " << text.substr(at < 80 ? 0 : at - 80, 120);
+    }
+    EXPECT_GE(documents, std::string(verb).starts_with("batch") ? 2 : 1) << verb << "\n" << text;
+  }
+}
+
+TEST_F(OnTerminal, VerifyCountsItsEdgesOnly) {
+  ASSERT_EQ(run("plan reach.yaml --output path.json").status, 0);
+  const std::size_t edges =
+      run("clearance reach.yaml path.json --json").document()["segments"].size();
+  const std::string text = shown("verify reach.yaml path.json");
+  const std::string last = std::to_string(edges) + " of " + std::to_string(edges);
+  EXPECT_NE(text.find(last), std::string::npos) << text;
+  EXPECT_EQ(text.find(std::to_string(edges + 1) + " of "), std::string::npos) << text;
+}
+
+TEST_F(OnTerminal, MessagesBreakAtSpaces) {
+  const std::string missing = "plan nowhere.yaml --seed 3 --planner Connect --time 1";
+  const Answer piped = run(missing);
+  EXPECT_EQ(std::count(piped.err.begin(), piped.err.end(), '\n'), 1) << "one line for programs";
+  write("far.yaml",
+        std::string(kReach) +
+            "margins: [{between: [hand_that_is_not_there_at_all, post], margin: 0.01}]\n");
+  std::string text = shown("plan far.yaml");
+  EXPECT_NE(text.find("hand_that_is_not_there_at_all"), std::string::npos) << text;
+  text.erase(std::remove(text.begin(), text.end(), '\r'), text.end());
+  EXPECT_LE(longestLine(text), kColumns) << text;
+}
+
+TEST_F(OnTerminal, HelpFits) {
+  for (const char* verb : {"", "plan", "check", "verify", "clearance", "replan", "guard", "batch",
+                           "info", "lint", "srdf", "ik", "fk", "view", "manual"}) {
+    const Answer help = run(std::string(verb) + " --help");
+    std::istringstream in(help.out);
+    for (std::string line; std::getline(in, line);) {
+      // A single word may fit no line.
+      const bool is_word =
+          line.find_first_of(' ', line.find_first_not_of(' ')) == std::string::npos;
+      EXPECT_TRUE(is_word || line.size() <= kColumns) << verb << ": " << line;
+    }
+  }
+}
+
+TEST_F(OnTerminal, SrdfFits) {
+  const Answer answer = run("srdf '" + leeway::sourceFolder() + "/robots/arm7/arm7.urdf'");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_LE(longestLine(answer.out), kColumns) << answer.out;
 }
 
 std::vector<std::string> shippedProblems() {

@@ -33,6 +33,11 @@ TEST_F(Layers, EveryRuleBites) {
   expectBites("robots/model/a.cc", "\"leeway/planner/plan.h\"");
   expectBites("planner/edge/a.cc", "\"planner/search/goals.h\"");
   expectBites("planner/edge/a.cc", "\"tools/leeway/support/verb.h\"");
+  expectBites("planner/save/a.cc", "\"leeway/view/page.h\"");
+  expectBites("planner/save/a.cc", "\"tools/view/subject.h\"");
+  expectBites("tools/view/a.cc", "\"tools/leeway/support/terminal.h\"");
+  expectBites("tools/view/include/leeway/view/page.h", "\"tools/view/subject.h\"");
+  expectBites("tools/view/a.cc", "<CLI/CLI.hpp>");
   expectBites("tools/leeway/a.cc", "\"tests/support/command.h\"");
   expectBites("tools/truth/oracle/a.cc", "\"collision/convex/gjk/gjk.h\"");
   expectBites("tools/truth/oracle/a.cc", "\"leeway/robots/model.h\"");
@@ -48,6 +53,8 @@ TEST_F(Layers, EveryRuleBites) {
   expectBites("robots/include/leeway/robots/model.h", "<tinyxml2.h>");
   expectBites("python/bindings/a.cc", "\"robots/model/fingerprint.h\"");
   expectBites("planner/edge/a.cc", "\"python/base/arrays.h\"");
+  expectBites("python/bindings/a.cc", "\"tools/view/subject.h\"");
+  expectBites("tools/view/include/leeway/view/page.h", "<nlohmann/json.hpp>");
 }
 
 TEST_F(Layers, UnlistedAndFullFoldersAreNamed) {

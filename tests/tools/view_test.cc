@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <sstream>
 
 #include "tests/support/command.h"
-#include "tools/leeway/view/display_mesh.h"
+#include "tools/view/display_mesh.h"
 
 namespace leeway::tools::testing {
 namespace {
@@ -118,6 +119,66 @@ TEST_F(View, DrawsThreeViews) {
   EXPECT_EQ(read("picture.svg").find("<script"), std::string::npos);
   EXPECT_EQ(run("view hostile.yaml --svg again.svg").status, 0);
   EXPECT_EQ(read("again.svg"), read("picture.svg"));
+}
+
+/// The corners of all parts of the world in a picture, as shares of the width of their panel.
+std::pair<double, double> worldRange(const std::string& svg) {
+  tinyxml2::XMLDocument picture;
+  EXPECT_EQ(picture.Parse(svg.c_str()), tinyxml2::XML_SUCCESS);
+  double low = 1, high = 0;
+  for (const auto* view = picture.RootElement()->FirstChildElement("svg"); view != nullptr;
+       view = view->NextSiblingElement("svg")) {
+    const double x = view->DoubleAttribute("x"), y = view->DoubleAttribute("y"),
+                 width = view->DoubleAttribute("width");
+    for (const auto* part = view->FirstChildElement("path"); part != nullptr;
+         part = part->NextSiblingElement("path")) {
+      if (std::string(part->Attribute("class")).find("world") != 0) continue;
+      std::string numbers = part->Attribute("d");
+      for (char& c : numbers)
+        if (c == 'M' || c == 'L' || c == 'Z') c = ' ';
+      std::istringstream in(numbers);
+      for (double px = 0, py = 0; in >> px >> py;) {
+        low = std::min({low, (px - x) / width, (py - y) / width});
+        high = std::max({high, (px - x) / width, (py - y) / width});
+      }
+    }
+  }
+  return {low, high};
+}
+
+TEST_F(View, ShowsTheWholeWorldUpToALimit) {
+  // A long shelf next to the robot.
+  const std::string box =
+      "  - {name: aside, position: [2.6, 1, 0.4], box: {size: [2, 0.3, 1.5]}}\n";
+  std::string text = kReach;
+  text.insert(text.find("limits:"), box);
+  write("aside.yaml", text);
+  ASSERT_EQ(run("view aside.yaml --svg aside.svg").status, 0);
+  const auto [low, high] = worldRange(read("aside.svg"));
+  EXPECT_GE(low, 0);
+  EXPECT_LE(high, 1);
+  EXPECT_EQ(read("aside.svg").find("goes on beyond"), std::string::npos);
+  // A hall of a hundred metres would make the robot a dot: the picture says that it is cut.
+  const std::string hall =
+      "  - {name: floor, position: [0, 0, -1.2], box: {size: [100, 100, 0.1]}}\n";
+  text.insert(text.find("limits:"), hall);
+  write("hall.yaml", text);
+  ASSERT_EQ(run("view hall.yaml --svg hall.svg").status, 0);
+  EXPECT_NE(read("hall.svg").find("The world goes on beyond the picture."), std::string::npos);
+  EXPECT_GT(worldRange(read("hall.svg")).second, 1);
+}
+
+TEST_F(View, DrawsHalfSpacesThatAreSeenEdgeOn) {
+  std::string text = kReach;
+  text.insert(text.find("limits:"), "  - {name: ground, position: [0, 0, -1], half_space: {}}\n");
+  write("ground.yaml", text);
+  const Answer answer = run("view ground.yaml --svg ground.svg");
+  ASSERT_EQ(answer.status, 0) << answer.err;
+  const std::string svg = read("ground.svg"), mark = "class=\"world\" fill-opacity=\"0.35\"";
+  int planes = 0;
+  for (std::size_t at = svg.find(mark); at != std::string::npos; at = svg.find(mark, at + 1))
+    ++planes;
+  EXPECT_EQ(planes, 2) << "from the front and from the right, not from above";
 }
 
 TEST_F(View, DrawsAFailure) {

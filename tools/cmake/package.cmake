@@ -12,5 +12,5 @@ set(CPACK_DEBIAN_LEEWAY_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_LIBLEEWAY-DEV_PACKAGE_NAME libleeway-dev)
 set(CPACK_DEBIAN_LIBLEEWAY-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBLEEWAY-DEV_PACKAGE_DEPENDS "libeigen3-dev, libhwy-dev, liburdfdom-dev, liburdfdom-headers-dev, libtinyxml2-dev, \
-libassimp-dev, libssl-dev, libompl-dev, libyaml-cpp-dev, libfmt-dev, libpng-dev")
+libassimp-dev, libssl-dev, libompl-dev, libyaml-cpp-dev, libfmt-dev, libpng-dev, zlib1g-dev")
 include(CPack)

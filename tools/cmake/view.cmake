@@ -1,9 +1,9 @@
-# leeway_bundle_page(TARGET SOURCE): makes the page of `leeway view` (tools/view/) and has SOURCE take it into TARGET. Needs node 18 and npm, which
-# fetches what tools/view/package-lock.json names, at configuration, once. Without them, and where that fails, all else is built, and the command says
-# what is missing. LEEWAY_VIEW=OFF leaves the page out, as sanitizers do.
+# leeway_bundle_page(SOURCE): makes the page of `leeway view` (tools/view/page/) and has SOURCE include it. Needs node 18 and npm, which fetches the
+# packages of tools/view/page/package-lock.json once, at configuration. Without them, and where that fails, everything else is built, and the library
+# says what is missing. LEEWAY_VIEW=OFF leaves the page out; builds with sanitizers have no page.
 option(LEEWAY_VIEW "Build the page of leeway view where node and npm are there" ON)
 
-function(leeway_bundle_page target source)
+function(leeway_bundle_page source)
   if(NOT LEEWAY_VIEW OR LEEWAY_SANITIZE)
     return()
   endif()
@@ -21,7 +21,7 @@ function(leeway_bundle_page target source)
     return()
   endif()
 
-  set(sources ${PROJECT_SOURCE_DIR}/tools/view)
+  set(sources ${PROJECT_SOURCE_DIR}/tools/view/page)
   set(folder ${PROJECT_BINARY_DIR}/view)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${sources}/package.json ${sources}/package-lock.json)
   file(SHA256 ${sources}/package-lock.json wanted)

@@ -17,17 +17,18 @@
 #include "planner/execute/unchecked_json.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
-#include "tools/leeway/support/output_file.h"
 #include "tools/leeway/support/path_ends.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
-#include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
-#include "tools/leeway/view/least_clearance.h"
-#include "tools/leeway/view/page.h"
+#include "tools/leeway/view/page_options.h"
 #include "tools/leeway/view/profile_svg.h"
-#include "tools/leeway/view/stages.h"
+#include "tools/view/base/figures.h"
+#include "tools/view/base/output_file.h"
+#include "tools/view/base/scene_names.h"
+#include "tools/view/least_clearance.h"
+#include "tools/view/stages.h"
 
 namespace leeway::tools {
 namespace {
@@ -389,7 +390,8 @@ int runClearance(ClearanceArguments& arguments) {
   endProgress();
   std::optional<view::Subject> subject;
   if (!arguments.view.file.empty() || !arguments.svg.empty()) {
-    subject.emplace(view::subjectOfPath(problem, arguments.source.problem, path));
+    subject.emplace(
+        view::subjectOfPath(problem, arguments.source.problem, path, nullptr, interrupted));
     subject->path_file = path_file;
   }
   if (!arguments.view.file.empty()) view::writePage(arguments.view, *subject);

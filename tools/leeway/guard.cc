@@ -395,7 +395,7 @@ class Session {
  private:
   void tellFault(const std::string& message) {
     is_bad_ = true;
-    fmt::print(stderr, "{}:{}: {}\n", kStandardInput, number_, message);
+    printMessage(fmt::format("{}:{}: {}", kStandardInput, number_, message));
   }
 
   /// Why the guard refused a line whose sizes are right; empty if it did not. Numbers that are not

@@ -17,9 +17,10 @@
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/robot_state.h"
-#include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/view/base/figures.h"
+#include "tools/view/base/scene_names.h"
 
 namespace leeway::tools {
 namespace {

@@ -15,9 +15,9 @@
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/problem_source.h"
-#include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/view/base/scene_names.h"
 
 namespace leeway::tools {
 namespace {

@@ -15,6 +15,7 @@
 
 #include "tools/leeway/support/command_line.h"
 #include "tools/leeway/support/exit_status.h"
+#include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
 
 namespace leeway::tools {
@@ -38,10 +39,10 @@ int startReport(char** argv) {
   const std::string program =
       std::filesystem::read_symlink("/proc/self/exe", error).replace_filename("leeway-report");
   ::execv(program.c_str(), argv);
-  fmt::print(stderr,
-             "leeway report: {}: {}; reports are built by `tools/setup && cmake --preset release "
-             "&& cmake --build build --target reports`\n",
-             program, std::strerror(errno));
+  printMessage(fmt::format(
+      "leeway report: {}: {}; reports are built by `tools/setup && cmake --preset release && cmake "
+      "--build build --target reports`",
+      program, std::strerror(errno)));
   return kBadInput;
 }
 

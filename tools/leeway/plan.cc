@@ -18,17 +18,19 @@
 #include "leeway/planner/task.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/view/page.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
-#include "tools/leeway/support/output_file.h"
 #include "tools/leeway/support/pair_samples.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
-#include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
-#include "tools/leeway/view/least_clearance.h"
-#include "tools/leeway/view/page.h"
+#include "tools/leeway/view/page_options.h"
+#include "tools/view/base/figures.h"
+#include "tools/view/base/output_file.h"
+#include "tools/view/base/scene_names.h"
+#include "tools/view/least_clearance.h"
 
 namespace leeway::tools {
 namespace {
@@ -364,7 +366,7 @@ int runPlan(const PlanArguments& arguments) {
 
   planner::PlanOptions options = planOptions(arguments.overrides, problem);
   view::SearchEdges searched;
-  if (!arguments.view.file.empty()) view::recordSearch(options, searched);
+  if (!arguments.view.file.empty()) leeway::view::recordSearch(options, searched);
   const planner::PlanResult result = planner::solve(problem, options);
   endProgress();
   printWarnings(result.warnings);
@@ -383,7 +385,7 @@ int runPlan(const PlanArguments& arguments) {
   }
   if (!arguments.view.file.empty()) {
     view::writePage(arguments.view, view::subjectOfPlan(problem, arguments.source.problem, result,
-                                                        std::move(searched)));
+                                                        std::move(searched), interrupted));
   }
   if (arguments.json) {
     printJson(toJson(problem, result, trajectory, load_s));

@@ -15,12 +15,13 @@
 #include "robots/base/read_file.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
-#include "tools/leeway/support/output_file.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
-#include "tools/leeway/view/page.h"
+#include "tools/leeway/view/page_options.h"
+#include "tools/view/base/figures.h"
+#include "tools/view/base/output_file.h"
 
 namespace leeway::tools {
 namespace {

@@ -16,12 +16,12 @@
 #include "tools/leeway/info/input.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
-#include "tools/leeway/support/output_file.h"
 #include "tools/leeway/support/pair_samples.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/view/base/output_file.h"
 
 namespace leeway::tools {
 namespace {
@@ -200,14 +200,19 @@ void printPairs(const std::vector<LinkPair>& pairs, const SrdfArguments& argumen
     for (const LinkPair& pair : pairs)
       if (static_cast<std::size_t>(pair.why) == k) of_kind.push_back(&pair);
     if (of_kind.empty()) continue;
-    fmt::print("{:5}  {}: {}\n", of_kind.size(), kKinds[k].text,
-               isProposed(*of_kind[0], arguments) ? "left out" : "checked");
+    constexpr std::size_t kIndent = 7;
+    fmt::print("{}",
+               wrapped(fmt::format("{:5}  {}: {}\n", of_kind.size(), kKinds[k].text,
+                                   isProposed(*of_kind[0], arguments) ? "left out" : "checked"),
+                       kIndent));
     for (const LinkPair* pair : of_kind)
       if (kKinds[k].named)
-        fmt::print("         {} with {}{}\n", pair->a, pair->b,
-                   pair->hits >= 0
-                       ? fmt::format(" ({} of {} samples)", pair->hits, arguments.samples)
-                       : "");
+        fmt::print("{}",
+                   wrapped(fmt::format("         {} with {}{}\n", pair->a, pair->b,
+                                       pair->hits >= 0 ? fmt::format(" ({} of {} samples)",
+                                                                     pair->hits, arguments.samples)
+                                                       : ""),
+                           kIndent + 4));
   }
 }
 

@@ -14,9 +14,10 @@
 #include "tools/leeway/support/path_ends.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
-#include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/view/base/figures.h"
+#include "tools/view/base/scene_names.h"
 
 namespace leeway::tools {
 namespace {
@@ -86,7 +87,9 @@ planner::VerifyResult verifyPath(const std::string& file, const VerifyArguments&
   // The proof does not use this scene.
   printWarnings(planner::CompiledScene(problem).warnings());
   UnitProgress progress(std::max<std::size_t>(2, path.positions.size()) - 1);
-  options.progress = [&](const std::string& phase, double) { progress.next(phase); };
+  options.progress = [&](const std::string& phase, double) {
+    phase == "edge" ? progress.next(phase) : progress.after(phase);
+  };
   proven = {counted(path.positions.empty() ? 0 : path.positions.size() - 1, "edge"),
             obstaclesText(problem)};
   return planner::verify(problem, path, options, is_enough);

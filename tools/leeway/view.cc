@@ -9,15 +9,17 @@
 #include "leeway/planner/replanner.h"
 #include "leeway/planner/task.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/view/page.h"
 #include "tools/leeway/support/exit_status.h"
-#include "tools/leeway/support/output_file.h"
 #include "tools/leeway/support/path_ends.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
-#include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
-#include "tools/leeway/view/page.h"
+#include "tools/leeway/view/page_options.h"
+#include "tools/view/base/output_file.h"
+#include "tools/view/base/scene_names.h"
+#include "tools/view/picture.h"
 
 namespace leeway::tools {
 namespace {
@@ -44,10 +46,10 @@ view::Subject solve(const planner::Problem& problem, const ViewArguments& argume
   }
   view::SearchEdges searched;
   planner::PlanOptions options = planOptions(arguments.overrides, problem);
-  view::recordSearch(options, searched);
+  leeway::view::recordSearch(options, searched);
   const planner::PlanResult result = planner::solve(problem, options);
   printWarnings(result.warnings);
-  return view::subjectOfPlan(problem, name, result, std::move(searched));
+  return view::subjectOfPlan(problem, name, result, std::move(searched), interrupted);
 }
 
 int runView(ViewArguments& arguments) {
@@ -74,14 +76,16 @@ int runView(ViewArguments& arguments) {
   view::Subject subject = path_file.empty()
                               ? solve(problem, arguments)
                               : view::subjectOfPath(problem, arguments.source.problem,
-                                                    planner::readPath(path_file, problem, reading));
+                                                    planner::readPath(path_file, problem, reading),
+                                                    nullptr, interrupted);
   subject.path_file = path_file.empty() ? "plan" : path_file;
   std::optional<view::Subject> compared;
   if (!arguments.compare.empty()) {
     if (!subject.decisions.empty())
       badUsage("--compare shows two paths, and an execution has none; a path file is expected");
     compared.emplace(view::subjectOfPath(problem, arguments.source.problem,
-                                         planner::readPath(arguments.compare, problem, reading)));
+                                         planner::readPath(arguments.compare, problem, reading),
+                                         nullptr, interrupted));
     compared->path_file = arguments.compare;
   }
   printWarnings(warnings);

@@ -33,14 +33,14 @@
 #include "tools/leeway/batch/ompl_log.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
-#include "tools/leeway/support/output_file.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
 #include "tools/leeway/support/warning_log.h"
-#include "tools/leeway/view/page.h"
 #include "tools/leeway/view/page_folder.h"
+#include "tools/view/base/figures.h"
+#include "tools/view/base/output_file.h"
 
 namespace leeway::tools {
 namespace {
@@ -212,7 +212,8 @@ Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model
     document["verify"] = verification;
   }
   if (!arguments.view.empty()) {
-    outcome.page = view::folderPage(view::subjectOfPlan(problem, item.problem, result, {}));
+    outcome.page =
+        view::folderPage(view::subjectOfPlan(problem, item.problem, result, {}, interrupted));
   }
   return document;
 }
@@ -382,10 +383,10 @@ void printSummary(const Tally& tally, std::size_t count, std::size_t kept, bool 
 
 void printInterrupted(std::size_t done, std::size_t count, const BatchOutput& output,
                       const Arguments& arguments) {
-  fmt::print(stderr, "interrupted after {} of {} problems{}\n", done, count,
-             arguments.output.empty()
-                 ? ""
-                 : fmt::format("; {} holds them for --resume", output.partialPath()));
+  printMessage(fmt::format("interrupted after {} of {} problems{}", done, count,
+                           arguments.output.empty() ? ""
+                                                    : fmt::format("; {} holds them for --resume",
+                                                                  output.partialPath())));
 }
 
 void printTable(const std::vector<Tallies::Folder>& folders) {
@@ -521,12 +522,8 @@ int run(const Arguments& arguments) {
     progress.next(item.problem);
     const Outcome outcome = jobs.take();
     warnings.print(outcome.warnings);
-    if (!outcome.error.empty()) {
-      endProgress();
-      fmt::print(stderr, "{}\n", outcome.error);
-    }
+    if (!outcome.error.empty()) printMessage(outcome.error);
     if (outcome.cut) {  // not part of the answer
-      endProgress();
       warnings.printCounts();
       printInterrupted(done, items.size(), output, arguments);
       return kNo;

@@ -13,6 +13,7 @@
 
 #include "leeway/robots/input_error.h"
 #include "robots/base/read_file.h"
+#include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
 namespace {
@@ -152,7 +153,7 @@ std::vector<BatchItem> withoutRepeats(std::vector<BatchItem> items) {
   std::erase_if(items, [&](const BatchItem& item) {
     const bool repeated = !seen.insert(fs::weakly_canonical(item.problem)).second;
     if (repeated) {
-      fmt::print(stderr, "{}: left out, it is in the list already\n", item.problem);
+      printMessage(item.problem + ": left out, it is in the list already");
     }
     return repeated;
   });
@@ -177,8 +178,8 @@ std::vector<BatchItem> listProblems(const std::vector<std::string>& inputs) {
       if (isProblemFile(file)) {
         items.push_back({file.string(), "", ""});
       } else {
-        fmt::print(stderr, "{}: left out, it has no {} and so is no problem file\n", file.string(),
-                   isYaml(file) ? "key 'leeway'" : "[problem]");
+        printMessage(fmt::format("{}: left out, it has no {} and so is no problem file",
+                                 file.string(), isYaml(file) ? "key 'leeway'" : "[problem]"));
       }
     }
   }

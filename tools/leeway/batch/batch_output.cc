@@ -11,6 +11,7 @@
 
 #include "leeway/planner/path_io.h"
 #include "leeway/robots/input_error.h"
+#include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
 
@@ -92,6 +93,7 @@ std::string BatchOutput::linesInOrder() const {
 
 void BatchOutput::add(const std::string& problem, const std::string& line) {
   std::FILE* file = partial_ != nullptr ? partial_ : stdout;
+  if (file == stdout) endProgress();  // both may be the same terminal
   const std::string text = line + "\n";
   if (std::fwrite(text.data(), 1, text.size(), file) != text.size() || std::fflush(file) != 0) {
     throw robots::InputError(path_.empty() ? "standard output" : partialPath(), 0,

@@ -12,7 +12,7 @@
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/planner/trajectory.h"
 #include "tools/leeway/support/pair_samples.h"
-#include "tools/leeway/support/scene_names.h"
+#include "tools/view/base/scene_names.h"
 
 namespace leeway::tools::info {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "leeway/planner/compiled_scene.h"
 #include "tools/leeway/support/terminal.h"
+#include "tools/view/base/figures.h"
 
 namespace leeway::tools::info {
 namespace {

@@ -60,8 +60,7 @@ std::string unexpectedWord(const CLI::App* verb, const std::vector<std::string>&
 
 /// Prints one line on stderr. With --json, also prints a document with the error as the answer.
 void reportError(const std::string& message, bool json) {
-  endProgress();
-  fmt::print(stderr, "{}\n", message);
+  printMessage(message);
   if (json) printJson({{"status", "error"}, {"error", message}});
 }
 
@@ -124,10 +123,20 @@ std::vector<std::string> wordsOf(int argc, char** argv) {
   return words;
 }
 
+/// Help that fits the terminal.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
+    return wrappedHelp(CLI::Formatter::make_help(app, std::move(name), mode));
+  }
+};
+
 using AddVerbs = std::function<std::vector<Verb>(CLI::App&)>;
 
 int run(std::vector<std::string> words, bool json, const AddVerbs& add_verbs) {
   CLI::App app(kDescription, "leeway");
+  app.formatter(std::make_shared<HelpFormatter>());  // verbs inherit it
   app.set_version_flag("--version", std::string("leeway ") + LEEWAY_VERSION);
   app.require_subcommand(1);
   const std::vector<Verb> verbs = add_verbs(app);
@@ -206,8 +215,8 @@ bool answerIsWritten() {
   if (std::fflush(stdout) == 0 && !failed_before) {
     return true;
   }
-  fmt::print(stderr, "standard output: cannot be written: {}; a writable place is expected\n",
-             std::strerror(errno));
+  printMessage(fmt::format("standard output: cannot be written: {}; a writable place is expected",
+                           std::strerror(errno)));
   return false;
 }
 

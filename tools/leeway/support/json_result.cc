@@ -10,8 +10,8 @@
 #include "planner/execute/unchecked_json.h"
 #include "planner/validate/checks.h"
 #include "tools/leeway/support/pair_samples.h"
-#include "tools/leeway/support/scene_names.h"
 #include "tools/leeway/support/terminal.h"
+#include "tools/view/base/scene_names.h"
 
 namespace leeway::tools {
 namespace {
@@ -103,12 +103,6 @@ Json wishesJson(const planner::Problem& problem, const planner::PlanResult& resu
 }
 
 }  // namespace
-
-Json jsonNumber(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
-Json jsonVector(const Eigen::Vector3d& v) {
-  return {jsonNumber(v.x()), jsonNumber(v.y()), jsonNumber(v.z())};
-}
 
 Json constraintsJson(const std::vector<planner::ConstraintResult>& results) {
   Json constraints = Json::array();
@@ -246,10 +240,6 @@ const char* toString(planner::VerifyStatus status) {
   return "undecided";
 }
 
-std::string jsonText(const Json& document, int indent) {
-  return document.dump(indent, ' ', false, Json::error_handler_t::replace);
-}
-
 Json versioned(const Json& document) {
   Json answer = {{"version", kJsonVersion}};
   answer.update(document);
@@ -257,6 +247,7 @@ Json versioned(const Json& document) {
 }
 
 void printJson(const Json& document) {
+  endProgress();
   const bool terminal = isatty(STDOUT_FILENO) == 1;
   fmt::print("{}\n", jsonText(versioned(document), terminal ? 2 : -1));
 }

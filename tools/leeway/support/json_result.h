@@ -1,20 +1,14 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "leeway/planner/plan.h"
 #include "leeway/planner/trajectory.h"
 #include "leeway/planner/verify.h"
+#include "tools/view/base/json_text.h"
 
 namespace leeway::tools {
-
-using Json = nlohmann::ordered_json;
-
-/// Infinity and NaN become null. A clearance is null if nothing is near.
-Json jsonNumber(double value);
-Json jsonVector(const Eigen::Vector3d& v);
 
 /// The clouds of the world, with the number of balls that each filter removed. An answer is valid
 /// for the remaining balls.
@@ -29,10 +23,6 @@ Json toJson(const planner::Problem& problem, const planner::PlanResult& result,
 /// The document of `verify --json`.
 Json toJson(const planner::VerifyResult& result);
 const char* toString(planner::VerifyStatus status);  ///< "certified", "refuted", ...
-
-/// A document as text, in one line if `indent` is -1. Names and paths that are not UTF-8 get the
-/// replacement character, because JSON cannot contain them.
-std::string jsonText(const Json& document, int indent = -1);
 
 /// The version of all documents that the command prints (docs/json.md). It rises when a key is
 /// removed or changes its meaning, not when a key is added.

@@ -7,7 +7,7 @@
 
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/plan.h"
-#include "tools/leeway/support/scene_names.h"
+#include "tools/view/base/scene_names.h"
 
 namespace leeway::tools {
 

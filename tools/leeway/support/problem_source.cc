@@ -348,9 +348,10 @@ void printLeftOut(const planner::Problem& problem) {
     if (!object.cloud) continue;
     for (const planner::CloudFilter& filter : object.cloud->filters)
       if (filter.removed > 0 && filter.name != "thin")
-        fmt::print(stderr, "note: cloud '{}' leaves out {} {}\n", object.name, filter.removed,
-                   filter.what);
-    fmt::print(stderr, "note: cloud '{}': space that was not seen counts as free\n", object.name);
+        printMessage(fmt::format("note: cloud '{}' leaves out {} {}", object.name, filter.removed,
+                                 filter.what));
+    printMessage(
+        fmt::format("note: cloud '{}': space that was not seen counts as free", object.name));
   }
 }
 
@@ -442,7 +443,7 @@ void printWarnings(const std::vector<std::string>& warnings) {
   static std::set<std::string> printed;
   for (const std::string& warning : warnings) {
     if (printed.insert(warning).second && !isQuiet()) {
-      fmt::print(stderr, "warning: {}\n", warning);
+      printMessage("warning: " + warning);
     }
   }
 }

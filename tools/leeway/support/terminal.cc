@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <limits>
+#include <set>
 
 #include "planner/base/tolerances.h"
 
@@ -60,15 +61,6 @@ void handleInterrupts() {
 bool showsProgress() {
   static const bool is_terminal = isatty(STDERR_FILENO) == 1;
   return is_terminal && !quiet;
-}
-
-std::string formatRounded(double value, int digits, double (*round)(double)) {
-  if (!std::isfinite(value)) {
-    return "-";
-  }
-  const double scale = std::pow(10.0, digits);
-  // + 0.0 turns -0 into 0.
-  return fmt::format("{:.{}f}", round(value * scale) / scale + 0.0, digits);
 }
 
 /// The number of columns of a UTF-8 text, one per character.
@@ -158,10 +150,26 @@ void endProgress() {
   }
 }
 
+void printMessage(const std::string& text) {
+  endProgress();
+  static const bool is_terminal = isatty(STDERR_FILENO) == 1;
+  fmt::print(stderr, "{}\n", is_terminal ? wrapped(text) : text);
+}
+
+double UnitProgress::elapsed() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+}
+
+void UnitProgress::after(const std::string& work) {
+  const double now = elapsed();
+  if (now < shown_ + kRedraw) return;
+  shown_ = now;
+  showProgress(fmt::format("{:.1f} s: {}", now, work));
+}
+
 void UnitProgress::next(const std::string& unit) {
   if (!showsProgress()) return;
-  const double elapsed =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  const double elapsed = this->elapsed();
   if (total_ > kManyUnits && begun_ > 0 && elapsed < shown_ + kRedraw) {
     ++begun_;
     return;
@@ -179,29 +187,66 @@ void UnitProgress::next(const std::string& unit) {
   showProgress(fmt::format("{} of {}{}: {}", now, std::max(now, total_), left, unit));
 }
 
-std::string wrapped(const std::string& text) {
+namespace {
+
+/// Breaks lines at spaces, with `mark` at the end of each broken line. `column`: where the text
+/// begins.
+std::string broken(const std::string& text, std::size_t indent, const std::string& mark,
+                   std::size_t column = 0) {
   std::string result;
-  std::size_t column = 0;
+  const auto roomAt = [&](std::size_t end) {
+    // The last word of a line needs no room for the mark.
+    return end == text.size() || text[end] == '\n' ? kColumns : kColumns - mark.size();
+  };
+  bool line_begins = true;
   for (std::size_t i = 0; i < text.size();) {
     if (text[i] == '\n') {
       result += '\n';
       column = 0;
+      line_begins = true;
       ++i;
       continue;
     }
     const std::size_t end = std::min(text.find_first_of(" \n", i + 1), text.size());
     const std::string word = text.substr(i, end - i);  // with the space before it
     const std::size_t length = lengthOf(word);
-    if (column > 0 && column + length > kColumns) {
-      result += '\n';
+    if (!line_begins && column + length > roomAt(end)) {
       const std::size_t bare = word[0] == ' ' ? 1 : 0;
-      result += word.substr(bare);
-      column = length - bare;
+      result += mark + "\n" + std::string(indent, ' ') + word.substr(bare);
+      column = indent + length - bare;
     } else {
       result += word;
       column += length;
     }
+    line_begins = line_begins && word == " ";
     i = end;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string wrapped(const std::string& text, std::size_t indent) {
+  return broken(text, indent, "");
+}
+
+std::string wrappedHelp(const std::string& help) {
+  constexpr std::size_t kDescriptions = 30;  // CLI11's column
+  std::string result;
+  for (std::size_t i = 0; i < help.size();) {
+    const std::size_t end = std::min(help.find('\n', i), help.size());
+    const std::string line = help.substr(i, end - i);
+    const bool has_description = line.size() > kDescriptions && line.starts_with("  ") &&
+                                 line[kDescriptions - 1] == ' ' && line[kDescriptions] != ' ';
+    if (line.starts_with("  leeway "))
+      result += broken(line, 6, " \\");
+    else if (has_description)
+      result += line.substr(0, kDescriptions) +
+                broken(line.substr(kDescriptions), kDescriptions, "", kDescriptions);
+    else
+      result += broken(line, 0, "");
+    if (end < help.size()) result += '\n';
+    i = end + 1;
   }
   return result;
 }
@@ -225,6 +270,14 @@ class Table {
       for (const auto& row : rows) width = std::max(width, lengthOf(row[c]));
       widths_.push_back(width);
     }
+  }
+
+  /// Whether the columns have room side by side.
+  bool fits() {
+    wrapLast();
+    std::size_t width = 0;
+    for (const std::size_t column : widths_) width += column + 2;
+    return width <= kColumns + 2;
   }
 
   std::string text() {
@@ -310,43 +363,21 @@ class Table {
 std::string formatTable(const std::vector<std::string>& heading,
                         const std::vector<std::vector<std::string>>& rows,
                         const std::vector<std::size_t>& left) {
-  return Table(heading, rows, left).text();
-}
-
-std::string formatLower(double value, int digits) {
-  return formatRounded(value, digits, std::floor);
-}
-std::string formatUpper(double value, int digits) {
-  return formatRounded(value, digits, std::ceil);
-}
-
-std::optional<std::string> figureOf(const planner::Interval& clearance) {
-  constexpr double kOneNumber = 1e-8;  // [m]
-  const auto rounded = [](double metres) { return std::round(metres * 1e5) / 100 + 0.0; };
-  const double figure = rounded(clearance.lower);
-  if (!std::isfinite(clearance.lower) || !std::isfinite(clearance.upper)) return {};
-  if (rounded(clearance.upper) != figure && !(clearance.width() <= kOneNumber)) return {};
-  return fmt::format("{:.2f}", figure);
-}
-
-std::string clearanceText(const planner::Interval& clearance) {
-  if (clearance.upper < 0) return clearanceText({-clearance.upper, -clearance.lower}) + " deep";
-  constexpr double kNarrow = 2e-6;  // less than the last shown digit [m]
-  if (const auto figure = figureOf(
-          {clearance.lower, clearance.width() <= kNarrow ? clearance.lower : clearance.upper}))
-    return *figure + " mm";
-  const std::string lower = formatLower(clearance.lower * 1e3, 2),
-                    upper = formatUpper(clearance.upper * 1e3, 2);
-  if (std::isfinite(clearance.upper))
-    return std::isfinite(clearance.lower) ? fmt::format("between {} and {} mm", lower, upper)
-                                          : fmt::format("at most {} mm", upper);
-  return std::isfinite(clearance.lower) ? fmt::format("at least {} mm", lower)
-         : clearance.lower > 0          ? "nothing near"
-                                        : "not known";
-}
-
-std::string counted(std::size_t count, const std::string& what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+  Table table(heading, rows, left);
+  std::set<std::string> keys;
+  for (const auto& row : rows) keys.insert(row.front());
+  if (keys.size() == rows.size() || table.fits()) return table.text();
+  // Numbers tell rows apart in the parts of the table.
+  std::vector<std::string> numbered_heading = {"row"};
+  numbered_heading.insert(numbered_heading.end(), heading.begin(), heading.end());
+  std::vector<std::vector<std::string>> numbered_rows;
+  for (const auto& row : rows) {
+    numbered_rows.push_back({fmt::format("{}", numbered_rows.size() + 1)});
+    numbered_rows.back().insert(numbered_rows.back().end(), row.begin(), row.end());
+  }
+  std::vector<std::size_t> numbered_left = {1};
+  for (const std::size_t column : left) numbered_left.push_back(column + 1);
+  return Table(numbered_heading, numbered_rows, numbered_left).text();
 }
 
 std::string formatBytes(std::size_t bytes) {

@@ -41,8 +41,12 @@ bool isQuiet();
 /// Shows `text` as the progress line, which is the last line of stderr and is rewritten. Cuts it at
 /// the terminal's width. Does nothing if stderr is not a terminal, and with --quiet.
 void showProgress(const std::string& text);
-/// Removes the progress line, if there is one.
+/// Removes the progress line, if there is one. Call it before anything else is printed, so that no
+/// output follows the line.
 void endProgress();
+/// Prints a message and a line break on stderr, without the progress line. On a terminal, breaks
+/// lines at spaces. Elsewhere a message stays one line, for programs that read it.
+void printMessage(const std::string& text);
 
 /// Progress of work in units: the number of the current unit, and the time for the rest at the pace
 /// so far.
@@ -52,8 +56,11 @@ class UnitProgress {
   explicit UnitProgress(std::size_t total, std::size_t kept = 0) : total_(total), kept_(kept) {}
   /// Call it when the next unit begins.
   void next(const std::string& unit);
+  /// Call it during work that follows the last unit and whose amount is not known.
+  void after(const std::string& work);
 
  private:
+  double elapsed() const;
   std::size_t total_, kept_, begun_ = 0;
   double shown_ = 0;  // when, since begin_ [s]
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
@@ -61,32 +68,23 @@ class UnitProgress {
 
 /// The width of text for an 80-column terminal.
 inline constexpr std::size_t kColumns = 80;
-/// Breaks the lines of prose at spaces so that they fit kColumns. Keeps longer words whole.
-std::string wrapped(const std::string& text);
+/// Breaks the lines of prose at spaces so that they fit kColumns. Further lines of a broken line
+/// begin with `indent` blanks. Keeps longer words whole.
+std::string wrapped(const std::string& text, std::size_t indent = 0);
+/// Breaks the lines of CLI11's help so that they fit kColumns. Descriptions stay in their column.
+/// Examples, which begin with two blanks and `leeway`, continue after a backslash.
+std::string wrappedHelp(const std::string& help);
 /// The words of a verdict, green or red if stdout is a terminal and NO_COLOR is not set.
 std::string verdictText(const std::string& words, bool good);
 
 /// A table with a rule under its heading. The first column and columns of words (`left`) are
 /// left-aligned, all others right-aligned. Fits kColumns: words in the last column wrap, and
-/// columns without room go into a further table, which begins with the first column again.
+/// columns without room go into a further table, which begins with the first column again. If
+/// that column does not tell the rows apart, all tables begin with the number of the row.
 std::string formatTable(const std::vector<std::string>& heading,
                         const std::vector<std::vector<std::string>>& rows,
                         const std::vector<std::size_t>& left = {});
 
-/// Decimal numbers that stay true bounds: rounded down, or up, at `digits` decimals. Infinity is
-/// "-".
-std::string formatLower(double value, int digits);
-std::string formatUpper(double value, int digits);
-
-/// The number of millimetres that both ends of an interval [m] round to, at two decimals; nothing
-/// if they differ. Ends within 1e-8 m count as the same number, the lower one.
-std::optional<std::string> figureOf(const planner::Interval& clearance);
-/// A clearance for people, with its unit. It is the interval's figure. If the interval has none and
-/// is at most 2e-6 m wide, it is the figure of the lower end, which is within 0.01 mm of the true
-/// value. Wider intervals give "between", "at least" and "at most", rounded outwards. Overlaps are
-/// "deep". (inf, inf) is "nothing near".
-std::string clearanceText(const planner::Interval& clearance);
-std::string counted(std::size_t count, const std::string& what);  ///< "1 edge", "2 edges"
 std::string formatBytes(std::size_t bytes);
 
 }  // namespace leeway::tools

@@ -33,8 +33,7 @@ void WarningLog::print(const std::vector<std::string>& warnings) {
     const auto [entry, first] = texts_.try_emplace(placed ? warning.substr(end + 2) : warning);
     if (entry->second.places.insert(place).second) entry->second.last = place;
     if (!first || isQuiet()) continue;
-    endProgress();
-    fmt::print(stderr, "warning: {}\n", warning);
+    printMessage("warning: " + warning);
   }
 }
 
@@ -42,8 +41,8 @@ void WarningLog::printCounts() const {
   for (const auto& [text, followers] : texts_) {
     const std::size_t more = followers.places.size() - 1;
     if (more > 0 && !isQuiet()) {
-      fmt::print(stderr, "warning: in {} more {}, last {}: {}\n", more,
-                 more == 1 ? "place" : "places", followers.last, text);
+      printMessage(fmt::format("warning: in {} more {}, last {}: {}", more,
+                               more == 1 ? "place" : "places", followers.last, text));
     }
   }
 }

@@ -8,6 +8,9 @@
 #include "leeway/planner/path_io.h"
 #include "leeway/robots/input_error.h"
 #include "tools/leeway/support/terminal.h"
+#include "tools/view/base/figures.h"
+#include "tools/view/document.h"
+#include "tools/view/picture.h"
 
 namespace leeway::tools::view {
 namespace {

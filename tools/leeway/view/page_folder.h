@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "tools/leeway/view/page.h"
+#include "tools/view/subject.h"
 
 namespace leeway::tools::view {
 

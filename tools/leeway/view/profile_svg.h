@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "tools/leeway/view/timeline.h"
+#include "tools/view/timeline.h"
 
 namespace leeway::tools {
 

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "tools/view/document.h"
+
+namespace leeway::tools::view {
+
+/// The options --view and --open of a verb.
+struct PageChoice {
+  std::string file;  ///< empty: no page
+  bool open = false;
+};
+void addPageOptions(CLI::App& app, PageChoice& choice);
+
+/// As expectPage() of the file, if there is one.
+inline void expectPage(const PageChoice& choice) {
+  if (!choice.file.empty()) expectPage(choice.file);
+}
+/// Writes the page as a whole. If `open`, also shows it in the user's browser.
+void writePage(const PageChoice& choice, const Subject& subject, const Subject* compared = nullptr);
+
+}  // namespace leeway::tools::view

@@ -1,0 +1,228 @@
+#include "tools/view/subject.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <sstream>
+
+#include "leeway/planner/verify.h"
+#include "tools/view/base/figures.h"
+#include "tools/view/base/scene_names.h"
+
+namespace leeway::tools::view {
+namespace {
+
+/// A file's name for a page. Pages are passed on, so they do not contain the machine's folders.
+std::string shownName(const std::string& file) {
+  const std::filesystem::path path(file);
+  return path.is_absolute() ? (path.parent_path().filename() / path.filename()).string() : file;
+}
+
+Subject begin(const planner::Problem& problem, const std::string& source) {
+  Subject subject{problem, shownName(source), {}, {}, {}, {}, {}, {}, {}, {}, false, {}, {}, {}};
+  subject.scene = subject.first_scene =
+      std::make_shared<const planner::CompiledScene>(shownProblem(problem));
+  const planner::Problem first = firstProblem(problem);
+  if (!problem.steps.empty())
+    subject.first_scene = std::make_shared<const planner::CompiledScene>(first);
+  subject.ends = endsOf(problem, first, subject.first_scene, *subject.scene);
+  return subject;
+}
+
+std::string endNote(const Subject& subject, const End& end) {
+  const PairNames names = pairNames(*subject.first_scene, end.check.pair);
+  const planner::Interval& clearance = end.check.clearance;
+  std::string text =
+      clearance.upper <= 0
+          ? fmt::format("{} is in collision: {} and {}, {} deep.", end.name, names.a, names.b,
+                        clearanceText({-clearance.upper, -clearance.lower}))
+          : fmt::format("{} is too near: {} and {}, {} apart; more than {:g} mm is required.",
+                        end.name, names.a, names.b, clearanceText(clearance),
+                        end.closest.margin * 1e3);
+  if (end.way_out.norm() > 0)
+    text += fmt::format(" The arrow shows a way out for {} alone: {} mm.", names.a,
+                        formatUpper(end.way_out.norm() * 1e3, 1));
+  return text;
+}
+
+void noteEnds(Subject& subject) {
+  for (const End& end : subject.ends) {
+    if (end.unreachable)
+      subject.notes.push_back(
+          fmt::format("No configuration was found for {}: its pose is drawn.", end.name));
+    if (end.check.verdict != planner::Verdict::kFree && end.check.pair >= 0)
+      subject.notes.push_back(endNote(subject, end));
+  }
+}
+
+void noteNothingChecked(const std::string& why, Subject& subject) {
+  subject.verdict = "nothing checked";
+  subject.notes.push_back("Nothing was checked: " + why + ".");
+}
+
+/// Notes the proven clearance, and the objective.
+void noteClearances(Subject& subject) {
+  if (std::isfinite(subject.least.all.clearance.lower))
+    subject.notes.push_back(fmt::format("The {} is proven for every point of every edge{}.",
+                                        leastText(subject.least), obstaclesText(subject.problem)));
+  else if (subject.least.all.clearance.lower > 0)
+    subject.notes.push_back("There is nothing else that it could touch.");
+  const planner::Objective& objective = subject.problem.objective;
+  if (const auto* clearance = std::get_if<planner::MaximumClearance>(&objective))
+    subject.notes.push_back(
+        fmt::format("Asked for: as much clearance as possible, {}.",
+                    clearance->of == planner::Pairs::kAll ? "of all pairs" : "from the world"));
+  else if (std::holds_alternative<planner::MinimumCost>(objective))
+    subject.notes.push_back("Asked for: a path that costs little, of length and nearness.");
+  else if (const double kept = std::get<planner::MinimumLength>(objective).clearance;
+           std::isfinite(kept))
+    subject.notes.push_back(
+        fmt::format("Asked for: a short path that keeps {:g} mm from the world.", kept * 1e3));
+}
+
+/// Certifies each edge, and notes those that fail.
+void certifyPath(const planner::PathEdges& edges, Subject& subject) {
+  planner::EdgeCertifier certifier(subject.scene);
+  const planner::Path& path = edges.path;
+  subject.good = true;
+  for (std::size_t i = 0; i < edges.places.size(); ++i) {
+    const planner::EdgeCheck check = certifier.certify(path.positions[i], path.positions[i + 1],
+                                                       planner::EdgeRequest::persistent());
+    if (check.verdict == planner::Verdict::kFree) continue;
+    const planner::PathEdges::Place& place = edges.places[i];
+    const double t = place.along(check.t);
+    subject.good = false;
+    const PairNames names = pairNames(*subject.scene, check.pair);
+    const char* what =
+        check.verdict == planner::Verdict::kNotFree ? "does not keep its margin" : "is undecided";
+    subject.notes.push_back(names.a.empty()
+                                ? fmt::format("Edge {} {} at t = {:.3f}.", place.segment, what, t)
+                                : fmt::format("Edge {} {} at t = {:.3f}: {} and {}.", place.segment,
+                                              what, t, names.a, names.b));
+  }
+}
+
+/// Proves a path with lines or constraints as `leeway verify` does.
+void verifyTask(const planner::Path& path, Subject& subject) {
+  const planner::VerifyResult result = planner::verify(subject.problem, path);
+  subject.good = result.status == planner::VerifyStatus::kCertified;
+  if (!subject.good) subject.notes.push_back(result.reason);
+}
+
+}  // namespace
+
+Subject subjectOfPath(const planner::Problem& problem, const std::string& source,
+                      const planner::Path& given, const planner::Certificate* certificate,
+                      const std::function<bool()>& stop) {
+  Subject subject = begin(problem, source);
+  const planner::PathEdges edges = planner::edgesOf(subject.scene->space(), given);
+  const planner::Path& path = edges.path;
+  subject.stages = stagesOf(problem, subject.scene, path);
+  subject.least = leastClearance(subject.stages, edges, stop);
+  if (certificate != nullptr)
+    narrow(subject.least, *certificate, certificate->world, certificate->self);
+  subject.timeline = timelineOfPath(problem, subject.scene, edges, subject.stages, subject.least);
+  std::string nothing;
+  for (const Stage& stage : subject.stages)
+    if (nothing.empty() && stage.scene) nothing = stage.scene->nothingChecked();
+  if (!nothing.empty()) {
+    noteNothingChecked(nothing, subject);
+    return subject;
+  }
+  if (problem.steps.empty() && problem.constraints.empty())
+    certifyPath(edges, subject);
+  else
+    verifyTask(path, subject);
+  subject.verdict = subject.good ? "certified" : "not certified";
+  if (subject.good) noteClearances(subject);
+  if (subject.good && !problem.constraints.empty())
+    if (const auto proven = planner::proveConstraints(*subject.scene, problem, path)) {
+      std::istringstream lines(constraintsText(problem, *proven));
+      for (std::string line; std::getline(lines, line);) subject.notes.push_back(line);
+    }
+  subject.notes.push_back(toString(countUnchecked(subject.first_scene->dropped())) + ".");
+  noteEnds(subject);
+  return subject;
+}
+
+Subject subjectOfPlan(const planner::Problem& problem, const std::string& source,
+                      const planner::PlanResult& result, SearchEdges searched,
+                      const std::function<bool()>& stop) {
+  if (result.status == planner::PlanStatus::kSolved ||
+      result.status == planner::PlanStatus::kPartial) {
+    Subject subject = subjectOfPath(problem, source, result.path, &result.certificate, stop);
+    subject.searched = std::move(searched);
+    if (!result.certificate.conditions.empty())
+      subject.notes.push_back(
+          "A condition of the program holds at the states that were looked at; nothing is proven "
+          "about it between them.");
+    subject.notes.push_back(
+        fmt::format("Solved with {}, seed {}: {}, length {:.3f}.", result.planner, result.seed,
+                    counted(result.certificate.segments.size(), "edge"), result.length));
+    return subject;
+  }
+  Subject subject = begin(problem, source);
+  subject.searched = std::move(searched);
+  const Stage first{{}, {}, 0, 0, firstProblem(problem), subject.first_scene};
+  const End* shown = &subject.ends.front();
+  if (result.status == planner::PlanStatus::kInvalidGoal)
+    for (auto end = subject.ends.rbegin(); end != subject.ends.rend(); ++end)
+      if (!end->unreachable && end->check.verdict != planner::Verdict::kFree) shown = &*end;
+  subject.shown = shown->name;
+  subject.timeline = timelineOfState(problem, subject.scene, first, shown->position);
+  if (result.status == planner::PlanStatus::kNothingChecked)
+    noteNothingChecked(result.reason, subject);
+  else if (!result.reason.empty())
+    subject.notes.push_back(result.reason + ".");
+  switch (result.status) {
+    case planner::PlanStatus::kNothingChecked:
+      break;
+    case planner::PlanStatus::kNotCompiled:
+      subject.verdict = "not compiled";
+      break;
+    case planner::PlanStatus::kInvalidStart:
+      subject.verdict = "start not valid";
+      break;
+    case planner::PlanStatus::kInvalidGoal:
+      subject.verdict = "goal not valid";
+      break;
+    default:
+      subject.verdict = "no path found";
+      subject.notes.push_back(fmt::format(
+          "{} ended after {:.2f} s, {} iterations and {} edges, {} of them undecided. "
+          "That no path was found does not prove that there is none.",
+          result.planner, result.plan_s, result.iterations, result.edges, result.undecided_edges));
+  }
+  noteEnds(subject);
+  return subject;
+}
+
+Subject subjectOfExecution(const planner::Problem& problem, const std::string& source,
+                           const std::vector<planner::ReplanStep>& steps,
+                           planner::ReplanStatus status) {
+  Subject subject = begin(problem, source);
+  const Stage whole{{}, {}, 0, 0, problem, subject.scene};
+  subject.timeline =
+      steps.empty() ? timelineOfState(problem, subject.scene, whole, subject.ends.front().position)
+                    : timelineOfSteps(problem, subject.scene, steps);
+  for (const planner::ReplanStep& step : steps)
+    subject.decisions.emplace_back(step.time, toString(step.decision));
+  const bool certified = std::all_of(steps.begin(), steps.end(),
+                                     [](const planner::ReplanStep& s) { return s.certified; });
+  subject.good = status == planner::ReplanStatus::kReached && certified;
+  subject.verdict = fmt::format("{}{}", toString(status), subject.good ? ", certified" : "");
+  if (status == planner::ReplanStatus::kNothingChecked)
+    noteNothingChecked(subject.scene->nothingChecked(), subject);
+  double lower = kInfinity;
+  for (const planner::ReplanStep& step : steps) lower = std::min(lower, step.clearance.lower);
+  if (certified && std::isfinite(lower))
+    subject.notes.push_back(
+        fmt::format("Every step is proven to keep at least {} mm while the obstacles move.",
+                    formatLower(lower * 1e3, 2)));
+  noteEnds(subject);
+  return subject;
+}
+
+}  // namespace leeway::tools::view
