@@ -501,7 +501,7 @@ class BallPass {
   HWY_INLINE bool isNearInner(const WorldCull& of, const Sweep::Core& box) {
     const Sweep::LanePiece& piece = s_.pieces[of.p];
     for (int i = piece.inner; i < piece.end; ++i) {
-      scratch_.work->add(kLaneBallWork);
+      scratch_.work.add(kLaneBallWork);
       if (contactWithObstacle(box, scratch_.balls[size(i)], of.below + s_.balls[size(i)].radius) !=
           0)
         return true;
