@@ -101,9 +101,9 @@ void sortBoxes(std::span<const Box> boxes, std::span<std::int32_t> order) {
   for (std::size_t i = 0; i < middles.size(); ++i) order[i] = middles[i].box;
 }
 
-// More boxes, or more balls, than this are sorted along a Morton curve, which is faster; for fewer,
-// halving gives tighter nodes. Balls of a cloud are nearly of one size and evenly spread, so that
-// their nodes are as tight either way.
+// More boxes, or more balls, than this are sorted along a Hilbert curve, which is faster; for
+// fewer, halving gives tighter nodes. Balls of a cloud are nearly of one size and evenly spread, so
+// that their nodes are as tight either way.
 constexpr std::size_t kManyBoxes = 1U << 16U, kManyBalls = 1U << 8U;
 
 // Spreads bits to every third position.
@@ -113,6 +113,45 @@ std::uint64_t spread(std::uint64_t x) {
   x = (x | x << 8U) & 0x100f00f00f00f00fU;
   x = (x | x << 4U) & 0x10c30c30c30c30c3U;
   return (x | x << 2U) & 0x1249249249249249U;
+}
+
+// Cells whose places along the curve are computed together, in vector registers.
+constexpr std::size_t kCells = 16;
+struct Cells {
+  std::uint32_t at[3][kCells];
+};
+
+// Turns cells such that the interleaved bits of one are its place along a Hilbert curve, on which
+// neighbours are next to each other (J. Skilling, "Programming the Hilbert curve", 2004). `bits`:
+// of each coordinate.
+void turnAlongCurve(Cells& cells, unsigned bits) {
+  const auto maskOf = [](std::uint32_t c, unsigned bit) { return 0U - (c >> bit & 1U); };
+  std::uint32_t* const first = cells.at[0];
+  for (unsigned bit = bits - 1; bit > 0; --bit) {
+    const std::uint32_t below = (1U << bit) - 1;
+    for (std::size_t i = 0; i < kCells; ++i) first[i] ^= below & maskOf(first[i], bit);
+    // Either inverts the lower bits of the first coordinate or exchanges them with the other's.
+    const auto turn = [&](std::uint32_t* other) {
+      for (std::size_t i = 0; i < kCells; ++i) {
+        const std::uint32_t inverts = below & maskOf(other[i], bit);
+        const std::uint32_t exchanged = (first[i] ^ other[i]) & below & ~inverts;
+        first[i] ^= inverts | exchanged;
+        other[i] ^= exchanged;
+      }
+    };
+    turn(cells.at[1]);
+    turn(cells.at[2]);
+  }
+  std::uint32_t* const last = cells.at[2];
+  std::uint32_t turned[kCells] = {};
+  for (std::size_t i = 0; i < kCells; ++i) {
+    cells.at[1][i] ^= first[i];
+    last[i] ^= cells.at[1][i];
+  }
+  for (unsigned bit = bits - 1; bit > 0; --bit)
+    for (std::size_t i = 0; i < kCells; ++i) turned[i] ^= ((1U << bit) - 1) & maskOf(last[i], bit);
+  for (int k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < kCells; ++i) cells.at[k][i] ^= turned[i];
 }
 
 // Sorts by the bits from `low` to `high`, which are not above 64; equal ones keep their order.
@@ -145,16 +184,23 @@ void sortAlongCurve(std::span<const Box> boxes, std::span<std::int32_t> order) {
   const Spread world = spreadOf(boxes, order);
   const float length = world.length(world.longest());
   const float cells = length > 0 ? most / length : 0;
-  std::vector<std::uint64_t> keys;
-  keys.reserve(order.size());
-  for (const std::int32_t i : order) {
-    std::uint64_t key = 0;
-    for (int k = 0; k < 3; ++k) {
-      const float cell = (middle(boxes[static_cast<std::size_t>(i)], k) - world.low[k]) * cells;
-      // Infinity and NaN get a cell, too; they only make nodes larger.
-      key = key << 1U | spread(static_cast<std::uint64_t>(cell >= 0 ? std::min(cell, most) : 0));
+  std::vector<std::uint64_t> keys(order.size());
+  for (std::size_t begin = 0; begin < order.size(); begin += kCells) {
+    const std::size_t count = std::min(kCells, order.size() - begin);
+    Cells block{};
+    for (std::size_t i = 0; i < count; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const Box& box = boxes[static_cast<std::size_t>(order[begin + i])];
+        const float at = (middle(box, k) - world.low[k]) * cells;
+        // Infinity and NaN get a cell, too; they only make nodes larger.
+        block.at[k][i] = static_cast<std::uint32_t>(at >= 0 ? std::min(at, most) : 0);
+      }
+    turnAlongCurve(block, of_axis);
+    for (std::size_t i = 0; i < count; ++i) {
+      std::uint64_t key = 0;
+      for (int k = 0; k < 3; ++k) key = key << 1U | spread(block.at[k][i]);
+      keys[begin + i] = key << of_number | static_cast<std::uint64_t>(order[begin + i]);
     }
-    keys.push_back(key << of_number | static_cast<std::uint64_t>(i));
   }
   sortByBits(keys, of_number, of_number + 3 * of_axis);
   const std::uint64_t number = (std::uint64_t{1} << of_number) - 1;
