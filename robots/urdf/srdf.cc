@@ -409,6 +409,23 @@ std::optional<VirtualJoint> readVirtualJoint(XmlFile& srdf, const std::string& r
   return joint;
 }
 
+std::string parentFrame(const RobotDescription& robot, const Stop& stop) {
+  const int root = robot.links.empty() ? -1 : robot.links.front().joint;
+  if (robot.srdf_file.empty() || root < 0) return {};
+  LoadOptions options;
+  options.xacro = robot.read_with.xacro;
+  options.stop = stop;
+  const XmlFile srdf(robot.srdf_file, "SRDF", options);
+  const std::string& name = robot.joints[static_cast<std::size_t>(root)].name;
+  for (const XMLElement* e = srdf.root().FirstChildElement("virtual_joint"); e != nullptr;
+       e = e->NextSiblingElement("virtual_joint"))
+    if (const char* frame = e->Attribute("parent_frame");
+        frame != nullptr && e->Attribute("name", name.c_str()) != nullptr &&
+        e->Attribute("child_link", robot.links.front().name.c_str()) != nullptr)
+      return frame;
+  return {};
+}
+
 void readSrdf(XmlFile& srdf, RobotDescription& model) {
   SrdfReader(srdf, model).read();
   for (std::string& warning : srdf.takeWarnings()) model.warnings.push_back(std::move(warning));

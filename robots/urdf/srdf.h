@@ -24,6 +24,10 @@ std::optional<VirtualJoint> readVirtualJoint(XmlFile& srdf, const std::string& r
                                              std::span<const std::string> joints,
                                              RobotDescription& model);
 
+/// The parent_frame of the virtual joint in the SRDF that the robot was read from, which MoveIt
+/// calls the world; empty: none. Reads the file again. Throws InputError, Stopped.
+std::string parentFrame(const RobotDescription& robot, const Stop& stop);
+
 /// Adds groups, group states, disabled pairs and the file's warnings to a model whose links, joints
 /// and variables are complete. Throws InputError for a file that is no SRDF.
 void readSrdf(XmlFile& srdf, RobotDescription& model);

@@ -60,7 +60,7 @@ void readDefaults(const YamlReader& map, Matrix& matrix) {
     if (by_default)
       name_items[i].fail(fmt::format("'{}' stands twice in {}; once is expected",
                                      name_items[i].text(), names->where()));
-    by_default = items[i].boolean();
+    by_default = readMoveitBoolean(items[i]);
   }
 }
 
@@ -80,7 +80,7 @@ Matrix readMatrix(const YamlReader& map) {
     // MoveIt's own writer nests the row under `enabled`.
     const YamlReader flags = row.isMap() ? row.at("enabled", "a list of true and false") : row;
     std::vector<bool> line;
-    for (const YamlReader& flag : flags.items()) line.push_back(flag.boolean());
+    for (const YamlReader& flag : flags.items()) line.push_back(readMoveitBoolean(flag));
     if (line.size() != matrix.names.size())
       flags.fail(fmt::format("{} has {} entries for {} names; equally many are expected",
                              flags.where(), line.size(), matrix.names.size()));

@@ -12,6 +12,7 @@
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/problem/moveit/fields.h"
+#include "planner/problem/moveit/header_frames.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/validate/checks.h"
 
@@ -20,25 +21,6 @@ namespace {
 
 using robots::Pose;
 using robots::PoseRegion;
-
-/// The pose in the world of the frame in a header; without a name, of the planning frame.
-Pose headerPose(const YamlReader& constraint, const Problem& problem) {
-  const auto header = constraint.find("header");
-  const auto id = header && header->isMap() ? header->find("frame_id") : std::nullopt;
-  if (!hasContent(id)) return Pose();
-  const std::string name = id->text();
-  if (name == "world" || name == problem.robot.model->links[0].name) return Pose();
-  FramePose pose;  // of any frame, because only its reference matters
-  pose.frame = constraint.at("link_name", "the name of a link").text();
-  pose.relative_to = name;
-  pose.position.fill({0, 0});
-  pose.rpy.fill({0, 0});
-  try {
-    return poseRegion(problem, pose).X_WR;
-  } catch (const std::invalid_argument& error) {
-    id->fail(fmt::format("{}: {}", id->where(), error.what()));
-  }
-}
 
 int constrainedLink(const YamlReader& constraint, const Problem& problem) {
   const YamlReader name = constraint.at("link_name", "the name of a link");
@@ -91,7 +73,8 @@ PoseRegion anywhere(int link) {
 
 }  // namespace
 
-PoseRegion readPositionConstraint(const YamlReader& constraint, Problem& problem) {
+PoseRegion readPositionConstraint(const YamlReader& constraint, HeaderFrames& frames,
+                                  Problem& problem) {
   PoseRegion region = anywhere(constrainedLink(constraint, problem));
   if (const auto offset = constraint.find("target_point_offset"); hasContent(offset))
     region.X_LF.translation = readMoveitVector(*offset);
@@ -104,7 +87,7 @@ PoseRegion readPositionConstraint(const YamlReader& constraint, Problem& problem
                                 allowed.where(), primitives.items().size(), poses.items().size()));
   const Eigen::Vector3d half = boxWithin(primitives.items()[0]);
   for (int i = 0; i < 3; ++i) region.position[at(i)] = {-half[i], half[i]};
-  region.X_WR = headerPose(constraint, problem) *
+  region.X_WR = frames.ofConstraint(constraint) *
                 readMoveitPose(poses.items()[0], "position", "orientation", problem.warnings);
   return region;
 }
@@ -112,14 +95,15 @@ PoseRegion readPositionConstraint(const YamlReader& constraint, Problem& problem
 /// MoveIt allows R = R_wanted D with D = Rx(a) Ry(b) Rz(c), |a|, |b|, |c| at most the tolerances.
 /// With Q = Ry(90 degrees), which turns z to x and x to -z, Q^T D Q = Rz(a) Ry(b) Rx(-c): roll,
 /// pitch and yaw of F Q in R_wanted Q.
-PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& problem) {
+PoseRegion readOrientationConstraint(const YamlReader& constraint, HeaderFrames& frames,
+                                     Problem& problem) {
   PoseRegion region = anywhere(constrainedLink(constraint, problem));
   const Eigen::Matrix3d wanted = rotationFromQuaternion(readMoveitQuaternion(
       constraint.at("orientation", "a quaternion [x, y, z, w]"), problem.warnings));
   Eigen::Matrix3d Q;
   Q << 0, 0, 1, 0, 1, 0, -1, 0, 0;
   region.X_LF.rotation = Q;
-  region.X_WR = headerPose(constraint, problem) * Pose{wanted * Q, Eigen::Vector3d::Zero()};
+  region.X_WR = frames.ofConstraint(constraint) * Pose{wanted * Q, Eigen::Vector3d::Zero()};
   const char* keys[] = {"absolute_z_axis_tolerance", "absolute_y_axis_tolerance",
                         "absolute_x_axis_tolerance"};  // roll, pitch, yaw
   double tolerance[3];
@@ -156,8 +140,8 @@ Constraint checked(Constraint constraint, const YamlReader& place, const Problem
 
 }  // namespace
 
-Constraint readPathPosition(const YamlReader& constraint, Problem& problem) {
-  const PoseRegion region = readPositionConstraint(constraint, problem);
+Constraint readPathPosition(const YamlReader& constraint, HeaderFrames& frames, Problem& problem) {
+  const PoseRegion region = readPositionConstraint(constraint, frames, problem);
   Constraint path;
   path.frame = problem.robot.model->links[at(region.link)].name;
   if (!region.X_LF.translation.isZero(0)) {
@@ -180,10 +164,11 @@ Constraint readPathPosition(const YamlReader& constraint, Problem& problem) {
 /// t, then |a|, |b| and |c| are at most t, because cos(a) cos(b), cos(b) cos(c) and sin(b) are
 /// entries of D. If D may have any c and tilts the frame's z by at most t, then |a| and |b| are at
 /// most t. If it may have any a and tilts x by at most t, then |b| and |c| are.
-std::optional<Constraint> readPathOrientation(const YamlReader& constraint, Problem& problem) {
+std::optional<Constraint> readPathOrientation(const YamlReader& constraint, HeaderFrames& frames,
+                                              Problem& problem) {
   Constraint path;
   path.frame = problem.robot.model->links[at(constrainedLink(constraint, problem))].name;
-  path.X_SR = headerPose(constraint, problem);
+  path.X_SR = frames.ofConstraint(constraint);
   const Eigen::Matrix3d wanted = rotationFromQuaternion(readMoveitQuaternion(
       constraint.at("orientation", "a quaternion [x, y, z, w]"), problem.warnings));
   const auto form = constraint.find("parameterization");

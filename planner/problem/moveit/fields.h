@@ -16,6 +16,8 @@
 
 namespace leeway::planner {
 
+class HeaderFrames;
+
 /// Fails if the message `name` ("PlanningScene") or one inside it has a key that is not a field of
 /// it, or a value that is not a message where one is expected. O(keys * fields).
 void expectMessage(const YamlReader& reader, std::string_view name);
@@ -25,6 +27,9 @@ bool hasContent(const std::optional<YamlReader>& value);
 
 /// Fails if the key has content. `accepted` says what is expected instead.
 void refuseContent(const YamlReader& map, std::string_view key, std::string_view accepted);
+
+/// Reads a truth value: true or false, or True or False as ROS 1 prints them.
+bool readMoveitBoolean(const YamlReader& reader);
 
 /// Reads a point: a list of three numbers, or x, y, z.
 Eigen::Vector3d readMoveitVector(const YamlReader& reader);
@@ -58,7 +63,8 @@ class SceneObjects {
 };
 
 /// Reads objects of a moveit_msgs/PlanningScene into problem.world.
-void readSceneObjects(const YamlReader& scene, const robots::LoadOptions& load, Problem& problem);
+void readSceneObjects(const YamlReader& scene, const robots::LoadOptions& load,
+                      HeaderFrames& frames, Problem& problem);
 
 /// Reads objects of MoveIt's text format (.scene) into problem.world.
 void readTextScene(const std::string& path, const robots::LoadOptions& load, Problem& problem);
@@ -67,7 +73,7 @@ void readTextScene(const std::string& path, const robots::LoadOptions& load, Pro
 /// from the request's start_state and the scene's robot_state. `scene` may be null. Call it after
 /// reading start and objects.
 void readAttachedObjects(const YamlReader* scene, const YamlReader& request,
-                         const robots::LoadOptions& load, Problem& problem);
+                         const robots::LoadOptions& load, HeaderFrames& frames, Problem& problem);
 
 /// Reads `link_padding` of a scene, and refuses a `link_scale` other than 1.
 LinkPadding readLinkPadding(const YamlReader& scene, const robots::Model& model);
@@ -78,18 +84,22 @@ void readAllowedCollisions(const YamlReader& scene, Problem& problem);
 
 /// Reads one entry of position_constraints (the point of a link in a box within its primitive) or
 /// of orientation_constraints. Neither allows more than MoveIt does (constraints.cc).
-robots::PoseRegion readPositionConstraint(const YamlReader& constraint, Problem& problem);
-robots::PoseRegion readOrientationConstraint(const YamlReader& constraint, Problem& problem);
+robots::PoseRegion readPositionConstraint(const YamlReader& constraint, HeaderFrames& frames,
+                                          Problem& problem);
+robots::PoseRegion readOrientationConstraint(const YamlReader& constraint, HeaderFrames& frames,
+                                             Problem& problem);
 
 /// The same as constraints of a path. Neither allows more than MoveIt does. An orientation that may
 /// be any is left out, with a warning.
-Constraint readPathPosition(const YamlReader& constraint, Problem& problem);
-std::optional<Constraint> readPathOrientation(const YamlReader& constraint, Problem& problem);
+Constraint readPathPosition(const YamlReader& constraint, HeaderFrames& frames, Problem& problem);
+std::optional<Constraint> readPathOrientation(const YamlReader& constraint, HeaderFrames& frames,
+                                              Problem& problem);
 
-/// Read group, start and goals of a moveit_msgs/MotionPlanRequest. Goals may be relative to all
-/// else.
+/// Read group, start and goals of a moveit_msgs/MotionPlanRequest. The start also takes what only
+/// the scene's robot_state says; `scene` may be null. Goals may be relative to all else.
 void readRequestGroup(const YamlReader& request, Problem& problem);
-void readRequestStart(const YamlReader& request, Problem& problem);
-void readRequestGoals(const YamlReader& request, Problem& problem);
+void readRequestStart(const YamlReader* scene, const YamlReader& request, HeaderFrames& frames,
+                      Problem& problem);
+void readRequestGoals(const YamlReader& request, HeaderFrames& frames, Problem& problem);
 
 }  // namespace leeway::planner

@@ -1,16 +1,47 @@
 // Reads MoveIt's planning scene and motion plan request as YAML, as MotionBenchMaker writes them.
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <set>
 #include <string>
 
 #include "planner/problem/fail_at.h"
 #include "planner/problem/moveit/fields.h"
+#include "planner/problem/moveit/header_frames.h"
 #include "planner/problem/read_meshes.h"
 #include "robots/base/read_file.h"
 #include "robots/base/read_on.h"
 
 namespace leeway::planner {
+namespace {
+
+void warnAt(const YamlReader& place, const std::string& what, Problem& problem) {
+  problem.warnings.push_back(
+      fmt::format("{}:{}: {} {}", place.file(), place.line(), place.where(), what));
+}
+
+/// Warns of a scene that is a change of another one, which is not known.
+void warnOfChange(const YamlReader& scene, Problem& problem) {
+  if (const auto diff = scene.find("is_diff"); hasContent(diff) && readMoveitBoolean(*diff))
+    warnAt(*diff, "is true: objects and contacts of the scene that it changes are not known here",
+           problem);
+}
+
+/// Warns of settings of the request that other keys give here.
+void warnOfSettings(const YamlReader& request, Problem& problem) {
+  for (const auto& [key, setting] :
+       {std::pair("max_velocity_scaling_factor", "execution.speed"),
+        std::pair("max_acceleration_scaling_factor", "execution.accelerations")})
+    if (const auto factor = request.find(key);
+        hasContent(factor) && factor->number() != 0 && factor->number() != 1)
+      warnAt(*factor, fmt::format("is left out; {} says it", setting), problem);
+  if (const auto speed = request.find("max_cartesian_speed");
+      hasContent(speed) && speed->number() > 0)
+    warnAt(*speed, "is left out: only speeds of joints are limited", problem);
+}
+
+}  // namespace
 
 Problem loadMoveitUnpadded(std::shared_ptr<const robots::Model> model,
                            const std::string& scene_path, const std::string& request_path,
@@ -32,26 +63,33 @@ Problem loadMoveitUnpadded(std::shared_ptr<const robots::Model> model,
   robots::readOn(errors, [&] {
     if (scene) expectMessage(*scene, "PlanningScene");
   });
+  HeaderFrames frames(problem, options.load.stop);
+  const YamlReader* const messages = scene ? &*scene : nullptr;
+  robots::readOn(errors, [&] { readRequestStart(messages, request, frames, problem); });
+  if (!scene && !problem.world.objects.empty()) frames.warnOfPlacedBase(scene_path, 1, "the scene");
   robots::readOn(errors, [&] {
-    if (scene) readSceneObjects(*scene, options.load, problem);
+    if (scene) warnOfChange(*scene, problem);
   });
-  // The start comes from the request, because robot_state in the scene is all zeros in every file
-  // of MotionBenchMaker.
-  robots::readOn(errors, [&] { readRequestStart(request, problem); });
   robots::readOn(errors, [&] {
-    readAttachedObjects(scene ? &*scene : nullptr, request, options.load, problem);
+    if (scene) frames.readTransforms(*scene);
   });
+  robots::readOn(errors, [&] {
+    if (scene) readSceneObjects(*scene, options.load, frames, problem);
+  });
+  robots::readOn(errors,
+                 [&] { readAttachedObjects(messages, request, options.load, frames, problem); });
   robots::readOn(errors, [&] {
     if (scene) readAllowedCollisions(*scene, problem);
   });
   robots::readOn(errors, [&] {
     if (scene) padding = readLinkPadding(*scene, *problem.robot.model);
   });
-  robots::readOn(errors, [&] { readRequestGoals(request, problem); });
+  robots::readOn(errors, [&] { readRequestGoals(request, frames, problem); });
   robots::readOn(errors, [&] {
     if (const auto time = request.find("allowed_planning_time"); time && time->number() > 0)
       problem.limits.time = time->number();
   });
+  robots::readOn(errors, [&] { warnOfSettings(request, problem); });
   return problem;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <utility>
 
 #include "leeway/collision/triangle_mesh.h"
 #include "planner/problem/moveit/fields.h"
@@ -168,6 +169,12 @@ Object readCollisionObject(const YamlReader& map, const robots::LoadOptions& loa
   readShapes(map, "planes", "plane_poses", object, warnings, [](const YamlReader& plane) {
     return std::pair(Shape::halfSpace(), readPlane(plane));
   });
+  // As in MoveIt, an object of one shape without a pose stands where its shape does. Frames that
+  // name it refer to that.
+  const bool has_pose = object.X_WO.rotation != Eigen::Matrix3d::Identity() ||
+                        object.X_WO.translation != Eigen::Vector3d::Zero();
+  if (!has_pose && object.geometries.size() == 1 && !hasContent(map.find("planes")))
+    std::swap(object.X_WO, object.geometries[0].X_BG);
   for (collision::Geometry& g : object.geometries)
     g.shape = robots::treatedMesh(g.shape, {object.name}, load);
   return object;

@@ -3,59 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <set>
 #include <stdexcept>
 
-#include "leeway/robots/kinematics.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/problem/moveit/fields.h"
+#include "planner/problem/moveit/header_frames.h"
 #include "planner/problem/read_shapes.h"
 #include "planner/validate/names.h"
 
 namespace leeway::planner {
-namespace {
 
 using robots::Model;
 using robots::Pose;
-
-/// Reads a text that may be missing. MoveIt writes an empty text if a value is not set.
-std::string optionalText(const YamlReader& map, std::string_view key) {
-  const auto value = map.find(key);
-  return hasContent(value) ? value->text() : std::string();
-}
-
-/// The frames that objects may refer to, with their poses in the planning frame (the robot's root).
-using Frames = std::map<std::string, Pose>;
-
-Frames readFrames(const YamlReader& scene, const Model& model, std::vector<std::string>& warnings) {
-  Frames frames = {{"", Pose()}, {"world", Pose()}, {model.links[0].name, Pose()}};
-  const auto transforms = scene.find("fixed_frame_transforms");
-  if (!hasContent(transforms)) return frames;
-  for (const YamlReader& entry : transforms->items()) {
-    const YamlReader name = entry.at("child_frame_id", "the name of a frame");
-    frames[name.text()] = readMoveitPose(entry.at("transform", "translation and rotation"),
-                                         "translation", "rotation", warnings);
-  }
-  return frames;
-}
-
-Pose framePose(const YamlReader& object, const Frames& frames) {
-  const auto header = object.find("header");
-  if (!header || !header->isMap()) return Pose();
-  const std::string name = optionalText(*header, "frame_id");
-  const auto found = frames.find(name);
-  if (found == frames.end()) {
-    std::vector<std::string> known;
-    for (const auto& frame : frames)
-      if (!frame.first.empty()) known.push_back(frame.first);
-    header->fail(
-        fmt::format("unknown frame '{}' in {}{}", name, header->where(), didYouMean(name, known)));
-  }
-  return found->second;
-}
-
-}  // namespace
 
 bool hasContent(const std::optional<YamlReader>& value) {
   if (!value || value->isEmpty()) return false;
@@ -69,6 +29,13 @@ bool hasContent(const std::optional<YamlReader>& value) {
 void refuseContent(const YamlReader& map, std::string_view key, std::string_view accepted) {
   if (const auto value = map.find(key); hasContent(value))
     value->fail(fmt::format("{} is not supported; {} is expected", value->where(), accepted));
+}
+
+bool readMoveitBoolean(const YamlReader& reader) {
+  if (reader.isScalar())
+    if (const std::string word = reader.text(); word == "True" || word == "False")
+      return word == "True";
+  return reader.boolean();
 }
 
 Eigen::Vector3d readMoveitVector(const YamlReader& vector) {
@@ -134,7 +101,7 @@ std::string readBytes(const YamlReader& data) {
 
 /// Reads octomap_msgs/OctomapWithPose as an object with the name that MoveIt's matrices use for it.
 /// Unknown space is free, as in MoveIt.
-void readOctomap(const YamlReader& map, const Frames& frames, SceneObjects& objects,
+void readOctomap(const YamlReader& map, HeaderFrames& frames, SceneObjects& objects,
                  std::vector<std::string>& warnings) {
   const auto octree = map.find("octomap");
   if (!octree || !octree->isMap()) return;
@@ -144,9 +111,14 @@ void readOctomap(const YamlReader& map, const Frames& frames, SceneObjects& obje
   OctreeData read;
   read.id = octree->at("id", "OcTree").text();
   read.resolution = octree->at("resolution", "the edge of the smallest cells [m]").number();
-  read.binary = octree->at("binary", "true or false").boolean();
+  read.binary = readMoveitBoolean(octree->at("binary", "true or false"));
   read.data = bytes;
-  Object object{"<octomap>", {}, framePose(map, frames)};
+  // As in MoveIt, the frame is that of the outer header.
+  if (const auto header = octree->find("header"); hasContent(header))
+    if (const auto id = header->find("frame_id"); hasContent(id))
+      warnings.push_back(fmt::format("{}:{}: {} is not used; {}.header.frame_id says the frame",
+                                     id->file(), id->line(), id->where(), map.where()));
+  Object object{"<octomap>", {}, frames.ofObject(map)};
   if (const auto origin = map.find("origin"); origin && origin->isMap())
     object.X_WO = object.X_WO * readMoveitPose(*origin, "position", "orientation", warnings);
   try {
@@ -160,12 +132,12 @@ void readOctomap(const YamlReader& map, const Frames& frames, SceneObjects& obje
 
 }  // namespace
 
-void readSceneObjects(const YamlReader& scene, const robots::LoadOptions& load, Problem& problem) {
+void readSceneObjects(const YamlReader& scene, const robots::LoadOptions& load,
+                      HeaderFrames& frames, Problem& problem) {
   const auto world = scene.find("world");
   if (!world || world->isNull()) return;
   const auto octomap = world->find("octomap"), list = world->find("collision_objects");
   if (!hasContent(octomap) && !hasContent(list)) return;
-  const Frames frames = readFrames(scene, *problem.robot.model, problem.warnings);
   SceneObjects objects(problem);
   if (hasContent(octomap) && octomap->isMap())
     octomap->readOn([&] { readOctomap(*octomap, frames, objects, problem.warnings); });
@@ -173,7 +145,7 @@ void readSceneObjects(const YamlReader& scene, const robots::LoadOptions& load, 
   list->eachItem([&](const YamlReader& entry) {
     const bool is_whole = entry.readOn([&] {
       Object object = readCollisionObject(entry, load, problem.warnings);
-      object.X_WO = framePose(entry, frames) * object.X_WO;
+      object.X_WO = frames.ofObject(entry) * object.X_WO;
       objects.add(entry.file(), entry.line(), std::move(object));
     });
     // If reading goes on, attached objects may still name this one.
@@ -194,9 +166,10 @@ int readLink(const YamlReader& name, const Model& model) {
 }
 
 /// Reads one moveit_msgs/AttachedCollisionObject, attached while the robot is at the problem's
-/// start. An object without shapes is the object of the world with that name.
-void readAttached(const YamlReader& map, const Frames& scene_frames,
-                  const robots::LoadOptions& load, Problem& problem) {
+/// start. An object without shapes is the object of the world with that name. `of_scene`: the
+/// scene attaches it, not the request.
+void readAttached(const YamlReader& map, bool of_scene, const robots::LoadOptions& load,
+                  HeaderFrames& frames, Problem& problem) {
   const Model& model = *problem.robot.model;
   const YamlReader link_name = map.at("link_name", "the link that holds it");
   const YamlReader of = map.at("object", "the object that is held");
@@ -207,9 +180,6 @@ void readAttached(const YamlReader& map, const Frames& scene_frames,
   refuseContent(of, "planes", "a held object of primitives or meshes");
   held.object = readCollisionObject(of, load, problem.warnings);
 
-  std::vector<Pose> X_WL(model.links.size());
-  robots::forwardKinematics(model, problem.start, X_WL);
-  const std::size_t link = static_cast<std::size_t>(held.link);
   auto& world = problem.world.objects;
   const auto in_world = std::find_if(world.begin(), world.end(), [&](const Object& object) {
     return object.name == held.object.name;
@@ -221,17 +191,13 @@ void readAttached(const YamlReader& map, const Frames& scene_frames,
           held.object.name));
     held.object = std::move(*in_world);
     world.erase(in_world);
-    held.X_LO = X_WL[link].inverse() * held.object.X_WO;
+    held.X_LO = frames.inLink(of, held.object.X_WO, held.link, of_scene);
   } else {
     const bool is_taken = in_world != world.end() || model.findLink(held.object.name) >= 0;
     if (const std::string fault = objectNameFault(held.object.name, is_taken); !fault.empty())
       of.fail(fmt::format("object '{}' {}", held.object.name, fault));
     // Its pose is in the frame of a link, usually its own, or in a frame of the scene.
-    Frames frames = scene_frames;
-    for (std::size_t i = 0; i < X_WL.size(); ++i) frames[model.links[i].name] = X_WL[i];
-    for (auto& [name, pose] : frames) pose = X_WL[link].inverse() * pose;
-    frames[model.links[link].name] = Pose();  // exactly the identity
-    held.X_LO = framePose(of, frames) * held.object.X_WO;
+    held.X_LO = frames.inLink(of, held.link, of_scene) * held.object.X_WO;
   }
   held.object.X_WO = Pose();
   problem.robot.attachments.push_back(std::move(held));
@@ -240,29 +206,35 @@ void readAttached(const YamlReader& map, const Frames& scene_frames,
 }  // namespace
 
 void readAttachedObjects(const YamlReader* scene, const YamlReader& request,
-                         const robots::LoadOptions& load, Problem& problem) {
+                         const robots::LoadOptions& load, HeaderFrames& frames, Problem& problem) {
   const auto heldIn = [](const std::optional<YamlReader>& state) {
     const auto held = state && state->isMap() ? state->find("attached_collision_objects")
                                               : std::optional<YamlReader>();
     return hasContent(held) ? held->items() : std::vector<YamlReader>();
   };
-  Frames frames = {{"", Pose()}, {"world", Pose()}};
-  if (scene != nullptr) frames = readFrames(*scene, *problem.robot.model, problem.warnings);
   std::set<std::string> names;
-  const auto read = [&](const YamlReader& map) {
-    readAttached(map, frames, load, problem);
+  const auto read = [&](const YamlReader& map, bool of_scene) {
+    readAttached(map, of_scene, load, frames, problem);
     if (!names.insert(problem.robot.attachments.back().object.name).second)
       map.fail("the object is held twice; once is expected");
   };
-  for (const YamlReader& map : heldIn(request.find("start_state"))) read(map);
+  const auto start = request.find("start_state");
+  for (const YamlReader& map : heldIn(start)) read(map, false);
   if (scene == nullptr) return;
-  // The start comes from the request, which may place an attached object elsewhere than the scene
-  // does.
+  // The request may place an attached object elsewhere than the scene does.
   const std::set<std::string> requested = names;
+  const auto diff = hasContent(start) ? start->find("is_diff") : std::nullopt;
+  const bool changes_scene = !hasContent(start) || (hasContent(diff) && readMoveitBoolean(*diff));
   for (const YamlReader& map : heldIn(scene->find("robot_state"))) {
     const auto object = map.find("object");
     const auto id = object && object->isMap() ? object->find("id") : std::nullopt;
-    if (!id || !id->isScalar() || requested.count(std::string(id->text())) == 0) read(map);
+    if (id && id->isScalar() && requested.count(std::string(id->text())) != 0) continue;
+    read(map, true);
+    if (!changes_scene)
+      problem.warnings.push_back(
+          fmt::format("{}:{}: '{}' is held as the scene says; MoveIt would drop it, because "
+                      "start_state.is_diff is not true",
+                      map.file(), map.line(), problem.robot.attachments.back().object.name));
   }
 }
 

@@ -365,10 +365,10 @@ TEST_F(MoveitImport, FramesMoveObjects) {
   const Problem problem =
       load(transforms + replaced(kObjects, "frame_id: \"\"", "frame_id: cell"), kRequest);
   EXPECT_EQ(problem.world.objects[1].X_WO.translation, Eigen::Vector3d(1, 2, 3));
-  EXPECT_NE(
-      messageOf(replaced(kObjects, "frame_id: \"\"", "frame_id: cell"), kRequest)
-          .find("unknown frame 'cell' in world.collision_objects[1].header; known: torso, world"),
-      std::string::npos)
+  EXPECT_NE(messageOf(replaced(kObjects, "frame_id: \"\"", "frame_id: cell"), kRequest)
+                .find("unknown frame 'cell' in world.collision_objects[1].header.frame_id; known: "
+                      "world, torso"),
+            std::string::npos)
       << messageOf(replaced(kObjects, "frame_id: \"\"", "frame_id: cell"), kRequest);
 }
 
@@ -550,8 +550,8 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
   expect(kScene,
          replaced(request, "joint_names: [base_joint], transforms: [{rotation: [0, 0, 0, 1]",
                   "joint_names: [left_joint], transforms: [{rotation: [0, 0, 1, 0]"),
-         "request.yaml:7: joint 'left_joint' is not floating, but placed elsewhere; the identity "
-         "is expected");
+         "request.yaml:7: joint 'left_joint' is neither planar nor floating, but placed "
+         "elsewhere; the identity is expected");
 }
 
 /// A field that is misspelt would otherwise be taken for one that is not there: the world with it.
@@ -569,7 +569,7 @@ robot_state:
       detach_posture: {header: {}, joint_names: [], points: [{positions: [], velocities: [], accelerations: [], effort: [], time_from_start: {sec: 0, nanosec: 0}}]}
       object: {id: held, header: {frame_id: left}, primitives: [{type: sphere, dimensions: [0.01]}], primitive_poses: [{position: [0, 0, 1]}]}
 fixed_frame_transforms:
-  - {header: {frame_id: torso}, child_frame_id: hall, transform: {translation: {x: 0, y: 0, z: 9}, rotation: {x: 0, y: 0, z: 0, w: 1}}}
+  - {header: {frame_id: world}, child_frame_id: hall, transform: {translation: {x: 0, y: 0, z: 9}, rotation: {x: 0, y: 0, z: 0, w: 1}}}
 allowed_collision_matrix:
   entry_names: [left]
   entry_values: [{enabled: [false]}]
