@@ -195,6 +195,13 @@ class MotionWriter {
   SavedFiles& files_;
 };
 
+/// FNV-1a of 64 bits.
+std::uint64_t hashOf(const std::string& text) {
+  std::uint64_t hash = 14695981039346656037U;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
+  return hash;
+}
+
 }  // namespace
 
 std::string SavedFiles::add(const std::string& owner, const std::string& ending,
@@ -203,7 +210,9 @@ std::string SavedFiles::add(const std::string& owner, const std::string& ending,
   std::string name;
   for (const char c : owner.substr(0, 40))
     name += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ? c : '_';
-  const std::string file = fmt::format("{}_{}{}", files_.size() + 1, name, ending);
+  // Other contents have another name, so that no file of another problem is replaced.
+  const std::string file =
+      fmt::format("{}_{}_{:016x}{}", files_.size() + 1, name, hashOf(content), ending);
   files_.emplace_back(file, std::move(content));
   return folder_ + "/" + file;
 }

@@ -251,6 +251,31 @@ TEST(SaveProblem, KeepsTheSpeedOfLines) {
   EXPECT_EQ(problemDifference(problem, faster), "steps[0]");
 }
 
+/// Problems that share a folder of files do not replace each other's.
+TEST(SaveProblem, LeavesTheFilesOfOtherProblemsAlone) {
+  const auto withMesh = [](double size) {
+    Problem problem = ball();
+    const std::vector<Eigen::Vector3d> corners = {
+        {0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size}};
+    const std::vector<collision::TriangleMesh::Triangle> faces = {
+        {0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+    problem.world.objects[0].geometries[0].shape =
+        Shape::mesh(collision::TriangleMesh::make(corners, faces));
+    return problem;
+  };
+  const Folder folder;
+  const Problem small = withMesh(0.01), large = withMesh(0.3);
+  saveProblem(small, folder.path("x.yaml"));
+  saveProblem(large, folder.path("x.yml"));
+  EXPECT_EQ(problemDifference(small, loadProblem(folder.path("x.yaml"))), "");
+  EXPECT_EQ(problemDifference(large, loadProblem(folder.path("x.yml"))), "");
+  // Where the problem itself cannot be written, what was there stays as it was.
+  std::filesystem::create_directories(folder.path("y.yaml"));
+  saveProblem(small, folder.path("y.yml"));
+  EXPECT_THROW(saveProblem(large, folder.path("y.yaml")), robots::InputError);
+  EXPECT_EQ(problemDifference(small, loadProblem(folder.path("y.yml"))), "");
+}
+
 TEST(SaveProblem, RefusesWhatFilesCannotSay) {
   const Folder folder;
   const std::string file = folder.write("kept.yaml", "as it was");
