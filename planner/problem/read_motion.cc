@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -289,12 +292,45 @@ void expectAlone(const YamlReader& map, std::string_view key,
       found->fail(fmt::format("key '{}' stands beside '{}'; one of them is expected", other, key));
 }
 
+/// Turns of half a turn to within this angle [rad] are refused: 3.1416 and 3.14159 are both meant
+/// as half a turn, and go opposite ways.
+constexpr double kWrittenHalfTurn = 1e-3;
+
+/// Checks the way from the key before the last one to the last, which goes the shorter way round.
+/// `turn`: the angles about x, y and z between them as they are written [rad], or NaN.
+void expectOneWay(const YamlReader& item, const std::vector<PoseMotion::Key>& keys,
+                  const Eigen::Vector3d& turn, std::vector<std::string>& warnings) {
+  if (keys.size() < 2) return;
+  const Eigen::AngleAxisd way(keys[keys.size() - 2].X_WB.rotation.transpose() *
+                              keys.back().X_WB.rotation);
+  if (way.angle() > std::numbers::pi - kWrittenHalfTurn)
+    item.fail(
+        fmt::format("{} is half a turn from the key before it, and the way round is not "
+                    "known; a key between them is expected",
+                    item.where()));
+  double most = 0;
+  for (const double angle : turn)
+    if (std::abs(angle) > most) most = std::abs(angle);
+  if (most > std::numbers::pi)
+    warnings.push_back(fmt::format(
+        "{}:{}: {} differs from the key before it by {} rad as written; the object turns the "
+        "shorter way, by {} rad",
+        item.file(), item.line(), item.where(), most, way.angle()));
+}
+
 std::shared_ptr<const PoseMotion> readKeys(const YamlReader& list,
                                            std::vector<std::string>& warnings) {
   std::vector<PoseMotion::Key> keys;
+  // NaN where a key is written in another way.
+  const Eigen::Vector3d other = Eigen::Vector3d::Constant(std::nan(""));
+  Eigen::Vector3d before = other;
   for (const YamlReader& item : list.items()) {
     item.expectKeys(keysOf("moving_key"));
     keys.push_back({item.at("time", "a time in s").number(), readPose(item, warnings)});
+    const auto written = item.find("rpy");
+    const Eigen::Vector3d rpy = written ? written->vector3() : other;
+    expectOneWay(item, keys, rpy - before, warnings);
+    before = rpy;
   }
   return PoseMotion::keys(std::move(keys));
 }

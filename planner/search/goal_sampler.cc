@@ -153,6 +153,9 @@ void GoalSampler::drawPoses(PoseGoal& drawn, GoalPoints& result,
   std::string reason;
   if (unreachable)
     reason = "out of reach: proven";
+  else if (drawn.found.empty() && constraints_)
+    reason = fmt::format(
+        "no joint values that also keep the constraints were found for it from {} starts", starts);
   else if (drawn.found.empty())
     reason = fmt::format(
         "no joint values were found for it from {} starts; the nearest are {:.3g} mm and {:.3g} "

@@ -124,7 +124,13 @@ Problem placeStart(const Problem& problem, const std::function<bool()>& stop) {
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(task));
   GoalSampler sampler(certifier, task, problem.seed);
   GoalPoints points = sampler.first([] { return false; });
-  if (!points.reason.empty()) throw robots::InputError(problem.name, 0, points.reason);
+  if (!points.reason.empty()) {
+    // The start was searched as a goal.
+    const std::string as_goal = "goal '" + task.goals[0].name + "': ";
+    throw robots::InputError(
+        problem.name, 0,
+        "start: " + points.reason.substr(points.reason.starts_with(as_goal) ? as_goal.size() : 0));
+  }
   std::vector<double> start;
   if (points.points.empty())
     // Planning from the nearest configuration reports the obstacle.

@@ -146,12 +146,16 @@ std::optional<Fault> constraintFault(const Problem& problem, const Constraint& c
   return std::nullopt;
 }
 
+/// The least distance between states at which a condition is looked at [rad or m]. Less takes
+/// minutes for one path.
+constexpr double kLeastResolution = 1e-4;
+
 std::optional<std::string> constraintsFault(const Problem& problem) {
   if (!isConstrained(problem)) return std::nullopt;
-  if (problem.condition.accept &&
-      !(problem.condition.resolution > 0 && std::isfinite(problem.condition.resolution)))
-    return fmt::format("condition.resolution is {}; a distance above 0 is expected",
-                       problem.condition.resolution);
+  if (problem.condition.accept && !(problem.condition.resolution >= kLeastResolution &&
+                                    std::isfinite(problem.condition.resolution)))
+    return fmt::format("condition.resolution is {}; a distance of at least {} is expected",
+                       problem.condition.resolution, kLeastResolution);
   std::set<std::string_view> names;
   for (std::size_t i = 0; i < problem.constraints.size(); ++i)
     if (const std::string& name = problem.constraints[i].name;

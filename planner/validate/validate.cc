@@ -10,6 +10,7 @@
 #include "collision/base/numbers.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/planner/planners.h"
+#include "leeway/robots/groups.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/did_you_mean.h"
@@ -276,12 +277,33 @@ void takeStep(const Step& step, Problem& world, bool is_first) {
   }
 }
 
+namespace {
+
+/// Returns which planned joint moves none of the frames that place the start: nothing says where it
+/// stands. Constraints may place others.
+std::optional<std::string> unplacedFault(const Problem& problem) {
+  if (problem.start_poses.empty() || !problem.constraints.empty()) return std::nullopt;
+  for (const int v : problem.robot.variables)
+    if (std::none_of(problem.start_poses.begin(), problem.start_poses.end(),
+                     [&](const robots::PoseRegion& region) {
+                       return robots::movesLink(*problem.robot.model, {&v, 1}, region.link);
+                     }))
+      return fmt::format(
+          "start says nothing of {}, which moves none of the frames that have a pose; a pose of a "
+          "frame that it moves, or joint values, are expected",
+          variableText(*problem.robot.model, v));
+  return std::nullopt;
+}
+
+}  // namespace
+
 void validate(const Problem& problem) {
   checkRobot(problem);
   checkWorld(problem);
   checkNames(problem);
   if (const auto wrong = posesFault(problem, problem.start_poses))
     refuse(problem, "start has a pose: " + *wrong);
+  require(problem, unplacedFault(problem));
   for (const Goal& goal : problem.goals) require(problem, goalFault(problem, goal));
   checkSteps(problem);
   for (std::size_t i = 0; i < problem.constraints.size(); ++i)

@@ -122,6 +122,11 @@ TEST_F(Groups, HavePosesOfTheirOwn) {
   EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
   EXPECT_EQ(loadProblem(write(kStart, "{right: any, " + left + "}")).goals[0].poses.size(), 1U);
   EXPECT_EQ(loadProblem(write("{" + left + ", " + right + "}", "ahead")).start_poses.size(), 2U);
+  // A start says where both arms are.
+  for (const std::string& one : {"{" + left + "}", "{" + left + ", right: any}"})
+    robots::expectInputError(
+        [&] { loadProblem(write(one, "ahead")); }, folder_.path("problem.yaml"), 0,
+        {"start says nothing of joint 'r_a', which moves none of the frames that have a pose"});
   expect(kStart, "{" + left + ", right: out}", 4, "goal.right gives joint values");
   expect(kStart, "{right: {pose: {frame: l2, position: [[0.2, 0.25], [0.6, 0.7], 0]}}}", 4,
          "no joint of group 'right' moves 'l2'");

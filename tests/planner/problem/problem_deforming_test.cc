@@ -290,6 +290,25 @@ TEST_F(ProblemDeforming, ObjectsThatMove) {
   EXPECT_EQ(objects[3].motion, nullptr);
 }
 
+/// The shorter way is not the way that the numbers seem to say.
+TEST_F(ProblemDeforming, TurnsOfKeysBeyondHalfATurnAreSaid) {
+  const auto warnings = [&](const std::string& from, const std::string& to) {
+    const Problem problem = load(
+        "objects:\n  - name: door\n    box: {size: [1, 0.1, 1]}\n    moving: {keys: [{time: 0, "
+        "rpy: "
+        "[0, 0, " +
+        from + "]}, {time: 4, rpy: [0, 0, " + to + "]}]}\n");
+    return std::count_if(problem.warnings.begin(), problem.warnings.end(), [](const auto& warning) {
+      return warning.find("as written; the object turns the shorter way") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(warnings("0", "3.1"), 0);
+  EXPECT_EQ(warnings("-1.5", "1.5"), 0);
+  EXPECT_EQ(warnings("0", "4.71"), 1);
+  EXPECT_EQ(warnings("3.1", "-3.1"), 1);
+  EXPECT_EQ(warnings("0", "6.2831853"), 1);
+}
+
 TEST_F(ProblemDeforming, MessagesOfObjectsThatMove) {
   const std::string head = "objects:\n  - name: cart\n";  // line 11
   const std::string box = head + "    box: {size: [1, 1, 1]}\n";
@@ -312,7 +331,9 @@ TEST_F(ProblemDeforming, MessagesOfObjectsThatMove) {
   refused("{keys: [{position: [0, 0, 0]}]}", "key 'time' is missing");
   refused("{keys: [{time: 0, pose: 1}]}", "unknown key 'pose'");
   refused("{keys: [{time: 1}, {time: 1}]}", "keys[1].time is not after");
-  refused("{keys: [{time: 0}, {time: 1, rpy: [0, 0, 3.14159265358979]}]}", "half a turn");
+  for (const char* half : {"3.14159265358979", "3.14159", "3.1416", "-3.142"})
+    refused(std::string("{keys: [{time: 0}, {time: 1, rpy: [0, 0, ") + half + "]}]}",
+            "objects[0].moving.keys[1] is half a turn from the key before it");
   expectRefused(box + "    position: [1, 0, 0]\n    moving: {keys: [{time: 0}]}\n", 13,
                 "key 'position' stands beside 'moving.keys'");
   expectRefused(head + "    half_space: {}\n    moving: {velocity: [0, 0, 1]}\n", 13, "half-space");
