@@ -18,8 +18,12 @@ bool isAccepted(const py::object& accept, std::span<const double> states, std::s
     const auto count = static_cast<py::ssize_t>(states.size() / columns);
     const py::object answer = accept(array(std::vector<double>(states.begin(), states.end()),
                                            {count, static_cast<py::ssize_t>(columns)}));
-    const auto accepted = py::array_t<bool, py::array::c_style>::ensure(answer);
-    if (!accepted || accepted.ndim() != 1 || accepted.shape(0) != count) {
+    // Nothing but bools: a text would count by its length.
+    const auto given = py::array::ensure(answer);
+    const bool are_bools = given && given.dtype().kind() == 'b';
+    const auto accepted = are_bools ? py::array_t<bool, py::array::c_style>::ensure(given)
+                                    : py::array_t<bool, py::array::c_style>(0);
+    if (!are_bools || !accepted || accepted.ndim() != 1 || accepted.shape(0) != count) {
       PyErr_Clear();
       throw py::type_error("accept(states) did not return " + std::to_string(count) +
                            " bools, one a state");

@@ -131,6 +131,8 @@ planner::Step stepOf(const planner::Problem& problem, const TaskStep& given) {
       for (const FramePose& pose : poses) move->poses.push_back(pose.given);
     else
       move->goal = goalOf(problem, given.goal);
+    // As in files, a goal that is not a group state has the step's name.
+    if (move->poses.empty() && !py::isinstance<py::str>(given.goal)) move->goal.name = step.name;
   }
   for (const py::handle item : py::list(given.allowed)) {
     const NamePairs pairs = namePairs(problem, item, "allowed");

@@ -433,13 +433,14 @@ def test_a_condition_in_python_restricts_the_search(robot, world):
     assert refused.status == "invalid_goal" and "the condition does not accept it" in refused.reason
     with pytest.raises(ZeroDivisionError):
         leeway.plan_where(problem, lambda states: 1 / 0)
-    for wrong in (lambda states: True, lambda states: [True], lambda states: "x", lambda states: None):
+    for wrong in (lambda states: True, lambda states: [True], lambda states: "x", lambda states: None,
+                  lambda states: ["no"] * len(states), lambda states: [1] * len(states), lambda states: np.full(len(states), "")):
         with pytest.raises(TypeError, match="bools"):
             leeway.plan_where(problem, wrong)
     for settings, what in (({"planner": "RRTConnect"}, "planner 'RRTConnect' does not keep"), ({"objective": "clearance"}, "another objective")):
         with pytest.raises(leeway.InputError, match="there is a condition, .*" + what):
             leeway.plan_where(leeway.Problem(problem, **settings), accept)
-    for wrong in (0, -1, float("nan")):
+    for wrong in (0, -1, float("nan"), 1e-300, 1e-9, 9e-5, float("inf")):
         with pytest.raises(ValueError, match="resolution"):
             leeway.plan_where(problem, accept, resolution=wrong)
     stopped = leeway.plan_where(problem, lambda states: (states[:, 0] < -0.7) | (states[:, 0] > 0.7), stop=lambda: True)

@@ -103,6 +103,15 @@ def test_the_shipped_task_and_its_twin_in_python(tmp_path):
     assert leeway.plan_many([made])[0].path.tobytes() == result.path.tobytes()
 
 
+def test_moves_to_values_are_saved(robot, tmp_path):
+    values = robot.state("upright")
+    for goal in (values, list(values), dict(zip(robot.joint_names, values)), "upright"):
+        for name in (None, "home"):
+            problem = leeway.Problem(robot, leeway.World(), "ready", steps=[TaskStep.move(goal, name=name), TaskStep.move("ready")])
+            problem.save(tmp_path / "task.yaml")
+            assert leeway.plan(leeway.load(tmp_path / "task.yaml")).path.tobytes() == leeway.plan(problem).path.tobytes()
+
+
 def test_a_task_that_fails_says_where(robot, world):
     start = robot.state("ready")
     start[0] = -0.8
