@@ -1,3 +1,5 @@
+#include <chrono>
+#include <filesystem>
 #include <regex>
 #include <set>
 
@@ -299,6 +301,18 @@ TEST_F(Batch, ResumeTriesBadInputAgain) {
   file.out = read("lines.json");
   EXPECT_EQ(problemsOf(file.lines()), (std::vector<std::string>{"late/1.yaml", "reach.yaml"}));
   EXPECT_EQ(file.lines()[0]["status"], "solved");
+}
+
+TEST_F(Batch, ResumePlansChangedProblemsAgain) {
+  ASSERT_EQ(run("batch reach.yaml empty.yaml --output lines.json").status, 0);
+  write("reach.yaml", replaced(kReach, "goal: left", "goal: [0.5, 0.5]"));
+  // The clock of files may be coarse.
+  fs::last_write_time(folder_ / "reach.yaml",
+                      fs::last_write_time(folder_ / "lines.json") + std::chrono::seconds(1));
+  const Answer answer = run("batch reach.yaml empty.yaml --output lines.json --resume");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_NE(answer.err.find("1 kept from the run before"), std::string::npos) << answer.err;
+  EXPECT_NE(read("lines.json").find("0.5,0.5]"), std::string::npos) << read("lines.json");
 }
 
 TEST_F(Batch, ResumeRefusesAnotherRunsFile) {

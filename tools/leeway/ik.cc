@@ -271,6 +271,10 @@ int runIk(const IkArguments& arguments) {
   problem.start = q;
   problem.robot.variables = variables;
   problem.goals.clear();
+  if (!problem.constraints.empty()) {
+    printWarnings({"constraints of the problem are not looked at: solutions may break them"});
+    problem.constraints.clear();
+  }
 
   const robots::InverseKinematics solver(problem.robot.model, variables);
   robots::IkOptions options;

@@ -25,10 +25,11 @@ BatchOutput::BatchOutput(std::string path, const std::vector<BatchItem>& items, 
     return;
   }
   if (resume) {
-    if (std::filesystem::exists(partialPath())) {
-      keepLinesOf(partialPath(), options);
-    } else if (std::filesystem::exists(path_)) {
-      keepLinesOf(path_, options);
+    for (const std::string& file : {partialPath(), path_}) {
+      if (!std::filesystem::exists(file)) continue;
+      keepLinesOf(file, options);
+      dropChanged(file, items);
+      break;
     }
     kept_ = lines_.size();
   }
@@ -78,6 +79,18 @@ void BatchOutput::keepLinesOf(const std::string& file, const Json& options) {
       lines_[problem] = line;
     }
   }
+}
+
+void BatchOutput::dropChanged(const std::string& file, const std::vector<BatchItem>& items) {
+  const auto written = std::filesystem::last_write_time(file);
+  const auto isNewer = [&](const std::string& path) {
+    std::error_code error;
+    const auto changed = std::filesystem::last_write_time(path, error);
+    return !error && changed > written;
+  };
+  for (const BatchItem& item : items)
+    if (isNewer(item.problem) || (!item.request.empty() && isNewer(item.request)))
+      lines_.erase(item.problem);
 }
 
 std::string BatchOutput::linesInOrder() const {

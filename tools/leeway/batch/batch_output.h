@@ -16,7 +16,8 @@ namespace leeway::tools {
 class BatchOutput {
  public:
   /// `path` empty: stdout. With `resume`, keeps the lines of an interrupted (or finished) run,
-  /// except lines that report bad input, so that these problems are tried again. Throws
+  /// except lines that report bad input and lines of files that are newer than FILE, so that these
+  /// problems are tried again. Throws
   /// robots::InputError if a kept line does not belong to this batch, or if its key `options`
   /// differs from `options`.
   BatchOutput(std::string path, const std::vector<BatchItem>& items, bool resume,
@@ -37,6 +38,8 @@ class BatchOutput {
 
  private:
   void keepLinesOf(const std::string& file, const Json& options);
+  /// Drops the lines of problems whose own files were changed after `file` was written.
+  void dropChanged(const std::string& file, const std::vector<BatchItem>& items);
   std::string linesInOrder() const;
 
   std::string path_;
