@@ -749,16 +749,29 @@ constexpr int kSpareStopRows = 16;
 /// a typical value of arm controllers.
 constexpr double kTimeToVelocityLimit = 0.5;
 
-/// A blended corner has this number of parts of constant acceleration along it. Twice the number
-/// gains less than 1 % of its time.
-constexpr int kBendCells = 16;
-
 /// Maximum number of chords that prove a blend [power of two]. A blend that would need more is not
 /// tried.
 constexpr int kBlendChords = 128;
 
-/// Number of cuts that are tried: half of the shorter edge, then each half of the previous one
-/// [count].
+/// The search for blends: speeds that are tried at a corner, each 0.71 of the one before; rounds
+/// over all corners [count]; and the share of its time by which a blend must be better.
+constexpr int kBlendSpeeds = 16;
+constexpr int kBlendRounds = 6;
+constexpr double kBlendGain = 1e-3;
+/// And the speed of two corners that become faster at once, as a share of the limit.
+constexpr double kBlendStart = 0.3;
+
+/// Waypoints of a motion are left out up to this distance from the line between those beside them
+/// [rad or m].
+constexpr double kStraightening = 0.1;
+
+/// Cuts keep this share of a path's clearance above the margins, which is known this well [m].
+constexpr double kCutShare = 0.5;
+constexpr double kCutClearance = 1e-3;
+
+/// A blend without a proof is made shorter by this share, this often [count]; then the motion
+/// stops.
+constexpr double kBlendShrink = 0.6;
 constexpr int kBlendTries = 7;
 
 /// Maximum number of rows of a sampled trajectory [count]: a few hundred megabytes.
@@ -769,6 +782,10 @@ constexpr double kMostRows = 1e6;
 /// How far beyond its tolerance a verified pose may be [m, rad]. It covers the rounding of the
 /// verifier's own kinematics, and of angles in a file that are whole turns away.
 constexpr double kVerifyPose = 1e-12;
+
+/// The largest coefficient of a cubic between rows that is verified [rad or m]. A sum of three of
+/// them rounds by less than kVerifyRounding allows for.
+constexpr double kVerifyCubic = 100;
 
 /// Tolerance of a distance that alone decides [m].
 constexpr double kVerifyTolerance = 1e-9;

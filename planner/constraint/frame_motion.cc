@@ -60,7 +60,12 @@ void FrameMotion::begin(std::span<const double> a, std::span<const double> b) {
   a_ = a;
   b_ = b;
   space_->difference(a, b, dq_);
-  for (std::size_t i = 0; i < dq_.size(); ++i) variables_dq_[at(space_->variables()[i])] = dq_[i];
+  move(dq_);
+}
+
+void FrameMotion::move(std::span<const double> difference) {
+  for (std::size_t i = 0; i < difference.size(); ++i)
+    variables_dq_[at(space_->variables()[i])] = difference[i];
   robots::jointMotion(space_->model(), joints_, variables_dq_, moved_);
   turns_ = 0;
   for (const int joint : joints_) turns_ += moved_[at(joint)].angle;
@@ -93,6 +98,11 @@ double FrameMotion::speed(int parts) {
     p0 = p1;
   }
   return speed * (1 + kLineRounding);
+}
+
+ChordDeparture FrameMotion::reach(std::span<const double> difference) {
+  move(difference);
+  return {robots::speedBound(space_->model(), motion_, moved_), turns_};
 }
 
 ChordDeparture FrameMotion::rounding() const {

@@ -40,6 +40,9 @@ class FrameMotion {
   /// A bound on the speed of the frame's origin anywhere on the edge, for t from 0 to 1 [m], from
   /// one for each of `parts`. O(joints * parts).
   double speed(int parts);
+  /// Bounds how far the frame moves, from any configuration, if joints move by `difference`: its
+  /// origin, and ends of unit vectors fixed to it. Ends the question about an edge. O(joints).
+  ChordDeparture reach(std::span<const double> difference);
   /// Bound on rounding in all of these: of lengths [m], and relative to a unit vector.
   ChordDeparture rounding() const;
 
@@ -50,6 +53,8 @@ class FrameMotion {
   double size_ = 0;  ///< farthest coordinates that poses are computed from [m]
   robots::RelativeMotion motion_;
   std::vector<int> chain_, joints_;
+  void move(std::span<const double> difference);
+
   std::span<const double> a_, b_;
   std::vector<double> dq_, variables_dq_, point_, q_;
   std::vector<robots::JointMotion> moved_;

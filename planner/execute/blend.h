@@ -1,26 +1,53 @@
 #pragma once
 
-// Private to planner/: the geometry of cut corners. `before` and `after` are the differences of the
-// two edges at the corner; see ConfigurationSpace::difference().
+// Private to planner/: the geometry of cut corners, and its proof. `before` and `after` are the
+// differences of the two edges at the corner; see ConfigurationSpace::difference().
 
+#include <memory>
 #include <span>
+#include <vector>
 
-#include "leeway/planner/configuration_space.h"
+#include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/trajectory.h"
+#include "leeway/robots/motion_bound.h"
 
 namespace leeway::planner {
 
-/// Euclidean norm.
-double norm(std::span<const double> v);
-
-/// Whether the second edge continues the first in its direction, within kInLine.
-bool inLine(std::span<const double> first, std::span<const double> second);
-
-/// Whether the space has orientations of floating joints.
-bool hasRotation(const ConfigurationSpace& space);
-
-/// The point at t in [0, 1] of the quadratic Bezier curve that cuts the corner over `length`.
+/// The point of a blend at t in [0, 1] of its time.
 void blendPoint(const ConfigurationSpace& space, std::span<const double> corner,
-                std::span<const double> before, std::span<const double> after, double length,
+                std::span<const double> before, std::span<const double> after, const Blend& blend,
                 double t, std::span<double> result);
+
+/// Its derivative with respect to t, or its second one.
+void blendDerivative(std::span<const double> before, std::span<const double> after,
+                     const Blend& blend, double t, bool second, std::span<double> result);
+
+/// How far a blend departs from the two edges at most: at t, it is a share of this difference, of
+/// at most 1, from the point that passes the corner at half of the time.
+std::vector<double> blendDeparture(std::span<const double> before, std::span<const double> after,
+                                   const Blend& blend);
+
+/// Proves blends of one path.
+class BlendProof {
+ public:
+  explicit BlendProof(const std::shared_ptr<const CompiledScene>& scene);
+
+  /// Whether the whole blend is proven to keep the margins, and joints their limits. Certifies up
+  /// to kBlendChords edges.
+  bool holds(std::span<const double> corner, std::span<const double> before,
+             std::span<const double> after, const Blend& blend);
+
+ private:
+  bool wraps(std::span<const double> corner, std::span<const double> before,
+             std::span<const double> after, const Blend& blend) const;
+  double displacement();
+
+  const CompiledScene& scene_;
+  const ConfigurationSpace& space_;
+  EdgeCertifier certifier_;
+  std::size_t size_;
+  std::vector<double> bend_, point_, next_, dq_;
+  std::vector<robots::JointMotion> motion_;
+};
 
 }  // namespace leeway::planner

@@ -1,5 +1,7 @@
 #include "planner/execute/motion_limits.h"
 
+#include <cmath>
+#include <stdexcept>
 #include <string>
 
 #include "collision/base/numbers.h"
@@ -19,7 +21,24 @@ double jerkLimit(const robots::Variable& variable) {
   return variable.jerk > 0 && variable.jerk <= kMostLimit ? variable.jerk : kInfinity;
 }
 
+void requireLimits(std::span<const double> limits, std::size_t size, const char* what,
+                   bool infinite) {
+  if (limits.size() != size)
+    throw std::invalid_argument("trajectory: " + std::to_string(limits.size()) + " limits of " +
+                                what + " for " + std::to_string(size) + " variables");
+  for (const double x : limits)
+    if (!(x > 0) || (!infinite && !std::isfinite(x)))
+      throw std::invalid_argument("trajectory: a limit of " + std::string(what) + " is " +
+                                  std::to_string(x) + ", it must be positive");
+}
+
 }  // namespace
+
+void requireLimits(const MotionLimits& limits, std::size_t size) {
+  requireLimits(limits.velocity, size, "velocity", false);
+  requireLimits(limits.acceleration, size, "acceleration", false);
+  if (!limits.jerk.empty()) requireLimits(limits.jerk, size, "jerk", true);
+}
 
 double velocityLimit(const robots::Variable& variable) {
   const double limit = variable.velocity;
@@ -48,10 +67,12 @@ MotionLimits motionLimits(const Problem& problem) {
     const robots::Variable& variable = problem.robot.model->variables[at(v)];
     const auto acceleration = execution.accelerations.find(variable.name);
     const auto jerk = execution.jerks.find(variable.name);
-    limits.acceleration.push_back(acceleration != execution.accelerations.end()
-                                      ? acceleration->second
-                                      : accelerationLimit(variable, limits.velocity[i]));
-    limits.jerk.push_back(jerk != execution.jerks.end() ? jerk->second : jerkLimit(variable));
+    const double most_acceleration = acceleration != execution.accelerations.end()
+                                         ? acceleration->second
+                                         : accelerationLimit(variable, limits.velocity[i]);
+    const double most_jerk = jerk != execution.jerks.end() ? jerk->second : jerkLimit(variable);
+    limits.acceleration.push_back(most_acceleration * execution.acceleration_scale);
+    limits.jerk.push_back(most_jerk * execution.jerk_scale);
     ++i;
   }
   return limits;

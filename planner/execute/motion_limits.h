@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "leeway/planner/problem.h"
+#include "leeway/planner/trajectory.h"
 
 namespace leeway::planner {
 
@@ -14,5 +14,9 @@ std::vector<double> velocityLimits(const Problem& problem);
 
 /// A variable's own velocity limit; kDefaultVelocity if it has none [rad/s or m/s].
 double velocityLimit(const robots::Variable& variable);
+
+/// Throws std::invalid_argument unless there are `size` positive limits of each kind, all finite
+/// but those of jerk, which may be left out.
+void requireLimits(const MotionLimits& limits, std::size_t size);
 
 }  // namespace leeway::planner

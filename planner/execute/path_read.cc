@@ -13,6 +13,7 @@
 #include "planner/base/cells.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
+#include "planner/execute/leg.h"
 #include "planner/execute/trajectory_samples.h"
 #include "planner/yaml/yaml_reader.h"
 #include "robots/base/read_file.h"
@@ -31,9 +32,11 @@ struct Table {
   struct Row {
     std::vector<double> values;
     int line;
-    std::optional<double> time = {};  ///< [s]
+    std::optional<double> time = {};      ///< [s]
+    std::vector<double> velocities = {};  ///< of the columns in `values`
   };
   std::vector<Row> rows;
+  bool cubic = false;  ///< rows have times and velocities, with cubics between them
   std::vector<PathStep> steps;
 };
 
@@ -77,6 +80,22 @@ double readTime(const YamlReader& time) {
   return seconds;
 }
 
+/// Reads the velocities of rows, whose certificate says that they move on cubics.
+void readVelocities(const YamlReader& rows, Table& table) {
+  table.cubic = true;
+  std::size_t i = 0;
+  for (const YamlReader& item : rows.items()) {
+    Table::Row& row = table.rows[i++];
+    const YamlReader velocities =
+        item.at("velocities", "a list of numbers, because the interpolation is cubic,");
+    row.velocities = velocities.numbers();
+    if (row.velocities.size() != row.values.size())
+      velocities.fail(
+          fmt::format("{} velocities; {} are expected", row.velocities.size(), row.values.size()));
+    if (!row.time) item.fail("has no time_from_start, which cubics need");
+  }
+}
+
 Table readTrajectory(const YamlReader& file) {
   if (!file.isMap())
     file.fail("is no map; joint_names and points (trajectory_msgs/JointTrajectory) are expected");
@@ -97,6 +116,12 @@ Table readTrajectory(const YamlReader& file) {
     const auto time = plain ? std::nullopt : item.find("time_from_start");
     if (time && !time->isNull()) table.rows.back().time = readTime(*time);
   }
+  const auto certificate = source.find("certificate");
+  const auto interpolation = certificate && certificate->isMap()
+                                 ? certificate->find("interpolation")
+                                 : std::optional<YamlReader>();
+  if (!plain && interpolation && interpolation->isScalar() && interpolation->text() == kCubic)
+    readVelocities(rows, table);
   if (const auto steps = source.find("steps"))
     for (const YamlReader& step : steps->items()) {
       PathStep read;
@@ -211,6 +236,32 @@ Table readCsv(const std::string& file, std::vector<std::string>* warnings) {
   return table;
 }
 
+/// Takes the velocities of a CSV file that has its time and that of each planned variable.
+void takeVelocities(const Problem& problem, Table& table) {
+  const auto column = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find(table.names.begin(), table.names.end(), name) -
+                                    table.names.begin());
+  };
+  std::vector<std::pair<std::size_t, std::size_t>> columns;  // of a position and its velocity
+  for (const std::string& name : plannedNames(problem))
+    columns.emplace_back(column(name), column(name + std::string(kVelocityEnding)));
+  const std::size_t count = table.names.size();
+  const auto isComplete = [&](const Table::Row& row) {
+    return row.time && row.values.size() == count;
+  };
+  if (!std::all_of(columns.begin(), columns.end(),
+                   [&](const auto& c) { return std::max(c.first, c.second) < count; }) ||
+      !std::all_of(table.rows.begin(), table.rows.end(), isComplete) ||
+      hasRotation(ConfigurationSpace(problem.robot.model, problem.robot.variables)))
+    return;
+  table.cubic = true;
+  for (Table::Row& row : table.rows) {
+    row.velocities.assign(count, 0);
+    for (const auto& [position, velocity] : columns)
+      row.velocities[position] = row.values[velocity];
+  }
+}
+
 /// Rows of numbers in the group's order, with blanks or commas between them.
 Table readMatrix(const std::string& file, std::vector<std::string>* warnings) {
   Table table;
@@ -309,6 +360,17 @@ void expectTimes(const std::string& file, const Table& table, const Path& path) 
   }
 }
 
+/// Refuses cubics that take no time.
+void expectDurations(const std::string& file, const Table& table, const Path& path) {
+  for (std::size_t i = 1; i < path.times.size(); ++i)
+    if (!(path.times[i] > path.times[i - 1]))
+      throw InputError(
+          file, table.rows[i].line,
+          fmt::format("the row's time is {} s, as that of line {}; times that rise are "
+                      "expected, because the interpolation is cubic",
+                      path.times[i], table.rows[i - 1].line));
+}
+
 /// Refuses turns that no certifier accepts.
 void expectEdges(const std::string& file, const Table& table, const ConfigurationSpace& space,
                  const Path& path) {
@@ -328,13 +390,17 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
   Path path;
   path.names = plannedNames(problem);
   path.steps = table.steps;
+  if (table.cubic && !options.cubics && options.warnings != nullptr)
+    options.warnings->push_back(
+        file + ": lines join its rows here, and cubics in its motion, which 'verify' proves");
+  const bool cubic = table.cubic && options.cubics;
   if (table.rows.empty()) throw InputError(file, 0, "holds no waypoint; at least one is expected");
   for (const Table::Row& row : table.rows) {
     if (row.values.size() != columns.size())
       throw InputError(
           file, row.line,
           fmt::format("a row of {} numbers; {} are expected", row.values.size(), columns.size()));
-    std::vector<double> point(problem.robot.variables.size());
+    std::vector<double> point(problem.robot.variables.size()), velocity(cubic ? point.size() : 0);
     for (std::size_t c = 0; c < columns.size(); ++c) {
       if (columns[c] == kIgnored) continue;
       const auto place =
@@ -343,12 +409,20 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
         requirePassive(file, row.line, row.values[c], columns[c], problem);
       else
         point[static_cast<std::size_t>(place - problem.robot.variables.begin())] = row.values[c];
+      if (cubic && place != problem.robot.variables.end())
+        velocity[static_cast<std::size_t>(place - problem.robot.variables.begin())] =
+            row.velocities[c];
+    }
+    if (cubic) {
+      path.times.push_back(*row.time);
+      path.velocities.push_back(std::move(velocity));
     }
     normaliseRotations(file, row.line, space, point);
     path.positions.push_back(std::move(point));
   }
   if (options.shortest) path.positions = unwrapped(space, std::move(path.positions));
   expectTimes(file, table, path);
+  expectDurations(file, table, path);
   expectEdges(file, table, space, path);
   return path;
 }
@@ -360,7 +434,11 @@ Path readPath(const std::string& file, const Problem& problem, const PathReading
   const std::string ending = robots::endingOf(file);
   if (ending == ".json" || ending == ".yaml" || ending == ".yml")
     return matched(file, readTrajectory(YamlReader::load(file)), problem, options);
-  if (ending == ".csv") return matched(file, readCsv(file, options.warnings), problem, options);
+  if (ending == ".csv") {
+    Table table = readCsv(file, options.warnings);
+    if (options.cubics) takeVelocities(problem, table);
+    return matched(file, table, problem, options);
+  }
   if (ending == ".path" || ending == ".txt")
     return matched(file, readMatrix(file, options.warnings), problem, options);
   throw InputError(

@@ -98,7 +98,7 @@ std::string stepsText(const std::vector<PathStep>& steps) {
 
 /// Keys and values of a certificate in their order in files. The values are JSON.
 std::vector<std::pair<std::string, std::string>> certificateEntries(
-    const Problem& problem, const ConfigurationSpace& space, const Certificate& certificate) {
+    const Problem& problem, std::string_view interpolation, const Certificate& certificate) {
   std::string closest = "null", segments = "[";
   if (certificate.closest_segment >= 0)
     closest = fmt::format("{{\"a\": {}, \"b\": {}, \"segment\": {}, \"t\": {}}}",
@@ -109,7 +109,7 @@ std::vector<std::pair<std::string, std::string>> certificateEntries(
                             numberText(certificate.segments[i].lower));
   std::vector<std::pair<std::string, std::string>> entries = {
       {"certified", certificate.certified ? "true" : "false"},
-      {"interpolation", quotedText(space.interpolation())},
+      {"interpolation", quotedText(std::string(interpolation))},
       {"margin", numberText(problem.margins.common)},
       {"tracking_tolerance", numberText(trackingTolerance(problem, certificate))},
       {"clearance_lower", numberText(certificate.clearance.lower)},
@@ -162,7 +162,8 @@ std::string jsonText(const std::string& file, const Problem& problem,
   for (std::size_t i = 0; i < rows.size(); ++i)
     text += fmt::format("    {{\"positions\": {}, \"time_from_start\": {}}}{}\n", rowText(rows[i]),
                         timeText(times[i]), i + 1 < rows.size() ? "," : "");
-  return text + jsonTail(certificateEntries(problem, space, result.certificate), result.path.steps);
+  return text + jsonTail(certificateEntries(problem, space.interpolation(), result.certificate),
+                         result.path.steps);
 }
 
 std::string yamlText(const std::string& file, const Problem& problem,
@@ -173,26 +174,32 @@ std::string yamlText(const std::string& file, const Problem& problem,
   for (std::size_t i = 0; i < rows.size(); ++i)
     text += fmt::format("  - positions: {}\n    time_from_start: {}\n", rowText(rows[i]),
                         timeText(times[i]));
-  return text + yamlTail(certificateEntries(problem, space, result.certificate), result.path.steps);
+  return text + yamlTail(certificateEntries(problem, space.interpolation(), result.certificate),
+                         result.path.steps);
 }
 
-/// The certificate of the timed motion. Blends are proven only to keep the margins, so the margins
-/// bound the clearance from below. A blend may cut off the closest place of the path, and then
-/// nothing bounds it from above.
+/// The certificate of the timed motion. Cuts are proven to keep their clearance and the margins,
+/// which bound it from below. A cut may leave out the closest place of the path, and then nothing
+/// bounds it from above.
 Entries trajectoryEntries(const Problem& problem, const Trajectory& trajectory,
                           Certificate certificate) {
+  const std::vector<int> cut = trajectory.cutCorners();
   std::string corners = "[";
-  for (const Blend& blend : trajectory.blends()) {
-    corners += fmt::format("{}{}", corners.size() > 1 ? ", " : "", blend.corner);
+  for (const int corner : cut)
+    corners += fmt::format("{}{}", corners.size() > 1 ? ", " : "", corner);
+  if (!cut.empty()) {
     double least = problem.margins.common;
     for (const PairMargin& pair : problem.margins.pairs) least = std::min(least, pair.margin);
-    certificate.clearance.lower = std::min(certificate.clearance.lower, least);
+    certificate.clearance.lower =
+        std::min(certificate.clearance.lower, std::max(least, trajectory.cuts().clearance));
   }
   if (certificate.closest_segment >= 0 &&
       !trajectory.passes(certificate.closest_segment, certificate.closest_t))
     certificate.clearance.upper = std::numeric_limits<double>::infinity();
   Entries entries;
-  for (auto& entry : certificateEntries(problem, trajectory.space(), certificate))
+  const std::string_view interpolation =
+      trajectory.cuts().blends.empty() ? trajectory.space().interpolation() : kCubic;
+  for (auto& entry : certificateEntries(problem, interpolation, certificate))
     if (entry.first != "closest" && entry.first != "segments") entries.push_back(std::move(entry));
   entries.emplace_back("blended_corners", corners + "]");
   return entries;

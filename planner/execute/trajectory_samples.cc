@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "collision/base/numbers.h"
+#include "planner/execute/leg.h"
 
 namespace leeway::planner {
 namespace {
@@ -75,6 +77,20 @@ Samples sample(const Trajectory& trajectory, double period) {
   }
   samples.positions = unwrapped(space, std::move(samples.positions));
   return samples;
+}
+
+Path motionOf(const Trajectory& trajectory) {
+  const ConfigurationSpace& space = trajectory.space();
+  if (hasRotation(space))
+    throw std::invalid_argument("motionOf(): orientations do not move on cubics");
+  Samples samples = sample(trajectory, 0);
+  Path path;
+  for (const int v : space.variables()) path.names.push_back(space.model().variables[at(v)].name);
+  path.positions = std::move(samples.positions);
+  if (path.positions.size() < 2) return path;
+  path.times = std::move(samples.times);
+  path.velocities = std::move(samples.velocities);
+  return path;
 }
 
 }  // namespace leeway::planner

@@ -14,6 +14,10 @@ namespace leeway::planner {
 constexpr std::string_view kVelocityEnding = ".velocity";
 constexpr std::string_view kAccelerationEnding = ".acceleration";
 
+/// The interpolation of motions with blends: each variable moves on cubics through positions and
+/// velocities of rows.
+constexpr std::string_view kCubic = "cubic";
+
 /// A trajectory at a number of times [s], one row each. Velocities and accelerations are the
 /// derivatives of the numbers in `positions`, also for quaternions.
 struct Samples {

@@ -9,7 +9,7 @@
 #include "leeway/planner/guard.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/tolerances.h"
-#include "planner/execute/blend.h"
+#include "planner/execute/leg.h"
 #include "planner/guard/brake.h"
 #include "planner/guard/setpoint_motion.h"
 #include "planner/guard/setpoint_proof.h"

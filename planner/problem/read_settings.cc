@@ -80,16 +80,7 @@ void readSettings(const YamlReader& map, std::string_view place, Problem& proble
 void readExecution(const YamlReader& reader, Problem& problem) {
   reader.expectKeys(keysOf("execution"));
   readSettings(reader, "execution", problem);
-  const Execution& execution = problem.execution;
   if (const auto fault = executionFault(problem)) failAt(reader, *fault);
-  const auto isJerkLimited = [&](int v) {
-    const robots::Variable& variable = problem.robot.model->variables[at(v)];
-    return std::isfinite(variable.jerk) || execution.jerks.count(variable.name) != 0;
-  };
-  if (execution.corners == Corners::kBlend &&
-      std::any_of(problem.robot.variables.begin(), problem.robot.variables.end(), isJerkLimited))
-    problem.warnings.push_back(fmt::format("{}:{}: corners are not blended where jerks are limited",
-                                           reader.file(), reader.line()));
 }
 
 }  // namespace leeway::planner

@@ -280,6 +280,7 @@ std::string executionDifference(const Execution& a, const Execution& b) {
   const bool is_same =
       a.start == b.start && a.step == b.step && a.duration == b.duration && a.speed == b.speed &&
       a.velocities == b.velocities && a.accelerations == b.accelerations && a.jerks == b.jerks &&
+      a.acceleration_scale == b.acceleration_scale && a.jerk_scale == b.jerk_scale &&
       a.corners == b.corners && a.foresight == b.foresight && a.look_ahead == b.look_ahead &&
       a.buffer == b.buffer && a.patience == b.patience;
   return is_same ? "" : "execution";

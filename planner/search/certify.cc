@@ -171,6 +171,8 @@ bool haveEdges(const ConfigurationSpace& space, const Waypoints& rows) {
 }  // namespace
 
 PathEdges edgesOf(const ConfigurationSpace& space, const Path& path) {
+  if (!path.times.empty())
+    throw std::invalid_argument("a path with times, which moves on cubics: lines are expected");
   PathEdges edges{{path.names, {}, path.steps}, {}};
   Waypoints& points = edges.path.positions;
   std::vector<int> place;  // the index of each row among the points

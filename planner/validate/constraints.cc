@@ -176,8 +176,6 @@ std::optional<std::string> constraintsFault(const Problem& problem) {
   if (improve != problem.planner.parameters.end() && parameterNumber(improve->second) != 0.0)
     return what +
            ", which planner.parameters.improve does not keep; a planner without it is expected";
-  if (problem.execution.corners == Corners::kBlend)
-    return what + ", which corners that are cut do not keep; execution.corners stop is expected";
   return std::nullopt;
 }
 

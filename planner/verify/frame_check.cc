@@ -9,6 +9,7 @@
 #include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
 #include "planner/validate/checks.h"
+#include "planner/verify/path_check.h"
 
 namespace leeway::planner::verification {
 namespace {
@@ -72,11 +73,16 @@ FrameCheck::FrameCheck(const Problem& problem, int link, const Pose& X_LF, int b
   }
 }
 
-VerifyStatus FrameCheck::check(const std::vector<double>& a, const std::vector<double>& b,
-                               double least, const Judge& judge, double& t) {
+VerifyStatus FrameCheck::check(const Path& path, std::size_t segment, double least,
+                               const Judge& judge, double& t) {
+  const std::vector<double>& a = path.positions[segment];
+  const std::vector<double>& b = path.positions[std::min(segment + 1, path.positions.size() - 1)];
   std::vector<double> difference(a.size()), point(a.size()), dq(model_.variables.size(), 0.0);
+  std::vector<Cubic> cubics;
+  if (path.times.size() > 1) cubics = cubicsOf(path, segment);
   space_.lineDifference(a, b, difference);
-  for (std::size_t i = 0; i < a.size(); ++i) dq[at(variables_[i])] = difference[i];
+  for (std::size_t i = 0; i < a.size(); ++i)
+    dq[at(variables_[i])] = cubics.empty() ? difference[i] : cubics[i].speed();
   std::deque<std::pair<double, double>> open{{0, 1}};
   while (!open.empty()) {
     const auto [begin, end] = open.front();
@@ -84,7 +90,8 @@ VerifyStatus FrameCheck::check(const std::vector<double>& a, const std::vector<d
     t = begin / 2 + end / 2;
     if (++looks_ > most_ || (stop_ && looks_ % 64 == 0 && stop_())) return VerifyStatus::kUndecided;
     const double half = end / 2 - begin / 2;
-    space_.alongLine(a, b, t, point);
+    if (cubics.empty()) space_.alongLine(a, b, t, point);
+    for (std::size_t i = 0; i < cubics.size(); ++i) point[i] = cubics[i].at(t);
     for (std::size_t i = 0; i < point.size(); ++i) q_[at(variables_[i])] = point[i];
     const std::vector<Pose> X_WL = placeLinks(model_, q_);
     FrameLook look;
@@ -127,8 +134,7 @@ std::optional<VerifyResult> findBrokenConstraint(const Problem& problem, const P
     for (std::size_t i = 0; i < edges; ++i) {
       double t = 0;
       const VerifyStatus status = check.check(
-          path.positions[i], path.positions[std::min(i + 1, path.positions.size() - 1)],
-          kVerifyConstraintPiece,
+          path, i, kVerifyConstraintPiece,
           [&](const FrameLook& look) { return judge(constraint, frame.X_WR, look); }, t);
       if (status == VerifyStatus::kCertified) continue;
       VerifyResult result;

@@ -32,10 +32,11 @@ class FrameCheck {
   /// Returns what a look proves about its part of an edge. kCertified: the condition holds on all
   /// of it. kRefuted: it does not hold at the middle. kUndecided: the part is halved.
   using Judge = std::function<VerifyStatus(const FrameLook&)>;
-  /// Checks the line from a to b. Sets `t` to the point where the condition is refuted or
-  /// undecided. Does not halve parts that are shorter than 2 * `least`.
-  VerifyStatus check(const std::vector<double>& a, const std::vector<double>& b, double least,
-                     const Judge& judge, double& t);
+  /// Checks the motion from one row of a path to the next: a line, or cubics if the path has times.
+  /// Sets `t` to the point where the condition is refuted or undecided. Does not halve parts that
+  /// are shorter than 2 * `least`.
+  VerifyStatus check(const Path& path, std::size_t segment, double least, const Judge& judge,
+                     double& t);
   /// check() leaves the rest of an edge undecided after `most` looks, counted over all edges, and
   /// after `stop` returns true. `stop` may be empty.
   void limit(long most, const std::function<bool()>& stop) { most_ = most, stop_ = stop; }

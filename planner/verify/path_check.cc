@@ -42,6 +42,7 @@ class PathCheck {
     for (; waypoint < path_.positions.size(); ++waypoint)
       if (const std::string reason = outside(path_.positions[waypoint]); !reason.empty())
         return reason;
+    if (const std::string reason = notCubic(waypoint); !reason.empty()) return reason;
     waypoint = 0;
     if (const std::string reason = notStart(path_.positions.front()); !reason.empty())
       return reason;
@@ -76,6 +77,37 @@ class PathCheck {
         if (!(std::abs(norm - 1) <= kUnitQuaternion))
           return "the quaternion at " + variable(at(part.first)).name + " has length " +
                  numberText(norm) + ", not 1";
+      }
+    }
+    return {};
+  }
+
+  /// What is wrong with times and velocities, or with cubics between rows. Sets `waypoint`.
+  std::string notCubic(std::size_t& waypoint) const {
+    const std::size_t rows = path_.positions.size();
+    waypoint = 0;
+    if (path_.times.empty() && path_.velocities.empty()) return {};
+    if (path_.times.size() != rows || path_.velocities.size() != rows)
+      return "the path has " + std::to_string(path_.times.size()) + " times and " +
+             std::to_string(path_.velocities.size()) + " velocities for its " +
+             std::to_string(rows) + " rows";
+    for (; waypoint < rows; ++waypoint) {
+      const std::vector<double>& velocity = path_.velocities[waypoint];
+      if (velocity.size() != path_.names.size() || !std::isfinite(path_.times[waypoint]) ||
+          !std::all_of(velocity.begin(), velocity.end(), [](double v) { return std::isfinite(v); }))
+        return "the row's time or velocity is not finite, or a velocity is missing";
+      if (waypoint > 0 && !(path_.times[waypoint] > path_.times[waypoint - 1]))
+        return "the row's time is not after that of the row before";
+    }
+    for (waypoint = 0; waypoint + 1 < rows; ++waypoint) {
+      const std::vector<Cubic> cubics = cubicsOf(path_, waypoint);
+      for (std::size_t i = 0; i < cubics.size(); ++i) {
+        const robots::Variable& v = variable(i);
+        const double beyond =
+            cubics[i].most() > v.upper + kVerifyWaypoint ? cubics[i].most() : cubics[i].least();
+        if (beyond > v.upper + kVerifyWaypoint || beyond < v.lower - kVerifyWaypoint)
+          return v.name + " reaches " + numberText(beyond) + " after the row, outside its limits " +
+                 numberText(v.lower) + " to " + numberText(v.upper);
       }
     }
     return {};
@@ -162,6 +194,52 @@ class PathCheck {
 };
 
 }  // namespace
+
+Cubic::Cubic(double q0, double q1, double v0, double v1)
+    : q0_(q0),
+      q1_(q1),
+      c1_(v0),
+      c2_(3 * (q1 - q0) - 2 * v0 - v1),
+      c3_(v0 + v1 - 2 * (q1 - q0)),
+      least_(std::min(q0, q1)),
+      most_(std::max(q0, q1)),
+      speed_(std::max(std::abs(v0), std::abs(v1))) {
+  const auto slope = [&](double t) { return c1_ + t * (2 * c2_ + t * 3 * c3_); };
+  // The derivative is extreme where the second one vanishes.
+  const double middle = c3_ != 0 ? -c2_ / (3 * c3_) : 0;
+  if (middle > 0 && middle < 1) speed_ = std::max(speed_, std::abs(slope(middle)));
+  // Rounding of the slopes, of which sums of three terms may cancel.
+  speed_ += kVerifyRounding * (std::abs(c1_) + std::abs(c2_) + std::abs(c3_));
+  // The cubic is extreme where the derivative vanishes: twice at most.
+  const double root = c2_ * c2_ - 3 * c3_ * c1_;
+  if (!(root >= 0)) return;
+  const double sum = -c2_ - std::copysign(std::sqrt(root), c2_);
+  for (const double t : {sum / (3 * c3_), c1_ / sum}) {
+    if (!(t > 0 && t < 1)) continue;
+    least_ = std::min(least_, at(t));
+    most_ = std::max(most_, at(t));
+  }
+}
+
+double Cubic::at(double t) const {
+  if (t == 1) return q1_;
+  return q0_ + t * (c1_ + t * (c2_ + t * c3_));
+}
+
+bool Cubic::isShort() const {
+  return std::abs(c1_) <= kVerifyCubic && std::abs(c2_) <= kVerifyCubic &&
+         std::abs(c3_) <= kVerifyCubic;
+}
+
+std::vector<Cubic> cubicsOf(const Path& path, std::size_t segment) {
+  const double duration = path.times[segment + 1] - path.times[segment];
+  std::vector<Cubic> cubics;
+  for (std::size_t i = 0; i < path.names.size(); ++i)
+    cubics.emplace_back(path.positions[segment][i], path.positions[segment + 1][i],
+                        path.velocities[segment][i] * duration,
+                        path.velocities[segment + 1][i] * duration);
+  return cubics;
+}
 
 std::optional<PathFault> findFault(const Problem& problem, const ConfigurationSpace& space,
                                    const Path& path, bool ends_in_goal) {

@@ -16,9 +16,31 @@ struct PathFault {
   std::string reason;
 };
 
+/// The motion of one variable between two rows of a path: a cubic polynomial in t in [0, 1].
+class Cubic {
+ public:
+  /// Positions, and velocities times the duration, at both ends.
+  Cubic(double q0, double q1, double v0, double v1);
+  double at(double t) const;
+  double least() const { return least_; }
+  double most() const { return most_; }
+  /// Bounds the derivative's absolute value.
+  double speed() const { return speed_; }
+  /// Whether at() rounds by no more than interpolation along lines does.
+  bool isShort() const;
+
+ private:
+  double q0_, q1_, c1_, c2_, c3_;
+  double least_, most_, speed_;
+};
+
+/// The cubics between two rows of a path with times.
+std::vector<Cubic> cubicsOf(const Path& path, std::size_t segment);
+
 /// Returns the first fault of a path: wrong columns, a waypoint that is not finite or is outside
-/// the limits, a first waypoint that is not the start, and, with `ends_in_goal`, a last waypoint
-/// that is in no goal. Returns nothing if the path has no fault.
+/// the limits, times or velocities that are none, a cubic that leaves the limits, a first waypoint
+/// that is not the start, and, with `ends_in_goal`, a last waypoint that is in no goal. Returns
+/// nothing if the path has no fault.
 std::optional<PathFault> findFault(const Problem& problem, const ConfigurationSpace& space,
                                    const Path& path, bool ends_in_goal = true);
 

@@ -168,7 +168,7 @@ class TaskCheck {
       for (std::size_t i = 0; i + 1 < stretch.positions.size(); ++i) {
         double t = 0;
         const VerifyStatus status = check.check(
-            stretch.positions[i], stretch.positions[i + 1], kShortestLinePiece * kShortestLinePiece,
+            stretch, i, kShortestLinePiece * kShortestLinePiece,
             [&](const FrameLook& look) {
               return judgeLine(*line, way, step.places[i], step.places[i + 1], look);
             },

@@ -241,9 +241,11 @@ class Verifier {
     if (timed_ != nullptr) space_.unwrap(a_, b_);
     space_.lineDifference(a_, b_, difference_);
     segment_ = segment;
+    cubics_.clear();
+    if (path_.times.size() > 1) cubics_ = cubicsOf(path_, segment);
     std::fill(dq_.begin(), dq_.end(), 0.0);
     for (std::size_t i = 0; i < difference_.size(); ++i)
-      dq_[at(problem_.robot.variables[i])] = difference_[i];
+      dq_[at(problem_.robot.variables[i])] = cubics_.empty() ? difference_[i] : cubics_[i].speed();
     if (const std::string reason = notContinuous(); !reason.empty()) {
       leaveOpen(segment, {0, 1}, nullptr, reason);
       return true;
@@ -260,7 +262,12 @@ class Verifier {
   std::string notContinuous() const {
     for (const ConfigurationSpace::Part& part : space_.parts()) {
       const std::size_t i = at(part.first);
+      if (!cubics_.empty() && part.kind == ConfigurationSpace::Kind::kRotation)
+        return "numbers of an orientation that move on cubics";
       if (part.kind == ConfigurationSpace::Kind::kRotation) continue;
+      if (!cubics_.empty() && !cubics_[i].isShort())
+        return "a cubic with a coefficient beyond " + numberText(kVerifyCubic) +
+               ": rounding is not small there";
       if (std::abs(a_[i]) > kLargestAngle * 10 || std::abs(b_[i]) > kLargestAngle * 10)
         return "a value beyond 10000: rounding is not small there";
       if (std::abs(difference_[i]) > kLargestAngle &&
@@ -270,7 +277,9 @@ class Verifier {
       if (timed_ != nullptr && std::abs(difference_[i]) > kLongestLineTurn)
         return "a turn of nearly half a turn, which may go either way";
       const auto inside = [](double x) { return x >= -std::numbers::pi && x < std::numbers::pi; };
-      if (inside(a_[i]) && inside(b_[i])) continue;
+      if (inside(a_[i]) && inside(b_[i]) &&
+          (cubics_.empty() || (inside(cubics_[i].least()) && inside(cubics_[i].most()))))
+        continue;
       const int master = model_.variables[at(problem_.robot.variables[i])].joint;
       for (const robots::Joint& joint : model_.joints) {
         double factor = 1;
@@ -311,7 +320,10 @@ class Verifier {
   /// first.
   const std::vector<Pose>& poses(double t) {
     if (t == placed_at_) return X_WL_;
-    space_.alongLine(a_, b_, t, point_);
+    if (cubics_.empty())
+      space_.alongLine(a_, b_, t, point_);
+    else
+      for (std::size_t i = 0; i < point_.size(); ++i) point_[i] = cubics_[i].at(t);
     for (std::size_t i = 0; i < point_.size(); ++i) q_[at(problem_.robot.variables[i])] = point_[i];
     X_WL_ = placeLinks(model_, q_);
     placed_at_ = t;
@@ -600,7 +612,8 @@ class Verifier {
   std::map<const PointCloud*, BallTree> trees_;
   std::vector<CloudPair> clouds_;
   std::vector<double> a_, b_, point_, difference_, q_, dq_;
-  collision::Work cost_;  // of the distances
+  std::vector<Cubic> cubics_;  ///< of the segment; empty: a line
+  collision::Work cost_;       // of the distances
   collision::Scratch scratch_;
   VerifyResult result_;
   std::optional<VerifyResult> refuted_, undecided_;
@@ -627,6 +640,11 @@ VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions&
                     const std::function<bool(const Interval&)>& is_enough) {
   validate(problem);
   requirePlaced(problem);
+  if (!path.times.empty() && (problem.condition.accept || !problem.steps.empty())) {
+    VerifyResult result;
+    result.reason = "steps and conditions are verified along lines only";
+    return result;
+  }
   if (!problem.steps.empty()) return verifyTask(problem, path, options, {is_enough});
   requireGoals(problem, "verify()");
   return verifyValid(problem, path, options, {is_enough});

@@ -197,7 +197,7 @@ py::list planMany(const py::object& given, const py::kwargs& kwargs) {
 
 planner::VerifyResult verify(const Problem& problem, const py::object& path, bool shortest,
                              const py::object& stop) {
-  const planner::Path given = pathOf(problem, path, shortest);
+  const planner::Path given = pathOf(problem, path, shortest, true);
   requireGoal(problem);
   Interrupt interrupt(stop);
   const std::shared_ptr<const planner::Problem> value = problem.value();
@@ -311,7 +311,10 @@ void defineVerification(py::module_& module) {
 
 namespace {
 
-planner::Path givenPath(const Problem& problem, const py::object& path) {
+/// `cubics`: the motion of a Trajectory or of a file with blended corners is taken as it is.
+planner::Path givenPath(const Problem& problem, const py::object& path, bool cubics) {
+  if (cubics)
+    if (auto motion = motionOfTrajectory(path)) return *std::move(motion);
   if (py::isinstance<Result>(path)) {
     const Result& result = path.cast<const Result&>();
     const Robot robot = problem.robot();
@@ -333,9 +336,8 @@ planner::Path givenPath(const Problem& problem, const py::object& path) {
     const std::string file = fileName(path, "path");
     const std::shared_ptr<const planner::Problem> value = problem.value();
     std::vector<std::string> warnings;
-    planner::Path read = released([&] {
-      return planner::readPath(file, *value, {.shortest = false, .warnings = &warnings});
-    });
+    planner::Path read = released(
+        [&] { return planner::readPath(file, *value, {.cubics = cubics, .warnings = &warnings}); });
     for (const std::string& warning : warnings) warn(warning);
     return read;
   }
@@ -352,8 +354,8 @@ planner::Path givenPath(const Problem& problem, const py::object& path) {
 
 }  // namespace
 
-planner::Path pathOf(const Problem& problem, const py::object& path, bool shortest) {
-  planner::Path given = givenPath(problem, path);
+planner::Path pathOf(const Problem& problem, const py::object& path, bool shortest, bool cubics) {
+  planner::Path given = givenPath(problem, path, cubics);
   if (shortest) {
     const planner::Problem& of = *problem.value();
     given.positions = planner::unwrapped(
@@ -393,7 +395,8 @@ void definePlan(py::module_& module) {
          planMany, py::arg("problems"));
   define(module, "verify", "(problem, path, *, shortest=False, stop=None)",
          "Proves or refutes that a path keeps all margins, independently of what planned it. "
-         "`path`: a Result, an array (n, joints) or a file. Rows mean straight lines: a continuous "
+         "`path`: a Result, an array (n, joints), a Trajectory or a file of one; the blends of a "
+         "Trajectory are proven as they are executed. Rows mean straight lines: a continuous "
          "joint goes from 3 to -3 by 6 rad; with `shortest` it goes the shorter way.",
          verify, py::arg("problem"), py::arg("path"), py::kw_only(), py::arg("shortest") = false,
          py::arg("stop") = py::none());

@@ -57,6 +57,15 @@ py::array_t<double> asked(const Trajectory& self, const py::object& time) {
 
 }  // namespace
 
+std::optional<planner::Path> motionOfTrajectory(const py::object& object) {
+  if (!py::isinstance<Trajectory>(object)) return std::nullopt;
+  const planner::Trajectory& trajectory = object.cast<const Trajectory&>().value;
+  // A motion without blends is a path of lines, also of orientations.
+  if (trajectory.cuts().blends.empty() && trajectory.cuts().left_out.empty())
+    return object.cast<const Trajectory&>().result.value.path;
+  return planner::motionOf(trajectory);
+}
+
 py::object trajectoryObject(const Result& result, double period) {
   if (!(period > 0) || std::isinf(period))
     throw py::value_error("period is " + text(period) + "; a positive time is expected");
@@ -72,7 +81,7 @@ void defineTrajectory(py::module_& module) {
   py::class_<Trajectory> trajectory(
       module, "Trajectory",
       "A path with times: it follows the certified edges, or proven blends at corners. Between "
-      "times of `knots` joints on an edge move on cubics.");
+      "times of `knots` joints move on cubics.");
   defineConstant(
       trajectory, "duration", [](const Trajectory& self) { return self.value.duration(); }, "[s]");
   defineConstant(
@@ -100,13 +109,13 @@ void defineTrajectory(py::module_& module) {
         const std::vector<double> knots = self.value.knots();
         return array(std::span<const double>(knots));
       },
-      "Times at which acceleration along the path or its derivative jumps: (n,) [s].");
+      "Times at which acceleration or its derivative jumps: (n,) [s].");
   defineConstant(
       trajectory, "waypoint_times",
       [](const Trajectory& self) { return array(self.value.times()); },
       "When each waypoint is passed, or the middle of its blend: (waypoints,) [s].");
   defineConstant(
-      trajectory, "blends", [](const Trajectory& self) { return self.value.blends().size(); },
+      trajectory, "blends", [](const Trajectory& self) { return self.value.cutCorners().size(); },
       "How many corners are blended.");
   define(trajectory, "position", "(self, time)",
          "Configurations at times (...,) [s]: (..., joints); held before 0 and after the end.",

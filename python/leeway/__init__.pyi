@@ -175,8 +175,8 @@ class Problem:
         clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
         time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
         speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
-        jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ...,
-        look_ahead: float = ..., buffer: float = ..., patience: float = ...,
+        jerks: float | Mapping[str, float] = ..., acceleration_scale: float = ..., jerk_scale: float = ..., corners: Literal["stop", "blend"] = ...,
+        foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ..., patience: float = ...,
         # (written by tools/scripts/write_settings)
     ) -> None: ...
     @staticmethod
@@ -220,6 +220,8 @@ class Problem:
     velocities: Any
     accelerations: Any
     jerks: Any
+    acceleration_scale: float
+    jerk_scale: float
     corners: Literal["stop", "blend"]
     foresight: Literal["motion", "speed_bound"]
     look_ahead: float
@@ -416,8 +418,8 @@ class Scene:
         clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
         time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
         speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
-        jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ...,
-        look_ahead: float = ..., buffer: float = ..., patience: float = ...,
+        jerks: float | Mapping[str, float] = ..., acceleration_scale: float = ..., jerk_scale: float = ..., corners: Literal["stop", "blend"] = ...,
+        foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ..., patience: float = ...,
         # (written by tools/scripts/write_settings)
     ) -> None: ...
     def valid(self, states: ArrayLike) -> Any: ...
@@ -561,8 +563,8 @@ class Replanner:
         clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
         time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
         speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
-        jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ...,
-        look_ahead: float = ..., buffer: float = ..., patience: float = ...,
+        jerks: float | Mapping[str, float] = ..., acceleration_scale: float = ..., jerk_scale: float = ..., corners: Literal["stop", "blend"] = ...,
+        foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ..., patience: float = ...,
         # (written by tools/scripts/write_settings)
     ) -> None: ...
     def step(self) -> Step: ...
@@ -629,8 +631,8 @@ class Guard:
         clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
         time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ...,
         speed: float = ..., velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ...,
-        jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ...,
-        look_ahead: float = ..., buffer: float = ..., patience: float = ...,
+        jerks: float | Mapping[str, float] = ..., acceleration_scale: float = ..., jerk_scale: float = ..., corners: Literal["stop", "blend"] = ...,
+        foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ..., patience: float = ...,
         # (written by tools/scripts/write_settings)
     ) -> None: ...
     def check(self, setpoints: ArrayLike | None = None, position: ArrayLike | None = None, velocity: ArrayLike | None = None,
@@ -670,8 +672,8 @@ def plan(robot: Robot | Problem, world: World | None = None, start: _State | Non
     clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
     time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ...,
     velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ...,
-    corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ...,
-    patience: float = ...,
+    acceleration_scale: float = ..., jerk_scale: float = ..., corners: Literal["stop", "blend"] = ...,
+    foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ..., patience: float = ...,
     # (written by tools/scripts/write_settings)
 ) -> Result: ...
 def inverse_kinematics(robot: Robot, link: str, pose: ArrayLike, *, start: ArrayLike | None = None, solutions: int = 1, seed: int = 1, stop: _Stop = None) -> Inverse: ...
@@ -685,11 +687,12 @@ def plan_many(problems: Iterable[Problem], *, threads: int | None = None, stop: 
     objective: str | Mapping[str, Any] = ..., keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ...,
     at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ..., time: float = ..., iterations: int = ..., seed: int = ...,
     start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ..., velocities: float | Mapping[str, float] = ...,
-    accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ..., corners: Literal["stop", "blend"] = ...,
-    foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ..., patience: float = ...,
+    accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ..., acceleration_scale: float = ...,
+    jerk_scale: float = ..., corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ...,
+    buffer: float = ..., patience: float = ...,
     # (written by tools/scripts/write_settings)
 ) -> list[Result]: ...
-def verify(problem: Problem, path: _Path, *, shortest: bool = False, stop: _Stop = None) -> Verification: ...
+def verify(problem: Problem, path: _Path | Trajectory, *, shortest: bool = False, stop: _Stop = None) -> Verification: ...
 def verify_log(problem: Problem, file: _File, *, stop: _Stop = None) -> Verification: ...
 def view(problem: Problem, path: _Path, file: _File, *, compare: _Path | None = None, shortest: bool = False, stop: _Stop = None) -> None: ...
 def clearance(problem: Problem, path: _Path, *, tolerance: float = 0.0001, parts: int = 1, shortest: bool = False) -> Certificate: ...
@@ -702,8 +705,8 @@ def check(robot: Robot | Problem, world: World | None = None, start: _State | No
     clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
     time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ...,
     velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ...,
-    corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ...,
-    patience: float = ...,
+    acceleration_scale: float = ..., jerk_scale: float = ..., corners: Literal["stop", "blend"] = ...,
+    foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ..., patience: float = ...,
     # (written by tools/scripts/write_settings)
 ) -> State: ...
 def replan(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, on_step: Callable[[Step], object] | None = None, steps: int | None = None, stop: _Stop = None,
@@ -715,8 +718,8 @@ def replan(robot: Robot | Problem, world: World | None = None, start: _State | N
     clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,
     time: float = ..., iterations: int = ..., seed: int = ..., start_time: float = ..., step: float = ..., duration: float = ..., speed: float = ...,
     velocities: float | Mapping[str, float] = ..., accelerations: float | Mapping[str, float] = ..., jerks: float | Mapping[str, float] = ...,
-    corners: Literal["stop", "blend"] = ..., foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ...,
-    patience: float = ...,
+    acceleration_scale: float = ..., jerk_scale: float = ..., corners: Literal["stop", "blend"] = ...,
+    foresight: Literal["motion", "speed_bound"] = ..., look_ahead: float = ..., buffer: float = ..., patience: float = ...,
     # (written by tools/scripts/write_settings)
 ) -> Executed: ...
 def distance(a: Shape, X_WA: _Pose, b: Shape, X_WB: _Pose, *, tolerance: float | None = None, threshold: float | None = None, depth: bool = True) -> Distance: ...

@@ -83,7 +83,7 @@ def test_every_setting_reads_back(robot, world):
     settings = dict(name="n", margin=0.01, margins={("post", "hand"): 0.02}, allowed=[("post", "base")], objective="clearance",
                     clearance_of="all", at_most_longer=0.2, push=False, planner="RRTConnect", parameters={"range": "0.5"}, simplify=False, time=0.5, iterations=10, seed=4, start_time=1.0,
                     step=0.1, duration=3.0, speed=0.5, velocities={"joint1": 1.0}, accelerations={"joint2": 2.0}, jerks={},
-                    corners="blend", foresight="speed_bound", look_ahead=0.3, buffer=0.0, patience=0.0)
+                    acceleration_scale=0.5, jerk_scale=0.25, corners="stop", foresight="speed_bound", look_ahead=0.3, buffer=0.0, patience=0.0)
     problem = leeway.Problem(robot, world, "ready", "tucked", **settings)
     for name, value in settings.items():
         assert getattr(problem, name) == value, name
@@ -214,6 +214,25 @@ def test_trajectory_keeps_the_limits_and_the_path(shelf, tmp_path):
     trajectory.save(tmp_path / "timed.json")
     saved = json.loads((tmp_path / "timed.json").read_text())
     assert len(saved["points"]) >= len(trajectory.times)
+
+
+def test_blends_are_proven_as_they_are_executed(shelf, tmp_path):
+    result = leeway.plan(shelf, jerks=60, acceleration_scale=0.8)
+    trajectory = result.trajectory(period=0.02)
+    assert trajectory.blends > 0
+    assert trajectory.duration < leeway.plan(shelf, jerks=60, acceleration_scale=0.8, corners="stop").trajectory().duration
+    assert leeway.verify(result.problem, trajectory)
+    for name in ("timed.json", "timed.yaml", "timed.csv"):
+        trajectory.save(tmp_path / name)
+        assert leeway.verify(result.problem, tmp_path / name)
+    saved = json.loads((tmp_path / "timed.json").read_text())
+    assert saved["certificate"]["interpolation"] == "cubic" and len(saved["certificate"]["blended_corners"]) == trajectory.blends
+    times = np.linspace(0, trajectory.duration, 20001)
+    q, h = trajectory.position(times), times[1]
+    assert np.abs(np.diff(q, 3, axis=0)).max() <= 60 * h**3 * (1 + 1e-6) + 1e-14
+    # Elsewhere rows are a path of lines, and a warning says so.
+    with pytest.warns(UserWarning, match="lines join its rows"):
+        leeway.clearance(result.problem, tmp_path / "timed.json")
 
 
 def test_attach_and_detach(robot):

@@ -184,9 +184,9 @@ TEST_F(Plan, TellsCostsAndWishes) {
 }
 
 TEST_F(Plan, WritesTrajectories) {
-  const Answer stop = run("plan reach.yaml --json --trajectory stop.json");
+  const Answer stop = run("plan reach.yaml --json --corners stop --trajectory stop.json");
   EXPECT_EQ(stop.status, 0) << stop.err;
-  write("blend.yaml", std::string(kReach) + "execution: {corners: blend, accelerations: 5}\n");
+  write("blend.yaml", std::string(kReach) + "execution: {accelerations: 5, jerks: 50}\n");
   const Answer blend = run("plan blend.yaml --json --trajectory blend.json --period 0.01");
   EXPECT_EQ(blend.status, 0) << blend.err;
   const json stopping = stop.document()["trajectory"], blending = blend.document()["trajectory"];
@@ -197,8 +197,21 @@ TEST_F(Plan, WritesTrajectories) {
   EXPECT_NEAR(last["sec"].get<double>() + last["nanosec"].get<double>() * 1e-9,
               blending["duration"].get<double>(), 1e-9);
   EXPECT_EQ(points[0]["velocities"].size(), 2U);
-  // Its rows form a path that the verifier proves.
+  // The verifier proves its cubics.
   EXPECT_EQ(run("verify blend.yaml blend.json").status, 0);
+  EXPECT_EQ(json::parse(readText(path("blend.json")))["certificate"]["interpolation"], "cubic");
+  const auto takes = [&](const std::string& options) {
+    const Answer answer = run("plan blend.yaml --json " + options);
+    EXPECT_EQ(answer.status, 0) << answer.err;
+    return answer.document()["trajectory"]["duration"].get<double>();
+  };
+  EXPECT_GT(takes("--corners stop"), takes(""));
+  EXPECT_GT(takes("--speed 0.2"), takes("") * 1.2);
+  EXPECT_GT(takes("--acceleration-scale 0.1"), takes("") * 1.2);
+  EXPECT_GT(takes("--jerk-scale 0.01"), takes("") * 1.2);
+  for (const char* wrong :
+       {"--speed 2", "--acceleration-scale 0", "--jerk-scale -1", "--corners round"})
+    EXPECT_EQ(run(std::string("plan blend.yaml ") + wrong).status, 2) << wrong;
   EXPECT_NE(run("plan blend.yaml").out.find("corners blended"), std::string::npos);
   for (const char* wrong : {"plan reach.yaml --trajectory x.path", "plan reach.yaml --period 0.1",
                             "plan reach.yaml --trajectory none/x.csv"})

@@ -182,10 +182,10 @@ std::string timeText(const planner::PlanResult& result, double load_s) {
 std::string durationText(const planner::Trajectory& trajectory) {
   const int corners = static_cast<int>(trajectory.waypoints().size()) - 2;
   std::string at_corners;
-  if (corners > 0 && trajectory.blends().empty()) {
+  if (corners > 0 && trajectory.cutCorners().empty()) {
     at_corners = ", at rest at every corner";
   } else if (corners > 0) {
-    at_corners = fmt::format(", {} of {} corners blended", trajectory.blends().size(), corners);
+    at_corners = fmt::format(", {} of {} corners blended", trajectory.cutCorners().size(), corners);
   }
   return fmt::format("Takes {:.3f} s within the joints' limits{}.\n", trajectory.duration(),
                      at_corners);

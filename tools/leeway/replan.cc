@@ -183,7 +183,8 @@ void warnOfProblem(const planner::Problem& problem, const std::string& file) {
   }
   const planner::Execution& execution = problem.execution;
   if (!execution.accelerations.empty() || !execution.jerks.empty() ||
-      execution.corners != planner::Corners::kStop) {
+      execution.acceleration_scale != 1 || execution.jerk_scale != 1 ||
+      execution.corners != planner::Corners::kBlend) {
     printWarnings({fmt::format(
         "{}: accelerations, jerks and corners of 'execution' are for plan --trajectory: replan "
         "goes at the velocity limits",

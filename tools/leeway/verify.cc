@@ -78,8 +78,8 @@ planner::VerifyResult verifyPath(const std::string& file, const VerifyArguments&
                                  planner::Problem& problem, planner::PlanOptions& options,
                                  const std::function<bool(const planner::Interval&)>& is_enough,
                                  std::vector<std::string>& warnings, Proven& proven) {
-  const planner::Path path =
-      planner::readPath(file, problem, {.shortest = arguments.shortest, .warnings = &warnings});
+  const planner::Path path = planner::readPath(
+      file, problem, {.shortest = arguments.shortest, .cubics = true, .warnings = &warnings});
   if (arguments.ends == "near")
     for (const std::string& warning : takeNearEnds(path, problem))
       warnings.push_back(file + ": " + warning);

@@ -46,7 +46,7 @@ class JointLimits {
     file_.expectKeys(kTop);
     for (const auto& [key, setting] :
          {std::pair("default_velocity_scaling_factor", "speed"),
-          std::pair("default_acceleration_scaling_factor", "accelerations")})
+          std::pair("default_acceleration_scaling_factor", "acceleration_scale")})
       if (const auto factor = file_.find(key))
         warn(*factor,
              fmt::format("'{}' is left out; execution.{} says it for a problem", key, setting));

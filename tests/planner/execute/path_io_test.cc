@@ -19,6 +19,7 @@
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
+#include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
 #include "planner/search/half_turns.h"
 #include "tests/support/build_paths.h"
@@ -275,8 +276,8 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
   result.certificate.clearance = {0.03, 0.031};
   const auto space =
       std::make_shared<ConfigurationSpace>(problem.robot.model, problem.robot.variables);
-  const std::vector<Blend> blends = {{1, 0.1}};
-  const Trajectory trajectory(space, rows, defaultMotionLimits(*space), blends);
+  const std::vector<Blend> blends = {{1, 0.1, 0.1}};
+  const Trajectory trajectory(space, rows, defaultMotionLimits(*space), {blends});
   for (const char* name : {"t.json", "t.yaml"}) {
     writeTrajectory(file(name), problem, result, trajectory, 0.05);
     const auto read = readPath(file(name), problem);  // its rows form a path again
@@ -345,6 +346,78 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
     EXPECT_NE(std::string(error.what()).find("'.path' names no format of trajectories"),
               std::string::npos);
   }
+}
+
+/// Files hold the motion exactly: cubics between rows, which verify() proves.
+TEST_F(PathIo, BlendedTrajectoriesAreReadAsTheirCubics) {
+  Problem problem = loadProblem(kSource + "/problems/shelf/reach.yaml");
+  for (const int v : problem.robot.variables)
+    problem.execution.jerks[problem.robot.model->variables[static_cast<std::size_t>(v)].name] = 30;
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  const Trajectory trajectory = trajectoryOf(problem, result.path);
+  ASSERT_GT(trajectory.cuts().blends.size(), 0U);
+  const Path motion = motionOf(trajectory);
+  EXPECT_EQ(motion.names, result.path.names);
+  EXPECT_EQ(verify(problem, motion).status, VerifyStatus::kCertified);
+  std::vector<double> q(motion.names.size());
+  for (const char* name : {"t.json", "t.yaml", "t.csv"}) {
+    writeTrajectory(file(name), problem, result, trajectory, 0.05);
+    std::vector<std::string> warnings;
+    const Path read = readPath(file(name), problem, {.cubics = true, .warnings = &warnings});
+    EXPECT_TRUE(warnings.empty()) << warnings[0];
+    ASSERT_EQ(read.times.size(), read.positions.size()) << name;
+    for (std::size_t k = 1; k < read.times.size(); ++k)
+      for (const double t : {0.3, 0.5, 0.9}) {
+        const double h = read.times[k] - read.times[k - 1];
+        trajectory.configuration(read.times[k - 1] + t * h, q);
+        for (std::size_t i = 0; i < q.size(); ++i)
+          EXPECT_NEAR(read.positions[k - 1][i] * (1 + 2 * t) * (1 - t) * (1 - t) +
+                          h * read.velocities[k - 1][i] * t * (1 - t) * (1 - t) +
+                          read.positions[k][i] * t * t * (3 - 2 * t) -
+                          h * read.velocities[k][i] * t * t * (1 - t),
+                      q[i], 1e-8)
+              << name;
+      }
+    const VerifyResult proof = verify(problem, read);
+    EXPECT_EQ(proof.status, VerifyStatus::kCertified) << name << ": " << proof.reason;
+    // Elsewhere its rows are a path of lines, and a certificate that speaks of cubics says so.
+    const Path lines = readPath(file(name), problem, {.warnings = &warnings});
+    EXPECT_TRUE(lines.times.empty() && lines.velocities.empty());
+    EXPECT_EQ(warnings.size(), std::string(name) == "t.csv" ? 0U : 1U);
+  }
+  // Without blends the rows are joined by lines.
+  problem.execution.corners = Corners::kStop;
+  writeTrajectory(file("stop.json"), problem, result, trajectoryOf(problem, result.path));
+  EXPECT_TRUE(readPath(file("stop.json"), problem, {.cubics = true}).times.empty());
+
+  const auto refused = [&](const std::string& rows) {
+    std::ofstream(file("bad.json")) << R"({"joint_names": ["joint1", "joint2", "joint3", "joint4",
+"joint5", "joint6", "joint7"], "points": [)"
+                                    << rows << R"(], "certificate": {"interpolation": "cubic"}})";
+    try {
+      readPath(file("bad.json"), problem, {.cubics = true});
+    } catch (const robots::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string zeros = "[0,0,0,0,0,0,0]";
+  const std::string first =
+      "{\"positions\": " + zeros + ", \"velocities\": " + zeros + ", \"time_from_start\": 1}";
+  EXPECT_EQ(refused(first), "");
+  EXPECT_NE(refused("{\"positions\": " + zeros + ", \"time_from_start\": 1}").find("velocities"),
+            std::string::npos);
+  EXPECT_NE(refused("{\"positions\": " + zeros + ", \"velocities\": [0]}")
+                .find(":2: 1 velocities; 7 are expected"),
+            std::string::npos)
+      << refused("{\"positions\": " + zeros + ", \"velocities\": [0]}");
+  EXPECT_NE(refused("{\"positions\": " + zeros + ", \"velocities\": " + zeros + "}")
+                .find("no time_from_start, which cubics need"),
+            std::string::npos);
+  EXPECT_NE(refused(first + ",\n" + first).find(":3: the row's time is 1 s, as that of line 2"),
+            std::string::npos)
+      << refused(first + ",\n" + first);
 }
 
 /// Orientations are written with the rate of their four numbers.

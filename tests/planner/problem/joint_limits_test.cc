@@ -190,10 +190,10 @@ goal: {shoulder: 1, wrist: 0, slide: 0, cart: {position: [0, 0], angle: 0}}
       motionLimits(load("execution: {velocities: {shoulder: 1}, accelerations: {shoulder: 2}}"));
   EXPECT_EQ(limits.velocity[0], 1);
   EXPECT_EQ(limits.acceleration[0], 2);
-  const Problem blended = load("execution: {corners: blend}");
-  ASSERT_FALSE(blended.warnings.empty());
-  EXPECT_NE(blended.warnings.back().find("corners are not blended where jerks are limited"),
-            std::string::npos);
+  limits = motionLimits(load("execution: {acceleration_scale: 0.5, jerk_scale: 0.1}"));
+  EXPECT_EQ(limits.acceleration[0], 2);
+  EXPECT_EQ(limits.jerk[0], 5);
+  EXPECT_EQ(limits.jerk[2], kNoLimit);
   folder().write("problem.yaml",
                  "leeway: 1\nrobot: {urdf: r.urdf, joint_limits: none.yaml}\n"
                  "start: zero\ngoal: zero\n");

@@ -426,8 +426,13 @@ TEST_F(ProblemDeforming, ExecutionIsReadAndRefused) {
   EXPECT_EQ(q.execution.accelerations.at("disc/x"), 4);
   EXPECT_EQ(q.execution.jerks.at("disc/x"), 50);
   EXPECT_EQ(q.execution.corners, Corners::kBlend);
-  ASSERT_EQ(q.warnings.size(), p.warnings.size() + 1);
-  EXPECT_NE(q.warnings.back().find("not blended where jerks are limited"), std::string::npos);
+  EXPECT_EQ(load("execution: {corners: stop}\n").execution.corners, Corners::kStop);
+  const Problem scaled = load("execution: {acceleration_scale: 0.5, jerk_scale: 0.25}\n");
+  EXPECT_EQ(scaled.execution.acceleration_scale, 0.5);
+  EXPECT_EQ(scaled.execution.jerk_scale, 0.25);
+  EXPECT_EQ(scaled.execution.corners, Corners::kBlend);
+  expectRefused("execution: {acceleration_scale: 2}\n", 10, "a share of the acceleration limits");
+  expectRefused("execution: {jerk_scale: 0}\n", 10, "a share of the jerk limits");
   expectRefused("execution: {accelerations: 0}\n", 10,
                 "execution.accelerations is 0; a number from 1e-09 to 1000000000 is expected");
   expectRefused("execution: {accelerations: fast}\n", 10, "fast");

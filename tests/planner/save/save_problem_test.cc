@@ -138,7 +138,9 @@ TEST(SaveProblem, KeepsMarginsWishesAndSettings) {
   problem.limits = {7.5, 1000};
   problem.seed = std::numeric_limits<std::uint64_t>::max();
   problem.execution.velocities["ball/x"] = 0.3;
-  problem.execution.corners = Corners::kBlend;
+  problem.execution.corners = Corners::kStop;
+  problem.execution.acceleration_scale = 0.5;
+  problem.execution.jerk_scale = 0.25;
   again(problem);
   problem.margins.wishes.clear();
   problem.objective = MaximumClearance{Pairs::kAll, 0.3};

@@ -445,6 +445,78 @@ TEST(Line, KeepsItsSpeed) {
   }
 }
 
+/// The trajectory of a line does not rest at its waypoints, is at no time farther from the line
+/// than the tolerances, and keeps the limits at 20,000 times.
+TEST(Line, IsFollowedWithoutStops) {
+  for (const char* shipped : {"wipe", ""}) {
+    const Folder folder;
+    const std::string file =
+        *shipped != '\0'
+            ? leeway::sourceFolder() + "/problems/constrained/" + shipped + ".yaml"
+            : folder.write("way.yaml",
+                           arm("arm6",
+                               "start: ready\nwaypoints: {speed: 0.2, frame: tool, poses: "
+                               "[{position: [0.45, 0.1, 0.4]}, {position: [0.45, -0.1, 0.4], via: "
+                               "[0.52, 0, 0.4]}], position_tolerance: 0.002}\n"));
+    Problem problem = placeStart(loadProblem(file), {});
+    for (const int v : problem.robot.variables)
+      problem.execution.jerks[problem.robot.model->variables[static_cast<std::size_t>(v)].name] =
+          40;
+    const PlanResult result = planTask(problem);
+    ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+    const Trajectory trajectory = trajectoryOf(problem, result.path);
+    problem.execution.corners = Corners::kStop;
+    const double stopping = trajectoryOf(problem, result.path).duration();
+    const std::size_t corners = result.path.positions.size() - 2;
+    EXPECT_GT(trajectory.cutCorners().size(), corners / 2) << file;
+    EXPECT_TRUE(trajectory.cuts().left_out.empty());
+    // A bound on the speed of the tool is kept on blends by a coarse bound.
+    EXPECT_LT(trajectory.duration(), (*shipped != '\0' ? 0.65 : 0.95) * stopping) << file;
+    const auto& line = std::get<LineStep>(problem.steps[0].action);
+    const LineWay way = lineWay(problem, line, linksAt(problem, result.path.positions.front()));
+    std::vector<Pose> places;
+    constexpr int kParts = 2000;
+    for (int k = 0; k <= kParts * static_cast<int>(way.size()); ++k)
+      places.push_back(way.at(static_cast<double>(k) / kParts));
+    const MotionLimits limits = motionLimits(problem);
+    const int samples = 20000;
+    const double h = trajectory.duration() / samples;
+    std::vector<std::vector<double>> rows;
+    std::size_t near = 0;  // the place nearest to the frame, which goes on with it
+    double speed = 0;
+    Eigen::Vector3d last = Eigen::Vector3d::Zero();
+    for (int k = 0; k <= samples; ++k) {
+      rows.emplace_back(limits.velocity.size());
+      trajectory.configuration(k * h, rows.back());
+      const Pose X_WF =
+          linksAt(problem, rows.back())[static_cast<std::size_t>(way.link)] * way.X_LF;
+      const auto off = [&](std::size_t i) {
+        return (X_WF.translation - places[i].translation).norm() +
+               0.1 * (X_WF.rotation - places[i].rotation).norm();
+      };
+      for (std::size_t i = near; i < std::min(places.size(), near + 40); ++i)
+        if (off(i) < off(near)) near = i;
+      // Places are up to 0.15 mm apart.
+      EXPECT_LE((X_WF.translation - places[near].translation).norm(),
+                line.position_tolerance + 2e-4);
+      EXPECT_LE(angleBetween(X_WF.rotation, places[near].rotation), line.angle_tolerance + 1e-3);
+      if (k > 0) speed = std::max(speed, (X_WF.translation - last).norm() / h);
+      last = X_WF.translation;
+    }
+    EXPECT_EQ(near, places.size() - 1);
+    EXPECT_LE(speed, line.speed * (1 + 1e-9));
+    for (std::size_t i = 0; i < limits.velocity.size(); ++i)
+      for (std::size_t k = 3; k < rows.size(); ++k) {
+        const double a = rows[k - 3][i], b = rows[k - 2][i], c = rows[k - 1][i], d = rows[k][i];
+        ASSERT_LE(std::abs(d - c) / h, limits.velocity[i] * (1 + 1e-9) + 4e-15 / h);
+        ASSERT_LE(std::abs(d - 2 * c + b) / (h * h),
+                  limits.acceleration[i] * (1 + 1e-9) + 8e-15 / (h * h));
+        ASSERT_LE(std::abs(d - 3 * c + 3 * b - a) / (h * h * h),
+                  limits.jerk[i] * (1 + 1e-9) + 2e-14 / (h * h * h));
+      }
+  }
+}
+
 TEST(Line, FilesOfPoses) {
   const Folder folder;
   std::vector<std::string> warnings;

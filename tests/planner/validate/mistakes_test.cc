@@ -513,13 +513,12 @@ std::vector<Mistake> stepMistakes() {
        },
        {{"constraints", "[{frame: tool, axis: [0, 0, 1], angle: 3}]"},
         {"planner", "{name: RRTConnect}"}}},
-      {"constraint_beside_blends",
-       [](P& p) {
-         p.constraints = {upright("tool", {0, 0, 1}, 3)};
-         p.execution.corners = Corners::kBlend;
-       },
-       {{"constraints", "[{frame: tool, axis: [0, 0, 1], angle: 3}]"},
-        {"execution", "{corners: blend}"}}},
+      {"no_share_of_acceleration",
+       [](P& p) { p.execution.acceleration_scale = 0; },
+       {{"execution", "{acceleration_scale: 0}"}}},
+      {"more_than_all_jerk",
+       [](P& p) { p.execution.jerk_scale = 1.5; },
+       {{"execution", "{jerk_scale: 1.5}"}}},
       {"step_without_tolerance",
        [](P& p) {
          steps(p, {{"go", LineStep{"tool", {0, 0, 1}, {}, 1e-9}, {}}});
@@ -862,9 +861,11 @@ TEST(Mistakes, OtherArgumentsAreChecked) {
   std::vector<std::vector<double>> path = {{0}, {1}};
   expectThrown(invalid([&] { simplify(certifier, path); }), "a waypoint of 1 numbers; 7");
   expectThrown(invalid([&] { pathLength(scene->space(), path); }), "a waypoint of 1 numbers; 7");
-  expectThrown(invalid([&] { certifiedBlends(scene, path); }), "a waypoint of 1 numbers; 7");
-  expectThrown(invalid([&] { certifiedBlends(nullptr, path); }), "a compiled scene is expected");
-  expectThrown(invalid([] { RestToRest(1, 0, 1); }), "limits above 0 are expected");
+  expectThrown(invalid([&] { certifiedCuts(scene, path, MotionLimits()); }),
+               "a waypoint of 1 numbers; 7");
+  expectThrown(invalid([&] { certifiedCuts(nullptr, path, MotionLimits()); }),
+               "a compiled scene is expected");
+  expectThrown(invalid([] { SpeedProfile({1, 0, 1}, 1); }), "limits and a length above 0 are");
   EXPECT_EQ(certifier.decide(path[0]), Verdict::kUndecided);
   EXPECT_EQ(certifier.certify(path[0], path[1]).verdict, Verdict::kUndecided);
   EXPECT_EQ(certifier.clearance(path[0], 1e-3).verdict, Verdict::kUndecided);

@@ -170,9 +170,9 @@ TEST(Settings, NumbersOutOfRangeAreRefusedAlike) {
 
 TEST(Settings, DefaultsAreThoseOfAProblem) {
   const std::pair<const char*, const char*> defaults[] = {
-      {"planner", "Connect"}, {"time", "5"},      {"iterations", "0"}, {"seed", "1"},
-      {"push", "true"},       {"step", "0.05"},   {"corners", "stop"}, {"objective", "length"},
-      {"keep", ""},           {"velocities", ""}, {"start", ""},       {"clearance_of", ""}};
+      {"planner", "Connect"}, {"time", "5"},      {"iterations", "0"},  {"seed", "1"},
+      {"push", "true"},       {"step", "0.05"},   {"corners", "blend"}, {"objective", "length"},
+      {"keep", ""},           {"velocities", ""}, {"start", ""},        {"clearance_of", ""}};
   for (const auto& [name, value] : defaults)
     EXPECT_EQ(settingDefault(*findSetting(name)), value) << name;
 }

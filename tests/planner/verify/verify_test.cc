@@ -19,6 +19,7 @@
 #include "leeway/robots/kinematics.h"
 #include "planner/verify/kinematics.h"
 #include "planner/verify/pairs.h"
+#include "planner/verify/path_check.h"
 #include "tests/support/polycubes.h"
 #include "tests/support/random_problem.h"
 
@@ -162,6 +163,149 @@ TEST(Verify, PathsOfManyEdgesAreDecided) {
   const VerifyResult result = verify(problem, path);
   EXPECT_EQ(result.status, VerifyStatus::kCertified) << result.segment << ' ' << result.reason;
   EXPECT_GT(result.clearance_lower, 1);
+}
+
+/// Extremes and speed of cubics, by brute force.
+TEST(Verify, CubicsAreBounded) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> number(-2, 2);
+  int overshoots = 0;
+  for (int i = 0; i < 500; ++i) {
+    const double q0 = number(random), q1 = i % 7 == 0 ? q0 : number(random);
+    const double v0 = i % 5 == 0 ? 0 : 3 * number(random);
+    const double v1 = i % 3 == 0 ? 2 * (q1 - q0) - v0 : 3 * number(random);  // third one: no cube
+    const verification::Cubic cubic(q0, q1, v0, v1);
+    EXPECT_EQ(cubic.at(0), q0);
+    EXPECT_EQ(cubic.at(1), q1);
+    double least = kInfinity, most = -kInfinity, speed = 0;
+    const int steps = 2000;
+    for (int k = 0; k <= steps; ++k) {
+      const double t = static_cast<double>(k) / steps;
+      // Hermite's form.
+      const double q = q0 * (1 + 2 * t) * (1 - t) * (1 - t) + v0 * t * (1 - t) * (1 - t) +
+                       q1 * t * t * (3 - 2 * t) - v1 * t * t * (1 - t);
+      EXPECT_NEAR(cubic.at(t), q, 1e-14);
+      const double v =
+          6 * (q1 - q0) * t * (1 - t) + v0 * (1 - t) * (1 - 3 * t) + v1 * t * (3 * t - 2);
+      least = std::min(least, q);
+      most = std::max(most, q);
+      speed = std::max(speed, std::abs(v));
+    }
+    EXPECT_LE(cubic.least(), least + 1e-14);
+    EXPECT_GE(cubic.most(), most - 1e-14);
+    EXPECT_GE(cubic.speed(), speed - 1e-13);
+    EXPECT_NEAR(cubic.least(), least, 1e-5);
+    EXPECT_NEAR(cubic.most(), most, 1e-5);
+    EXPECT_NEAR(cubic.speed(), speed, 1e-4);
+    overshoots += most > std::max(q0, q1) + 0.1;
+  }
+  EXPECT_GT(overshoots, 50);
+}
+
+/// A motion of cubics is proven as it is, not as lines between its rows.
+TEST(Verify, MotionsOfCubicsAreProven) {
+  Problem problem = problemFor(arm(), {1.5, 0});
+  problem.world.objects.push_back(
+      box("post", {0.02, 0.02, 1}, 1.98 * std::cos(0.75), 1.98 * std::sin(0.75), 0));
+  Path path = pathOf(problem, {{0, 0}, {1.5, 0}});
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted) << "the line";
+  path.times = {2, 3};
+  path.velocities = {{1.5, 0}, {1.5, 0}};
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted) << "still the line";
+  path.velocities = {{1.5, 4}, {1.5, -4}};  // the elbow bends by 1 in the middle
+  const VerifyResult bent = verify(problem, path);
+  EXPECT_EQ(bent.status, VerifyStatus::kCertified) << bent.reason;
+  EXPECT_GT(bent.clearance_lower, 0.01);
+  path.times = {2, 2.1};  // less time, less bend
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
+  path.times = {2, 4.5};
+  const VerifyResult beyond = verify(problem, path);
+  EXPECT_EQ(beyond.status, VerifyStatus::kCertified) << beyond.reason;
+  path.times = {2, 12};
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
+  EXPECT_NE(verify(problem, path).reason.find("after the row, outside its limits -3 to 3"),
+            std::string::npos)
+      << verify(problem, path).reason;
+  // Free rows and a line, but a curve that collides.
+  path.positions = {{0, 0}, {0.3, 0}};
+  problem.goals[0].ranges = {{0.3, 0.3}, {0, 0}};
+  path.times = {0, 1};
+  path.velocities = {{0, 0}, {0, 0}};
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
+  path.velocities = {{4, 0}, {-4, 0}};
+  const VerifyResult swings = verify(problem, path);
+  EXPECT_EQ(swings.status, VerifyStatus::kRefuted);
+  EXPECT_EQ(swings.b == "post" ? swings.a : swings.b, "lower");
+  // Times and velocities that are none.
+  const auto refused = [&](const std::string& reason) {
+    const VerifyResult result = verify(problem, path);
+    EXPECT_EQ(result.status, VerifyStatus::kRefuted);
+    EXPECT_NE(result.reason.find(reason), std::string::npos) << result.reason;
+  };
+  path.times = {1, 1};
+  refused("not after that of the row before");
+  path.times = {0, kInfinity};
+  refused("not finite");
+  path.times = {0};
+  refused("1 times and 2 velocities for its 2 rows");
+  path.times = {0, 1};
+  path.velocities = {{0, 0}, {0}};
+  refused("a velocity is missing");
+  path.velocities = {};
+  refused("2 times and 0 velocities");
+  EXPECT_THROW(edgesOf(ConfigurationSpace(problem.robot.model, problem.robot.variables), path),
+               std::invalid_argument);
+  // What is proven along lines only is undecided.
+  path.velocities = {{0, 0}, {0, 0}};
+  problem.condition.accept = [](std::span<const double>) { return true; };
+  const VerifyResult conditional = verify(problem, path);
+  EXPECT_EQ(conditional.status, VerifyStatus::kUndecided);
+  EXPECT_NE(conditional.reason.find("along lines only"), std::string::npos);
+}
+
+/// Against states at 2,000 places of random cubics.
+TEST(Verify, MotionsOfCubicsAgreeWithTheirStates) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> number(-1, 1);
+  int certified = 0, refuted = 0;
+  for (int i = 0; i < 120; ++i) {
+    Problem problem = problemFor(arm(), {0, 0});
+    for (int k = 0; k < 2; ++k)
+      problem.world.objects.push_back(box("box " + std::to_string(k), {0.06, 0.06, 0.3},
+                                          2 * number(random), 2 * number(random), 0));
+    Path path =
+        pathOf(problem, {{number(random), number(random)}, {number(random), number(random)}});
+    for (std::size_t v = 0; v < 2; ++v) {
+      problem.start[v] = path.positions[0][v];
+      problem.goals[0].ranges[v] = {path.positions[1][v], path.positions[1][v]};
+    }
+    path.times = {0, 0.5};
+    path.velocities = {{4 * number(random), 4 * number(random)},
+                       {4 * number(random), 4 * number(random)}};
+    const VerifyResult result = verify(problem, path);
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+    bool free = true;
+    for (int k = 0; k <= 2000; ++k) {
+      const double t = k / 2000.0;
+      std::vector<double> q(2);
+      for (std::size_t v = 0; v < 2; ++v)
+        q[v] = path.positions[0][v] * (1 + 2 * t) * (1 - t) * (1 - t) +
+               0.5 * path.velocities[0][v] * t * (1 - t) * (1 - t) +
+               path.positions[1][v] * t * t * (3 - 2 * t) -
+               0.5 * path.velocities[1][v] * t * t * (1 - t);
+      free = free && certifier.decide(q) == Verdict::kFree;
+    }
+    if (result.status == VerifyStatus::kCertified) {
+      ++certified;
+      EXPECT_TRUE(free) << i;
+    }
+    refuted += result.status == VerifyStatus::kRefuted;
+    if (free) {
+      EXPECT_NE(result.status, VerifyStatus::kRefuted) << i;
+    }
+  }
+  EXPECT_GT(certified, 20);
+  EXPECT_GT(refuted, 20);
 }
 
 TEST(Verify, ObstacleBetweenWaypointsIsFoundInItsSegment) {

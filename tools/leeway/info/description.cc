@@ -189,6 +189,8 @@ Json executionJson(const planner::Problem& problem) {
       {"velocities", limits.velocity},
       {"accelerations", limits.acceleration},
       {"jerks", jerks},
+      {"acceleration_scale", execution.acceleration_scale},
+      {"jerk_scale", execution.jerk_scale},
       {"corners", execution.corners == planner::Corners::kStop ? "stop" : "blend"},
       {"foresight", execution.foresight == planner::Foresight::kMotion ? "motion" : "speed_bound"},
       {"look_ahead", execution.look_ahead},

@@ -78,7 +78,7 @@ Json offendingJson(const planner::Problem& problem, const planner::PlanResult& r
 
 Json trajectoryJson(const planner::Trajectory& trajectory) {
   Json corners = Json::array();
-  for (const planner::Blend& blend : trajectory.blends()) corners.push_back(blend.corner);
+  for (const int corner : trajectory.cutCorners()) corners.push_back(corner);
   return {{"duration", trajectory.duration()}, {"blended_corners", corners}};
 }
 

@@ -13,6 +13,10 @@ struct PathReading {
   /// that are read get whole turns added, see unwrapped(). Use it for files whose angles are
   /// wrapped.
   bool shortest = false;
+  /// Reads Path::times and velocities of a file whose certificate says that corners are blended
+  /// (`interpolation: cubic`), or of a CSV file with velocities. Otherwise such a file gives its
+  /// rows alone, with a warning.
+  bool cubics = false;
   /// Receives warnings about a file that can be used. Null: no warnings.
   std::vector<std::string>* warnings = nullptr;
 };

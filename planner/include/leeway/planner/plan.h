@@ -64,6 +64,11 @@ struct Path {
   std::vector<std::string> names;              ///< variable names, in group order
   std::vector<std::vector<double>> positions;  ///< one row per waypoint
   std::vector<PathStep> steps = {};            ///< of a task, in their order; else empty
+  /// Empty: lines between rows. Otherwise a timed motion, which blends corners: each row's time,
+  /// rising [s], and velocity. Between two rows each variable moves on the cubic polynomial through
+  /// its positions and velocities at both. verify() proves these cubics; nothing else accepts them.
+  std::vector<double> times = {};
+  std::vector<std::vector<double>> velocities = {};  ///< as `times`
 };
 
 /// A path that consists of edges of the space, in which circles go the shorter way.
@@ -77,9 +82,9 @@ struct PathEdges {
   };
   std::vector<Place> places;  ///< one per edge
 };
-/// Returns the edges along a path's lines. Throws std::invalid_argument for rows whose length is
-/// not that of the space, and for continuous joints beyond 1000 rad that turn by more than half a
-/// turn. O(edges).
+/// Returns the edges along a path's lines. Throws std::invalid_argument for a path with times, for
+/// rows whose length is not that of the space, and for continuous joints beyond 1000 rad that turn
+/// by more than half a turn. O(edges).
 PathEdges edgesOf(const ConfigurationSpace& space, const Path& path);
 
 /// The clearance of a whole path for some pairs, and the place where it is least.

@@ -344,8 +344,10 @@ enum class Foresight : unsigned char {
 
 /// The behaviour of a timed path at its corners.
 enum class Corners : unsigned char {
-  kStop,   ///< comes to rest
-  kBlend,  ///< cuts a corner if the cut is proven to keep the margins, else stops
+  kStop,  ///< comes to rest
+  /// Cuts a corner if the cut is proven to keep the margins and what is constrained, else stops.
+  /// Always stops where bodies turn freely, between steps, and with a condition.
+  kBlend,
 };
 
 /// How a path is executed. A trajectory (trajectory.h) keeps all limits. Replanner moves at the
@@ -361,7 +363,9 @@ struct Execution {
   std::map<std::string, double> accelerations;
   /// By variable [rad/s^3 or m/s^3]. Default: the robot's own limit, or no limit.
   std::map<std::string, double> jerks;
-  Corners corners = Corners::kStop;
+  double acceleration_scale = 1;  ///< share of the acceleration limits that is used, in (0, 1]
+  double jerk_scale = 1;          ///< share of the jerk limits that is used, in (0, 1]
+  Corners corners = Corners::kBlend;
   Foresight foresight = Foresight::kMotion;
   /// Replanner prefers steps after which this much more motion or rest can be certified [s].
   double look_ahead = 0.2;
@@ -411,8 +415,7 @@ struct Problem {
 /// - a name of two things, or an empty name; a name in margins, wishes or contacts that does not
 ///   exist; a pair that has the same name twice;
 /// - constraints of frames that do not move, or that constrain nothing; they or a condition
-///   together with steps, another objective than length, another planner than Connect, or corners
-///   that are cut;
+///   together with steps, another objective than length, or another planner than Connect;
 /// - poses that are not finite or not rotations; numbers that are not finite or out of range; a
 ///   planner or parameters that do not exist or do not fit the objective;
 /// - deforming obstacles without a snapshot of Execution::start, objects that do not stand where

@@ -34,7 +34,8 @@ struct VerifyResult {
   std::string conditions;                 ///< of a certified path, as Certificate::conditions
 };
 
-/// Proves or refutes that a path keeps all margins, on the straight lines between its rows; never
+/// Proves or refutes that a path keeps all margins, on the straight lines between its rows, or on
+/// cubics where it has times (Path::times; with steps and a condition these are undecided); never
 /// samples, except Problem::condition, at states that lie as Condition::resolution says. Slow,
 /// plain, and independent of the planner: its own kinematics, first-order bounds (speed, not
 /// acceleration), no batches, coarse bounds or caches. Shared are collision::distance() and the
