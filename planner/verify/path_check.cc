@@ -82,7 +82,7 @@ class PathCheck {
     return {};
   }
 
-  /// What is wrong with times and velocities, or with cubics between rows. Sets `waypoint`.
+  /// Returns the fault of times and velocities, or of cubics between rows. Sets `waypoint`.
   std::string notCubic(std::size_t& waypoint) const {
     const std::size_t rows = path_.positions.size();
     waypoint = 0;

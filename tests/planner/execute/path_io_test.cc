@@ -386,7 +386,7 @@ TEST_F(PathIo, BlendedTrajectoriesAreReadAsTheirCubics) {
     EXPECT_TRUE(lines.times.empty() && lines.velocities.empty());
     EXPECT_EQ(warnings.size(), std::string(name) == "t.csv" ? 0U : 1U);
   }
-  // Without blends the rows are joined by lines.
+  // Lines join the rows of a motion without blends.
   problem.execution.corners = Corners::kStop;
   writeTrajectory(file("stop.json"), problem, result, trajectoryOf(problem, result.path));
   EXPECT_TRUE(readPath(file("stop.json"), problem, {.cubics = true}).times.empty());

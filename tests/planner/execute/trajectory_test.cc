@@ -541,7 +541,7 @@ TEST_F(TrajectoryTest, PlannedTrajectoriesKeepLimitsAndMargins) {
   EXPECT_LT(ratios[ratios.size() / 2], 0.85);
 }
 
-/// Beside constraints, blends keep them: the verifier proves it along the cubics.
+/// Blends keep constraints: the verifier proves it along the cubics.
 TEST_F(TrajectoryTest, BlendsKeepConstraints) {
   Problem glass = loadProblem(leeway::sourceFolder() + "/problems/constrained/glass.yaml");
   for (const int v : glass.robot.variables)
@@ -610,7 +610,7 @@ TEST_F(TrajectoryTest, LeavesOutWaypointsNearTheLine) {
   EXPECT_LT(slow.times()[5] - slow.times()[3], 51);
 }
 
-/// Without obstacles, and with several limits on jerk.
+/// A world without obstacles, and several limits on jerk.
 TEST_F(TrajectoryTest, BlendsSaveTime) {
   Problem free = problem;
   free.world.objects.clear();

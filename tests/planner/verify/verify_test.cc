@@ -255,7 +255,7 @@ TEST(Verify, MotionsOfCubicsAreProven) {
   refused("2 times and 0 velocities");
   EXPECT_THROW(edgesOf(ConfigurationSpace(problem.robot.model, problem.robot.variables), path),
                std::invalid_argument);
-  // What is proven along lines only is undecided.
+  // Conditions are proven along lines only, so this motion is undecided.
   path.velocities = {{0, 0}, {0, 0}};
   problem.condition.accept = [](std::span<const double>) { return true; };
   const VerifyResult conditional = verify(problem, path);
