@@ -13,8 +13,8 @@
 #include "planner/base/cells.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
-#include "planner/execute/leg.h"
-#include "planner/execute/trajectory_samples.h"
+#include "planner/timing/leg.h"
+#include "planner/timing/trajectory_samples.h"
 #include "planner/yaml/yaml_reader.h"
 #include "robots/base/read_file.h"
 

@@ -11,8 +11,8 @@
 #include "leeway/planner/trajectory.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/tolerances.h"
-#include "planner/execute/trajectory_samples.h"
 #include "planner/execute/unchecked_json.h"
+#include "planner/timing/trajectory_samples.h"
 #include "planner/validate/checks.h"
 #include "robots/base/read_file.h"
 

@@ -14,11 +14,11 @@
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/base/waypoints.h"
-#include "planner/execute/motion_limits.h"
 #include "planner/execute/step_certifier.h"
 #include "planner/execute/timed_path.h"
 #include "planner/search/goals.h"
 #include "planner/search/plan.h"
+#include "planner/timing/motion_limits.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {

@@ -5,6 +5,7 @@
 
 #include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
+#include "planner/timing/motion_limits.h"
 
 namespace leeway::planner {
 namespace {
@@ -23,20 +24,6 @@ std::vector<double> pointOn(const ConfigurationSpace& space, std::span<const dou
 }
 
 }  // namespace
-
-double timeAtLimits(const ConfigurationSpace& space, std::span<const double> limits,
-                    std::span<const double> dq) {
-  double time = 0;
-  for (const ConfigurationSpace::Part& part : space.parts()) {
-    const std::size_t i = at(part.first);
-    const double change =
-        part.kind == ConfigurationSpace::Kind::kRotation
-            ? std::sqrt(dq[i] * dq[i] + dq[i + 1] * dq[i + 1] + dq[i + 2] * dq[i + 2])
-            : std::abs(dq[i]);
-    time = std::max(time, change / limits[i]);
-  }
-  return time;
-}
 
 double edgeDuration(const ConfigurationSpace& space, std::span<const double> limits,
                     std::span<const double> a, std::span<const double> b) {

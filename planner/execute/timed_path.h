@@ -9,12 +9,6 @@
 
 namespace leeway::planner {
 
-/// The largest ratio of a variable's difference to its limit. A rotation uses the limit of its
-/// first variable. For velocity limits, this is the least time [s] of the difference at constant
-/// speed.
-double timeAtLimits(const ConfigurationSpace& space, std::span<const double> limits,
-                    std::span<const double> difference);
-
 /// timeAtLimits() of the edge from a to b [s].
 double edgeDuration(const ConfigurationSpace& space, std::span<const double> limits,
                     std::span<const double> a, std::span<const double> b);

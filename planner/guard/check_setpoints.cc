@@ -9,10 +9,10 @@
 #include "leeway/planner/guard.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/tolerances.h"
-#include "planner/execute/leg.h"
 #include "planner/guard/brake.h"
 #include "planner/guard/setpoint_motion.h"
 #include "planner/guard/setpoint_proof.h"
+#include "planner/timing/leg.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {

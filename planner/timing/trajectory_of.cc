@@ -12,12 +12,12 @@
 #include "planner/base/tolerances.h"
 #include "planner/constraint/constraint_proof.h"
 #include "planner/constraint/frame_motion.h"
-#include "planner/execute/choose_cuts.h"
-#include "planner/execute/leg.h"
-#include "planner/execute/motion_limits.h"
 #include "planner/task/line_motion.h"
 #include "planner/task/line_way.h"
 #include "planner/task/stages.h"
+#include "planner/timing/choose_cuts.h"
+#include "planner/timing/leg.h"
+#include "planner/timing/motion_limits.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {

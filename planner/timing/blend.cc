@@ -1,4 +1,4 @@
-#include "planner/execute/blend.h"
+#include "planner/timing/blend.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "collision/base/sine_cosine.h"
 #include "planner/base/tolerances.h"
 #include "planner/compiled/edge_model.h"
-#include "planner/execute/leg.h"
+#include "planner/timing/leg.h"
 
 namespace leeway::planner {
 namespace {

@@ -1,11 +1,11 @@
-#include "planner/execute/leg.h"
+#include "planner/timing/leg.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
-#include "planner/execute/timed_path.h"
+#include "planner/timing/motion_limits.h"
 
 namespace leeway::planner {
 namespace {

@@ -1,5 +1,6 @@
-#include "planner/execute/motion_limits.h"
+#include "planner/timing/motion_limits.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -87,6 +88,20 @@ MotionLimits defaultMotionLimits(const ConfigurationSpace& space) {
     limits.jerk.push_back(jerkLimit(variable));
   }
   return limits;
+}
+
+double timeAtLimits(const ConfigurationSpace& space, std::span<const double> limits,
+                    std::span<const double> dq) {
+  double time = 0;
+  for (const ConfigurationSpace::Part& part : space.parts()) {
+    const std::size_t i = at(part.first);
+    const double change =
+        part.kind == ConfigurationSpace::Kind::kRotation
+            ? std::sqrt(dq[i] * dq[i] + dq[i + 1] * dq[i + 1] + dq[i + 2] * dq[i + 2])
+            : std::abs(dq[i]);
+    time = std::max(time, change / limits[i]);
+  }
+  return time;
 }
 
 }  // namespace leeway::planner

@@ -1,4 +1,4 @@
-#include "planner/execute/choose_cuts.h"
+#include "planner/timing/choose_cuts.h"
 
 // Waypoints near the line between those beside them are left out. Blends are the result of a local
 // search over the speeds before and after each, which determine its length. What it finds is
@@ -12,9 +12,9 @@
 #include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
 #include "planner/base/tolerances.h"
-#include "planner/execute/blend.h"
-#include "planner/execute/leg.h"
-#include "planner/execute/motion_limits.h"
+#include "planner/timing/blend.h"
+#include "planner/timing/leg.h"
+#include "planner/timing/motion_limits.h"
 
 namespace leeway::planner {
 namespace {

@@ -1,11 +1,11 @@
-#include "planner/execute/trajectory_samples.h"
+#include "planner/timing/trajectory_samples.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "collision/base/numbers.h"
-#include "planner/execute/leg.h"
+#include "planner/timing/leg.h"
 
 namespace leeway::planner {
 namespace {

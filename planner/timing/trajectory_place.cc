@@ -7,7 +7,7 @@
 #include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
 #include "planner/base/tolerances.h"
-#include "planner/execute/blend.h"
+#include "planner/timing/blend.h"
 
 namespace leeway::planner {
 
