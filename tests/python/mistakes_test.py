@@ -118,7 +118,6 @@ CALLS = {
     "plan_many": lambda p: leeway.plan_many([p]),
     "plan_where": lambda p: leeway.plan_where(p, lambda states: np.ones(len(states), bool)),
     "verify": lambda p: leeway.verify(p, [TUCKED, TUCKED]),
-    "verify_log": lambda p: leeway.verify_log(p, "nowhere.jsonl"),
     "clearance": lambda p: leeway.clearance(p, [TUCKED, TUCKED]),
     "check": leeway.check,
     "Scene": leeway.Scene,

@@ -298,7 +298,7 @@ def test_replanner_follows_vertices_from_numpy(robot, tmp_path):
     problem = leeway.Problem(robot, world, "ready", turned(robot, 0.8), margin=0.01)
     proven = leeway.verify_log(problem, file)
     assert proven and proven.lower > 0.01 and proven.line == 0, proven
-    assert json.loads(log[0])["observed"][0]["vertices"][3] == [0.1, -0.2, 0]
+    assert json.loads(log[0])["observed"][0]["vertices"][3] == [*sheet[3, :2], 0]
     file.write_text("\n".join([*log, ""]))
     cut = leeway.verify_log(problem, file)
     assert cut.status == "undecided" and cut.line == len(log) and "cut" in cut.reason

@@ -2,12 +2,15 @@
 import { BoxGeometry, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, InstancedBufferAttribute, InstancedMesh, Matrix4, MeshLambertMaterial, SphereGeometry } from 'three';
 import { Poses } from './motion.js';
 
+const kManyBalls = 1000; // above this, spheres are drawn with fewer triangles
+
 // The engine's shapes have z as their axis, three.js's have y.
 const upright = (geometry) => geometry.rotateX(Math.PI / 2);
 
 const kUnit = {
   box: () => new BoxGeometry(2, 2, 2),
   sphere: () => upright(new SphereGeometry(1, 28, 18)),
+  ball: () => upright(new SphereGeometry(1, 12, 8)), // of a cloud, which has thousands
   cylinder: () => upright(new CylinderGeometry(1, 1, 2, 32)),
   tube: () => upright(new CylinderGeometry(1, 1, 2, 32, 1, true)),
   cone: () => upright(new ConeGeometry(1, 2, 32)),
@@ -90,7 +93,7 @@ export class Parts {
         byGeometry.get(key).push({ part, local });
       }
     }
-    return [...byGeometry].map(([key, entries]) => new Instances(this, key, entries, colourOf, options));
+    return [...byGeometry].map(([key, entries]) => new Instances(this, key === 'sphere' && entries.length > kManyBalls ? 'ball' : key, entries, colourOf, options));
   }
 }
 
