@@ -313,8 +313,8 @@ void expectOneWay(const YamlReader& item, const std::vector<PoseMotion::Key>& ke
     if (std::abs(angle) > most) most = std::abs(angle);
   if (most > std::numbers::pi)
     warnings.push_back(fmt::format(
-        "{}:{}: {} differs from the key before it by {} rad as written; the object turns the "
-        "shorter way, by {} rad",
+        "{}:{}: {} differs from the key before it by {:.4g} rad as written; the object turns the "
+        "shorter way, by {:.4g} rad",
         item.file(), item.line(), item.where(), most, way.angle()));
 }
 

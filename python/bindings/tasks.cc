@@ -131,8 +131,6 @@ planner::Step stepOf(const planner::Problem& problem, const TaskStep& given) {
       for (const FramePose& pose : poses) move->poses.push_back(pose.given);
     else
       move->goal = goalOf(problem, given.goal);
-    // As in files, a goal that is not a group state has the step's name.
-    if (move->poses.empty() && !py::isinstance<py::str>(given.goal)) move->goal.name = step.name;
   }
   for (const py::handle item : py::list(given.allowed)) {
     const NamePairs pairs = namePairs(problem, item, "allowed");
@@ -205,10 +203,15 @@ void setSteps(planner::Problem& problem, const py::object& steps) {
       throw py::type_error(std::string("steps hold a ") + Py_TYPE(item.ptr())->tp_name +
                            "; TaskSteps are expected");
     const TaskStep& given = item.cast<const TaskStep&>();
-    made.push_back(stepOf(problem, given));
-    if (!given.name.empty()) continue;
-    const int count = ++unnamed[kindOf(given)];
-    made.back().name = kindOf(given) + (count == 1 ? "" : " " + std::to_string(count));
+    planner::Step& step = made.emplace_back(stepOf(problem, given));
+    if (given.name.empty()) {
+      const int count = ++unnamed[kindOf(given)];
+      step.name = kindOf(given) + (count == 1 ? "" : " " + std::to_string(count));
+    }
+    // As in files, a goal that is not a group state has the step's name.
+    if (auto* move = std::get_if<planner::MoveStep>(&step.action);
+        move != nullptr && move->poses.empty() && !py::isinstance<py::str>(given.goal))
+      move->goal.name = step.name;
   }
   problem.steps = std::move(made);
 }
