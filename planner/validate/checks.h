@@ -105,7 +105,7 @@ CropNeeds cropNeeds(const Problem& problem);
 std::string cropFault(const Object& object, const CropNeeds& needs);
 
 /// Returns the fault of a bound on an obstacle's speed that is below the speed which the obstacle's
-/// own motion may reach from `start` [s] on: nobody knows how long a Guard follows it.
+/// own motion may reach from `start` [s] on, without an end, because a Guard has none.
 std::optional<std::string> speedBoundFault(const DeformingObstacle& obstacle, double start);
 std::optional<std::string> speedBoundFault(const Object& object, double start);
 

@@ -322,11 +322,6 @@ planner::Path givenPath(const Problem& problem, const py::object& path, bool cub
     std::vector<std::string> planned;
     for (std::size_t i = 0; i < robot.size(); ++i) planned.push_back(robot.variableName(i));
     if (names != planned) {
-      const auto listed = [](const std::vector<std::string>& all) {
-        std::string text;
-        for (const std::string& name : all) text += (text.empty() ? "" : ", ") + name;
-        return text;
-      };
       throw py::value_error("path is a result of the joints " + listed(names) + "; " +
                             listed(planned) + " are expected, in this order");
     }

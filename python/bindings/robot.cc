@@ -55,12 +55,6 @@ std::vector<int> plannedVariables(const robots::Model& model,
   return robots::variablesOf(model, groups);
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 robots::LoadOptions loadOptions(const py::object& packages, const py::object& meshes, bool cache) {
   robots::LoadOptions options;
   options.meshes = treatments(meshes);
@@ -181,6 +175,12 @@ Robot freeBody(const std::string& name, const py::object& shapes, const std::str
 }
 
 }  // namespace
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
 
 std::vector<double> namedState(const Robot& robot, const std::string& name) {
   std::vector<std::string> known;

@@ -33,6 +33,9 @@ struct Robot {
 /// {name: {"solid": ..., "weld": ...}}; None: nothing. Throws TypeError and ValueError.
 std::map<std::string, robots::MeshTreatment, std::less<>> treatments(const py::object& meshes);
 
+/// "left, right".
+std::string listed(const std::vector<std::string>& names);
+
 /// A group's name, or a sequence of names.
 std::vector<std::string> groupNames(const py::object& group);
 

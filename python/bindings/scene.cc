@@ -59,7 +59,8 @@ py::object valid(const Scene& self, const py::object& states) {
   forEach(self, points.count(), [&](EdgeCertifier& certifier, std::size_t i) {
     answers[i] = proves && space.withinLimits(points.row(i)) &&
                  certifier.decide(points.row(i)) == Verdict::kFree &&
-                 planner::brokenConstraint(*self.compiled, *problem, points.row(i)).empty();
+                 (problem->constraints.empty() ||
+                  planner::brokenConstraint(*self.compiled, *problem, points.row(i)).empty());
   });
   return bools(answers, points.shape);
 }

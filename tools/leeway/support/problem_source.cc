@@ -34,23 +34,32 @@ bool saysPlanned(const ProblemSource& source) {
   return !source.group.empty() || !source.chain.empty();
 }
 
-/// Prints the warnings about a robot, or that they have been told before.
+/// Prints the warnings about a robot; those about entries that are left out only once, because
+/// planning does not need these. What a certificate rests on, such as an open mesh, comes always.
 void printRobotWarnings(const robots::Model& model, const ProblemSource& source) {
-  const std::vector<std::string>& warnings = model.warnings;
-  const robots::DiskCache cache(source.no_cache || source.tell_again || warnings.size() < 2
-                                    ? std::string()
-                                    : robots::cacheFolder());
+  const auto isRest = [](const std::string& warning) {
+    return warning.find("left out") == std::string::npos;
+  };
+  std::vector<std::string> rest;
   robots::ContentKey told("told warnings");
-  for (const std::string& warning : warnings) told.add(warning);
+  for (const std::string& warning : model.warnings)
+    if (isRest(warning))
+      rest.push_back(warning);
+    else
+      told.add(warning);
+  const std::size_t left_out = model.warnings.size() - rest.size();
+  const robots::DiskCache cache(
+      source.no_cache || source.tell_again || left_out < 2 ? std::string() : robots::cacheFolder());
   const std::string key = cache.isOn() ? told.finish() : "";
   if (!key.empty() && cache.read(key)) {
+    printWarnings(rest);
     printWarnings(
-        {fmt::format("robot '{}' has {} warnings, which were told before; `leeway info` "
-                     "shows them",
-                     model.name, warnings.size())});
+        {fmt::format("robot '{}': {} entries are left out, as told before; `leeway info` "
+                     "names them",
+                     model.name, left_out)});
     return;
   }
-  printWarnings(warnings);
+  printWarnings(model.warnings);
   if (!key.empty() && !isQuiet()) cache.write(key, std::as_bytes(std::span("told")));
 }
 

@@ -38,9 +38,10 @@ void addProblemArguments(CLI::App& app, ProblemSource& source);
 /// Adds the arguments of a problem and a path: two files, or only the path's with --robot.
 void addProblemAndPathArguments(CLI::App& app, ProblemSource& source,
                                 std::vector<std::string>& files);
-/// Prints the loader's warnings to stderr; those about the robot once: a cache folder remembers
-/// them, and a later command says how many there are, in one line. Throws robots::InputError, and
-/// robots::Stopped for an interrupt or at the end of `time_limit` [s] (InterruptibleReading).
+/// Prints the loader's warnings to stderr; those about left-out entries of the robot once: a cache
+/// folder remembers them, and a later command says in one line how many there are. Throws
+/// robots::InputError, and robots::Stopped for an interrupt or at the end of `time_limit` [s]
+/// (InterruptibleReading).
 planner::Problem loadProblem(const ProblemSource& source, std::optional<double> time_limit = {});
 /// For verbs that handle a single world: throws robots::InputError for a problem with steps.
 void refuseSteps(const planner::Problem& problem, const char* verb);

@@ -9,8 +9,8 @@
 
 namespace leeway::robots {
 
-// What is planned is a group or a list of groups. A joint is a group of its own; where a group has
-// its name, the group is meant.
+// Robots are planned by a group or a list of groups. A joint is a group of its own; where a group
+// has its name, the group is meant.
 
 /// Returns whether a group or a joint has this name.
 bool isGroup(const RobotDescription& robot, std::string_view name);
