@@ -1,5 +1,7 @@
 #include "planner/compiled/robot_pairs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 

@@ -523,7 +523,8 @@ std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::applyR
     if (moves(i)) change.allow(i, j);
     dropped.push_back({scene_.bodies()[at(i)].name, object, why});
   };
-  for (const auto& [a, b] : prepared.contacts().allowed) {
+  for (const auto& names : prepared.contacts().allowed) {
+    const std::string &a = names.first, &b = names.second;  // clang 14 captures no bindings
     forEachNamed(robot, objects, a, b, [&](int i, int j) {
       allow(i, j, scene_.bodies()[at(i)].name == a ? b : a, Unchecked::kAllowed);
     });

@@ -118,9 +118,8 @@ class EdgeCertifier::Impl::ClearanceSearch {
   /// EdgeLanes::sweepBeyond() for the pairs in question, then planes if pairs stay open. False if a
   /// contact is found or more pairs are near than there is room for.
   bool sweepBeyond(double beyond) {
-    EdgeLanes& lanes = impl_.lanes;
-    return lanes.sweepBeyond(impl_.frames, impl_.asked.pairs, beyond).id < 0 &&
-           lanes.searchPlanes().id < 0 && !lanes.isFull();
+    return impl_.lanes.sweepBeyond(impl_.frames, impl_.asked.pairs, beyond).id < 0 &&
+           impl_.lanes.searchPlanes().id < 0 && !impl_.lanes.isFull();
   }
 
   // The rule for EdgeQueue::subdivide().
@@ -197,22 +196,22 @@ class EdgeCertifier::Impl::ClearanceSearch {
 
   /// Searches the pairs among some that have not been checked.
   void searchPairs(int slot, double t, std::span<const int> near) {
-    const EdgeFrames& frames = impl_.frames;
     impl_.order.clear();
     for (const int p : near) {
       if (std::binary_search(impl_.asked_pairs.begin(), impl_.asked_pairs.end(), p)) continue;
-      const EdgePair& pair = frames.pair(p);
+      const EdgePair& pair = impl_.frames.pair(p);
       if (!impl_.asked.has(pair)) continue;
-      if (frames.keepsGap(pair, best.clearance.upper + pair.rounding, t, t)) continue;
-      const Eigen::Vector3d center = frames.inFrameOf(slot, pair.b, frames.center(slot, pair.a));
-      const double lower = frames.piece(pair.b).bounds().coarse.lower(center) -
-                           frames.piece(pair.a).bounds().outer.radius - pair.rounding;
+      if (impl_.frames.keepsGap(pair, best.clearance.upper + pair.rounding, t, t)) continue;
+      const Eigen::Vector3d center =
+          impl_.frames.inFrameOf(slot, pair.b, impl_.frames.center(slot, pair.a));
+      const double lower = impl_.frames.piece(pair.b).bounds().coarse.lower(center) -
+                           impl_.frames.piece(pair.a).bounds().outer.radius - pair.rounding;
       impl_.order.emplace_back(std::isnan(lower) ? -kInfinity : lower, p);
     }
     std::sort(impl_.order.begin(), impl_.order.end());
     for (const auto& [lower, p] : impl_.order) {
       if (lower >= best.clearance.upper || isCutOff() || impl_.work.isSpent()) break;
-      refine(slot, t, frames.pair(p));
+      refine(slot, t, impl_.frames.pair(p));
     }
   }
 
@@ -227,8 +226,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
   bool listNearIntervals() {
     // Lanes do not bound depths.
     if (isCutOff() || !(enough() > 0) || !std::isfinite(enough())) return false;
-    EdgeLanes& lanes = impl_.lanes;
-    if (!lanes.begin(impl_.frames)) return false;
+    if (!impl_.lanes.begin(impl_.frames)) return false;
     const double least = impl_.leastMargin();
     double beyond = 0;
     for (int pass = 0;; ++pass) {
@@ -236,7 +234,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
       if (!sweepBeyond(beyond)) return false;
       // A lower upper end leaves fewer pairs open, and a pass costs less than intervals.
       const double known = best.clearance.upper;
-      if (lanes.open().empty() || pass == kClearancePasses) break;
+      if (impl_.lanes.open().empty() || pass == kClearancePasses) break;
       searchOpenIntervals(kClearanceLooks);
       if (isCutOff()) return false;
       if (!(best.clearance.upper < known - tolerance_)) break;

@@ -107,7 +107,7 @@ bool isTriangleOf(const FileMesh& mesh, const std::byte* bytes) {
     largest = std::max(largest, v.cwiseAbs().maxCoeff());
   double least = 0, most = 0;
   for (std::size_t k = 0; k < 12; ++k) {
-    const double value = loadNumber<float>(bytes + 4 * k);
+    const double value = static_cast<double>(loadNumber<float>(bytes + 4 * k));
     if (!std::isfinite(value)) return false;
     if (k < 3 && std::abs(value) > 2) return false;  // a normal
     if (k < 3) continue;
@@ -145,7 +145,7 @@ FileMesh readBinary(const MeshSource& source, std::vector<MeshNote>& notes) {
     mesh.faces[i] = {static_cast<std::int32_t>(3 * i), 3, FilePlace::byte(offset)};
     for (std::size_t k = 0; k < 9; ++k) {
       const std::size_t place = offset + kNormal + 4 * k;
-      const double value = loadNumber<float>(&bytes[place]);
+      const double value = static_cast<double>(loadNumber<float>(&bytes[place]));
       if (!std::isfinite(value))
         source.failAt(FilePlace::byte(place),
                       "a coordinate is not finite; a finite number would be accepted");

@@ -354,12 +354,12 @@ TEST(SaveProblem, BallsOfCloudsAreRead) {
   };
   EXPECT_EQ(load("balls: [[0, 0, 0, 0.1], [1, 0, 0, 0.2]]").world.objects[0].cloud->size(), 2u);
   const std::string name = folder.path("b.yaml");
-  for (const auto& [cloud, word] : {std::pair("balls: []", "at least one"),
-                                    {"balls: [[0, 0, 0]]", "radius"},
-                                    {"balls: [[0, 0, 0, -1]]", "radius -1"},
-                                    {"balls: [[0, 0, 0, 1]], radius: 1", "beside"},
-                                    {"balls: [[0, 0, 0, 1]], unseen: occupied", "free"}})
-    expectInputError([&] { load(cloud); }, name, 6, {word});
+  for (const auto& wrong : {std::pair("balls: []", "at least one"),
+                            {"balls: [[0, 0, 0]]", "radius"},
+                            {"balls: [[0, 0, 0, -1]]", "radius -1"},
+                            {"balls: [[0, 0, 0, 1]], radius: 1", "beside"},
+                            {"balls: [[0, 0, 0, 1]], unseen: occupied", "free"}})
+    expectInputError([&] { load(wrong.first); }, name, 6, {wrong.second});
 }
 
 }  // namespace

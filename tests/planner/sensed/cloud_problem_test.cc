@@ -349,9 +349,9 @@ TEST_F(CloudProblems, BallsThatAProgramSetsAreChecked) {
   };
   EXPECT_NO_THROW(with({{0, 0.5, 0}, 0.02}));
   EXPECT_THROW(with({{0, 0.5, 0}, -0.02}), robots::InputError);
-  EXPECT_THROW(with({{0, 0.5, 0}, NAN}), robots::InputError);
+  EXPECT_THROW(with({{0, 0.5, 0}, std::nan("")}), robots::InputError);
   EXPECT_THROW(with({{0, 1e300, 0}, 0.02}), robots::InputError);
-  EXPECT_THROW(with({{0, NAN, 0}, 0.02}), robots::InputError);
+  EXPECT_THROW(with({{0, std::nan(""), 0}, 0.02}), robots::InputError);
   problem.world.objects[0].cloud = std::make_shared<const PointCloud>();
   EXPECT_THROW(CompiledScene{problem}, robots::InputError) << "no ball is no obstacle";
 }

@@ -44,7 +44,7 @@ TEST(PointCloud, ArraysWithStridesAndBothPrecisions) {
   EXPECT_EQ(a.balls[1].center, Vector3d(-4, 5, double(0.1F)));
   EXPECT_EQ(a.balls[1].radius, 0.5);
   EXPECT_EQ(a.filters.at(0).removed, 1U);
-  const double doubles[] = {1, 2, 3, 0.1, 0, INFINITY, 7, 8, 9};
+  const double doubles[] = {1, 2, 3, 0.1, 0, HUGE_VAL, 7, 8, 9};
   const double radii[] = {1, kNaN, 3};  // that of a dropped point does not matter
   const PointCloud b = makeCloud({doubles, 3, 24, PointArray::Number::kDouble}, radii);
   ASSERT_EQ(b.size(), 2U);

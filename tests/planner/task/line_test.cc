@@ -695,7 +695,7 @@ TEST(Line, BadStepsOfAProgramAreRefused) {
   });
   expect("poses[0].via is", [](LineStep& l) {
     l.by.setZero();
-    l.poses = {{{1, 0, 0}, {}, Eigen::Vector3d(0, INFINITY, 0)}};
+    l.poses = {{{1, 0, 0}, {}, Eigen::Vector3d(0, HUGE_VAL, 0)}};
   });
   expect("poses[0].rotation is at", [](LineStep& l) {
     l.by.setZero();

@@ -91,7 +91,7 @@ TEST(PlacedModel, AFreeBodyHasItsLowerBoundBelowTheUpper) {
   EXPECT_NO_THROW(body(JointType::kFloating, {0, 0, 0}, {0, 1, 1}));
   EXPECT_THROW(body(JointType::kFloating, {0, 0, 1}, {1, 1, 0}), std::invalid_argument);
   EXPECT_THROW(body(JointType::kPlanar, {0, 1, 0}, {1, 0, 0}), std::invalid_argument);
-  EXPECT_THROW(body(JointType::kPlanar, {0, NAN, 0}, {1, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(body(JointType::kPlanar, {0, std::nan(""), 0}, {1, 0, 0}), std::invalid_argument);
 }
 
 TEST(PlacedModel, AContinuousJointThatIsLimitedBecomesRevolute) {
