@@ -42,7 +42,7 @@ struct Soup {
 };
 
 /// The format of a file: by its ending, as in Assimp; if the ending is unknown, by its first bytes.
-enum class Format { kStl, kObj, kPly, kDae, kOther };
+enum class Format { kStl, kObj, kPly, kDae, kGltf, kOther };
 
 Format formatOf(const MeshSource& source) {
   const std::string ending = source.ending();
@@ -50,6 +50,7 @@ Format formatOf(const MeshSource& source) {
   if (ending == ".obj") return Format::kObj;
   if (ending == ".ply") return Format::kPly;
   if (ending == ".dae") return Format::kDae;
+  if (ending == ".gltf" || ending == ".glb") return Format::kGltf;
   const std::string_view begin = source.text().substr(0, 4096);
   if (begin.find("<COLLADA") != std::string_view::npos) return Format::kDae;
   if (Assimp::Importer().IsExtensionSupported(ending)) return Format::kOther;
@@ -68,6 +69,8 @@ MeshContents readContents(const MeshSource& source, bool& reads_others) {
       return readPly(source);
     case Format::kDae:
       return readDae(source);
+    case Format::kGltf:
+      return readGltf(source, reads_others);
     case Format::kOther:
       break;
   }
@@ -186,14 +189,14 @@ Soup makeSoup(MeshContents contents, const Eigen::Vector3d& scale, const Eigen::
   return soup;
 }
 
-/// (glTF is in single precision by definition.)
 void noteRounding(Soup& soup) {
   double largest = 0;
   for (const Eigen::Vector3d& v : soup.vertices)
     largest = std::max(largest, v.cwiseAbs().maxCoeff());
   soup.notes.push_back({{},
                         "is read in single precision, which moves vertices by up to " +
-                            inMetres(0x1p-24 * largest) + "; STL, OBJ, PLY and DAE are exact"});
+                            inMetres(0x1p-24 * largest) +
+                            "; STL, OBJ, PLY, DAE and glTF are exact"});
 }
 
 Soup readSoup(const MeshSource& source, const Eigen::Vector3d& scale, bool& reads_others,
@@ -201,8 +204,7 @@ Soup readSoup(const MeshSource& source, const Eigen::Vector3d& scale, bool& read
   Soup soup = makeSoup(readContents(source, reads_others), scale, turn, source);
   if (soup.triangles.empty())
     source.fail("holds no triangles or polygons; at least one would be accepted");
-  if (formatOf(source) == Format::kOther && source.ending() != ".gltf" && source.ending() != ".glb")
-    noteRounding(soup);
+  if (formatOf(source) == Format::kOther) noteRounding(soup);
   return soup;
 }
 

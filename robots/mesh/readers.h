@@ -26,6 +26,12 @@ MeshContents readDae(const MeshSource& source);
 /// The rotation by which Assimp turns a Collada file's up axis to y. Identity for other files.
 Eigen::Matrix3d upAxisToY(const MeshSource& source);
 
+/// glTF 2.0 and GLB: triangles, strips and fans below the nodes of the file's scene, in metres; the
+/// up axis is ignored. Quantised coordinates are converted. Skins, weights of morph targets and
+/// required extensions that may change shapes are errors. `reads_others`: whether numbers came from
+/// other files.
+MeshContents readGltf(const MeshSource& source, bool& reads_others);
+
 /// Any other format, by Assimp, in single precision. `reads_others`: whether files other than this
 /// one were read.
 MeshContents readByAssimp(const MeshSource& source, bool& reads_others);

@@ -111,6 +111,14 @@ std::vector<std::string> seedInputs() {
 <library_visual_scenes><visual_scene id="s"><node id="o"><rotate>0 0 1 30</rotate><matrix>1 0 0 0 0 1 0 0 0 0 1 2 0 0 0 1</matrix>
 <instance_node url="#n"/><instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
 <scene><instance_visual_scene url="#s"/></scene></COLLADA>)");
+  seeds.push_back(
+      R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "children": [1],
+"rotation": [0, 0, 0.6, 0.8], "scale": [1, 2, -1]}, {"mesh": 0, "translation": [1, 2, 3]}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "mode": 4}]}],
+"accessors": [{"bufferView": 0, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC3"},
+{"bufferView": 0, "byteOffset": 1, "componentType": 5121, "count": 6, "type": "SCALAR"}],
+"bufferViews": [{"buffer": 0, "byteLength": 12, "byteStride": 3}],
+"buffers": [{"byteLength": 12, "uri": "data:;base64,AAECAwABAgMAAQID"}]})");
   return seeds;
 }
 
@@ -138,6 +146,9 @@ std::vector<std::string> dictionary() {
           "1e400",
           "-nan",
           "1e-400",
+          "\"mode\": 5",
+          "\"byteStride\": 1",
+          "5126",
           "+.5",
           "\\\n",
           "2147483648"};
@@ -148,7 +159,13 @@ std::vector<std::string> dictionary() {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string path = fuzz::writeInput("input.mesh", {data, size});
   static const robots::Stop never;
-  for (const auto read : {robots::readStl, robots::readObj, robots::readPly, robots::readDae}) {
+  const auto readGltf = [](const robots::MeshSource& source) {
+    bool reads_others = false;
+    return robots::readGltf(source, reads_others);
+  };
+  using Reader = robots::MeshContents (*)(const robots::MeshSource&);
+  for (const Reader read : {Reader(robots::readStl), Reader(robots::readObj),
+                            Reader(robots::readPly), Reader(robots::readDae), Reader(readGltf)}) {
     try {
       robots::MeshContents contents = read(robots::MeshSource(path, "", 0, never));
       for (FileMesh& mesh : contents.meshes) check(mesh);
