@@ -77,6 +77,20 @@ constexpr double kSumRounding = 1e-13;
 
 // Blended corners
 
+/// Phases of a timed motion are at least this long [s] where there is room. Positions in files have
+/// 17 digits: accelerations of a cubic over this time are then exact to 1e-7 rad/s^2, jerks to 1e-3
+/// rad/s^3.
+constexpr double kLeastPhase = 1e-4;
+/// Rows of a timed motion are at least this far apart [s].
+constexpr double kLeastRow = 2e-5;
+
+/// The verifier lets a cubic exceed limits on its derivatives by this share: its rows have times in
+/// whole nanoseconds, but phases do not begin at them. Of a motion at rest, velocity is at most the
+/// square of this share.
+constexpr double kVerifyLimit = 1e-3;
+/// Rounding of positions and times in files, for the same comparison.
+constexpr double kVerifyDigits = 4e-15;
+
 /// A blend is proven as chords. Between any two points of the robot, the relative motion departs
 /// from the chords by at most this [m]; the margins include it.
 constexpr double kBlendDeviation = 5e-5;

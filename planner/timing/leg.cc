@@ -113,7 +113,7 @@ SpeedChange fastestTurn(const Leg& before, const Leg& after, const MotionLimits&
     turn.acceleration = std::min(turn.acceleration, limits.acceleration[i] / change);
     if (!limits.jerk.empty()) turn.jerk = std::min(turn.jerk, limits.jerk[i] / change);
   }
-  return turn.acceleration < kInfinity ? SpeedChange(0, 1, turn) : SpeedChange();
+  return turn.acceleration < kInfinity ? SpeedChange(0, 1, turn).withLongPhases() : SpeedChange();
 }
 
 std::vector<double> blendTimes(std::span<const Leg> legs, std::span<const Blend> blends,

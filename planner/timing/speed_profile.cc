@@ -4,6 +4,7 @@
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/trajectory.h"
+#include "planner/base/tolerances.h"
 
 namespace leeway::planner {
 namespace {
@@ -39,6 +40,9 @@ double largestWithout(double low, double high, const Excess& excess) {
   return low;
 }
 
+/// The time of a phase: at least kLeastPhase, or 0 for a phase that is not there.
+double phase(double time) { return time > 0 ? std::max(time, kLeastPhase) : 0; }
+
 }  // namespace
 
 SpeedChange::SpeedChange(double first, double last, const LineLimits& limits)
@@ -54,6 +58,12 @@ SpeedChange::SpeedChange(double first, double last, const LineLimits& limits)
     time = 2 * std::sqrt(change / j);
     ramp = time / 2;
   }
+}
+
+SpeedChange SpeedChange::withLongPhases() const {
+  if (!(time > 0)) return *this;
+  const double plateau = time - 2 * ramp, longer = phase(ramp);
+  return {from, to, 2 * longer + phase(plateau > kInLine * time ? plateau : 0), longer};
 }
 
 SpeedChange::State SpeedChange::at(double t) const {
@@ -76,13 +86,28 @@ SpeedProfile::SpeedProfile(const LineLimits& limits, double length, double first
   const double least = std::max(first, last);
   if (!(first >= 0 && last >= 0 && least <= limits.speed))
     throw std::invalid_argument("SpeedProfile: speeds from 0 to the limit are expected");
-  const double peak = largestWithout(least, limits.speed, [&](double speed) {
-    return SpeedChange(first, speed, limits).way() + SpeedChange(last, speed, limits).way() -
-           length;
-  });
-  rise_ = SpeedChange(first, peak, limits);
-  fall_ = SpeedChange(last, peak, limits);
+  bool is_long = true;  // there is room for long phases
+  const auto change = [&](double from, double to) {
+    const SpeedChange fastest(from, to, limits);
+    return is_long ? fastest.withLongPhases() : fastest;
+  };
+  const auto excess = [&](double speed) {
+    return change(first, speed).way() + change(last, speed).way() - length;
+  };
+  is_long = excess(least) <= 0;
+  const double peak = largestWithout(least, limits.speed, excess);
+  rise_ = change(first, peak);
+  fall_ = change(last, peak);
   if (peak > 0) cruise_ = std::max(0.0, (length - rise_.way() - fall_.way()) / peak);
+  if (!(cruise_ < kLeastPhase)) return;
+  // One of the changes takes the time of a short cruise, too.
+  SpeedChange& longer = rise_.time > fall_.time ? rise_ : fall_;
+  if (!(longer.time > 0)) return;
+  const double way = length - (&longer == &rise_ ? fall_ : rise_).way();
+  const double time = std::max(longer.time, 2 * way / (longer.from + longer.to));
+  longer.ramp *= time / longer.time;
+  longer.time = time;
+  cruise_ = 0;
 }
 
 SpeedProfile::State SpeedProfile::at(double time) const {

@@ -18,6 +18,7 @@
 #include "planner/timing/choose_cuts.h"
 #include "planner/timing/leg.h"
 #include "planner/timing/motion_limits.h"
+#include "planner/timing/trajectory_samples.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {
@@ -198,7 +199,7 @@ void Trajectory::addPieces(std::span<const Leg> legs, std::span<const double> bl
 }
 
 std::vector<double> Trajectory::knots() const {
-  std::vector<double> result(times_.begin(), times_.end());
+  std::vector<double> result = {0, duration()};
   for (const Piece& piece : pieces_) {
     if (piece.profile) {
       for (const double knot : piece.profile->knots()) result.push_back(piece.start + knot);
@@ -209,6 +210,7 @@ std::vector<double> Trajectory::knots() const {
       result.push_back(piece.start + knot);
   }
   std::sort(result.begin(), result.end());
+  addSpaced(times_, result);
   result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }

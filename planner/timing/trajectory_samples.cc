@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "collision/base/numbers.h"
+#include "planner/base/tolerances.h"
 #include "planner/timing/leg.h"
 
 namespace leeway::planner {
@@ -30,23 +32,49 @@ void quaternionRates(const double* q, double* velocity, double* acceleration) {
   }
 }
 
-/// Times of the rows, ascending. Keeps the last of several times within one nanosecond, because a
-/// row's acceleration holds from its time on. Always keeps the start.
-std::vector<double> sampleTimes(const Trajectory& trajectory, double period) {
+struct RowTime {
+  double whole;  ///< in whole nanoseconds
+  double after;  ///< the time for derivatives that jump there
+};
+
+/// Times of the rows, ascending, in whole nanoseconds as in files. Of knots that are nearer to each
+/// other than kLeastRow it keeps the last, because a row's acceleration holds from its time on.
+std::vector<RowTime> sampleTimes(const Trajectory& trajectory, double period) {
   std::vector<double> times = trajectory.knots();
-  if (period > 0)
-    for (double k = 1; k * period < trajectory.duration(); ++k) times.push_back(k * period);
-  std::sort(times.begin(), times.end());
-  std::vector<double> result;
-  for (const double time : times)
-    if (result.empty() || nanoseconds(time) > nanoseconds(result.back()))
-      result.push_back(time);
-    else if (result.size() > 1 || time == trajectory.duration())
-      result.back() = time;
+  if (period > 0) {
+    std::vector<double> steps;
+    for (double k = 1; k * period < trajectory.duration(); ++k) steps.push_back(k * period);
+    addSpaced(steps, times);
+  }
+  std::vector<RowTime> result;
+  for (const double time : times) {
+    const bool is_end = time == trajectory.duration();
+    const double whole = (is_end ? std::ceil(time * 1e9) : std::round(time * 1e9)) / 1e9;
+    const RowTime row{whole, std::max(whole, time)};
+    const bool is_near = !result.empty() && whole - result.back().whole < kLeastRow;
+    if (is_near && result.size() > 1)
+      result.back() = row;
+    else if (!is_near || is_end)
+      result.push_back(row);
+  }
   return result;
 }
 
 }  // namespace
+
+void addSpaced(std::span<const double> added, std::vector<double>& times) {
+  std::vector<double> all;
+  all.reserve(times.size() + added.size());
+  auto next = times.begin();
+  for (const double time : added) {
+    while (next != times.end() && *next <= time) all.push_back(*next++);
+    if ((all.empty() || time - all.back() >= kLeastRow) &&
+        (next == times.end() || *next - time >= kLeastRow))
+      all.push_back(time);
+  }
+  all.insert(all.end(), next, times.end());
+  times = std::move(all);
+}
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
@@ -54,12 +82,12 @@ Samples sample(const Trajectory& trajectory, double period) {
   const ConfigurationSpace& space = trajectory.space();
   const std::size_t size = at(space.size());
   Samples samples;
-  samples.times = sampleTimes(trajectory, period);
-  for (const double time : samples.times) {
+  for (const auto& [time, after] : sampleTimes(trajectory, period)) {
+    samples.times.push_back(time);
     std::vector<double> position(size), velocity(size), acceleration(size);
     trajectory.configuration(time, position);
     trajectory.velocity(time, velocity);
-    trajectory.acceleration(time, acceleration);
+    trajectory.acceleration(after, acceleration);
     for (const ConfigurationSpace::Part& part : space.parts())
       if (part.kind == ConfigurationSpace::Kind::kRotation) {
         double* q = &position[at(part.first)];

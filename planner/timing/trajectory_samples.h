@@ -3,6 +3,7 @@
 // Private to planner/: the rows of a trajectory in files.
 
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -28,6 +29,10 @@ struct Samples {
 /// Samples the trajectory at its knots, and every `period` seconds if that is above 0. Unwraps
 /// circles, and keeps successive quaternions in one half of the sphere. O(rows).
 Samples sample(const Trajectory& trajectory, double period);
+
+/// Adds those of some ascending times that are at least kLeastRow from all others in `times`, which
+/// stay ascending. O(times).
+void addSpaced(std::span<const double> added, std::vector<double>& times);
 
 /// Rounds a time to the resolution of times in files.
 std::int64_t nanoseconds(double seconds);

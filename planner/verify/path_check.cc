@@ -1,8 +1,11 @@
 #include "planner/verify/path_check.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -110,7 +113,69 @@ class PathCheck {
                  numberText(v.lower) + " to " + numberText(v.upper);
       }
     }
+    for (std::size_t i = 0; i < path_.names.size(); ++i)
+      if (const std::string reason = tooFast(i, waypoint); !reason.empty()) return reason;
     return {};
+  }
+
+  /// Returns how the cubics of one variable exceed its limits, or do not begin and end at rest.
+  /// Sets `waypoint`.
+  std::string tooFast(std::size_t i, std::size_t& waypoint) const {
+    const StatedLimits limits = statedLimits(problem_, variable(i));
+    const std::string& name = path_.names[i];
+    const auto exceeds = [&](const char* what, double value, double limit) {
+      return fmt::format("{}'s {} after the row reaches {:.6g}, over its limit of {:.6g}", name,
+                         what, value, limit);
+    };
+    const auto jumps = [&](double from, double to) {
+      return fmt::format(
+          "{}'s acceleration jumps at the row, from {:.6g} to {:.6g}, although its "
+          "jerk is limited",
+          name, from, to);
+    };
+    double before = 0;  // the acceleration at the end of the cubic before; at first, at rest
+    for (waypoint = 0; waypoint + 1 < path_.positions.size(); ++waypoint) {
+      const double duration = path_.times[waypoint + 1] - path_.times[waypoint];
+      const Cubic cubic = cubicsOf(path_, waypoint)[i];
+      // Rounding of positions and times, which derivatives enlarge.
+      const double rounding =
+          kVerifyDigits * (std::abs(path_.positions[waypoint][i]) +
+                           cubic.speed() * (1 + path_.times[waypoint + 1] / duration));
+      const auto within = [&](double value, double limit, double slack) {
+        return std::abs(value) <= limit * (1 + kVerifyLimit) + slack;
+      };
+      // No more than what times in whole nanoseconds make of a limited jerk.
+      const auto within_jump = [&](double change, double slack) {
+        return std::abs(change) <=
+               kVerifyLimit * std::min(limits.acceleration, limits.jerk * duration) + 2 * slack;
+      };
+      const double square = duration * duration;
+      if (const double v = cubic.speed() / duration;
+          !within(v, limits.velocity, rounding / duration))
+        return exceeds("velocity", v, limits.velocity);
+      const double first = cubic.acceleration(0) / square, last = cubic.acceleration(1) / square;
+      for (const double a : {first, last})
+        if (!within(a, limits.acceleration, rounding / square))
+          return exceeds("acceleration", a, limits.acceleration);
+      if (limits.jerk < kInfinity) {
+        const double j = cubic.jerk() / (square * duration);
+        if (!within(j, limits.jerk, rounding / (square * duration)))
+          return exceeds("jerk", j, limits.jerk);
+        if (!within_jump(first - before, rounding / square)) return jumps(before, first);
+        if (waypoint + 2 == path_.positions.size() && !within_jump(last, rounding / square)) {
+          ++waypoint;
+          return jumps(last, 0);
+        }
+      }
+      before = last;
+    }
+    for (waypoint = 0;; waypoint = path_.positions.size() - 1) {
+      const double velocity = path_.velocities[waypoint][i];
+      if (!(std::abs(velocity) <= kVerifyLimit * kVerifyLimit * limits.velocity))
+        return fmt::format("{} moves at {:.6g} in the {} row; rest is expected", name, velocity,
+                           waypoint == 0 ? "first" : "last");
+      if (waypoint + 1 == path_.positions.size()) return {};
+    }
   }
 
   static double angleBetween(double a, double b) {
@@ -229,6 +294,20 @@ double Cubic::at(double t) const {
 bool Cubic::isShort() const {
   return std::abs(c1_) <= kVerifyCubic && std::abs(c2_) <= kVerifyCubic &&
          std::abs(c3_) <= kVerifyCubic;
+}
+
+StatedLimits statedLimits(const Problem& problem, const robots::Variable& variable) {
+  const Execution& execution = problem.execution;
+  const auto stated = [&](const std::map<std::string, double>& given, double own,
+                          double otherwise) {
+    const auto found = given.find(variable.name);
+    if (found != given.end()) return found->second;
+    return own > 0 && own <= kMostLimit ? own : otherwise;
+  };
+  return {execution.speed * stated(execution.velocities, variable.velocity, kDefaultVelocity),
+          execution.acceleration_scale *
+              stated(execution.accelerations, variable.acceleration, kInfinity),
+          execution.jerk_scale * stated(execution.jerks, variable.jerk, kInfinity)};
 }
 
 std::vector<Cubic> cubicsOf(const Path& path, std::size_t segment) {

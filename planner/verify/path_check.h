@@ -26,6 +26,9 @@ class Cubic {
   double most() const { return most_; }
   /// Bounds the derivative's absolute value.
   double speed() const { return speed_; }
+  /// The second derivative at t, and the third, which is constant.
+  double acceleration(double t) const { return 2 * c2_ + 6 * c3_ * t; }
+  double jerk() const { return 6 * c3_; }
   /// Whether at() rounds by no more than interpolation along lines does.
   bool isShort() const;
 
@@ -34,11 +37,19 @@ class Cubic {
   double least_, most_, speed_;
 };
 
+/// A variable's limits in an execution, as the robot and the problem state them; infinite where
+/// neither does, except that velocity then is kDefaultVelocity.
+struct StatedLimits {
+  double velocity, acceleration, jerk;  ///< [rad/s, rad/s^2, rad/s^3, or m]
+};
+StatedLimits statedLimits(const Problem& problem, const robots::Variable& variable);
+
 /// The cubics between two rows of a path with times.
 std::vector<Cubic> cubicsOf(const Path& path, std::size_t segment);
 
 /// Returns the first fault of a path: wrong columns, a waypoint that is not finite or is outside
-/// the limits, times or velocities that are none, a cubic that leaves the limits, a first waypoint
+/// the limits, times or velocities that are none, a cubic that leaves the limits or exceeds those
+/// of statedLimits(), a motion with times that does not begin and end at rest, a first waypoint
 /// that is not the start, and, with `ends_in_goal`, a last waypoint that is in no goal. Returns
 /// nothing if the path has no fault.
 std::optional<PathFault> findFault(const Problem& problem, const ConfigurationSpace& space,

@@ -642,7 +642,12 @@ VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions&
   requirePlaced(problem);
   if (!path.times.empty() && (problem.condition.accept || !problem.steps.empty())) {
     VerifyResult result;
-    result.reason = "steps and conditions are verified along lines only";
+    result.reason =
+        problem.steps.empty()
+            ? "the rows are joined by cubics, and conditions are looked at along "
+              "straight lines only; a path's file (--output) has lines"
+            : "the file of a trajectory has no steps; the path's file (--output), which "
+              "has them, can be verified";
     return result;
   }
   if (!problem.steps.empty()) return verifyTask(problem, path, options, {is_enough});

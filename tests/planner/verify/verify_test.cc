@@ -202,6 +202,20 @@ TEST(Verify, CubicsAreBounded) {
   EXPECT_GT(overshoots, 50);
 }
 
+/// The motion with rest before and after it, within a microsecond: limits that are far away.
+Path withRest(Path path, Problem& problem) {
+  for (const int v : problem.robot.variables)
+    problem.execution.velocities[problem.robot.model->variables[at(v)].name] = 100;
+  path.positions.insert(path.positions.begin(), path.positions.front());
+  path.positions.push_back(path.positions.back());
+  path.times.insert(path.times.begin(), path.times.front() - 1e-6);
+  path.times.push_back(path.times.back() + 1e-6);
+  const std::vector<double> rest(path.names.size(), 0);
+  path.velocities.insert(path.velocities.begin(), rest);
+  path.velocities.push_back(rest);
+  return path;
+}
+
 /// A motion of cubics is proven as it is, not as lines between its rows.
 TEST(Verify, MotionsOfCubicsAreProven) {
   Problem problem = problemFor(arm(), {1.5, 0});
@@ -211,29 +225,31 @@ TEST(Verify, MotionsOfCubicsAreProven) {
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted) << "the line";
   path.times = {2, 3};
   path.velocities = {{1.5, 0}, {1.5, 0}};
-  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted) << "still the line";
+  EXPECT_EQ(verify(problem, withRest(path, problem)).status, VerifyStatus::kRefuted)
+      << "still the line";
   path.velocities = {{1.5, 4}, {1.5, -4}};  // the elbow bends by 1 in the middle
-  const VerifyResult bent = verify(problem, path);
+  const VerifyResult bent = verify(problem, withRest(path, problem));
   EXPECT_EQ(bent.status, VerifyStatus::kCertified) << bent.reason;
   EXPECT_GT(bent.clearance_lower, 0.01);
   path.times = {2, 2.1};  // less time, less bend
-  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
+  EXPECT_EQ(verify(problem, withRest(path, problem)).status, VerifyStatus::kRefuted);
   path.times = {2, 4.5};
-  const VerifyResult beyond = verify(problem, path);
+  const VerifyResult beyond = verify(problem, withRest(path, problem));
   EXPECT_EQ(beyond.status, VerifyStatus::kCertified) << beyond.reason;
   path.times = {2, 12};
-  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
-  EXPECT_NE(verify(problem, path).reason.find("after the row, outside its limits -3 to 3"),
+  EXPECT_EQ(verify(problem, withRest(path, problem)).status, VerifyStatus::kRefuted);
+  EXPECT_NE(verify(problem, withRest(path, problem))
+                .reason.find("after the row, outside its limits -3 to 3"),
             std::string::npos)
-      << verify(problem, path).reason;
+      << verify(problem, withRest(path, problem)).reason;
   // Free rows and a line, but a curve that collides.
   path.positions = {{0, 0}, {0.3, 0}};
   problem.goals[0].ranges = {{0.3, 0.3}, {0, 0}};
   path.times = {0, 1};
   path.velocities = {{0, 0}, {0, 0}};
-  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
+  EXPECT_EQ(verify(problem, withRest(path, problem)).status, VerifyStatus::kCertified);
   path.velocities = {{4, 0}, {-4, 0}};
-  const VerifyResult swings = verify(problem, path);
+  const VerifyResult swings = verify(problem, withRest(path, problem));
   EXPECT_EQ(swings.status, VerifyStatus::kRefuted);
   EXPECT_EQ(swings.b == "post" ? swings.a : swings.b, "lower");
   // Times and velocities that are none.
@@ -260,7 +276,58 @@ TEST(Verify, MotionsOfCubicsAreProven) {
   problem.condition.accept = [](std::span<const double>) { return true; };
   const VerifyResult conditional = verify(problem, path);
   EXPECT_EQ(conditional.status, VerifyStatus::kUndecided);
-  EXPECT_NE(conditional.reason.find("along lines only"), std::string::npos);
+  EXPECT_NE(conditional.reason.find("straight lines only"), std::string::npos);
+}
+
+/// Limits on velocity, acceleration and jerk, those that are stated, and rest at both ends.
+TEST(Verify, MotionsKeepTheirLimits) {
+  Problem problem = problemFor(arm(), {1, 0});
+  const std::string joint = problem.robot.model->variables[0].name;
+  problem.execution.velocities[joint] = 1.5;
+  Path path = pathOf(problem, {{0, 0}, {0.5, 0}, {1, 0}});
+  path.times = {0, 1, 2};
+  path.velocities = {{0, 0}, {0.75, 0}, {0, 0}};  // a cubic of velocity 0.75, at most
+  const auto expect = [&](const std::string& reason, int segment) {
+    const VerifyResult result = verify(problem, path);
+    if (reason.empty()) {
+      EXPECT_EQ(result.status, VerifyStatus::kCertified) << result.reason;
+      return;
+    }
+    EXPECT_EQ(result.status, VerifyStatus::kRefuted) << reason;
+    EXPECT_NE(result.reason.find(reason), std::string::npos) << result.reason;
+    EXPECT_EQ(result.segment, segment) << result.reason;
+  };
+  expect("", -1);
+  problem.execution.speed = 0.4998;  // 0.7497
+  expect("", -1);                    // within a thousandth
+  problem.execution.speed = 0.4;
+  expect("'s velocity after the row reaches 0.75, over its limit of 0.6", 0);
+  problem.execution.speed = 1;
+  problem.execution.accelerations[joint] = 1.5;  // as at both ends of the cubics
+  expect("", -1);
+  problem.execution.acceleration_scale = 0.9;
+  expect("'s acceleration after the row reaches 1.5, over its limit of 1.35", 0);
+  problem.execution.acceleration_scale = 1;
+  problem.execution.jerks[joint] = 100;
+  expect("'s acceleration jumps at the row, from 0 to 1.5, although its jerk is limited", 0);
+  problem.execution.jerks.clear();
+  problem.execution.accelerations.clear();
+  path.velocities[0][0] = 0.01;
+  expect(" moves at 0.01 in the first row; rest is expected", 0);
+  path.velocities[0][0] = 0;
+  path.velocities[2][0] = -0.01;
+  expect(" moves at -0.01 in the last row; rest is expected", 1);
+  // Smooth from rest to rest: jerk 32 in the quarters of a second.
+  path.positions = {{0, 0}, {1.0 / 12, 0}, {0.5, 0}, {11.0 / 12, 0}, {1, 0}};
+  path.times = {0, 0.25, 0.5, 0.75, 1};
+  path.velocities = {{0, 0}, {1, 0}, {2, 0}, {1, 0}, {0, 0}};
+  problem.execution = {};
+  problem.execution.velocities[joint] = 2;
+  problem.execution.accelerations[joint] = 8;
+  problem.execution.jerks[joint] = 32;
+  expect("", -1);
+  problem.execution.jerks[joint] = 31;
+  expect("'s jerk after the row reaches 32, over its limit of 31", 0);
 }
 
 /// Against states at 2,000 places of random cubics.
@@ -282,7 +349,7 @@ TEST(Verify, MotionsOfCubicsAgreeWithTheirStates) {
     path.times = {0, 0.5};
     path.velocities = {{4 * number(random), 4 * number(random)},
                        {4 * number(random), 4 * number(random)}};
-    const VerifyResult result = verify(problem, path);
+    const VerifyResult result = verify(problem, withRest(path, problem));
     EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
     bool free = true;
     for (int k = 0; k <= 2000; ++k) {

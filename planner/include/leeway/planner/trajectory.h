@@ -47,6 +47,10 @@ struct SpeedChange {
   /// The fastest change within limits on acceleration and jerk. Takes no time unless first < last.
   SpeedChange(double first, double last, const LineLimits& limits);
 
+  /// The same change in as much time or a little more: no phase of it is shorter than 0.1 ms, so
+  /// that cubics through rounded numbers keep its limits. Rises with the change, as the fastest.
+  SpeedChange withLongPhases() const;
+
   struct State {
     double way = 0, speed = 0, acceleration = 0;
   };
@@ -57,8 +61,9 @@ struct SpeedChange {
 
 /// The fastest motion over a length from one speed to another under constant limits on speed,
 /// acceleration and jerk, whose acceleration is 0 at both ends if jerk is limited: three phases,
-/// seven with a limit on jerk (double S: L. Biagiotti, C. Melchiorri, "Trajectory Planning for
-/// Automatic Machines and Robots", 2008, section 3.4).
+/// seven with a limit on jerk, none shorter than 0.1 ms where the length has room (double S: L.
+/// Biagiotti, C. Melchiorri, "Trajectory Planning for Automatic Machines and Robots", 2008,
+/// section 3.4).
 class SpeedProfile {
  public:
   /// Speed and acceleration are finite. Throws std::invalid_argument for limits or a length that
@@ -153,9 +158,9 @@ class Trajectory {
   /// left out are between those beside them.
   std::span<const double> times() const { return waypoint_times_; }
   /// Times at which acceleration, or its derivative, jumps, and those of waypoints that are passed:
-  /// ascending, from 0 to duration() [s]. Between two of them every joint has constant jerk: it
-  /// moves on the cubic through its positions and velocities at both. (Orientations: their rotation
-  /// vector does.)
+  /// ascending, from 0 to duration() [s], without waypoints within 20 us of another. Between two of
+  /// them every joint has constant jerk: it moves on the cubic through its positions and velocities
+  /// at both. (Orientations: their rotation vector does.)
   std::vector<double> knots() const;
 
   /// A place on the path: t in [0, 1] of the edge from waypoint `edge` to the next one that is not
