@@ -199,30 +199,44 @@ Place MovingBody::at(const Sighting& known, double time, double half, const Sphe
 }
 
 std::string MovingBody::departure(const Sighting& before, const Sighting& now) {
-  const double age = now.time - before.time;
   const bool follows = before.kind == Sighting::Kind::kFollows;
-  if (!follows && !(age >= 0)) return {};  // seen earlier: nothing follows for the steps between
-  Rates bound{before.speed, before.turning};
+  if (!follows && now.time < before.time) return apart(now, before, before.time, "a sight before");
+  return apart(before, now, now.time,
+               follows ? "where its motion has it" : "where it was seen before");
+}
+
+std::string MovingBody::departureOfMotion(const Sighting& seen, double time) {
+  Sighting motion;  // follows
+  motion.time = time;
+  return apart(seen, motion, time, "where it was seen");
+}
+
+/// How much farther from a first sighting a second one is, at `time`, than bounds from the first on
+/// allow. Empty if it is not.
+std::string MovingBody::apart(const Sighting& first, const Sighting& second, double time,
+                              const char* from) {
+  Rates bound{first.speed, first.turning};
   const bool is_bounded = std::isfinite(bound.speed) && std::isfinite(bound.turning);
-  if (follows) {
+  if (first.kind == Sighting::Kind::kFollows) {
     bound = {0, 0};
-  } else if (before.kind == Sighting::Kind::kLooked && !is_bounded) {
-    bound = isRigid() ? ratesBetween(before.time, now.time)
-                      : Rates{deforming_->motion->speedBound(before.time, now.time), 0};
+  } else if (first.kind == Sighting::Kind::kLooked && !is_bounded) {
+    bound = isRigid() ? ratesBetween(first.time, time)
+                      : Rates{deforming_->motion->speedBound(first.time, time), 0};
   }
+  const double age = time - first.time;
   double rounding = kGuardJump;
-  if (before.kind != Sighting::Kind::kSeen) rounding += motionRounding(before.time, now.time, 1);
+  for (const Sighting* sighting : {&first, &second})
+    if (sighting->kind != Sighting::Kind::kSeen)
+      rounding += motionRounding(std::min(first.time, time), std::max(first.time, time), 1);
   double moved = 0, turned = 0;
   if (isRigid()) {
-    const Pose X_WO = poseOf(before, now.time);
-    moved = distanceOf(X_WO, now.X_WO);
-    turned = turnBetween(X_WO.rotation, now.X_WO.rotation).angle;
+    const Pose a = poseOf(first, time), b = poseOf(second, time);
+    moved = distanceOf(a, b);
+    turned = turnBetween(a.rotation, b.rotation).angle;
   } else {
-    const std::vector<Vector3d> vertices = verticesOf(before, now.time);
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-      moved = std::max(moved, (vertices[i] - (*now.vertices)[i]).norm());
+    const std::vector<Vector3d> a = verticesOf(first, time), b = verticesOf(second, time);
+    for (std::size_t i = 0; i < a.size(); ++i) moved = std::max(moved, (a[i] - b[i]).norm());
   }
-  const char* const from = follows ? "where its motion has it" : "where it was seen before";
   if (const double most = upTo(bound.speed, age); moved > most + rounding)
     return fmt::format("is {} m from {}; at most {} m is allowed by its speed bound", moved, from,
                        most);

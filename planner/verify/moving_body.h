@@ -61,14 +61,18 @@ class MovingBody {
   /// The place of a shape inside `sphere_O`, at `time`; `speed` and `slack` hold while the time
   /// differs by at most `half` [s]. Valid until the next call.
   Place at(const Sighting& known, double time, double half, const Sphere& sphere_O);
-  /// Says how far a sight departs from what was known before; empty if it agrees with it.
+  /// Says how far a sight departs from what was known before; empty if it agrees with it. Of two
+  /// sights, the bounds of the earlier one hold, whichever was stated first.
   std::string departure(const Sighting& before, const Sighting& now);
+  /// The same of the problem's motion at a time that is not before a sight, by the sight's bounds.
+  std::string departureOfMotion(const Sighting& seen, double time);
 
  private:
   /// Bounds on the motion of a rigid obstacle: its origin [m/s], its turning [rad/s].
   struct Rates {
     double speed = 0, turning = 0;
   };
+  std::string apart(const Sighting& first, const Sighting& second, double time, const char* from);
   Rates ratesBetween(double t0, double t1) const;
   /// A bound on the speed of points within `reach` of the origin, from t0 to t1 [m/s].
   double motionSpeed(double t0, double t1, double reach) const;

@@ -30,12 +30,7 @@ class LogVerifier {
     for (const int v : problem.robot.variables) {
       const robots::Variable& variable = problem.robot.model->variables[at(v)];
       motion_.path.names.push_back(variable.name);
-      const auto given = problem.execution.velocities.find(variable.name);
-      const bool is_limited = variable.velocity > 0 && variable.velocity <= kMostLimit;
-      limits_.push_back(problem.execution.speed * (given != problem.execution.velocities.end()
-                                                       ? given->second
-                                                   : is_limited ? variable.velocity
-                                                                : kDefaultVelocity));
+      limits_.push_back(statedLimits(problem, variable).velocity);
     }
     for (const DeformingObstacle& obstacle : problem.world.deforming)
       motion_.bodies.emplace_back(obstacle, problem.execution);
@@ -206,14 +201,24 @@ class LogVerifier {
         now.vertices = std::make_shared<const std::vector<Eigen::Vector3d>>(sight.vertices);
       now.speed = sight.speed_bound;
       now.turning = sight.turn_bound;
-      if (const auto& relied = std::exchange(relied_[m], {}); relied.line > 0)
-        if (const std::string off = motion_.bodies[m].departure(relied.known, now); !off.empty())
-          return refute(step, fmt::format("'{}' {}, on which line {} relied", sight.object, off,
-                                          relied.line));
+      const Relied relied = std::exchange(relied_[m], {});
+      std::string off;
+      if (relied.line > 0)
+        off = motion_.bodies[m].departure(relied.known, now);
+      else if (own_[m])
+        off = motion_.bodies[m].departure(*own_[m], now);
+      if (relied.line > 0 && relied.known.kind == Sighting::Kind::kFollows)
+        for (const double time : {relied.time, step.time})
+          if (off.empty() && time >= now.time) off = motion_.bodies[m].departureOfMotion(now, time);
+      if (!off.empty())
+        return refute(step, fmt::format("'{}' {}{}", sight.object, off,
+                                        relied.line > 0
+                                            ? fmt::format(", on which line {} relied", relied.line)
+                                            : ", in the same line"));
       own_[m] = known[m] = std::move(now);
     }
     for (std::size_t m = 0; m < known.size(); ++m)
-      if (relied_[m].line == 0 || !own_[m]) relied_[m] = {step.line, known[m]};
+      if (relied_[m].line == 0 || !own_[m]) relied_[m] = {step.line, step.time, known[m]};
     motion_.known.push_back(std::move(known));
     return saysWhatWasSeen(step);
   }
@@ -284,7 +289,8 @@ class LogVerifier {
 
   /// The knowledge on which steps relied since the obstacle was seen.
   struct Relied {
-    int line = 0;  ///< of the first step; 0: none
+    int line = 0;     ///< of the first step; 0: none
+    double time = 0;  ///< of its look [s]
     Sighting known;
   };
 

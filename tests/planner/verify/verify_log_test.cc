@@ -491,6 +491,50 @@ TEST_F(VerifyLog, BoundsCountFromTheTimeOfTheSight) {
   EXPECT_EQ(verified(problem, lines).status, VerifyStatus::kUndecided);
 }
 
+/// Sights bind each other, in whichever order a log states them: the earlier one's bounds hold.
+TEST_F(VerifyLog, SightsThatContradictEachOtherAreRefuted) {
+  const Problem problem = observedGate();
+  const Lines lines = logOfObserver(problem, *opening(), 6);
+  const auto far = [](Json sight, double time) {
+    sight["time"] = time;
+    sight["position"] = {0, 6, 0};
+    sight["speed_bound"] = 0;
+    return sight;
+  };
+  const double fourth = Json::parse(lines[3])["time"], third = Json::parse(lines[2])["time"];
+  // Two sights in one line: the first agrees with what steps relied on, the second with nothing.
+  Lines twice = lines;
+  twice[3] =
+      forged(lines[3], [&](Json& l) { l["observed"].push_back(far(l["observed"][0], fourth)); });
+  expectNotProven(problem, twice, VerifyStatus::kRefuted, 4,
+                  "by its speed bound, in the same line");
+  // A sight before the last one, from which the last one could not be reached.
+  Lines older = lines;
+  older[3] = forged(lines[3], [&](Json& l) {
+    l["observed"][0] = far(l["observed"][0], third - 0.05);
+    l["obstacles"][0]["seen"] = third - 0.05;
+  });
+  expectNotProven(problem, older, VerifyStatus::kRefuted, 4, "from a sight before");
+  // The same against the problem's own motion, on which steps relied.
+  const Problem known = barGate();
+  Lines followed = logOf(known);
+  ASSERT_GT(followed.size(), 16u);
+  const double time = Json::parse(followed[14])["time"];
+  followed[14] = forged(followed[14], [&](Json& l) {
+    l["observed"] =
+        Json::array({Json{{"object", "bar"},
+                          {"time", -1},
+                          {"position", {0, 1.2, 0}},
+                          {"rotation", Json::parse(lines[0])["observed"][0]["rotation"]},
+                          {"speed_bound", 0},
+                          {"turn_bound", 0}}});
+    l["obstacles"][0]["seen"] = -1;
+    l["obstacles"][0]["predicted"] = false;
+  });
+  ASSERT_GT(time, 0.5);  // the bar has left its first place
+  expectNotProven(known, followed, VerifyStatus::kRefuted, 15, "from where it was seen");
+}
+
 TEST_F(VerifyLog, AMeasuredStateOffTheMotionLeavesAGap) {
   const Problem problem = gate();
   Replanner replanner(problem);
