@@ -36,7 +36,9 @@ struct Table {
     std::vector<double> velocities = {};  ///< of the columns in `values`
   };
   std::vector<Row> rows;
-  bool cubic = false;  ///< rows have times and velocities, with cubics between them
+  bool cubic = false;         ///< rows have times and velocities, with cubics between them
+  std::string interpolation;  ///< as the certificate names it; may be empty
+  int interpolation_line = 0;
   std::vector<PathStep> steps;
 };
 
@@ -80,7 +82,16 @@ double readTime(const YamlReader& time) {
   return seconds;
 }
 
-/// Reads the velocities of rows, whose certificate says that they move on cubics.
+/// Whether any row states velocities.
+bool hasVelocities(const YamlReader& rows) {
+  const std::vector<YamlReader> items = rows.items();
+  return std::any_of(items.begin(), items.end(), [](const YamlReader& item) {
+    const auto velocities = item.isMap() ? item.find("velocities") : std::nullopt;
+    return velocities && !velocities->isNull() && !velocities->items().empty();
+  });
+}
+
+/// Reads the velocities of rows, between which the motion is cubic.
 void readVelocities(const YamlReader& rows, Table& table) {
   table.cubic = true;
   std::size_t i = 0;
@@ -100,6 +111,13 @@ Table readTrajectory(const YamlReader& file) {
   if (!file.isMap())
     file.fail("is no map; joint_names and points (trajectory_msgs/JointTrajectory) are expected");
   expectOneForm(file, {"joint_trajectory", "path", "positions", "points"});
+  // A RobotTrajectory of MoveIt may move joints of several variables as well.
+  if (const auto other = file.find("multi_dof_joint_trajectory"); other && other->isMap())
+    if (const auto points = other->find("points");
+        points && !points->isNull() && !points->items().empty())
+      points->fail(
+          fmt::format("{} has motions that are not read; a joint_trajectory alone is expected",
+                      points->where()));
   if (const auto nested = file.find("joint_trajectory")) return readTrajectory(*nested);
   const auto planned = file.find("path");
   const YamlReader& source = planned && planned->isMap() ? *planned : file;
@@ -110,17 +128,24 @@ Table readTrajectory(const YamlReader& file) {
   for (const YamlReader& name : names.items()) table.names.push_back(name.text());
   const bool plain = source.has("positions");
   const YamlReader rows = source.at(plain ? "positions" : "points", "a list of waypoints");
+  if (table.names.empty())
+    names.fail(fmt::format("{} is empty; the name of each column is expected", names.where()));
   for (const YamlReader& item : rows.items()) {
     const YamlReader row = plain ? item : item.at("positions", "a list of numbers");
     table.rows.push_back({row.numbers(), row.line()});
     const auto time = plain ? std::nullopt : item.find("time_from_start");
     if (time && !time->isNull()) table.rows.back().time = readTime(*time);
   }
-  const auto certificate = source.find("certificate");
-  const auto interpolation = certificate && certificate->isMap()
-                                 ? certificate->find("interpolation")
-                                 : std::optional<YamlReader>();
-  if (!plain && interpolation && interpolation->isScalar() && interpolation->text() == kCubic)
+  if (const auto certificate = source.find("certificate"); certificate && !certificate->isNull()) {
+    if (!certificate->isMap()) certificate->fail("the certificate is no map; a map is expected");
+    if (const auto interpolation = certificate->find("interpolation")) {
+      table.interpolation = interpolation->text();
+      table.interpolation_line = interpolation->line();
+    }
+  }
+  // A controller that gets velocities moves on cubics, unless a certificate says otherwise.
+  if (!plain &&
+      (table.interpolation == kCubic || (table.interpolation.empty() && hasVelocities(rows))))
     readVelocities(rows, table);
   if (const auto steps = source.find("steps"))
     for (const YamlReader& step : steps->items()) {
@@ -236,8 +261,8 @@ Table readCsv(const std::string& file, std::vector<std::string>* warnings) {
   return table;
 }
 
-/// Takes the velocities of a CSV file that has its time and that of each planned variable.
-void takeVelocities(const Problem& problem, Table& table) {
+/// Takes the velocities of a CSV file that has them.
+void takeVelocities(const std::string& file, const Problem& problem, Table& table) {
   const auto column = [&](const std::string& name) {
     return static_cast<std::size_t>(std::find(table.names.begin(), table.names.end(), name) -
                                     table.names.begin());
@@ -246,14 +271,26 @@ void takeVelocities(const Problem& problem, Table& table) {
   for (const std::string& name : plannedNames(problem))
     columns.emplace_back(column(name), column(name + std::string(kVelocityEnding)));
   const std::size_t count = table.names.size();
-  const auto isComplete = [&](const Table::Row& row) {
-    return row.time && row.values.size() == count;
-  };
-  if (!std::all_of(columns.begin(), columns.end(),
-                   [&](const auto& c) { return std::max(c.first, c.second) < count; }) ||
-      !std::all_of(table.rows.begin(), table.rows.end(), isComplete) ||
+  if (std::all_of(columns.begin(), columns.end(),
+                  [&](const auto& c) { return c.second == count; }) ||
       hasRotation(ConfigurationSpace(problem.robot.model, problem.robot.variables)))
     return;
+  const auto require = [&](bool is_there, const std::string& name) {
+    if (!is_there)
+      throw InputError(file, table.names_line,
+                       fmt::format("the column '{}' is missing; the time and the velocity of each "
+                                   "planned joint, or no velocity, is expected",
+                                   name));
+  };
+  require(column(std::string(kTimeColumn)) < count, std::string(kTimeColumn));
+  for (const std::string& name : plannedNames(problem)) {
+    const std::string velocity = name + std::string(kVelocityEnding);
+    require(column(velocity) < count, velocity);
+    if (column(name) == count) return;  // told below
+  }
+  if (!std::all_of(table.rows.begin(), table.rows.end(),
+                   [&](const Table::Row& row) { return row.time && row.values.size() == count; }))
+    return;  // told below
   table.cubic = true;
   for (Table::Row& row : table.rows) {
     row.velocities.assign(count, 0);
@@ -337,6 +374,17 @@ void normaliseRotations(const std::string& file, int line, const ConfigurationSp
   }
 }
 
+/// Refuses a file whose rows are joined in a way that is not read.
+void expectInterpolation(const std::string& file, const Table& table,
+                         const ConfigurationSpace& space) {
+  const std::string& given = table.interpolation;
+  if (given.empty() || table.cubic || given == space.interpolation()) return;
+  throw InputError(file, table.interpolation_line,
+                   fmt::format("the interpolation is '{}'; {}, or {} for rows with times and "
+                               "velocities, is expected",
+                               elided(given), space.interpolation(), kCubic));
+}
+
 /// Refuses times that run backwards, or stand still while a joint moves: rows are in the order of
 /// the motion.
 void expectTimes(const std::string& file, const Table& table, const Path& path) {
@@ -387,6 +435,7 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
   const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
   const std::vector<int> columns =
       table.names.empty() ? problem.robot.variables : columnVariables(file, table, problem);
+  expectInterpolation(file, table, space);
   Path path;
   path.names = plannedNames(problem);
   path.steps = table.steps;
@@ -436,7 +485,7 @@ Path readPath(const std::string& file, const Problem& problem, const PathReading
     return matched(file, readTrajectory(YamlReader::load(file)), problem, options);
   if (ending == ".csv") {
     Table table = readCsv(file, options.warnings);
-    if (options.cubics) takeVelocities(problem, table);
+    takeVelocities(file, problem, table);
     return matched(file, table, problem, options);
   }
   if (ending == ".path" || ending == ".txt")

@@ -24,6 +24,7 @@
 #include "planner/search/half_turns.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
+#include "tests/support/input_errors.h"
 
 namespace leeway::planner {
 namespace {
@@ -384,7 +385,8 @@ TEST_F(PathIo, BlendedTrajectoriesAreReadAsTheirCubics) {
     // Elsewhere its rows are a path of lines, and a certificate that speaks of cubics says so.
     const Path lines = readPath(file(name), problem, {.warnings = &warnings});
     EXPECT_TRUE(lines.times.empty() && lines.velocities.empty());
-    EXPECT_EQ(warnings.size(), std::string(name) == "t.csv" ? 0U : 1U);
+    EXPECT_EQ(warnings.size(), 1U) << name;
+    warnings.clear();
   }
   // Lines join the rows of a motion without blends.
   problem.execution.corners = Corners::kStop;
@@ -402,6 +404,10 @@ TEST_F(PathIo, BlendedTrajectoriesAreReadAsTheirCubics) {
     }
     return std::string();
   };
+  const auto written = [&](const std::string& name, const std::string& text) {
+    std::ofstream(file(name)) << text;
+    return file(name);
+  };
   const std::string zeros = "[0,0,0,0,0,0,0]";
   const std::string first =
       "{\"positions\": " + zeros + ", \"velocities\": " + zeros + ", \"time_from_start\": 1}";
@@ -418,6 +424,61 @@ TEST_F(PathIo, BlendedTrajectoriesAreReadAsTheirCubics) {
   EXPECT_NE(refused(first + ",\n" + first).find(":3: the row's time is 1 s, as that of line 2"),
             std::string::npos)
       << refused(first + ",\n" + first);
+  // Without a certificate, velocities mean cubics, of all rows or of none.
+  const std::string names = R"({"joint_names": ["joint1", "joint2", "joint3", "joint4", "joint5",
+"joint6", "joint7"], "points": [)";
+  const std::string last =
+      "{\"positions\": " + zeros + ", \"velocities\": " + zeros + ", \"time_from_start\": 2}";
+  const std::string bare = "{\"positions\": " + zeros + ", \"time_from_start\": 2}";
+  const PathReading cubics{.cubics = true};
+  const Path plain =
+      readPath(written("plain.json", names + first + ", " + last + "]}"), problem, cubics);
+  EXPECT_EQ(plain.times, (std::vector<double>{1, 2}));
+  EXPECT_EQ(plain.velocities.size(), 2U);
+  robots::expectInputError(
+      [&] { readPath(written("part.json", names + first + ",\n" + bare + "]}"), problem, cubics); },
+      file("part.json"), 3, {"velocities"});
+  EXPECT_TRUE(
+      readPath(written("none.json", names + bare + "]}"), problem, cubics).velocities.empty());
+  // No other interpolation is taken for lines.
+  for (const char* word : {"Cubic", "quintic", "SE(3) geodesic", "5"})
+    robots::expectInputError(
+        [&] {
+          readPath(
+              written("word.json",
+                      names + bare + "],\n\"certificate\": {\"interpolation\": \"" + word + "\"}}"),
+              problem, cubics);
+        },
+        file("word.json"), 3, {"joint-linear, or cubic for rows", word});
+  robots::expectInputError(
+      [&] {
+        readPath(written("word.json", names + bare + "],\n\"certificate\": \"cubic\"}"), problem,
+                 cubics);
+      },
+      file("word.json"), 3, {"a map is expected"});
+  // A table has all velocities and the time, or no velocity.
+  std::string heading = "time", velocities, row = "0";
+  for (int i = 1; i <= 7; ++i) {
+    heading += ",joint" + std::to_string(i);
+    velocities += ",joint" + std::to_string(i) + ".velocity";
+  }
+  for (int i = 0; i < 14; ++i) row += ",0";
+  EXPECT_EQ(readPath(written("all.csv", heading + velocities + "\n" + row + "\n"), problem, cubics)
+                .times.size(),
+            1U);
+  const std::string most = velocities.substr(0, velocities.rfind(','));
+  robots::expectInputError(
+      [&] {
+        readPath(written("most.csv", heading + most + "\n" + row.substr(2) + "\n"), problem,
+                 cubics);
+      },
+      file("most.csv"), 1, {"'joint7.velocity' is missing"});
+  robots::expectInputError(
+      [&] {
+        readPath(written("late.csv", heading.substr(5) + velocities + "\n" + row.substr(2) + "\n"),
+                 problem, cubics);
+      },
+      file("late.csv"), 1, {"'time' is missing"});
 }
 
 /// Orientations are written with the rate of their four numbers.

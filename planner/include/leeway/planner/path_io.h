@@ -14,18 +14,18 @@ struct PathReading {
   /// wrapped.
   bool shortest = false;
   /// Reads Path::times and velocities of a file whose certificate says that corners are blended
-  /// (`interpolation: cubic`), or of a CSV file with velocities. Otherwise such a file gives its
-  /// rows alone, with a warning.
+  /// (`interpolation: cubic`), and of a file without a certificate that has velocities. Otherwise
+  /// such a file gives its rows alone, with a warning.
   bool cubics = false;
   /// Receives warnings about a file that can be used. Null: no warnings.
   std::vector<std::string>* warnings = nullptr;
 };
 
-/// Reads a .json, .yaml, .csv or .path file, whose rows mean straight lines. Columns are matched to
-/// the problem's planned variables by name (.path: by order); a column of another variable must
-/// have the value of the problem's start. JSON and YAML hold a trajectory_msgs/JointTrajectory,
-/// alone or under `joint_trajectory`, or the output of `leeway plan --json`. Numbers read back to
-/// the bit. Throws robots::InputError, also as validate().
+/// Reads a .json, .yaml, .csv, .path or .txt file, whose rows mean straight lines. Columns are
+/// matched to the problem's planned variables by name (.path, .txt: by order); a column of another
+/// variable must have the value of the problem's start. JSON and YAML hold a
+/// trajectory_msgs/JointTrajectory, alone or under `joint_trajectory`, or the output of `leeway
+/// plan --json`. Numbers read back to the bit. Throws robots::InputError, also as validate().
 Path readPath(const std::string& file, const Problem& problem, const PathReading& options = {});
 
 /// Writes the format of the file's ending, whole or not at all (see writeFileWhole()). Rows are
@@ -39,7 +39,7 @@ void writePath(const std::string& file, const Problem& problem, const PlanResult
 /// shape of trajectory_msgs/JointTrajectory: positions, velocities and accelerations (after a jump)
 /// at the motion's knots, and every `period` seconds if that is above 0; for orientations the
 /// derivatives are of the quaternion's numbers. Between knots on an edge, joints move on the cubic
-/// through positions and velocities. .csv has times and positions only.
+/// through positions and velocities. .csv has the same columns.
 ///
 /// The certificate in the file is that of the motion. With blended corners, the lower bound of its
 /// clearance is at most the least margin. If a blend cuts off the closest place of the path, the
