@@ -9,7 +9,8 @@ namespace leeway::planner {
 bool isAngle(const robots::RobotDescription& robot, int variable);
 
 /// Returns the largest magnitude of a variable that is certified: kLargestAngle, or kLargestReach
-/// for a length.
+/// for a length, and less if a joint that mimics it would be farther than that: -1 if it always is.
+/// O(joints).
 double largestValue(const robots::RobotDescription& robot, int variable);
 
 }  // namespace leeway::planner

@@ -88,7 +88,7 @@ Pose LineWay::at(double place) const {
 LineWay lineWay(const Problem& world, const LineStep& line, std::span<const Pose> X_WL) {
   FramePose frame;
   frame.frame = line.frame;
-  frame.relative_to = line.relative_to == "world" ? "" : line.relative_to;
+  frame.relative_to = line.relative_to;
   frame.position.fill({0, 0});
   frame.rpy.fill({0, 0});
   const robots::PoseRegion region = regionOf(world, frame);

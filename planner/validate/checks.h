@@ -22,6 +22,11 @@ struct Fault {
   std::string message, key, name;
 };
 
+/// What the loaders of a robot, or of a problem, warned of and answers rest on: all but what was
+/// left out of the robot. O(warnings).
+std::vector<std::string> loaderWarnings(const robots::Model& model);
+std::vector<std::string> loaderWarnings(const Problem& problem);
+
 /// The numbers that a setting accepts, in words: "zero or more".
 std::string expectedNumber(const Setting& setting);
 /// Returns the fault of a number as the value of a setting: "WHERE is VALUE; ... is expected".

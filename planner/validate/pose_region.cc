@@ -8,6 +8,7 @@
 #include "leeway/robots/kinematics.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/validate/checks.h"
+#include "planner/validate/names.h"
 #include "robots/inverse/region.h"
 
 namespace leeway::planner {
@@ -82,9 +83,8 @@ bool movesApart(const Problem& problem, int a, int b) {
          std::any_of(above_b.begin(), above_b.end(), isPlanned);
 }
 
-/// The pose of a reference frame in the world, or in the link `base` that planned variables move.
-Pose referencePose(const Problem& problem, const std::string& name, bool base_moves, int& base) {
-  if (name.empty()) return Pose();
+/// The pose of what has that name in the world, or in the link `base` that planned variables move.
+Pose namedPose(const Problem& problem, const std::string& name, bool base_moves, int& base) {
   for (const Object& object : problem.world.objects)
     if (object.name == name) {
       if (object.motion)
@@ -112,6 +112,35 @@ Pose referencePose(const Problem& problem, const std::string& name, bool base_mo
   std::vector<Pose> X_WL(problem.robot.model->links.size());
   robots::forwardKinematics(*problem.robot.model, problem.start, X_WL);
   return X_WL[at(place.link)] * place.X_LF;
+}
+
+/// Fails if something has the name "world" and is elsewhere: the word would mean two things.
+void requireOneWorld(const Problem& problem) {
+  const std::string name = kWorldWord;
+  const auto isNamed = [&](const auto& things, const auto& nameOf) {
+    return std::any_of(things.begin(), things.end(),
+                       [&](const auto& thing) { return nameOf(thing) == name; });
+  };
+  Place place;
+  const bool is_object =
+      isNamed(problem.world.objects, [](const Object& o) { return o.name; }) ||
+      isNamed(problem.world.deforming, [](const DeformingObstacle& o) { return o.object.name; });
+  if (!is_object && !findOnRobot(problem, name, place)) return;
+  int base = -1;
+  const Pose X = is_object ? Pose{Eigen::Matrix3d::Zero(), Eigen::Vector3d::Zero()}
+                           : namedPose(problem, name, true, base);
+  if (base >= 0 || X.rotation != Eigen::Matrix3d::Identity() || !X.translation.isZero(0))
+    refuse(
+        fmt::format("'world' stands for the world's axes, and is the name of {} as well; another "
+                    "name for that is expected",
+                    is_object ? "an object" : "a link, frame or held object that is elsewhere"));
+}
+
+/// The pose of a reference frame in the world, or in the link `base` that planned variables move.
+Pose referencePose(const Problem& problem, const std::string& name, bool base_moves, int& base) {
+  if (!name.empty() && name != kWorldWord) return namedPose(problem, name, base_moves, base);
+  if (!name.empty()) requireOneWorld(problem);
+  return Pose();
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "collision/base/greatest.h"
 #include "collision/base/numbers.h"
@@ -72,8 +73,8 @@ std::optional<std::string> rangeFault(const Model& model, int v, double lower, d
     if (std::abs(x) > most)
       return fault(fmt::format(
           "at {}{}; at most {} {} is expected, because numbers round too much farther out", x,
-          x == variable.lower || x == variable.upper ? ", which is its limit" : "", most,
-          isAngle(model, v) ? "rad" : "m"));
+          x == variable.lower || x == variable.upper ? ", which is its limit" : "",
+          std::max(0.0, most), isAngle(model, v) ? "rad" : "m"));
   return std::nullopt;
 }
 
@@ -114,6 +115,30 @@ std::optional<std::string> goalFault(const Problem& problem, const Goal& goal) {
   return std::nullopt;
 }
 
+namespace {
+
+bool hasFollower(const Model& model, int variable) {
+  return std::any_of(model.joints.begin(), model.joints.end(), [&](const robots::Joint& joint) {
+    return joint.mimic >= 0 && joint.mimic == model.variables[at(variable)].joint;
+  });
+}
+
+}  // namespace
+
+std::vector<std::string> loaderWarnings(const robots::Model& model) {
+  std::vector<std::string> rest;
+  std::copy_if(
+      model.warnings.begin(), model.warnings.end(), std::back_inserter(rest),
+      [](const std::string& warning) { return warning.find("left out") == std::string::npos; });
+  return rest;
+}
+
+std::vector<std::string> loaderWarnings(const Problem& problem) {
+  std::vector<std::string> warnings = loaderWarnings(*problem.robot.model);
+  warnings.insert(warnings.end(), problem.warnings.begin(), problem.warnings.end());
+  return warnings;
+}
+
 std::optional<std::string> startFault(const Problem& problem) {
   const Model& model = *problem.robot.model;
   if (problem.start.size() != model.variables.size())
@@ -125,6 +150,13 @@ std::optional<std::string> startFault(const Problem& problem) {
                          variableText(model, static_cast<int>(v)), problem.start[v]);
     if (const auto fault = boundsFault(model, static_cast<int>(v), problem.start[v]))
       return "start has " + *fault;
+    // (A joint that does not move is placed exactly, but those that mimic it are not.)
+    if (const double most = largestValue(model, static_cast<int>(v));
+        std::abs(problem.start[v]) > most && hasFollower(model, static_cast<int>(v)))
+      return fmt::format(
+          "start has {} at {}; at most {} is expected, because a joint that mimics it "
+          "would be too far out",
+          variableText(model, static_cast<int>(v)), problem.start[v], std::max(0.0, most));
   }
   for (const int v : problem.robot.variables) {
     if (!isOfOrientation(model, v)) {

@@ -257,14 +257,9 @@ void takeStep(const Step& step, Problem& world, bool is_first) {
       if (!(value >= kLeastLineTolerance) || !std::isfinite(value))
         throw std::invalid_argument(
             fmt::format("{} is {}; at least {} is expected", key, value, kLeastLineTolerance));
-    if (line->relative_to == "world" && Names(world).isKnown("world") &&
-        world.robot.model->findLink("world") < 0)
-      throw std::invalid_argument(
-          "relative_to 'world' is the name of an object, and stands for the world's axes; an "
-          "object of another name is expected");
     FramePose place;
     place.frame = line->frame;
-    place.relative_to = line->relative_to == "world" ? "" : line->relative_to;
+    place.relative_to = line->relative_to;
     place.position.fill({0, 0});
     place.rpy.fill({0, 0});
     const robots::PoseRegion region = regionOf(world, place);

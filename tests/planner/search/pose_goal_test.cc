@@ -63,6 +63,73 @@ TEST(PoseGoal, ExactPoseIsReachedAndVerified) {
   EXPECT_NE(refuted.reason.find("none of the problem's goals"), std::string::npos);
 }
 
+/// "world" means the world in goals, lines and constraints, and nothing else may have the name and
+/// be elsewhere.
+TEST(PoseGoal, WorldIsTheWorld) {
+  const std::string pose = "{pose: {frame: tip, relative_to: world, position: [0.3, 0.4, 0.3]}}";
+  EXPECT_TRUE(load(arm6(pose)).goals[0].poses[0].X_WR.translation.isZero(0));
+  const std::string line =
+      "steps:\n  - {line: {frame: tip, by: [0, 0, 0.01], relative_to: world}}\n";
+  const std::string limit =
+      "constraints:\n  - {frame: tip, relative_to: world, axis: [0, 0, 1], angle: 3}\n";
+  const std::string named = "objects:\n  - {name: world, box: {size: [1, 1, 1]}, position: ";
+  const auto withFrame = [](std::string text) {
+    const std::string frames = "frames: {";
+    return text.insert(text.find(frames) + frames.size(),
+                       "world: {link: base, rpy: [0, 0, 1.57]}, ");
+  };
+  const std::string steps = arm6("none", line);
+  const std::string of_steps = std::string(steps).replace(steps.find("goal: none\n"), 11, "");
+  EXPECT_NO_THROW(load(of_steps));
+  EXPECT_NO_THROW(load(arm6("stretched", limit)));
+  for (const std::string& text :
+       {withFrame(arm6(pose)), withFrame(of_steps), withFrame(arm6("stretched", limit)),
+        arm6(pose, named + "[5, 0, 0]}\n")}) {
+    try {
+      load(text);
+      ADD_FAILURE() << text;
+    } catch (const robots::InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("'world' stands for the world's axes"),
+                std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+/// A joint that mimics another is as far out as a planned one may be, at most.
+TEST(PoseGoal, JointsThatMimicStayWhereNumbersHaveDigits) {
+  const auto urdf = [](const std::string& mimic) {
+    return "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"><collision><geometry><sphere "
+           "radius=\"0.1\"/></geometry></collision></link><link name=\"c\"><collision><origin "
+           "xyz=\"0.5 0 0\"/><geometry><sphere "
+           "radius=\"0.1\"/></geometry></collision></link><joint "
+           "name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 0 "
+           "1\"/><limit lower=\"-1\" upper=\"1\" velocity=\"1\" effort=\"1\"/></joint><joint "
+           "name=\"k\" type=\"continuous\"><parent link=\"b\"/><child link=\"c\"/><axis xyz=\"0 0 "
+           "1\"/><mimic joint=\"j\" " +
+           mimic + "/></joint></robot>";
+  };
+  const auto problem = [&](const std::string& mimic) {
+    const Folder folder;
+    folder.write("r.urdf", urdf(mimic));
+    return loadProblem(folder.write("problem.yaml",
+                                    "leeway: 1\nrobot: {urdf: r.urdf, group: [j]}\nstart: [0.4]\n"
+                                    "goal: [-0.4]\nobjects:\n  - {name: o, box: {size: [1, 1, 1]}, "
+                                    "position: [0, 5, 0]}\n"));
+  };
+  EXPECT_TRUE(plan(problem("offset=\"900\"")).certificate.certified);
+  EXPECT_TRUE(plan(problem("multiplier=\"-2000\"")).certificate.certified);
+  for (const char* mimic : {"offset=\"1e15\"", "offset=\"-1000\"", "multiplier=\"1e15\"",
+                            "multiplier=\"0\" offset=\"2000\"", "multiplier=\"3000\""}) {
+    try {
+      problem(mimic);
+      ADD_FAILURE() << mimic;
+    } catch (const robots::InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("too"), std::string::npos) << error.what();
+    }
+  }
+}
+
 TEST(PoseGoal, RelativeToAnObjectAnyTurnAboutItsAxis) {
   const std::string goal =
       "{pose: {frame: tip, relative_to: can, position: [0, 0, [0.10, 0.12]], rpy: [3.1416, 0, "

@@ -128,7 +128,7 @@ struct Condition {
 /// The places where a frame F may be in a reference frame R. poseRegion() resolves the names.
 struct FramePose {
   std::string frame;        ///< a frame, a link or an attached object
-  std::string relative_to;  ///< an object, or a frame or link at rest; empty: the world
+  std::string relative_to;  ///< an object, or a frame or link at rest; empty, "world": the world
   std::array<std::pair<double, double>, 3> position;  ///< of F's origin in R [m]
   /// R_RF = Rz(yaw) Ry(pitch) Rx(roll) rotation [rad]. 2 pi wide or more: any angle.
   std::array<std::pair<double, double>, 3> rpy;
