@@ -3,8 +3,9 @@
 // Private to planner/: the state of an EdgeCertifier, and the order of its stages.
 //
 // A task is a pair that is still open over an interval of the edge. A stage takes tasks, settles
-// some, and leaves the others open; it ends the proof if it finds a contact. See
-// docs/architecture.md, "How do I add a stage of the proof?".
+// some, and leaves the others open; it ends the proof if it finds a contact. Stage 1 makes the
+// tasks: up to stage 5 they are bits in EdgeLanes::open(), from EdgeParts::begin() on they are in
+// the EdgeQueue. See docs/architecture.md, "How do I add a stage of the proof?".
 //
 // clang-format off
 //   stage of the proof, cheapest first              here

@@ -44,7 +44,7 @@ CurvedFacets::CurvedFacets(const Difference<false>& difference, double roundoff,
     part_[k].curved = isRound(view.core);
     if (view.core == Core::kEllipsoid) {
       part_[k].semi_axes = view.size;
-    } else if (part_[k].curved) {
+    } else if (part_[k].curved) {  // a cylinder or cone
       part_[k].semi_axes = Vector(view.size.x(), view.size.x(), 0);
     }
     curved_ |= part_[k].curved;
