@@ -171,7 +171,8 @@ std::string ConstraintProof::fault(std::span<const double> point) {
     if (keepsPlace(constraint) &&
         !(error.position <= kConstraintShare * constraint.position_tolerance))
       return text("off where it may be by", error.position, "m", constraint.position_tolerance);
-    return text("turned by", angleOf(constraint, error), "rad", constraint.angle);
+    return text("turned by", std::min(angleOf(constraint, error), std::numbers::pi), "rad",
+                constraint.angle);
   }
   return isAccepted(point, point) ? "" : "the condition does not accept it";
 }

@@ -47,7 +47,9 @@ Shape readConvexHull(const YamlReader& hull, const std::string& owner,
     hull.fail(fmt::format("{} has {}; either is expected", hull.where(),
                           points ? "both 'points' and 'file'" : "neither 'points' nor 'file'"));
   if (!points) {
-    const Shape mesh = readMesh(hull, owner, warnings, load);
+    robots::LoadOptions plain = load;  // `meshes` is about meshes: a hull of one is none
+    plain.meshes.clear();
+    const Shape mesh = readMesh(hull, owner, warnings, plain);
     return mesh.mesh() != nullptr ? Shape::convexHull(mesh.mesh()->vertices()) : mesh;
   }
   if (const auto scale = hull.find("scale"))

@@ -92,7 +92,9 @@ class Plan {
     result_.planner = traits_->name;
     result_.deterministic = traits_->deterministic;
     result_.seed = problem_.seed;
-    result_.warnings = scene_->warnings();
+    result_.warnings = loaderWarnings(problem_);
+    const std::vector<std::string> warnings = scene_->warnings();
+    result_.warnings.insert(result_.warnings.end(), warnings.begin(), warnings.end());
     const ConfigurationSpace& space = scene_->space();
     for (const ConfigurationSpace::Part& part : space.parts())
       if (part.kind == ConfigurationSpace::Kind::kLine &&

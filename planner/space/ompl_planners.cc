@@ -184,11 +184,20 @@ ob::SpaceInformationPtr smallSpace() {
   return std::make_shared<ob::SpaceInformation>(space);
 }
 
+/// "10." as "10".
+std::string withoutDot(std::string number) {
+  if (number.ends_with('.')) number.pop_back();
+  return number;
+}
+
 std::string accepted(const ob::GenericParam& parameter) {
   const std::string& suggestion = parameter.getRangeSuggestion();
   if (suggestion.empty()) return "a number is expected, e.g. " + parameter.getValue();
   if (suggestion == "0,1") return "true or false is expected";
-  return "a number in the manner of " + suggestion + " (first:step:last) is expected";
+  // OMPL writes "first:step:last".
+  const std::size_t first = suggestion.find(':'), last = suggestion.rfind(':');
+  return "a number from " + withoutDot(suggestion.substr(0, first)) + " to " +
+         withoutDot(suggestion.substr(last + 1)) + " is expected";
 }
 
 /// Sets a parameter and reads it back, because OMPL reads "1.5x" as 1.5 and "-1" as 4294967295, and

@@ -39,6 +39,7 @@ class TaskPlan {
     if (problem_.steps.empty()) refuse("there are no steps; at least one is expected");
     result_.seed = problem_.seed;
     result_.planner = problem_.planner.name;
+    result_.warnings = loaderWarnings(problem_);
     for (const int v : problem_.robot.variables) {
       start_.push_back(problem_.start.at(at(v)));
       result_.path.names.push_back(problem_.robot.model->variables[at(v)].name);
@@ -123,6 +124,7 @@ class TaskPlan {
       return fail(step, nothing), false;
     }
     if (const auto* line = std::get_if<LineStep>(&now.action)) {
+      if (step == 0 && !startIsFree(scene, point)) return false;
       LineMotion motion = follow(step, world, scene, *line, point, kLineTries);
       stretch.points = std::move(motion.points);
       stretch.places = std::move(motion.places);
@@ -132,6 +134,23 @@ class TaskPlan {
       return takes_part_ && ended_->is_reached;
     }
     return move(step, world, scene, point);
+  }
+
+  /// Whether the start keeps its margins. If not, the result names the pair that does not.
+  bool startIsFree(const std::shared_ptr<const CompiledScene>& scene,
+                   const std::vector<double>& start) {
+    EdgeCertifier certifier(scene);
+    if (certifier.decide(start) == Verdict::kFree) return true;
+    result_.status = PlanStatus::kInvalidStart;
+    result_.offending = certifier.tooNear(start, kReportTolerance);
+    if (const int pair = result_.offending.pair; pair >= 0) {
+      const collision::ScenePair& bodies = scene->scene().pairs()[at(pair)];
+      result_.offending_a = scene->scene().bodies()[at(bodies.body_a)].name;
+      result_.offending_b = scene->scene().bodies()[at(bodies.body_b)].name;
+    }
+    fail(0, "its start is not valid");
+    count(certifier);
+    return false;
   }
 
   /// Continues with the next step from the end of this one.
@@ -382,6 +401,7 @@ class TaskPlan {
     whole.clearance = whole.world.clearance = whole.self.clearance = {kInfinity, kInfinity};
     whole.certified = true;
     std::set<CompiledScene::Dropped> dropped;  // in some step
+    result_.warnings.clear();
     Path& path = result_.path;
     path.positions = {start_};
     for (std::size_t s = 0; s < stretches_.size(); ++s) {
@@ -395,7 +415,7 @@ class TaskPlan {
       const auto scene = std::make_shared<const CompiledScene>(stretch.stage);
       // Keep the warnings that hold in every step.
       const std::vector<std::string> warnings = scene->warnings();
-      if (whole.segments.empty()) result_.warnings = warnings;
+      if (whole.segments.empty()) result_.warnings = warnings;  // the loaders' are added below
       std::erase_if(result_.warnings, [&](const std::string& warning) {
         return std::find(warnings.begin(), warnings.end(), warning) == warnings.end();
       });
@@ -411,6 +431,8 @@ class TaskPlan {
       takeLeast(whole.self, part.self, first);
       if (whole.certified) addCost(stretch);
     }
+    const std::vector<std::string> loaded = loaderWarnings(problem_);
+    result_.warnings.insert(result_.warnings.begin(), loaded.begin(), loaded.end());
     whole.unchecked = countUnchecked(std::vector(dropped.begin(), dropped.end()));
     result_.certify_s = secondsSince(begin);
     if (!whole.certified) {

@@ -22,8 +22,8 @@ struct Fault {
   std::string message, key, name;
 };
 
-/// What the loaders of a robot, or of a problem, warned of and answers rest on: all but what was
-/// left out of the robot. O(warnings).
+/// Returns the warnings of the loaders of a robot, or of a problem, on which answers rest: all but
+/// those about parts of the robot that are left out. O(warnings).
 std::vector<std::string> loaderWarnings(const robots::Model& model);
 std::vector<std::string> loaderWarnings(const Problem& problem);
 

@@ -694,7 +694,12 @@ void defineSettings(py::module_& module, py::class_<Problem>& problem) {
       defineProperty(
           problem, std::string(setting.name).c_str(), docOf(setting).c_str(),
           [&setting](const Problem& self) { return self.attribute(setting); },
-          [&setting](Problem& self, const py::object& value) { self.set(setting, value); });
+          [&setting](Problem& self, const py::object& value) {
+            // (A call without a start keeps the old one.)
+            if (value.is_none() && setting.name == "start")
+              throw py::type_error("start is None; a state is expected");
+            self.set(setting, value);
+          });
   define(module, "settings", "()",
          "The settings of a problem: dicts of name (the keyword and attribute), key (in problem "
          "files), option (of the command), kind, unit, default, lower, upper, above (lower itself "

@@ -37,11 +37,16 @@ Shape treatedMesh(const Shape& shape, std::initializer_list<std::string_view> na
 
 void OpenMeshes::add(std::string_view owner, std::span<const collision::Geometry> geometries) {
   std::size_t edges = 0;
+  bool deforms = false;
   for (const collision::Geometry& g : geometries) {
     if (g.shape.mesh() != nullptr) edges += g.shape.mesh()->openEdgeCount();
-    if (g.shape.deformable() != nullptr) edges += g.shape.deformable()->mesh().openEdgeCount();
+    if (g.shape.deformable() == nullptr) continue;
+    deforms = true;
+    edges += g.shape.deformable()->mesh().openEdgeCount();
   }
-  if (edges > 0) open_.emplace_back(owner, edges);
+  if (edges == 0) return;
+  open_.emplace_back(owner, edges);
+  if (!deforms && rigid_.empty()) rigid_ = owner;
 }
 
 std::string OpenMeshes::text() const {
@@ -51,11 +56,16 @@ std::string OpenMeshes::text() const {
     named += (named.empty() ? "" : ", ") + owner + " (" + std::to_string(edges) +
              (edges == 1 ? " open edge)" : " open edges)");
   const bool is_one = open_.size() == 1;
-  return (is_one ? "a mesh is not closed: " : "meshes are not closed: ") + named + "; where " +
-         (is_one ? "it is" : "they are") + " open, what is inside is not seen. The key `meshes: {" +
-         open_.front().first +
-         ": {solid: hull}}` takes the convex hull, `weld: 1e-6` closes cracks of up to a micron, "
-         "`solid: surface` says that it is a surface";
+  std::string text = (is_one ? "a mesh is not closed: " : "meshes are not closed: ") + named +
+                     "; where " + (is_one ? "it is" : "they are") +
+                     " open, what is inside is not seen. The key `meshes: {" +
+                     (rigid_.empty() ? open_.front().first : rigid_);
+  // The vertices of what deforms are the file's.
+  return text + (rigid_.empty()
+                     ? ": {solid: surface}}` says that it is a surface; a file whose facets share "
+                       "their vertices closes it"
+                     : ": {solid: hull}}` takes the convex hull, `weld: 1e-6` closes cracks of up "
+                       "to a micron, `solid: surface` says that it is a surface");
 }
 
 }  // namespace leeway::robots

@@ -36,6 +36,7 @@ class OpenMeshes {
 
  private:
   std::vector<std::pair<std::string, std::size_t>> open_;
+  std::string rigid_;  // the first one that does not deform
 };
 
 }  // namespace leeway::robots

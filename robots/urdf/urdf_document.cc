@@ -184,14 +184,23 @@ class UrdfReader {
       file_.eachChild(element, "collision", add);
     }
     if (link.collisions.empty() && element.FirstChildElement("visual") != nullptr)
-      file_.warn(element, "link " + inQuotes(link.name) +
-                              " has a <visual> and no <collision>: it will touch nothing");
+      bare_links_.emplace_back(&element, link.name);
     document_.links.push_back(std::move(link));
   }
 
   void warnOfVisuals() {
-    if (visual_links_.empty()) return;
     std::string names;
+    for (const auto& [element, name] : bare_links_)
+      names += (names.empty() ? "" : ", ") + inQuotes(name);
+    if (bare_links_.size() == 1)
+      file_.warn(*bare_links_.front().first,
+                 "link " + names + " has a <visual> and no <collision>: it will touch nothing");
+    else if (!bare_links_.empty())
+      file_.warn(*bare_links_.front().first,
+                 std::to_string(bare_links_.size()) +
+                     " links have a <visual> and no <collision>, and will touch nothing: " + names);
+    if (visual_links_.empty()) return;
+    names.clear();
     for (const std::string& name : visual_links_)
       names += (names.empty() ? "" : ", ") + inQuotes(name);
     file_.warn(file_.root(),
@@ -554,8 +563,9 @@ class UrdfReader {
   UrdfDocument document_;
   std::map<std::string, int> link_lines_, joint_lines_, link_index_;
   std::vector<std::string> link_names_;
-  std::vector<std::string> visual_links_;  // whose <visual> stands in
-  std::string soft_limited_;               // joints with soft limits, in quotes
+  std::vector<std::string> visual_links_;                              // whose <visual> stands in
+  std::vector<std::pair<const XMLElement*, std::string>> bare_links_;  // without <collision>
+  std::string soft_limited_;  // joints with soft limits, in quotes
   const XMLElement* first_soft_limits_ = nullptr;
 };
 

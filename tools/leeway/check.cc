@@ -342,7 +342,8 @@ std::string allPairsText(const CheckedState& checked) {
 std::string stateText(const CheckedState& checked) {
   const auto& check = checked.check;
   std::string text =
-      fmt::format("{}: {}", checked.state.name, checked.valid() ? "valid" : "not valid");
+      fmt::format("{}: {}", checked.state.name,
+                  verdictText(checked.valid() ? "valid" : "not valid", checked.valid()));
   if (!checked.limit.empty()) {
     text += fmt::format(" ({})", checked.limit);
   }

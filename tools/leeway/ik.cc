@@ -219,7 +219,9 @@ void printNone(const std::string& link, const robots::IkResult& result) {
   fmt::print(
       "{}: {}\n", link,
       result.status == robots::IkStatus::kUnreachable
-          ? fmt::format("unreachable: proven, with {} boxes of configurations", result.proof_boxes)
+          ? fmt::format(
+                "unreachable: proven, with {} of configurations",
+                result.proof_boxes == 1 ? "1 box" : fmt::format("{} boxes", result.proof_boxes))
           : fmt::format("no solution found from {} starts; there may be one", result.starts));
   const robots::IkSolution& nearest = result.nearest;
   if (!nearest.values.empty())

@@ -275,7 +275,7 @@ std::string solvedText(const planner::Problem& problem, const planner::PlanResul
               : "";
   return text + wrapped(part + view::nearestText(least) + planner::toString(certificate.unchecked) +
                         ".\n" + constraintsText(problem, result.certificate.constraints) +
-                        "Solved with " + methodText(result) +
+                        (is_part ? "Planned with " : "Solved with ") + methodText(result) +
                         fmt::format(": {}, length {:.4f}.\n",
                                     counted(certificate.segments.size(), "edge"), result.length) +
                         costText(problem, result) + durationText(trajectory));

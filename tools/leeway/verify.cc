@@ -9,6 +9,7 @@
 
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/path_io.h"
+#include "planner/validate/checks.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/path_ends.h"
@@ -130,6 +131,10 @@ int runVerify(VerifyArguments& arguments) {
     Json document = toJson(result);
     document["clouds"] = cloudsJson(problem);
     document["seed"] = problem.seed;
+    const std::vector<std::string> of_scene = planner::CompiledScene(problem).warnings();
+    const std::vector<std::string> of_loaders = planner::loaderWarnings(problem);
+    warnings.insert(warnings.begin(), of_scene.begin(), of_scene.end());
+    warnings.insert(warnings.begin(), of_loaders.begin(), of_loaders.end());
     document["warnings"] = warnings;
     document["interrupted"] = interrupted();
     printJson(document);

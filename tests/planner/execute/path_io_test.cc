@@ -424,7 +424,7 @@ TEST_F(PathIo, BlendedTrajectoriesAreReadAsTheirCubics) {
   EXPECT_NE(refused(first + ",\n" + first).find(":3: the row's time is 1 s, as that of line 2"),
             std::string::npos)
       << refused(first + ",\n" + first);
-  // Without a certificate, velocities mean cubics, of all rows or of none.
+  // Velocities without a certificate mean cubics. All rows have them, or no row.
   const std::string names = R"({"joint_names": ["joint1", "joint2", "joint3", "joint4", "joint5",
 "joint6", "joint7"], "points": [)";
   const std::string last =

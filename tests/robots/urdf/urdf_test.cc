@@ -402,10 +402,10 @@ TEST(Urdf, ShapesPosesLimitsAndWarnings) {
   ASSERT_EQ(model->warnings.size(), 3u);
   EXPECT_NE(model->warnings[0].find("good.urdf:12: <loop_joint>"), std::string::npos)
       << model->warnings[0];
-  EXPECT_NE(model->warnings[1].find("good.urdf:8: link \"base\" has a <visual>"), std::string::npos)
-      << model->warnings[1];
-  EXPECT_NE(model->warnings[2].find("good.urdf:9: <blob>"), std::string::npos)
+  EXPECT_NE(model->warnings[2].find("good.urdf:8: link \"base\" has a <visual>"), std::string::npos)
       << model->warnings[2];
+  EXPECT_NE(model->warnings[1].find("good.urdf:9: <blob>"), std::string::npos)
+      << model->warnings[1];
 }
 
 // A master joint is limited by the slowest of its followers.

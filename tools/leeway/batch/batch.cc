@@ -195,7 +195,10 @@ Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model
   // The progress line shows how many problems are done, not the progress of each.
   options.progress = nullptr;
   const planner::PlanResult result = planRepeatedly(problem, options, arguments.repeat);
-  outcome.warnings.insert(outcome.warnings.end(), result.warnings.begin(), result.warnings.end());
+  for (const std::string& warning : result.warnings)
+    if (std::find(outcome.warnings.begin(), outcome.warnings.end(), warning) ==
+        outcome.warnings.end())
+      outcome.warnings.push_back(warning);
   std::optional<planner::Trajectory> trajectory;
   if (result.status == planner::PlanStatus::kSolved) {
     trajectory = planner::trajectoryOf(problem, result.path);

@@ -37,16 +37,10 @@ bool saysPlanned(const ProblemSource& source) {
 /// Prints the warnings about a robot; those about entries that are left out only once, because
 /// planning does not need these. What a certificate rests on, such as an open mesh, comes always.
 void printRobotWarnings(const robots::Model& model, const ProblemSource& source) {
-  const auto isRest = [](const std::string& warning) {
-    return warning.find("left out") == std::string::npos;
-  };
-  std::vector<std::string> rest;
+  const std::vector<std::string> rest = planner::loaderWarnings(model);
   robots::ContentKey told("told warnings");
   for (const std::string& warning : model.warnings)
-    if (isRest(warning))
-      rest.push_back(warning);
-    else
-      told.add(warning);
+    if (std::find(rest.begin(), rest.end(), warning) == rest.end()) told.add(warning);
   const std::size_t left_out = model.warnings.size() - rest.size();
   const robots::DiskCache cache(
       source.no_cache || source.tell_again || left_out < 2 ? std::string() : robots::cacheFolder());
