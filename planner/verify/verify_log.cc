@@ -120,6 +120,9 @@ class LogVerifier {
     if (step.time != before)
       return refute(step,
                     fmt::format("its time is {} s; its motion begins at {} s", step.time, before));
+    if (step.measured && is_first && *step.measured != step.rows.front())
+      return refute(step, fmt::format("the robot was measured elsewhere than its motion begins{}",
+                                      offText(*step.measured, step.rows.front())));
     if (step.measured && !is_first && *step.measured != motion_.path.positions.back())
       return refuse(VerifyStatus::kUndecided, step.line,
                     fmt::format("the robot was measured off its motion{}: where it was before is "

@@ -535,6 +535,15 @@ TEST_F(VerifyLog, SightsThatContradictEachOtherAreRefuted) {
   expectNotProven(known, followed, VerifyStatus::kRefuted, 15, "from where it was seen");
 }
 
+TEST_F(VerifyLog, AFirstMotionBeginsWhereTheRobotWasMeasured) {
+  const Problem problem = observedGate();
+  Lines lines = logOfObserver(problem, *opening(), 6);
+  lines[0] = forged(lines[0], [](Json& l) { l["measured"] = l["motion"][0]["position"]; });
+  EXPECT_EQ(verified(problem, lines).status, VerifyStatus::kCertified);
+  lines[0] = forged(lines[0], [](Json& l) { l["measured"][0] = 0.3; });
+  expectNotProven(problem, lines, VerifyStatus::kRefuted, 1, "measured elsewhere");
+}
+
 TEST_F(VerifyLog, AMeasuredStateOffTheMotionLeavesAGap) {
   const Problem problem = gate();
   Replanner replanner(problem);
