@@ -1,3 +1,7 @@
+#include <fmt/format.h>
+
+#include <sstream>
+
 #include "tests/support/command.h"
 
 namespace leeway::tools::testing {
@@ -26,6 +30,47 @@ TEST_F(Info, Urdf) {
   for (const char* word : {"twolink", "shoulder", "group arm", "right, left", "box", "compiled"}) {
     EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
   }
+}
+
+TEST_F(Info, AShippedRobotFitsOnOneScreen) {
+  for (const char* robot : {"arm6", "arm7", "dual_arm", "snake10"}) {
+    const std::string file = fmt::format("{0}/robots/{1}/{1}", leeway::sourceFolder(), robot);
+    const std::string text = run(fmt::format("info {0}.urdf --srdf {0}.srdf", file)).out;
+    std::istringstream lines(text);
+    int count = 0;
+    for (std::string line; std::getline(lines, line); ++count) EXPECT_LE(line.size(), 80u) << line;
+    EXPECT_LE(count, 24) << text;
+    // --all prints the rest.
+    const std::string all = run(fmt::format("info {0}.urdf --srdf {0}.srdf --all", file)).out;
+    EXPECT_EQ(all.find("--all"), std::string::npos) << all;
+    EXPECT_NE(all.find("size [mm]"), std::string::npos) << all;
+  }
+}
+
+TEST_F(Info, ShapesHaveDimensions) {
+  std::string text = kReach;
+  text.insert(text.find("limits"),
+              "  - {name: ball, position: [0, -2, 0], sphere: {radius: 0.25}}\n"
+              "  - {name: pill, position: [0, -3, 0], capsule: {radius: 0.1, length: 0.3}}\n"
+              "  - {name: floor, position: [0, 0, -5], half_space: {}}\n");
+  write("sizes.yaml", text);
+  const json document = run("info sizes.yaml --json").document();
+  int found = 0;
+  for (const json& geometry : document["geometries"]) {
+    const json& size = geometry["size"];
+    if (geometry["of"] == "floor") {
+      found += size.is_null() ? 1 : 0;
+    } else if (geometry["of"] == "ball") {
+      for (const json& edge : size) EXPECT_DOUBLE_EQ(edge.get<double>(), 0.5);
+      ++found;
+    } else if (geometry["of"] == "pill") {
+      EXPECT_DOUBLE_EQ(size[0].get<double>(), 0.2);
+      EXPECT_DOUBLE_EQ(size[2].get<double>(), 0.5);
+      ++found;
+    }
+  }
+  EXPECT_EQ(found, 3) << document["geometries"];
+  EXPECT_NE(run("info sizes.yaml").out.find("500 x 500 x 500"), std::string::npos);
 }
 
 TEST_F(Info, SrdfFindsItsUrdf) {

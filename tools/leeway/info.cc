@@ -53,7 +53,10 @@ int runInfo(const InfoArguments& arguments) {
     info::printProblem(document["problem"]);
   }
   info::printRobot(document["robot"], arguments.all);
-  info::printGeometries(document["geometries"], arguments.all);
+  // Both tables are on one screen of 24 lines if they have few rows together.
+  constexpr std::size_t kRows = 10;
+  const std::size_t rows = document["geometries"].size() + document["robot"]["variables"].size();
+  info::printGeometries(document["geometries"], arguments.all, !arguments.all && rows > kRows);
   if (scene) {
     info::printCompiled(document["compiled"], arguments.all);
   } else {

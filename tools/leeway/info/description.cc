@@ -1,5 +1,6 @@
 #include "tools/leeway/info/description.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cstddef>
 #include <map>
@@ -8,7 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "leeway/collision/convex_hull.h"
+#include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/planner/trajectory.h"
 #include "tools/leeway/support/pair_samples.h"
@@ -47,6 +50,43 @@ std::size_t shapeBytes(const collision::Shape& shape) {
     }
   }
   return bytes;
+}
+
+/// The edges of the box around a shape, along the axes of its frame [m]; null for a half-space.
+Json sizeJson(const collision::Shape& shape) {
+  using collision::ShapeType;
+  const auto around = [](auto vertices) -> Json {
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(kInfinity), high = -low;
+    for (const Eigen::Vector3d& v : vertices) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+    return {high.x() - low.x(), high.y() - low.y(), high.z() - low.z()};
+  };
+  const double r = shape.radius(), h = shape.halfLength();
+  switch (shape.type()) {
+    case ShapeType::kBox:
+    case ShapeType::kEllipsoid: {
+      const Eigen::Vector3d half = shape.halfExtents();
+      return {2 * half.x(), 2 * half.y(), 2 * half.z()};
+    }
+    case ShapeType::kSphere:
+      return {2 * r, 2 * r, 2 * r};
+    case ShapeType::kCapsule:
+      return {2 * r, 2 * r, 2 * (h + r)};
+    case ShapeType::kCylinder:
+    case ShapeType::kCone:
+      return {2 * r, 2 * r, 2 * h};
+    case ShapeType::kConvexHull:
+      return around(shape.hull()->vertices());
+    case ShapeType::kMesh:
+      return around(shape.mesh()->vertices());
+    case ShapeType::kDeformable:
+      return around(shape.deformable()->vertices());
+    case ShapeType::kHalfSpace:
+      break;
+  }
+  return {};
 }
 
 /// The number of triangles of each component that is not closed and so has no inside.
@@ -100,6 +140,7 @@ Json geometryJson(const std::string& owner, const robots::Geometry& geometry) {
   Json json = {{"of", owner},
                {"name", geometry.name},
                {"type", collision::toString(shape.type())},
+               {"size", sizeJson(shape)},
                {"bytes", shapeBytes(shape)}};
   if (const auto* mesh = shape.mesh()) {
     json["vertices"] = mesh->vertices().size();

@@ -22,10 +22,10 @@ std::string limitText(const Json& value) {
 
 void printClouds(const Json& problem) {
   for (const auto& cloud : problem["clouds"]) {
-    fmt::print("cloud {}: {} balls of up to {} mm, {}; unseen space is {}\n",
+    fmt::print("cloud {}: {} balls of up to {} mm; unseen space is {}\n",
                cloud["name"].get<std::string>(), cloud["balls"].get<std::size_t>(),
                formatUpper(cloud["largest_radius"].get<double>() * 1e3, 3),
-               formatBytes(cloud["bytes"].get<std::size_t>()), cloud["unseen"].get<std::string>());
+               cloud["unseen"].get<std::string>());
     for (const auto& filter : cloud["filters"]) {
       fmt::print("  {}: {} removed, {}\n", filter["name"].get<std::string>(),
                  filter["removed"].get<std::size_t>(), filter["what"].get<std::string>());
@@ -75,19 +75,26 @@ void printDeforming(const Json& problem) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& o : problem["deforming"]) {
     const Json& speed = o["speed_bound"];
-    rows.push_back({o["name"], o["motion"], o["triangles"].dump(),
-                    speed.is_null() ? "-" : formatUpper(speed.get<double>(), 3),
-                    o["strategy"].get<std::string>() + " (" + o["reason"].get<std::string>() + ")",
-                    formatBytes(o["bytes"].get<std::size_t>())});
+    rows.push_back(
+        {o["name"], o["motion"], o["triangles"].dump(),
+         speed.is_null() ? "-" : formatUpper(speed.get<double>(), 3),
+         o["strategy"].get<std::string>() + " (" + o["reason"].get<std::string>() + ")"});
   }
-  fmt::print("{}",
-             formatTable({"deforming", "motion", "triangles", "at most [m/s]", "strategy", "size"},
-                         rows, {1, 4}));
+  fmt::print("{}", formatTable({"deforming", "motion", "triangles", "at most [m/s]", "strategy"},
+                               rows, {1, 4}));
   printExecution(problem);
 }
 
-/// The number of rows of a table that fit on a screen.
-constexpr std::size_t kRows = 12;
+/// The number of rows of tables that fit on a screen of 24 lines beside all else.
+constexpr std::size_t kRows = 9;
+
+/// The edges of a shape's box in mm: "120 x 80 x 300".
+std::string sizeText(const Json& size) {
+  std::string text;
+  for (const Json& edge : size)
+    text += fmt::format("{}{:.4g}", text.empty() ? "" : " x ", edge.get<double>() * 1e3);
+  return text;
+}
 
 /// Prints the first of many rows, and the number of the others.
 void printRows(const std::vector<std::string>& heading, std::vector<std::vector<std::string>> rows,
@@ -102,8 +109,8 @@ void printPairs(const char* text, const Json& pairs, bool all) {
   if (pairs.empty()) {
     return;
   }
-  if (!all && pairs.size() > kRows) {
-    fmt::print("{}: {} pairs (--all)\n", text, pairs.size());
+  if (!all) {
+    fmt::print("{}: {} (--all)\n", text, counted(pairs.size(), "pair"));
     return;
   }
   fmt::print("{}:\n", text);
@@ -123,9 +130,11 @@ void printRobot(const Json& robot, bool all) {
   for (const auto& [type, count] : robot["joints"].items()) {
     joints += fmt::format("{}{} {}", joints.empty() ? "" : ", ", count.get<int>(), type);
   }
-  fmt::print("robot {}: {} links; joints: {}; {} of them mimic\n\n",
-             robot["name"].get<std::string>(), robot["links"].get<int>(), joints,
-             robot["mimic_joints"].get<int>());
+  const std::size_t mimic = robot["mimic_joints"];
+  fmt::print("{}",
+             wrapped(fmt::format("robot {}: {}; joints: {}{}\n", robot["name"].get<std::string>(),
+                                 counted(robot["links"].get<std::size_t>(), "link"), joints,
+                                 mimic == 0 ? "" : fmt::format("; {} of them mimic", mimic))));
   std::vector<std::vector<std::string>> rows;
   for (const auto& variable : robot["variables"]) {
     rows.push_back({variable["name"], limitText(variable["lower"]), limitText(variable["upper"]),
@@ -139,7 +148,6 @@ void printRobot(const Json& robot, bool all) {
     if (!wider.empty())
       fmt::print("{}: widened by {}\n", variable["name"].get<std::string>(), wider);
   }
-  fmt::print("\n");
   for (const auto& group : robot["groups"]) {
     std::string states;
     for (const auto& state : robot["group_states"]) {
@@ -147,8 +155,8 @@ void printRobot(const Json& robot, bool all) {
         states += (states.empty() ? "; states " : ", ") + state["name"].get<std::string>();
       }
     }
-    fmt::print("group {}: {} variables{}\n", group["name"].get<std::string>(),
-               group["variables"].size(), states);
+    fmt::print("{}", wrapped(fmt::format("group {}: {}{}\n", group["name"].get<std::string>(),
+                                         counted(group["variables"].size(), "variable"), states)));
   }
   fmt::print("pairs of links that the SRDF or MJCF lets touch: {}\n",
              robot["disabled_pairs"].get<int>());
@@ -188,10 +196,32 @@ std::vector<std::vector<std::string>> joined(const std::vector<std::vector<std::
   return shown;
 }
 
-void printGeometries(const Json& geometries, bool all) {
+/// "8 cylinders, 12 spheres", and the longest edge of a shape's box.
+std::string shapesText(const Json& geometries) {
+  std::map<std::string, std::size_t> counts;
+  double longest = 0;
+  std::string owner;
+  for (const auto& geometry : geometries) {
+    ++counts[geometry["type"].get<std::string>()];
+    for (const Json& edge : geometry["size"]) {
+      if (edge.get<double>() <= longest) continue;
+      longest = edge.get<double>();
+      owner = geometry["of"];
+    }
+  }
+  std::string text;
+  for (const auto& [type, count] : counts)
+    text += fmt::format("{}{} {}{}", text.empty() ? "" : ", ", count, type,
+                        count == 1                                   ? ""
+                        : type.ends_with('x') || type.ends_with('h') ? "es"
+                                                                     : "s");
+  if (longest > 0) text += fmt::format("; longest {:.4g} mm ({})", longest * 1e3, owner);
+  return text;
+}
+
+void printGeometries(const Json& geometries, bool all, bool is_short) {
   std::vector<std::vector<std::string>> rows;
   std::string open, pieces;
-  std::size_t bytes = 0;
   const auto field = [](const Json& json, const char* key) {
     return json.contains(key) ? json[key].dump() : std::string();
   };
@@ -206,8 +236,7 @@ void printGeometries(const Json& geometries, bool all) {
                     mesh ? fmt::format("{} of {}", field(geometry, "closed_components"),
                                        field(geometry, "components"))
                          : "",
-                    formatBytes(geometry["bytes"].get<std::size_t>())});
-    bytes += geometry["bytes"].get<std::size_t>();
+                    sizeText(geometry["size"])});
     if (!mesh) {
       continue;
     }
@@ -226,10 +255,11 @@ void printGeometries(const Json& geometries, bool all) {
                           formatUpper(parts["excess"].get<double>() * 1e3, 6))
             : fmt::format("triangles, no convex pieces ({})\n", parts["reason"].get<std::string>());
   }
-  fmt::print("\n");
-  printRows({"of", "shape", "vertices", "triangles", "hull excess [mm]", "closed", "size"},
-            joined(rows), {1}, all);
-  fmt::print("{} shapes, {}\n", geometries.size(), formatBytes(bytes));
+  if (!is_short)
+    printRows({"of", "shape", "vertices", "triangles", "hull excess [mm]", "closed", "size [mm]"},
+              joined(rows), {1}, all);
+  fmt::print("{}", wrapped(fmt::format("{}: {}{}\n", counted(geometries.size(), "shape"),
+                                       shapesText(geometries), is_short ? " (--all)" : "")));
   if (!pieces.empty() && all) {
     fmt::print("\nqueries of meshes use\n{}", pieces);
   }
@@ -239,7 +269,7 @@ void printGeometries(const Json& geometries, bool all) {
 }
 
 void printCompiled(const Json& compiled, bool all) {
-  fmt::print("\ncompiled: {} moving and {} static bodies, {} pairs of shapes kept, {} left out\n",
+  fmt::print("compiled: {} moving and {} static bodies, {} pairs of shapes kept, {} left out\n",
              compiled["moving_bodies"].get<int>(), compiled["static_bodies"].get<int>(),
              compiled["pairs_kept"].get<int>(), compiled["pairs_dropped"].get<int>());
   for (const auto& [reason, count] : compiled["dropped_by_reason"].items()) {

@@ -9,7 +9,8 @@ namespace leeway::tools::info {
 
 void printRobot(const Json& robot, bool all);
 void printProblem(const Json& problem);
-void printGeometries(const Json& geometries, bool all);
+/// `is_short`: in numbers instead of a table.
+void printGeometries(const Json& geometries, bool all, bool is_short);
 void printCompiled(const Json& compiled, bool all);
 
 }  // namespace leeway::tools::info

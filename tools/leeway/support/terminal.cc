@@ -380,13 +380,4 @@ std::string formatTable(const std::vector<std::string>& heading,
   return Table(numbered_heading, numbered_rows, numbered_left).text();
 }
 
-std::string formatBytes(std::size_t bytes) {
-  const auto value = static_cast<double>(bytes);
-  if (bytes < 1024) {
-    return fmt::format("{} B", bytes);
-  }
-  return bytes < 1024 * 1024 ? fmt::format("{:.1f} KiB", value / 1024)
-                             : fmt::format("{:.1f} MiB", value / (1024 * 1024));
-}
-
 }  // namespace leeway::tools

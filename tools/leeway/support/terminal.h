@@ -85,6 +85,4 @@ std::string formatTable(const std::vector<std::string>& heading,
                         const std::vector<std::vector<std::string>>& rows,
                         const std::vector<std::size_t>& left = {});
 
-std::string formatBytes(std::size_t bytes);
-
 }  // namespace leeway::tools
