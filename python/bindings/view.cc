@@ -19,9 +19,10 @@ void compareWith(const Problem& problem, const py::object& compare, bool shortes
         std::filesystem::path(fileName(compare, "compare")).filename().string();
 }
 
-void viewResult(const Result& self, const py::object& file, const py::object& compare,
+void viewResult(const Result& self, const py::object& file, const py::object& compare, bool visual,
                 const py::object& stop) {
   view::PageOptions options;
+  options.visual = visual;
   compareWith(Problem(self.problem, true), compare, false, options);
   const Result held = self;
   writeView(file, stop, std::move(options),
@@ -31,9 +32,10 @@ void viewResult(const Result& self, const py::object& file, const py::object& co
 }
 
 void viewPath(const Problem& problem, const py::object& path, const py::object& file,
-              const py::object& compare, bool shortest, const py::object& stop) {
+              const py::object& compare, bool shortest, bool visual, const py::object& stop) {
   const planner::Path given = pathOf(problem, path, shortest);
   view::PageOptions options;
+  options.visual = visual;
   compareWith(problem, compare, shortest, options);
   const std::shared_ptr<const planner::Problem> value = problem.value();
   writeView(file, stop, std::move(options),
@@ -46,19 +48,20 @@ void viewPath(const Problem& problem, const py::object& path, const py::object& 
 
 void defineView(py::module_& module) {
   auto result = py::reinterpret_borrow<py::class_<Result>>(module.attr("Result"));
-  define(result, "view", "(self, file, *, compare=None, stop=None)",
+  define(result, "view", "(self, file, *, compare=None, visual=False, stop=None)",
          std::string("Writes what `leeway view` shows of this result: the motion and its "
                      "clearance, or why there is no path. `compare`: a second path of the same "
                      "problem, shown beside this one; a Result, an array (n, joints) or a file. ") +
              kViewDoc,
          viewResult, py::arg("file"), py::kw_only(), py::arg("compare") = py::none(),
-         py::arg("stop") = py::none());
-  define(module, "view", "(problem, path, file, *, compare=None, shortest=False, stop=None)",
+         py::arg("visual") = false, py::arg("stop") = py::none());
+  define(module, "view",
+         "(problem, path, file, *, compare=None, shortest=False, visual=False, stop=None)",
          std::string("Writes what `leeway view` shows of any path. `path`, `compare` and "
                      "`shortest` as for verify(). ") +
              kViewDoc,
          viewPath, py::arg("problem"), py::arg("path"), py::arg("file"), py::kw_only(),
-         py::arg("compare") = py::none(), py::arg("shortest") = false,
+         py::arg("compare") = py::none(), py::arg("shortest") = false, py::arg("visual") = false,
          py::arg("stop") = py::none());
 }
 

@@ -167,27 +167,8 @@ class Meshes {
 
 Shape makeShape(const UrdfCollision& collision, const std::string& link, Meshes& meshes,
                 std::vector<std::string>& warnings) {
-  try {
-    switch (collision.kind) {
-      case UrdfCollision::Kind::kBox:
-        return Shape::box(collision.size / 2);
-      case UrdfCollision::Kind::kSphere:
-        return Shape::sphere(collision.radius);
-      case UrdfCollision::Kind::kCylinder:
-        return Shape::cylinder(collision.radius, collision.length / 2);
-      case UrdfCollision::Kind::kCapsule:
-        return Shape::capsule(collision.radius, collision.length / 2);
-      case UrdfCollision::Kind::kEllipsoid:
-        return Shape::ellipsoid(collision.size / 2);
-      case UrdfCollision::Kind::kPlane:
-        return Shape::halfSpace();
-      case UrdfCollision::Kind::kMesh:
-        break;
-    }
-  } catch (const collision::InvalidShape& invalid) {
-    throw InputError(collision.file, collision.line, invalid.what());
-  }
-  return meshes.load(collision, link, warnings);
+  return collision.kind == UrdfCollision::Kind::kMesh ? meshes.load(collision, link, warnings)
+                                                      : primitiveOf(collision);
 }
 
 /// Link indices of the document, parents before children, depth first, children in the order of

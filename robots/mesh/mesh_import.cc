@@ -292,6 +292,16 @@ IndexedMesh importIndexed(const std::string& path, const Eigen::Vector3d& scale,
           warningsOf(source, notes)};
 }
 
+IndexedMesh importTriangles(const std::string& path, const Eigen::Vector3d& scale,
+                            const std::string& referrer, int line, const Stop& stop) {
+  const MeshSource source(path, referrer, line, stop);
+  bool reads_others = false;
+  const Soup soup = readSoup(source, scale, reads_others);
+  return {{soup.vertices.begin(), soup.vertices.end()},
+          {soup.triangles.begin(), soup.triangles.end()},
+          warningsOf(source, soup.notes)};
+}
+
 ImportedMesh importForOmplApp(const std::string& path, const std::string& referrer, int line) {
   const Stop never;
   const MeshSource source(path, referrer, line, never);

@@ -30,17 +30,22 @@ ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,
                         const std::string& referrer, int line, const DiskCache& cache,
                         const Stop& stop);
 
-/// A mesh whose vertices keep their numbers in the file.
+/// The vertices and triangles of a mesh file.
 struct IndexedMesh {
   std::vector<Eigen::Vector3d> vertices;  ///< [m]
   std::vector<std::array<std::int32_t, 3>> triangles;
   std::vector<std::string> warnings;
 };
 
-/// Reads a Wavefront OBJ file, triangulates its polygons and scales its vertices. Throws like
-/// loadMesh().
+/// Reads a Wavefront OBJ file, triangulates its polygons and scales its vertices, which keep their
+/// numbers in the file. Throws like loadMesh().
 IndexedMesh importIndexed(const std::string& path, const Eigen::Vector3d& scale,
                           const std::string& referrer, int line);
+
+/// Reads the triangles of a mesh file, of any format, in metres and scaled, without a hierarchy
+/// over them. Not cached. Throws like loadMesh(), and Stopped.
+IndexedMesh importTriangles(const std::string& path, const Eigen::Vector3d& scale,
+                            const std::string& referrer, int line, const Stop& stop);
 
 /// Reads a mesh file as OMPL.app does: turned from its up axis to Assimp's y. The result is not
 /// cached. Throws like loadMesh().

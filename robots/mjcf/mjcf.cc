@@ -18,12 +18,13 @@ using tinyxml2::XMLElement;
 
 class MjcfReader {
  public:
-  MjcfReader(XmlFile& file, const LoadOptions& options)
+  MjcfReader(XmlFile& file, const LoadOptions& options, bool with_visuals)
       : wrong_(options.errors),
         file_(file, options),
         settings_(readSettings(file_)),
         classes_(file_) {
     document_.path = file.path();
+    document_.with_visuals = with_visuals;
     const char* name = file.root().Attribute("model");
     document_.name = name != nullptr && *name != '\0'
                          ? name
@@ -249,8 +250,8 @@ class MjcfReader {
 
 bool isMjcf(const XmlFile& file) { return std::string_view(file.root().Name()) == "mujoco"; }
 
-UrdfDocument readMjcf(XmlFile& file, const LoadOptions& options) {
-  return MjcfReader(file, options).read();
+UrdfDocument readMjcf(XmlFile& file, const LoadOptions& options, bool with_visuals) {
+  return MjcfReader(file, options, with_visuals).read();
 }
 
 }  // namespace leeway::robots

@@ -122,6 +122,7 @@ class BodyReader {
         if (!geom.name.empty() && !geom_names_.insert(geom.name).second)
           file_.fail(e, "a second geom " + inQuotes(geom.name) + "; names must be unique");
         if (!geom.name.empty()) body.geoms.insert(geom.name);
+        if (document_.with_visuals) readVisual(e, frame);
         if (!geom.shape) {
           if (geom.masks.isNone()) ++tree_.left_out["visual geom"];
           return;
@@ -137,6 +138,16 @@ class BodyReader {
         failUnread(e);
       }
     });
+  }
+
+  void readVisual(const XMLElement& e, const Frame& frame) {
+    UrdfLink& link = document_.links[at(tree_.bodies[at(frame.body)].link)];
+    try {
+      if (auto shape = geoms_.readVisual(e, frame.childclass, frame.X_BF))
+        link.visuals.push_back(std::move(*shape));
+    } catch (const InputError& error) {
+      document_.unread_visuals.emplace_back(error.what());
+    }
   }
 
   [[noreturn]] void failUnread(const XMLElement& e) const {

@@ -127,13 +127,32 @@ GeomReader::Geom GeomReader::read(const XMLElement& element, const std::string& 
     file_.fail(element,
                "a plane moves with its body; planes of bodies that stand still would be "
                "accepted, as in MuJoCo");
-  UrdfCollision shape;
-  shape.name = geom.name;
-  shape.file = file_.of(element).path();
-  shape.line = element.GetLineNum();
-  readShape(a, type, X_LF, shape);
-  geom.shape = std::move(shape);
+  geom.shape = shapeOf(a, type, X_LF);
   return geom;
+}
+
+std::optional<UrdfCollision> GeomReader::readVisual(const XMLElement& element,
+                                                    const std::string& childclass,
+                                                    const Pose& X_LF) const {
+  constexpr unsigned kHidden = 3;  // the first group that MuJoCo's viewer does not show
+  const Attributes a = classes_.of(element, childclass);
+  const std::size_t type = a.word("type", kTypes, "sphere");
+  if (a.mask("group", 0) >= kHidden || type == kPlane) return std::nullopt;
+  if (type == kHfield || type == kSdf || (type != kMesh && a.find("mesh") != nullptr))
+    file_.fail(element, "this geom of type " + kTypes[type] +
+                            " is not drawn; a mesh as it is, or another type, would be accepted");
+  UrdfCollision shape = shapeOf(a, type, X_LF);
+  shape.is_hull = false;
+  return shape;
+}
+
+UrdfCollision GeomReader::shapeOf(const Attributes& a, std::size_t type, const Pose& X_LF) const {
+  UrdfCollision shape;
+  shape.name = a.text("name", "");
+  shape.file = file_.of(a.element()).path();
+  shape.line = a.element().GetLineNum();
+  readShape(a, type, X_LF, shape);
+  return shape;
 }
 
 void GeomReader::readShape(const Attributes& a, std::size_t type, const Pose& X_LF,

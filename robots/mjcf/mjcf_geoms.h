@@ -42,6 +42,10 @@ class GeomReader {
   /// body stands still. Throws InputError.
   Geom read(const tinyxml2::XMLElement& element, const std::string& childclass, const Pose& X_LF,
             bool is_static);
+  /// The shape of a geom as MuJoCo draws it, meshes as they are; nothing for a plane, and for a
+  /// group that its viewer hides by default. Throws InputError.
+  std::optional<UrdfCollision> readVisual(const tinyxml2::XMLElement& element,
+                                          const std::string& childclass, const Pose& X_LF) const;
 
  private:
   struct Mesh {
@@ -51,6 +55,7 @@ class GeomReader {
   };
   void readMesh(const tinyxml2::XMLElement& element);
   Mesh resolved(const tinyxml2::XMLElement& element) const;
+  UrdfCollision shapeOf(const Attributes& a, std::size_t type, const Pose& X_LF) const;
   void readShape(const Attributes& a, std::size_t type, const Pose& X_LF,
                  UrdfCollision& shape) const;
   void readMeshGeom(const Attributes& a, UrdfCollision& shape) const;

@@ -28,12 +28,13 @@ using Names = std::initializer_list<std::string_view>;
 
 class UrdfReader {
  public:
-  UrdfReader(XmlFile& file, const LoadOptions& options)
+  UrdfReader(XmlFile& file, const LoadOptions& options, bool with_visuals)
       : file_(file),
         errors_(options.errors),
         wrong_(options.errors),
         takes_visuals_(options.visual_as_collision) {
     document_.path = file.path();
+    document_.with_visuals = with_visuals;
   }
 
   UrdfDocument read() {
@@ -176,6 +177,7 @@ class UrdfReader {
       link.collisions.push_back(readCollision(shape));
     };
     checkUnread(element, {"inertial"});
+    if (document_.with_visuals) readVisuals(element, link);
     if (element.FirstChildElement("collision") == nullptr && takes_visuals_) {
       file_.eachChild(element, "visual", add);
       if (!link.collisions.empty()) visual_links_.push_back(link.name);
@@ -186,6 +188,17 @@ class UrdfReader {
     if (link.collisions.empty() && element.FirstChildElement("visual") != nullptr)
       bare_links_.emplace_back(&element, link.name);
     document_.links.push_back(std::move(link));
+  }
+
+  void readVisuals(const XMLElement& element, UrdfLink& link) {
+    for (const XMLElement* visual = element.FirstChildElement("visual"); visual != nullptr;
+         visual = visual->NextSiblingElement("visual")) {
+      try {
+        link.visuals.push_back(readCollision(*visual));
+      } catch (const InputError& error) {
+        document_.unread_visuals.emplace_back(error.what());
+      }
+    }
   }
 
   void warnOfVisuals() {
@@ -583,8 +596,8 @@ Eigen::Matrix3d rollPitchYaw(const Eigen::Vector3d& rpy) {
   return R;
 }
 
-UrdfDocument readUrdf(XmlFile& file, const LoadOptions& options) {
-  return UrdfReader(file, options).read();
+UrdfDocument readUrdf(XmlFile& file, const LoadOptions& options, bool with_visuals) {
+  return UrdfReader(file, options, with_visuals).read();
 }
 
 }  // namespace leeway::robots

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "leeway/collision/pose.h"
+#include "leeway/collision/shape.h"
 #include "leeway/robots/model.h"
 
 namespace leeway::robots {
@@ -39,6 +40,7 @@ struct UrdfLink {
   std::string file;
   int line = 0;
   std::vector<UrdfCollision> collisions;
+  std::vector<UrdfCollision> visuals;  ///< with UrdfDocument::with_visuals
 };
 
 struct UrdfJoint {
@@ -73,7 +75,9 @@ struct UrdfDocument {
   std::vector<UrdfLink> links;    ///< in file order
   std::vector<UrdfJoint> joints;  ///< in file order
   std::vector<std::string> warnings;
-  std::vector<DisabledPair> disabled_pairs;        ///< by an MJCF file; of links as here
+  bool with_visuals = false;                 ///< whether visual shapes are read
+  std::vector<std::string> unread_visuals;   ///< why they are left out, each with file and line
+  std::vector<DisabledPair> disabled_pairs;  ///< by an MJCF file; of links as here
   std::vector<std::pair<int, int>> enabled_pairs;  ///< neighbours that are checked all the same
   std::vector<UrdfState> states;                   ///< the keys of an MJCF file
   /// The XML that bears on motion and collision, in the words of plain URDF 1.0: capsules are
@@ -85,8 +89,12 @@ class XmlFile;  // xml_reader.h
 
 inline std::string lineOf(int line) { return "line " + std::to_string(line); }
 
-/// Reads and checks a URDF, by TinyXML2, which keeps line numbers. Throws InputError.
-UrdfDocument readUrdf(XmlFile& file, const LoadOptions& options);
+/// Reads and checks a URDF, by TinyXML2, which keeps line numbers. `with_visuals`: also UrdfLink's
+/// visuals; those that cannot be read are left out. Throws InputError.
+UrdfDocument readUrdf(XmlFile& file, const LoadOptions& options, bool with_visuals = false);
+
+/// The shape of a geometry that is not a mesh. Throws InputError for wrong sizes.
+collision::Shape primitiveOf(const UrdfCollision& geometry);
 
 /// Throws InputError unless the links form one tree, and every mimic leads to a joint of one
 /// position. Called by readUrdf().

@@ -44,6 +44,18 @@ def test_a_picture_needs_no_node_and_is_that_of_the_command(short, tmp_path):
     assert (tmp_path / "rows.svg").read_text() == (tmp_path / "plan.svg").read_text()
 
 
+def test_visual_shapes_in_a_page(page, short, tmp_path):
+    plain = page.stat().st_size
+    with pytest.warns(UserWarning, match="has no visual shapes"):
+        short.view(page, visual=True)
+    assert page.stat().st_size >= plain
+    with pytest.warns(UserWarning, match="has no visual shapes"):
+        leeway.view(short.problem, short.path, page, visual=True)
+    with pytest.raises(ValueError, match="in a page"):
+        short.view(tmp_path / "dressed.svg", visual=True)
+    assert not (tmp_path / "dressed.svg").exists()
+
+
 def test_two_paths_in_a_page(page, shelf, short, tmp_path):
     wide = leeway.plan(shelf, iterations=3000, time=0, seed=7)
     sizes = {}

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <regex>
 #include <sstream>
 
 #include "tests/support/command.h"
@@ -234,6 +235,15 @@ TEST_F(Shipped, AllVerbsShowOneFigureAndOnePair) {
     };
     EXPECT_EQ(nearest(measured), nearest(planned)) << file;
     EXPECT_EQ(nearest(seen), nearest(planned)) << file;
+    // The pairs that are not checked, of a task in some step.
+    const auto unchecked = [](const Answer& answer) {
+      static const std::regex words("[0-9]+ pairs? (is|are) not checked: [^.]*");
+      const std::string text = answer.flat();
+      std::smatch match;
+      return std::regex_search(text, match, words) ? match.str() : std::string();
+    };
+    for (const Answer* answer : {&verified, &measured, &seen})
+      EXPECT_EQ(unchecked(*answer), unchecked(planned)) << file << "\n" << answer->out;
     for (const Answer* answer : {&planned, &verified, &measured, &seen}) {
       EXPECT_LE(longestLine(answer->out.substr(0, answer->out.find("path.svg"))), kColumns)
           << file << "\n"

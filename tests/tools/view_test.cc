@@ -190,6 +190,58 @@ TEST_F(View, DrawsAFailure) {
   EXPECT_NE(read("inside.svg").find("start not valid"), std::string::npos);
 }
 
+/// "certified" covers the start and the goal, as it does for verify.
+TEST_F(View, APathBetweenOtherPlacesIsNotCertified) {
+  ASSERT_EQ(run("plan reach.yaml --output path.csv").status, 0);
+  const auto replaced = [](const char* from, const char* to) {
+    std::string text = kReach;
+    return text.replace(text.find(from), std::string(from).size(), to);
+  };
+  write("goal.yaml", replaced("goal: left", "goal: {shoulder: 1.1, elbow: 0.25}"));
+  write("start.yaml", replaced("start: right", "start: {shoulder: -1.1, elbow: 0}"));
+  for (const auto& [problem, reason] :
+       {std::pair("goal.yaml", "in none of the problem's goals"), {"start.yaml", "start"}}) {
+    const std::string files = std::string(problem) + " path.csv";
+    const Answer proven = run("verify " + files), seen = run("view " + files + " --svg seen.svg");
+    EXPECT_EQ(proven.status, 1) << proven.out;
+    EXPECT_EQ(seen.status, 1) << seen.out;
+    for (const Answer* answer : {&proven, &seen})
+      EXPECT_NE(answer->flat().find(reason), std::string::npos) << answer->out;
+    EXPECT_NE(seen.out.find("not certified"), std::string::npos) << seen.out;
+  }
+  const Answer seen = run("view reach.yaml path.csv --svg seen.svg");
+  EXPECT_EQ(seen.status, 0) << seen.out;
+  EXPECT_NE(seen.flat().find("begins at the start and ends in a goal"), std::string::npos)
+      << seen.out;
+}
+
+TEST_F(View, VisualShapesArePartOfThePage) {
+  expectRefused("view reach.yaml --visual --svg picture.svg", {"--visual", "--output"});
+  expectRefused("plan reach.yaml --visual", {"--view"});
+  const Answer bare = run("view reach.yaml --visual --output bare.html");
+  if (bare.err.find("without node") != std::string::npos)
+    GTEST_SKIP() << "the command was built without node";
+  EXPECT_EQ(bare.status, 0) << bare.err;
+  EXPECT_NE(bare.err.find("arm.urdf: the robot has no visual shapes"), std::string::npos)
+      << bare.err;
+  std::string urdf = kUrdf;
+  urdf.insert(urdf.find("</link>"),
+              "<visual><geometry><mesh filename=\"skin.obj\"/></geometry></visual>\n"
+              "<visual><geometry><mesh filename=\"skin.unknown\"/></geometry></visual>\n");
+  write("arm.urdf", urdf);
+  write("skin.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+  const Answer plain = run("view reach.yaml --output plain.html");
+  EXPECT_EQ(plain.err.find("skin"), std::string::npos) << "visual shapes are read when asked for";
+  const Answer dressed = run("view reach.yaml --visual --output dressed.html");
+  EXPECT_EQ(dressed.status, 0) << dressed.err;
+  EXPECT_NE(dressed.err.find("skin.unknown"), std::string::npos) << dressed.err;
+  EXPECT_NE(dressed.err.find("arm.urdf:"), std::string::npos) << dressed.err;
+  EXPECT_EQ(dressed.out.substr(0, dressed.out.rfind('\n', dressed.out.size() - 2)),
+            plain.out.substr(0, plain.out.rfind('\n', plain.out.size() - 2)))
+      << "what is checked is the same";
+  EXPECT_GT(read("dressed.html").size(), read("plain.html").size());
+}
+
 TEST_F(View, RefusesWhatItCannotWrite) {
   expectRefused("view reach.yaml --svg picture.png", {"picture.png", ".svg"});
   expectRefused("view reach.yaml --svg missing/picture.svg", {"missing"});

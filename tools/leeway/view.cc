@@ -65,6 +65,8 @@ int runView(ViewArguments& arguments) {
   if (!arguments.compare.empty() && only_picture)
     badUsage("--compare shows two paths in a page; --output FILE.html is expected beside --svg");
   std::vector<std::string> inputs = filesOf(arguments.source);
+  if (arguments.page.visual && only_picture)
+    badUsage("--visual draws shapes in a page; --output FILE.html is expected beside --svg");
   inputs.push_back(path_file);
   inputs.push_back(arguments.compare);
   expectApart(std::array{arguments.svg, only_picture ? std::string() : arguments.page.file},
@@ -131,6 +133,7 @@ Verb addView(CLI::App& command) {
          "and what lies between")
       ->type_name("FILE.svg");
   app->add_flag("--open", arguments->page.open, "show the page in the browser");
+  view::addVisual(*app, arguments->page);
   app->footer(
       "The page needs no network and no server. docs/view.md explains it.\n"
       "Examples:\n"

@@ -29,9 +29,10 @@ using collision::Pose;
 using collision::ShapeType;
 using Eigen::Vector3d;
 
-constexpr std::size_t kTriangles = 200'000;  // of all meshes of a page
-constexpr std::size_t kShownPairs = 400;     // unchecked pairs that are listed by name
-constexpr std::size_t kShownEdges = 10'000;  // of a search
+constexpr std::size_t kTriangles = 200'000;       // of all meshes of a page
+constexpr std::size_t kVisualTriangles = 60'000;  // of all visual meshes
+constexpr std::size_t kShownPairs = 400;          // unchecked pairs that are listed by name
+constexpr std::size_t kShownEdges = 10'000;       // of a search
 constexpr std::string_view kEndings[] = {".html"};
 
 float small(double x) { return static_cast<float>(x); }
@@ -78,6 +79,56 @@ Vector3d sizesOf(const collision::Shape& shape) {
   }
 }
 
+/// The parts of bodies as columns of numbers.
+class PartColumns {
+ public:
+  /// Adds a part of body `body` and returns its number. `mesh`: that of a hull or a mesh. `X`
+  /// places the shape on the body.
+  int add(int body, const collision::Shape& shape, int mesh, const Pose& X) {
+    const Vector3d sizes = sizesOf(shape);
+    for (int k = 0; k < 3; ++k) size_[k].push_back(small(sizes[k]));
+    const bool ends = std::isfinite(shape.boundingRadius());
+    return add(body, shape.type(), mesh, X, shape.boundingCenter(),
+               ends ? shape.boundingRadius() : -1);
+  }
+  /// The same for a mesh that belongs to no shape, with a ball around it.
+  int add(int body, int mesh, const Pose& X, const Vector3d& center, double radius) {
+    for (std::vector<float>& column : size_) column.push_back(0);
+    return add(body, ShapeType::kMesh, mesh, X, center, radius);
+  }
+  Json json(Pack& pack) const {
+    const std::size_t by_one[] = {1};
+    const auto joined = [](const auto& columns) {
+      std::vector<float> all;
+      for (const auto& column : columns) all.insert(all.end(), column.begin(), column.end());
+      return all;
+    };
+    return {{"count", body_.size()},           {"body", pack.add(body_, by_one)},
+            {"mesh", pack.add(mesh_, by_one)}, {"kind", pack.add(kind_)},
+            {"size", pack.add(joined(size_))}, {"ball", pack.add(joined(ball_))},
+            {"pose", poses_.pack(pack)},       {"names", Json::array()},
+            {"pieces", Json::array()}};
+  }
+
+ private:
+  int add(int body, ShapeType kind, int mesh, const Pose& X, const Vector3d& center,
+          double radius) {
+    const auto part = static_cast<int>(body_.size());
+    body_.push_back(static_cast<std::uint32_t>(body));
+    mesh_.push_back(static_cast<std::uint32_t>(mesh));
+    kind_.push_back(static_cast<std::uint8_t>(kind));
+    for (int k = 0; k < 3; ++k) ball_[k].push_back(small(center[k]));
+    ball_[3].push_back(small(radius));
+    poses_.add(X);
+    return part;
+  }
+
+  std::vector<std::uint32_t> body_, mesh_;
+  std::vector<std::uint8_t> kind_;
+  std::vector<float> size_[3], ball_[4];
+  PoseColumns poses_;
+};
+
 /// Makes the document and its arrays, which tools/view/ reads.
 class Document {
  public:
@@ -87,6 +138,7 @@ class Document {
         scene_(subject.scene->scene()),
         model_(subject.scene->model()),
         pack_(pack),
+        scenes_(movingScenes(subject.stages, subject.first_scene)),
         meshes_(pack_, kTriangles),
         q_(model_.variables.size()),
         X_WL_(model_.links.size()) {
@@ -98,8 +150,9 @@ class Document {
         if (!scene_.bodies()[at(body)].moving) moving_.push_back(body);
   }
 
-  /// `compared`: another path of the same problem; null: none.
-  std::string text(const Subject* compared) {
+  /// `compared`: another path of the same problem; null: none. `visuals`: drawn over what is
+  /// checked; null: none.
+  std::string text(const Subject* compared, const robots::VisualShapes* visuals) {
     Json document = {{"format", 1},
                      {"name", subject_.problem.name},
                      {"source", subject_.source},
@@ -119,9 +172,10 @@ class Document {
     addSearch(document);
     addDropped(document);
     addSteps(document);
-    document["meshes"] = meshes_.document();
     document["triangles"] = meshes_.triangles();
     document["mesh_error"] = meshes_.largestError();
+    document["visual"] = visuals == nullptr ? Json() : visualJson(*visuals);
+    document["meshes"] = meshes_.document();
     document["compared"] = compared == nullptr ? Json() : Document(*compared, pack_).comparedJson();
     return pack_.text(document);
   }
@@ -206,51 +260,76 @@ class Document {
   }
 
   void addParts(Json& document) {
-    std::vector<std::uint32_t> body, mesh;
-    std::vector<std::uint8_t> kind;
-    std::vector<float> size[3], ball[4];
-    PoseColumns poses;
+    PartColumns parts;
     Json names = Json::array(), pieces = Json::array();
     for (std::size_t b = 0; b < scene_.bodies().size(); ++b) {
       const collision::Body& of = scene_.bodies()[b];
       for (std::size_t number = 0; number < of.size(); ++number) {
         const collision::Geometry g = of.geometry(number);
-        const auto part = static_cast<int>(body.size());
-        body.push_back(static_cast<std::uint32_t>(b));
-        kind.push_back(static_cast<std::uint8_t>(g.shape.type()));
         const bool has_mesh = g.shape.type() >= ShapeType::kConvexHull && !hasFrames(of);
-        mesh.push_back(has_mesh ? static_cast<std::uint32_t>(meshes_.add(g.shape)) : 0U);
-        const Vector3d sizes = sizesOf(g.shape);
-        for (int k = 0; k < 3; ++k) size[k].push_back(small(sizes[k]));
-        for (int k = 0; k < 3; ++k) ball[k].push_back(small(g.shape.boundingCenter()[k]));
-        ball[3].push_back(std::isfinite(g.shape.boundingRadius()) ? small(g.shape.boundingRadius())
-                                                                  : -1.0F);
         // A moving shape is placed in its body's frame, and a fixed one in the world.
-        const bool moves =
-            std::find(moving_.begin(), moving_.end(), static_cast<int>(b)) != moving_.end();
-        poses.add(moves ? g.X_BG : of.X_WB * g.X_BG);
+        const int part =
+            parts.add(static_cast<int>(b), g.shape, has_mesh ? meshes_.add(g.shape) : 0,
+                      moves(static_cast<int>(b)) ? g.X_BG : of.X_WB * g.X_BG);
         if (!g.name.empty() && g.name != of.name) names.push_back({part, g.name});
         addPieces(g.shape, part, pieces);
       }
     }
-    const std::size_t by_one[] = {1};
-    const auto joined = [](const auto& columns) {
-      std::vector<float> all;
-      for (const auto& column : columns) all.insert(all.end(), column.begin(), column.end());
-      return all;
-    };
-    document["parts"] = {{"count", body.size()},
-                         {"body", pack_.add(body, by_one)},
-                         {"mesh", pack_.add(mesh, by_one)},
-                         {"kind", pack_.add(kind)},
-                         {"size", pack_.add(joined(size))},
-                         {"ball", pack_.add(joined(ball))},
-                         {"pose", poses.pack(pack_)},
-                         {"names", names},
-                         {"pieces", pieces}};
+    document["parts"] = parts.json(pack_);
+    document["parts"]["names"] = names;
+    document["parts"]["pieces"] = pieces;
     document["kinds"] = Json::array();
     for (int k = 0; k <= static_cast<int>(ShapeType::kDeformable); ++k)
       document["kinds"].push_back(toString(static_cast<ShapeType>(k)));
+  }
+
+  /// The visual shapes of links, with the places of these links at all moments.
+  Json visualJson(const robots::VisualShapes& visuals) {
+    std::size_t triangles = 0;
+    for (const robots::VisualShape& visual : visuals.shapes)
+      triangles += visual.mesh.triangles.size();
+    PartColumns parts;
+    std::vector<int> links;  // of the model, those that have visual shapes
+    double error = 0;
+    for (const robots::VisualShape& visual : visuals.shapes) {
+      const auto known = std::find(links.begin(), links.end(), visual.link);
+      const auto number = static_cast<int>(known - links.begin());
+      if (known == links.end()) links.push_back(visual.link);
+      if (visual.shape) {
+        parts.add(number, *visual.shape, 0, visual.X_LV);
+        continue;
+      }
+      const auto& [vertices, of, warnings] = visual.mesh;
+      // Larger meshes get more of the triangles, and each a hundred.
+      const double share = static_cast<double>(of.size()) / static_cast<double>(triangles);
+      const auto most = std::max<std::size_t>(
+          100, static_cast<std::size_t>(share * static_cast<double>(kVisualTriangles)));
+      const int mesh = meshes_.add(
+          decimated(vertices, of, triangles <= kVisualTriangles ? of.size() : most), of.size());
+      error = std::max(error, meshes_.document()[at(mesh)]["error"].get<double>());
+      Vector3d low = vertices.front(), high = low;
+      for (const Vector3d& v : vertices) {
+        low = low.cwiseMin(v);
+        high = high.cwiseMax(v);
+      }
+      parts.add(number, mesh, visual.X_LV, (low + high) / 2, (high - low).norm() / 2);
+    }
+    PoseColumns poses;  // moment by moment, then link by link
+    for (const Moment& moment : subject_.timeline.moments) {
+      place(moment.position, moment.placed);
+      for (const int link : links) poses.add(X_WL_[at(link)]);
+    }
+    Json bodies = Json::array(), moving = Json::array();
+    for (const int link : links) {
+      bodies.push_back(scene_.find(model_.links[at(link)].name));
+      moving.push_back(moving.size());
+    }
+    return {{"parts", parts.json(pack_)},
+            {"bodies", bodies},  // of the scene; -1: the link has no checked shape
+            {"moving", moving},
+            {"poses", poses.pack(pack_)},
+            {"error", error},
+            {"left_out", visuals.left_out.size()}};
   }
 
   /// Adds the convex pieces that queries try first.
@@ -300,9 +379,15 @@ class Document {
     document["decisions"] = decisions;
   }
 
+  /// Whether the page has the places of a body at all moments: bodies of the robot, what it holds,
+  /// and objects with a motion of their own.
+  bool moves(int body) const {
+    return std::find(moving_.begin(), moving_.end(), body) != moving_.end();
+  }
+
   /// A point in the frame of a moving body; for other bodies, in the world.
   Vector3d local(int body, const Vector3d& p_W) const {
-    return scene_.bodies()[at(body)].moving ? Vector3d(poseOf(body).inverse() * p_W) : p_W;
+    return moves(body) ? Vector3d(poseOf(body).inverse() * p_W) : p_W;
   }
 
   /// Bodies, points and both ends of the interval, with the bodies placed.
@@ -326,17 +411,20 @@ class Document {
   /// The margins of the pairs with the world or of the robot with itself, each once. Names the
   /// object or link if a margin has only one.
   Json margins(bool of_robot) const {
-    std::map<double, std::set<int>> bodies;
-    const planner::CompiledScene& compiled = *subject_.first_scene;
-    for (const collision::ScenePair& pair : compiled.scene().pairs())
-      if (compiled.isOfRobot(pair) == of_robot)
-        bodies[pair.margin].insert(std::max(pair.body_a, pair.body_b));
+    std::map<double, std::set<std::string>> bodies;
+    for (const auto& compiled : scenes_) {
+      std::map<double, std::set<int>> numbers;
+      for (const collision::ScenePair& pair : compiled->scene().pairs())
+        if (compiled->isOfRobot(pair) == of_robot)
+          numbers[pair.margin].insert(std::max(pair.body_a, pair.body_b));
+      for (const auto& [margin, of] : numbers)
+        for (const int body : of) bodies[margin].insert(compiled->scene().bodies()[at(body)].name);
+    }
     constexpr std::size_t kMargins = 6;
     Json list = Json::array();
     for (const auto& [margin, of] : bodies) {
       const bool is_one = bodies.size() > 1 && of.size() == 1;
-      if (list.size() < kMargins)
-        list.push_back({margin, is_one ? compiled.scene().bodies()[at(*of.begin())].name : ""});
+      if (list.size() < kMargins) list.push_back({margin, is_one ? *of.begin() : ""});
     }
     return list;
   }
@@ -358,11 +446,19 @@ class Document {
     document["margins"] = {{"world", margins(false)}, {"self", margins(true)}};
     document["obstacles"] = obstaclesText(subject_.problem);
     document["shown"] = subject_.shown;
+    document["widest"] =
+        std::holds_alternative<planner::MaximumClearance>(subject_.problem.objective);
     addPairs(document);
     // The clearance from the world that the objective length keeps.
     const auto* length = std::get_if<planner::MinimumLength>(&subject_.problem.objective);
     document["keep"] = length != nullptr ? jsonNumber(length->clearance) : Json();
-    document["pair_count"] = subject_.first_scene->scene().pairs().size();
+    // In the steps of a task.
+    std::size_t least_pairs = scenes_.front()->scene().pairs().size(), most_pairs = least_pairs;
+    for (const auto& compiled : scenes_) {
+      least_pairs = std::min(least_pairs, compiled->scene().pairs().size());
+      most_pairs = std::max(most_pairs, compiled->scene().pairs().size());
+    }
+    document["pair_count"] = {least_pairs, most_pairs};
     std::vector<float> bodies;  // moment by moment, moving bodies only
     for (const std::vector<double>& clearance : timeline.body_clearance)
       for (const int body : moving_) bodies.push_back(small(clearance[at(body)]));
@@ -585,7 +681,7 @@ class Document {
   }
 
   void addDropped(Json& document) const {
-    const auto& dropped = subject_.first_scene->dropped();
+    const auto dropped = uncheckedIn(scenes_);
     Json list = Json::array();
     for (std::size_t i = 0; i < std::min(dropped.size(), kShownPairs); ++i)
       list.push_back({dropped[i].a, dropped[i].b, dropped[i].reason});
@@ -610,6 +706,7 @@ class Document {
   const collision::Scene& scene_;
   const robots::Model& model_;
   Pack& pack_;
+  std::vector<std::shared_ptr<const planner::CompiledScene>> scenes_;  ///< as movingScenes()
   MeshStore meshes_;
   std::vector<int> moving_;
   std::vector<double> q_;
@@ -619,12 +716,13 @@ class Document {
 
 }  // namespace
 
-std::string page(const Subject& subject, const Subject* compared) {
+std::string page(const Subject& subject, const Subject* compared,
+                 const robots::VisualShapes* visuals) {
   const std::string_view source = pageSource();
   const std::size_t place = source.find(kDataPlace);
   std::string html(source.substr(0, place));
   Pack pack;
-  html += Document(subject, pack).text(compared);
+  html += Document(subject, pack).text(compared, visuals);
   html += source.substr(place + kDataPlace.size());
   return html;
 }

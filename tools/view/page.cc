@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <span>
 #include <stdexcept>
 
@@ -10,6 +11,7 @@
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/stopped.h"
 #include "robots/base/read_file.h"
+#include "robots/load/visual_shapes.h"
 #include "tools/view/document.h"
 #include "tools/view/picture.h"
 #include "tools/view/subject.h"
@@ -33,6 +35,9 @@ void expectFile(const std::string& file, const PageOptions& options) {
     throw std::invalid_argument(
         "two paths are compared in a page; a file that ends in .html is "
         "expected");
+  if (options.visual)
+    throw std::invalid_argument(
+        "visual shapes are drawn in a page; a file that ends in .html is expected");
 }
 
 void expectPathOf(const planner::Problem& problem, const planner::Path& path) {
@@ -58,21 +63,30 @@ class Stop {
   bool stopped_ = false;
 };
 
-void write(const std::string& file, const Subject& subject, const Subject* compared, Stop& stop) {
+void write(const std::string& file, const Subject& subject, const Subject* compared,
+           const PageOptions& options, Stop& stop) {
+  std::optional<robots::VisualShapes> visuals;
+  if (options.visual) {
+    visuals = robots::loadVisualShapes(*subject.problem.robot.model, stop.callback());
+    if (options.warnings != nullptr)
+      options.warnings->insert(options.warnings->end(), visuals->left_out.begin(),
+                               visuals->left_out.end());
+  }
   robots::throwIfStopped(stop.callback(), "measuring what the page shows");
-  planner::writeFileWhole(file, isPicture(file) ? tools::view::pictureSvg(subject)
-                                                : tools::view::page(subject, compared));
+  planner::writeFileWhole(
+      file, isPicture(file) ? tools::view::pictureSvg(subject)
+                            : tools::view::page(subject, compared, visuals ? &*visuals : nullptr));
 }
 
 /// Writes a subject, and beside it the path to compare.
 void writeBoth(const std::string& file, const planner::Problem& problem, Subject& subject,
                const PageOptions& options, Stop& stop) {
   subject.path_file = options.label;
-  if (!options.compared) return write(file, subject, nullptr, stop);
+  if (!options.compared) return write(file, subject, nullptr, options, stop);
   Subject compared = tools::view::subjectOfPath(problem, options.source, *options.compared, nullptr,
                                                 stop.callback());
   compared.path_file = options.compared_label;
-  write(file, subject, &compared, stop);
+  write(file, subject, &compared, options, stop);
 }
 
 }  // namespace
@@ -118,7 +132,7 @@ void writePage(const std::string& file, const planner::Problem& problem,
   Stop stop(options.stop);
   Subject subject = tools::view::subjectOfExecution(problem, options.source, steps, status);
   subject.path_file = options.label;
-  write(file, subject, nullptr, stop);
+  write(file, subject, nullptr, options, stop);
 }
 
 }  // namespace leeway::view

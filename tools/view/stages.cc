@@ -1,6 +1,7 @@
 #include "tools/view/stages.h"
 
 #include <algorithm>
+#include <set>
 
 #include "collision/base/numbers.h"
 #include "leeway/robots/input_error.h"
@@ -82,6 +83,24 @@ std::vector<Stage> stagesOf(const Problem& problem,
         planner::worldAfter(world, step, configuration(world, path.positions[at(stretch.last)]));
   }
   return stages;
+}
+
+std::vector<std::shared_ptr<const CompiledScene>> movingScenes(
+    const std::vector<Stage>& stages, const std::shared_ptr<const CompiledScene>& first) {
+  std::vector<std::shared_ptr<const CompiledScene>> scenes;
+  for (const Stage& stage : stages)
+    if (stage.scene) scenes.push_back(stage.scene);
+  if (scenes.empty()) scenes.push_back(first);
+  return scenes;
+}
+
+std::vector<CompiledScene::Dropped> uncheckedIn(
+    const std::vector<std::shared_ptr<const CompiledScene>>& scenes) {
+  if (scenes.size() == 1) return scenes.front()->dropped();
+  std::set<CompiledScene::Dropped> unchecked;
+  for (const auto& scene : scenes)
+    unchecked.insert(scene->dropped().begin(), scene->dropped().end());
+  return {unchecked.begin(), unchecked.end()};
 }
 
 std::vector<std::pair<int, collision::Pose>> placedObjects(const Problem& problem,

@@ -34,6 +34,16 @@ std::vector<Stage> stagesOf(const planner::Problem& problem,
                             const std::shared_ptr<const planner::CompiledScene>& scene,
                             const planner::Path& path);
 
+/// Returns the scenes of the stages in which something moves, which are those that a certificate
+/// covers; `first` if there is none.
+std::vector<std::shared_ptr<const planner::CompiledScene>> movingScenes(
+    const std::vector<Stage>& stages, const std::shared_ptr<const planner::CompiledScene>& first);
+
+/// Returns the pairs that are not checked in some of the scenes, each once, as certificates count
+/// them. O(n log n) in these pairs.
+std::vector<planner::CompiledScene::Dropped> uncheckedIn(
+    const std::vector<std::shared_ptr<const planner::CompiledScene>>& scenes);
+
 /// Returns the places of the shown scene's bodies that steps attach and detach, in the world of a
 /// stage with the planned variables at `position`: pairs of body and X_WB. Empty without steps.
 std::vector<std::pair<int, collision::Pose>> placedObjects(const planner::Problem& problem,

@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <sstream>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/verify.h"
+#include "planner/verify/path_check.h"
 #include "tools/view/base/figures.h"
 #include "tools/view/base/scene_names.h"
 
@@ -65,8 +67,12 @@ void noteNothingChecked(const std::string& why, Subject& subject) {
 /// Notes the proven clearance, and the objective.
 void noteClearances(Subject& subject) {
   if (std::isfinite(subject.least.all.clearance.lower))
-    subject.notes.push_back(fmt::format("The {} is proven for every point of every edge{}.",
-                                        leastText(subject.least), obstaclesText(subject.problem)));
+    subject.notes.push_back(fmt::format(
+        "The {} is proven for every point of every edge{}. {}", leastText(subject.least),
+        obstaclesText(subject.problem),
+        !subject.problem.steps.empty()  ? "The path begins at the start and does all steps."
+        : subject.problem.goals.empty() ? "The path begins at the start; no goal was given."
+                                        : "The path begins at the start and ends in a goal."));
   else if (subject.least.all.clearance.lower > 0)
     subject.notes.push_back("There is nothing else that it could touch.");
   const planner::Objective& objective = subject.problem.objective;
@@ -82,11 +88,25 @@ void noteClearances(Subject& subject) {
         fmt::format("Asked for: a short path that keeps {:g} mm from the world.", kept * 1e3));
 }
 
+/// Checks limits, start, goal and condition as `leeway verify` does.
+void checkWaypoints(const planner::Path& path, Subject& subject) {
+  const planner::ConfigurationSpace& space = subject.scene->space();
+  if (const auto fault = planner::verification::findFault(subject.problem, space, path,
+                                                          !subject.problem.goals.empty())) {
+    subject.good = false;
+    subject.notes.push_back(
+        fmt::format("Waypoint {} of the path: {}.", fault->waypoint, fault->reason));
+  } else if (const auto state =
+                 planner::verification::findUnaccepted(subject.problem, space, path)) {
+    subject.good = false;
+    subject.notes.push_back(state->reason + ".");
+  }
+}
+
 /// Certifies each edge, and notes those that fail.
 void certifyPath(const planner::PathEdges& edges, Subject& subject) {
   planner::EdgeCertifier certifier(subject.scene);
   const planner::Path& path = edges.path;
-  subject.good = true;
   for (std::size_t i = 0; i < edges.places.size(); ++i) {
     const planner::EdgeCheck check = certifier.certify(path.positions[i], path.positions[i + 1],
                                                        planner::EdgeRequest::persistent());
@@ -104,6 +124,14 @@ void certifyPath(const planner::PathEdges& edges, Subject& subject) {
   }
 }
 
+/// A path whose columns have names: those of the planned variables.
+planner::Path namedPath(const planner::Problem& problem, planner::Path path) {
+  if (path.names.empty())
+    for (const int v : problem.robot.variables)
+      path.names.push_back(problem.robot.model->variables[at(v)].name);
+  return path;
+}
+
 /// Proves a path with lines or constraints as `leeway verify` does.
 void verifyTask(const planner::Path& path, Subject& subject) {
   const planner::VerifyResult result = planner::verify(subject.problem, path);
@@ -114,9 +142,10 @@ void verifyTask(const planner::Path& path, Subject& subject) {
 }  // namespace
 
 Subject subjectOfPath(const planner::Problem& problem, const std::string& source,
-                      const planner::Path& given, const planner::Certificate* certificate,
+                      const planner::Path& of, const planner::Certificate* certificate,
                       const std::function<bool()>& stop) {
   Subject subject = begin(problem, source);
+  const planner::Path given = namedPath(problem, of);
   const planner::PathEdges edges = planner::edgesOf(subject.scene->space(), given);
   const planner::Path& path = edges.path;
   subject.stages = stagesOf(problem, subject.scene, path);
@@ -131,10 +160,13 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
     noteNothingChecked(nothing, subject);
     return subject;
   }
-  if (problem.steps.empty() && problem.constraints.empty())
+  subject.good = true;
+  if (problem.steps.empty() && problem.constraints.empty()) {
+    checkWaypoints(given, subject);
     certifyPath(edges, subject);
-  else
+  } else {
     verifyTask(path, subject);
+  }
   subject.verdict = subject.good ? "certified" : "not certified";
   if (subject.good) noteClearances(subject);
   if (subject.good && !problem.constraints.empty())
@@ -142,7 +174,13 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
       std::istringstream lines(constraintsText(problem, *proven));
       for (std::string line; std::getline(lines, line);) subject.notes.push_back(line);
     }
-  subject.notes.push_back(toString(countUnchecked(subject.first_scene->dropped())) + ".");
+  if (subject.good && problem.condition.accept)
+    subject.notes.push_back(
+        "A condition of the program holds at the states that were looked at; nothing is proven "
+        "about it between them.");
+  subject.notes.push_back(
+      toString(countUnchecked(uncheckedIn(movingScenes(subject.stages, subject.first_scene)))) +
+      ".");
   noteEnds(subject);
   return subject;
 }
@@ -154,10 +192,6 @@ Subject subjectOfPlan(const planner::Problem& problem, const std::string& source
       result.status == planner::PlanStatus::kPartial) {
     Subject subject = subjectOfPath(problem, source, result.path, &result.certificate, stop);
     subject.searched = std::move(searched);
-    if (!result.certificate.conditions.empty())
-      subject.notes.push_back(
-          "A condition of the program holds at the states that were looked at; nothing is proven "
-          "about it between them.");
     subject.notes.push_back(
         fmt::format("Solved with {}, seed {}: {}, length {:.3f}.", result.planner, result.seed,
                     counted(result.certificate.segments.size(), "edge"), result.length));

@@ -21,9 +21,9 @@ struct Subject {
   const planner::Problem& problem;
   std::string source;  ///< the problem's file, as the user wrote it
   std::shared_ptr<const planner::CompiledScene> scene;  ///< shown; see shownProblem()
-  /// The scene before the first step, whose pairs the page lists; `scene` without steps.
+  /// The scene before the first step; `scene` without steps.
   std::shared_ptr<const planner::CompiledScene> first_scene;
-  std::vector<Stage> stages;
+  std::vector<Stage> stages;  ///< of a path
   std::vector<End> ends;
   Timeline timeline;
   LeastClearance least;            ///< of a path

@@ -5,8 +5,11 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <optional>
 
 #include "leeway/planner/path_io.h"
+#include "robots/load/visual_shapes.h"
+#include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools::view {
@@ -31,10 +34,21 @@ void addPageOptions(CLI::App& app, PageChoice& choice) {
   CLI::Option* view =
       app.add_option("--view", choice.file, "also write a page to look at")->type_name("FILE.html");
   app.add_flag("--open", choice.open, "show the page in the browser")->needs(view);
+  addVisual(app, choice)->needs(view);
+}
+
+CLI::Option* addVisual(CLI::App& app, PageChoice& choice) {
+  return app.add_flag("--visual", choice.visual,
+                      "the page also draws the robot's visual shapes, which are not checked");
 }
 
 void writePage(const PageChoice& choice, const Subject& subject, const Subject* compared) {
-  planner::writeFileWhole(choice.file, page(subject, compared));
+  std::optional<robots::VisualShapes> visuals;
+  if (choice.visual) {
+    visuals = robots::loadVisualShapes(*subject.problem.robot.model);
+    printWarnings(visuals->left_out);
+  }
+  planner::writeFileWhole(choice.file, page(subject, compared, visuals ? &*visuals : nullptr));
   if (choice.open) openFile(choice.file);
 }
 

@@ -14,13 +14,18 @@ import { ClearancePlot, JointPlot, decisionColour } from './plot.js';
 import { Recorder } from './recorder.js';
 import { Parts, kRanks } from './shapes.js';
 import { Stage, boxOfBalls, kMany } from './stage.js';
+import { headline } from './summary.js';
 import { Swept } from './swept.js';
 import { colours, onThemeChange } from './theme.js';
 import { unpack } from './unpack.js';
+import { Visual } from './visual.js';
 import { distanceText, element, millimetres } from './words.js';
 
 const kGhosts = 7; // copies of the robot along the path
 const kNear = 2; // things that lie within so many times the robot's reach are in the first view
+
+// Whether two places of a body are one on the screen.
+const isNear = (a, b) => a.elements.every((x, i) => Math.abs(x - b.elements[i]) < 1e-4);
 
 class App {
   constructor(page) {
@@ -47,6 +52,7 @@ class App {
     this.deforming = [];
     this.given = new Map(this.data.colors.map(([body, colour]) => [body, `#${colour.map((share) => Math.round(255 * share).toString(16).padStart(2, '0')).join('')}`]));
     this.compared = this.data.compared ? new Compared(page, this.data) : null;
+    this.visual = this.data.visual ? new Visual(page) : null;
     this.end = Math.max(this.motion.begin + this.motion.duration, this.compared?.end ?? -Infinity);
     this.deformable = new Set(this.data.frames.map((f) => f.body));
     for (let i = 0; i < this.parts.count; ++i) if (this.parts.kind[i] === 'deformable') this.deformable.add(this.parts.body[i]);
@@ -60,7 +66,7 @@ class App {
     this.view = element('div', { id: 'view' });
     this.nearestText = element('div', { id: 'nearest', role: 'status' });
     const button = (id, text, title, onclick) => element('button', { id, text, title, onclick });
-    this.view.append(this.nearestText, element('div', { id: 'looks' },
+    this.view.append(element('div', { id: 'looks' },
       button('look-least', 'Least', 'where the room is least (M)', () => this.seekLeast()),
       button('look-gap', 'Gap', 'look at the gap (G)', () => this.lookAtGap()),
       button('look-all', 'All', 'see all of it (F)', () => this.stage?.frame(this.box)),
@@ -82,7 +88,9 @@ class App {
     const plots = [element('canvas', { className: 'plot', id: 'clearance-plot' }), element('canvas', { className: 'plot', id: 'joint-plot' })];
     const verdict = element('span', { id: 'verdict', className: this.data.good ? 'good' : 'bad', text: this.data.verdict });
     document.body.append(
-      element('header', {}, element('h1', { text: this.data.name }), verdict),
+      element('header', {}, element('h1', { text: this.data.name }), verdict,
+        element('button', { id: 'headline', className: 'link', text: headline(this), title: 'go there', onclick: () => { this.choose(this.near.certificate); this.seekLeast(); } })),
+      this.nearestText,
       this.view,
       element('footer', { hidden: still }, this.controls.root, element('div', { id: 'plots' }, ...plots)),
       this.panel.root);
@@ -184,7 +192,17 @@ class App {
     const layer = (name, shown, set) => { this.layers.push({ name, shown, set }); set(shown); };
     const meshes = (group) => group.map((i) => i.mesh);
     const shapes = [...meshes(this.groups.world), ...meshes(this.groups.driven), ...this.deforming.map((d) => d.mesh)];
-    layer('robot', true, show([...meshes(this.groups.robot), ...meshes(this.groups.base)]));
+    const checked = [...meshes(this.groups.robot), ...meshes(this.groups.base)];
+    layer(this.visual ? 'robot, as it is checked' : 'robot', true, show(checked));
+    if (this.visual) {
+      this.visual.addTo(stage.scene);
+      this.view.append(this.visual.label);
+      layer('visual shapes of the robot (not what is proven)', true, (on) => {
+        this.visual.show(on);
+        // Checked shapes stay in sight around them.
+        for (const m of checked) Object.assign(m.material, { transparent: on, opacity: on ? 0.3 : 1, depthWrite: !on, needsUpdate: true });
+      });
+    }
     if (shapes.length + this.planes.length > 0) {
       layer(this.planes.length > 0 ? `world (planes: a square is ${lengthText(this.planeSquare())})` : 'world', true, show([...shapes, ...this.planes]));
       layer('see through the world', false, (on) => {
@@ -193,6 +211,7 @@ class App {
     }
     layer('nearest pair', true, (on) => { this.showNearest = on; });
     layer('start and goal', true, (on) => { this.showEnds = on; });
+    if (this.placeGhosts.length > 0) layer('where objects end', true, (on) => { this.showPlaces = on; });
     if (this.motion.duration > 0) {
       layer('robot along the path', false, show(this.pathGhosts));
       layer('trail of a link', true, show([this.trail.line]));
@@ -214,7 +233,7 @@ class App {
   }
   // Meshes that a ray can meet.
   targets() {
-    return [...Object.values(this.groups).flatMap((group) => group.map((i) => i.mesh)), ...this.deforming.map((d) => d.mesh)];
+    return [...Object.values(this.groups).flatMap((group) => group.map((i) => i.mesh)), ...this.deforming.map((d) => d.mesh), ...(this.visual?.meshes ?? [])];
   }
 
   searchText() {
@@ -283,6 +302,15 @@ class App {
     this.endGhosts = this.data.ends.map((end, e) => ghost(this.endMatrices(end), e === 0 ? colours().start : colours().goal, end.valid ? 0.22 : 0.5, end.valid || !end.closest ? [] : [end.closest.a, end.closest.b]));
     if (this.compared) this.compared.addTo(this.stage.scene, this.parts, robot);
     this.pathGhosts = [];
+    // Objects that steps move, where they are at the end.
+    this.placeGhosts = [];
+    if (this.motion.duration > 0) {
+      const [first, last] = [0, this.motion.times.length - 1].map((moment) => this.motion.matricesAt(moment));
+      for (const body of this.held) {
+        if (!this.data.steps.some((step) => step.object === this.data.bodies[body]) || isNear(first.get(body), last.get(body))) continue;
+        this.placeGhosts.push({ body, matrix: last.get(body), meshes: ghost(new Map([[body, last.get(body)]]), colours().goal, 0.35) });
+      }
+    }
     const last = this.motion.times.length - 1;
     for (let g = 1; g <= kGhosts && this.motion.duration > 0; ++g) {
       const moment = this.motion.momentNear(this.motion.begin + (g / (kGhosts + 1)) * this.motion.duration);
@@ -496,6 +524,8 @@ class App {
     // Not where the robot itself stands.
     const stands = (e) => this.data.ends[e].valid && (e === 0 ? this.time === this.motion.begin : this.time >= this.motion.begin + this.motion.duration) && this.motion.duration > 0;
     this.endGhosts.forEach((ghost, e) => ghost.forEach((mesh) => { mesh.visible = this.showEnds && !stands(e); }));
+    for (const { body, matrix, meshes } of this.placeGhosts) meshes.forEach((mesh) => { mesh.visible = this.showPlaces && !isNear(matrix, matrices.get(body)); });
+    this.visual?.setTime(this.time);
     (this.pieces ?? []).forEach((i) => i.mesh.visible && i.place(matrices));
     this.deforming.forEach((d) => d.setTime(this.time));
     this.endFrames.forEach((axes) => { axes.visible = this.showEnds; });
@@ -529,7 +559,8 @@ class App {
     if (closest) lines.push(element('span', { id: 'pair', text: `${data.bodies[closest.a]} \u2013 ${data.bodies[closest.b]}` }));
     if (near.choice === 'world' || near.choice === 'self') {
       const other = near.choice === 'world' ? 'self' : 'world';
-      lines.push(element('span', { className: 'soft', id: 'other', text: `${name}; ${other === 'world' ? 'from the world' : 'from itself'} ${distanceText(near.at(this.moment, other))}` }));
+      const beside = near.least(other) < 0 ? '' : `; ${other === 'world' ? 'from the world' : 'from itself'} ${distanceText(near.at(this.moment, other))}`;
+      lines.push(element('span', { className: 'soft', id: 'other', text: `${still ? '' : 'now, '}${name}${beside}` }));
     }
     if (closest) lines.push(element('span', { className: 'soft', text: `margin ${+(closest.margin * 1e3).toFixed(3)} mm` }));
     if (proven !== undefined) lines.push(element('span', { className: 'soft', id: 'proven', text: proven === null ? 'not proven here' : `proven here: at least ${millimetres(proven)} mm` }));

@@ -1,5 +1,6 @@
 // The texts beside the scene: what came out, what is selected, layers, joints, pairs left out.
 import { distanceText, element, shapeText } from './words.js';
+import { advice } from './summary.js';
 import { joints as jointColours } from './theme.js';
 
 const kListed = 500; // objects of a list: more make a page slow
@@ -16,7 +17,7 @@ export class Panel {
       ...(app.stage ? [this.section('Layers', true, ...this.layers())] : []),
       this.section(`Objects (${data.bodies.length})`, false, this.objects()),
       this.section(`Joints (${data.joints.length})`, data.joints.length <= 8, this.joints()),
-      this.section(`Pairs left out (${data.dropped_count})`, false, ...this.dropped()),
+      this.section(`Pairs not checked (${data.dropped_count})`, false, ...this.dropped()),
       this.section('Keys', false, ...keys()));
     this.select(-1);
   }
@@ -27,10 +28,14 @@ export class Panel {
   result() {
     const { data } = this.app;
     const notes = data.notes.map((note) => element('p', { text: note }));
-    const count = `${data.bodies.length} bodies in ${data.parts.count} parts, ${data.pair_count} pairs checked`;
+    const [fewest, most] = data.pair_count;
+    const pairs = fewest === most ? `${most} ${most === 1 ? 'pair of parts is' : 'pairs of parts are'} checked` : `${fewest} to ${most} pairs of parts are checked, by step`;
+    const count = `${data.bodies.length} bodies in ${data.parts.count} parts, ${pairs}`;
     const error = data.triangles > 0 ? `; meshes are shown to within ${(data.mesh_error * 1e3).toPrecision(2)} mm` : '';
     const steps = data.steps.map((step) => element('button', { className: 'link', text: `${step.begin.toFixed(2)} s: ${step.name} (${step.kind})`, onclick: () => { this.app.pause(); this.app.seek(step.begin); } }));
-    return [...this.least(), ...this.compared(), ...notes, ...steps, element('p', { className: 'soft', text: `${data.source || data.name}: ${count}${error}.` })];
+    const widen = advice(this.app);
+    const drawn = this.app.visual ? [element('p', { id: 'visual-note', text: this.app.visual.text() })] : [];
+    return [...this.least(), ...(widen ? [element('p', { id: 'advice' }, widen[0], element('span', { className: 'whole', text: widen[1] }), '.')] : []), ...this.compared(), ...notes, ...drawn, ...steps, element('p', { className: 'soft', text: `${(data.source || data.name).replaceAll('/', '/\u200b')}: ${count}${error}.` })];
   }
 
   // The least clearances, which also go there.

@@ -18,6 +18,8 @@ export function picks(stage, targets, found) {
 function bodyAt(ray, targets) {
   const hit = ray.intersectObjects(targets.filter((t) => t.visible), false)[0];
   if (!hit) return -1;
-  const { instances, body } = hit.object.userData;
-  return instances ? instances.parts.body[instances.entries[hit.instanceId].part] : body;
+  const { instances, body, bodyOf } = hit.object.userData;
+  if (!instances) return body;
+  const { part } = instances.entries[hit.instanceId];
+  return bodyOf ? bodyOf(part) : instances.parts.body[part];
 }

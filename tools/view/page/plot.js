@@ -2,7 +2,7 @@
 import { colours, joints as jointColours, onThemeChange } from './theme.js';
 import { distanceText, millimetres } from './words.js';
 
-const kLeft = 46, kRight = 10, kTop = 24, kBottom = 20;
+const kLeft = 46, kRight = 10, kTitle = 24, kRow = 14, kBottom = 20;
 
 // About `count` round numbers between two ends.
 function ticks(low, high, count) {
@@ -18,6 +18,7 @@ class Plot {
   constructor(canvas, app) {
     this.canvas = canvas;
     this.app = app;
+    this.top = kTitle;
     new ResizeObserver(() => this.paint()).observe(canvas);
     onThemeChange(() => this.paint());
     const seek = (event) => {
@@ -45,17 +46,17 @@ class Plot {
     const all = [[`${app.motion.times[moment].toFixed(3)} s`, this.colours.ink], ...lines(moment, this.hover[1])];
     c.strokeStyle = this.colours.soft;
     c.lineWidth = 1;
-    this.stroke([[at, kTop - 4], [at, this.height - kBottom]], [2, 2]);
+    this.stroke([[at, this.top - 4], [at, this.height - kBottom]], [2, 2]);
     const width = Math.max(...all.map(([text]) => c.measureText(text).width)) + 12;
     const x = at + width + 8 > this.width ? Math.max(at - width - 8, 0) : at + 8;
     c.fillStyle = this.colours.page;
     c.globalAlpha = 0.92;
-    c.fillRect(x, kTop, width, 15 * all.length + 6);
+    c.fillRect(x, this.top, width, 15 * all.length + 6);
     c.globalAlpha = 1;
-    c.strokeRect(x + 0.5, kTop + 0.5, width, 15 * all.length + 6);
+    c.strokeRect(x + 0.5, this.top + 0.5, width, 15 * all.length + 6);
     c.textAlign = 'left';
     c.textBaseline = 'top';
-    all.forEach(([text, colour], i) => { c.fillStyle = colour; c.fillText(text, x + 6, kTop + 5 + 15 * i); });
+    all.forEach(([text, colour], i) => { c.fillStyle = colour; c.fillText(text, x + 6, this.top + 5 + 15 * i); });
   }
   x(time) {
     const { begin } = this.app.motion;
@@ -68,7 +69,7 @@ class Plot {
   }
   y(value) {
     const [low, high] = [this.scaled(this.low), this.scaled(this.high)];
-    return kTop + (1 - (this.scaled(value) - low) / (high - low)) * (this.height - kTop - kBottom);
+    return this.top + (1 - (this.scaled(value) - low) / (high - low)) * (this.height - this.top - kBottom);
   }
   rows() {
     return ticks(this.low, this.high, 4);
@@ -124,7 +125,7 @@ class Plot {
     c.strokeStyle = this.colours.ink;
     c.lineWidth = 1.5;
     const x = this.x(this.app.time);
-    this.stroke([[x, kTop - 4], [x, this.height - kBottom]]);
+    this.stroke([[x, this.top - 4], [x, this.height - kBottom]]);
   }
 }
 
@@ -166,8 +167,8 @@ export class ClearancePlot extends Plot {
     if (this.canvas.clientWidth === 0) return;
     this.begin();
     const { c, colours: colour, app } = this;
-    this.axes(this.width > 400 ? 'clearance [mm]' : 'mm', (v) => `${+v.toFixed(6)}`);
     this.legend(this.width > 400 ? 92 : 28);
+    this.axes(this.width > 400 ? 'clearance [mm]' : 'mm', (v) => `${+v.toFixed(6)}`);
     if (this.empty) {
       c.fillStyle = colour.soft;
       c.textAlign = 'center';
@@ -176,11 +177,11 @@ export class ClearancePlot extends Plot {
     const times = app.motion.times;
     c.save();
     c.beginPath();
-    c.rect(kLeft - 4, kTop - 4, this.width - kLeft - kRight + 8, this.height - kTop - kBottom + 8);
+    c.rect(kLeft - 4, this.top - 4, this.width - kLeft - kRight + 8, this.height - this.top - kBottom + 8);
     c.clip();
     c.fillStyle = colour.collision;
     c.globalAlpha = 0.22;
-    for (const [from, to] of this.collisions()) c.fillRect(this.x(from) - 1, kTop, Math.max(this.x(to) - this.x(from), 2) + 1, this.height - kTop - kBottom);
+    for (const [from, to] of this.collisions()) c.fillRect(this.x(from) - 1, this.top, Math.max(this.x(to) - this.x(from), 2) + 1, this.height - this.top - kBottom);
     c.globalAlpha = 1;
     // The proven bound, stretch by stretch, filled: room that is certain.
     c.fillStyle = c.strokeStyle = colour.proven;
@@ -207,11 +208,19 @@ export class ClearancePlot extends Plot {
     const lines = [...this.margins.map(([value, of]) => [value, of, [6, 4]]), ...(this.keep !== null && app.near.choice === 'world' ? [[this.keep, '', [2, 3]]] : [])];
     c.textAlign = 'right';
     c.textBaseline = 'bottom';
+    const taken = []; // by labels: [left, right, y]
     for (const [value, of, dash] of lines) {
       c.strokeStyle = c.fillStyle = colour.margin;
       c.lineWidth = 1.4;
       this.stroke([[kLeft, this.y(value)], [this.width - kRight, this.y(value)]], dash);
-      if (of) c.fillText(`${of}: ${+value.toFixed(3)}`, this.width - kRight - 2, this.y(value) - 1);
+      if (!of) continue;
+      const label = `${of}: ${+value.toFixed(3)}`;
+      const [wide, y] = [c.measureText(label).width, this.y(value) - 1];
+      let right = this.width - kRight - 2;
+      // A label moves left if it would cover the label of a similar margin.
+      for (const [from, to, other] of taken) if (Math.abs(other - y) < 12 && from < right && right - wide < to) right = from - 8;
+      taken.push([right - wide, right, y]);
+      c.fillText(label, right, y);
     }
     this.decisions();
     this.steps();
@@ -257,8 +266,8 @@ export class ClearancePlot extends Plot {
     c.textBaseline = 'top';
     for (const { name, begin, end } of app.data.steps) {
       const [x, next] = [Math.round(this.x(begin)) + 0.5, this.x(end)];
-      this.stroke([[x, kTop], [x, this.height - kBottom]]);
-      if (end > begin && next - x > c.measureText(name).width + 6) c.fillText(name, x + 3, kTop + 2);
+      this.stroke([[x, this.top], [x, this.height - kBottom]]);
+      if (end > begin && next - x > c.measureText(name).width + 6) c.fillText(name, x + 3, this.top + 2);
     }
   }
   curve(values, colourOf, width, dash = [], times = this.app.motion.times) {
@@ -298,15 +307,26 @@ export class ClearancePlot extends Plot {
     if (this.keep !== null && choice === 'world') entries.splice(4, 0, ['kept from the world', colour.margin, [2, 3]]);
     c.textBaseline = 'top';
     c.textAlign = 'left';
-    let x = this.width - kRight - entries.reduce((sum, [name]) => sum + c.measureText(name).width + 30, 0);
-    if (x < from) return;
+    // Entries fill rows and stand at the right.
+    const rows = [[]];
+    const widthOf = (row) => row.reduce((sum, [name]) => sum + c.measureText(name).width + 30, 0);
+    for (const entry of entries) {
+      if (rows[rows.length - 1].length > 0 && from + widthOf([...rows[rows.length - 1], entry]) > this.width - kRight) rows.push([]);
+      rows[rows.length - 1].push(entry);
+    }
+    this.top = kTitle + kRow * (rows.length - 1);
+    rows.forEach((row, i) => this.legendRow(row, this.width - kRight - widthOf(row), kRow * i));
+  }
+  legendRow(entries, left, top) {
+    const { c, colours: colour } = this;
+    let x = left;
     for (const [name, colourOf, dashOf] of entries) {
       c.strokeStyle = c.fillStyle = colourOf;
       c.lineWidth = 2;
-      if (dashOf) this.stroke([[x, 8], [x + 16, 8]], dashOf);
-      else { c.beginPath(); c.arc(x + 10, 8, 3.5, 0, 2 * Math.PI); c.fill(); }
+      if (dashOf) this.stroke([[x, top + 8], [x + 16, top + 8]], dashOf);
+      else { c.beginPath(); c.arc(x + 10, top + 8, 3.5, 0, 2 * Math.PI); c.fill(); }
       c.fillStyle = colour.soft;
-      c.fillText(name, x + 20, 2);
+      c.fillText(name, x + 20, top + 2);
       x += c.measureText(name).width + 30;
     }
   }

@@ -45,16 +45,16 @@ export function setRank(material, rank = null) {
 }
 
 export class Parts {
-  constructor(page) {
+  constructor(page, parts = page.document.parts) {
     const { document: data, array } = page;
-    this.count = data.parts.count;
-    this.body = array(data.parts.body);
-    this.mesh = array(data.parts.mesh);
-    this.kind = Array.from(array(data.parts.kind), (k) => data.kinds[k]);
-    this.size = array(data.parts.size);
-    this.ball = array(data.parts.ball);
-    this.poses = new Poses(array(data.parts.pose));
-    this.names = new Map(data.parts.names);
+    this.count = parts.count;
+    this.body = array(parts.body);
+    this.mesh = array(parts.mesh);
+    this.kind = Array.from(array(parts.kind), (k) => data.kinds[k]);
+    this.size = array(parts.size);
+    this.ball = array(parts.ball);
+    this.poses = new Poses(array(parts.pose));
+    this.names = new Map(parts.names);
     this.page = page;
     this.geometries = new Map();
   }

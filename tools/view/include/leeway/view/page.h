@@ -29,6 +29,13 @@ struct PageOptions {
   std::string compared_label = "compared";
   /// The edges of the plan's search, a layer of the page.
   SearchEdges searched;
+  /// Also draws the visual shapes of the robot's file: <visual> of a URDF, the geoms that MuJoCo
+  /// shows. The page says that they are not what is proven. They are read again, and take at most
+  /// about 60,000 triangles of the page. Only for a page.
+  bool visual = false;
+  /// Receives why visual shapes are left out, each with file and line. Null: only their number is
+  /// in the page.
+  std::vector<std::string>* warnings = nullptr;
   /// Called now and then; true ends the work.
   std::function<bool()> stop;
 };
@@ -43,7 +50,7 @@ struct PageOptions {
 /// planner::validate(), for another ending, a file that cannot be written, and for .html if the
 /// library was built without node; this is checked before the work. Throws std::invalid_argument
 /// for a path of other variables than the problem plans, a path without waypoints, and for
-/// `compared` with .svg; robots::Stopped if `stop` ended it, and then writes nothing.
+/// `compared` or `visual` with .svg; robots::Stopped if `stop` ended it, and then writes nothing.
 void writePage(const std::string& file, const planner::Problem& problem,
                const planner::PlanResult& result, const PageOptions& options = {});
 

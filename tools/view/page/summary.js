@@ -1,0 +1,62 @@
+// The page in one sentence: how much is proven, where it is tightest and between what; and what would widen that place.
+import { Vector3 } from 'three';
+import { distanceText } from './words.js';
+
+// The place of the choice that the page begins with; null: nothing is near.
+function tightest(app) {
+  const choice = app.near.certificate;
+  const moment = app.near.least(choice);
+  const near = moment >= 0 ? app.near.at(moment, choice) : null;
+  return near && { moment, near, choice };
+}
+
+function endText(app) {
+  const { data } = app;
+  const end = data.ends.find(({ name, valid }) => name === data.shown && !valid);
+  if (!end?.closest) return '';
+  const { closest } = end;
+  return `${end.name}: ${data.bodies[closest.a]} and ${data.bodies[closest.b]}, ${distanceText(closest)}${closest.upper > 0 ? ', nearer than the margin' : ''}`;
+}
+
+export function headline(app) {
+  const { data, motion } = app;
+  if (motion.duration === 0) return endText(app) || (data.searched > 0 && !data.good ? 'that no path was found does not prove that there is none' : '');
+  const place = tightest(app);
+  const executed = data.decisions.length > 0;
+  const where = executed ? 'in every step' : `on the whole path${data.obstacles}`;
+  const proven = `${data.good ? '' : 'not '}proven ${where}`;
+  if (!place) return `${proven}; nothing else is near`;
+  const { near, moment } = place;
+  const what = data.good && !executed ? 'least clearance' : 'nearest where it was measured';
+  return `${proven}; ${what} ${distanceText(near)} (margin ${+(near.margin * 1e3).toFixed(3)} mm): ${data.bodies[near.a]} and ${data.bodies[near.b]}, at ${motion.times[moment].toFixed(2)} s`;
+}
+
+// A direction in words: an axis where it is nearly one, else its three parts.
+function directionText(way) {
+  const axis = ['x', 'y', 'z'].find((k) => Math.abs(way[k]) > 0.98);
+  if (axis) return `${way[axis] > 0 ? '+' : '\u2212'}${axis}`;
+  return `(${way.toArray().map((part) => part.toFixed(2).replace('-', '\u2212')).join(', ')})`;
+}
+
+// How the tightest place gets wider: the direction in which an object of the world would have to move, to first order, and the objective that keeps away
+// (of plans without steps). [words, option of the command]; null: nothing to say.
+export function advice(app) {
+  const { data, motion } = app;
+  const place = tightest(app);
+  if (!place || motion.duration === 0 || data.decisions.length > 0) return null;
+  const { near, moment } = place;
+  const option = data.widest || data.steps.length > 0 ? '' : '--objective clearance';
+  const matrices = motion.matricesAt(moment);
+  const [a, b] = [[near.a, near.point_a], [near.b, near.point_b]].map(([body, point]) => motion.toWorld(body, point, matrices));
+  const isWorld = (body) => !app.links.has(body) && !app.held.has(body);
+  const object = [near.b, near.a].find(isWorld);
+  const way = new Vector3().subVectors(b, a);
+  let move = '';
+  if (object !== undefined && near.upper > 0 && way.length() > 1e-6) {
+    way.normalize();
+    if (object === near.a) way.negate();
+    move = `move ${data.bodies[object]} along ${directionText(way)} of the world`;
+  }
+  if (!move && !option) return null;
+  return [`To widen the tightest place: ${move}${move && option ? ', or ' : ''}${option ? 'plan with ' : ''}`, option];
+}
