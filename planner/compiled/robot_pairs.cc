@@ -288,7 +288,7 @@ const char* toString(Unchecked why) {
     case Unchecked::kSrdf:
       return "disabled by the SRDF";
     case Unchecked::kMjcf:
-      return "disabled by the MJCF";
+      return "disabled by the MJCF or SDF";
     case Unchecked::kAllowed:
       return "allowed by the problem";
     case Unchecked::kAttached:

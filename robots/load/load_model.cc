@@ -30,6 +30,7 @@
 #include "robots/motion/gap_file.h"
 #include "robots/motion/kept_proofs.h"
 #include "robots/motion/link_gaps.h"
+#include "robots/sdf/sdf.h"
 #include "robots/urdf/srdf.h"
 #include "robots/urdf/urdf_document.h"
 #include "robots/urdf/xacro.h"
@@ -111,8 +112,9 @@ class Meshes {
   /// Throws for a file that is not found.
   Key keyOf(const UrdfCollision& collision) const {
     const Eigen::Vector3d& scale = collision.mesh_scale;
-    return {resolveMesh(collision.mesh_file, urdf_path_, collision.line, options_), scale.x(),
-            scale.y(), scale.z()};
+    const std::string& from = collision.mesh_from.empty() ? urdf_path_ : collision.mesh_from;
+    return {resolveMesh(collision.mesh_file, from, collision.line, options_), scale.x(), scale.y(),
+            scale.z()};
   }
 
   void addTask(const UrdfCollision& collision) {
@@ -421,9 +423,11 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
                          options.xacro.front().first +
                          "\"; a file that ends in .xacro would be accepted");
   XmlFile file(urdf_path, "URDF", options);
-  const bool is_mjcf = isMjcf(file);
-  const UrdfDocument document = is_mjcf ? readMjcf(file, options) : readUrdf(file, options);
-  if (!is_mjcf) compareWithUrdfdom(document);
+  const bool is_mjcf = isMjcf(file), is_sdf = isSdf(file);
+  const UrdfDocument document = is_mjcf  ? readMjcf(file, options)
+                                : is_sdf ? readSdf(file, options)
+                                         : readUrdf(file, options);
+  if (!is_mjcf && !is_sdf) compareWithUrdfdom(document);
   std::optional<XmlFile> srdf;
   if (!srdf_path.empty()) srdf.emplace(srdf_path, "SRDF", options);
 

@@ -145,6 +145,8 @@ PackageSearch searchPackage(const std::string& name, const std::string& rest,
   for (const path& folder : workspaces) search.lookIn(folder);
   for (const path& folder : listedFolders("AMENT_PREFIX_PATH"))
     search.look(folder / "share" / name);
+  for (const char* variable : {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "SDF_PATH"})
+    for (const path& folder : listedFolders(variable)) search.lookIn(folder);
   for (const path& folder : above) search.lookIn(folder);
   for (const std::vector<path>& folders : {workspaces, above})
     for (const path& folder : folders) search.lookAmongChildren(folder);
@@ -163,8 +165,13 @@ std::optional<std::string> behind(const std::string& uri,
 
 std::string resolveMesh(const std::string& uri, const std::string& urdf_path, int line,
                         const LoadOptions& options) {
-  const auto fail = [&](const std::string& what) {
-    throw InputError(urdf_path, line, "the mesh \"" + uri + "\" " + what);
+  return resolveFile(uri, "mesh", urdf_path, line, options);
+}
+
+std::string resolveFile(const std::string& uri, const std::string& what,
+                        const std::string& urdf_path, int line, const LoadOptions& options) {
+  const auto fail = [&](const std::string& message) {
+    throw InputError(urdf_path, line, "the " + what + " \"" + uri + "\" " + message);
   };
   std::error_code error;
   const path urdf_folder = std::filesystem::absolute(path(urdf_path), error).parent_path();
@@ -183,8 +190,8 @@ std::string resolveMesh(const std::string& uri, const std::string& urdf_path, in
     const std::string advice = "; --package " + name + "=FOLDER says where the package is";
     if (search.folders().empty())
       fail("was not found: there is no package \"" + name +
-           "\" in ROS_PACKAGE_PATH, AMENT_PREFIX_PATH, the folders from " + urdf_folder.string() +
-           " up and those in them" + advice);
+           "\" in ROS_PACKAGE_PATH, AMENT_PREFIX_PATH, the paths of Gazebo, the folders from " +
+           urdf_folder.string() + " up and those in them" + advice);
     std::string folders;
     for (const path& folder : search.folders())
       folders += (folders.empty() ? "" : ", ") + folder.string();
@@ -202,7 +209,8 @@ std::string resolveMesh(const std::string& uri, const std::string& urdf_path, in
     if (std::filesystem::is_regular_file(place, error)) return place.string();
     tried += (tried.empty() ? "" : ", ") + place.string();
   }
-  fail("was not found, looked for " + tried + "; the path of a mesh file would be accepted");
+  fail("was not found, looked for " + tried + "; the path of a " + what +
+       " file would be accepted");
   return {};  // not reached
 }
 

@@ -9,6 +9,7 @@
 #include "leeway/robots/text.h"
 #include "robots/base/read_on.h"
 #include "robots/mjcf/mjcf_bodies.h"
+#include "robots/urdf/rotation.h"
 
 namespace leeway::robots {
 

@@ -10,6 +10,7 @@
 
 #include "collision/base/numbers.h"
 #include "robots/base/read_on.h"
+#include "robots/urdf/rotation.h"
 
 namespace leeway::robots {
 

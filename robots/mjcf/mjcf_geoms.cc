@@ -5,6 +5,7 @@
 
 #include "leeway/robots/text.h"
 #include "robots/base/read_file.h"
+#include "robots/urdf/rotation.h"
 
 namespace leeway::robots {
 

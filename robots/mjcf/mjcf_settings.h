@@ -2,7 +2,6 @@
 
 // Private to robots/mjcf: the settings of a file, and poses as they are written under them.
 
-#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -29,12 +28,5 @@ MjcfSettings readSettings(const MjcfFile& file);
 
 /// `pos` and the one attribute that gives an orientation.
 Pose poseOf(const Attributes& attributes, const MjcfSettings& settings);
-/// The rotation of `angle` [rad] about an axis of any length but 0.
-Eigen::Matrix3d rotationAbout(const Eigen::Vector3d& axis, double angle);
-/// The shortest rotation of the z axis onto a direction of any length but 0; opposite to it, half a
-/// turn about x.
-Eigen::Matrix3d rotationOfZ(const Eigen::Vector3d& direction);
-/// The rotation of w x y z of any length but 0.
-Eigen::Matrix3d rotationOf(const std::vector<double>& quaternion);
 
 }  // namespace leeway::robots

@@ -24,8 +24,6 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-using Names = std::initializer_list<std::string_view>;
-
 class UrdfReader {
  public:
   UrdfReader(XmlFile& file, const LoadOptions& options, bool with_visuals)
@@ -40,8 +38,9 @@ class UrdfReader {
   UrdfDocument read() {
     readName();
     file_.allowAttributes(file_.root(), {"name", "version"}, XmlFile::Misspelt::kLeftOut);
-    leaveOutUnknown(file_.root(), {"link", "joint"},
-                    {"material", "gazebo", "transmission", "sensor", "ros2_control", "plugin"});
+    file_.leaveOutUnknown(
+        file_.root(), {"link", "joint"},
+        {"material", "gazebo", "transmission", "sensor", "ros2_control", "plugin"});
     file_.eachChild(file_.root(), "link", [&](const XMLElement& link) { readLink(link); });
     if (document_.links.empty())
       file_.fail(file_.root(), file_.root().FirstChildElement("group") != nullptr
@@ -67,31 +66,6 @@ class UrdfReader {
     if (!is_given)
       file_.leaveOut(file_.root(),
                      "<robot> has no name; " + inQuotes(document_.name) + " is taken");
-  }
-
-  /// Leaves out the children of `parent` that are in neither list. One that seems to be a misspelt
-  /// name of the first, which bear on motion and collision, is an error.
-  void leaveOutUnknown(const XMLElement& parent, Names used, Names unused) {
-    const std::vector<std::string> known(used.begin(), used.end());
-    for (const XMLElement* child = parent.FirstChildElement(); child != nullptr;
-         child = child->NextSiblingElement()) {
-      const std::string name = child->Name();
-      if (std::find(known.begin(), known.end(), name) != known.end() ||
-          std::find(unused.begin(), unused.end(), name) != unused.end())
-        continue;
-      const std::string message = "<" + name + "> in <" + parent.Name() + "> is not known";
-      const std::string* meant = isExtension(name) ? nullptr : nearestName(name, known);
-      if (meant != nullptr && (isList(*meant) || !parent.FirstChildElement(meant->c_str())))
-        throwOrKeep(InputError(file_.path(), child->GetLineNum(),
-                               message + "; did you mean <" + *meant + ">?"),
-                    errors_);
-      else
-        file_.leaveOut(*child, message + " and is left out");
-    }
-  }
-  /// Whether there may be several elements of that name beside each other.
-  static bool isList(std::string_view name) {
-    return name == "link" || name == "joint" || name == "collision";
   }
 
   /// Warns of unknown attributes in what is not read, as in what is: a part of URDF with the
@@ -171,8 +145,8 @@ class UrdfReader {
     link_index_[link.name] = static_cast<int>(document_.links.size());
     link_names_.push_back(link.name);
     file_.allowAttributes(element, {"name"});
-    leaveOutUnknown(element, {"collision"},
-                    {"visual", "inertial", "contact", "sensor", "material", "gravity"});
+    file_.leaveOutUnknown(element, {"collision"},
+                          {"visual", "inertial", "contact", "sensor", "material", "gravity"});
     const auto add = [&](const XMLElement& shape) {
       link.collisions.push_back(readCollision(shape));
     };
@@ -241,14 +215,14 @@ class UrdfReader {
     if (shape == nullptr)
       file_.fail(*first,
                  "the geometry <" + std::string(first->Name()) + "> is not known; " + accepted);
-    leaveOutUnknown(geometry, {shape->Name()}, {});
+    file_.leaveOutUnknown(geometry, {shape->Name()}, {});
     return *shape;
   }
 
   UrdfCollision readCollision(const XMLElement& element) {
     file_.allowAttributes(element, {"name"});
-    leaveOutUnknown(element, {"origin", "geometry"},
-                    {"material", "verbose", "contact_coefficients"});
+    file_.leaveOutUnknown(element, {"origin", "geometry"},
+                          {"material", "verbose", "contact_coefficients"});
     UrdfCollision collision;
     if (const char* name = element.Attribute("name")) collision.name = name;
     collision.X_LG = readOrigin(element);
@@ -350,9 +324,9 @@ class UrdfReader {
     joint.line = element.GetLineNum();
     joint.type = readType(element);
     file_.allowAttributes(element, {"name", "type"});
-    leaveOutUnknown(element,
-                    {"origin", "parent", "child", "axis", "limit", "mimic", "safety_controller"},
-                    {"dynamics", "calibration", "sensor", "gazebo"});
+    file_.leaveOutUnknown(
+        element, {"origin", "parent", "child", "axis", "limit", "mimic", "safety_controller"},
+        {"dynamics", "calibration", "sensor", "gazebo"});
     checkUnread(element, {"dynamics", "calibration"});
     joint.parent = readLinkReference(element, "parent");
     joint.child = readLinkReference(element, "child");

@@ -11,8 +11,8 @@
 
 namespace leeway::robots {
 
-/// A <collision> of a URDF link, as written, or a <visual> that stands in for it; a geom of an MJCF
-/// file.
+/// A <collision> of a link of a URDF or SDF, as written, or a <visual> that stands in for it; a
+/// geom of an MJCF file.
 struct UrdfCollision {
   enum class Kind : unsigned char {
     kBox,
@@ -31,6 +31,7 @@ struct UrdfCollision {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< box, ellipsoid: whole edges, axes [m]
   double radius = 0, length = 0;  ///< sphere, cylinder, capsule's straight part [m]
   std::string mesh_file;
+  std::string mesh_from;  ///< the file whose folder mesh_file starts from; empty: the document's
   Eigen::Vector3d mesh_scale = Eigen::Vector3d::Ones();
   bool is_hull = false;  ///< of the mesh, unless LoadOptions::meshes says otherwise
 };
@@ -77,7 +78,7 @@ struct UrdfDocument {
   std::vector<std::string> warnings;
   bool with_visuals = false;                 ///< whether visual shapes are read
   std::vector<std::string> unread_visuals;   ///< why they are left out, each with file and line
-  std::vector<DisabledPair> disabled_pairs;  ///< by an MJCF file; of links as here
+  std::vector<DisabledPair> disabled_pairs;  ///< by an MJCF or SDF; of links as here
   std::vector<std::pair<int, int>> enabled_pairs;  ///< neighbours that are checked all the same
   std::vector<UrdfState> states;                   ///< the keys of an MJCF file
   /// The XML that bears on motion and collision, in the words of plain URDF 1.0: capsules are

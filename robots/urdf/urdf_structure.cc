@@ -24,8 +24,10 @@ class StructureCheck {
   }
 
  private:
-  [[noreturn]] void failAt(int line, const std::string& message) const {
-    throw InputError(document_.path, line, message);
+  /// `at`: a link or joint.
+  template <typename Element>
+  [[noreturn]] static void failAt(const Element& at, int line, const std::string& message) {
+    throw InputError(at.file, line, message);
   }
 
   void checkParents() {
@@ -34,14 +36,16 @@ class StructureCheck {
       const UrdfJoint& joint = document_.joints[i];
       const std::string& child = document_.links[static_cast<std::size_t>(joint.child)].name;
       if (joint.parent == joint.child)
-        failAt(joint.line, "joint " + inQuotes(joint.name) + " joins link " + inQuotes(child) +
-                               " to itself; two different links would be accepted");
+        failAt(joint, joint.line,
+               "joint " + inQuotes(joint.name) + " joins link " + inQuotes(child) +
+                   " to itself; two different links would be accepted");
       int& parent = parent_joint_[static_cast<std::size_t>(joint.child)];
       if (parent >= 0) {
         const UrdfJoint& first = document_.joints[static_cast<std::size_t>(parent)];
-        failAt(joint.line, "link " + inQuotes(child) + " has two parents, through joint " +
-                               inQuotes(first.name) + " (" + lineOf(first.line) + ") and joint " +
-                               inQuotes(joint.name) + "; one would be accepted");
+        failAt(joint, joint.line,
+               "link " + inQuotes(child) + " has two parents, through joint " +
+                   inQuotes(first.name) + " (" + lineOf(first.line) + ") and joint " +
+                   inQuotes(joint.name) + "; one would be accepted");
       }
       parent = static_cast<int>(i);
     }
@@ -54,7 +58,7 @@ class StructureCheck {
     if (roots.size() > 1) {
       const UrdfLink& a = document_.links[roots[0]];
       const UrdfLink& b = document_.links[roots[1]];
-      failAt(b.line,
+      failAt(b, b.line,
              "the robot has " + std::to_string(roots.size()) + " roots, among them link " +
                  inQuotes(a.name) + " (" + lineOf(a.line) + ") and link " + inQuotes(b.name) +
                  "; one link without a parent would be accepted, a fixed joint can join them");
@@ -73,14 +77,14 @@ class StructureCheck {
   [[noreturn]] void failCycle(std::size_t on_cycle) const {
     std::string way = inQuotes(document_.links[on_cycle].name);
     std::size_t link = on_cycle;
-    int line = 0;
+    const UrdfJoint* last = nullptr;
     do {
       const UrdfJoint& joint = document_.joints[static_cast<std::size_t>(parent_joint_[link])];
-      line = std::max(line, joint.line);
+      if (last == nullptr || joint.line > last->line) last = &joint;
       link = static_cast<std::size_t>(joint.parent);
       way += " < " + inQuotes(document_.links[link].name);
     } while (link != on_cycle);
-    failAt(line,
+    failAt(*last, last->line,
            "the links form a cycle: " + way + " (each below the next); a tree would be accepted");
   }
 
@@ -98,13 +102,13 @@ class StructureCheck {
         const UrdfJoint* next = find(master->mimic);
         if (next == nullptr) {
           const std::string nearest = suggestion(master->mimic, joint_names_);
-          failAt(master->mimic_line,
+          failAt(*master, master->mimic_line,
                  "joint " + inQuotes(master->name) + " mimics " + inQuotes(master->mimic) +
                      ", which is not defined; " +
                      (nearest.empty() ? "the name of another <joint> would be accepted" : nearest));
         }
         if (steps > document_.joints.size() || next == &joint)
-          failAt(joint.mimic_line,
+          failAt(joint, joint.mimic_line,
                  "joint " + inQuotes(joint.name) + " mimics itself" +
                      (steps == 0 ? "" : " by way of others") +
                      "; a joint that has its own position would be accepted as master");
@@ -112,10 +116,11 @@ class StructureCheck {
       }
       if (master->type != JointType::kRevolute && master->type != JointType::kContinuous &&
           master->type != JointType::kPrismatic)
-        failAt(joint.mimic_line, "joint " + inQuotes(joint.name) + " mimics " +
-                                     inQuotes(master->name) + " (" + lineOf(master->line) +
-                                     "), which has no single position; a revolute, continuous or "
-                                     "prismatic joint would be accepted");
+        failAt(joint, joint.mimic_line,
+               "joint " + inQuotes(joint.name) + " mimics " + inQuotes(master->name) + " (" +
+                   lineOf(master->line) +
+                   "), which has no single position; a revolute, continuous or "
+                   "prismatic joint would be accepted");
     }
   }
 

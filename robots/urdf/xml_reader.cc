@@ -36,6 +36,12 @@ const XMLElement* findXacro(const XMLElement& element) {
   return nullptr;
 }
 
+/// Whether there may be several elements of that name beside each other.
+bool isList(std::string_view name) {
+  return name == "link" || name == "joint" || name == "collision" || name == "frame" ||
+         name == "model" || name == "include";
+}
+
 }  // namespace
 
 std::string inQuotes(std::string_view text) { return '"' + std::string(text) + '"'; }
@@ -73,9 +79,12 @@ XmlFile::XmlFile(const std::string& path, const std::string& kind, const LoadOpt
     throw InputError(path, 0, "holds no element; a " + kind + " file would be accepted");
   const std::string name = root().Name();
   const bool is_robot = kind == "URDF";
-  if (kind != "MuJoCo" && name != "robot" && !(is_robot && name == "mujoco"))
-    fail(root(), "the root element is <" + name + ">; a " + kind + " file has <robot>" +
-                     (is_robot ? ", an MJCF file <mujoco>" : ""));
+  const std::string expected = kind == "SDF" ? "sdf" : kind == "model.config" ? "model" : "robot";
+  // (SDF 1.2 has <gazebo>.)
+  const bool is_sdf = (is_robot || kind == "SDF") && (name == "sdf" || name == "gazebo");
+  if (kind != "MuJoCo" && name != expected && !is_sdf && !(is_robot && name == "mujoco"))
+    fail(root(), "the root element is <" + name + ">; a " + kind + " file has <" + expected + ">" +
+                     (is_robot ? ", an MJCF file <mujoco>, an SDF file <sdf>" : ""));
   // TinyXML2 accepts more elements after the root.
   if (const XMLElement* second = root().NextSiblingElement())
     fail(*second, "a second root element, <" + std::string(second->Name()) + ">; a " + kind +
@@ -130,7 +139,25 @@ std::string XmlFile::attribute(const XMLElement& element, const char* name) cons
 }
 
 std::vector<double> XmlFile::numbers(const XMLElement& element, const char* name) const {
-  const std::string text = attribute(element, name);
+  return parsed(element, std::string(name) + " of ", attribute(element, name));
+}
+
+std::vector<double> XmlFile::numbersOfText(const XMLElement& element) const {
+  return parsed(element, "", text(element));
+}
+
+std::string XmlFile::text(const XMLElement& element) const {
+  std::string text;
+  for (const tinyxml2::XMLNode* child = element.FirstChild(); child != nullptr;
+       child = child->NextSibling())
+    if (child->ToText() != nullptr) text += child->Value();
+  text.erase(text.find_last_not_of(kSpace) + 1);
+  text.erase(0, std::min(text.find_first_not_of(kSpace), text.size()));
+  return text;
+}
+
+std::vector<double> XmlFile::parsed(const XMLElement& element, const std::string& what,
+                                    const std::string& text) const {
   std::vector<double> values;
   for (std::size_t begin = text.find_first_not_of(kSpace); begin != std::string::npos;
        begin = text.find_first_not_of(kSpace, begin)) {
@@ -138,7 +165,7 @@ std::vector<double> XmlFile::numbers(const XMLElement& element, const char* name
     const std::string word = text.substr(begin, end - begin);
     const std::optional<double> value = parseFinite(word);
     if (!value)
-      fail(element, std::string(name) + " of <" + element.Name() + "> holds " + inQuotes(word) +
+      fail(element, what + "<" + element.Name() + "> holds " + inQuotes(word) +
                         "; a finite number would be accepted");
     values.push_back(*value);
     begin = end;
@@ -188,7 +215,7 @@ const XMLElement& XmlFile::requiredChild(const XMLElement& parent, const char* n
   return *child;
 }
 
-void XmlFile::allowAttributes(const XMLElement& element, const std::vector<std::string>& known,
+void XmlFile::knownAttributes(const XMLElement& element, const std::vector<std::string>& known,
                               Misspelt misspelt) {
   std::string list;
   for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
@@ -209,6 +236,11 @@ void XmlFile::allowAttributes(const XMLElement& element, const std::vector<std::
     else
       leaveOut(InputError(path_, a->GetLineNum(), message + ", which is left out"), "");
   }
+}
+
+void XmlFile::allowAttributes(const XMLElement& element, const std::vector<std::string>& known,
+                              Misspelt misspelt) {
+  knownAttributes(element, known, misspelt);
   for (const tinyxml2::XMLNode* child = element.FirstChild(); child != nullptr;
        child = child->NextSibling()) {
     if (child->ToText() == nullptr) continue;
@@ -222,6 +254,27 @@ void XmlFile::allowAttributes(const XMLElement& element, const std::vector<std::
                                          .substr(0, kShown)) +
                             ", which is left out"),
              "");
+  }
+}
+
+void XmlFile::leaveOutUnknown(const XMLElement& parent,
+                              std::initializer_list<std::string_view> used,
+                              std::initializer_list<std::string_view> unused) {
+  const std::vector<std::string> known(used.begin(), used.end());
+  for (const XMLElement* child = parent.FirstChildElement(); child != nullptr;
+       child = child->NextSiblingElement()) {
+    const std::string name = child->Name();
+    if (std::find(known.begin(), known.end(), name) != known.end() ||
+        std::find(unused.begin(), unused.end(), name) != unused.end())
+      continue;
+    const std::string message = "<" + name + "> in <" + parent.Name() + "> is not known";
+    const std::string* meant = isExtension(name) ? nullptr : nearestName(name, known);
+    if (meant != nullptr && (isList(*meant) || !parent.FirstChildElement(meant->c_str())))
+      throwOrKeep(
+          InputError(path_, child->GetLineNum(), message + "; did you mean <" + *meant + ">?"),
+          errors_);
+    else
+      leaveOut(*child, message + " and is left out");
   }
 }
 

@@ -3,6 +3,7 @@
 #include <tinyxml2.h>
 
 #include <Eigen/Core>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <span>
@@ -21,7 +22,8 @@ namespace leeway::robots {
 class XmlFile {
  public:
   /// Reads and parses; `kind` is for messages, and says what the root element may be: "URDF"
-  /// (<robot>, or MuJoCo's <mujoco>), "SRDF" (<robot>), "MuJoCo" (any: of an included file).
+  /// (<robot>, MuJoCo's <mujoco> or <sdf>), "SRDF" (<robot>), "SDF" (<sdf>), "model.config"
+  /// (<model>), "MuJoCo" (any: of an included file).
   /// What ends in .xacro is expanded by `xacro`, and lines are those of its output; without that
   /// program, and for macros in other files, it is refused with the command that expands it.
   /// `options`: stop, errors and xacro.
@@ -50,6 +52,11 @@ class XmlFile {
          child = child->NextSiblingElement(name))
       readOn(errors_, [&] { visit(*child); });
   }
+  /// The same for the child elements of every name.
+  template <typename Visit>
+  void eachElement(const tinyxml2::XMLElement& parent, const Visit& visit) const {
+    eachChild(parent, nullptr, visit);
+  }
 
   /// The attribute's text; must be there and not empty.
   std::string attribute(const tinyxml2::XMLElement& element, const char* name) const;
@@ -61,22 +68,37 @@ class XmlFile {
                                         const char* name) const;
   /// Numbers separated by white space, all finite.
   std::vector<double> numbers(const tinyxml2::XMLElement& element, const char* name) const;
+  /// The text inside the element, without the white space around it.
+  std::string text(const tinyxml2::XMLElement& element) const;
+  /// The same as numbers separated by white space, all finite.
+  std::vector<double> numbersOfText(const tinyxml2::XMLElement& element) const;
 
   /// The only child of that name, null when there is none; a second one is an error.
   const tinyxml2::XMLElement* onlyChild(const tinyxml2::XMLElement& parent, const char* name) const;
   const tinyxml2::XMLElement& requiredChild(const tinyxml2::XMLElement& parent,
                                             const char* name) const;
   enum class Misspelt { kRefused, kLeftOut };
-  /// Leaves out attributes other than these, and text inside the element. An attribute that seems
-  /// to be a misspelt name of these is an error, unless `misspelt` says otherwise.
+  /// Leaves out attributes other than these. One that seems to be a misspelt name of these is an
+  /// error, unless `misspelt` says otherwise.
+  void knownAttributes(const tinyxml2::XMLElement& element, const std::vector<std::string>& names,
+                       Misspelt misspelt = Misspelt::kRefused);
+  /// The same, and leaves out text inside the element.
   void allowAttributes(const tinyxml2::XMLElement& element, const std::vector<std::string>& names,
                        Misspelt misspelt = Misspelt::kRefused);
+  /// Leaves out the children of `parent` that are in neither list. One that seems to be a misspelt
+  /// name of the first, which bear on motion and collision, is an error.
+  void leaveOutUnknown(const tinyxml2::XMLElement& parent,
+                       std::initializer_list<std::string_view> used,
+                       std::initializer_list<std::string_view> unused);
 
  private:
   struct Seen {
     std::size_t place;  // in warnings_
     int more = 0;       // places that it came from again
   };
+  std::vector<double> parsed(const tinyxml2::XMLElement& element, const std::string& what,
+                             const std::string& text) const;
+
   std::string path_;
   InputErrors* errors_;
   tinyxml2::XMLDocument document_;

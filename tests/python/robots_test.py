@@ -42,6 +42,29 @@ def test_a_mistake_in_mjcf_has_file_and_line(tmp_path):
         leeway.Robot(file)
 
 
+SDF = """<sdf version="1.9"><model name="arm">
+  <link name="base"/>
+  <link name="upper"><pose relative_to="shoulder">0 0 0 0 0 0</pose>
+    <collision name="c"><pose>0.25 0 0 0 0 0</pose><geometry><box><size>0.4 0.04 0.04</size></box></geometry></collision></link>
+  <joint name="shoulder" type="revolute"><pose relative_to="base">0 0 1 0 0 0</pose><parent>base</parent><child>upper</child>
+    <axis><xyz>0 1 0</xyz><limit><lower>-2</lower><upper>2</upper></limit></axis></joint>
+</model></sdf>
+"""
+
+
+def test_sdf(tmp_path):
+    file = tmp_path / "arm.sdf"
+    file.write_text(SDF)
+    robot = leeway.Robot(file)
+    assert robot.name == "arm" and list(robot.joint_names) == ["shoulder"] and list(robot.links) == ["base", "upper"]
+    assert robot.lower[0] == -2 and robot.upper[0] == 2
+    assert robot.pose("upper", [np.pi / 2])[:3, 3] == pytest.approx([0, 0, 1])
+    assert leeway.plan(robot, leeway.World(), [-1.0], [1.0])
+    file.write_text(SDF.replace("box>", "bx>"))
+    with pytest.raises(leeway.InputError, match=r"arm.sdf:4: the geometry <bx> is not read; box"):
+        leeway.Robot(file)
+
+
 CART = """<robot name="cart"><link name="odom"/><link name="base"><collision><geometry><box size="0.6 0.4 0.2"/></geometry></collision></link>
 <joint name="wheels" type="planar"><parent link="odom"/><child link="base"/><axis xyz="0 0 1"/></joint></robot>"""
 

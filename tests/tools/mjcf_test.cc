@@ -72,8 +72,8 @@ TEST_F(Mjcf, SaysWhatIsWrong) {
         std::string(kMjcf).replace(std::string(kMjcf).find("type=\"box\""), 10, "type=\"bx\"  "));
   expectRefused("info arm.xml", {"arm.xml:8: type of <geom> is \"bx\"", "box"});
   expectRefused("plan --robot arm.xml --group all --start right --goal left", {"arm.xml:8:"});
-  write("arm.xml", "<sdf>\n</sdf>");
-  expectRefused("info arm.xml", {"arm.xml:1:", "<robot>", "<mujoco>"});
+  write("arm.xml", "<robt>\n</robt>");
+  expectRefused("info arm.xml", {"arm.xml:1:", "<robot>", "<mujoco>", "<sdf>"});
 }
 
 }  // namespace

@@ -384,7 +384,7 @@ TEST_F(RobotFiles, SrdfProposesPairs) {
   write("one.urdf", "<robot name=\"one\"><link name=\"a\"/></robot>");
   expectRefused("srdf one.urdf", {"one.urdf", "no joint can move"});
   expectRefused("srdf t.urdf --srdf t.srdf", {"without an SRDF"});
-  expectRefused("srdf t.srdf", {"one URDF or MJCF file"});
+  expectRefused("srdf t.srdf", {"one URDF, MJCF or SDF file"});
   expectRefused("srdf t.urdf --output t.txt", {"t.txt", ".srdf"});
 }
 

@@ -303,7 +303,7 @@ Verb addIk(CLI::App& command) {
   auto arguments = std::make_shared<IkArguments>();
   CLI::App* app = command.add_subcommand(
       "ik", "joint values that bring a link to a pose, with their clearance, or a proof of none");
-  app->add_option("file", arguments->file, "URDF, SRDF or problem file")
+  app->add_option("file", arguments->file, "URDF (or MJCF, SDF), SRDF or problem file")
       ->type_name("FILE")
       ->required();
   addRobotArguments(*app, arguments->source);

@@ -71,7 +71,7 @@ Verb addInfo(CLI::App& command) {
   auto arguments = std::make_shared<InfoArguments>();
   CLI::App* app =
       command.add_subcommand("info", "what a URDF, SRDF or problem holds and what is kept of it");
-  app->add_option("file", arguments->file, "URDF, SRDF or problem file")
+  app->add_option("file", arguments->file, "URDF (or MJCF, SDF), SRDF or problem file")
       ->type_name("FILE")
       ->required();
   addRobotArguments(*app, arguments->source);

@@ -252,9 +252,10 @@ int runLint(const LintArguments& arguments) {
 Verb addLint(CLI::App& command) {
   auto arguments = std::make_shared<LintArguments>();
   CLI::App* app = command.add_subcommand("lint", "what is wrong or odd in files, by file and line");
-  app->add_option("files", arguments->files,
-                  "URDF, SRDF and problem files, MoveIt's .scene; with --robot MoveIt scenes "
-                  "sceneNNNN.yaml, with requestNNNN.yaml beside them")
+  app->add_option(
+         "files", arguments->files,
+         "URDF (or MJCF, SDF), SRDF and problem files, MoveIt's .scene; with --robot MoveIt scenes "
+         "sceneNNNN.yaml, with requestNNNN.yaml beside them")
       ->type_name("FILE")
       ->required();
   addRobotArguments(*app, arguments->source);

@@ -219,7 +219,8 @@ void printPairs(const std::vector<LinkPair>& pairs, const SrdfArguments& argumen
 int runSrdf(const SrdfArguments& arguments) {
   if (info::kindOf(arguments.file) != info::FileKind::kUrdf ||
       !(arguments.source.srdf + arguments.source.robot).empty())
-    badUsage("srdf looks at a robot alone; one URDF or MJCF file is expected, without an SRDF");
+    badUsage(
+        "srdf looks at a robot alone; one URDF, MJCF or SDF file is expected, without an SRDF");
   if (!arguments.source.joint_limits.empty() || !arguments.source.bounds.empty())
     badUsage(
         "srdf proves what holds within the robot's own limits; it takes neither --joint-limits "
@@ -254,7 +255,7 @@ Verb addSrdf(CLI::App& command) {
   auto arguments = std::make_shared<SrdfArguments>();
   CLI::App* app = command.add_subcommand(
       "srdf", "propose which links of a robot need no check against each other");
-  app->add_option("file", arguments->file, "URDF or MJCF file")->type_name("FILE")->required();
+  app->add_option("file", arguments->file, "URDF, MJCF or SDF file")->type_name("FILE")->required();
   addRobotArguments(*app, arguments->source);
   app->add_option("--output", arguments->output,
                   "write the pairs: .srdf, or .yaml with `allowed` of a problem file")

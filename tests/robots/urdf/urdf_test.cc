@@ -52,7 +52,7 @@ const BadUrdf kBad[] = {
      2,
      {"XML syntax error", "well-formed XML"}},
     {"Empty", "", 0, {"empty", "URDF file"}},
-    {"OtherRoot", "<sdf>\n</sdf>", 1, {"<sdf>", "<robot>"}},
+    {"OtherRoot", "<scene>\n</scene>", 1, {"<scene>", "<robot>", "<sdf>"}},
     {"NoLinks", "<robot name=\"r\">\n</robot>", 1, {"no <link>", "at least one"}},
     {"Xacro",
      "<robot name=\"r\">\n<link name=\"a\"/>\n<xacro:arm side=\"left\"/></robot>",

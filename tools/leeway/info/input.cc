@@ -80,16 +80,17 @@ FileKind kindOf(const std::string& file) {
   if (ending == ".srdf") {
     return FileKind::kSrdf;
   }
-  if (ending == ".urdf" || ending == ".xacro" || ending == ".xml") {
+  if (ending == ".urdf" || ending == ".xacro" || ending == ".xml" || ending == ".sdf" ||
+      ending == ".world") {
     return FileKind::kUrdf;
   }
   if (ending == ".yaml" || ending == ".yml" || ending == ".cfg") {
     return FileKind::kProblem;
   }
-  throw robots::InputError(
-      file, 0,
-      fmt::format("unknown ending '{}'; .urdf, .xml (MuJoCo), .srdf, .yaml and .cfg are accepted",
-                  ending));
+  throw robots::InputError(file, 0,
+                           fmt::format("unknown ending '{}'; .urdf, .xml (MuJoCo), .sdf, .world, "
+                                       ".srdf, .yaml and .cfg are accepted",
+                                       ending));
 }
 
 planner::Problem loadFile(const std::string& file, FileKind kind, ProblemSource source) {

@@ -158,7 +158,7 @@ void printRobot(const Json& robot, bool all) {
     fmt::print("{}", wrapped(fmt::format("group {}: {}{}\n", group["name"].get<std::string>(),
                                          counted(group["variables"].size(), "variable"), states)));
   }
-  fmt::print("pairs of links that the SRDF or MJCF lets touch: {}\n",
+  fmt::print("pairs of links that the SRDF, MJCF or SDF lets touch: {}\n",
              robot["disabled_pairs"].get<int>());
 }
 

@@ -169,7 +169,7 @@ void takeWaypoints(const ProblemSource& source, planner::Problem& problem) {
 }  // namespace
 
 void addRobotArguments(CLI::App& app, ProblemSource& source) {
-  app.add_option("--robot", source.robot, "URDF of the robot")->type_name("URDF");
+  app.add_option("--robot", source.robot, "URDF, MJCF or SDF of the robot")->type_name("URDF");
   app.add_option("--srdf", source.srdf, "SRDF of the robot: groups, states, pairs that may touch")
       ->type_name("SRDF");
   app.add_option("--joint-limits", source.joint_limits,

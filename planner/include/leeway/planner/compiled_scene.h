@@ -27,7 +27,7 @@ enum class Unchecked : unsigned char {
   kRigid,         ///< no planned joint moves one relative to the other
   kAdjacent,      ///< a joint joins the two links
   kSrdf,          ///< the SRDF disables them
-  kMjcf,          ///< MuJoCo excludes them, by the MJCF file
+  kMjcf,          ///< MuJoCo or Gazebo excludes them, by the robot's file
   kAllowed,       ///< the problem allows them to touch
   kAttached,      ///< an object, and the link that holds it or another link that may touch it
   kTouchAlways,   ///< parts that meet at a joint, proven to touch in every configuration

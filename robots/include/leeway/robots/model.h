@@ -102,7 +102,7 @@ struct GroupState {
 struct DisabledPair {
   int link_a, link_b;
   std::string reason;
-  bool is_of_mjcf = false;  ///< by the MJCF file's own rules; else by the SRDF
+  bool is_of_mjcf = false;  ///< by the MJCF's or SDF's own rules; else by the SRDF
 };
 
 /// An entry of the SRDF that is wrong. Planning does not need it unless someone names it.
@@ -261,7 +261,7 @@ struct LoadOptions {
   InputErrors* errors = nullptr;
 };
 
-/// Reads a URDF and (unless `srdf_path` is empty) an SRDF, with the meshes that they name. Throws
+/// Reads a URDF, MJCF or SDF and (unless `srdf_path` is empty) an SRDF, with their meshes. Throws
 /// InputError, naming file and line, for what is missing or makes no sense; lesser faults are in
 /// the model's warnings.
 std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::string& srdf_path,
