@@ -8,6 +8,9 @@ namespace {
 
 using std::filesystem::path;
 
+/// Files that include others many times over make models without end.
+constexpr std::size_t kMostFiles = 1000;
+
 path folderOf(const XmlFile& file) { return path(file.path()).parent_path(); }
 
 bool isThere(const path& file) {
@@ -27,7 +30,7 @@ MjcfFile::MjcfFile(XmlFile& main, const LoadOptions& options)
     : main_(main), options_(options), errors_(options.errors) {
   files_.emplace(main.root().GetDocument(), &main);
   in_order_.push_back(&main);
-  paths_.insert(wholePath(main.path()));
+  open_.insert(wholePath(main.path()));
   include(main, main.root());
 }
 
@@ -67,15 +70,19 @@ void MjcfFile::include(XmlFile& file, const tinyxml2::XMLElement& element) {
     if (!isThere(found))
       file.fail(*child, "<include> names " + inQuotes(name) + ", and there is no " +
                             inQuotes(found.string()) + "; the path of a file would be accepted");
-    if (!paths_.insert(wholePath(found)).second)
+    if (!open_.insert(wholePath(found)).second)
       file.fail(*child, "<include> names " + inQuotes(name) +
-                            ", which is included already; each file once would be accepted");
+                            ", which includes this file; files that do not contain themselves "
+                            "would be accepted");
+    if (in_order_.size() >= kMostFiles)
+      file.fail(*child, "more than 1000 files are included; fewer would be accepted");
     auto read = std::make_unique<XmlFile>(found.string(), "MuJoCo", options_);
     XmlFile& included = *read;
     in_order_.push_back(&included);
     files_.emplace(included.root().GetDocument(), &included);
     included_.emplace(child, std::move(read));
     include(included, included.root());
+    open_.erase(wholePath(found));
   }
 }
 

@@ -83,7 +83,7 @@ class MjcfFile {
   InputErrors* errors_;
   std::map<const tinyxml2::XMLDocument*, XmlFile*> files_;
   std::map<const tinyxml2::XMLElement*, std::unique_ptr<XmlFile>> included_;
-  std::set<std::filesystem::path> paths_;
+  std::set<std::filesystem::path> open_;  // the files around the one that is read, and itself
   std::vector<XmlFile*> in_order_;
 };
 

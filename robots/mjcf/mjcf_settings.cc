@@ -76,14 +76,18 @@ Pose poseOf(const Attributes& attributes, const MjcfSettings& settings) {
   Pose pose;
   pose.translation = attributes.vector("pos", Eigen::Vector3d::Zero());
   const char* given = nullptr;
-  for (const char* name : {"quat", "axisangle", "euler", "xyaxes", "zaxis"}) {
-    if (attributes.find(name) == nullptr) continue;
-    if (given != nullptr)
-      attributes.fail(name, "there is " + std::string(given) +
+  for (const char* name : {"axisangle", "euler", "xyaxes", "zaxis"}) {
+    const XMLElement* at = attributes.find(name);
+    if (at == nullptr) continue;
+    const char* other = given == nullptr && at->Attribute("quat") != nullptr ? "quat" : given;
+    if (other != nullptr)
+      attributes.fail(name, "there is " + std::string(other) +
                                 " already, by the element or its class; one orientation would be "
                                 "accepted");
     given = name;
   }
+  // In MuJoCo the others win over a quat, also where a class gives them and the element the quat.
+  if (given == nullptr && attributes.find("quat") != nullptr) given = "quat";
   if (given == nullptr) return pose;
   const std::string kind = given;
   const auto numbers = [&](std::size_t count) { return *attributes.numbers(given, count); };

@@ -393,7 +393,35 @@ TEST(Mjcf, IncludesStandForTheirContents) {
   EXPECT_EQ(robot->links[1].geometries.size(), 2u);
   folder.write("parts/more.xml", "<mujocoinclude>\n<include file=\"robot.xml\"/></mujocoinclude>");
   expectInputError([&] { loadModel(file, ""); }, folder.path("parts/more.xml"), 2,
-                   {"included already"});
+                   {"includes this file"});
+}
+
+TEST(Mjcf, FilesMayBeIncludedAgainButNotInThemselves) {
+  const Folder folder;
+  folder.write("wheel.xml", "<mujoco><geom size=\"0.1\"/></mujoco>");
+  const std::string file = folder.write(
+      "robot.xml", model("<body name=\"left\"><include file=\"wheel.xml\"/></body>\n"
+                         "<body name=\"right\"><include file=\"./wheel.xml\"/></body>"));
+  const auto robot = loadModel(file, "");
+  EXPECT_EQ(geometryOf(*robot, "left").shape.radius(), 0.1);
+  EXPECT_EQ(geometryOf(*robot, "right").shape.radius(), 0.1);
+  const std::string wheel =
+      folder.write("wheel.xml", "<mujoco>\n<include file=\"robot.xml\"/></mujoco>");
+  expectInputError([&] { loadModel(file, ""); }, wheel, 2,
+                   {"\"robot.xml\"", "includes this file", "do not contain themselves"});
+}
+
+TEST(Mjcf, OtherOrientationsWinOverAQuat) {
+  const auto robot = load(model(
+      "<body name=\"a\" childclass=\"c\"><geom class=\"c\" size=\"1 1\" quat=\"1 0 0 1\"/>"
+      "<geom class=\"d\" size=\"1 1\" euler=\"90 0 0\"/></body>",
+      "<default><geom type=\"cylinder\"/><default class=\"c\"><geom euler=\"0 90 0\"/></default>"
+      "<default class=\"d\"><geom quat=\"0 1 0 0\"/></default></default>"));
+  // Both lie, along x and along y.
+  EXPECT_LE((geometryOf(*robot, "a", 0).X_BG.rotation.col(2) - Eigen::Vector3d::UnitX()).norm(),
+            1e-15);
+  EXPECT_LE((geometryOf(*robot, "a", 1).X_BG.rotation.col(2) + Eigen::Vector3d::UnitY()).norm(),
+            1e-15);
 }
 
 TEST(Mjcf, LimitsInAnIncludedFileAreNamedByThatFile) {
