@@ -1,5 +1,9 @@
 #include "python/base/define.h"
 
+#include <pybind11/eval.h>
+
+#include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <unordered_map>
 #include <variant>
@@ -73,6 +77,44 @@ std::string withSignature(const std::string& name, const std::string& signature,
     whole.replace(at, kAll.size(), (has_star ? "" : "*, ") + keywords);
   }
   return name + whole + "\n--\n\n" + doc;
+}
+
+Parameters::Parameters(const std::string& signature) {
+  if (signature.find("**") != std::string::npos) return;
+  std::size_t depth = 0, begin = 1;
+  for (std::size_t end = 1; end < signature.size(); ++end) {
+    const char c = signature[end];
+    depth += c == '(' || c == '[' ? 1 : 0;
+    const bool is_end = depth == 0 && (c == ',' || c == ')');
+    depth -= depth > 0 && (c == ')' || c == ']') ? 1 : 0;
+    if (!is_end) continue;
+    const std::string text = signature.substr(begin, end - begin);
+    begin = std::min(signature.size(), end + 2);  // after ", "
+    const std::size_t equals = std::min(text.find('='), text.size());
+    const std::string name = text.substr(0, equals), value = text.substr(equals);
+    if (name == "*") positional_ = all_.size();
+    if (name.empty() || name == "self" || name == "*") continue;
+    all_.push_back({name, {}});
+    if (value == "=None")
+      all_.back().value = py::none();
+    else if (!value.empty())
+      all_.back().value = py::eval(value.substr(1), py::dict());
+  }
+  if (signature.find("*, ") == std::string::npos) positional_ = all_.size();
+}
+
+void Parameters::addTo(py::detail::function_record& record) const {
+  if (all_.empty()) return;
+  if (record.is_method && record.args.empty())
+    record.args.emplace_back("self", nullptr, py::handle(), true, false);
+  if (record.args.size() + all_.size() != record.nargs_pos)
+    throw std::logic_error("a signature with " + std::to_string(all_.size()) +
+                           " parameters, from " + all_.front().name + " on, for a function of " +
+                           std::to_string(record.nargs_pos) + " arguments");
+  record.nargs_pos = static_cast<std::uint16_t>(record.args.size() + positional_);
+  for (const Parameter& parameter : all_)
+    record.args.emplace_back(parameter.name.c_str(), nullptr, parameter.value.inc_ref(), true,
+                             true);
 }
 
 void shortenErrors(py::handle function, const std::string& signature) {

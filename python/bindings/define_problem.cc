@@ -211,59 +211,49 @@ std::vector<double> statePoint(const Problem& problem, const py::object& state) 
 
 void defineProblem(py::module_& module) {
   const std::string init = "(robot, world=None, start=None, goal=None, **settings)";
-  py::class_<Problem> problem(
-      module, "Problem",
-      withSignature(
-          "Problem", init,
-          "All that a planner needs to know. plan(robot, world, start, goal, ...) makes one for "
-          "itself; the keywords are the same.\n\n"
-          "Settings, each a keyword and an attribute:\n" +
-              settingsDoc() +
-              "\n"
-              "A problem copies what it is given. What its attributes hand out is its own: "
-              "problem.world.add_box(...), problem.margins[a, b] = m, problem.start[0] = 1 change "
-              "it. It is checked when it is made or set, and whenever it is used: InputError.")
-          .c_str());
-  defineInit(problem, init, [](const py::args& args, const py::kwargs& kwargs) {
-    py::dict keywords = kwargs.attr("copy")();
-    Problem made = problemOf("Problem", args, keywords);
-    noMore("Problem", keywords);
-    planner::validate(*made);
-    return made;
-  });
+  auto problem = defineClass<py::class_<Problem>>(
+      module, "Problem", init,
+      "All that a planner needs to know. plan(robot, world, start, goal, ...) makes one for "
+      "itself; the keywords are the same.\n\n"
+      "Settings, each a keyword and an attribute:\n" +
+          settingsDoc() +
+          "\n"
+          "A problem copies what it is given. What its attributes hand out is its own: "
+          "problem.world.add_box(...), problem.margins[a, b] = m, problem.start[0] = 1 change "
+          "it. It is checked when it is made or set, and whenever it is used: InputError.",
+      [](const py::args& args, const py::kwargs& kwargs) {
+        py::dict keywords = kwargs.attr("copy")();
+        Problem made = problemOf("Problem", args, keywords);
+        noMore("Problem", keywords);
+        planner::validate(*made);
+        return made;
+      });
   defineStatic(problem, "load", "(file, *, packages=None, cache=True)",
-               "Reads a problem file (YAML). Raises InputError with file and line.", load,
-               py::arg("file"), py::kw_only(), py::arg("packages") = py::none(),
-               py::arg("cache") = true);
+               "Reads a problem file (YAML). Raises InputError with file and line.", load);
   defineStatic(problem, "load_moveit", "(robot, scene, request, *, meshes=None)",
                "Reads a MoveIt planning scene and a motion plan request (YAML), as "
                "MotionBenchMaker writes them. meshes: {object: {'solid': ..., 'weld': ...}}, as "
                "for Robot.",
-               loadMoveit, py::arg("robot"), py::arg("scene"), py::arg("request"), py::kw_only(),
-               py::arg("meshes") = py::none());
-  define(
-      problem, "save", "(self, file)",
-      "Writes a problem file (YAML) that load() reads back as the same problem; meshes go into "
-      "the folder STEM.files beside it. What it wrote is loaded and compared before it replaces "
-      "an existing file. Raises InputError for what files cannot say, and where the file cannot "
-      "be written.",
-      [](const Problem& self, const py::object& file) {
-        const std::string path = fileName(file, "file");
-        const auto value = self.value();
-        Interrupt interrupt;
-        const auto stop = interrupt.callback();
-        interrupt.released([&] { planner::saveProblem(*value, path, stop); });
-      },
-      py::arg("file"));
+               loadMoveit);
+  define(problem, "save", "(self, file)",
+         "Writes a problem file (YAML) that load() reads back as the same problem; meshes go into "
+         "the folder STEM.files beside it. What it wrote is loaded and compared before it replaces "
+         "an existing file. Raises InputError for what files cannot say, and where the file cannot "
+         "be written.",
+         [](const Problem& self, const py::object& file) {
+           const std::string path = fileName(file, "file");
+           const auto value = self.value();
+           Interrupt interrupt;
+           const auto stop = interrupt.callback();
+           interrupt.released([&] { planner::saveProblem(*value, path, stop); });
+         });
   define(problem, "attach", "(self, object, link, touch_links=[], *, state=None)",
          "The problem with an object of the world held by a link, grasped where it stands while "
          "the robot is at `state` (default: the start). It may touch the link and `touch_links`.",
-         attach, py::arg("object"), py::arg("link"),
-         py::arg("touch_links") = std::vector<std::string>(), py::kw_only(),
-         py::arg("state") = py::none());
+         attach);
   define(problem, "detach", "(self, object, *, state=None)",
          "The problem with a held object put down where it is while the robot is at `state`.",
-         detach, py::arg("object"), py::kw_only(), py::arg("state") = py::none());
+         detach);
   define(problem, "copy", "(self)",
          "Another problem with the same content, as copy.copy() and copy.deepcopy() give.",
          [](const Problem& self) { return self; });
@@ -283,8 +273,7 @@ void defineProblem(py::module_& module) {
   });
   problem.def("_repr_html_", html);
   define(module, "load", "(file, *, packages=None, cache=True)",
-         "Reads a problem file (YAML): Problem.load().", load, py::arg("file"), py::kw_only(),
-         py::arg("packages") = py::none(), py::arg("cache") = true);
+         "Reads a problem file (YAML): Problem.load().", load);
   define(module, "planners", "()",
          "The planners that a problem may name: dicts of name, deterministic, optimizing, summary.",
          [] {
@@ -299,18 +288,15 @@ void defineProblem(py::module_& module) {
            }
            return list;
          });
-  define(
-      module, "planner_parameters", "(planner)",
-      "The parameters of a planner: {name: default}, as text.",
-      [](const std::string& name) {
-        if (planner::findPlanner(name) == nullptr)
-          throw py::value_error(*planner::plannerError(name, {}));
-        py::dict parameters;
-        for (const planner::PlannerParameter& parameter : planner::plannerParameters(name))
-          parameters[py::str(parameter.name)] = parameter.value;
-        return parameters;
-      },
-      py::arg("planner"));
+  define(module, "planner_parameters", "(planner)",
+         "The parameters of a planner: {name: default}, as text.", [](const std::string& name) {
+           if (planner::findPlanner(name) == nullptr)
+             throw py::value_error(*planner::plannerError(name, {}));
+           py::dict parameters;
+           for (const planner::PlannerParameter& parameter : planner::plannerParameters(name))
+             parameters[py::str(parameter.name)] = parameter.value;
+           return parameters;
+         });
 }
 
 }  // namespace leeway::python

@@ -275,60 +275,50 @@ void defineMotion(py::module_& module) {
   defineStatic(motion, "cache", "(times, positions)",
                "Recorded positions (times, vertices, 3) [m] at increasing `times` [s], linear in "
                "between, held before and after.",
-               cache, py::arg("times"), py::arg("positions"));
+               cache);
   defineStatic(motion, "morph", "(references, times, weights, *, smooth=False)",
                "Blends references (references, vertices, 3) [m] by weights (times, references) at "
                "`times` [s].",
-               morph, py::arg("references"), py::arg("times"), py::arg("weights"), py::kw_only(),
-               py::arg("smooth") = false);
+               morph);
   defineStatic(motion, "wave", "(rest, direction, amplitude, wavelength, frequency, phase=0.0)",
                "A travelling wave over the rest positions (vertices, 3) [m]: direction (3,), "
                "amplitude (3,) [m], wavelength [m], frequency [Hz], phase [rad].",
-               wave, py::arg("rest"), py::arg("direction"), py::arg("amplitude"),
-               py::arg("wavelength"), py::arg("frequency"), py::arg("phase") = 0.0);
+               wave);
   defineStatic(motion, "waves",
                "(rest, directions, amplitudes, wavelengths, frequencies, phases=None, *, "
                "pinned=None)",
                "Several waves at once: directions (n, 3), amplitudes (n, 3) [m], wavelengths (n,) "
                "[m], frequencies (n,) [Hz], phases (n,) [rad]. pinned=(point, direction, length) "
                "holds an edge still: waves grow from it along `direction` over `length` [m].",
-               waves, py::arg("rest"), py::arg("directions"), py::arg("amplitudes"),
-               py::arg("wavelengths"), py::arg("frequencies"), py::arg("phases") = py::none(),
-               py::kw_only(), py::arg("pinned") = py::none());
+               waves);
   defineStatic(motion, "lattice", "(rest, lower, upper, times, control_points, *, smooth=False)",
                "Free-form deformation: the box from `lower` to `upper` (3,) [m], which holds all "
                "rest positions, has control points (times, x, y, z, 3) [m], 2 to 17 along each "
                "axis, at `times` [s]. At their grid places they leave the mesh undeformed.",
-               lattice, py::arg("rest"), py::arg("lower"), py::arg("upper"), py::arg("times"),
-               py::arg("control_points"), py::kw_only(), py::arg("smooth") = false);
-  defineStatic(
-      motion, "skinned", "(rest, parents, rest_poses, weights, times, poses, *, smooth=False)",
-      "Linear blend skinning: bones with `parents` (bones,), an earlier bone or -1, rest "
-      "poses (bones, 7) and poses (times, bones, 7), each x y z qx qy qz qw in the "
-      "parent's frame; weights (vertices, bones), of which zeros count nothing.",
-      skinned, py::arg("rest"), py::arg("parents"), py::arg("rest_poses"), py::arg("weights"),
-      py::arg("times"), py::arg("poses"), py::kw_only(), py::arg("smooth") = false);
+               lattice);
+  defineStatic(motion, "skinned",
+               "(rest, parents, rest_poses, weights, times, poses, *, smooth=False)",
+               "Linear blend skinning: bones with `parents` (bones,), an earlier bone or -1, rest "
+               "poses (bones, 7) and poses (times, bones, 7), each x y z qx qy qz qw in the "
+               "parent's frame; weights (vertices, bones), of which zeros count nothing.",
+               skinned);
   defineStatic(motion, "reduced",
                "(rest, modes, *, amplitudes=None, frequencies=None, phases=None, times=None, "
                "coordinates=None, smooth=False)",
                "Rest positions plus modes (modes, vertices, 3) [m], each times its coordinate: "
                "amplitude sin(2 pi frequency t + phase), or coordinates (times, modes) at `times` "
                "[s].",
-               reduced, py::arg("rest"), py::arg("modes"), py::kw_only(),
-               py::arg("amplitudes") = py::none(), py::arg("frequencies") = py::none(),
-               py::arg("phases") = py::none(), py::arg("times") = py::none(),
-               py::arg("coordinates") = py::none(), py::arg("smooth") = false);
-  define(
-      motion, "at", "(self, time)", "The vertices at a time [s]: (vertices, 3) [m].",
-      [](const Motion& self, const py::object& time) {
-        const double when = number(time, "time");
-        const auto count = static_cast<std::size_t>(self.value->vertexCount());
-        std::vector<Eigen::Vector3d> positions(count);
-        self.value->evaluate(when, positions);
-        std::vector<double> values(positions.front().data(), positions.front().data() + 3 * count);
-        return array(std::move(values), {static_cast<py::ssize_t>(count), 3});
-      },
-      py::arg("time"));
+               reduced);
+  define(motion, "at", "(self, time)", "The vertices at a time [s]: (vertices, 3) [m].",
+         [](const Motion& self, const py::object& time) {
+           const double when = number(time, "time");
+           const auto count = static_cast<std::size_t>(self.value->vertexCount());
+           std::vector<Eigen::Vector3d> positions(count);
+           self.value->evaluate(when, positions);
+           std::vector<double> values(positions.front().data(),
+                                      positions.front().data() + 3 * count);
+           return array(std::move(values), {static_cast<py::ssize_t>(count), 3});
+         });
   motion.def("__repr__", [](const Motion& self) {
     return std::string("<leeway.Motion, ") + toString(self.value->kind()) + ", of " +
            std::to_string(self.value->vertexCount()) + " vertices>";
@@ -379,25 +369,21 @@ void defineDeforming(py::module_& module) {
   defineMotion(module);
   const std::string init =
       "(vertices, triangles, *, motion=None, strategy='auto', expected_queries=12)";
-  py::class_<Body> body(
-      module, "Deformable",
-      withSignature("Deformable", init,
-                    "A mesh whose vertices move. One thread updates it; `shape` is constant and "
-                    "for any thread.\n\n`vertices` (n, 3) are those at rest [m], `triangles` "
-                    "(m, 3) indices. `strategy` says how its hierarchy follows; no choice changes "
-                    "an answer.")
-          .c_str());
-  defineInit(body, init, makeBody, py::arg("vertices"), py::arg("triangles"), py::kw_only(),
-             py::arg("motion") = py::none(), py::arg("strategy") = "auto",
-             py::arg("expected_queries") = 12);
+  auto body = defineClass<py::class_<Body>>(
+      module, "Deformable", init,
+      "A mesh whose vertices move. One thread updates it; `shape` is constant and "
+      "for any thread.\n\n`vertices` (n, 3) are those at rest [m], `triangles` "
+      "(m, 3) indices. `strategy` says how its hierarchy follows; no choice changes "
+      "an answer.",
+      makeBody);
   define(body, "update", "(self, vertices, time=0.0, speed_bound=None)",
          "Moves the vertices to (n, 3) [m] as they are at `time` [s]; none is faster than "
          "`speed_bound` [m/s] from then on (None: unknown). ValueError, and the last good state "
          "stays, for another "
          "number of vertices or NaN.",
-         update, py::arg("vertices"), py::arg("time") = 0.0, py::arg("speed_bound") = py::none());
+         update);
   define(body, "follow", "(self, time)", "Moves the vertices to where `motion` has them [s].",
-         follow, py::arg("time"));
+         follow);
   defineConstant(
       body, "shape", [](const Body& self) { return collision::Shape::deformable(self.snapshot); },
       "The mesh at the last update, for distance() and World.add(): constant, for any thread.");

@@ -188,19 +188,15 @@ void defineDistances(py::module_& module) {
          "matrix (4, 4). `tolerance` [m] is the width that is good enough, by default at most 1e-9 "
          "m. With `threshold` [m] the query ends as soon as the distance is proven above it or not "
          "above it. depth=False ends it as soon as overlap is proven.",
-         distanceOf, py::arg("a"), py::arg("X_WA"), py::arg("b"), py::arg("X_WB"), py::kw_only(),
-         py::arg("tolerance") = py::none(), py::arg("threshold") = py::none(),
-         py::arg("depth") = true);
+         distanceOf);
   define(module, "distances", "(a, X_WA, b, X_WB, *, tolerance=None)",
          "distance() of n pairs of poses in one call: (n, 2), lower and upper ends [m]. Poses are "
          "(n, 4, 4), (n, 7) or (n, 3).",
-         distancesOf, py::arg("a"), py::arg("X_WA"), py::arg("b"), py::arg("X_WB"), py::kw_only(),
-         py::arg("tolerance") = py::none());
+         distancesOf);
   define(module, "separation", "(a, X_WA, b, X_WB, *, clearance=0.0, longest=None)",
          "A short translation of B after which it is proven farther than `clearance` [m] from A; "
          "none longer than `longest` [m].",
-         separationOf, py::arg("a"), py::arg("X_WA"), py::arg("b"), py::arg("X_WB"), py::kw_only(),
-         py::arg("clearance") = 0.0, py::arg("longest") = py::none());
+         separationOf);
 }
 
 }  // namespace leeway::python

@@ -552,31 +552,21 @@ void defineConstraint(py::module_& module) {
   const std::string init =
       "(frame, position=None, orientation=None, rpy=None, *, axis=None, direction=None, "
       "relative_to=None, position_tolerance=None, angle=None, name=None)";
-  py::class_<Constraint> constraint(
-      module, "Constraint",
-      withSignature(
-          "Constraint", init,
-          "What a frame (a frame of the problem, a link or a held object) keeps on all of a path: "
-          "proven everywhere, as margins are.\n\n"
-          "position: (x, y, z) of its origin [m]; in place of a number a pair (from, to) or 'any'; "
-          "to within position_tolerance, 0.001 by default [m]. Of its rotation: orientation (x y z "
-          "w) or rpy [rad]; "
-          "or that its own axis (x, y, z) points along direction, up by default; to within angle "
-          "[rad], 0.01 by default for a rotation. relative_to: an object, a frame, a link or a "
-          "held "
-          "object, which may move, too; None: the world.")
-          .c_str());
-  defineInit(constraint, init, makeConstraint, py::arg("frame"), py::arg("position") = py::none(),
-             py::arg("orientation") = py::none(), py::arg("rpy") = py::none(), py::kw_only(),
-             py::arg("axis") = py::none(), py::arg("direction") = py::none(),
-             py::arg("relative_to") = py::none(), py::arg("position_tolerance") = py::none(),
-             py::arg("angle") = py::none(), py::arg("name") = py::none());
+  auto constraint = defineClass<py::class_<Constraint>>(
+      module, "Constraint", init,
+      "What a frame (a frame of the problem, a link or a held object) keeps on all of a path: "
+      "proven everywhere, as margins are.\n\n"
+      "position: (x, y, z) of its origin [m]; in place of a number a pair (from, to) or 'any'; "
+      "to within position_tolerance, 0.001 by default [m]. Of its rotation: orientation (x y z "
+      "w) or rpy [rad]; "
+      "or that its own axis (x, y, z) points along direction, up by default; to within angle "
+      "[rad], 0.01 by default for a rotation. relative_to: an object, a frame, a link or a "
+      "held "
+      "object, which may move, too; None: the world.",
+      makeConstraint);
   defineCopiesOfConstant(constraint);
-  defineConstant(
-      constraint, "frame", [](const Constraint& self) { return self.frame; }, "The frame's name.");
-  defineConstant(
-      constraint, "name", [](const Constraint& self) { return self.name; },
-      "Its name in messages and results.");
+  defineConstant(constraint, "frame", &Constraint::frame, "The frame's name.");
+  defineConstant(constraint, "name", &Constraint::name, "Its name in messages and results.");
   constraint.def("__repr__", [](const Constraint& self) {
     return "<leeway.Constraint" + (self.name.empty() ? "" : " '" + self.name + "'") + " of '" +
            self.frame + "'>";
@@ -590,24 +580,18 @@ void defineGoals(py::module_& module) {
   const std::string init =
       "(frame, position=None, orientation=None, rpy=None, *, relative_to=None, "
       "position_tolerance=None, angle_tolerance=None)";
-  py::class_<FramePose> pose(
-      module, "FramePose",
-      withSignature(
-          "FramePose", init,
-          "Where a frame (a frame of the problem, a link or a held object) may be, as a goal or a "
-          "start: goal=FramePose('hand', ...); a list of them holds all at once.\n\n"
-          "position: (x, y, z) [m]; rpy: (roll, pitch, yaw) [rad]; in place of a number a pair "
-          "(from, to) or 'any'. orientation: x y z w. Without them: any. relative_to: an object, "
-          "or "
-          "a frame or link at rest; None: the world. A solution is at most position_tolerance [m] "
-          "and "
-          "angle_tolerance [rad] outside, 1e-9 by default. "
-          "Names are looked up when a problem takes it.")
-          .c_str());
-  defineInit(pose, init, makePose, py::arg("frame"), py::arg("position") = py::none(),
-             py::arg("orientation") = py::none(), py::arg("rpy") = py::none(), py::kw_only(),
-             py::arg("relative_to") = py::none(), py::arg("position_tolerance") = py::none(),
-             py::arg("angle_tolerance") = py::none());
+  auto pose = defineClass<py::class_<FramePose>>(
+      module, "FramePose", init,
+      "Where a frame (a frame of the problem, a link or a held object) may be, as a goal or a "
+      "start: goal=FramePose('hand', ...); a list of them holds all at once.\n\n"
+      "position: (x, y, z) [m]; rpy: (roll, pitch, yaw) [rad]; in place of a number a pair "
+      "(from, to) or 'any'. orientation: x y z w. Without them: any. relative_to: an object, "
+      "or "
+      "a frame or link at rest; None: the world. A solution is at most position_tolerance [m] "
+      "and "
+      "angle_tolerance [rad] outside, 1e-9 by default. "
+      "Names are looked up when a problem takes it.",
+      makePose);
   defineCopiesOfConstant(pose);
   defineConstant(
       pose, "frame", [](const FramePose& self) { return self.given.frame; },

@@ -80,9 +80,7 @@ void defineInverse(py::module_& module) {
          "position and quaternion (7,), a matrix (4, 4), or a position (3,) without a turn. Looks "
          "from `start` (joints,) first. Without a solution it tries to prove that there is none. "
          "Contacts are not looked at: Scene.valid() is for that.",
-         solve, py::arg("robot"), py::arg("link"), py::arg("pose"), py::kw_only(),
-         py::arg("start") = py::none(), py::arg("solutions") = 1, py::arg("seed") = 1,
-         py::arg("stop") = py::none());
+         solve);
 }
 
 }  // namespace leeway::python

@@ -393,19 +393,16 @@ void definePlan(py::module_& module) {
          "`path`: a Result, an array (n, joints), a Trajectory or a file of one; the blends of a "
          "Trajectory are proven as they are executed. Rows mean straight lines: a continuous "
          "joint goes from 3 to -3 by 6 rad; with `shortest` it goes the shorter way.",
-         verify, py::arg("problem"), py::arg("path"), py::kw_only(), py::arg("shortest") = false,
-         py::arg("stop") = py::none());
+         verify);
   define(module, "verify_log", "(problem, file, *, stop=None)",
          "Proves or refutes the log of an execution, a file with the lines that Step.log and "
          "Executed.log have, or that `leeway replan` prints: each step kept all margins and limits "
          "among what was observed. Raises InputError for a line that was cut or changed.",
-         verifyLog, py::arg("problem"), py::arg("file"), py::kw_only(),
-         py::arg("stop") = py::none());
+         verifyLog);
   define(module, "clearance", "(problem, path, *, tolerance=0.0001, parts=1, shortest=False)",
          "The clearance along a path, each edge cut into `parts`, to within `tolerance` [m]: a "
          "Certificate. `path` and `shortest` as for verify().",
-         clearance, py::arg("problem"), py::arg("path"), py::kw_only(), py::arg("tolerance") = 1e-4,
-         py::arg("parts") = 1, py::arg("shortest") = false);
+         clearance);
   defineVerification(module);
 }
 

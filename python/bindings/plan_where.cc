@@ -70,8 +70,7 @@ void definePlanWhere(py::module_& module) {
          "with what these need. The result's problem, and with it verify(), does not know the "
          "condition.\n\n"
          "The price: a call of Python for each edge, about 10 us and what `accept` takes.",
-         planWhere, py::arg("problem"), py::arg("accept"), py::kw_only(),
-         py::arg("resolution") = 0.05, py::arg("stop") = py::none());
+         planWhere);
 }
 
 }  // namespace leeway::python

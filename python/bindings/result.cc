@@ -72,12 +72,10 @@ void defineCertificate(py::module_& module) {
       "over the pairs that are checked.");
   certificate.def_readonly("certified", &Certificate::certified,
                            "Every edge is proven to keep its margins.");
-  defineConstant(
-      certificate, "world", [](const Certificate& self) { return self.world; },
-      "The clearance from the world alone: a PathClearance.");
-  defineConstant(
-      certificate, "self", [](const Certificate& self) { return self.self; },
-      "The clearance among the robot's own links and what it holds: a PathClearance.");
+  defineConstant(certificate, "world", &Certificate::world,
+                 "The clearance from the world alone: a PathClearance.");
+  defineConstant(certificate, "self", &Certificate::self,
+                 "The clearance among the robot's own links and what it holds: a PathClearance.");
   defineConstant(
       certificate, "edges",
       [](const Certificate& self) {
@@ -190,6 +188,7 @@ void defineResult(py::module_& module) {
   py::class_<Result> result(module, "Result",
                             "What plan() found. True if it is solved: then every edge of `path` is "
                             "proven to keep its margins.");
+  const auto property = constantsOf(result, &Result::value);
   defineConstant(
       result, "status", [](const Result& self) { return toString(self.value.status); },
       "'solved', 'unsolved', 'partial' (a line of a task ends early, and the path is what there is "
@@ -205,15 +204,9 @@ void defineResult(py::module_& module) {
   defineConstant(
       result, "joint_names", [](const Result& self) { return listOf(self.value.path.names); },
       "Names of the path's columns.");
-  defineConstant(
-      result, "certificate", [](const Result& self) { return self.value.certificate; },
-      "The proof of the path.");
-  defineConstant(
-      result, "length", [](const Result& self) { return self.value.length; },
-      "Length of the path, see Robot.distance().");
-  defineConstant(
-      result, "goal", [](const Result& self) { return self.value.goal; },
-      "Index of the goal that is reached; -1: none.");
+  property("certificate", &planner::PlanResult::certificate, "The proof of the path.");
+  property("length", &planner::PlanResult::length, "Length of the path, see Robot.distance().");
+  property("goal", &planner::PlanResult::goal, "Index of the goal that is reached; -1: none.");
   defineConstant(
       result, "steps",
       [](const Result& self) {
@@ -222,8 +215,8 @@ void defineResult(py::module_& module) {
         return steps;
       },
       "Of a task: its steps as stretches of the path, PathSteps; else empty.");
-  defineConstant(
-      result, "reason", [](const Result& self) { return self.value.reason; },
+  property(
+      "reason", &planner::PlanResult::reason,
       "Why a task failed, a goal of poses has no configuration or nothing is checked, in words; "
       "else "
       "''.");
@@ -243,9 +236,8 @@ void defineResult(py::module_& module) {
       "not reached, the `share` of the way to it that is left behind, and `why`: 'limit', "
       "'singularity', 'collision' or 'stopped' (the time limit was reached, or the caller ended "
       "it); else None.");
-  defineConstant(
-      result, "unreachable", [](const Result& self) { return self.value.unreachable; },
-      "Whether it is proven that a goal of poses has no configuration.");
+  property("unreachable", &planner::PlanResult::unreachable,
+           "Whether it is proven that a goal of poses has no configuration.");
   defineConstant(
       result, "blocked",
       [](const Result& self) {
@@ -267,8 +259,8 @@ void defineResult(py::module_& module) {
       },
       "Unsolved, by Connect: how near its two trees came, (distance, point of the start's, point "
       "of the goals'); else None.");
-  defineConstant(
-      result, "long_turns", [](const Result& self) { return listOf(self.value.long_turns); },
+  property(
+      "long_turns", [](const planner::PlanResult& value) { return listOf(value.long_turns); },
       "Unsolved: joints whose limits bar the shorter turn to every goal that joints give.");
   defineConstant(
       result, "cost",
@@ -298,24 +290,20 @@ void defineResult(py::module_& module) {
       "What became of each of the problem's wishes: dicts of `between`, `wish` [m], `kept` "
       "(everywhere: proven True or False; None: not decided), and bounds on its least `clearance` "
       "[m] and on its `cost`. Empty unless solved.");
-  defineConstant(
-      result, "clearance_bound", [](const Result& self) { return self.value.clearance_bound; },
+  property(
+      "clearance_bound", &planner::PlanResult::clearance_bound,
       "With the objective 'clearance': no path has more than this, because its start or its goals "
       "have not [m].");
-  defineConstant(
-      result, "planner", [](const Result& self) { return self.value.planner; },
-      "The planner's name.");
-  defineConstant(
-      result, "seed", [](const Result& self) { return self.value.seed; }, "The seed.");
-  defineConstant(
-      result, "deterministic", [](const Result& self) { return self.value.deterministic; },
-      "False for planners with threads or clocks of their own.");
+  property("planner", &planner::PlanResult::planner, "The planner's name.");
+  property("seed", &planner::PlanResult::seed, "The seed.");
+  property("deterministic", &planner::PlanResult::deterministic,
+           "False for planners with threads or clocks of their own.");
   defineConstant(result, "times", times,
                  "What it took [s]: {compile, plan, simplify, improve, push, certify}.");
   defineConstant(result, "counts", counts,
                  "{iterations, states, edges, undecided_edges, distance_queries}.");
-  defineConstant(
-      result, "warnings", [](const Result& self) { return listOf(self.value.warnings); },
+  property(
+      "warnings", [](const planner::PlanResult& value) { return listOf(value.warnings); },
       "Margins and objects that have no effect, and goals that were left out.");
   defineConstant(
       result, "offending",
@@ -324,26 +312,22 @@ void defineResult(py::module_& module) {
   defineConstant(
       result, "problem", [](const Result& self) { return Problem(self.problem, true); },
       "The problem that it answers, constant; copy() gives one to change.");
-  define(
-      result, "trajectory", "(self, period=0.01)",
-      "The path with times, within the limits of the problem's execution: along the certified "
-      "edges, at rest at corners or through proven blends. `period` [s] is that of its arrays.",
-      [](const Result& self, double period) {
-        requirePath(self, "time");
-        return trajectoryObject(self, period);
-      },
-      py::arg("period") = 0.01);
-  define(
-      result, "save", "(self, file)",
-      "Writes path and certificate; the file's ending chooses: .json, .yaml, .csv, .path. Whole "
-      "or not at all.",
-      [](const Result& self, const py::object& file) {
-        requirePath(self, "save");
-        const std::string path = fileName(file, "file");
-        const Result held = self;
-        released([&] { planner::writePath(path, *held.problem, held.value); });
-      },
-      py::arg("file"));
+  define(result, "trajectory", "(self, period=0.01)",
+         "The path with times, within the limits of the problem's execution: along the certified "
+         "edges, at rest at corners or through proven blends. `period` [s] is that of its arrays.",
+         [](const Result& self, double period) {
+           requirePath(self, "time");
+           return trajectoryObject(self, period);
+         });
+  define(result, "save", "(self, file)",
+         "Writes path and certificate; the file's ending chooses: .json, .yaml, .csv, .path. Whole "
+         "or not at all.",
+         [](const Result& self, const py::object& file) {
+           requirePath(self, "save");
+           const std::string path = fileName(file, "file");
+           const Result held = self;
+           released([&] { planner::writePath(path, *held.problem, held.value); });
+         });
   result.def("__bool__", [](const Result& self) {
     return self.value.status == planner::PlanStatus::kSolved && self.value.certificate.certified;
   });

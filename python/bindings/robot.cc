@@ -321,94 +321,76 @@ void defineRobot(py::module_& module) {
       "bounds=None, "
       "packages=None, xacro=None, meshes=None, kinematics_only=False, visual_as_collision=False, "
       "cache=True)";
-  py::class_<Robot> robot(
-      module, "Robot",
-      withSignature("Robot", init,
-                    "A robot from a URDF and an SRDF, and the group of its joints that is planned. "
-                    "Constant: threads may share it.\n\n"
-                    "`group` is one of the SRDF's, or a joint, or 'all', or a list of groups and "
-                    "joints, which are planned together; `chain` is two links, (base, tip), and "
-                    "plans the joints between them. `joint_limits` is MoveIt's "
-                    "joint_limits.yaml. `base_pose` says where a base that is fixed stands in the "
-                    "world. `bounds` narrow the limits of joints, {joint: (lower, upper)} [rad or "
-                    "m], or widen them, {joint: {'range': (lower, upper), 'widen': True}}, and say "
-                    "where planar and floating joints may take their link, {joint: {'x': (lower, "
-                    "upper), 'y': ...}} [m]. `packages` maps names of package:// to folders. "
-                    "`xacro` maps names of arguments to "
-                    "values, for files that end in "
-                    ".xacro. With `kinematics_only` no mesh file is read; collisions of a robot "
-                    "that has some cannot be checked then. `visual_as_collision` lets the visual "
-                    "shapes of links without collision shapes stand in for these. `cache` keeps "
-                    "built meshes and proofs about the robot in "
-                    "$LEEWAY_CACHE_DIR or ~/.cache/leeway; answers are the same.\n"
-                    "Raises InputError, with file and line.")
-          .c_str());
-  defineInit(robot, init, loadRobot, py::arg("urdf"), py::arg("srdf") = py::none(), py::kw_only(),
-             py::arg("group") = py::none(), py::arg("chain") = py::none(),
-             py::arg("joint_limits") = py::none(), py::arg("base_pose") = py::none(),
-             py::arg("bounds") = py::none(), py::arg("packages") = py::none(),
-             py::arg("xacro") = py::none(), py::arg("meshes") = py::none(),
-             py::arg("kinematics_only") = false, py::arg("visual_as_collision") = false,
-             py::arg("cache") = true);
+  auto robot = defineClass<py::class_<Robot>>(
+      module, "Robot", init,
+      "A robot from a URDF and an SRDF, and the group of its joints that is planned. "
+      "Constant: threads may share it.\n\n"
+      "`group` is one of the SRDF's, or a joint, or 'all', or a list of groups and "
+      "joints, which are planned together; `chain` is two links, (base, tip), and "
+      "plans the joints between them. `joint_limits` is MoveIt's "
+      "joint_limits.yaml. `base_pose` says where a base that is fixed stands in the "
+      "world. `bounds` narrow the limits of joints, {joint: (lower, upper)} [rad or "
+      "m], or widen them, {joint: {'range': (lower, upper), 'widen': True}}, and say "
+      "where planar and floating joints may take their link, {joint: {'x': (lower, "
+      "upper), 'y': ...}} [m]. `packages` maps names of package:// to folders. "
+      "`xacro` maps names of arguments to "
+      "values, for files that end in "
+      ".xacro. With `kinematics_only` no mesh file is read; collisions of a robot "
+      "that has some cannot be checked then. `visual_as_collision` lets the visual "
+      "shapes of links without collision shapes stand in for these. `cache` keeps "
+      "built meshes and proofs about the robot in "
+      "$LEEWAY_CACHE_DIR or ~/.cache/leeway; answers are the same.\n"
+      "Raises InputError, with file and line.",
+      loadRobot);
   defineStatic(
       robot, "free_body", "(name, shapes, *, joint='floating', lower, upper)",
       "One rigid body that moves in space (its point is x y z qx qy qz qw) or, with "
       "joint='planar', in the plane (x y angle). `shapes` is a shape, or a list of shapes or of "
       "pairs (shape, pose). `lower` and `upper` bound its origin [m]: 3 numbers, planar 2.",
-      freeBody, py::arg("name"), py::arg("shapes"), py::kw_only(), py::arg("joint") = "floating",
-      py::arg("lower"), py::arg("upper"));
+      freeBody);
   defineCopiesOfConstant(robot);
-  define(
-      robot, "with_group", "(self, group)",
-      "The same robot, planned by another group, or by a list of groups and joints.",
-      [](const Robot& self, const py::object& group) {
-        return Robot(self.model, groupNames(group));
-      },
-      py::arg("group"));
-  define(
-      robot, "state", "(self, name)",
-      "The planned joints' values in a group state of the SRDF: (joints,) [rad or m].",
-      [](const Robot& self, const std::string& name) {
-        const std::vector<double> point = namedState(self, name);
-        return array(std::span<const double>(point));
-      },
-      py::arg("name"));
+  define(robot, "with_group", "(self, group)",
+         "The same robot, planned by another group, or by a list of groups and joints.",
+         [](const Robot& self, const py::object& group) {
+           return Robot(self.model, groupNames(group));
+         });
+  define(robot, "state", "(self, name)",
+         "The planned joints' values in a group state of the SRDF: (joints,) [rad or m].",
+         [](const Robot& self, const std::string& name) {
+           const std::vector<double> point = namedState(self, name);
+           return array(std::span<const double>(point));
+         });
   define(robot, "poses", "(self, q)",
          "Poses of all links in the world, in the order of `links`: (..., links, 4, 4) for q of "
          "shape (..., joints) [rad or m; m]. Joints that are not planned are at zero, or at the "
          "nearest limit.",
-         poses, py::arg("q"));
+         poses);
   define(robot, "pose", "(self, link, q)",
-         "The pose of one link in the world: (..., 4, 4) for q of shape (..., joints).", linkPose,
-         py::arg("link"), py::arg("q"));
-  define(
-      robot, "interpolate", "(self, a, b, t)",
-      "The points at t in [0, 1] of the edge from a to b, as paths and certificates mean it "
-      "(continuous joints go the shorter way): (joints,) for a number, (n, joints) for (n,).",
-      [](const Robot& self, const py::object& a, const py::object& b, const py::object& t) {
-        const std::vector<double> from = numbers(a, "a", self.size());
-        const std::vector<double> to = numbers(b, "b", self.size());
-        Rows times = scalars(t, "t");
-        std::vector<double> result(times.values.size() * self.size());
-        for (std::size_t i = 0; i < times.values.size(); ++i)
-          self.space->interpolate(from, to, times.values[i],
-                                  {&result[i * self.size()], self.size()});
-        times.shape.push_back(static_cast<py::ssize_t>(self.size()));
-        return array(std::move(result), times.shape);
-      },
-      py::arg("a"), py::arg("b"), py::arg("t"));
-  define(
-      robot, "distance", "(self, a, b)",
-      "Length of the edge from a to b, the measure of paths: Euclidean over the joints [rad and "
-      "m].",
-      [](const Robot& self, const py::object& a, const py::object& b) {
-        return self.space->distance(numbers(a, "a", self.size()), numbers(b, "b", self.size()));
-      },
-      py::arg("a"), py::arg("b"));
+         "The pose of one link in the world: (..., 4, 4) for q of shape (..., joints).", linkPose);
+  define(robot, "interpolate", "(self, a, b, t)",
+         "The points at t in [0, 1] of the edge from a to b, as paths and certificates mean it "
+         "(continuous joints go the shorter way): (joints,) for a number, (n, joints) for (n,).",
+         [](const Robot& self, const py::object& a, const py::object& b, const py::object& t) {
+           const std::vector<double> from = numbers(a, "a", self.size());
+           const std::vector<double> to = numbers(b, "b", self.size());
+           Rows times = scalars(t, "t");
+           std::vector<double> result(times.values.size() * self.size());
+           for (std::size_t i = 0; i < times.values.size(); ++i)
+             self.space->interpolate(from, to, times.values[i],
+                                     {&result[i * self.size()], self.size()});
+           times.shape.push_back(static_cast<py::ssize_t>(self.size()));
+           return array(std::move(result), times.shape);
+         });
+  define(robot, "distance", "(self, a, b)",
+         "Length of the edge from a to b, the measure of paths: Euclidean over the joints [rad and "
+         "m].",
+         [](const Robot& self, const py::object& a, const py::object& b) {
+           return self.space->distance(numbers(a, "a", self.size()), numbers(b, "b", self.size()));
+         });
   defineConstant(
       robot, "name", [](const Robot& self) { return self.model->name; }, "The robot's name.");
   defineConstant(
-      robot, "group", [](const Robot& self) { return self.group; },
+      robot, "group", &Robot::group,
       "The planned group's name; of several 'left, right'; '' where the joints are not a group's.");
   defineConstant(
       robot, "joint_names", [](const Robot& self) { return listOf(variableNames(self)); },

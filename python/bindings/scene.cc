@@ -373,46 +373,43 @@ py::object pairObject(const std::string& a, const std::string& b) {
 
 void defineScene(py::module_& module) {
   defineState(module);
-  py::class_<Scene> scene(
-      module, "Scene",
-      withSignature("Scene", "(robot, world=None, start=None, goal=None, **settings)",
-                    "A problem compiled for questions about many states and edges; also "
-                    "Scene(problem, **settings). Constant: threads may share it, each call runs "
-                    "without the interpreter's lock.")
-          .c_str());
-  defineInit(scene, "(robot, world=None, start=None, goal=None, **settings)", makeScene);
+  auto scene = defineClass<py::class_<Scene>>(
+      module, "Scene", "(robot, world=None, start=None, goal=None, **settings)",
+      "A problem compiled for questions about many states and edges; also "
+      "Scene(problem, **settings). Constant: threads may share it, each call runs "
+      "without the interpreter's lock.",
+      makeScene);
   define(
       scene, "valid", "(self, states)",
       "Which states are within the limits and proven to keep all margins and constraints: a bool "
       "for (joints,), bools (...,) for (..., joints). Undecided is not valid.",
-      valid, py::arg("states"));
+      valid);
   define(scene, "clearances", "(self, states, *, tolerance=1e-06)",
          "The least distance of checked pairs as proven intervals: (..., 2), lower and upper ends "
          "[m].",
-         clearances, py::arg("states"), py::kw_only(), py::arg("tolerance") = 1e-6);
+         clearances);
   define(scene, "check", "(self, state, *, tolerance=1e-06)",
          "All about one state: (joints,), a group state's name, 'start', 'goal' or a dict by "
          "joint.",
-         check, py::arg("state"), py::kw_only(), py::arg("tolerance") = 1e-6);
+         check);
   define(scene, "valid_edges", "(self, a, b, *, persistent=False)",
          "Which edges from a to b, both (..., joints), are certified: every point of the edge is "
          "proven to keep all margins and constraints. `persistent` spends a hundred times the work "
          "before it "
          "leaves an edge undecided, which counts as not valid.",
-         validEdges, py::arg("a"), py::arg("b"), py::kw_only(), py::arg("persistent") = false);
+         validEdges);
   define(scene, "edge_clearances", "(self, a, b, *, tolerance=0.0001)",
-         "The least clearance along each edge as proven intervals: (..., 2) [m].", edgeClearances,
-         py::arg("a"), py::arg("b"), py::kw_only(), py::arg("tolerance") = 1e-4);
+         "The least clearance along each edge as proven intervals: (..., 2) [m].", edgeClearances);
   define(scene, "certify", "(self, a, b)",
          "How far the edge from a to b is certified, and what is in the way. Where a constraint is "
          "not proven, it is 'undecided'; with an end outside the limits it is 'not_free'. It is "
          "certified nowhere then.",
-         certify, py::arg("a"), py::arg("b"));
+         certify);
   define(scene, "with_object_at", "(self, name, pose)",
          "The scene with an object of its world at another pose, at the cost of the change: "
          "thousands of moves cost as much each. Move an object of the last result, or always of "
          "the first scene.",
-         withObjectAt, py::arg("name"), py::arg("pose"));
+         withObjectAt);
   defineConstant(
       scene, "problem", [](const Scene& self) { return Problem(self.current(), true); },
       "The problem that was compiled, constant; copy() gives one to change.");

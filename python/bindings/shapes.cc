@@ -177,37 +177,32 @@ void defineShapes(py::module_& module) {
                           "Made by its static methods; sizes in metres, as in problem files.");
   defineCopiesOfConstant(shape);
   defineStatic(shape, "box", "(size)", "A box of whole edges (x, y, z) [m], middle at the origin.",
-               box, py::arg("size"));
-  defineStatic(shape, "sphere", "(radius)", "A sphere [m]; of radius 0 it is a point.", sphere,
-               py::arg("radius"));
+               box);
+  defineStatic(shape, "sphere", "(radius)", "A sphere [m]; of radius 0 it is a point.", sphere);
   defineStatic(shape, "cylinder", "(radius, length)",
-               "A cylinder along z, middle at the origin [m].", cylinder, py::arg("radius"),
-               py::arg("length"));
+               "A cylinder along z, middle at the origin [m].", cylinder);
   defineStatic(shape, "capsule", "(radius, length)",
                "All within `radius` of a segment of `length` along z, middle at the origin [m].",
-               capsule, py::arg("radius"), py::arg("length"));
+               capsule);
   defineStatic(shape, "cone", "(radius, height)",
-               "A cone along z: base at -height/2, apex at height/2 [m].", cone, py::arg("radius"),
-               py::arg("height"));
+               "A cone along z: base at -height/2, apex at height/2 [m].", cone);
   defineStatic(shape, "ellipsoid", "(semi_axes)", "An ellipsoid of semi-axes (x, y, z) [m].",
-               ellipsoid, py::arg("semi_axes"));
+               ellipsoid);
   defineStatic(shape, "half_space", "()", "All below z = 0 of its frame.", Shape::halfSpace);
   defineStatic(shape, "convex_hull", "(points)", "The convex hull of points (n, 3) [m].",
-               convexHull, py::arg("points"));
+               convexHull);
   defineStatic(shape, "height_field", "(heights, step, floor)",
                "What is below heights (rows, columns) [m], down to `floor` [m]: a sample every "
                "`step` [m], one number or (x, y); columns go along x, rows along y, and the first "
                "sample stands at the origin. Two triangles a cell.",
-               heightField, py::arg("heights"), py::arg("step"), py::arg("floor"));
+               heightField);
   defineStatic(shape, "mesh",
                "(file=None, *, vertices=None, triangles=None, scale=1.0, solid='auto', weld=0.0)",
                "A triangle mesh: a file (STL, OBJ, PLY, DAE, glTF), or vertices (n, 3) [m] and "
                "triangles (m, 3) of indices. `scale` is one number or three. What it encloses is "
                "solid; solid='hull': its convex hull is; 'surface': nothing is. `weld` closes "
                "cracks that are at most so wide [m]. A mesh that is not closed is a UserWarning.",
-               mesh, py::arg("file") = py::none(), py::kw_only(), py::arg("vertices") = py::none(),
-               py::arg("triangles") = py::none(), py::arg("scale") = 1.0, py::arg("solid") = "auto",
-               py::arg("weld") = 0.0);
+               mesh);
   defineConstant(
       shape, "type", [](const Shape& self) { return collision::toString(self.type()); },
       "'sphere', 'capsule', 'box', 'cylinder', 'cone', 'ellipsoid', 'half_space', 'convex_hull', "

@@ -173,16 +173,13 @@ void definePathStep(py::module_& module) {
 void defineWaypoint(py::module_& module) {
   using planner::Waypoint;
   const std::string init = "(position, orientation=None, rpy=None, *, via=None)";
-  py::class_<Waypoint> waypoint(
-      module, "Waypoint",
-      withSignature("Waypoint", init,
-                    "A place on a line's way, for TaskStep.line(poses=): the position of the "
-                    "frame's origin [m], its rotation (orientation x y z w, or rpy [rad]; neither: "
-                    "as at the place before), and a point through which an arc goes there (via; "
-                    "None: straight).")
-          .c_str());
-  defineInit(waypoint, init, makeWaypoint, py::arg("position"), py::arg("orientation") = py::none(),
-             py::arg("rpy") = py::none(), py::kw_only(), py::arg("via") = py::none());
+  auto waypoint = defineClass<py::class_<Waypoint>>(
+      module, "Waypoint", init,
+      "A place on a line's way, for TaskStep.line(poses=): the position of the "
+      "frame's origin [m], its rotation (orientation x y z w, or rpy [rad]; neither: "
+      "as at the place before), and a point through which an arc goes there (via; "
+      "None: straight).",
+      makeWaypoint);
   defineCopiesOfConstant(waypoint);
   defineConstant(
       waypoint, "position", [](const Waypoint& self) { return array(self.position); },
@@ -245,9 +242,7 @@ void defineTasks(py::module_& module) {
       "when the task is planned.");
   defineCopiesOfConstant(step);
   defineStatic(step, "move", "(goal, *, name=None, allowed=[])",
-               "To a goal, as Problem has it, by whatever path is found.", moveStep,
-               py::arg("goal"), py::kw_only(), py::arg("name") = py::none(),
-               py::arg("allowed") = py::list());
+               "To a goal, as Problem has it, by whatever path is found.", moveStep);
   defineStatic(
       step, "line",
       "(frame, by=None, *, orientation=None, rpy=None, poses=None, relative_to=None, "
@@ -259,26 +254,18 @@ void defineTasks(py::module_& module) {
       "matrices (n, 4, 4). At every time of the motion the frame is proven to be as near to its "
       "place on the line as the tolerances say [m, rad]. speed: of its origin on the trajectory, "
       "at most [m/s]; None: the joints' limits alone hold.",
-      lineStep, py::arg("frame"), py::arg("by") = py::none(), py::kw_only(),
-      py::arg("orientation") = py::none(), py::arg("rpy") = py::none(),
-      py::arg("poses") = py::none(), py::arg("relative_to") = py::none(),
-      py::arg("position_tolerance") = 1e-3, py::arg("angle_tolerance") = 1e-2,
-      py::arg("speed") = py::none(), py::arg("name") = py::none(), py::arg("allowed") = py::list());
+      lineStep);
   defineStatic(
       step, "load_line", "(file, frame=None, *, name=None)",
       "A line through the poses of a file: .csv with columns x, y, z and qx, qy, qz, qw or "
       "roll, pitch, yaw; .yaml or .json. frame: where the file does not name it.",
-      loadedLine, py::arg("file"), py::arg("frame") = py::none(), py::kw_only(),
-      py::arg("name") = py::none());
+      loadedLine);
   defineStatic(step, "attach", "(object, link, touch_links=[], *, name=None)",
                "A link takes hold of an object where it stands. It may touch the link and "
                "`touch_links`.",
-               attachStep, py::arg("object"), py::arg("link"),
-               py::arg("touch_links") = std::vector<std::string>(), py::kw_only(),
-               py::arg("name") = py::none());
+               attachStep);
   defineStatic(step, "detach", "(object, *, name=None)",
-               "A held object is let go of, and stays where it is.", detachStep, py::arg("object"),
-               py::kw_only(), py::arg("name") = py::none());
+               "A held object is let go of, and stays where it is.", detachStep);
   step.def_readonly("name", &TaskStep::name, "Its name; '': what it does.");
   defineConstant(step, "kind", kindOf, "'move', 'line', 'attach' or 'detach'.");
   step.def("__repr__", lineOfStep);

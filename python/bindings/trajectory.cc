@@ -119,25 +119,23 @@ void defineTrajectory(py::module_& module) {
       "How many corners are blended.");
   define(trajectory, "position", "(self, time)",
          "Configurations at times (...,) [s]: (..., joints); held before 0 and after the end.",
-         asked<&planner::Trajectory::configuration>, py::arg("time"));
+         asked<&planner::Trajectory::configuration>);
   define(trajectory, "velocity", "(self, time)", "Velocities at times (...,) [s]: (..., joints).",
-         asked<&planner::Trajectory::velocity>, py::arg("time"));
+         asked<&planner::Trajectory::velocity>);
   define(trajectory, "acceleration", "(self, time)",
          "Accelerations at times (...,) [s]: (..., joints).",
-         asked<&planner::Trajectory::acceleration>, py::arg("time"));
-  define(
-      trajectory, "save", "(self, file)",
-      "Writes times, positions, velocities and accelerations, every period and at knots: .json, "
-      ".yaml or .csv. Whole or not at all.",
-      [](const Trajectory& self, const py::object& file) {
-        const std::string path = fileName(file, "file");
-        const Trajectory held = self;
-        released([&] {
-          planner::writeTrajectory(path, *held.result.problem, held.result.value, held.value,
-                                   held.period);
-        });
-      },
-      py::arg("file"));
+         asked<&planner::Trajectory::acceleration>);
+  define(trajectory, "save", "(self, file)",
+         "Writes times, positions, velocities and accelerations, every period and at knots: .json, "
+         ".yaml or .csv. Whole or not at all.",
+         [](const Trajectory& self, const py::object& file) {
+           const std::string path = fileName(file, "file");
+           const Trajectory held = self;
+           released([&] {
+             planner::writeTrajectory(path, *held.result.problem, held.result.value, held.value,
+                                      held.period);
+           });
+         });
   trajectory.def("__repr__", [](const Trajectory& self) {
     return "<leeway.Trajectory of " + text(self.value.duration()) + " s, " +
            std::to_string(self.value.waypoints().size()) + " waypoints>";

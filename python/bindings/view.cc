@@ -53,16 +53,13 @@ void defineView(py::module_& module) {
                      "clearance, or why there is no path. `compare`: a second path of the same "
                      "problem, shown beside this one; a Result, an array (n, joints) or a file. ") +
              kViewDoc,
-         viewResult, py::arg("file"), py::kw_only(), py::arg("compare") = py::none(),
-         py::arg("visual") = false, py::arg("stop") = py::none());
+         viewResult);
   define(module, "view",
          "(problem, path, file, *, compare=None, shortest=False, visual=False, stop=None)",
          std::string("Writes what `leeway view` shows of any path. `path`, `compare` and "
                      "`shortest` as for verify(). ") +
              kViewDoc,
-         viewPath, py::arg("problem"), py::arg("path"), py::arg("file"), py::kw_only(),
-         py::arg("compare") = py::none(), py::arg("shortest") = false, py::arg("visual") = false,
-         py::arg("stop") = py::none());
+         viewPath);
 }
 
 }  // namespace leeway::python

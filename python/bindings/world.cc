@@ -58,19 +58,15 @@ void add(World& world, const std::string& name, std::vector<collision::Geometry>
 }
 
 /// A method that adds one shape. `Sizes` are the factory's arguments, all Python objects.
-template <typename... Sizes, typename... Names>
+template <typename... Sizes>
 void defineAdder(WorldClass& world, const char* name, const std::string& sizes, const char* doc,
-                 collision::Shape (*factory)(const Sizes&...), const Names&... names) {
-  define(
-      world, name, "(self, name" + sizes + kPlace, std::string(doc) + kPlaceDoc,
-      [factory](World& self, const std::string& object, const Sizes&... values,
-                const py::object& position, const py::object& orientation, const py::object& rpy,
-                const py::object& color) {
-        add(self, object, {{factory(values...), {}, object}}, position, orientation, rpy, color);
-      },
-      py::arg("name"), names..., py::arg("position") = py::make_tuple(0, 0, 0),
-      py::arg("orientation") = py::none(), py::arg("rpy") = py::none(),
-      py::arg("color") = py::none());
+                 collision::Shape (*factory)(const Sizes&...)) {
+  define(world, name, "(self, name" + sizes + kPlace, std::string(doc) + kPlaceDoc,
+         [factory](World& self, const std::string& object, const Sizes&... values,
+                   const py::object& position, const py::object& orientation, const py::object& rpy,
+                   const py::object& color) {
+           add(self, object, {{factory(values...), {}, object}}, position, orientation, rpy, color);
+         });
 }
 
 [[noreturn]] void unknown(const std::string& name) {
@@ -367,79 +363,63 @@ void addDeforming(World& world, const std::string& name, const py::object& verti
 }
 
 void defineAdders(WorldClass& world) {
-  defineAdder(world, "add_box", ", size", "Adds a box of whole edges (x, y, z) [m].", box,
-              py::arg("size"));
-  defineAdder(world, "add_sphere", ", radius", "Adds a sphere [m].", sphere, py::arg("radius"));
+  defineAdder(world, "add_box", ", size", "Adds a box of whole edges (x, y, z) [m].", box);
+  defineAdder(world, "add_sphere", ", radius", "Adds a sphere [m].", sphere);
   defineAdder(world, "add_cylinder", ", radius, length", "Adds a cylinder along its z [m].",
-              cylinder, py::arg("radius"), py::arg("length"));
+              cylinder);
   defineAdder(world, "add_capsule", ", radius, length",
-              "Adds a capsule along its z, `length` being the straight part's [m].", capsule,
-              py::arg("radius"), py::arg("length"));
-  defineAdder(world, "add_cone", ", radius, height", "Adds a cone along its z [m].", cone,
-              py::arg("radius"), py::arg("height"));
+              "Adds a capsule along its z, `length` being the straight part's [m].", capsule);
+  defineAdder(world, "add_cone", ", radius, height", "Adds a cone along its z [m].", cone);
   defineAdder(world, "add_ellipsoid", ", semi_axes", "Adds an ellipsoid of semi-axes (3,) [m].",
-              ellipsoid, py::arg("semi_axes"));
+              ellipsoid);
   defineAdder(world, "add_convex_hull", ", points", "Adds the hull of points (n, 3) [m].",
-              convexHull, py::arg("points"));
-  define(
-      world, "add_octree", "(self, name, file, unseen" + kPlace,
-      std::string("Adds the occupied leaves of an OctoMap file (.bt, .ot) as boxes. `unseen` is "
-                  "'free' or 'occupied': what space counts as that the octree says nothing "
-                  "about.") +
-          kPlaceDoc,
-      [](World& self, const std::string& name, const py::object& file, const std::string& unseen,
-         const py::object& position, const py::object& orientation, const py::object& rpy,
-         const py::object& color) {
-        if (unseen != "free" && unseen != "occupied")
-          unknownWord("unseen", unseen, "'free' or 'occupied'");
-        const std::string path = fileName(file, "file");
-        Interrupt interrupt;
-        const auto stop = interrupt.callback();
-        auto boxes = interrupt.released([&] {
-          return planner::loadOctree(
-              path, unseen == "free" ? planner::Unseen::kFree : planner::Unseen::kOccupied, stop);
-        });
-        for (collision::Geometry& box : boxes) box.name = name;
-        add(self, name, std::move(boxes), position, orientation, rpy, color);
-      },
-      py::arg("name"), py::arg("file"), py::arg("unseen"),
-      py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
-      py::arg("rpy") = py::none(), py::arg("color") = py::none());
+              convexHull);
+  define(world, "add_octree", "(self, name, file, unseen" + kPlace,
+         std::string("Adds the occupied leaves of an OctoMap file (.bt, .ot) as boxes. `unseen` is "
+                     "'free' or 'occupied': what space counts as that the octree says nothing "
+                     "about.") +
+             kPlaceDoc,
+         [](World& self, const std::string& name, const py::object& file, const std::string& unseen,
+            const py::object& position, const py::object& orientation, const py::object& rpy,
+            const py::object& color) {
+           if (unseen != "free" && unseen != "occupied")
+             unknownWord("unseen", unseen, "'free' or 'occupied'");
+           const std::string path = fileName(file, "file");
+           Interrupt interrupt;
+           const auto stop = interrupt.callback();
+           auto boxes = interrupt.released([&] {
+             return planner::loadOctree(
+                 path, unseen == "free" ? planner::Unseen::kFree : planner::Unseen::kOccupied,
+                 stop);
+           });
+           for (collision::Geometry& box : boxes) box.name = name;
+           add(self, name, std::move(boxes), position, orientation, rpy, color);
+         });
   defineAdder(world, "add_height_field", ", heights, step, floor",
               "Adds what is below heights (rows, columns), as Shape.height_field() has it [m].",
-              heightField, py::arg("heights"), py::arg("step"), py::arg("floor"));
-  define(
-      world, "add_half_space", "(self, name" + kPlace,
-      std::string("Adds all below z = 0 of its frame: a floor.") + kPlaceDoc,
-      [](World& self, const std::string& name, const py::object& position,
-         const py::object& orientation, const py::object& rpy, const py::object& color) {
-        add(self, name, {{collision::Shape::halfSpace(), {}, name}}, position, orientation, rpy,
-            color);
-      },
-      py::arg("name"), py::arg("position") = py::make_tuple(0, 0, 0),
-      py::arg("orientation") = py::none(), py::arg("rpy") = py::none(),
-      py::arg("color") = py::none());
-  define(
-      world, "add_mesh",
-      "(self, name, file=None, *, vertices=None, triangles=None, scale=1.0, solid='auto', "
-      "weld=0.0" +
-          kPlace,
-      std::string(
-          "Adds a mesh: a file (STL, OBJ, PLY, DAE, glTF), or vertices (n, 3) [m] and triangles "
-          "(m, 3). `solid` and `weld` as in Shape.mesh().") +
-          kPlaceDoc,
-      [](World& self, const std::string& name, const py::object& file, const py::object& vertices,
-         const py::object& faces, const py::object& scale, const std::string& solid, double weld,
-         const py::object& position, const py::object& orientation, const py::object& rpy,
-         const py::object& color) {
-        add(self, name, {{mesh(file, vertices, faces, scale, solid, weld), {}, name}}, position,
-            orientation, rpy, color);
-      },
-      py::arg("name"), py::arg("file") = py::none(), py::kw_only(),
-      py::arg("vertices") = py::none(), py::arg("triangles") = py::none(), py::arg("scale") = 1.0,
-      py::arg("solid") = "auto", py::arg("weld") = 0.0,
-      py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
-      py::arg("rpy") = py::none(), py::arg("color") = py::none());
+              heightField);
+  define(world, "add_half_space", "(self, name" + kPlace,
+         std::string("Adds all below z = 0 of its frame: a floor.") + kPlaceDoc,
+         [](World& self, const std::string& name, const py::object& position,
+            const py::object& orientation, const py::object& rpy, const py::object& color) {
+           add(self, name, {{collision::Shape::halfSpace(), {}, name}}, position, orientation, rpy,
+               color);
+         });
+  define(world, "add_mesh",
+         "(self, name, file=None, *, vertices=None, triangles=None, scale=1.0, solid='auto', "
+         "weld=0.0" +
+             kPlace,
+         std::string(
+             "Adds a mesh: a file (STL, OBJ, PLY, DAE, glTF), or vertices (n, 3) [m] and triangles "
+             "(m, 3). `solid` and `weld` as in Shape.mesh().") +
+             kPlaceDoc,
+         [](World& self, const std::string& name, const py::object& file,
+            const py::object& vertices, const py::object& faces, const py::object& scale,
+            const std::string& solid, double weld, const py::object& position,
+            const py::object& orientation, const py::object& rpy, const py::object& color) {
+           add(self, name, {{mesh(file, vertices, faces, scale, solid, weld), {}, name}}, position,
+               orientation, rpy, color);
+         });
   define(world, "add_cloud",
          "(self, name, points, radius, *, thin=None, most_balls=None, carve=(), carve_margin=0.0" +
              kPlace,
@@ -451,11 +431,7 @@ void defineAdders(WorldClass& world) {
                      "others. `most_balls`: at most so many balls, which contain the others. "
                      "Returns what was left out: a list of (filter, what, count).") +
              kPlaceDoc,
-         addCloud, py::arg("name"), py::arg("points"), py::arg("radius"), py::kw_only(),
-         py::arg("thin") = py::none(), py::arg("most_balls") = py::none(),
-         py::arg("carve") = py::tuple(), py::arg("carve_margin") = 0.0,
-         py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
-         py::arg("rpy") = py::none(), py::arg("color") = py::none());
+         addCloud);
   define(
       world, "add_depth_image",
       "(self, name, depth, radius, *, fx, fy, cx, cy, scale=None, slant=1.0471975511965976, "
@@ -470,13 +446,7 @@ void defineAdders(WorldClass& world) {
           "camera. Pixels that are 0, not finite, or 0 in `mask` are dropped. The rest as in "
           "add_cloud().") +
           kPlaceDoc,
-      addDepthImage, py::arg("name"), py::arg("depth"), py::arg("radius"), py::kw_only(),
-      py::arg("fx"), py::arg("fy"), py::arg("cx"), py::arg("cy"), py::arg("scale") = py::none(),
-      py::arg("slant") = planner::DepthCamera().slant, py::arg("mask") = py::none(),
-      py::arg("thin") = py::none(), py::arg("most_balls") = py::none(),
-      py::arg("carve") = py::tuple(), py::arg("carve_margin") = 0.0,
-      py::arg("position") = py::make_tuple(0, 0, 0), py::arg("orientation") = py::none(),
-      py::arg("rpy") = py::none(), py::arg("color") = py::none());
+      addDepthImage);
   define(
       world, "add", "(self, name, shapes" + kPlace,
       std::string("Adds one rigid object: a Shape, or a list of shapes or pairs (shape, pose in "
@@ -485,10 +455,7 @@ void defineAdders(WorldClass& world) {
       [](World& self, const std::string& name, const py::object& shapes, const py::object& position,
          const py::object& orientation, const py::object& rpy, const py::object& color) {
         add(self, name, geometriesOf(shapes, name), position, orientation, rpy, color);
-      },
-      py::arg("name"), py::arg("shapes"), py::arg("position") = py::make_tuple(0, 0, 0),
-      py::arg("orientation") = py::none(), py::arg("rpy") = py::none(),
-      py::arg("color") = py::none());
+      });
   define(world, "add_deforming",
          "(self, name, vertices, triangles, *, motion=None, speed_bound=None, strategy='auto'" +
              kPlace,
@@ -496,11 +463,7 @@ void defineAdders(WorldClass& world) {
                      "Replanner is told. Plans see it as it is at time 0. `speed_bound` [m/s] "
                      "bounds its vertices where their future is unknown.") +
              kPlaceDoc,
-         addDeforming, py::arg("name"), py::arg("vertices"), py::arg("triangles"), py::kw_only(),
-         py::arg("motion") = py::none(), py::arg("speed_bound") = py::none(),
-         py::arg("strategy") = "auto", py::arg("position") = py::make_tuple(0, 0, 0),
-         py::arg("orientation") = py::none(), py::arg("rpy") = py::none(),
-         py::arg("color") = py::none());
+         addDeforming);
 }
 
 }  // namespace
@@ -531,16 +494,13 @@ planner::World& World::change() {
 }
 
 void defineWorld(py::module_& module) {
-  WorldClass world(module, "World",
-                   withSignature("World", "()",
-                                 "What surrounds the robot: named objects at rest, and meshes that "
-                                 "deform. Threads may share it.")
-                       .c_str());
-  defineInit(world, "()", [] { return World{}; });
+  auto world =
+      defineClass<WorldClass>(module, "World", "()",
+                              "What surrounds the robot: named objects at rest, and meshes that "
+                              "deform. Threads may share it.",
+                              [] { return World{}; });
   defineAdders(world);
-  define(world, "move", "(self, name" + kPose + ")", "Moves an object." + kPoseDoc, move,
-         py::arg("name"), py::arg("position") = py::make_tuple(0, 0, 0),
-         py::arg("orientation") = py::none(), py::arg("rpy") = py::none());
+  define(world, "move", "(self, name" + kPose + ")", "Moves an object." + kPoseDoc, move);
   define(
       world, "set_motion",
       "(self, name, *, times=None, poses=None, velocity=None, turning=None, time=None, "
@@ -551,19 +511,13 @@ void defineWorld(py::module_& module) {
       "and `turning` (3,) [rad/s] in the world; or without these it was only seen at its pose, "
       "`age` [s] before `start`. `speed_bound` [m/s] of its origin and `turn_bound` [rad/s] hold "
       "where its motion is not known.",
-      setMotion, py::arg("name"), py::kw_only(), py::arg("times") = py::none(),
-      py::arg("poses") = py::none(), py::arg("velocity") = py::none(),
-      py::arg("turning") = py::none(), py::arg("time") = py::none(),
-      py::arg("speed_bound") = py::none(), py::arg("turn_bound") = py::none(), py::arg("age") = 0.0,
-      py::arg("start") = 0.0);
+      setMotion);
   define(world, "remove", "(self, name)", "Removes an object. KeyError where there is none.",
-         remove, py::arg("name"));
-  define(
-      world, "pose", "(self, name)", "Where an object is: (4, 4), read-only; move() changes it.",
-      [](const World& self, const std::string& name) {
-        return constant(matrix(poseOf(self, name)));
-      },
-      py::arg("name"));
+         remove);
+  define(world, "pose", "(self, name)", "Where an object is: (4, 4), read-only; move() changes it.",
+         [](const World& self, const std::string& name) {
+           return constant(matrix(poseOf(self, name)));
+         });
   define(
       world, "paint", "(self, name, color)",
       "Gives an object a color (red, green, blue), each from 0 to 1, for pages and pictures; None: "
@@ -572,20 +526,17 @@ void defineWorld(py::module_& module) {
         const auto painted = colorOf(color);
         if (!self.has(name)) unknown(name);
         withObject(self.change(), name, [&](Object& object) { object.color = painted; });
-      },
-      py::arg("name"), py::arg("color"));
-  define(
-      world, "color", "(self, name)",
-      "The color of an object, (red, green, blue); None: it has none.",
-      [](const World& self, const std::string& name) {
-        py::object color = py::none();
-        withObject(self.value, name, [&](const Object& object) {
-          if (object.color)
-            color = py::make_tuple((*object.color)[0], (*object.color)[1], (*object.color)[2]);
-        });
-        return color;
-      },
-      py::arg("name"));
+      });
+  define(world, "color", "(self, name)",
+         "The color of an object, (red, green, blue); None: it has none.",
+         [](const World& self, const std::string& name) {
+           py::object color = py::none();
+           withObject(self.value, name, [&](const Object& object) {
+             if (object.color)
+               color = py::make_tuple((*object.color)[0], (*object.color)[1], (*object.color)[2]);
+           });
+           return color;
+         });
   define(world, "copy", "(self)",
          "Another world with the same objects, as copy.copy() and copy.deepcopy() give; shapes are "
          "shared.",

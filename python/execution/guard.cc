@@ -150,48 +150,33 @@ void lookAt(Guarding& self, const py::object& time) {
 void defineAnswer(py::module_& module) {
   py::class_<Answer> answer(module, "GuardAnswer",
                             "What a Guard lets pass. True if all setpoints pass.");
-  const auto property = [&](const char* name, auto get, const char* doc) {
-    defineConstant(
-        answer, name, [get](const Answer& self) { return get(self.value); }, doc);
-  };
-  property(
-      "passed", [](const planner::GuardAnswer& a) { return a.passed; },
-      "How many setpoints, from the first on, may be executed.");
-  property(
-      "certified", [](const planner::GuardAnswer& a) { return a.certified; },
-      "`motion` is proven: what passed, and the stop after it.");
-  property(
-      "time", [](const planner::GuardAnswer& a) { return a.time; }, "When `motion` begins [s].");
-  property(
-      "goes_on", [](const planner::GuardAnswer& a) { return a.goes_on; },
-      "`motion` is what was left of the last answer's: no new stop is proven.");
+  const auto property = constantsOf(answer, &Answer::value);
+  property("passed", &planner::GuardAnswer::passed,
+           "How many setpoints, from the first on, may be executed.");
+  property("certified", &planner::GuardAnswer::certified,
+           "`motion` is proven: what passed, and the stop after it.");
+  property("time", &planner::GuardAnswer::time, "When `motion` begins [s].");
+  property("goes_on", &planner::GuardAnswer::goes_on,
+           "`motion` is what was left of the last answer's: no new stop is proven.");
   property(
       "reason", [](const planner::GuardAnswer& a) { return planner::toString(a.reason); },
       "'passed', or why the next setpoint does not: 'limit', 'not_free', 'not_certified', 'work', "
       "'stale', 'jumped' or 'invalid'.");
-  property(
-      "in_stop", [](const planner::GuardAnswer& a) { return a.in_stop; },
-      "The reason concerns the stop after that setpoint, not the way to it.");
+  property("in_stop", &planner::GuardAnswer::in_stop,
+           "The reason concerns the stop after that setpoint, not the way to it.");
   property(
       "limit",
       [](const planner::GuardAnswer& a) -> py::object {
         return a.variable < 0 ? py::object(py::none()) : py::str(planner::toString(a.limit));
       },
       "'position', 'velocity', 'acceleration', 'jerk', or None.");
-  property(
-      "value", [](const planner::GuardAnswer& a) { return a.value; },
-      "What would break `limit` [rad or m, per s, s^2 or s^3].");
-  property(
-      "allowed", [](const planner::GuardAnswer& a) { return a.allowed; },
-      "The limit that would be broken.");
-  property(
-      "edges", [](const planner::GuardAnswer& a) { return a.edges; }, "Edges that were asked for.");
-  property(
-      "queries", [](const planner::GuardAnswer& a) { return a.distance_queries; },
-      "Distance queries that were needed.");
-  property(
-      "work", [](const planner::GuardAnswer& a) { return a.work; },
-      "What it cost, about a thousand a microsecond.");
+  property("value", &planner::GuardAnswer::value,
+           "What would break `limit` [rad or m, per s, s^2 or s^3].");
+  property("allowed", &planner::GuardAnswer::allowed, "The limit that would be broken.");
+  property("edges", &planner::GuardAnswer::edges, "Edges that were asked for.");
+  property("queries", &planner::GuardAnswer::distance_queries,
+           "Distance queries that were needed.");
+  property("work", &planner::GuardAnswer::work, "What it cost, about a thousand a microsecond.");
   defineConstant(
       answer, "pair",
       [](const Answer& self) -> py::object {
@@ -234,40 +219,33 @@ void defineGuard(py::module_& module) {
   const std::string init =
       "(robot, world=None, start=None, goal=None, *, period=0.02, joint_errors=0, point_error=0, "
       "most_setpoints=64, work=2000000, horizon=2, **settings)";
-  py::class_<Guarding> guard(
-      module, "Guard",
-      withSignature(
-          "Guard", init,
-          "Lets those setpoints pass that are proven free and within limits, with a proven stop "
-          "after them; also Guard(problem, **settings). `period` between setpoints [s]; "
-          "`joint_errors` and `point_error`: how far joints [rad or m] and points of the robot [m] "
-          "are off at most; `work`: what a call may cost; `horizon`: for how long after look() "
-          "obstacles are bounded [s]. For one thread at a time.")
-          .c_str());
-  defineInit(guard, init, makeGuard);
+  auto guard = defineClass<py::class_<Guarding>>(
+      module, "Guard", init,
+      "Lets those setpoints pass that are proven free and within limits, with a proven stop "
+      "after them; also Guard(problem, **settings). `period` between setpoints [s]; "
+      "`joint_errors` and `point_error`: how far joints [rad or m] and points of the robot [m] "
+      "are off at most; `work`: what a call may cost; `horizon`: for how long after look() "
+      "obstacles are bounded [s]. For one thread at a time.",
+      makeGuard);
   define(guard, "check", "(self, setpoints=None, position=None, velocity=None, time=None)",
          "What passes of setpoints (n, joints), and the stop after it. `position`, `velocity`: "
          "(joints,), where the robot was measured (default: on the last answer's motion). `time` "
          "[s]: default next_time. Without setpoints it stops.",
-         check, py::arg("setpoints") = py::none(), py::arg("position") = py::none(),
-         py::arg("velocity") = py::none(), py::arg("time") = py::none());
+         check);
   define(guard, "set_vertices", "(self, name, vertices, time, speed_bound=None)",
          "The vertices of a deforming obstacle (n, 3) [m] as seen at `time` [s]; none is faster "
          "than `speed_bound` [m/s] from then on. Returns 'taken', 'jumped', 'invalid' or 'late'. "
          "Counts from the next look() on.",
-         setVerticesOf, py::arg("name"), py::arg("vertices"), py::arg("time"),
-         py::arg("speed_bound") = py::none());
+         setVerticesOf);
   define(
       guard, "set_pose", "(self, name, pose, time, speed_bound=None, turn_bound=None)",
       "The pose of an object with a motion (World.set_motion()) as seen at `time` [s]: x y z, or "
       "with a quaternion x y z w behind it, or (4, 4). From then on its origin is not faster than "
       "`speed_bound` [m/s], and it turns by at most `turn_bound` [rad/s]. The rest as for "
       "set_vertices().",
-      setPoseOf, py::arg("name"), py::arg("pose"), py::arg("time"),
-      py::arg("speed_bound") = py::none(), py::arg("turn_bound") = py::none());
+      setPoseOf);
   define(guard, "look", "(self, time=None)",
-         "Bounds where obstacles can be from `time` on (default: next_time) [s].", lookAt,
-         py::arg("time") = py::none());
+         "Bounds where obstacles can be from `time` on (default: next_time) [s].", lookAt);
   defineConstant(
       guard, "next_time",
       [](Guarding& self) {

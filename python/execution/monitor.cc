@@ -178,23 +178,19 @@ void defineMonitor(py::module_& module) {
            std::to_string(self.imminent.size()) + " imminent>";
   });
   const std::string init = "(scene, *, accelerations, velocities=None)";
-  py::class_<Monitor> monitor(
-      module, "Monitor",
-      withSignature(
-          "Monitor", init,
-          "How long nothing can touch: looks at a robot in a Scene again and again, and "
-          "at those pairs only that are due. For one thread at a time.\n\n"
-          "`accelerations` and `velocities` (joints,) are the joints' limits [rad/s^2 or "
-          "m/s^2, rad/s or m/s]; velocities by default those of the URDF. Joints that are "
-          "not planned stand.")
-          .c_str());
-  defineInit(monitor, init, makeMonitor, py::arg("scene"), py::kw_only(), py::arg("accelerations"),
-             py::arg("velocities") = py::none());
+  auto monitor = defineClass<py::class_<Monitor>>(
+      module, "Monitor", init,
+      "How long nothing can touch: looks at a robot in a Scene again and again, and "
+      "at those pairs only that are due. For one thread at a time.\n\n"
+      "`accelerations` and `velocities` (joints,) are the joints' limits [rad/s^2 or "
+      "m/s^2, rad/s or m/s]; velocities by default those of the URDF. Joints that are "
+      "not planned stand.",
+      makeMonitor);
   define(monitor, "look", "(self, time, q, rates, horizon=0.1)",
          "Where the robot is at `time` [s], q (joints,), how fast its joints are, rates (joints,) "
          "[rad/s or m/s], and what could come to its margin within `horizon` [s]: an Impact. Times "
          "must not run backwards.",
-         look, py::arg("time"), py::arg("q"), py::arg("rates"), py::arg("horizon") = 0.1);
+         look);
   defineConstant(
       monitor, "counts",
       [](const Monitor& self) {
@@ -208,18 +204,15 @@ void defineMonitor(py::module_& module) {
   monitor.def("__repr__", [](const Monitor& self) {
     return "<leeway.Monitor of " + std::to_string(self.movers.size()) + " moving bodies>";
   });
-  define(
-      module, "time_to_impact", "(gap, speed, acceleration=0.0, speed_cap=None)",
-      "The earliest time [s] at which a gap [m] can be used up by two bodies that close at "
-      "`speed` [m/s], accelerate by at most `acceleration` [m/s^2] and never close faster than "
-      "`speed_cap`, rounded down; inf when nothing moves.",
-      [](double gap, double speed, double acceleration, const py::object& cap) {
-        const double most =
-            cap.is_none() ? std::numeric_limits<double>::infinity() : number(cap, "speed_cap");
-        return collision::timeToImpact(gap, {speed, acceleration, most});
-      },
-      py::arg("gap"), py::arg("speed"), py::arg("acceleration") = 0.0,
-      py::arg("speed_cap") = py::none());
+  define(module, "time_to_impact", "(gap, speed, acceleration=0.0, speed_cap=None)",
+         "The earliest time [s] at which a gap [m] can be used up by two bodies that close at "
+         "`speed` [m/s], accelerate by at most `acceleration` [m/s^2] and never close faster than "
+         "`speed_cap`, rounded down; inf when nothing moves.",
+         [](double gap, double speed, double acceleration, const py::object& cap) {
+           const double most =
+               cap.is_none() ? std::numeric_limits<double>::infinity() : number(cap, "speed_cap");
+           return collision::timeToImpact(gap, {speed, acceleration, most});
+         });
 }
 
 }  // namespace leeway::python

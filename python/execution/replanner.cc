@@ -151,24 +151,17 @@ Executed replan(const py::args& args, const py::kwargs& kwargs) {
 void defineStep(py::module_& module) {
   py::class_<Step> step_class(module, "Step",
                               "One step of an execution: from one look at the world to the next.");
-  const auto property = [&](const char* name, auto get, const char* doc) {
-    defineConstant(
-        step_class, name, [get](const Step& self) { return get(self.value); }, doc);
-  };
-  property(
-      "index", [](const ReplanStep& s) { return s.index; }, "Counts from 0.");
-  property(
-      "time", [](const ReplanStep& s) { return s.time; }, "Of the look at the world [s].");
+  const auto property = constantsOf(step_class, &Step::value);
+  property("index", &ReplanStep::index, "Counts from 0.");
+  property("time", &ReplanStep::time, "Of the look at the world [s].");
   property(
       "decision", [](const ReplanStep& s) { return toString(s.decision); },
       "'plan' (a new path), 'follow', 'wait', 'evade' or 'unsafe' (stand: nothing is "
       "certified).");
-  property(
-      "certified", [](const ReplanStep& s) { return s.certified; },
-      "The motion is proven to keep all margins at every time of the step.");
-  property(
-      "look_ahead", [](const ReplanStep& s) { return s.look_ahead; },
-      "For so long after the step going on, or standing, is certified [s].");
+  property("certified", &ReplanStep::certified,
+           "The motion is proven to keep all margins at every time of the step.");
+  property("look_ahead", &ReplanStep::look_ahead,
+           "For so long after the step going on, or standing, is certified [s].");
   property(
       "lower", [](const ReplanStep& s) { return s.clearance.lower; },
       "The clearance over the whole step is at least this [m].");
@@ -178,17 +171,14 @@ void defineStep(py::module_& module) {
   property(
       "closest", [](const ReplanStep& s) { return pairObject(s.closest_a, s.closest_b); },
       "Names of the closest pair, or None.");
-  property(
-      "path_held", [](const ReplanStep& s) { return s.path_held; },
-      "The rest of the path is certified in the world as seen.");
+  property("path_held", &ReplanStep::path_held,
+           "The rest of the path is certified in the world as seen.");
   property(
       "broken", [](const ReplanStep& s) { return pairObject(s.broken_a, s.broken_b); },
       "If not, the pair that broke it, or None.");
-  property(
-      "reached", [](const ReplanStep& s) { return s.reached; }, "The motion ends in a goal.");
-  property(
-      "remaining", [](const ReplanStep& s) { return s.remaining_s; },
-      "Duration of the rest of the path [s]; inf without a path.");
+  property("reached", &ReplanStep::reached, "The motion ends in a goal.");
+  property("remaining", &ReplanStep::remaining_s,
+           "Duration of the rest of the path [s]; inf without a path.");
   property(
       "times",
       [](const ReplanStep& s) {
@@ -220,10 +210,7 @@ void defineExecuted(py::module_& module) {
   py::class_<Executed> executed(module, "Executed",
                                 "A whole execution. True if the goal is reached, every step "
                                 "certified.");
-  const auto property = [&](const char* name, auto get, const char* doc) {
-    defineConstant(
-        executed, name, [get](const Executed& self) { return get(self.value); }, doc);
-  };
+  const auto property = constantsOf(executed, &Executed::value);
   property(
       "status", [](const ReplanResult& r) { return toString(r.status); },
       "'reached', 'unsafe', 'timeout', 'stopped' or 'nothing_checked'.");
@@ -234,13 +221,9 @@ void defineExecuted(py::module_& module) {
   property(
       "joint_names", [](const ReplanResult& r) { return listOf(r.names); },
       "Names of the trajectory's columns after the first.");
-  property(
-      "steps", [](const ReplanResult& r) { return r.steps; }, "Steps taken.");
-  property(
-      "replans", [](const ReplanResult& r) { return r.replans; },
-      "Paths planned besides the first.");
-  property(
-      "certified", [](const ReplanResult& r) { return r.certified; }, "Every step was.");
+  property("steps", &ReplanResult::steps, "Steps taken.");
+  property("replans", &ReplanResult::replans, "Paths planned besides the first.");
+  property("certified", &ReplanResult::certified, "Every step was.");
   property(
       "lower", [](const ReplanResult& r) { return r.clearance.lower; },
       "The clearance of all steps is at least this [m].");
@@ -265,8 +248,7 @@ void defineExecuted(py::module_& module) {
                   [&](const std::string& path, const view::PageOptions& options) {
                     view::writePage(path, *held.problem, held.taken, held.value.status, options);
                   });
-      },
-      py::arg("file"), py::kw_only(), py::arg("visual") = false, py::arg("stop") = py::none());
+      });
   executed.def("__bool__", [](const Executed& self) {
     return self.value.status == planner::ReplanStatus::kReached;
   });
@@ -283,14 +265,12 @@ void defineReplanner(py::module_& module) {
   defineStep(module);
   defineExecuted(module);
   const std::string init = "(robot, world=None, start=None, goal=None, *, stop=None, **settings)";
-  py::class_<Execution> execution(
-      module, "Replanner",
-      withSignature("Replanner", init,
-                    "Executes a problem among obstacles that move, step by step; also "
-                    "Replanner(problem, **settings). Each step is proven against all that the "
-                    "obstacles can do in it. For one thread at a time.")
-          .c_str());
-  defineInit(execution, init, makeExecution);
+  auto execution = defineClass<py::class_<Execution>>(
+      module, "Replanner", init,
+      "Executes a problem among obstacles that move, step by step; also "
+      "Replanner(problem, **settings). Each step is proven against all that the "
+      "obstacles can do in it. For one thread at a time.",
+      makeExecution);
   define(execution, "step", "(self)",
          "Decides and takes the next step. Costs as much as planning; a signal or `stop` ends "
          "planning.",
@@ -298,16 +278,14 @@ void defineReplanner(py::module_& module) {
   define(execution, "set_vertices", "(self, name, vertices, time=None, speed_bound=None)",
          "The vertices of an obstacle (n, 3) [m] as seen at `time` (default: now) [s]; none is "
          "faster than `speed_bound` [m/s] from then on. Replaces its motion for good.",
-         setVertices, py::arg("name"), py::arg("vertices"), py::arg("time") = py::none(),
-         py::arg("speed_bound") = py::none());
+         setVertices);
   define(
       execution, "set_pose", "(self, name, pose, time=None, speed_bound=None, turn_bound=None)",
       "The pose of an object with a motion (World.set_motion()) as seen at `time` (default: now) "
       "[s]: x y z, or with a quaternion x y z w behind it, or (4, 4). From then on its origin is "
       "not faster than `speed_bound` [m/s], and it turns by at most `turn_bound` [rad/s]. "
       "Replaces its motion for good.",
-      setPose, py::arg("name"), py::arg("pose"), py::arg("time") = py::none(),
-      py::arg("speed_bound") = py::none(), py::arg("turn_bound") = py::none());
+      setPose);
   defineProperty(
       execution, "state", "The robot's state now: (joints,); set it to where the robot truly is.",
       reading([](Execution& self) { return constant(array(self.replanner->state())); }), setState);
