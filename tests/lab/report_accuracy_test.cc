@@ -1,7 +1,6 @@
 // `leeway report accuracy`: small runs; times are not tested.
 
 #include <gtest/gtest.h>
-#include <tinyxml2.h>
 
 #include <cmath>
 #include <csignal>
@@ -10,6 +9,7 @@
 #include <stdexcept>
 
 #include "collision/base/numbers.h"
+#include "tests/lab/pictures.h"
 #include "tests/support/command.h"
 #include "tools/lab/accuracy/accuracy_report.h"
 #include "tools/lab/accuracy/own_engine.h"
@@ -150,19 +150,7 @@ TEST(ReportAccuracy, CasesAreWhatTheirFamilySaysAndRepeat) {
             set.families[0].cases[0].truth_lower);
 }
 
-class ReportAccuracyVerb : public CommandTest {
- protected:
-  void expectPicture(const std::string& name, int panels_at_least) const {
-    tinyxml2::XMLDocument document;
-    const std::string svg = read(name);
-    ASSERT_EQ(document.Parse(svg.c_str()), tinyxml2::XML_SUCCESS) << name;
-    int panels = 0;
-    for (std::size_t at = svg.find("class=\"area\""); at != std::string::npos;
-         at = svg.find("class=\"area\"", at + 1))
-      ++panels;
-    EXPECT_GE(panels, panels_at_least) << name;
-  }
-};
+class ReportAccuracyVerb : public CommandTest {};
 
 /// Every family, engine and tolerance, with the rivals of this build.
 TEST_F(ReportAccuracyVerb, WritesEveryRow) {
@@ -198,8 +186,10 @@ TEST_F(ReportAccuracyVerb, WritesEveryRow) {
     EXPECT_GE(rows["Bullet epa2"], 45u);
     EXPECT_EQ(rows["Bullet epa2"], rows["Bullet detector"]);
   }
-  expectPicture("out/accuracy.svg", 30);
-  expectPicture("out/hard_cases.svg", 20);
+  if (hasPictures(told)) {
+    expectPicture(read("out/accuracy.svg"), 30);
+    expectPicture(read("out/hard_cases.svg"), 20);
+  }
   EXPECT_EQ(readCsv(read("out/hard_cases.csv"))[0].size(), 12u);
 }
 

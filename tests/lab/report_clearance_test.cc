@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/lab/pictures.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/command.h"
 #include "tools/lab/clearance/clearance_report.h"
@@ -84,7 +85,6 @@ TEST(ReportClearance, MeasuresBothObjectivesOfAllPlanners) {
   EXPECT_TRUE(std::any_of(table.begin(), table.end(),
                           [](const auto& row) { return row[0] == "least, Leeway, 0.3"; }));
   EXPECT_NE(clearanceRows(rows).csv().find("integral,1,0.3,"), std::string::npos);
-  EXPECT_NE(toSvg(clearanceFigure(rows, "")).find("Leeway"), std::string::npos);
 }
 
 TEST(ReportClearance, WhatARivalDoesNotMeasureIsLeftOut) {
@@ -103,7 +103,7 @@ TEST_F(ReportClearanceVerb, WritesARowARunAndAPicture) {
   EXPECT_EQ(answer.document()["rows"], 4);
   EXPECT_EQ(answer.document()["own_errors"], 0);
   EXPECT_EQ(read("out/clearance.csv").rfind("problem,planner,objective,seed,time_s", 0), 0U);
-  EXPECT_NE(read("out/clearance.svg").find("<svg"), std::string::npos);
+  if (hasPictures(answer.document())) expectPicture(read("out/clearance.svg"), 2);
 }
 
 TEST_F(ReportClearanceVerb, RefusesWhatItCannotUse) {

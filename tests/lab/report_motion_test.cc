@@ -1,7 +1,6 @@
 // `leeway report motion`: small runs; times are not tested.
 
 #include <gtest/gtest.h>
-#include <tinyxml2.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "tests/lab/pictures.h"
 #include "tests/support/command.h"
 #include "tools/lab/motion/motion_cases.h"
 #include "tools/lab/motion/motion_report.h"
@@ -244,8 +244,7 @@ TEST_F(ReportMotionVerb, WritesEveryRow) {
   }
   EXPECT_EQ(rows, told["rows"]);
   EXPECT_EQ(families, std::set<std::string>(contactFamilies().begin(), contactFamilies().end()));
-  tinyxml2::XMLDocument document;
-  EXPECT_EQ(document.Parse(read("out/motion.svg").c_str()), tinyxml2::XML_SUCCESS);
+  if (hasPictures(told)) expectPicture(read("out/motion.svg"), 4);
 }
 
 /// Certified edges never miss what the verifier refutes; rows of one problem and kind cover the
@@ -275,8 +274,42 @@ TEST_F(ReportMotionVerb, EdgesOfAProblem) {
   EXPECT_GT(edges, 20);
   for (const auto& [kind, numbers] : counts) EXPECT_EQ(numbers.size(), 1u) << kind;
   for (const auto& [kind, names] : methods) EXPECT_EQ(names.size(), 5u) << kind;
-  tinyxml2::XMLDocument document;
-  EXPECT_EQ(document.Parse(read("out/edges.svg").c_str()), tinyxml2::XML_SUCCESS);
+  if (hasPictures(answer.document())) expectPicture(read("out/edges.svg"), 3);
+}
+
+constexpr const char* kOneCase =
+    "report motion --cases 1 --passes 0 --family translation --no-rivals --output out --json";
+
+TEST_F(ReportMotionVerb, DrawsWithMatplotlib) {
+  const Answer answer = run(kOneCase);
+  ASSERT_EQ(answer.status, 0) << answer.err;
+  if (!hasPictures(answer.document())) GTEST_SKIP() << "matplotlib is missing: " << answer.err;
+  const std::string first = read("out/motion.svg");
+  EXPECT_NE(first.find("Time of contact"), std::string::npos);
+  EXPECT_NE(answer.document()["files"].dump().find("motion.svg"), std::string::npos);
+  EXPECT_EQ(first.find("<dc:date>"), std::string::npos);
+}
+
+TEST_F(ReportMotionVerb, GoesOnWithoutMatplotlib) {
+  fs::create_directory(folder_ / "none");
+  write("none/matplotlib.py", "raise ImportError('none')\n");
+  ::setenv("PYTHONPATH", path("none").c_str(), 1);
+  const Answer answer = run(kOneCase);
+  ::unsetenv("PYTHONPATH");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_NE(answer.err.find("without motion.svg"), std::string::npos) << answer.err;
+  EXPECT_NE(answer.err.find("python3-matplotlib"), std::string::npos) << answer.err;
+  const json told = answer.document();
+  EXPECT_EQ(told["missing"], json({"matplotlib"}));
+  EXPECT_EQ(told["files"], json({"out/motion.csv", "out/motion.json"}));
+  EXPECT_FALSE(fs::exists(folder_ / "out/motion.svg"));
+  // The rows of the CSV file, with the conditions.
+  const json table = json::parse(read("out/motion.json"));
+  EXPECT_EQ(table["seed"], 1);
+  EXPECT_NE(table["note"].dump().find("1 cases a family"), std::string::npos) << table["note"];
+  ASSERT_EQ(table["rows"].size(), 1U);
+  EXPECT_EQ(table["rows"][0]["family"], "translation");
+  EXPECT_TRUE(table["rows"][0]["ns_median"].is_null()) << "nothing is timed";
 }
 
 TEST_F(ReportMotionVerb, RefusesWhatItCannotUse) {

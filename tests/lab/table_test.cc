@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 namespace leeway::tools::report {
@@ -20,6 +21,13 @@ TEST(Table, CsvLeavesOutWhatIsNotANumberAndQuotes) {
             "name,count,time [s],share\n"
             "plain,3,1.00,0.1235\n"
             "\"a, b and \"\"c\"\"\",-1,,\n");
+}
+
+TEST(Table, JsonHasAllDigitsAndNullForWhatIsNotANumber) {
+  EXPECT_EQ(sample().json().dump(),
+            R"([{"name":"plain","count":3,"time [s]":1.0,"share":0.123456},)"
+            R"({"name":"a, b and \"c\"","count":-1,"time [s]":null,"share":null}])");
+  EXPECT_EQ(Table({"none"}).json().dump(), "[]");
 }
 
 TEST(Table, PeopleSeeDashes) {

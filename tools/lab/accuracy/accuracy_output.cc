@@ -113,39 +113,4 @@ std::vector<Table> accuracyTables(const std::vector<AccuracyRow>& rows) {
                    {FamilyKind::kOrdinary, FamilyKind::kOverlap, FamilyKind::kCoherent})};
 }
 
-Figure accuracyFigure(const std::vector<AccuracyRow>& rows, const std::vector<FamilyKind>& kinds,
-                      const std::string& title, const std::string& note) {
-  Figure figure;
-  figure.title = title;
-  figure.note = note;
-  figure.columns = 4;
-  const bool alone =
-      std::all_of(rows.begin(), rows.end(), [](const AccuracyRow& r) { return r.claims_bounds; });
-  for (const AccuracyRow* family : familiesOf(rows)) {
-    if (std::find(kinds.begin(), kinds.end(), family->kind) == kinds.end()) continue;
-    PlotPanel panel;
-    panel.title = family->family;
-    panel.x = {"largest error / sizes", AxisScale::kLogarithmic, 1e-17, 1};
-    panel.y = {"ns a query", AxisScale::kLogarithmic};
-    for (const std::string& engine : enginesOf(rows)) {
-      PlotSeries series;
-      series.name = engine;
-      const auto belongs = [&](const AccuracyRow& r) {
-        return r.family == family->family && r.engine == engine && r.tells_distance;
-      };
-      // Engines without tolerances have one point; the others have a point for each decade.
-      const bool decades = std::any_of(rows.begin(), rows.end(), [&](const AccuracyRow& r) {
-        return belongs(r) && !std::isnan(r.tolerance);
-      });
-      for (const AccuracyRow& r : rows)
-        if (belongs(r) && std::isnan(r.tolerance) != decades)
-          series.points.push_back({r.error_max, r.ns, r.ns_low, r.ns_high});
-      if (!series.points.empty()) panel.series.push_back(std::move(series));
-    }
-    // A single engine has no comparison to show; its figures are in the table.
-    if (panel.series.size() > 1 || alone) figure.panels.push_back(std::move(panel));
-  }
-  return figure;
-}
-
 }  // namespace leeway::tools::report

@@ -9,7 +9,6 @@
 #include "tools/lab/base/engine.h"
 #include "tools/lab/base/report_options.h"
 #include "tools/lab/base/table.h"
-#include "tools/leeway/view/plot.h"
 
 namespace leeway::tools::report {
 
@@ -76,9 +75,5 @@ Table hardCaseRows(const std::vector<AccuracyRow>& rows);
 /// For people: times at default tolerance by family with ratios to FCL's, and failures of the hard
 /// cases and of all others.
 std::vector<Table> accuracyTables(const std::vector<AccuracyRow>& rows);
-
-/// Time over error, one panel for each family of the given kinds.
-Figure accuracyFigure(const std::vector<AccuracyRow>& rows, const std::vector<FamilyKind>& kinds,
-                      const std::string& title, const std::string& note);
 
 }  // namespace leeway::tools::report

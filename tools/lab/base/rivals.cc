@@ -3,7 +3,6 @@
 #include <dlfcn.h>
 
 #include <array>
-#include <filesystem>
 #include <system_error>
 
 namespace leeway::tools::report {
@@ -62,13 +61,16 @@ RivalModule load(const Known& known, const std::filesystem::path& folder) {
 
 }  // namespace
 
-std::vector<RivalModule> loadRivals() {
+std::filesystem::path moduleFolder() {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-  const std::filesystem::path folder = program.parent_path().parent_path() / LEEWAY_MODULE_FOLDER;
+  return program.parent_path().parent_path() / LEEWAY_MODULE_FOLDER;
+}
+
+std::vector<RivalModule> loadRivals() {
   std::vector<RivalModule> modules;
   modules.reserve(std::size(kModules));
-  for (const Known& known : kModules) modules.push_back(load(known, folder));
+  for (const Known& known : kModules) modules.push_back(load(known, moduleFolder()));
   return modules;
 }
 

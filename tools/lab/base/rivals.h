@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,8 +34,11 @@ struct RivalModule {
   std::unique_ptr<Rivals> rivals;  ///< null if there is a problem
 };
 
-/// Loads all known modules from ../lib/leeway relative to the running program's folder. Sets
-/// `problem` if a module or its library is missing. Modules stay loaded until the process ends.
+/// ../lib/leeway relative to the running program's folder: the modules, and the script that draws.
+std::filesystem::path moduleFolder();
+
+/// Loads all known modules from moduleFolder(). Sets `problem` if a module or its library is
+/// missing. Modules stay loaded until the process ends.
 std::vector<RivalModule> loadRivals();
 
 }  // namespace leeway::tools::report

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 namespace leeway::tools::report {
@@ -53,6 +55,24 @@ std::string Table::csv() const {
     text += '\n';
   }
   return text;
+}
+
+nlohmann::ordered_json Table::json() const {
+  auto all = nlohmann::ordered_json::array();
+  for (const std::vector<Cell>& row : rows_) {
+    nlohmann::ordered_json object;
+    for (std::size_t c = 0; c < row.size(); ++c)
+      std::visit(
+          [&](const auto& value) {
+            if constexpr (std::is_same_v<std::decay_t<decltype(value)>, std::monostate>)
+              object[columns_[c].name] = nullptr;
+            else
+              object[columns_[c].name] = value;
+          },
+          row[c].value_);
+    all.push_back(std::move(object));
+  }
+  return all;
 }
 
 std::vector<std::string> Table::joined(const std::vector<std::string>& cells) const {

@@ -2,14 +2,15 @@
 
 #include <concepts>
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <variant>
 #include <vector>
 
 namespace leeway::tools::report {
 
-/// Rows below named columns, whose names contain their units. Writes CSV, and gives the cells as
-/// text for people.
+/// Rows below named columns, whose names contain their units. Writes CSV and JSON, and gives the
+/// cells as text for people.
 class Table {
  public:
   /// Empty, or a number that is NaN: an empty cell of CSV, a dash for people.
@@ -45,6 +46,8 @@ class Table {
 
   /// A header and one line for each row. Text with a comma or a quote is quoted (RFC 4180).
   std::string csv() const;
+  /// An array with an object for each row. Numbers have all their digits; an empty cell is null.
+  nlohmann::ordered_json json() const;
   /// Names of the columns, cells, and the places of columns that contain text, as people see them.
   std::vector<std::string> heading() const;
   std::vector<std::vector<std::string>> rows() const;

@@ -17,6 +17,16 @@ namespace leeway::bench {
 using namespace planner;
 namespace ob = ompl::base;
 
+std::vector<AskedEdge> AskedEdges::some(int most) const {
+  std::vector<AskedEdge> all, some;
+  for (const auto* ends : {&planning, &simplifying})
+    for (std::size_t i = 0; i + 1 < ends->size(); i += 2)
+      all.push_back({(*ends)[i], (*ends)[i + 1]});
+  const std::size_t wanted = std::min(all.size(), static_cast<std::size_t>(most));
+  for (std::size_t i = 0; i < wanted; ++i) some.push_back(all[i * all.size() / wanted]);
+  return some;
+}
+
 AskedEdges askedEdges(const planner::Problem& problem,
                       const std::shared_ptr<const planner::CompiledScene>& scene,
                       unsigned long long iterations) {

@@ -10,9 +10,16 @@
 
 namespace leeway::bench {
 
+struct AskedEdge {
+  std::vector<double> a, b;
+};
+
 /// Ends of edges, two rows for each edge, in order of request.
 struct AskedEdges {
   std::vector<std::vector<double>> planning, simplifying;
+
+  /// At most `most` edges of both lists, evenly spaced.
+  std::vector<AskedEdge> some(int most) const;
 };
 
 /// The edges that a seeded RRTConnect of at most `iterations` iterations, and simplify() on its

@@ -9,12 +9,10 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -23,7 +21,8 @@
 #include "leeway/planner/problem.h"
 #include "tools/lab/base/statistics.h"
 #include "tools/lab/bench/cpu_time.h"
-#include "tools/lab/bench/scene_request.h"
+#include "tools/lab/bench/problem_files.h"
+#include "tools/lab/bench/program.h"
 
 namespace {
 
@@ -84,24 +83,16 @@ double megabytes() {
 
 int main(int argc, char** argv) {
   CLI::App app("From a loaded problem to the first edge.");
-  std::string robot, srdf;
-  std::vector<std::string> files;
+  leeway::bench::ProblemFiles files;
   int rounds = 21, boxes = 0;
-  app.add_option("--robot", robot, "URDF, for MoveIt scenes");
-  app.add_option("--srdf", srdf, "SRDF");
+  files.addTo(app)->required();
   app.add_option("--rounds", rounds, "a problem");
   app.add_option("--boxes", boxes, "more, in each world");
-  app.add_option("files", files, "problems, or MoveIt scenes with requests beside them")
-      ->required();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    std::shared_ptr<const leeway::robots::Model> model;
-    if (!robot.empty()) model = leeway::robots::loadModel(robot, srdf);
+  return leeway::bench::runProgram("bench_compile", app, argc, argv, [&] {
     Times cold, prepared;
     std::size_t pairs = 0;
-    for (const std::string& file : files) {
-      Problem problem =
-          model ? loadMoveit(model, file, leeway::bench::requestOf(file)) : loadProblem(file);
+    for (const std::string& file : files.names()) {
+      Problem problem = files.load(file);
       const double before = megabytes();
       addBoxes(problem, boxes);
       const std::shared_ptr<const leeway::robots::Model> loaded = problem.robot.model;
@@ -112,7 +103,7 @@ int main(int argc, char** argv) {
         const EdgeCertifier certifier(scene);  // includes covers of the meshes
         const double made = megabytes();
         const EdgeCertifier another(scene);
-        if (boxes > 0 && &file == &files.back())
+        if (boxes > 0 && &file == &files.names().back())
           fmt::print("MB: problem {:.1f}, scene {:.1f}, certifier {:.1f}, another {:.1f}\n",
                      with_boxes - before, compiled - with_boxes, made - compiled,
                      megabytes() - made);
@@ -128,13 +119,10 @@ int main(int argc, char** argv) {
       cold.addMedians(of_cold);
       prepared.addMedians(of_prepared);
     }
-    fmt::print("{} problems, {} pairs each\n", files.size(), pairs / files.size());
+    fmt::print("{} problems, {} pairs each\n", files.names().size(), pairs / files.names().size());
     fmt::print("{:<10} {:>10} {:>12} {:>12}\n", "us", "compile", "certifier", "and another");
     cold.print("cold");
     prepared.print("prepared");
     return 0;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_compile: {}\n", error.what());
-    return 2;
-  }
+  });
 }

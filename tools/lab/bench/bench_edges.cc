@@ -17,7 +17,6 @@
 #include <fmt/format.h>
 #include <ompl/util/Console.h>
 
-#include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -27,13 +26,13 @@
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
-#include "leeway/planner/problem.h"
 #include "tools/lab/base/statistics.h"
 #include "tools/lab/bench/asked_edges.h"
 #include "tools/lab/bench/bodies.h"
 #include "tools/lab/bench/cpu_time.h"
 #include "tools/lab/bench/edge_stepper.h"
-#include "tools/lab/bench/scene_request.h"
+#include "tools/lab/bench/problem_files.h"
+#include "tools/lab/bench/program.h"
 #include "tools/lab/bench/splitmix.h"
 
 namespace {
@@ -235,35 +234,26 @@ void measureBodies(std::uint64_t seed, unsigned long long iterations) {
 int main(int argc, char** argv) {
   ompl::msg::noOutputHandler();
   CLI::App app("Certified edges against stepping.");
-  std::string robot, srdf;
-  std::vector<std::string> files;
+  leeway::bench::ProblemFiles files;
   unsigned long long iterations = 2000;
   std::uint64_t seed = 1;
-  app.add_option("--robot", robot, "URDF, for MoveIt scenes");
-  app.add_option("--srdf", srdf, "SRDF");
+  bool bodies_too = false;
+  files.addTo(app);
   app.add_option("--iterations", iterations, "of the planner, a problem");
   app.add_option("--seed", seed, "seed");
-  bool bodies_too = false;
   app.add_flag("--bodies", bodies_too, "a body of triangles among bodies");
-  app.add_option("files", files, "problems, or MoveIt scenes with requests beside them");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    std::shared_ptr<const leeway::robots::Model> model;
-    if (!robot.empty()) model = leeway::robots::loadModel(robot, srdf);
+  return leeway::bench::runProgram("bench_edges", app, argc, argv, [&] {
     if (bodies_too) measureBodies(seed, iterations);
-    if (files.empty() && !bodies_too) throw std::runtime_error("files or --bodies are expected");
-    if (files.empty()) return 0;
+    if (files.names().empty() && !bodies_too)
+      throw std::runtime_error("files or --bodies are expected");
+    if (files.names().empty()) return 0;
     Mix mix;
-    for (const std::string& file : files) {
-      Problem problem =
-          model ? loadMoveit(model, file, leeway::bench::requestOf(file)) : loadProblem(file);
+    for (const std::string& file : files.names()) {
+      Problem problem = files.load(file);
       problem.seed = seed;
       mix.add(problem, iterations);
     }
     mix.print();
     return 0;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_edges: {}\n", error.what());
-    return 2;
-  }
+  });
 }

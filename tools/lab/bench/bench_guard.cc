@@ -7,29 +7,25 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "leeway/planner/plan.h"
+#include "tools/lab/base/statistics.h"
 #include "tools/lab/bench/cpu_time.h"
 #include "tools/lab/bench/noisy_policy.h"
-#include "tools/lab/bench/scene_request.h"
+#include "tools/lab/bench/problem_files.h"
+#include "tools/lab/bench/program.h"
 
 namespace {
 
 using namespace leeway::planner;
+using leeway::tools::report::quantile;
 
-void printRow(const char* name, std::vector<double>& times, double edges) {
-  std::sort(times.begin(), times.end());
-  const auto at = [&](double share) {
-    return times.empty()
-               ? 0
-               : times[std::min(times.size() - 1, static_cast<std::size_t>(
-                                                      share * static_cast<double>(times.size())))];
-  };
+void printRow(const char* name, const std::vector<double>& times, double edges) {
+  const auto at = [&](double share) { return times.empty() ? 0 : quantile(times, share); };
   fmt::print(
       "{:<10} {:>8} chunks  median {:>7.1f}  90 % {:>7.1f}  99 % {:>8.1f}  99.9 % {:>8.1f}  "
       "longest {:>8.1f} us  {:>5.1f} edges\n",
@@ -41,28 +37,22 @@ void printRow(const char* name, std::vector<double>& times, double edges) {
 
 int main(int argc, char** argv) {
   CLI::App app("What a guard's answers cost.");
-  std::string robot, srdf;
-  std::vector<std::string> files;
+  leeway::bench::ProblemFiles files;
   int chunks = 1000, setpoints = 50;
   double period = 0.02, noise = 0.08;
   std::uint64_t seed = 1;
-  app.add_option("--robot", robot);
-  app.add_option("--srdf", srdf);
+  files.addTo(app)->required();
   app.add_option("--chunks", chunks, "of each problem")->capture_default_str();
   app.add_option("--setpoints", setpoints)->capture_default_str();
   app.add_option("--period", period)->capture_default_str();
   app.add_option("--noise", noise, "of velocities, as a share of their limits")
       ->capture_default_str();
   app.add_option("--seed", seed)->capture_default_str();
-  app.add_option("files", files)->required();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    const auto model = robot.empty() ? nullptr : leeway::robots::loadModel(robot, srdf);
+  return leeway::bench::runProgram("bench_guard", app, argc, argv, [&] {
     std::vector<double> all, whole;
     double all_edges = 0, whole_edges = 0;
-    for (const std::string& file : files) {
-      Problem problem =
-          model ? loadMoveit(model, file, leeway::bench::requestOf(file)) : loadProblem(file);
+    for (const std::string& file : files.names()) {
+      Problem problem = files.load(file);
       problem.limits = {5, 100'000};
       const PlanResult planned = plan(problem);
       if (planned.status != PlanStatus::kSolved) continue;
@@ -89,8 +79,6 @@ int main(int argc, char** argv) {
     }
     printRow("all", all, all_edges);
     printRow("whole", whole, whole_edges);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_guard: {}\n", error.what());
-    return 2;
-  }
+    return 0;
+  });
 }

@@ -21,9 +21,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <exception>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -34,7 +32,9 @@
 #include "tools/lab/base/statistics.h"
 #include "tools/lab/bench/bodies.h"
 #include "tools/lab/bench/cpu_time.h"
+#include "tools/lab/bench/program.h"
 #include "tools/lab/bench/splitmix.h"
+#include "tools/lab/fcl/fcl_shape.h"
 
 namespace {
 
@@ -54,7 +54,7 @@ using leeway::collision::Pose;
 using leeway::collision::Scratch;
 using leeway::collision::Shape;
 using leeway::collision::TriangleMesh;
-using FclModel = fcl::BVHModel<fcl::OBBRSSd>;
+using leeway::lab::isometry;
 using leeway::tools::report::median;
 
 constexpr int kTrack = 8;   // poses of a placement
@@ -80,7 +80,7 @@ class Random : public leeway::bench::SplitMix {
 struct Mesh {
   std::string name;
   Shape shape, triangles_only, at_rest;
-  std::shared_ptr<FclModel> model;
+  std::shared_ptr<leeway::lab::FclSurface> model;
 
   Mesh(const std::string& what, const Soup& soup)
       : name(what),
@@ -91,15 +91,7 @@ struct Mesh {
             leeway::collision::Deformable(
                 leeway::collision::DeformableMesh::make(soup.vertices, soup.triangles), nullptr)
                 .snapshot())),
-        model(std::make_shared<FclModel>()) {
-    std::vector<fcl::Triangle> triangles;
-    for (const auto& t : soup.triangles) {
-      triangles.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
-                             static_cast<std::size_t>(t[2]));
-    }
-    model->beginModel();
-    model->addSubModel(soup.vertices, triangles);
-    model->endModel();
+        model(leeway::lab::fclMesh(soup.vertices, soup.triangles)) {
     name += " " + std::to_string(soup.triangles.size());
   }
   int pieces() const { return shape.mesh()->pieces().pieces; }
@@ -112,13 +104,6 @@ Mesh readMesh(const std::string& path) {
   return {slash == std::string::npos ? path : path.substr(slash + 1),
           {{mesh.vertices().begin(), mesh.vertices().end()},
            {mesh.triangles().begin(), mesh.triangles().end()}}};
-}
-
-Eigen::Isometry3d isometry(const Pose& X) {
-  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
-  result.linear() = X.rotation;
-  result.translation() = X.translation;
-  return result;
 }
 
 enum class Class { kFar, kNear, kTouching };
@@ -300,27 +285,7 @@ struct Options {
   std::uint64_t seed = 1;
   bool only_pieces = false, deforming = false;
   std::vector<std::string> files;  // used two by two
-
-  bool valid() const { return placements >= 1 && files.size() % 2 == 0; }
 };
-
-Options parse(int argc, char** argv) {
-  Options options;
-  for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--placements") == 0 && i + 1 < argc) {
-      options.placements = std::atoi(argv[++i]);
-    } else if (std::strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
-      options.seed = std::strtoull(argv[++i], nullptr, 10);
-    } else if (std::strcmp(argv[i], "--pieces") == 0) {
-      options.only_pieces = true;
-    } else if (std::strcmp(argv[i], "--deforming") == 0) {
-      options.deforming = true;
-    } else {
-      options.files.emplace_back(argv[i]);
-    }
-  }
-  return options;
-}
 
 std::vector<std::pair<Mesh, Mesh>> pairsOf(const Options& options) {
   std::vector<std::pair<Mesh, Mesh>> pairs;
@@ -403,14 +368,7 @@ void printRatios(const char* title, const Ratios& ratios) {
   }
 }
 
-int run(int argc, char** argv) {
-  const Options options = parse(argc, argv);
-  if (!options.valid()) {
-    std::fprintf(stderr,
-                 "usage: bench_meshes [--placements N] [--seed S] [--pieces] [--deforming] "
-                 "[MESH MESH]...\n");
-    return 2;
-  }
+int run(const Options& options) {
   const std::vector<std::pair<Mesh, Mesh>> pairs = pairsOf(options);
   for (const auto& [a, b] : pairs) {
     printPieces(a);
@@ -437,10 +395,17 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "bench_meshes: %s\n", e.what());
-    return 2;
-  }
+  CLI::App app("Pairs of triangle meshes, against FCL's.");
+  Options options;
+  app.add_option("--placements", options.placements, "of each pair and class")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", options.seed, "of the placements");
+  app.add_flag("--pieces", options.only_pieces, "only pairs with convex pieces");
+  app.add_flag("--deforming", options.deforming, "also as deforming meshes at rest");
+  app.add_option("meshes", options.files, "files, two by two");
+  return leeway::bench::runProgram("bench_meshes", app, argc, argv, [&] {
+    if (options.files.size() % 2 != 0)
+      throw std::runtime_error("an even number of meshes is expected");
+    return run(options);
+  });
 }

@@ -11,8 +11,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +19,7 @@
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/link_motion.h"
 #include "tools/lab/bench/cpu_time.h"
+#include "tools/lab/bench/program.h"
 #include "tools/lab/bench/splitmix.h"
 
 namespace {
@@ -226,38 +225,19 @@ int run(const World& world, double seconds, double step) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  CLI::App app("A monitor of an arm among moving obstacles.");
   std::string urdf = "robots/dual_arm/dual_arm.urdf", srdf = "robots/dual_arm/dual_arm.srdf";
-  int obstacles = 50, still = 0, files = 0;
+  int obstacles = 50, still = 0;
   double seconds = 20, step = 0.01;
   std::uint64_t seed = 1;
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    const bool value = i + 1 < argc;
-    if (argument == "--obstacles" && value)
-      obstacles = std::atoi(argv[++i]);
-    else if (argument == "--still" && value)
-      still = std::atoi(argv[++i]);
-    else if (argument == "--seconds" && value)
-      seconds = std::atof(argv[++i]);
-    else if (argument == "--step" && value)
-      step = std::atof(argv[++i]);
-    else if (argument == "--seed" && value)
-      seed = std::strtoull(argv[++i], nullptr, 10);
-    else if (argument[0] != '-' && files < 2)
-      (files++ == 0 ? urdf : srdf) = argument;
-    else
-      obstacles = -1;
-  }
-  if (obstacles < 1 || still < 0 || !(seconds > 0) || !(step > 0) || files == 1) {
-    std::fprintf(stderr,
-                 "usage: bench_monitor [ROBOT.urdf ROBOT.srdf] [--obstacles N] [--still N] "
-                 "[--seconds S] [--step S] [--seed N]\n");
-    return 2;
-  }
-  try {
+  auto* robot = app.add_option("robot", urdf, "URDF");
+  robot->needs(app.add_option("srdf", srdf, "its SRDF"));
+  app.add_option("--obstacles", obstacles, "that move")->check(CLI::PositiveNumber);
+  app.add_option("--still", still, "boxes at rest")->check(CLI::NonNegativeNumber);
+  app.add_option("--seconds", seconds, "to monitor")->check(CLI::PositiveNumber);
+  app.add_option("--step", step, "between looks [s]")->check(CLI::PositiveNumber);
+  app.add_option("--seed", seed, "of the obstacles");
+  return bench::runProgram("bench_monitor", app, argc, argv, [&] {
     return run(makeWorld(robots::loadModel(urdf, srdf), obstacles, still, seed), seconds, step);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "bench_monitor: %s\n", error.what());
-    return 2;
-  }
+  });
 }

@@ -20,8 +20,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <limits>
 #include <string>
@@ -30,6 +28,7 @@
 
 #include "tools/lab/base/statistics.h"
 #include "tools/lab/bench/pair_families.h"
+#include "tools/lab/bench/program.h"
 
 namespace {
 
@@ -186,26 +185,20 @@ void run(const PairFamily& family, int rounds, double clock_cost) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  CLI::App app("Distance queries of convex pairs, against FCL's.");
   int rounds = 31;
   std::uint64_t seed = 1;
   std::string only;
-  for (int i = 1; i < argc; i += 2) {
-    const bool value = i + 1 < argc;
-    if (value && std::strcmp(argv[i], "--rounds") == 0) {
-      rounds = std::max(1, std::atoi(argv[i + 1]));
-    } else if (value && std::strcmp(argv[i], "--seed") == 0) {
-      seed = std::strtoull(argv[i + 1], nullptr, 10);
-    } else if (value && std::strcmp(argv[i], "--family") == 0) {
-      only = argv[i + 1];
-    } else {
-      std::fprintf(stderr, "usage: bench_pairs [--rounds N] [--seed N] [--family WORD]\n");
-      return 2;
-    }
-  }
-  std::printf("median ns a query; FCL with libccd (d > t: our own distance query)\n");
-  std::printf("%-18s %8s %8s   %5s   target      pairs  off verdict failed open\n", "family",
-              "ours", "FCL", "ratio");
-  const double clock_cost = clockCost();
-  for (const PairFamily& family : pairFamilies(seed, only)) run(family, rounds, clock_cost);
-  return 0;
+  app.add_option("--rounds", rounds, "of each block; their median counts")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", seed, "of the pairs");
+  app.add_option("--family", only, "only families with this in their name");
+  return leeway::bench::runProgram("bench_pairs", app, argc, argv, [&] {
+    std::printf("median ns a query; FCL with libccd (d > t: our own distance query)\n");
+    std::printf("%-18s %8s %8s   %5s   target      pairs  off verdict failed open\n", "family",
+                "ours", "FCL", "ratio");
+    const double clock_cost = clockCost();
+    for (const PairFamily& family : pairFamilies(seed, only)) run(family, rounds, clock_cost);
+    return 0;
+  });
 }

@@ -9,6 +9,7 @@
 #include "leeway/collision/triangle_mesh.h"
 #include "tools/lab/bench/bodies.h"
 #include "tools/lab/bench/splitmix.h"
+#include "tools/lab/fcl/fcl_shape.h"
 
 namespace leeway::bench {
 namespace {
@@ -36,25 +37,7 @@ class Random : public SplitMix {
     return Eigen::AngleAxisd(uniform(0, 6.283185307179586), axis).toRotationMatrix();
   }
 };
-Body box(const Vector3d& half) {
-  return {Shape::box(half), std::make_shared<fcl::Boxd>(Vector3d(2 * half))};
-}
-Body sphere(double radius) {
-  return {Shape::sphere(radius), std::make_shared<fcl::Sphered>(radius)};
-}
-Body capsule(double radius, double half) {
-  return {Shape::capsule(radius, half), std::make_shared<fcl::Capsuled>(radius, 2 * half)};
-}
-Body cylinder(double radius, double half) {
-  return {Shape::cylinder(radius, half), std::make_shared<fcl::Cylinderd>(radius, 2 * half)};
-}
-
-Body cone(double radius, double half) {
-  return {Shape::cone(radius, half), std::make_shared<fcl::Coned>(radius, 2 * half)};
-}
-Body ellipsoid(const Vector3d& axes) {
-  return {Shape::ellipsoid(axes), std::make_shared<fcl::Ellipsoidd>(axes)};
-}
+Body body(const Shape& shape) { return {shape, lab::toFcl(shape)}; }
 
 Body hull(const std::vector<Vector3d>& points) {
   const auto own = collision::ConvexHull::compute(points);
@@ -85,31 +68,27 @@ Body sliver(Random& random) {
 }
 
 Body anyBox(Random& random) {
-  return box({random.uniform(0.2, 1), random.uniform(0.2, 1), random.uniform(0.2, 1)});
+  return body(Shape::box({random.uniform(0.2, 1), random.uniform(0.2, 1), random.uniform(0.2, 1)}));
 }
-Body anySphere(Random& random) { return sphere(random.uniform(0.1, 0.6)); }
+Body anySphere(Random& random) { return body(Shape::sphere(random.uniform(0.1, 0.6))); }
 Body anyCapsule(Random& random) {
-  return capsule(random.uniform(0.1, 0.6), random.uniform(0.2, 1));
+  return body(Shape::capsule(random.uniform(0.1, 0.6), random.uniform(0.2, 1)));
 }
 Body anyCylinder(Random& random) {
-  return cylinder(random.uniform(0.1, 0.6), random.uniform(0.2, 1));
+  return body(Shape::cylinder(random.uniform(0.1, 0.6), random.uniform(0.2, 1)));
 }
-Body anyCone(Random& random) { return cone(random.uniform(0.1, 0.6), random.uniform(0.2, 1)); }
+Body anyCone(Random& random) {
+  return body(Shape::cone(random.uniform(0.1, 0.6), random.uniform(0.2, 1)));
+}
 Body anyEllipsoid(Random& random) {
-  return ellipsoid({random.uniform(0.2, 1), random.uniform(0.2, 1), random.uniform(0.2, 1)});
+  return body(
+      Shape::ellipsoid({random.uniform(0.2, 1), random.uniform(0.2, 1), random.uniform(0.2, 1)}));
 }
 /// A robot's closed link of 768 triangles.
 Body linkMesh(Random&) {
   const Soup soup = bench::link(24, 16);
   return {Shape::mesh(collision::TriangleMesh::make(soup.vertices, soup.triangles)), {}};
 }
-fcl::Transform3d transform(const Pose& X) {
-  fcl::Transform3d F = fcl::Transform3d::Identity();
-  F.linear() = X.rotation;
-  F.translation() = X.translation;
-  return F;
-}
-
 /// Moves B along the normal until the pair is `gap` apart (negative: that deep).
 bool settle(double gap, Scratch& scratch, Pair& pair) {
   for (int i = 0; i < 40; ++i) {
@@ -119,8 +98,8 @@ bool settle(double gap, Scratch& scratch, Pair& pair) {
   }
   const DistanceResult r = distance(pair.a.ours, pair.X_WA, pair.b.ours, pair.X_WB, {}, scratch);
   pair.gap = r.distance.upper;
-  pair.F_WA = transform(pair.X_WA);
-  pair.F_WB = transform(pair.X_WB);
+  pair.F_WA = lab::isometry(pair.X_WA);
+  pair.F_WB = lab::isometry(pair.X_WB);
   return std::abs(r.distance.upper - gap) <= 1e-3 * std::abs(gap) + 1e-9;
 }
 
@@ -208,7 +187,7 @@ std::vector<Pair> coherent(Random& random, int tracks, int frames, const Make& m
     ++track;
     for (int i = 0; i < frames; ++i) {
       pair.track = track;
-      pair.F_WB = transform(pair.X_WB);
+      pair.F_WB = lab::isometry(pair.X_WB);
       pair.gap = std::numeric_limits<double>::quiet_NaN();
       pairs.push_back(pair);
       pair.X_WB.translation += v;

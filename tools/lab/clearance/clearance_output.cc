@@ -57,33 +57,4 @@ Table clearanceTable(const std::vector<ClearanceRow>& rows) {
   return table;
 }
 
-Figure clearanceFigure(const std::vector<ClearanceRow>& rows, const std::string& note) {
-  Figure figure;
-  figure.title = "Clearance from the world against time";
-  figure.note = note;
-  figure.columns = 2;
-  const Groups groups = grouped(rows);
-  for (const bool integral : {false, true}) {
-    PlotPanel panel;
-    panel.title = integral ? "integral of the hinge, median (less is better)"
-                           : "least clearance, median (more is better)";
-    panel.x.label = "limit [s]";
-    panel.y.label = integral ? "integral" : "least clearance [mm]";
-    panel.y.scale = AxisScale::kLinear;
-    panel.y.lower = 0;
-    for (const auto& [key, group] : groups) {
-      if (std::get<0>(key) != (integral ? "integral" : "least")) continue;
-      if (panel.series.empty() || panel.series.back().name != std::get<1>(key)) {
-        panel.series.emplace_back();
-        panel.series.back().name = std::get<1>(key);
-      }
-      const double value = integral ? medianOf(group, &ClearanceRow::integral)
-                                    : 1e3 * medianOf(group, &ClearanceRow::least);
-      panel.series.back().points.push_back({std::get<2>(key), value});
-    }
-    figure.panels.push_back(std::move(panel));
-  }
-  return figure;
-}
-
 }  // namespace leeway::tools::report

@@ -8,7 +8,6 @@
 
 #include "tools/lab/base/state_engine.h"
 #include "tools/lab/planning/planning_report.h"
-#include "tools/leeway/view/plot.h"
 
 namespace leeway::tools::report {
 
@@ -54,7 +53,5 @@ std::vector<ClearanceRow> measureClearance(const std::vector<PlanningProblem>& p
 Table clearanceRows(const std::vector<ClearanceRow>& rows);
 /// By objective, planner and limit: solved, colliding, medians of dense clearance and integral.
 Table clearanceTable(const std::vector<ClearanceRow>& rows);
-/// Medians against the limit, one panel for each objective.
-Figure clearanceFigure(const std::vector<ClearanceRow>& rows, const std::string& note);
 
 }  // namespace leeway::tools::report

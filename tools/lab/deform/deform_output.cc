@@ -1,10 +1,7 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <functional>
 
-#include "tools/lab/base/statistics.h"
 #include "tools/lab/deform/deform_report.h"
 
 namespace leeway::tools::report {
@@ -20,40 +17,6 @@ const DeformRow* find(const std::vector<DeformRow>& rows, const DeformRow& like,
 constexpr const char* kYardstick = "FCL AABB refit";
 
 bool isOurs(const DeformRow& row) { return row.engine.rfind("leeway", 0) == 0; }
-
-/// Running medians of five measured frames, so that an interrupted frame does not hide its
-/// neighbours.
-void smooth(std::vector<PlotPoint>& points) {
-  const std::vector<PlotPoint> raw = points;
-  for (std::size_t i = 0; i < raw.size(); ++i) {
-    std::vector<double> near;
-    for (std::size_t k = i < 2 ? 0 : i - 2; k < std::min(raw.size(), i + 3); ++k)
-      near.push_back(raw[k].y);
-    points[i].y = quantile(near, 0.5);
-  }
-}
-
-/// One quantity of all engines over time.
-PlotPanel framePanel(const std::vector<DeformRow>& rows, const std::string& motion, int triangles,
-                     const std::string& title, const std::function<double(const DeformFrame&)>& y) {
-  PlotPanel panel;
-  panel.title = title;
-  panel.x = {"frame", AxisScale::kLinear};
-  panel.y = {"us a frame", AxisScale::kLogarithmic};
-  for (const DeformRow& r : rows) {
-    if (r.motion != motion || r.triangles != triangles || !r.done) continue;
-    PlotSeries series;
-    series.name = r.engine;
-    series.marker = false;
-    for (std::size_t f = 0; f < r.by_frame.size(); ++f) {
-      const double value = y(r.by_frame[f]);
-      if (!std::isnan(value)) series.points.push_back({static_cast<double>(f + 1), value / 1000});
-    }
-    smooth(series.points);
-    if (!series.points.empty()) panel.series.push_back(std::move(series));
-  }
-  return panel;
-}
 
 }  // namespace
 
@@ -179,68 +142,6 @@ std::string deformWords(const std::vector<DeformRow>& rows) {
     text += "\n";
   }
   return text;
-}
-
-Figure deformUpdateFigure(const std::vector<DeformRow>& rows, const std::string& note) {
-  Figure figure;
-  figure.title = "Deforming meshes: one update";
-  figure.note = note;
-  std::vector<std::string> motions, engines;
-  for (const DeformRow& r : rows) {
-    if (std::find(motions.begin(), motions.end(), r.motion) == motions.end())
-      motions.push_back(r.motion);
-    if (std::find(engines.begin(), engines.end(), r.engine) == engines.end())
-      engines.push_back(r.engine);
-  }
-  for (const std::string& motion : motions) {
-    PlotPanel panel{motion, {"triangles"}, {"us an update"}, {}};
-    PlotSeries limit{"memory bandwidth", {}};
-    limit.marker = false;
-    limit.dashed = true;
-    for (const std::string& engine : engines) {
-      PlotSeries series;
-      series.name = engine;
-      for (const DeformRow& r : rows) {
-        if (r.motion != motion || r.engine != engine || !r.done) continue;
-        const auto x = static_cast<double>(r.triangles);
-        series.points.push_back(
-            {x, r.median.update / 1000, r.update_low / 1000, r.update_high / 1000});
-        if (std::none_of(limit.points.begin(), limit.points.end(),
-                         [&](const PlotPoint& p) { return p.x == x; }))
-          limit.points.push_back({x, r.bandwidth_limit / 1000});
-      }
-      if (!series.points.empty()) panel.series.push_back(std::move(series));
-    }
-    panel.series.push_back(std::move(limit));
-    figure.panels.push_back(std::move(panel));
-  }
-  return figure;
-}
-
-Figure deformDecayFigure(const std::vector<DeformRow>& rows, const std::string& note) {
-  Figure figure;
-  figure.title = "Deforming meshes: update and 12 distances, frame by frame";
-  figure.note = note;
-  std::vector<std::string> motions;
-  int largest = 0;
-  for (const DeformRow& r : rows) {
-    if (std::find(motions.begin(), motions.end(), r.motion) == motions.end())
-      motions.push_back(r.motion);
-    if (!std::isnan(r.median.spheres)) largest = std::max(largest, r.triangles);
-  }
-  // Sizes vary slightly by motion, so this selects each motion's largest within a quarter of the
-  // overall largest.
-  for (const std::string& motion : motions) {
-    int triangles = 0;
-    for (const DeformRow& r : rows)
-      if (r.motion == motion && !std::isnan(r.median.spheres) && r.triangles > largest * 3 / 4)
-        triangles = std::max(triangles, r.triangles);
-    if (triangles == 0) continue;
-    figure.panels.push_back(framePanel(
-        rows, motion, triangles, fmt::format("{}, {} triangles: 12 spheres", motion, triangles),
-        [](const DeformFrame& f) { return f.update + f.spheres; }));
-  }
-  return figure;
 }
 
 }  // namespace leeway::tools::report

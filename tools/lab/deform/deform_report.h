@@ -9,7 +9,6 @@
 #include "tools/lab/base/mesh_engine.h"
 #include "tools/lab/base/report_options.h"
 #include "tools/lab/base/table.h"
-#include "tools/leeway/view/plot.h"
 
 namespace leeway::tools::report {
 struct DeformRow;
@@ -79,10 +78,5 @@ Table deformTable(const std::vector<DeformRow>& rows);
 /// times cheaper than full refits (Larsson and Akenine-Moller 2001), their ratio when bounds on the
 /// vertices' motion are known, and a comparison of `auto` with the best single strategy.
 std::string deformWords(const std::vector<DeformRow>& rows);
-/// Update time over the number of triangles, one panel for each motion.
-Figure deformUpdateFigure(const std::vector<DeformRow>& rows, const std::string& note);
-/// Update and query times over the frames at the largest size with queries, running medians of five
-/// frames.
-Figure deformDecayFigure(const std::vector<DeformRow>& rows, const std::string& note);
 
 }  // namespace leeway::tools::report

@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <stdexcept>
 #include <utility>
+
+#include "tools/lab/dense/joint_motion.h"
 
 namespace leeway::dense {
 namespace {
@@ -55,15 +56,6 @@ double largestError(const Named& wanted, const std::vector<std::string>& names,
 }
 
 }  // namespace
-
-std::string requestOf(const std::string& scene) {
-  const std::filesystem::path path = scene;
-  std::string name = path.filename().string();
-  const std::size_t at = name.find("scene");
-  if (at == std::string::npos)
-    throw std::runtime_error(scene + ": a file named sceneNNNN.yaml is expected");
-  return (path.parent_path() / name.replace(at, 5, "request")).string();
-}
 
 DenseWorld::DenseWorld(std::shared_ptr<const robots::Model> model, const std::string& scene_file,
                        const std::string& request_file)
@@ -196,24 +188,9 @@ void DenseWorld::placeLinks(const std::vector<std::string>& names,
     Isometry3d X = joint.parent_link < 0 ? Isometry3d::Identity()
                                          : X_WL_[static_cast<std::size_t>(joint.parent_link)];
     X = X * isometry(joint.X_PJ);
-    switch (joint.type) {
-      case robots::JointType::kFixed:
-        break;
-      case robots::JointType::kRevolute:
-      case robots::JointType::kContinuous:
-        X.rotate(Eigen::AngleAxisd(q, joint.axis));
-        break;
-      case robots::JointType::kPrismatic:
-        X.translate(q * joint.axis);
-        break;
-      case robots::JointType::kPlanar:
-      case robots::JointType::kFloating:
-        // In MotionBenchMaker, a base that floats by the SRDF is at the origin.
-        if (joint.parent_link >= 0)
-          throw std::runtime_error("joint '" + joint.name +
-                                   "': this checker knows joints of one degree of freedom");
-        break;
-    }
+    // In MotionBenchMaker, a base that floats by the SRDF is at the origin.
+    const bool is_base = joint.parent_link < 0 && joint.variable_count > 1;
+    if (!is_base) X = X * jointMotion(joint, q);
     X_WL_[i] = X;
   }
 }

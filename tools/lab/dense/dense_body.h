@@ -13,9 +13,14 @@
 #include "leeway/collision/pose.h"
 #include "leeway/collision/shape.h"
 #include "tools/lab/dense/dense_world.h"
-#include "tools/lab/dense/fcl_shape.h"
+#include "tools/lab/fcl/fcl_shape.h"
 
 namespace leeway::dense {
+
+using lab::FclGeometry;
+using lab::FclSurface;
+using lab::isometry;
+using lab::toFcl;
 
 /// Bounding volumes of a shape: FCL's hierarchy over a mesh, one box around anything else.
 struct DenseWorld::Bounds {

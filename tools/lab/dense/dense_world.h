@@ -16,10 +16,6 @@
 
 namespace leeway::dense {
 
-/// The path of requestNNNN.yaml next to a MoveIt scene file sceneNNNN.yaml. Throws
-/// std::runtime_error for a file with another name.
-std::string requestOf(const std::string& scene);
-
 struct Collision {
   bool found = false;
   std::string a, b;

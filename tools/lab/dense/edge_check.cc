@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 #include <ompl/util/Console.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -25,14 +24,16 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "tools/lab/bench/asked_edges.h"
+#include "tools/lab/bench/problem_files.h"
+#include "tools/lab/bench/program.h"
 #include "tools/lab/dense/dense_world.h"
 #include "tools/truth/oracle/generate.h"
 
 namespace {
 
+using leeway::bench::requestOf;
 using leeway::dense::Collision;
 using leeway::dense::DenseWorld;
-using leeway::dense::requestOf;
 using leeway::oracle::Random;
 using leeway::planner::EdgeCertifier;
 using leeway::planner::EdgeCheck;
@@ -281,11 +282,5 @@ int main(int argc, char** argv) {
   app.add_option("--shard", options.shard, "i/N: every N-th edge from the i-th");
   app.add_option("--step", options.step, "distance between samples [rad]")
       ->check(CLI::PositiveNumber);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    return run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "edge_check: {}\n", error.what());
-    return 2;
-  }
+  return leeway::bench::runProgram("edge_check", app, argc, argv, [&] { return run(options); });
 }

@@ -11,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -21,7 +20,8 @@
 #include "leeway/planner/plan.h"
 #include "planner/guard/brake.h"
 #include "tools/lab/bench/noisy_policy.h"
-#include "tools/lab/bench/scene_request.h"
+#include "tools/lab/bench/problem_files.h"
+#include "tools/lab/bench/program.h"
 #include "tools/lab/dense/dense_world.h"
 
 namespace {
@@ -90,8 +90,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seed", seed)->capture_default_str();
   app.add_option("scenes", files)->required();
-  CLI11_PARSE(app, argc, argv);
-  try {
+  return leeway::bench::runProgram("guard_check", app, argc, argv, [&] {
     const auto model = leeway::robots::loadModel(robot, srdf);
     std::unique_ptr<leeway::dense::DenseWorld> first;
     Counts sum;
@@ -143,8 +142,5 @@ int main(int argc, char** argv) {
         sum.chunks, sum.contacts, sum.uncertified, of * static_cast<double>(sum.collide),
         of * static_cast<double>(sum.safe), 100 * share);
     return sum.contacts == 0 && share >= least ? 0 : 1;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "guard_check: {}\n", error.what());
-    return 2;
-  }
+  });
 }

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -20,13 +19,15 @@
 #include <vector>
 
 #include "tools/lab/base/statistics.h"
+#include "tools/lab/bench/problem_files.h"
+#include "tools/lab/bench/program.h"
 #include "tools/lab/dense/dense_world.h"
 
 namespace {
 
+using leeway::bench::requestOf;
 using leeway::dense::Collision;
 using leeway::dense::DenseWorld;
-using leeway::dense::requestOf;
 using leeway::tools::report::quantile;
 using Json = nlohmann::json;
 
@@ -187,11 +188,6 @@ int main(int argc, char** argv) {
   app.add_option("--scenes", scenes, "folder with the scenes, by set")
       ->check(CLI::ExistingDirectory);
   app.add_option("lines", lines, "output of leeway batch --verify")->required();
-  CLI11_PARSE(app, argc, argv);
-  try {
-    return run(robot, srdf, step, scenes, lines);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "mbm_report: {}\n", error.what());
-    return 2;
-  }
+  return leeway::bench::runProgram("mbm_report", app, argc, argv,
+                                   [&] { return run(robot, srdf, step, scenes, lines); });
 }

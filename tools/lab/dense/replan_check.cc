@@ -4,7 +4,6 @@
 #include <fcl/fcl.h>
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,16 +16,18 @@
 #include "leeway/collision/distance.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/problem.h"
-#include "tools/lab/dense/fcl_shape.h"
+#include "tools/lab/bench/program.h"
+#include "tools/lab/dense/joint_motion.h"
 #include "tools/lab/dense/trajectory_file.h"
+#include "tools/lab/fcl/fcl_shape.h"
 
 namespace {
 
 using Eigen::Isometry3d;
 using leeway::at;
 using leeway::collision::Shape;
-using leeway::dense::FclGeometry;
-using leeway::dense::isometry;
+using leeway::lab::FclGeometry;
+using leeway::lab::isometry;
 using leeway::planner::DeformingObstacle;
 using leeway::planner::Object;
 using leeway::planner::Problem;
@@ -90,7 +91,7 @@ class World {
           return part.owner + " and " + other.owner;
     for (const DeformingObstacle& o : problem_.world.deforming) {
       const std::vector<Eigen::Vector3d> vertices = verticesOf(o, time);
-      const FclGeometry mesh = leeway::dense::fclMesh(vertices, o.mesh->triangles());
+      const FclGeometry mesh = leeway::lab::fclMesh(vertices, o.mesh->triangles());
       for (const Part& part : robot_)
         if (!allowed(part.owner, o.object.name) && meets(part, mesh, Isometry3d::Identity()))
           return part.owner + " and " + o.object.name;
@@ -139,7 +140,7 @@ class World {
  private:
   static void add(std::vector<Part>& parts, const std::string& owner, int link,
                   const robots::Geometry& g, const Isometry3d& X) {
-    parts.push_back({owner, link, g.shape, X * isometry(g.X_BG), leeway::dense::toFcl(g.shape),
+    parts.push_back({owner, link, g.shape, X * isometry(g.X_BG), leeway::lab::toFcl(g.shape),
                      Isometry3d::Identity()});
   }
 
@@ -194,22 +195,7 @@ class World {
       if (master->variable_count == 1) value = factor * q[at(master->first_variable)] + offset;
       Isometry3d X = joint.parent_link < 0 ? Isometry3d::Identity() : X_WL_[at(joint.parent_link)];
       X = X * isometry(joint.X_PJ);
-      switch (joint.type) {
-        case robots::JointType::kFixed:
-          break;
-        case robots::JointType::kRevolute:
-        case robots::JointType::kContinuous:
-          X.rotate(Eigen::AngleAxisd(value, joint.axis));
-          break;
-        case robots::JointType::kPrismatic:
-          X.translate(value * joint.axis);
-          break;
-        case robots::JointType::kPlanar:
-        case robots::JointType::kFloating:
-          throw std::runtime_error("joint '" + joint.name +
-                                   "': this checker knows joints of one degree of freedom");
-      }
-      X_WL_[l] = X;
+      X_WL_[l] = X * leeway::dense::jointMotion(joint, value);
     }
     for (Part& part : robot_) part.X_WG = X_WL_[at(part.link)] * part.X_LG;
   }
@@ -274,11 +260,5 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   app.add_option("--distance-step", options.distance_step, "between samples for distance [s]")
       ->check(CLI::PositiveNumber);
-  CLI11_PARSE(app, argc, argv);
-  try {
-    return run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "replan_check: {}\n", error.what());
-    return 2;
-  }
+  return leeway::bench::runProgram("replan_check", app, argc, argv, [&] { return run(options); });
 }

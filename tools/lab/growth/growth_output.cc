@@ -1,10 +1,8 @@
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
 #include "tools/lab/growth/growth_report.h"
-#include "tools/lab/growth/growth_worlds.h"
 
 namespace leeway::tools::report {
 namespace {
@@ -46,31 +44,6 @@ Table growthTable(const std::vector<GrowthRow>& rows) {
     table.add(std::move(cells));
   }
   return table;
-}
-
-Figure growthFigure(const std::vector<GrowthRow>& rows, const std::string& note) {
-  Figure figure;
-  figure.title = "Growth of worlds and robots";
-  figure.note = note;
-  figure.columns = static_cast<int>(kQuantities.size());
-  for (const std::string& family : growthFamilies()) {
-    for (const Quantity& quantity : kQuantities) {
-      PlotPanel panel;
-      panel.title = family;
-      panel.x.label = family;
-      panel.y.label = quantity.label;
-      for (const GrowthRow& r : rows) {
-        if (r.family != family || !(quantity.of(r) > 0)) continue;
-        const auto same = [&](const PlotSeries& series) { return series.name == r.engine; };
-        auto series = std::find_if(panel.series.begin(), panel.series.end(), same);
-        if (series == panel.series.end())
-          series = panel.series.insert(series, PlotSeries{r.engine, {}});
-        series->points.push_back({static_cast<double>(r.count), quantity.of(r)});
-      }
-      if (!panel.series.empty()) figure.panels.push_back(std::move(panel));
-    }
-  }
-  return figure;
 }
 
 }  // namespace leeway::tools::report

@@ -40,38 +40,29 @@ double heapBytes() {
 #endif
 }
 
-struct Edge {
-  std::vector<double> a, b;
-};
+using bench::AskedEdge;
 
-std::vector<Edge> askedEdges(const planner::Problem& problem, int most) {
+std::vector<AskedEdge> askedEdges(const planner::Problem& problem, int most) {
   const auto scene = std::make_shared<const CompiledScene>(problem);
   const planner::QuietOmpl quiet;
-  const bench::AskedEdges asked = bench::askedEdges(problem, scene, kAskedIterations);
-  std::vector<Edge> all, some;
-  for (const auto* ends : {&asked.planning, &asked.simplifying})
-    for (std::size_t i = 0; i + 1 < ends->size(); i += 2)
-      all.push_back({(*ends)[i], (*ends)[i + 1]});
-  const std::size_t wanted = std::min(all.size(), static_cast<std::size_t>(most));
-  for (std::size_t i = 0; i < wanted; ++i) some.push_back(all[i * all.size() / wanted]);
-  return some;
+  return bench::askedEdges(problem, scene, kAskedIterations).some(most);
 }
 
 /// The mean CPU time of `ask` over the edges; median of the rounds [us].
-double microsecondsAnEdge(const std::vector<Edge>& edges, int rounds,
-                          const std::function<void(const Edge&)>& ask) {
+double microsecondsAnEdge(const std::vector<AskedEdge>& edges, int rounds,
+                          const std::function<void(const AskedEdge&)>& ask) {
   if (edges.empty()) return 0;
   std::vector<double> sums;
   for (int round = 0; round < rounds; ++round) {
     const double begin = bench::cpuNanoseconds();
-    for (const Edge& edge : edges) ask(edge);
+    for (const AskedEdge& edge : edges) ask(edge);
     sums.push_back(bench::cpuNanoseconds() - begin);
   }
   return 1e-3 * median(sums) / static_cast<double>(edges.size());
 }
 
 /// Walks up to the first state that is not free.
-void walk(const planner::ConfigurationSpace& space, RivalStates& states, const Edge& edge,
+void walk(const planner::ConfigurationSpace& space, RivalStates& states, const AskedEdge& edge,
           std::vector<double>& at) {
   const int steps =
       std::max(1, static_cast<int>(std::ceil(space.distance(edge.a, edge.b) / kStep)));
@@ -95,7 +86,7 @@ double secondsToChange(const CompiledScene& scene, const planner::Problem& probl
   return median(times);
 }
 
-GrowthRow ours(const std::string& family, std::int64_t count, std::vector<Edge>& edges,
+GrowthRow ours(const std::string& family, std::int64_t count, std::vector<AskedEdge>& edges,
                const GrowthReportOptions& options) {
   GrowthRow row{family, count, "Leeway"};
   // Meshes store data for their queries, so a new world is made here to measure all of it.
@@ -112,8 +103,8 @@ GrowthRow ours(const std::string& family, std::int64_t count, std::vector<Edge>&
     row.change_s = secondsToChange(*scene, problem, options.rounds);
   if (edges.empty() || family == "joints") edges = askedEdges(problem, options.edges);
   row.edges = static_cast<int>(edges.size());
-  row.edge_us = microsecondsAnEdge(edges, options.rounds,
-                                   [&](const Edge& edge) { certifier.certify(edge.a, edge.b); });
+  row.edge_us = microsecondsAnEdge(
+      edges, options.rounds, [&](const AskedEdge& edge) { certifier.certify(edge.a, edge.b); });
   problem.seed = options.seed;
   problem.limits.time = options.time;
   const planner::PlanResult result = planner::plan(scene, problem);
@@ -124,7 +115,7 @@ GrowthRow ours(const std::string& family, std::int64_t count, std::vector<Edge>&
 }
 
 GrowthRow theirs(const std::string& family, std::int64_t count, const StateEngine& engine,
-                 const std::vector<Edge>& edges, const GrowthReportOptions& options) {
+                 const std::vector<AskedEdge>& edges, const GrowthReportOptions& options) {
   GrowthRow row{family, count, engine.name()};
   row.status = "left out";
   const auto scene = std::make_shared<const CompiledScene>(growthProblem(family, count));
@@ -138,8 +129,9 @@ GrowthRow theirs(const std::string& family, std::int64_t count, const StateEngin
   row.edges = static_cast<int>(edges.size());
   RivalStates states(*scene, *checker);
   std::vector<double> at(scene->space().variables().size());
-  row.edge_us = microsecondsAnEdge(
-      edges, options.rounds, [&](const Edge& edge) { walk(scene->space(), states, edge, at); });
+  row.edge_us = microsecondsAnEdge(edges, options.rounds, [&](const AskedEdge& edge) {
+    walk(scene->space(), states, edge, at);
+  });
   return row;
 }
 
@@ -149,7 +141,7 @@ std::vector<GrowthRow> measureGrowth(const std::vector<const StateEngine*>& riva
                                      const GrowthReportOptions& options) {
   std::vector<GrowthRow> rows;
   for (const auto& [family, counts] : options.counts) {
-    std::vector<Edge> edges;
+    std::vector<AskedEdge> edges;
     for (const std::int64_t count : counts) {
       if (options.progress) options.progress(fmt::format("{} {}", count, family));
       std::vector<GrowthRow> added{ours(family, count, edges, options)};

@@ -9,7 +9,6 @@
 #include "tools/lab/base/report_options.h"
 #include "tools/lab/base/state_engine.h"
 #include "tools/lab/base/table.h"
-#include "tools/leeway/view/plot.h"
 
 namespace leeway::tools::report {
 
@@ -58,7 +57,5 @@ std::vector<GrowthRow> measureGrowth(const std::vector<const StateEngine*>& riva
 Table growthRows(const std::vector<GrowthRow>& rows);
 /// For people: milliseconds and megabytes.
 Table growthTable(const std::vector<GrowthRow>& rows);
-/// A row of panels for each family: making, memory, one edge, planning.
-Figure growthFigure(const std::vector<GrowthRow>& rows, const std::string& note);
 
 }  // namespace leeway::tools::report

@@ -11,15 +11,17 @@
 // stores totals after every block; an interrupted run resumes from it. Exit status: 0; 1 if a check
 // failed; 2 for bad usage.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <fstream>
+#include <map>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 
+#include "tools/lab/bench/program.h"
 #include "tools/lab/long_run/examine.h"
 
 namespace {
@@ -42,48 +44,6 @@ struct State {
   std::int64_t next_block = 0;
   Table table;
 };
-
-int usage(const char* argument) {
-  std::fprintf(stderr, "long_run: %s; accepted: [--cases N] [--seed N] [--family", argument);
-  for (const char* name : kFamilyNames) std::fprintf(stderr, " %s", name);
-  std::fprintf(stderr, "] [--oracle-every N] [--state FILE] [--block N] [--verbose]\n");
-  return 2;
-}
-
-bool number(const char* text, std::int64_t& value) {
-  char* end = nullptr;
-  value = std::strtoll(text, &end, 10);
-  return *text != '\0' && *end == '\0' && value >= 0;
-}
-
-// The first unknown argument; null if all are known.
-const char* parse(int argc, char** argv, Options& o) {
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (option == "--verbose") {
-      o.verbose = true;
-      continue;
-    }
-    if (i + 1 == argc) return argv[i];
-    const char* value = argv[++i];
-    if (option == "--state") {
-      o.state = value;
-    } else if (option == "--family") {
-      for (std::size_t f = 0; f < kFamilyNames.size(); ++f) {
-        if (std::strcmp(value, kFamilyNames[f]) == 0) o.family = static_cast<int>(f);
-      }
-      if (o.family < 0) return value;
-    } else {
-      std::int64_t* number_of = option == "--cases"          ? &o.cases
-                                : option == "--seed"         ? &o.seed
-                                : option == "--oracle-every" ? &o.oracle_every
-                                : option == "--block"        ? &o.block
-                                                             : nullptr;
-      if (number_of == nullptr || !number(value, *number_of)) return argv[i - 1];
-    }
-  }
-  return nullptr;
-}
 
 std::string heading(const Options& o) {
   std::ostringstream text;
@@ -152,17 +112,11 @@ void print(const Table& table, Tally& all) {
   row("all", all);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  Options o;
-  if (const char* wrong = parse(argc, argv, o)) return usage(wrong);
+int run(const Options& o) {
   State state;
-  if (!o.state.empty() && !readState(o, state)) {
-    std::fprintf(stderr, "long_run: %s: of another run, or damaged; '%s' is expected\n",
-                 o.state.c_str(), heading(o).c_str());
-    return 2;
-  }
+  if (!o.state.empty() && !readState(o, state))
+    throw std::runtime_error(o.state + ": of another run, or damaged; '" + heading(o) +
+                             "' is expected");
   Examiner examiner;
   examiner.verbose = o.verbose;
   leeway::collision::Scratch scratch;
@@ -173,13 +127,31 @@ int main(int argc, char** argv) {
       runBlock(o, state.next_block, std::min(kBlock, o.cases - begin), examiner, scratch,
                state.table);
       ++state.next_block;
-      if (!o.state.empty() && !writeState(o, state)) {
-        std::fprintf(stderr, "long_run: %s: cannot be written\n", o.state.c_str());
-        return 2;
-      }
+      if (!o.state.empty() && !writeState(o, state))
+        throw std::runtime_error(o.state + ": cannot be written");
     }
   }
   Tally all;
   print(state.table, all);
   return all.unsafe == 0 && all.failures == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Random and hard pairs of convex shapes through the distance engine.");
+  Options o;
+  std::map<std::string, int> families;
+  for (const char* name : kFamilyNames) families.emplace(name, static_cast<int>(families.size()));
+  app.add_option("--cases", o.cases, "to make")->check(CLI::NonNegativeNumber);
+  app.add_option("--seed", o.seed, "of the cases")->check(CLI::NonNegativeNumber);
+  app.add_option("--family", o.family, "only this one")
+      ->transform(CLI::CheckedTransformer(families));
+  app.add_option("--oracle-every", o.oracle_every,
+                 "cases, one is compared with the oracle; 0: none")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--state", o.state, "file with the totals, from which a run goes on");
+  app.add_option("--block", o.block, "repeat one")->check(CLI::NonNegativeNumber);
+  app.add_flag("--verbose", o.verbose, "name each case");
+  return leeway::bench::runProgram("long_run", app, argc, argv, [&] { return run(o); });
 }

@@ -31,23 +31,9 @@ constexpr std::array<const char*, 5> kMethods = {"certified", "first order", "1/
 
 double cpuMicroseconds() { return 1e-3 * bench::cpuNanoseconds(); }
 
-struct Edge {
-  std::vector<double> a, b;
+struct Edge : bench::AskedEdge {
   std::size_t kind = 0;
 };
-
-/// At most `most` edges of both lists, evenly spaced.
-std::vector<Edge> someOf(const bench::AskedEdges& asked, int most) {
-  std::vector<Edge> all;
-  for (const auto* ends : {&asked.planning, &asked.simplifying})
-    for (std::size_t i = 0; i + 1 < ends->size(); i += 2)
-      all.push_back({(*ends)[i], (*ends)[i + 1]});
-  const auto wanted = static_cast<std::size_t>(most);
-  if (all.size() <= wanted) return all;
-  std::vector<Edge> some;
-  for (std::size_t i = 0; i < wanted; ++i) some.push_back(all[i * all.size() / wanted]);
-  return some;
-}
 
 /// verify() on a single edge, as a separate problem.
 class SingleEdge {
@@ -104,13 +90,13 @@ EdgeRow measure(const std::string& problem, std::size_t kind, std::size_t method
 void measureProblem(const NamedProblem& named, const EdgeReportOptions& options,
                     std::vector<EdgeRow>& rows) {
   const auto scene = std::make_shared<const CompiledScene>(named.problem);
-  std::vector<Edge> edges =
-      someOf(bench::askedEdges(named.problem, scene, options.iterations), options.edges);
   EdgeCertifier certifier(scene);
   SingleEdge single(named.problem);
   // Edges that verify() leaves undecided have no known truth.
   std::vector<Edge> known;
-  for (Edge& edge : edges) {
+  for (const bench::AskedEdge& asked :
+       bench::askedEdges(named.problem, scene, options.iterations).some(options.edges)) {
+    Edge edge{asked};
     const VerifyStatus status = single.verify(edge.a, edge.b);
     if (status == VerifyStatus::kUndecided) continue;
     edge.kind = 2;
@@ -193,32 +179,6 @@ Table edgesTable(const std::vector<EdgeRow>& rows) {
     }
   }
   return table;
-}
-
-Figure edgesFigure(const std::vector<EdgeRow>& rows, const std::string& note) {
-  Figure figure;
-  figure.title = "Edges: certified, first order, and in steps";
-  figure.note = note;
-  for (const char* kind : kKinds) {
-    PlotPanel panel;
-    panel.title = std::string(kind) + " edges";
-    panel.x = {"problem, in the order given", AxisScale::kLinear};
-    panel.y = {"us an edge"};
-    for (const char* method : kMethods) {
-      PlotSeries series;
-      series.name = method;
-      series.line = false;
-      std::vector<std::string> names;
-      for (const EdgeRow& r : rows) {
-        if (names.empty() || names.back() != r.problem) names.push_back(r.problem);
-        if (r.kind == kind && r.method == method)
-          series.points.push_back({static_cast<double>(names.size()), r.us});
-      }
-      panel.series.push_back(std::move(series));
-    }
-    figure.panels.push_back(std::move(panel));
-  }
-  return figure;
 }
 
 }  // namespace leeway::tools::report

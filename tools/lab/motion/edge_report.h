@@ -8,7 +8,6 @@
 
 #include "leeway/planner/problem.h"
 #include "tools/lab/base/table.h"
-#include "tools/leeway/view/plot.h"
 
 namespace leeway::tools::report {
 
@@ -56,7 +55,5 @@ std::vector<EdgeRow> measureEdges(const std::vector<NamedProblem>& problems,
 Table edgeRows(const std::vector<EdgeRow>& rows);
 /// For people: sums over all problems.
 Table edgesTable(const std::vector<EdgeRow>& rows);
-/// Time for each edge [us] by problem, one panel for each kind.
-Figure edgesFigure(const std::vector<EdgeRow>& rows, const std::string& note);
 
 }  // namespace leeway::tools::report

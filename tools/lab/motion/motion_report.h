@@ -9,7 +9,6 @@
 #include "tools/lab/base/motion_engine.h"
 #include "tools/lab/base/report_options.h"
 #include "tools/lab/base/table.h"
-#include "tools/leeway/view/plot.h"
 
 namespace leeway::tools::report {
 struct MotionRow;
@@ -59,8 +58,5 @@ std::vector<MotionRow> measureMotion(const std::vector<const ContactEngine*>& en
 Table motionRows(const std::vector<MotionRow>& rows);
 /// For people, by family.
 Table motionTable(const std::vector<MotionRow>& rows);
-/// Median and 95 % of the times by family in one panel, and shares of misses and false hits in the
-/// other.
-Figure motionFigure(const std::vector<MotionRow>& rows, const std::string& note);
 
 }  // namespace leeway::tools::report

@@ -123,25 +123,19 @@ int runReportAccuracy(report::AccuracyOptions options) {
   const auto own = report::makeOwnEngines();
   const auto engines = out.engines(own, &report::Rivals::pairs);
   options.progress = out.begin(set.families.size());
-  options.on_rows = out.keep("accuracy.csv", report::accuracyRows);
+  options.on_rows = out.keep("accuracy", report::accuracyRows);
   const std::vector<AccuracyRow> rows = report::measureAccuracy(set, engines, options);
 
-  RivalReport::End end{
-      out.note(fmt::format(
-          "{}; one pinned core, medians of {} passes; each line: tolerances 1e-1 to 1e-15; errors "
-          "against quadruple precision",
-          is_file ? options.cases : fmt::format("{} cases a family", options.per_family),
-          options.passes)),
-      report::accuracyTables(rows)};
-  const auto figure = [&](const std::vector<FamilyKind>& kinds, const char* title) {
-    return toSvg(report::accuracyFigure(rows, kinds, title, end.note));
-  };
-  out.write("accuracy.csv", report::accuracyRows(rows));
-  out.write("hard_cases.csv", report::hardCaseRows(rows));
-  out.write("accuracy.svg", figure({FamilyKind::kOrdinary, FamilyKind::kCoherent},
-                                   "Distance between convex shapes: time against true error"));
-  out.write("hard_cases.svg", figure({FamilyKind::kOverlap, FamilyKind::kHard},
-                                     "Overlaps and hard cases: time against true error"));
+  out.note(
+      fmt::format("{}; one pinned core, medians of {} passes; each line: tolerances 1e-1 to 1e-15; "
+                  "errors against "
+                  "quadruple precision",
+                  is_file ? options.cases : fmt::format("{} cases a family", options.per_family),
+                  options.passes));
+  out.write("accuracy", report::accuracyRows(rows));
+  out.write("hard_cases", report::hardCaseRows(rows));
+  out.draw({"accuracy.svg", "hard_cases.svg"});
+  RivalReport::End end{report::accuracyTables(rows)};
   end.counted = "families";
   end.count = set.families.size();
   end.own_errors = ownErrors(rows);

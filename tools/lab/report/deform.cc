@@ -27,16 +27,13 @@ int runReportDeform(report::DeformReportOptions options) {
   const auto engines = out.engines(own, &report::Rivals::meshes);
   if (options.motions.empty()) options.motions = report::deformMotions();
   options.progress = out.begin(options.motions.size() * options.triangles.size());
-  options.on_rows = out.keep("deform.csv", report::deformRows);
+  options.on_rows = out.keep("deform", report::deformRows);
   const std::vector<DeformRow> rows = report::measureDeform(engines, options);
-  RivalReport::End end{
-      out.note(fmt::format("{} frames; one pinned core, medians over the frames", options.frames)),
-      {report::deformTable(rows)},
-      report::deformWords(rows)};
-  out.write("deform.csv", report::deformRows(rows));
-  out.write("deform_frames.csv", report::deformFrameRows(rows));
-  out.write("deform_update.svg", toSvg(report::deformUpdateFigure(rows, end.note)));
-  out.write("deform_decay.svg", toSvg(report::deformDecayFigure(rows, end.note)));
+  out.note(fmt::format("{} frames; one pinned core, medians over the frames", options.frames));
+  out.write("deform", report::deformRows(rows));
+  out.write("deform_frames", report::deformFrameRows(rows));
+  out.draw({"deform_update.svg", "deform_decay.svg"});
+  RivalReport::End end{{report::deformTable(rows)}, report::deformWords(rows)};
   end.count = rows.size();
   end.own_errors = ownErrors(rows);
   return out.end(end);

@@ -15,13 +15,12 @@ int runReportGrowth(report::GrowthReportOptions options) {
     worlds += counts.size();
   }
   options.progress = out.begin(worlds);
-  options.on_rows = out.keep("growth.csv", report::growthRows);
+  options.on_rows = out.keep("growth", report::growthRows);
   const std::vector<report::GrowthRow> rows = report::measureGrowth(rivals, options);
-  RivalReport::End end{
-      out.note("one pinned core; an edge: ours certified, the others in steps of 1/32 rad"),
-      {report::growthTable(rows)}};
-  out.write("growth.csv", report::growthRows(rows));
-  out.write("growth.svg", toSvg(report::growthFigure(rows, end.note)));
+  out.note("one pinned core; an edge: ours certified, the others in steps of 1/32 rad");
+  out.write("growth", report::growthRows(rows));
+  out.draw({"growth.svg"});
+  RivalReport::End end{{report::growthTable(rows)}};
   for (const report::GrowthRow& row : rows)
     if (row.engine == "Leeway") end.own_errors += row.status == "solved" ? 0 : 1;
   end.count = rows.size();

@@ -31,16 +31,17 @@ int runReportIk(report::IkReportOptions options) {
   const auto rivals = out.rivals(&report::Rivals::kinematics);
   out.begin(1);
   options.progress = showProgress;
-  options.on_rows = out.keep("ik.csv", report::ikRows);
-  options.on_proof_rows = out.keep("ik_proofs.csv", report::ikProofRows);
+  options.on_rows = out.keep("ik", report::ikRows);
+  options.on_proof_rows = out.keep("ik_proofs", report::ikProofRows);
   const std::vector<report::IkRow> rows = report::measureIk(robots, rivals, options);
   const std::vector<report::IkProofRow> proofs = report::measureIkProofs(robots, options);
-  RivalReport::End end{
-      out.note("poses of random configurations, from random starts; proofs for poses beyond reach, "
-               "and tried for reachable ones; one pinned core, processor time"),
-      {report::ikTable(rows), report::ikProofRows(proofs)}};
-  out.write("ik.csv", report::ikRows(rows));
-  out.write("ik_proofs.csv", report::ikProofRows(proofs));
+  out.note(
+      "poses of random configurations, from random starts; proofs for poses beyond reach, and "
+      "tried "
+      "for reachable ones; one pinned core, processor time");
+  out.write("ik", report::ikRows(rows));
+  out.write("ik_proofs", report::ikProofRows(proofs));
+  RivalReport::End end{{report::ikTable(rows), report::ikProofRows(proofs)}};
   for (const report::IkRow& row : rows)
     end.own_errors += row.engine == "Leeway" ? row.wrong + row.coarse : 0;
   for (const report::IkProofRow& row : proofs) end.own_errors += row.wrong;

@@ -56,25 +56,24 @@ int runReportMotion(report::MotionReportOptions options, const MotionProblems& a
   const auto engines = out.engines(own, &report::Rivals::motions);
   if (options.families.empty()) options.families = report::contactFamilies();
   options.progress = out.begin(options.families.size() + problems.size());
-  options.on_rows = out.keep("motion.csv", report::motionRows);
+  options.on_rows = out.keep("motion", report::motionRows);
   const std::vector<MotionRow> rows = report::measureMotion(engines, options);
   report::EdgeReportOptions edge_options;
   edge_options.edges = asked.edges;
   edge_options.progress = options.progress;
-  edge_options.on_rows = out.keep("edges.csv", report::edgeRows);
+  edge_options.on_rows = out.keep("edges", report::edgeRows);
   const std::vector<report::EdgeRow> edges = report::measureEdges(problems, edge_options);
-  RivalReport::End end{
-      out.note(
-          fmt::format("{} cases a family; one pinned core, of each case the median of {} passes",
-                      options.cases, options.passes)),
-      {report::motionTable(rows)}};
-  out.write("motion.csv", report::motionRows(rows));
-  out.write("motion.svg", toSvg(report::motionFigure(rows, end.note)));
+  out.note(fmt::format("{} cases a family; one pinned core, of each case the median of {} passes",
+                       options.cases, options.passes));
+  RivalReport::End end{{report::motionTable(rows)}};
+  std::vector<std::string> pictures = {"motion.svg"};
+  out.write("motion", report::motionRows(rows));
   if (!problems.empty()) {
-    out.write("edges.csv", report::edgeRows(edges));
-    out.write("edges.svg", toSvg(report::edgesFigure(edges, end.note)));
+    out.write("edges", report::edgeRows(edges));
+    pictures.emplace_back("edges.svg");
     end.tables.push_back(report::edgesTable(edges));
   }
+  out.draw(pictures);
   end.count = rows.size();
   end.own_errors = ownErrors(rows, edges);
   return out.end(end);

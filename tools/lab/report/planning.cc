@@ -36,14 +36,13 @@ int runReportPlanning(report::PlanningReportOptions options) {
   const std::vector<report::PlanningProblem> problems = readProblems(options);
   const auto rivals = out.rivals(&report::Rivals::states);
   options.progress = out.begin(problems.size() * static_cast<std::size_t>(options.seeds));
-  options.on_rows = out.keep("planning.csv", report::planningRows);
+  options.on_rows = out.keep("planning", report::planningRows);
   const std::vector<report::PlanningRow> rows = report::measurePlanning(problems, rivals, options);
-  RivalReport::End end{
-      out.note(fmt::format(
-          "{} seeds; at most {:g} s a run; one pinned core; lengths are relative to ours",
-          options.seeds, options.time)),
-      {report::planningTable(rows), report::slowestRuns(rows)}};
-  out.write("planning.csv", report::planningRows(rows));
+  out.note(
+      fmt::format("{} seeds; at most {:g} s a run; one pinned core; lengths are relative to ours",
+                  options.seeds, options.time));
+  out.write("planning", report::planningRows(rows));
+  RivalReport::End end{{report::planningTable(rows), report::slowestRuns(rows)}};
   for (const report::PlanningRow& row : rows)
     if (row.planner == "Leeway") end.own_errors += row.colliding ? 1 : 0;
   end.count = rows.size();

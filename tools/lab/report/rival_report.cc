@@ -1,6 +1,8 @@
 #include "tools/lab/report/rival_report.h"
 
 #include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -71,6 +73,19 @@ void tellOfPartial(const std::string& file) {
   setNote(fmt::format("\ninterrupted: {} holds the rows so far\n", file));
 }
 
+/// Runs a program; returns its exit status, or -1 if it cannot be started or dies.
+int statusOf(const char* program, std::vector<std::string> words) {
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t child = 0;
+  int status = 0;
+  if (::posix_spawnp(&child, program, nullptr, nullptr, arguments.data(), environ) != 0) return -1;
+  while (::waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) return -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
 }  // namespace
 
 RivalReport::RivalReport(const report::ReportOptions& options) : options_(options) {
@@ -98,13 +113,13 @@ std::function<void(const std::string&)> RivalReport::begin(std::size_t units) {
   return [this](const std::string& unit) { progress_->next(unit); };
 }
 
-std::string RivalReport::note(const std::string& text) {
-  return fmt::format("{}; {}", report::machineName(), text);
+void RivalReport::note(const std::string& text) {
+  note_ = fmt::format("{}; {}", report::machineName(), text);
 }
 
 void RivalReport::addRows(const std::string& name, const report::Table& table) {
   const std::string csv = table.csv();
-  const std::string file = within(options_.output, name + ".partial");
+  const std::string file = within(options_.output, name + ".csv.partial");
   const bool is_new = partial_.insert(name).second;
   std::error_code error;  // what is wrong shows when the file is written
   std::filesystem::create_directories(options_.output, error);
@@ -117,15 +132,41 @@ void RivalReport::addRows(const std::string& name, const report::Table& table) {
   tellOfPartial(file);
 }
 
-void RivalReport::write(const std::string& name, const std::string& text) {
+void RivalReport::write(const std::string& name, const report::Table& table) {
   std::error_code error;  // what is wrong shows when the file is written
   std::filesystem::create_directories(options_.output, error);
-  planner::writeFileWhole(within(options_.output, name), text);
-  names_.push_back(name);
+  const std::string csv = within(options_.output, name + ".csv");
+  planner::writeFileWhole(csv, table.csv());
+  const nlohmann::ordered_json document = {
+      {"note", note_}, {"seed", options_.seed}, {"rows", table.json()}};
+  planner::writeFileWhole(
+      within(options_.output, name + ".json"),
+      document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  names_.insert(names_.end(), {name + ".csv", name + ".json"});
   if (partial_.count(name) != 0) {
-    std::filesystem::remove(within(options_.output, name + ".partial"), error);
-    setNote(fmt::format("\ninterrupted: {} is whole\n", within(options_.output, name)));
+    std::filesystem::remove(csv + ".partial", error);
+    setNote(fmt::format("\ninterrupted: {} is whole\n", csv));
   }
+}
+
+void RivalReport::draw(const std::vector<std::string>& pictures) {
+  constexpr int kNoMatplotlib = 3;  // of draw_report
+  std::vector<std::string> words = {"python3", report::moduleFolder() / "draw_report",
+                                    options_.output};
+  words.insert(words.end(), pictures.begin(), pictures.end());
+  // The first one of PATH may belong to an environment; Debian's matplotlib belongs to Debian's.
+  int status = kNoMatplotlib;
+  for (const char* python : {"python3", "/usr/bin/python3"})
+    if (status == kNoMatplotlib || status < 0) status = statusOf(python, words);
+  if (status == 0) {
+    names_.insert(names_.end(), pictures.begin(), pictures.end());
+    return;
+  }
+  fmt::print(stderr, "without {}: {}\n", fmt::join(pictures, ", "),
+             status == kNoMatplotlib || status < 0
+                 ? "python3 and matplotlib draw them (python3-matplotlib)"
+                 : "draw_report failed");
+  missing_.emplace_back("matplotlib");
 }
 
 int RivalReport::end(const End& end) const {
@@ -144,7 +185,7 @@ int RivalReport::end(const End& end) const {
                                       {"files", files}}
                            .dump());
   } else {
-    fmt::print("{}\n", end.note);
+    fmt::print("{}\n", note_);
     for (const report::Table& table : end.tables)
       if (!table.rows().empty())
         fmt::print("\n{}", formatTable(table.heading(), table.rows(), table.textColumns()));

@@ -49,25 +49,27 @@ class RivalReport {
 
   /// Pins the process to one processor, and shows the progress of `units` units of work.
   std::function<void(const std::string&)> begin(std::size_t units);
-  /// For on_rows: keeps the rows so far in FILE.partial, which is what an interrupted report
+  /// For on_rows: keeps the rows so far in NAME.csv.partial, which is what an interrupted report
   /// leaves.
   template <class Row>
   std::function<void(const std::vector<Row>&)> keep(
-      const std::string& file, report::Table (*table)(const std::vector<Row>&)) {
-    return [this, file, table](const std::vector<Row>& added) { addRows(file, table(added)); };
+      const std::string& name, report::Table (*table)(const std::vector<Row>&)) {
+    return [this, name, table](const std::vector<Row>& added) { addRows(name, table(added)); };
   }
-  /// The machine and `text`: the conditions of the measurement.
-  static std::string note(const std::string& text);
+  /// Sets the conditions of the measurement, to which the machine's name is added: people read them
+  /// first, and files and pictures contain them.
+  void note(const std::string& text);
 
-  /// Writes a file of the folder; a table in place of FILE.partial. Throws robots::InputError if
-  /// that fails.
-  void write(const std::string& name, const std::string& text);
-  void write(const std::string& name, const report::Table& table) { write(name, table.csv()); }
+  /// Writes NAME.csv, in place of NAME.csv.partial, and NAME.json: an object with the note, the
+  /// seed and the rows. Throws robots::InputError if that fails.
+  void write(const std::string& name, const report::Table& table);
+  /// Draws pictures of the tables so far, with matplotlib. Says so on stderr where Python or
+  /// matplotlib is missing, and goes on.
+  void draw(const std::vector<std::string>& pictures);
 
   /// How the report ends.
   struct End {
-    std::string note = {};                   ///< what people read first
-    std::vector<report::Table> tables = {};  ///< then
+    std::vector<report::Table> tables = {};  ///< after the note
     std::string words = {};                  ///< at last, before the seed
     std::size_t count = 0;                   ///< of rows, or of what `counted` names
     std::string counted = "rows";
@@ -87,7 +89,8 @@ class RivalReport {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   bool is_loaded_ = false;
   std::vector<report::RivalModule> modules_;
-  std::vector<std::string> missing_;  // libraries of rivals
+  std::string note_;
+  std::vector<std::string> missing_;  // libraries of rivals, and what draws
   std::vector<std::string> names_;    // of files
   std::set<std::string> partial_;     // of files that addRows() began
 };

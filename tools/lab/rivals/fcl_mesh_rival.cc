@@ -3,9 +3,6 @@
 
 #include "tools/lab/rivals/fcl_mesh_rival.h"
 
-#include <fcl/geometry/bvh/BVH_model.h>
-#include <fcl/geometry/shape/capsule.h>
-#include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/distance.h>
 
 #include <type_traits>
@@ -23,7 +20,7 @@ template <typename Volume>
 class FclFollower : public MeshFollower {
  public:
   FclFollower(const DeformingSpec& spec, bool refit)
-      : model_(makeFclModel<Volume>(spec.rest, spec.triangles)), refit_(refit) {}
+      : model_(lab::fclMesh<Volume>(spec.rest, spec.triangles)), refit_(refit) {}
 
   void setVertices(std::span<const Eigen::Vector3d> vertices, double) override {
     model_->beginReplaceModel();
@@ -36,14 +33,9 @@ class FclFollower : public MeshFollower {
     if constexpr (!std::is_same_v<Volume, fcl::OBBRSSd>) return false;
     switch (shape.type()) {
       case ShapeType::kSphere:
-        bodies_.push_back(std::make_shared<fcl::Sphered>(shape.radius()));
-        return true;
       case ShapeType::kCapsule:
-        bodies_.push_back(std::make_shared<fcl::Capsuled>(shape.radius(), 2 * shape.halfLength()));
-        return true;
       case ShapeType::kMesh:
-        bodies_.push_back(
-            makeFclModel<Volume>(shape.mesh()->vertices(), shape.mesh()->triangles()));
+        bodies_.push_back(lab::toFcl(shape));
         return true;
       default:
         return false;
@@ -53,8 +45,8 @@ class FclFollower : public MeshFollower {
   double distance(int body, const collision::Pose& X_WB) override {
     fcl::DistanceResultd result;
     return fcl::distance(model_.get(), fcl::Transform3d::Identity(),
-                         bodies_[static_cast<std::size_t>(body)].get(), toFcl(X_WB), request_,
-                         result);
+                         bodies_[static_cast<std::size_t>(body)].get(), lab::isometry(X_WB),
+                         request_, result);
   }
 
  private:

@@ -18,7 +18,7 @@ using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 /// Null if FCL has no motion of this shape.
 Geometry geometryOf(const ReportShape& s) {
   if (s.shape.type() != collision::ShapeType::kMesh) return makeFclShape(s);
-  return makeFclModel<fcl::OBBRSSd>(s.shape.mesh()->vertices(), s.shape.mesh()->triangles());
+  return lab::fclMesh(s.shape.mesh()->vertices(), s.shape.mesh()->triangles());
 }
 
 /// Sets the point that travels straight, because FCL's default reads uninitialised memory.

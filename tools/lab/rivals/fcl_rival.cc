@@ -21,7 +21,10 @@ using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 class FclQuery : public PairQuery {
  public:
   FclQuery(Geometry a, Geometry b, const PairSpec& spec, fcl::GJKSolverType solver)
-      : a_(std::move(a)), b_(std::move(b)), X_WA_(toFcl(spec.X_WA)), X_WB_(toFcl(spec.X_WB)) {
+      : a_(std::move(a)),
+        b_(std::move(b)),
+        X_WA_(lab::isometry(spec.X_WA)),
+        X_WB_(lab::isometry(spec.X_WB)) {
     request_.gjk_solver_type = solver;
     request_.enable_signed_distance = spec.overlap;
     request_.enable_nearest_points = true;
@@ -53,8 +56,8 @@ class FclContactQuery : public PairQuery {
   FclContactQuery(Geometry a, Geometry b, const PairSpec& spec, fcl::GJKSolverType solver)
       : a_(std::move(a)),
         b_(std::move(b)),
-        X_WA_(toFcl(spec.X_WA)),
-        X_WB_(toFcl(spec.X_WB)),
+        X_WA_(lab::isometry(spec.X_WA)),
+        X_WB_(lab::isometry(spec.X_WB)),
         request_(1, true) {
     request_.gjk_solver_type = solver;
     default_tolerance_ = request_.gjk_tolerance;

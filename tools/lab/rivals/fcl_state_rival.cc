@@ -29,14 +29,9 @@ using collision::ShapeType;
 using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 
 Geometry makeGeometry(const Shape& shape) {
-  if (shape.type() == ShapeType::kMesh)
-    return makeFclModel<fcl::OBBRSSd>(shape.mesh()->vertices(), shape.mesh()->triangles());
-  if (shape.type() == ShapeType::kHalfSpace)
-    return std::make_shared<fcl::Halfspaced>(fcl::Vector3d::UnitZ(), 0);
-  ReportShape convex{shape, {}};
-  if (shape.hull() != nullptr)
-    convex.points.assign(shape.hull()->vertices().begin(), shape.hull()->vertices().end());
-  return makeFclShape(convex);
+  if (shape.type() != ShapeType::kConvexHull) return lab::toFcl(shape);
+  const auto vertices = shape.hull()->vertices();
+  return makeFclShape({shape, {vertices.begin(), vertices.end()}});
 }
 
 /// See makeFclStateEngine().
@@ -197,12 +192,12 @@ class FclChecker : public StateChecker {
   void place(std::size_t first, const collision::Body& body, const collision::Pose& X_WB) {
     for (std::size_t i = 0; i < body.geometries.size(); ++i) {
       const collision::Pose X_WG = X_WB * body.geometries[i].X_BG;
-      parts_[first + i].X_WG = toFcl(X_WG);
+      parts_[first + i].X_WG = lab::isometry(X_WG);
       parts_[first + i].p_WC = X_WG * body.geometries[i].shape.boundingCenter();
     }
     if (!body.balls || !complete_) return;
     Part& octree = parts_[first + body.geometries.size()];
-    octree.X_WG = toFcl(X_WB);
+    octree.X_WG = lab::isometry(X_WB);
     octree.p_WC = X_WB * octree.shape->aabb_center;
   }
 

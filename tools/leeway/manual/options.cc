@@ -3,23 +3,9 @@
 
 #include "leeway/planner/planners.h"
 #include "tools/leeway/manual/manual.h"
+#include "tools/leeway/support/robot_state.h"
 
 namespace leeway::tools {
-namespace {
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == separator) {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
-}
-
-}  // namespace
 
 ValueKind valueKind(const CLI::Option& option) {
   ValueKind kind;
@@ -29,7 +15,7 @@ ValueKind valueKind(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const std::size_t open = type.find('{');
   if (open != std::string::npos && type.find('}', open) != std::string::npos) {
-    kind.choices = split(type.substr(open + 1, type.find('}', open) - open - 1), ',');
+    kind.choices = splitAt(',', type.substr(open + 1, type.find('}', open) - open - 1));
   } else if (type == "PLANNER") {
     for (const planner::PlannerTraits& planner : planner::plannerNames()) {
       kind.choices.push_back(planner.name);

@@ -1,44 +1,28 @@
-#include "tools/lab/dense/fcl_shape.h"
+#include "tools/lab/fcl/fcl_shape.h"
 
-#include <vector>
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/cone.h>
+#include <fcl/geometry/shape/cylinder.h>
+#include <fcl/geometry/shape/ellipsoid.h>
+#include <fcl/geometry/shape/halfspace.h>
+#include <fcl/geometry/shape/sphere.h>
 
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/triangle_mesh.h"
 
-namespace leeway::dense {
-namespace {
+namespace leeway::lab {
 
 using collision::Shape;
 using collision::ShapeType;
 using Eigen::Isometry3d;
-
-template <typename Triangles>
-std::shared_ptr<FclSurface> bvhOf(std::span<const Eigen::Vector3d> vertices,
-                                  const Triangles& triangles) {
-  auto model = std::make_shared<FclSurface>();
-  std::vector<fcl::Triangle> indices;
-  for (const auto& t : triangles)
-    indices.emplace_back(static_cast<std::size_t>(t[0]), static_cast<std::size_t>(t[1]),
-                         static_cast<std::size_t>(t[2]));
-  model->beginModel();
-  model->addSubModel(std::vector<Eigen::Vector3d>(vertices.begin(), vertices.end()), indices);
-  model->endModel();
-  return model;
-}
-
-}  // namespace
 
 Isometry3d isometry(const collision::Pose& X) {
   Isometry3d result = Isometry3d::Identity();
   result.linear() = X.rotation;
   result.translation() = X.translation;
   return result;
-}
-
-std::shared_ptr<FclSurface> fclMesh(std::span<const Eigen::Vector3d> vertices,
-                                    std::span<const std::array<std::int32_t, 3>> triangles) {
-  return bvhOf(vertices, triangles);
 }
 
 FclGeometry toFcl(const Shape& shape) {
@@ -58,15 +42,15 @@ FclGeometry toFcl(const Shape& shape) {
     case ShapeType::kEllipsoid:
       return std::make_shared<fcl::Ellipsoidd>(e.x(), e.y(), e.z());
     case ShapeType::kConvexHull:
-      return bvhOf(shape.hull()->vertices(), shape.hull()->facets());
+      return fclMesh(shape.hull()->vertices(), shape.hull()->facets());
     case ShapeType::kMesh:
-      return bvhOf(shape.mesh()->vertices(), shape.mesh()->triangles());
+      return fclMesh(shape.mesh()->vertices(), shape.mesh()->triangles());
     case ShapeType::kDeformable:
-      return bvhOf(shape.deformable()->vertices(), shape.deformable()->mesh().triangles());
+      return fclMesh(shape.deformable()->vertices(), shape.deformable()->mesh().triangles());
     case ShapeType::kHalfSpace:
       break;
   }
   return std::make_shared<fcl::Halfspaced>(Eigen::Vector3d::UnitZ(), 0);
 }
 
-}  // namespace leeway::dense
+}  // namespace leeway::lab
