@@ -233,22 +233,21 @@ void defineExecuted(py::module_& module) {
   defineConstant(
       executed, "log", [](const Executed& self) { return logLine(*self.problem, self.value); },
       "The last line of a log, after those of the steps (Step.log), without the line's end.");
-  define(
-      executed, "view", "(self, file, *, visual=False, stop=None)",
-      std::string("Writes what `leeway view` shows of this execution: the motion among the "
-                  "obstacles as they moved, and its clearance. ") +
-          kViewDoc,
-      [](const Executed& self, const py::object& file, bool visual, const py::object& stop) {
-        if (self.taken.empty())
-          throw py::value_error("view: there is no step to show; a whole execution is expected");
-        const Executed held = self;
-        view::PageOptions chosen;
-        chosen.visual = visual;
-        writeView(file, stop, std::move(chosen),
-                  [&](const std::string& path, const view::PageOptions& options) {
-                    view::writePage(path, *held.problem, held.taken, held.value.status, options);
-                  });
-      });
+  define(executed, "view", "(self, file, *, visual=False, stop=None)",
+         std::string("Writes what `leeway view` shows of this execution: the motion among the "
+                     "obstacles as they moved, and its clearance. ") +
+             kViewDoc,
+         [](const Executed& self, const py::object& file, bool visual, const py::object& stop) {
+           if (self.taken.empty())
+             throw py::value_error("view: there is no step to show; a whole execution is expected");
+           const Executed held = self;
+           view::PageOptions chosen;
+           chosen.visual = visual;
+           writeView(file, stop, std::move(chosen),
+                     [&](const std::string& path, const view::PageOptions& options) {
+                       view::writePage(path, *held.problem, held.taken, held.value.status, options);
+                     });
+         });
   executed.def("__bool__", [](const Executed& self) {
     return self.value.status == planner::ReplanStatus::kReached;
   });
