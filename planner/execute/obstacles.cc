@@ -13,6 +13,7 @@
 #include "leeway/robots/input_error.h"
 #include "planner/base/clock.h"
 #include "planner/base/tolerances.h"
+#include "planner/execute/cloud_scene.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {
@@ -135,7 +136,7 @@ struct Obstacles::Deforming final : Followed {
   Deformable present, future;
 };
 
-struct Obstacles::Rigid final : Followed {
+struct Obstacles::Rigid : Followed {
   Rigid(const Object& object, const Execution& execution)
       : Followed(object, object.motion->poses && execution.foresight == Foresight::kMotion,
                  execution.start - object.motion->age, 0),
@@ -193,17 +194,69 @@ struct Obstacles::Rigid final : Followed {
   robots::Pose present, future;
 };
 
-Obstacles::Obstacles(const Problem& problem, const CompiledScene& scene) {
+/// A cloud: a rigid obstacle until another cloud takes its place.
+struct Obstacles::Cloud final : Rigid {
+  Cloud(const Object& object, const Problem& problem)
+      : Rigid(object, problem.execution), own_scene(problem, object) {}
+
+  bool isSeenAs(const Sight& sight) const override { return sight.index() != 0; }
+  static const CloudSight* cloudOf(const Sight& sight) { return std::get_if<CloudSight>(&sight); }
+  robots::Pose placeOf(const CloudSight& other) const { return other.X_WO.value_or(present); }
+
+  double moved(const Sight& sight) const override {
+    const CloudSight* const other = cloudOf(sight);
+    if (other == nullptr) return Rigid::moved(sight);
+    return CloudScene::fault(other->cloud.get(), placeOf(*other)).empty() ? 0 : kNaN;
+  }
+  void see(const Sight& sight, double time, double speed) override {
+    if (const CloudSight* const other = cloudOf(sight)) {
+      const robots::Pose X_WO = placeOf(*other);
+      own_scene.replace(other->cloud, X_WO);
+      present = X_WO;
+      extent = extentOf(own_scene.standing(X_WO, 0));
+      return;
+    }
+    Rigid::see(sight, time, speed);
+    own_scene.replace(own_scene.cloud(), present);
+  }
+  void describe(ObstacleUpdate& update) const override {
+    update.strategy = "cloud";
+    update.reason = "it is a cloud";
+  }
+
+  CloudScene own_scene;
+};
+
+Obstacles::Obstacles(const Problem& problem, std::shared_ptr<const CompiledScene> scene)
+    : base_(std::move(scene)) {
   for (const DeformingObstacle& source : problem.world.deforming)
-    add(std::make_unique<Deforming>(source, problem.execution), scene);
-  for (const Object& object : problem.world.objects)
-    if (object.motion) add(std::make_unique<Rigid>(object, problem.execution), scene);
+    add(std::make_unique<Deforming>(source, problem.execution));
+  for (const Object& object : problem.world.objects) {
+    if (!object.motion) continue;
+    if (!object.cloud) {
+      add(std::make_unique<Rigid>(object, problem.execution));
+      continue;
+    }
+    auto cloud = std::make_unique<Cloud>(object, problem);
+    clouds_.push_back(cloud.get());
+    add(std::move(cloud));
+  }
+  if (!clouds_.empty()) base_ = std::make_shared<const CompiledScene>(withoutMovingClouds(problem));
+  for (const std::unique_ptr<Followed>& obstacle : obstacles_) {
+    if (std::find(clouds_.begin(), clouds_.end(), obstacle.get()) != clouds_.end()) continue;
+    solids_.push_back(obstacle.get());
+    bodies_.push_back(base_->scene().find(obstacle->name));
+  }
+  const auto isOfSolid = [this](const collision::ScenePair& pair) {
+    return has(pair.body_a) || has(pair.body_b);
+  };
+  still_ = solids_.empty() ? base_ : base_->withPairs([&](const auto& p) { return !isOfSolid(p); });
+  solid_scene_ = base_->withPairs(isOfSolid);
 }
 
 Obstacles::~Obstacles() = default;
 
-void Obstacles::add(std::unique_ptr<Followed> obstacle, const CompiledScene& scene) {
-  bodies_.push_back(scene.scene().find(obstacle->name));
+void Obstacles::add(std::unique_ptr<Followed> obstacle) {
   updates_.push_back({obstacle->name, {}, {}});
   obstacles_.push_back(std::move(obstacle));
 }
@@ -212,14 +265,8 @@ bool Obstacles::has(int body) const {
   return std::find(bodies_.begin(), bodies_.end(), body) != bodies_.end();
 }
 
-std::shared_ptr<const CompiledScene> Obstacles::pairsOfOthers(const CompiledScene& scene) const {
-  return scene.withPairs(
-      [&](const collision::ScenePair& pair) { return !has(pair.body_a) && !has(pair.body_b); });
-}
-
-std::shared_ptr<const CompiledScene> Obstacles::pairsOfThese(const CompiledScene& scene) const {
-  return scene.withPairs(
-      [&](const collision::ScenePair& pair) { return has(pair.body_a) || has(pair.body_b); });
+std::shared_ptr<const CompiledScene> Obstacles::sceneOf(std::size_t group) const {
+  return group == 0 ? solid_scene_ : clouds_[group - 1]->own_scene.scene();
 }
 
 bool Obstacles::arePredicted() const {
@@ -240,6 +287,7 @@ void Obstacles::look(double time) {
             "", 0,
             fmt::format("obstacle '{}' at {} s: {}", o.name, time, collision::toString(status)));
       o.seen = time;
+      with_clouds_ = nullptr;
     }
     o.describe(updates_[i]);
     updates_[i].seen = o.seen;
@@ -250,19 +298,26 @@ void Obstacles::look(double time) {
 Obstacles::Followed& Obstacles::find(const std::string& object, const Sight& seen) const {
   const auto o = std::find_if(obstacles_.begin(), obstacles_.end(),
                               [&](const auto& f) { return f->name == object; });
-  const bool is_rigid = seen.index() == 1;
-  if (o == obstacles_.end() || !(*o)->isSeenAs(seen))
-    throw std::invalid_argument(fmt::format(
-        "there is no {} '{}'{}", is_rigid ? "object with a motion" : "deforming obstacle", object,
-        o == obstacles_.end() ? ""
-        : is_rigid            ? "; that obstacle deforms, and its vertices are expected"
-                              : "; that object is rigid, and its pose is expected"));
-  return **o;
+  if (o != obstacles_.end() && (*o)->isSeenAs(seen)) return **o;
+  constexpr const char* kExpected[] = {"deforming obstacle", "object with a motion",
+                                       "cloud with a motion"};
+  std::string but;
+  if (o != obstacles_.end())
+    but = (*o)->isSeenAs(robots::Pose()) ? "; that object is rigid, and its pose is expected"
+                                         : "; that obstacle deforms, and its vertices are expected";
+  if (o != obstacles_.end() && (*o)->isSeenAs(CloudSight()))
+    but = "; that object is a cloud, and balls or its pose are expected";
+  throw std::invalid_argument(
+      fmt::format("there is no {} '{}'{}", kExpected[seen.index()], object, but));
 }
 
 double Obstacles::jump(const std::string& object, const Sight& seen, double time) const {
   const Followed& o = find(object, seen);
   return o.moved(seen) - o.agedGrowth(time);
+}
+
+robots::Pose Obstacles::poseOf(const std::string& object) const {
+  return std::get<robots::Pose>(find(object, robots::Pose()).asSeen());
 }
 
 double Obstacles::seenAt(const std::string& object, const Sight& seen) const {
@@ -293,49 +348,80 @@ void Obstacles::set(const std::string& object, const Sight& seen, double time, c
   o.predicted = false;
   o.speed_bound = speed;
   o.seen = time;
+  with_clouds_ = nullptr;
 }
 
 bool Obstacles::widens(const std::string& object, const Sight& seen, const Bound& bound) const {
   const Followed& o = find(object, seen);
+  if (std::holds_alternative<CloudSight>(seen)) return true;
   const bool by_motion = o.predicted || (o.hasMotion() && !o.own && !std::isfinite(o.speed_bound));
   return by_motion || !(o.pointSpeed(bound) <= o.speed_bound);
 }
 
 Obstacles::Replacements Obstacles::seen(double growth) const {
   Replacements all;
-  for (std::size_t i = 0; i < obstacles_.size(); ++i)
-    all.push_back({bodies_[i], 0, obstacles_[i]->asSeen(), growth});
+  for (std::size_t i = 0; i < solids_.size(); ++i)
+    all.push_back({bodies_[i], 0, solids_[i]->asSeen(), growth});
   return all;
 }
 
-Obstacles::Replacements Obstacles::during(double t0, double t1) {
-  Replacements all;
-  const double middle = t0 + (t1 - t0) / 2;
-  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-    Followed& o = *obstacles_[i];
-    if (!o.predicted) {
-      all.push_back({bodies_[i], 0, o.asSeen(), std::max(o.agedGrowth(t0), o.agedGrowth(t1))});
-      continue;
-    }
-    if (o.foresee(middle) != UpdateStatus::kUpdated) {
-      all.push_back({bodies_[i], 0, o.asSeen(), kInfinity});
-      continue;
-    }
-    const double half = std::max(middle - t0, t1 - middle);
-    const double growth = upwards(o.speedBetween(t0, t1) * half) + 2 * o.motionRounding(t0, t1);
-    all.push_back({bodies_[i], 0, o.asForeseen(), growth});
-  }
-  return all;
+std::shared_ptr<const CompiledScene> Obstacles::world(double growth) {
+  const auto withClouds = [&](double by) {
+    std::vector<Object> standing;
+    for (const Cloud* cloud : clouds_)
+      standing.push_back(cloud->own_scene.standing(cloud->present, by));
+    return standing.empty() ? base_ : base_->withObjects(standing);
+  };
+  if (growth > 0) return withClouds(growth)->withShapes(seen(growth));
+  if (!with_clouds_) with_clouds_ = withClouds(0);
+  return with_clouds_->withShapes(seen(0));
 }
 
-Obstacles::Replacements Obstacles::atMiddle(Replacements all, double t0, double t1) const {
+std::shared_ptr<const CompiledScene> Obstacles::seenIn(std::size_t group) const {
+  if (group == 0) return solid_scene_->withShapes(seen(0));
+  const Cloud& cloud = *clouds_[group - 1];
+  return cloud.own_scene.at(cloud.present);
+}
+
+Obstacles::Bounded Obstacles::bounded(Followed& o, double t0, double t1) {
   const double middle = t0 + (t1 - t0) / 2;
-  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
-    const Followed& o = *obstacles_[i];
-    if (all[i].growth == kInfinity) continue;
-    all[i].growth = o.predicted ? 2 * o.motionRounding(middle, middle) : o.agedGrowth(middle);
+  if (!o.predicted) {
+    const double growth = std::max(o.agedGrowth(t0), o.agedGrowth(t1));
+    return {o.asSeen(), {growth, growth == kInfinity ? kInfinity : o.agedGrowth(middle)}};
   }
-  return all;
+  if (o.foresee(middle) != UpdateStatus::kUpdated) return {o.asSeen(), {kInfinity, kInfinity}};
+  const double half = std::max(middle - t0, t1 - middle);
+  return {o.asForeseen(),
+          {upwards(o.speedBetween(t0, t1) * half) + 2 * o.motionRounding(t0, t1),
+           2 * o.motionRounding(middle, middle)}};
+}
+
+Obstacles::Growth Obstacles::growthOf(std::size_t number, double t0, double t1) {
+  return bounded(*obstacles_[number], t0, t1).growth;
+}
+
+Obstacles::Placement Obstacles::place(std::size_t group, double t0, double t1, bool with_middle) {
+  Placement placed;
+  if (group > 0) {
+    Cloud& cloud = *clouds_[group - 1];
+    const Bounded where = bounded(cloud, t0, t1);
+    const auto there = cloud.own_scene.at(std::get<robots::Pose>(where.now));
+    const auto grown = [&](double by) { return by > 0 ? there->withMarginsGrown(by) : there; };
+    placed.growth = where.growth.most;
+    placed.grown = grown(where.growth.most);
+    if (with_middle) placed.middle = grown(where.growth.at_middle);
+    return placed;
+  }
+  Replacements grown, middle;
+  for (std::size_t i = 0; i < solids_.size(); ++i) {
+    const Bounded where = bounded(*solids_[i], t0, t1);
+    placed.growth = std::max(placed.growth, where.growth.most);
+    grown.push_back({bodies_[i], 0, where.now, where.growth.most});
+    middle.push_back({bodies_[i], 0, where.now, where.growth.at_middle});
+  }
+  placed.grown = solid_scene_->withShapes(grown);
+  if (with_middle) placed.middle = solid_scene_->withShapes(middle);
+  return placed;
 }
 
 }  // namespace leeway::planner

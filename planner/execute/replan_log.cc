@@ -31,11 +31,25 @@ Json vectorJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 Json sightJson(const ObstacleSight& sight) {
   Json document = {{"object", sight.object}, {"time", sight.time}};
-  if (const auto* X_WO = std::get_if<robots::Pose>(&sight.seen)) {
-    document["position"] = vectorJson(X_WO->translation);
+  const auto place = [&](const robots::Pose& X_WO) {
+    document["position"] = vectorJson(X_WO.translation);
     Json rows = Json::array();
-    for (Eigen::Index i = 0; i < 3; ++i) rows.push_back(vectorJson(X_WO->rotation.row(i)));
+    for (Eigen::Index i = 0; i < 3; ++i) rows.push_back(vectorJson(X_WO.rotation.row(i)));
     document["rotation"] = std::move(rows);
+  };
+  if (const auto* seen = std::get_if<SeenCloud>(&sight.seen)) {
+    place(seen->X_WO);
+    Json balls = Json::array();
+    for (const PointCloud::Ball& ball : seen->cloud->balls) {
+      const Eigen::Vector3d& p = ball.center;
+      balls.push_back({p.x(), p.y(), p.z(), ball.radius});
+    }
+    document["balls"] = std::move(balls);
+    document["speed_bound"] = sight.speed_bound;
+    return document;
+  }
+  if (const auto* X_WO = std::get_if<robots::Pose>(&sight.seen)) {
+    place(*X_WO);
     document["speed_bound"] = sight.speed_bound;
     document["turn_bound"] = sight.turn_bound;
     return document;

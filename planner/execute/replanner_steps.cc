@@ -102,7 +102,7 @@ struct Replanner::Impl {
       : problem(executable(given)),
         options((requireTolerance(given_options.clearance_tolerance, "Replanner"), given_options)),
         scene(std::make_shared<const CompiledScene>(problem)),
-        obstacles(problem, *scene),
+        obstacles(problem, scene),
         certifier(scene, obstacles),
         proves(scene->nothingChecked().empty()),
         limits(velocityLimits(problem)),
@@ -258,8 +258,7 @@ struct Replanner::Impl {
     plan_options.progress = options.progress;
     bool solved = false;
     for (const double buffer : {execution().buffer, 0.0}) {
-      const PlanResult result =
-          planIn(scene->withShapes(obstacles.seen(buffer)), from_here, plan_options);
+      const PlanResult result = planIn(obstacles.world(buffer), from_here, plan_options);
       step.iterations += result.iterations;
       step.edges += result.edges;
       step.distance_queries += result.distance_queries;
@@ -269,7 +268,7 @@ struct Replanner::Impl {
         solved = true;
         break;
       }
-      if (buffer == 0 || obstacles.bodies().empty()) break;
+      if (buffer == 0 || obstacles.empty()) break;
     }
     step.plan_s += secondsSince(begin);
     return solved;
@@ -359,7 +358,7 @@ struct Replanner::Impl {
     setMarks();
     step.update_s = secondsSince(begin);
     step.obstacles = obstacles.updates();
-    seen = scene->withShapes(obstacles.seen());
+    seen = obstacles.world();
     begin = Clock::now();
     StepCertifier::Bodies broken;
     step.path_held = !path.empty() && certifier.holds(path, first_edge_known, broken);
@@ -389,11 +388,16 @@ struct Replanner::Impl {
     if (!(time <= now))
       throw std::invalid_argument(
           fmt::format("{} of '{}' seen at {} s, later than the present {} s",
-                      sight.index() == 0 ? "vertices" : "a pose", object, time, now));
+                      sight.index() == 0   ? "vertices"
+                      : sight.index() == 1 ? "a pose"
+                                           : "a cloud",
+                      object, time, now));
     obstacles.set(object, sight, time, bound);
     ObstacleSight seen_now{object, time, {}, bound.speed, bound.turning};
     if (const auto* pose = std::get_if<robots::Pose>(&sight)) {
       seen_now.seen = *pose;
+    } else if (const auto* cloud = std::get_if<Obstacles::CloudSight>(&sight)) {
+      seen_now.seen = SeenCloud{cloud->cloud, obstacles.poseOf(object)};
     } else {
       const auto& vertices = std::get<0>(sight);
       seen_now.seen = std::vector<Eigen::Vector3d>(vertices.begin(), vertices.end());
@@ -461,6 +465,11 @@ void Replanner::setVertices(const std::string& object, std::span<const Eigen::Ve
 void Replanner::setPose(const std::string& object, const robots::Pose& X_WO, double time,
                         double speed_bound, double turn_bound) {
   impl_->set(object, X_WO, time, {speed_bound, turn_bound});
+}
+
+void Replanner::setCloud(const std::string& object, std::shared_ptr<const PointCloud> cloud,
+                         double time, double speed_bound, const std::optional<robots::Pose>& X_WO) {
+  impl_->set(object, Obstacles::CloudSight{std::move(cloud), X_WO}, time, {speed_bound});
 }
 
 }  // namespace leeway::planner

@@ -14,13 +14,14 @@
 
 namespace leeway::planner {
 
-/// Certifies paths in the world as last seen, and motions over a time. Pairs with these
-/// obstacles have their own certifier, so that the other pairs stay certified along a path.
+/// Certifies paths in the world as last seen, and motions over a time. Each group of obstacles has
+/// its own certifier, so that the pairs without obstacles stay certified along a path.
 class StepCertifier {
  public:
   StepCertifier(std::shared_ptr<const CompiledScene> scene, Obstacles& obstacles);
 
-  /// Drops all placements of obstacles, because the obstacles have been observed again.
+  /// Drops all placements of obstacles, because the obstacles have been observed again. Makes new
+  /// certifiers for clouds that were replaced.
   void begin();
 
   /// The names of two bodies; empty if unknown.
@@ -50,23 +51,24 @@ class StepCertifier {
   std::uint64_t looks = 0;
 
  private:
-  /// Where the obstacles can be from one time to another.
-  struct Placement {
-    std::shared_ptr<const CompiledScene> grown;   ///< at any of these times
-    std::shared_ptr<const CompiledScene> middle;  ///< at the middle time
-    double growth = 0;                            ///< the largest growth in `grown` [m]
+  /// A group of obstacles.
+  struct Mover {
+    std::unique_ptr<EdgeCertifier> certifier;
+    std::map<std::pair<double, double>, Obstacles::Placement> placements;
+    std::vector<std::pair<double, double>>
+        proven;  ///< intervals that the last certify() proved [s]
   };
-  const Placement& placement(double t0, double t1);
-  bool certifyPart(std::span<const TimedPoint> motion, double t0, double t1, int depth,
-                   Bodies& broken);
-  bool edgesFree(std::span<const TimedPoint> part, Bodies& broken);
-  Bodies names(const CompiledScene& scene, int pair) const;
+  const Obstacles::Placement& placement(std::size_t group, double t0, double t1);
+  bool certifyPart(std::size_t group, std::span<const TimedPoint> motion, double t0, double t1,
+                   int depth, Bodies& broken);
+  static bool edgesFree(EdgeCertifier& certifier, std::span<const TimedPoint> part, Bodies& broken);
+  static Bodies names(const CompiledScene& scene, int pair);
 
-  std::shared_ptr<const CompiledScene> scene_, still_scene_, moving_scene_;
+  std::shared_ptr<const CompiledScene> scene_;
   Obstacles& obstacles_;
-  EdgeCertifier still_, moving_;
-  std::map<std::pair<double, double>, Placement> placements_;
-  std::vector<std::pair<double, double>> proven_;  ///< intervals that the last certify() proved [s]
+  EdgeCertifier still_;
+  std::vector<Mover> movers_;         ///< by group
+  EdgeCertifier::Statistics before_;  ///< of certifiers that were replaced
 };
 
 }  // namespace leeway::planner

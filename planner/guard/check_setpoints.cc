@@ -85,9 +85,10 @@ double growthAboveZero(const Problem& problem) {
   return kGuardChordRounding - least;
 }
 
-/// The scene whose margins hold for the robot's motion as it is commanded.
-std::shared_ptr<const CompiledScene> withErrors(const Problem& problem,
-                                                const GuardOptions& options) {
+/// The problem whose margins hold for the robot's motion as it is commanded, and its scene.
+using Commanded = std::pair<Problem, std::shared_ptr<const CompiledScene>>;
+
+Commanded withErrors(const Problem& problem, const GuardOptions& options) {
   const bool has_errors = options.point_error > 0 ||
                           std::any_of(options.joint_errors.begin(), options.joint_errors.end(),
                                       [](double e) { return e > 0; });
@@ -100,7 +101,7 @@ std::shared_ptr<const CompiledScene> withErrors(const Problem& problem,
     refuse("a planned joint is floating; joints with a position each are expected");
   if (const std::string why = scene->nothingChecked(); !why.empty())
     refuse("no pair is checked: " + why);
-  if (!has_errors) return scene;
+  if (!has_errors) return {problem, scene};
   Displacement displacement(*scene);
   const double errors = displacement.beyondLimits(options.joint_errors) + 2 * options.point_error;
   if (!(errors < kInfinity))
@@ -108,9 +109,10 @@ std::shared_ptr<const CompiledScene> withErrors(const Problem& problem,
         "joint_errors are too large for a bound on how far the robot is off; less than 1 rad in "
         "all is "
         "expected, and 0 for what is behind a prismatic joint without limits");
-  const Problem with_errors = grown(problem, errors * (1 + kGuardChordShare) + kGuardChordRounding);
+  Problem with_errors = grown(problem, errors * (1 + kGuardChordShare) + kGuardChordRounding);
   validate(with_errors);  // a cloud may lack points that these margins reach
-  return std::make_shared<const CompiledScene>(with_errors);
+  scene = std::make_shared<const CompiledScene>(with_errors);
+  return {std::move(with_errors), scene};
 }
 
 std::vector<double> startOf(const Problem& problem) {
@@ -179,9 +181,10 @@ struct Guard::Impl {
   Impl(const Problem& given, const GuardOptions& given_options)
       : problem(guardable(given)),
         options(checked(given_options, problem)),
-        scene(withErrors(problem, options)),
+        commanded(withErrors(problem, options)),
+        scene(commanded.second),
         size(at(scene->space().size())),
-        proof(problem, options, scene),
+        proof(commanded.first, options, scene),
         brake(options.limits, options.period),
         known(size, at(options.most_setpoints + brake.mostRows())),
         next(known),
@@ -501,6 +504,7 @@ struct Guard::Impl {
 
   Problem problem;
   GuardOptions options;
+  Commanded commanded;
   std::shared_ptr<const CompiledScene> scene;
   std::size_t size;
   SetpointProof proof;
@@ -532,6 +536,12 @@ Observation Guard::setVertices(const std::string& object, std::span<const Eigen:
 Observation Guard::setPose(const std::string& object, const robots::Pose& X_WO, double time,
                            double speed_bound, double turn_bound) {
   return impl_->observe(object, X_WO, time, {speed_bound, turn_bound});
+}
+
+Observation Guard::setCloud(const std::string& object, std::shared_ptr<const PointCloud> cloud,
+                            double time, double speed_bound,
+                            const std::optional<robots::Pose>& X_WO) {
+  return impl_->observe(object, Obstacles::CloudSight{std::move(cloud), X_WO}, time, {speed_bound});
 }
 
 void Guard::look(double time) {

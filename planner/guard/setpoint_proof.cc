@@ -40,31 +40,40 @@ SetpointProof::SetpointProof(const Problem& problem, const GuardOptions& options
     : scene_(std::move(scene)),
       period_(options.period),
       horizon_(options.horizon),
-      obstacles_(problem, *scene_),
-      still_(obstacles_.bodies().empty() ? scene_ : obstacles_.pairsOfOthers(*scene_)),
+      obstacles_(problem, scene_),
+      still_(obstacles_.still()),
       still_margins_(marginsOf(still_.scene())),
       displacement_(*scene_),
       departure_(at(scene_->space().size())),
       chord_(departure_),
       growth_limit_(kGuardFirstGrowth) {
-  if (obstacles_.bodies().empty()) return;
-  moving_scene_ = obstacles_.pairsOfThese(*scene_);
-  moving_.emplace(moving_scene_);
+  if (obstacles_.empty()) return;
+  movers_.resize(obstacles_.groups());
   slices_.resize(at(kGuardSlices));
 }
 
 void SetpointProof::look(double time) {
-  if (!moving_) return;
+  if (movers_.empty()) return;
   is_stale_ = true;  // until all is bounded: a motion may fail
   obstacles_.look(time);
+  for (std::size_t g = 0; g < movers_.size(); ++g) {
+    Mover& mover = movers_[g];
+    mover.slices.resize(slices_.size());
+    const std::shared_ptr<const CompiledScene> scene = obstacles_.sceneOf(g);
+    if (!mover.certifier || !scene->hasPairsOf(mover.certifier->scene()))
+      mover.certifier = std::make_unique<EdgeCertifier>(scene);
+  }
   for (int k = 0; k < kGuardSlices; ++k) {
     Slice& slice = slices_[at(k)];
     slice.begin = k == 0 ? time : slices_[at(k) - 1].end;
     const double share = (k + 1.0) / kGuardSlices;
     slice.end = time + horizon_ * share * share;  // near ones are short: less is grown in them
-    slice.scene = moving_scene_->withShapes(obstacles_.during(slice.begin, slice.end));
-    slice.margins = marginsOf(*slice.scene);
-    moving_->rebind(slice.scene);  // makes what certifiers share, which allocates
+    for (std::size_t g = 0; g < movers_.size(); ++g) {
+      Mover::Where& where = movers_[g].slices[at(k)];
+      where.scene = obstacles_.place(g, slice.begin, slice.end, false).grown;
+      where.margins = marginsOf(*where.scene);
+      movers_[g].certifier->rebind(where.scene);  // makes what certifiers share, which allocates
+    }
   }
   is_stale_ = false;
 }
@@ -78,7 +87,8 @@ void SetpointProof::begin(std::int64_t work) {
 
 EdgeCertifier::Statistics SetpointProof::sum() const {
   EdgeCertifier::Statistics all = still_.statistics;
-  if (moving_) all += moving_->statistics;
+  for (const Mover& mover : movers_)
+    if (mover.certifier) all += mover.certifier->statistics;
   return all;
 }
 
@@ -167,6 +177,23 @@ int SetpointProof::untilIn(EdgeCertifier& certifier, const Margins& margins,
   return first < middle ? first : untilIn(certifier, margins, motion, middle, to, all);
 }
 
+int SetpointProof::untilInSlice(std::size_t slice, const SetpointMotion& motion, int from, int to,
+                                bool all) {
+  int last = to;
+  Failure of_last;
+  for (Mover& mover : movers_) {
+    const Mover::Where& where = mover.slices[slice];
+    mover.certifier->rebind(where.scene);
+    const int reached = untilIn(*mover.certifier, where.margins, motion, from, last, all);
+    if (reached >= last) continue;
+    of_last = failure_;
+    last = reached;
+    if (all || last < from) break;
+  }
+  if (last < to) failure_ = of_last;
+  return last;
+}
+
 int SetpointProof::untilAmongObstacles(const SetpointMotion& motion, int from, int to, bool all) {
   double begin = motion.time + from * period_, end = motion.time + to * period_;
   const double same = sameTime(motion.time, period_);
@@ -178,14 +205,14 @@ int SetpointProof::untilAmongObstacles(const SetpointMotion& motion, int from, i
   // Rest just before the first slice is looked at in that one.
   begin = std::max(begin, slices_.front().begin);
   end = std::max(end, slices_.front().begin);
-  for (const Slice& slice : slices_) {
+  for (std::size_t k = 0; k < slices_.size(); ++k) {
+    const Slice& slice = slices_[k];
     if (slice.end < begin || slice.begin > end) continue;
     const int first =
         std::max(from, static_cast<int>(std::floor((slice.begin - motion.time - same) / period_)));
     const int last =
         std::min(to, static_cast<int>(std::ceil((slice.end - motion.time + same) / period_)));
-    moving_->rebind(slice.scene);
-    const int reached = untilIn(*moving_, slice.margins, motion, first, last, all);
+    const int reached = untilInSlice(k, motion, first, last, all);
     if (reached < last) return reached;
   }
   if (end <= slices_.back().end) return to;
@@ -195,7 +222,7 @@ int SetpointProof::untilAmongObstacles(const SetpointMotion& motion, int from, i
 
 int SetpointProof::until(const SetpointMotion& motion, int from, int to, bool all) {
   int reached = untilIn(still_, still_margins_, motion, from, to, all);
-  if (moving_ && reached >= from && (reached == to || !all)) {
+  if (!movers_.empty() && reached >= from && (reached == to || !all)) {
     const Failure of_still = failure_;
     const int among = untilAmongObstacles(motion, from, reached, all);
     if (among == reached) failure_ = of_still;

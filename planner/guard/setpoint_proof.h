@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -48,7 +47,7 @@ class SetpointProof {
   /// Drops the bounds on obstacles: no motion is proven free of them until the next look().
   void forget() { is_stale_ = true; }
   Obstacles& obstacles() { return obstacles_; }
-  bool hasObstacles() const { return moving_.has_value(); }
+  bool hasObstacles() const { return !movers_.empty(); }
 
   /// Begins a call: what it may cost.
   void begin(std::int64_t work);
@@ -80,14 +79,22 @@ class SetpointProof {
     bool are_equal = false;
   };
   static Margins marginsOf(const CompiledScene& scene);
-  /// Where the obstacles can be from one time to another.
+  /// The times of a part of the horizon.
   struct Slice {
     double begin = 0, end = 0;  ///< [s]
-    std::shared_ptr<const CompiledScene> scene;
-    Margins margins;
+  };
+  /// A group of obstacles, and where they can be in each slice.
+  struct Mover {
+    struct Where {
+      std::shared_ptr<const CompiledScene> scene;
+      Margins margins;
+    };
+    std::unique_ptr<EdgeCertifier> certifier;
+    std::vector<Where> slices;
   };
   int until(const SetpointMotion& motion, int from, int to, bool all);
   int untilAmongObstacles(const SetpointMotion& motion, int from, int to, bool all);
+  int untilInSlice(std::size_t slice, const SetpointMotion& motion, int from, int to, bool all);
   int untilIn(EdgeCertifier& certifier, const Margins& margins, const SetpointMotion& motion,
               int from, int to, bool all);
   /// How far rows between two are from their chord [m]; infinity: no chord is tried.
@@ -99,12 +106,11 @@ class SetpointProof {
   std::shared_ptr<const CompiledScene> scene_;
   double period_, horizon_;
   Obstacles obstacles_;
-  std::shared_ptr<const CompiledScene> moving_scene_;
   EdgeCertifier still_;
   Margins still_margins_;
-  std::optional<EdgeCertifier> moving_;
+  std::vector<Mover> movers_;  ///< by group; none without obstacles
   std::vector<Slice> slices_;
-  bool is_stale_ = false;  ///< `slices_` do not hold
+  bool is_stale_ = false;  ///< the slices do not hold
   Displacement displacement_;
   std::vector<double> departure_, chord_;
   double growth_limit_;

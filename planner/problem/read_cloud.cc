@@ -199,6 +199,8 @@ void filterCloud(const YamlReader& cloud, const std::vector<std::string>& carve,
   filter("most_balls", [&](const YamlReader& most) {
     return thinnedTo(*object.cloud, static_cast<std::size_t>(most.integer(1)));
   });
+  if (const std::string fault = motionFault(object, problem.execution.start); !fault.empty())
+    cloud.fail(fmt::format("object '{}' {}", object.name, fault));
 }
 
 }  // namespace leeway::planner

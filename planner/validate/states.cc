@@ -246,8 +246,11 @@ std::string motionFault(const Object& object, double start) {
     return "moves and has no shape; at least one is expected";
   if (!(extentOf(object) < kInfinity))
     return "moves and has a half-space; shapes of bounded size are expected";
-  if (isFitted(object))
-    return "moves, and its cloud was cropped or carved for one place; a whole cloud is expected";
+  if (object.cloud && !object.cloud->crops.empty())
+    return "moves, and its cloud was cropped: what it lacks may come near; a cloud that is not "
+           "cropped is expected";
+  if (motion.poses && isFitted(object))
+    return "moves, and its cloud was carved for one place; a whole cloud is expected";
   if (!(motion.speed_bound >= 0))
     return fmt::format("has the speed bound {}; at least 0 m/s is expected", motion.speed_bound);
   if (!(motion.turn_bound >= 0))

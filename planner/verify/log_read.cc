@@ -160,12 +160,16 @@ class LineReader {
     const std::string name = object.text();
     sight.time = item.at("time", "a time [s]").number();
     sight.speed_bound = bound(item.at("speed_bound", "a speed [m/s]"));
-    sight.is_pose = item.has("position");
+    sight.is_rigid = item.has("position");
+    const auto balls = item.find("balls");
     std::vector<std::string> names;
-    if (sight.is_pose) {
+    if (sight.is_rigid) {
       for (const Object& o : problem_.world.objects)
-        if (o.motion) names.push_back(o.name);
-      sight.turn_bound = bound(item.at("turn_bound", "a speed of turning [rad/s]"));
+        if (o.motion && (!balls || o.cloud)) names.push_back(o.name);
+      if (balls)
+        sight.cloud = cloud(*balls);
+      else
+        sight.turn_bound = bound(item.at("turn_bound", "a speed of turning [rad/s]"));
       sight.X_WO = pose(item);
     } else {
       for (const DeformingObstacle& o : problem_.world.deforming) names.push_back(o.object.name);
@@ -174,13 +178,31 @@ class LineReader {
                                     [&](const std::string& n) { return isName(name, n); });
     if (found == names.end())
       object.fail(fmt::format("the problem has no {} '{}'{}",
-                              sight.is_pose ? "object with a motion" : "deforming obstacle", name,
-                              didYouMean(name, names)));
+                              balls            ? "cloud with a motion"
+                              : sight.is_rigid ? "object with a motion"
+                                               : "deforming obstacle",
+                              name, didYouMean(name, names)));
     sight.object = *found;
-    if (!sight.is_pose)
+    if (!sight.is_rigid)
       sight.vertices =
           vertices(item, problem_.world.deforming[static_cast<std::size_t>(found - names.begin())]);
     return sight;
+  }
+
+  /// The balls of a cloud. No ball is left where all were carved out.
+  static std::shared_ptr<const PointCloud> cloud(const YamlReader& list) {
+    auto read = std::make_shared<PointCloud>();
+    for (const YamlReader& item : list.items()) {
+      const std::vector<double> v = item.numbers();
+      if (v.size() != 4)
+        item.fail(fmt::format("{} has {} numbers; [x, y, z, radius] in m is expected", item.where(),
+                              v.size()));
+      read->balls.push_back({{v[0], v[1], v[2]}, v[3]});
+    }
+    if (read->balls.empty()) return read;
+    if (const std::string fault = cloudFault(*read); !fault.empty())
+      list.fail(fmt::format("{}: {}", list.where(), fault));
+    return read;
   }
 
   static robots::Pose pose(const YamlReader& item) {

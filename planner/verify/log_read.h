@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,11 +16,12 @@ namespace leeway::planner::verification {
 /// An observation of an obstacle by the program.
 struct LoggedSight {
   std::string object;
-  double time = 0;  ///< [s]
-  bool is_pose = false;
+  double time = 0;        ///< [s]
+  bool is_rigid = false;  ///< a pose or a cloud; else vertices
   robots::Pose X_WO;
   std::vector<Eigen::Vector3d> vertices;
-  double speed_bound = 0, turn_bound = 0;  ///< [m/s], [rad/s]; may be infinite
+  std::shared_ptr<const PointCloud> cloud;  ///< null: the one before
+  double speed_bound = 0, turn_bound = 0;   ///< [m/s], [rad/s]; may be infinite
 };
 
 struct LoggedObstacle {

@@ -199,6 +199,7 @@ Place MovingBody::at(const Sighting& known, double time, double half, const Sphe
 }
 
 std::string MovingBody::departure(const Sighting& before, const Sighting& now) {
+  if (now.cloud != before.cloud) return {};
   const bool follows = before.kind == Sighting::Kind::kFollows;
   if (!follows && now.time < before.time) return apart(now, before, before.time, "a sight before");
   return apart(before, now, now.time,
@@ -206,6 +207,7 @@ std::string MovingBody::departure(const Sighting& before, const Sighting& now) {
 }
 
 std::string MovingBody::departureOfMotion(const Sighting& seen, double time) {
+  if (seen.cloud) return {};
   Sighting motion;  // follows
   motion.time = time;
   return apart(seen, motion, time, "where it was seen");

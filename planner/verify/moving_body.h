@@ -29,6 +29,7 @@ struct Sighting {
   /// problem.
   robots::Pose X_WO;
   std::shared_ptr<const std::vector<Eigen::Vector3d>> vertices;
+  std::shared_ptr<const PointCloud> cloud;  ///< in place of the problem's; null: that one
   /// Bounds on the speed of its frame's origin, or of its vertices [m/s], and on its turning
   /// [rad/s]. kLooked: if one is infinite, the motion's own bounds hold.
   double speed = 0, turning = 0;
@@ -61,8 +62,9 @@ class MovingBody {
   /// The place of a shape inside `sphere_O`, at `time`; `speed` and `slack` hold while the time
   /// differs by at most `half` [s]. Valid until the next call.
   Place at(const Sighting& known, double time, double half, const Sphere& sphere_O);
-  /// Says how far a sight departs from what was known before; empty if it agrees with it. Of two
-  /// sights, the bounds of the earlier one hold, whichever was stated first.
+  /// Says how far a sight departs from what was known before; empty if it agrees with it, and for
+  /// another cloud, whose balls do not correspond to those before. Of two sights, the bounds of the
+  /// earlier one hold, whichever was stated first.
   std::string departure(const Sighting& before, const Sighting& now);
   /// The same of the problem's motion at a time that is not before a sight, by the sight's bounds.
   std::string departureOfMotion(const Sighting& seen, double time);

@@ -200,7 +200,8 @@ class LogVerifier {
       now.kind = Sighting::Kind::kSeen;
       now.time = sight.time;
       now.X_WO = sight.X_WO;
-      if (!sight.is_pose)
+      now.cloud = sight.cloud ? sight.cloud : known[m].cloud;
+      if (!sight.is_rigid)
         now.vertices = std::make_shared<const std::vector<Eigen::Vector3d>>(sight.vertices);
       now.speed = sight.speed_bound;
       now.turning = sight.turn_bound;

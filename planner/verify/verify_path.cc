@@ -63,8 +63,14 @@ struct CloudPair {
   bool is_of_a;  ///< the shape's body is the first of the two
   const robots::Geometry* shape;
   Sphere sphere;
-  const BallTree* cloud;
+  const BallTree* cloud;  ///< in the segment that is checked; null: without a ball
+
+  /// The body with the cloud.
+  std::size_t body() const { return is_of_a ? bodies->b : bodies->a; }
 };
+
+/// Trees that are kept, of clouds that were seen in different steps [count].
+constexpr std::size_t kMostTrees = 64;
 
 class Verifier {
  public:
@@ -102,7 +108,7 @@ class Verifier {
     const std::size_t segments = std::max<std::size_t>(1, path_.positions.size() - 1);
     // A sampled trajectory has many edges, so the work limit grows with their number.
     std::size_t pairs = shapes_.size();
-    for (const CloudPair& pair : clouds_) pairs += pair.cloud->ballCount();
+    for (const CloudPair& pair : clouds_) pairs += mostBalls(pair.body());
     const double looks = kVerifyLooks * static_cast<double>(segments * pairs);
     most_work_ = kVerifyWork + static_cast<long>(looks);
     most_cost_ = kVerifyCost * (most_work_ / kVerifyWork);
@@ -223,11 +229,34 @@ class Verifier {
   /// Pairs each shape of one body with the cloud of the other body.
   void collectClouds(const BodyPair& pair, bool is_of_a) {
     const Body& body = bodies_[is_of_a ? pair.a : pair.b];
-    const PointCloud* const cloud = bodies_[is_of_a ? pair.b : pair.a].cloud;
-    if (cloud == nullptr || cloud->balls.empty()) return;
-    const BallTree& tree = trees_.try_emplace(cloud, *cloud).first->second;
+    const std::size_t of = is_of_a ? pair.b : pair.a;
+    if (bodies_[of].cloud == nullptr || mostBalls(of) == 0) return;
     for (const robots::Geometry& shape : *body.geometries)
-      clouds_.push_back({&pair, is_of_a, &shape, enclosingSphere(shape.shape), &tree});
+      clouds_.push_back({&pair, is_of_a, &shape, enclosingSphere(shape.shape), nullptr});
+  }
+
+  /// The cloud of a body in a step: that of the problem, or the last one that was seen instead.
+  const PointCloud* cloudIn(std::size_t step, std::size_t body) const {
+    if (timed_ == nullptr || !movers_[body]) return bodies_[body].cloud;
+    const Sighting& known = timed_->known[step][*movers_[body]];
+    return known.cloud ? known.cloud.get() : bodies_[body].cloud;
+  }
+  /// The number of balls of a body's largest cloud.
+  std::size_t mostBalls(std::size_t body) const {
+    std::size_t most = bodies_[body].cloud->size();
+    for (std::size_t step = 0; timed_ != nullptr && step < timed_->known.size(); ++step)
+      most = std::max(most, cloudIn(step, body)->size());
+    return most;
+  }
+  /// Gives each pair the tree of its cloud in the current segment.
+  void takeClouds() {
+    if (trees_.size() > kMostTrees) trees_.clear();
+    const std::size_t step = timed_ == nullptr ? 0 : timed_->steps[segment_];
+    for (CloudPair& pair : clouds_) {
+      const PointCloud* const cloud = cloudIn(step, pair.body());
+      pair.cloud =
+          cloud->balls.empty() ? nullptr : &trees_.try_emplace(cloud, *cloud).first->second;
+    }
   }
 
   /// Returns false if the whole path is decided or the work limit is reached.
@@ -252,8 +281,9 @@ class Verifier {
     }
     for (const ShapePair& pair : shapes_)
       if (!checkPair(segment, pair)) return false;
+    takeClouds();
     for (const CloudPair& pair : clouds_)
-      if (!checkCloud(segment, pair)) return false;
+      if (pair.cloud != nullptr && !checkCloud(segment, pair)) return false;
     return true;
   }
 

@@ -73,36 +73,6 @@ void defineAdder(WorldClass& world, const char* name, const std::string& sizes, 
   throw py::key_error("no object '" + name + "'");
 }
 
-/// The balls around points (n, 3), of any strides, which may be NaN.
-PointCloud cloudOf(const py::object& points, const py::object& radius) {
-  py::array array = realArray(points, "points");
-  if (array.ndim() != 2 || array.shape(1) != 3)
-    throw py::value_error(
-        "points has shape " + std::string(py::str(array.attr("shape"))) +
-        "; shape (n, 3) is expected" +
-        (array.ndim() == 2 && array.shape(1) > 3 ? ", such as points[:, :3] or points.T" : ""));
-  const bool is_float = py::isinstance<py::array_t<float>>(array);
-  const bool is_double = py::isinstance<py::array_t<double>>(array);
-  // Rows of a broadcast array share their memory.
-  if ((!is_float && !is_double) || array.strides(1) != array.itemsize() ||
-      array.strides(0) < 3 * array.itemsize())
-    array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(array);
-  if (!array) {
-    PyErr_Clear();
-    throw py::value_error("points hold what is not a number; float32 or float64 is expected");
-  }
-  const bool as_float = is_float && py::isinstance<py::array_t<float>>(array);
-  const planner::PointArray xyz{
-      array.data(), static_cast<std::size_t>(array.shape(0)),
-      array.shape(0) > 1 ? static_cast<std::size_t>(array.strides(0)) : 0,
-      as_float ? planner::PointArray::Number::kFloat : planner::PointArray::Number::kDouble};
-  const Rows radii = scalars(radius, "radius");
-  PointCloud cloud = radii.shape.empty() ? planner::makeCloud(xyz, radii.values.at(0))
-                                         : planner::makeCloud(xyz, radii.values);
-  if (cloud.balls.empty()) throw py::value_error("points: " + planner::cloudFault(cloud));
-  return cloud;
-}
-
 void remove(World& world, const std::string& name) {
   const auto named = [&](const Object& object) { return object.name == name; };
   if (!world.has(name)) unknown(name);
@@ -189,6 +159,8 @@ void setMotion(World& world, const std::string& name, const py::object& times,
   motion.poses = posesOf(*found, times, poses, velocity, turning, time);
   motion.speed_bound = speedBoundOf(speed_bound);
   motion.turn_bound = speedBoundOf(turn_bound, "turn_bound");
+  // Any motion of a cloud's points is within a bound on their speed, turning included.
+  if (found->cloud && !motion.poses && turn_bound.is_none()) motion.turn_bound = 0;
   motion.age = number(age, "age");
   Object moving = planner::movingObject(*found, motion, number(start, "start"));
   for (Object& object : world.change().objects)
@@ -230,22 +202,12 @@ py::list addFiltered(World& world, const std::string& name, PointCloud cloud,
   Object object{name,    {},      pose(of.position, of.orientation, of.rpy),
                 nullptr, nullptr, colorOf(of.color)};
   const double margin = number(of.carve_margin, "carve_margin");
-  if (py::isinstance<py::str>(of.carve))
-    throw py::type_error("carve is '" + std::string(py::str(of.carve)) +
-                         "'; a list of names is expected");
-  const py::list carve(of.carve);
+  const std::vector<std::string> carve = namesOf(of.carve, "carve");
   if (carve.empty() && margin != 0)
     throw py::value_error("carve_margin stands without carve; both are expected");
-  for (const py::handle item : carve) {
-    const std::string shape = py::str(item);
+  for (const std::string& shape : carve)
     cloud = planner::carved(cloud, object.X_WO, shapesOf(world, shape), margin, shape);
-  }
-  if (!of.thin.is_none()) cloud = planner::thinned(cloud, number(of.thin, "thin"));
-  if (!of.most_balls.is_none()) {
-    const auto most = whole<std::size_t>(of.most_balls, "most_balls");
-    if (most == 0) throw py::value_error("most_balls is 0; a whole number from 1 is expected");
-    cloud = planner::thinnedTo(cloud, most);
-  }
+  cloud = thinnedAs(of.thin, of.most_balls, std::move(cloud));
   py::list left_out;
   for (const planner::CloudFilter& filter : cloud.filters)
     left_out.append(py::make_tuple(filter.name, filter.what, filter.removed));
@@ -260,7 +222,9 @@ py::list addCloud(World& world, const std::string& name, const py::object& point
                   const py::object& position, const py::object& orientation, const py::object& rpy,
                   const py::object& color) {
   requireNew(world, name);
-  return addFiltered(world, name, cloudOf(points, radius),
+  PointCloud cloud = cloudOf(points, radius);
+  if (cloud.balls.empty()) throw py::value_error("points: " + planner::cloudFault(cloud));
+  return addFiltered(world, name, std::move(cloud),
                      {thin, most_balls, carve, carve_margin, position, orientation, rpy, color});
 }
 
@@ -468,6 +432,56 @@ void defineAdders(WorldClass& world) {
 
 }  // namespace
 
+planner::PointCloud cloudOf(const py::object& points, const py::object& radius) {
+  py::array array = realArray(points, "points");
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    throw py::value_error(
+        "points has shape " + std::string(py::str(array.attr("shape"))) +
+        "; shape (n, 3) is expected" +
+        (array.ndim() == 2 && array.shape(1) > 3 ? ", such as points[:, :3] or points.T" : ""));
+  const bool is_float = py::isinstance<py::array_t<float>>(array);
+  const bool is_double = py::isinstance<py::array_t<double>>(array);
+  // Rows of a broadcast array share their memory.
+  if ((!is_float && !is_double) || array.strides(1) != array.itemsize() ||
+      array.strides(0) < 3 * array.itemsize())
+    array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(array);
+  if (!array) {
+    PyErr_Clear();
+    throw py::value_error("points hold what is not a number; float32 or float64 is expected");
+  }
+  const bool as_float = is_float && py::isinstance<py::array_t<float>>(array);
+  const planner::PointArray xyz{
+      array.data(), static_cast<std::size_t>(array.shape(0)),
+      array.shape(0) > 1 ? static_cast<std::size_t>(array.strides(0)) : 0,
+      as_float ? planner::PointArray::Number::kFloat : planner::PointArray::Number::kDouble};
+  const Rows radii = scalars(radius, "radius");
+  return radii.shape.empty() ? planner::makeCloud(xyz, radii.values.at(0))
+                             : planner::makeCloud(xyz, radii.values);
+}
+
+planner::PointCloud thinnedAs(const py::object& thin, const py::object& most_balls,
+                              planner::PointCloud cloud) {
+  if (!thin.is_none()) cloud = planner::thinned(cloud, number(thin, "thin"));
+  if (most_balls.is_none()) return cloud;
+  const auto most = whole<std::size_t>(most_balls, "most_balls");
+  if (most == 0) throw py::value_error("most_balls is 0; a whole number from 1 is expected");
+  return planner::thinnedTo(cloud, most);
+}
+
+std::vector<std::string> namesOf(const py::object& names, const char* name) {
+  if (py::isinstance<py::str>(names))
+    throw py::type_error(std::string(name) + " is '" + std::string(py::str(names)) +
+                         "'; a list of names is expected");
+  std::vector<std::string> all;
+  for (const py::handle item : py::list(names)) {
+    if (!py::isinstance<py::str>(item))
+      throw py::type_error(std::string(name) + " holds what is of type " +
+                           Py_TYPE(item.ptr())->tp_name + "; names are expected");
+    all.push_back(py::str(item));
+  }
+  return all;
+}
+
 bool hasObject(const planner::World& world, const std::string& name) {
   const auto named = [&](const Object& object) { return object.name == name; };
   return std::any_of(world.objects.begin(), world.objects.end(), named) ||
@@ -509,8 +523,8 @@ void defineWorld(py::module_& module) {
       "is the setting start_time [s]. Through `poses` at `times` [s], straight and by the shorter "
       "turn between them; or from its pose at `time` (default 0) at a constant `velocity` [m/s] "
       "and `turning` (3,) [rad/s] in the world; or without these it was only seen at its pose, "
-      "`age` [s] before `start`. `speed_bound` [m/s] of its origin and `turn_bound` [rad/s] hold "
-      "where its motion is not known.",
+      "`age` [s] before `start`. `speed_bound` [m/s] of its origin (of a cloud: of its points) and "
+      "`turn_bound` [rad/s] hold where its motion is not known.",
       setMotion);
   define(world, "remove", "(self, name)", "Removes an object. KeyError where there is none.",
          remove);

@@ -11,6 +11,7 @@
 #include "python/bindings/deforming.h"
 #include "python/bindings/plan.h"
 #include "python/bindings/settings.h"
+#include "python/execution/seen_cloud.h"
 
 namespace leeway::python {
 namespace {
@@ -141,6 +142,28 @@ const char* setPoseOf(Guarding& self, const std::string& object, const py::objec
       released([&] { return self.guard->setPose(object, X_WO, when, speed, turning); }));
 }
 
+const char* setCloudOf(Guarding& self, const std::string& object, const py::object& points,
+                       const py::object& radius, const py::object& time, const py::object& bound,
+                       const py::object& given_pose, const py::object& thin,
+                       const py::object& most_balls, const py::object& carve,
+                       const py::object& carve_margin, const py::object& state) {
+  const Busy busy(self.busy, kBusyGuard);
+  std::vector<double> place;
+  if (!state.is_none()) place = numbers(state, "state", self.size());
+  const std::shared_ptr<const planner::Problem> problem = self.problem.value();
+  const bool is_sensible = given_pose.is_none() || areFinite(given_pose);
+  const py::object sure = is_sensible ? given_pose : py::none();
+  CloudGiven seen =
+      cloudGiven(*problem, {points, radius, sure, thin, most_balls, carve, carve_margin}, place);
+  if (!is_sensible) {
+    seen.X_WO.emplace();
+    seen.X_WO->translation.setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  const double when = timeOf(time), speed = speedBoundOf(bound);
+  return planner::toString(
+      released([&] { return self.guard->setCloud(object, seen.cloud, when, speed, seen.X_WO); }));
+}
+
 void lookAt(Guarding& self, const py::object& time) {
   const Busy busy(self.busy, kBusyGuard);
   const double when = time.is_none() ? self.guard->nextTime() : number(time, "time");
@@ -244,6 +267,12 @@ void defineGuard(py::module_& module) {
       "`speed_bound` [m/s], and it turns by at most `turn_bound` [rad/s]. The rest as for "
       "set_vertices().",
       setPoseOf);
+  define(guard, "set_cloud",
+         std::string("(self, name, points, radius, time, speed_bound=None, *, ") + kCloudSignature,
+         std::string(kCloudDoc) +
+             " Returns 'taken', 'invalid' or 'late'; a cloud never jumps. Nothing passes until the "
+             "next look().",
+         setCloudOf);
   define(guard, "look", "(self, time=None)",
          "Bounds where obstacles can be from `time` on (default: next_time) [s].", lookAt);
   defineConstant(

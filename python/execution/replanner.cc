@@ -10,6 +10,7 @@
 #include "python/bindings/scene.h"
 #include "python/bindings/settings.h"
 #include "python/bindings/view.h"
+#include "python/execution/seen_cloud.h"
 
 namespace leeway::python {
 namespace {
@@ -99,6 +100,21 @@ void setPose(Execution& self, const std::string& object, const py::object& given
   const double speed = speedBoundOf(bound), turning = speedBoundOf(turn_bound, "turn_bound");
   const double when = time.is_none() ? self.replanner->time() : number(time, "time");
   released([&] { self.replanner->setPose(object, X_WO, when, speed, turning); });
+}
+
+void setCloud(Execution& self, const std::string& object, const py::object& points,
+              const py::object& radius, const py::object& time, const py::object& bound,
+              const py::object& given_pose, const py::object& thin, const py::object& most_balls,
+              const py::object& carve, const py::object& carve_margin, const py::object& state) {
+  const Busy busy(self.busy, kBusyReplanner);
+  std::vector<double> place(self.replanner->state().begin(), self.replanner->state().end());
+  if (!state.is_none()) place = numbers(state, "state", self.size());
+  const std::shared_ptr<const planner::Problem> problem = self.problem.value();
+  const CloudGiven seen = cloudGiven(
+      *problem, {points, radius, given_pose, thin, most_balls, carve, carve_margin}, place);
+  const double speed_bound = speedBoundOf(bound);
+  const double when = time.is_none() ? self.replanner->time() : number(time, "time");
+  released([&] { self.replanner->setCloud(object, seen.cloud, when, speed_bound, seen.X_WO); });
 }
 
 void setState(Execution& self, const py::object& state) {
@@ -285,6 +301,10 @@ void defineReplanner(py::module_& module) {
       "not faster than `speed_bound` [m/s], and it turns by at most `turn_bound` [rad/s]. "
       "Replaces its motion for good.",
       setPose);
+  define(execution, "set_cloud",
+         std::string("(self, name, points, radius, time=None, speed_bound=None, *, ") +
+             kCloudSignature,
+         std::string(kCloudDoc) + " Default: `time` now, `state` the robot's now.", setCloud);
   defineProperty(
       execution, "state", "The robot's state now: (joints,); set it to where the robot truly is.",
       reading([](Execution& self) { return constant(array(self.replanner->state())); }), setState);

@@ -118,6 +118,8 @@ def calls(robot, world, problem, scene):
         "monitor q": lambda v: monitor.look(0, v, [0] * 7), "monitor time": lambda v: monitor.look(v, q, [0] * 7),
         "monitor limits": lambda v: leeway.Monitor(scene, accelerations=v), "Monitor": lambda v: leeway.Monitor(v, accelerations=[1] * 7),
         "Replanner": leeway.Replanner, "set_vertices": lambda v: replanner.set_vertices("x", v), "set_pose": lambda v: replanner.set_pose("x", v),
+        "set_cloud": lambda v: replanner.set_cloud("x", v, 0.01), "set_cloud radius": lambda v: replanner.set_cloud("x", np.zeros((1, 3)), v),
+        "set_cloud carve": lambda v: replanner.set_cloud("x", np.zeros((1, 3)), 0.01, pose=(0, 0, 0), carve=v),
         "set_motion": lambda v: world.copy().set_motion(v, velocity=(0, 0, 1)), "set_motion velocity": lambda v: world.copy().set_motion("post", velocity=v),
         "set_motion times": lambda v: world.copy().set_motion("post", times=v, poses=v), "set_motion poses": lambda v: world.copy().set_motion("post", times=[0], poses=v),
         "set_state": lambda v: setattr(replanner, "state", v), "replan": lambda v: leeway.replan(problem, on_step=v, steps=1, iterations=1),

@@ -367,6 +367,52 @@ def test_a_guard_follows_vertices_from_numpy(robot):
         guard.set_vertices("curtain", sheet, 0.4)
 
 
+def test_a_guard_and_a_replanner_take_clouds_as_they_are_seen(robot, tmp_path):
+    def grid(x, dtype=float):
+        y, z = np.meshgrid(np.linspace(-0.1, 0.1, 9), np.linspace(0.05, 0.25, 9))
+        return np.column_stack([np.full(y.size, x), y.ravel(), z.ravel()]).astype(dtype)
+    world = leeway.World()
+    world.add_cloud("seen", grid(0.9), radius=0.01)
+    world.set_motion("seen", speed_bound=0.1)  # of its points
+    guard = leeway.Guard(robot, world, "ready")
+    still = np.tile(robot.state("ready"), (5, 1))
+    assert guard.check(still)
+    assert guard.set_cloud("seen", grid(0.95, np.float32), 0.01, 0.1, speed_bound=0.1) == "taken"
+    assert guard.check(still, time=0.1).reason == "stale"  # balls may be anywhere: look first
+    guard.look(0.1)
+    assert guard.check(still, time=0.1)
+    holes = grid(0.95)
+    holes[::2] = np.nan
+    assert guard.set_cloud("seen", holes, np.full(81, 0.01), 0.2, 0.1, pose=(0, 0, 0.1), thin=0.05) == "taken"
+    assert guard.set_cloud("seen", holes * np.nan, 0.01, 0.3, 0.1) == "invalid"
+    assert guard.set_cloud("seen", grid(0.9), 0.01, 0.3, 0.1, pose=(np.nan, 0, 0)) == "invalid"
+    assert guard.set_cloud("seen", grid(0.9), 0.01, 0.1, 0.1) == "late"
+    assert guard.set_cloud("seen", grid(0.9), 0.01, float("inf"), 0.1) == "late"
+    assert guard.set_cloud("seen", grid(0.9), 0.01, 0.3) == "taken"  # no bound
+    guard.look(0.3)
+    assert guard.check(still, time=0.3).passed == 0
+    for wrong, what in ((dict(name="car"), "car"), (dict(points=np.zeros((3, 2))), "shape"), (dict(radius=0), "radius"), (dict(points=np.full((1, 3), 1e12)), "point 0 has the coordinate"),
+                        (dict(carve=["robot"]), "pose"), (dict(carve=["robot"], pose=(0, 0, 0)), "state"), (dict(carve_margin=1), "carve"), (dict(speed_bound=-1), "speed_bound"),
+                        (dict(carve=["hnd"], pose=(0, 0, 0), state=robot.state("ready")), "hnd"), (dict(most_balls=0), "most_balls")):
+        with pytest.raises(ValueError, match=what):
+            guard.set_cloud(**{**dict(name="seen", points=grid(0.9), radius=0.01, time=0.4), **wrong})
+    problem = leeway.Problem(robot, world, "ready", turned(robot, 0.8), margin=0.01)
+    replanner = leeway.Replanner(problem)
+    lines = []
+    while not replanner.reached:
+        replanner.set_cloud("seen", grid(0.9 + 0.05 * replanner.time), 0.01, speed_bound=0.1, pose=(0, 0, 0), carve=["robot"], most_balls=30)
+        step = replanner.step()
+        assert step.certified
+        lines.append(step.log)
+    lines.append(replanner.executed.log)
+    (tmp_path / "run.jsonl").write_text("\n".join(lines) + "\n")
+    assert leeway.verify_log(problem, str(tmp_path / "run.jsonl"))
+    with pytest.raises(ValueError, match="no ball is left"):
+        replanner.set_cloud("seen", grid(0.9) * np.nan, 0.01)
+    with pytest.raises(ValueError, match="later than"):
+        replanner.set_cloud("seen", grid(0.9), 0.01, time=replanner.time + 1)
+
+
 def test_a_guard_and_a_replanner_follow_objects_that_move(robot):
     world = leeway.World()
     world.add_box("cart", (0.2, 0.2, 0.2), position=(0.9, 0, 0.1))

@@ -262,6 +262,54 @@ TEST_F(GuardVerb, FollowsObjectsThatMove) {
   wrong({{"vertices", json::array()}}, "'vertices' is no key");
 }
 
+TEST_F(GuardVerb, TakesCloudsAsTheyAreSeen) {
+  std::string cloud = kSheet;
+  cloud = cloud.substr(0, cloud.find("deforming:")) +
+          "allowed: [[base, shelf]]\nobjects:\n  - name: shelf\n    cloud: {balls: [[0.85, 0, 0, "
+          "0.01]]}\n"
+          "    moving: {speed_bound: 0.1}\n";
+  write("cloud.yaml", cloud);
+  write("scan.xyz", "0.85 0 0\n0.86 0 0.01\n");
+  const std::string still = "[[-1,0],[-1,0],[-1,0]]\n";
+  const auto observe = [](double time, const json& more) {
+    json seen = {{"object", "shelf"}, {"time", time}, {"speed_bound", 0.1}};
+    seen.update(more);
+    return json({{"observe", seen}}).dump() + "\n";
+  };
+  const json points = {{"points", {{0.85, 0, 0}, {0.9, nullptr, nullptr}}}, {"radius", 0.01}};
+  const json nothing = {{"points", {{nullptr, nullptr, nullptr}}}, {"radius", 0.01}};
+  const json balls = {
+      {"balls", {{0, 0, 0, 0.01}}}, {"position", {0.85, 0, 0}}, {"orientation", {0, 0, 0, 1}}};
+  const json file = {{"cloud", "scan.xyz"}, {"radius", 0.01}};
+  const Answer answer = guard(
+      "cloud.yaml", still + observe(0.1, points) + still + observe(0.15, balls) + still +
+                        observe(0.2, file) + still + observe(0.25, nothing) + observe(0.1, points));
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  const std::vector<json> lines = answer.lines();
+  ASSERT_EQ(lines.size(), 9u);
+  for (const std::size_t k : {0u, 2u, 4u, 6u}) EXPECT_EQ(lines[k]["passed"], 3) << k;
+  for (const std::size_t k : {1u, 3u, 5u}) EXPECT_EQ(lines[k]["observation"], "taken") << k;
+  EXPECT_EQ(lines[7]["observation"], "invalid");
+  EXPECT_EQ(lines[8]["observation"], "late");
+  const auto wrong = [&](const json& more, const std::string& message) {
+    const Answer refused = guard("cloud.yaml", observe(0.1, more));
+    EXPECT_EQ(refused.status, 2) << message;
+    EXPECT_NE(refused.err.find(message), std::string::npos) << refused.err;
+  };
+  wrong({{"points", {{0, 0, 0}}}}, "observe has no 'radius'");
+  wrong({{"points", {{0, 0}}}, {"radius", 0.01}}, "observe.points[0]");
+  wrong({{"points", 3}, {"radius", 0.01}}, "observe.points is 3");
+  wrong({{"points", {{0, 0, 0}}}, {"radius", 0}}, "radius");
+  wrong({{"points", {{0, 0, 1e12}}}, {"radius", 0.01}}, "point 0 has the coordinate 1000000000000");
+  wrong({{"balls", {{0, 0, 0}}}}, "observe.balls[0]");
+  wrong({{"balls", {{0, 0, 0, 1}}}, {"radius", 1}}, "'radius' is no key");
+  wrong({{"balls", {{0, 0, 0, 1}}}, {"position", {0, 0, 0}}}, "observe has no 'orientation'");
+  wrong({{"cloud", "none.xyz"}, {"radius", 0.01}}, "none.xyz");
+  wrong({{"cloud", 3}, {"radius", 0.01}}, "observe.cloud is no name of a file");
+  wrong({{"object", "post"}, {"balls", {{0, 0, 0, 1}}}}, "no cloud with a motion 'post'");
+  wrong({{"balls", {{0, 0, 0, 1}}}, {"speed_bound", -1}}, "observe.speed_bound is -1");
+}
+
 TEST_F(GuardVerb, HelpExplainsEveryKey) {
   write("sheet.yaml", kSheet);
   const Answer answer = guard("reach.yaml", towardsThePost(5) + "\n[[9,9]]\n");

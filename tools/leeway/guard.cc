@@ -42,7 +42,11 @@ constexpr const char* kKeys =
   {...}                   keys: setpoints; position, velocity: of the robot, measured; time
   {"observe": {...}}      keys: object, vertices, time, speed_bound: a deforming obstacle was seen;
                           object, position, orientation (x y z w), time, speed_bound, turn_bound:
-                          an object with a motion (`moving`) was seen
+                          an object with a motion (`moving`) was seen;
+                          object, time, speed_bound and points (x y z; null: not measured) with
+                          radius, or balls (x y z radius), or cloud (a file) with radius: all of a
+                          cloud with a motion was seen; position, orientation: its frame's, else
+                          as before
 Empty lines, and lines that begin with #, are left out. Without a time the robot has gone through
 what passed of the request before, and at least one period.
 JSON, a document a line (metres, radians, seconds; null: nothing, or nothing known):
@@ -79,7 +83,8 @@ struct Line {
   bool is_observation = false;
   std::string object;  ///< of an observation
   std::vector<Eigen::Vector3d> vertices;
-  std::optional<collision::Pose> X_WO;  ///< in place of vertices
+  std::optional<collision::Pose> X_WO;               ///< in place of vertices
+  std::shared_ptr<const planner::PointCloud> cloud;  ///< perhaps with a pose
   double speed_bound = 0, turn_bound = 0;
 };
 
@@ -246,13 +251,24 @@ class LineReader {
     return line;
   }
 
+  /// The keys that an observation has.
+  static std::vector<std::string> keysOf(const Json& value) {
+    const bool is_placed = value.contains("position") || value.contains("orientation");
+    for (const char* const kind : {"points", "balls", "cloud"}) {
+      if (!value.contains(kind)) continue;
+      std::vector<std::string> keys = {"object", kind, "time", "speed_bound"};
+      if (kind != std::string_view("balls")) keys.emplace_back("radius");
+      if (is_placed) keys.insert(keys.end(), {"position", "orientation"});
+      return keys;
+    }
+    if (is_placed)
+      return {"object", "position", "orientation", "time", "speed_bound", "turn_bound"};
+    return {"object", "vertices", "time", "speed_bound"};
+  }
+
   static Line observationOf(const Json& value) {
     if (!value.is_object()) throw LineFault{"observe is no object with keys"};
-    const bool is_pose = value.contains("position") || value.contains("orientation");
-    const std::vector<std::string> keys =
-        is_pose ? std::vector<std::string>{"object", "position",    "orientation",
-                                           "time",   "speed_bound", "turn_bound"}
-                : std::vector<std::string>{"object", "vertices", "time", "speed_bound"};
+    const std::vector<std::string> keys = keysOf(value);
     expectKeys(value, keys);
     for (const std::string& key : keys)
       if (!value.contains(key)) throw LineFault{fmt::format("observe has no '{}'", key)};
@@ -262,15 +278,49 @@ class LineReader {
     line.object = value["object"].get<std::string>();
     line.time = number(value["time"], "observe.time");
     line.speed_bound = number(value["speed_bound"], "observe.speed_bound");
-    if (is_pose) {
+    if (value.contains("position")) line.X_WO = poseOf(value);
+    if (value.contains("turn_bound")) {
       line.turn_bound = number(value["turn_bound"], "observe.turn_bound");
-      line.X_WO = poseOf(value);
+      return line;
+    }
+    if (!value.contains("vertices")) {
+      line.cloud = std::make_shared<const planner::PointCloud>(cloudOf(value));
       return line;
     }
     const std::vector<double> numbers = rowsOf(value["vertices"], 3, "observe.vertices");
     for (std::size_t i = 0; i < numbers.size(); i += 3)
       line.vertices.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
     return line;
+  }
+
+  static planner::PointCloud cloudOf(const Json& value) {
+    planner::PointCloud cloud;
+    if (value.contains("balls")) {
+      const std::vector<double> numbers = rowsOf(value["balls"], 4, "observe.balls");
+      for (std::size_t i = 0; i < numbers.size(); i += 4)
+        cloud.balls.push_back({{numbers[i], numbers[i + 1], numbers[i + 2]}, numbers[i + 3]});
+      return cloud;
+    }
+    const double radius = number(value["radius"], "observe.radius");
+    try {
+      if (value.contains("points")) {
+        Json points = value["points"];
+        if (points.is_array())
+          for (Json& point : points)
+            for (Json& coordinate : point)
+              if (coordinate.is_null()) coordinate = std::nan("");
+        const std::vector<double> numbers = rowsOf(points, 3, "observe.points");
+        return planner::makeCloud(
+            {numbers.data(), numbers.size() / 3, 0, planner::PointArray::Number::kDouble}, radius);
+      }
+      if (!value["cloud"].is_string()) throw LineFault{"observe.cloud is no name of a file"};
+      std::vector<std::string> warnings;
+      cloud = planner::loadCloud(value["cloud"].get<std::string>(), radius, warnings);
+      printWarnings(warnings);
+      return cloud;
+    } catch (const std::exception& error) {
+      throw LineFault{fmt::format("observe: {}", error.what())};
+    }
   }
 
   static collision::Pose poseOf(const Json& value) {
@@ -352,7 +402,8 @@ class Session {
     for (const planner::DeformingObstacle& o : problem.world.deforming)
       objects_.push_back(o.object.name);
     for (const planner::Object& o : problem.world.objects)
-      if (o.motion) rigid_.push_back(o.name);
+      if (o.motion) (o.cloud ? clouds_ : rigid_).push_back(o.name);
+    rigid_.insert(rigid_.end(), clouds_.begin(), clouds_.end());  // a cloud has a pose, too
   }
 
   void answer(const std::string& text) {
@@ -433,10 +484,12 @@ class Session {
   }
 
   std::string observe(const Line& line) {
-    const std::vector<std::string>& known = line.X_WO ? rigid_ : objects_;
+    const std::vector<std::string>& known = line.cloud ? clouds_ : line.X_WO ? rigid_ : objects_;
     if (std::find(known.begin(), known.end(), line.object) == known.end())
       throw LineFault{fmt::format("there is no {} '{}'{}",
-                                  line.X_WO ? "object with a motion" : "deforming obstacle",
+                                  line.cloud  ? "cloud with a motion"
+                                  : line.X_WO ? "object with a motion"
+                                              : "deforming obstacle",
                                   line.object, planner::didYouMean(line.object, known))};
     if (!(line.speed_bound >= 0))
       throw LineFault{
@@ -444,6 +497,9 @@ class Session {
     if (!(line.turn_bound >= 0))
       throw LineFault{
           fmt::format("observe.turn_bound is {}; at least 0 rad/s is expected", line.turn_bound)};
+    if (line.cloud)
+      return planner::toString(
+          guard_.setCloud(line.object, line.cloud, *line.time, line.speed_bound, line.X_WO));
     return planner::toString(
         line.X_WO
             ? guard_.setPose(line.object, *line.X_WO, *line.time, line.speed_bound, line.turn_bound)
@@ -454,7 +510,7 @@ class Session {
   LineReader reader_;
   std::uint64_t seed_;
   int most_setpoints_;
-  std::vector<std::string> objects_, rigid_;  // that deform; with a motion
+  std::vector<std::string> objects_, rigid_, clouds_;  // that deform; with a motion; clouds of it
   std::size_t number_ = 0;
   bool is_bad_ = false, is_certified_ = true;
 };

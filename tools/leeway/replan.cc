@@ -52,7 +52,8 @@ constexpr const char* kKeys =
                           joints the shorter way
   measured                the robot's true state, where a program has set it since the step before
   observed[]              what a program has seen since then: object, time; position, rotation (rows of
-                          the matrix) or vertices; speed_bound and turn_bound from then on (null: none)
+                          the matrix), with balls (x y z radius) of a cloud, or vertices; speed_bound
+                          and turn_bound from then on (null: none)
   obstacles[]             name; seen: when, at last; predicted: proven against its motion, else against
                           a bound; strategy that its hierarchy was updated by; reason: why auto chose
                           it, else "asked for"; update_s: what the update took

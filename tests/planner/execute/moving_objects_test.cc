@@ -105,10 +105,9 @@ TEST(MovingObjects, WhatWasSeenGrowsWithItsAge) {
 
 TEST(MovingObjects, TheGrowthIsThatOfTheFarthestPoint) {
   Problem problem = gate({.speed_bound = 0.3, .turn_bound = 0.5, .age = 2});
-  const CompiledScene scene(problem);
-  Obstacles obstacles(problem, scene);
+  Obstacles obstacles(problem, std::make_shared<const CompiledScene>(problem));
   const double extent = std::sqrt(0.05 * 0.05 + 0.3 * 0.3 + 0.5 * 0.5);
-  const auto growth = [&](double t0, double t1) { return obstacles.during(t0, t1)[0].growth; };
+  const auto growth = [&](double t0, double t1) { return obstacles.growthOf(0, t0, t1).most; };
   EXPECT_NEAR(growth(0, 0), 2 * (0.3 + 0.5 * extent), 1e-9);
   EXPECT_NEAR(growth(0, 1), 3 * (0.3 + 0.5 * extent), 1e-9);
   obstacles.set("gate", test::at(0.1, 0, 0), 1, {0.1, 0});
@@ -116,13 +115,12 @@ TEST(MovingObjects, TheGrowthIsThatOfTheFarthestPoint) {
   EXPECT_NEAR(growth(0, 1), 0.3 + 0.5 * extent, 1e-9);  // backwards by the bound before
   obstacles.set("gate", test::at(0.1, 0, 0), 2, {0, 0});
   EXPECT_EQ(growth(2, 50), 0);
-  EXPECT_EQ(obstacles.during(2, 50)[0].body, scene.scene().find("gate"));
+  EXPECT_EQ(obstacles.place(0, 2, 50, false).growth, 0);
 }
 
 TEST(MovingObjects, JumpsAreWhatTheBoundDoesNotAllow) {
   Problem problem = gate({.speed_bound = 0.3, .turn_bound = 0.5});
-  const CompiledScene scene(problem);
-  Obstacles obstacles(problem, scene);
+  Obstacles obstacles(problem, std::make_shared<const CompiledScene>(problem));
   EXPECT_LE(obstacles.jump("gate", posed(0.3, 0, 0.5), 1), kGuardJump);
   EXPECT_LE(obstacles.jump("gate", posed(0, 0.3, -0.5), 1), kGuardJump);
   EXPECT_GT(obstacles.jump("gate", posed(0.3, 0, 0.6), 1), kGuardJump);

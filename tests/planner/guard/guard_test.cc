@@ -852,6 +852,148 @@ TEST(Guard, CallsAmongObjectsThatMoveAllocateNothing) {
 }
 
 // -------------------------------------------------------------------------------------------------
+// Clouds that are seen again and again
+
+/// Balls of 2 cm on a line at x, across the gap.
+std::shared_ptr<const PointCloud> fenceAt(double x) {
+  auto cloud = std::make_shared<PointCloud>();
+  for (double y = 0.9; y < 1.5; y += 0.02) cloud->balls.push_back({{x, y, 0}, 0.02});
+  return cloud;
+}
+
+/// sheetProblem() with a cloud in place of the sheet.
+Problem fenceProblem(double x) {
+  Problem problem = sheetProblem(nullptr, 0);
+  problem.world.deforming.clear();
+  Object fence{"fence", {}, {}};
+  fence.cloud = fenceAt(x);
+  problem.world.objects.push_back(movingObject(fence, {.speed_bound = 0, .turn_bound = 0}));
+  return problem;
+}
+
+TEST(Guard, ACloudsBoundGrowsWithAge) {
+  const Problem problem = fenceProblem(1.8);
+  const auto passed = [&](double bound, double age) {
+    Guard fresh(problem);
+    EXPECT_EQ(fresh.setCloud("fence", fenceAt(0), 0, bound), Observation::kTaken);
+    fresh.look(age);
+    // The disc's edge is 0.88 m from the fence; it stands there for 50 periods.
+    return fresh.check({.setpoints = still({-1, 1.2, 0}, 50), .time = age}).passed;
+  };
+  EXPECT_EQ(passed(0, 0), 50);
+  EXPECT_EQ(passed(0.5, 0), 50);    // 0.5 m in 1 s
+  EXPECT_EQ(passed(0.5, 0.5), 50);  // 0.75 m
+  const int later = passed(0.5, 1.2);
+  EXPECT_GT(later, 10);
+  EXPECT_LT(later, 30);  // 0.88 m are reached at 1.76 s
+  EXPECT_EQ(passed(0.5, 1.9), 0);
+  EXPECT_EQ(passed(kInfinite, 0), 0);
+}
+
+TEST(Guard, ANewCloudCountsFromTheNextLookOn) {
+  Guard guard(fenceProblem(1.8));
+  const std::vector<double> here = still({-1, 1.2, 0}, 10);
+  EXPECT_EQ(guard.check({.setpoints = here}).passed, 10);
+  // Balls may be anywhere in a new cloud: what was proven is not proven any more.
+  EXPECT_EQ(guard.setCloud("fence", fenceAt(1.79), 0.2, 0.2), Observation::kTaken);
+  const GuardAnswer& before = guard.check({.setpoints = here, .time = 0.2});
+  EXPECT_EQ(before.reason, GuardReason::kStale);
+  EXPECT_EQ(before.passed, 0);
+  EXPECT_FALSE(before.certified);
+  guard.look(0.2);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 0.2}).passed, 10);
+  // Refused ones leave the last one, and what is proven.
+  const auto bad = [](double coordinate, double radius) {
+    auto cloud = std::make_shared<PointCloud>();
+    cloud->balls = {{{0, 0, 0}, 0.02}, {{0, coordinate, 0}, radius}};
+    return cloud;
+  };
+  const auto take = [&](std::shared_ptr<const PointCloud> cloud, double time,
+                        const std::optional<robots::Pose>& X_WO = {}) {
+    return guard.setCloud("fence", std::move(cloud), time, 0.2, X_WO);
+  };
+  EXPECT_EQ(take(bad(kNan, 0.02), 0.3), Observation::kInvalid);
+  EXPECT_EQ(take(bad(kInfinite, 0.02), 0.3), Observation::kInvalid);
+  EXPECT_EQ(take(bad(0, -1), 0.3), Observation::kInvalid);
+  EXPECT_EQ(take(std::make_shared<PointCloud>(), 0.3), Observation::kInvalid);
+  EXPECT_EQ(take(nullptr, 0.3), Observation::kInvalid);
+  EXPECT_EQ(take(fenceAt(0), 0.3, test::at(kNan, 0, 0)), Observation::kInvalid);
+  EXPECT_EQ(take(fenceAt(0), 0.1), Observation::kLate);
+  EXPECT_EQ(take(fenceAt(0), kNan), Observation::kLate);
+  EXPECT_THROW(guard.setCloud("fence", fenceAt(0), 0.3, -1), std::invalid_argument);
+  EXPECT_THROW(guard.setCloud("upper wall", fenceAt(0), 0.3, 0), std::invalid_argument);
+  EXPECT_THROW(guard.setVertices("fence", sheetAt(0), 0.3, 0), std::invalid_argument);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 0.4}).passed, 10);
+  // Another number of balls, in another frame, far from those before.
+  auto one = std::make_shared<PointCloud>();
+  one->balls = {{{0, 0, 0}, 0.02}};
+  EXPECT_EQ(take(one, 0.5, test::at(-0.9, 1.2, 0)), Observation::kTaken);
+  guard.look(0.5);
+  const GuardAnswer& met = guard.check({.setpoints = here, .time = 0.5});
+  EXPECT_EQ(met.reason, GuardReason::kNotFree);
+  EXPECT_EQ(met.b, "fence");
+  EXPECT_EQ(take(one, 0.6, test::at(1, 0, 0)), Observation::kTaken);
+  guard.look(0.6);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 0.6}).passed, 10);
+  // A pose moves the balls that were seen last.
+  EXPECT_EQ(guard.setPose("fence", test::at(-0.9, 1.2, 0), 0.7, 10, 0), Observation::kJumped);
+  guard.look(0.7);
+  EXPECT_EQ(guard.check({.setpoints = here, .time = 0.7}).passed, 0);
+}
+
+TEST(Guard, AFenceThatAppearsStopsTheRobotBeforeIt) {
+  for (const double error : {0.0, 0.01}) {
+    GuardOptions options;
+    options.joint_errors.assign(3, error);
+    options.joint_errors[2] = 0;
+    Guard guard(fenceProblem(1.8), options);
+    double x = -1, speed = 0;
+    int passed = 0;
+    for (int c = 0; c < 60; ++c) {
+      const double now = guard.nextTime();
+      // It is seen from 1 s on, at 0.5, and comes at 0.1 m/s.
+      const double fence = now < 1 ? 1.8 : 0.5 - 0.1 * (now - 1);
+      ASSERT_EQ(guard.setCloud("fence", fenceAt(fence), now, 0.1), Observation::kTaken);
+      guard.look(now);
+      std::vector<double> rows;
+      double to = x, v = speed;
+      for (int k = 0; k < 5; ++k) {
+        v = std::min(0.4, v + 5 * 0.02);
+        to += v * 0.02;
+        rows.insert(rows.end(), {to, 1.2, 0});
+      }
+      const GuardAnswer& answer = guard.check({.setpoints = rows});
+      if (!answer.certified) break;  // the fence has come to a robot at rest
+      passed += answer.passed;
+      for (int k = 0; k < std::max(1, answer.passed); ++k)
+        if (const std::size_t row = 3 * static_cast<std::size_t>(k); row < answer.motion.size()) {
+          speed = (answer.motion[row] - x) / 0.02;
+          x = answer.motion[row];
+        }
+      const double later = guard.nextTime();
+      if (now >= 1) {
+        EXPECT_GT(0.5 - 0.1 * (later - 1) - x - 0.12, error);
+      }
+      if (answer.passed == 0 && speed == 0) break;
+    }
+    EXPECT_GT(passed, 40);
+    EXPECT_GT(x, -0.3);
+  }
+}
+
+TEST(Guard, CallsAmongCloudsAllocateNothing) {
+  Guard guard(fenceProblem(1.8));
+  const std::vector<double> here = still({-1, 1.2, 0}, 30);
+  for (int k = 0; k < 3; ++k) {
+    guard.setCloud("fence", fenceAt(0.01 * k), 0.1 * k, 0.3);
+    guard.look(0.1 * k);
+    const std::size_t before = collision::testing::allocationCount();
+    EXPECT_GT(guard.check({.setpoints = here, .time = 0.1 * k}).passed, 0);
+    EXPECT_EQ(collision::testing::allocationCount(), before) << k;
+  }
+}
+
+// -------------------------------------------------------------------------------------------------
 // Faults that were found in review
 
 TEST(Guard, ErrorsKeepPairsThatOtherwiseNeverMeet) {

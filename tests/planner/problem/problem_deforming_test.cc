@@ -169,14 +169,12 @@ TEST_F(ProblemDeforming, ObjectsThatComeHaveOtherNames) {
 // The time overflows: 0 m/s times infinity is NaN, no growth to add to a shape.
 TEST_F(ProblemDeforming, NothingIsKnownAfterTimesThatNoDoubleHolds) {
   const Problem problem = load("deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n");
-  const CompiledScene scene(problem);
-  Obstacles obstacles(problem, scene);
+  Obstacles obstacles(problem, std::make_shared<const CompiledScene>(problem));
   obstacles.set("cloth", problem.world.deforming.at(0).mesh->rest(), -1e308, {0});
-  EXPECT_EQ(obstacles.during(-1e308, 0).at(0).growth, 0);
-  const auto shapes = obstacles.during(0, 1e308);
-  EXPECT_EQ(shapes.at(0).growth, std::numeric_limits<double>::infinity());
-  EXPECT_EQ(obstacles.atMiddle(shapes, 0, 1e308).at(0).growth,
-            std::numeric_limits<double>::infinity());
+  EXPECT_EQ(obstacles.growthOf(0, -1e308, 0).most, 0);
+  const Obstacles::Growth growth = obstacles.growthOf(0, 0, 1e308);
+  EXPECT_EQ(growth.most, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(growth.at_middle, std::numeric_limits<double>::infinity());
 }
 
 TEST_F(ProblemDeforming, Motions) {

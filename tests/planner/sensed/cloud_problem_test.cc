@@ -6,6 +6,7 @@
 #include <fstream>
 #include <random>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/plan.h"
@@ -365,6 +366,27 @@ TEST_F(CloudProblems, ACloudIsNotHeld) {
   problem.world.objects.clear();
   problem.robot.attachments.push_back(held);
   EXPECT_THROW(CompiledScene{problem}, robots::InputError);
+}
+
+TEST_F(CloudProblems, ACloudThatMovesByABoundIsNotCropped) {
+  const auto with = [](const std::string& filters, const std::string& motion) {
+    return kBall + " - {name: can, sphere: {radius: 0.1}, position: [0, 0.9, 0]}\n" +
+           " - name: scan\n   cloud: {file: scan.xyz, radius: 0.1" + filters +
+           "}\n   moving: " + motion + "\n";
+  };
+  const auto motionOf = [&](const std::string& filters, const std::string& motion) {
+    const Problem problem = load(with(filters, motion));
+    validate(problem);
+    return *problem.world.objects.back().motion;
+  };
+  EXPECT_EQ(motionOf("", "{speed_bound: 0.2}").speed_bound, 0.2);
+  EXPECT_EQ(motionOf("", "{speed_bound: 0.2}").turn_bound, 0);
+  EXPECT_EQ(motionOf("", "{speed_bound: 0.2, turn_bound: 0.1, age: 1}").turn_bound, 0.1);
+  EXPECT_EQ(motionOf(", carve: [can]", "{speed_bound: 0.2}").speed_bound, 0.2);
+  EXPECT_EQ(motionOf(", thin: 0.1", "{velocity: [0.1, 0, 0]}").speed_bound, kInfinity);
+  expectError(with("", "{turn_bound: 0.2}"), 13, {"no 'speed_bound'"});
+  expectError(with(", crop: 1", "{speed_bound: 0.2}"), 12, {"'scan' moves", "was cropped"});
+  expectError(with(", carve: [can]", "{velocity: [0.1, 0, 0]}"), 12, {"carved for one place"});
 }
 
 TEST_F(CloudProblems, BadKeysNameTheirLine) {

@@ -99,7 +99,7 @@ enum class Observation : unsigned char {
   kTaken,
   kJumped,   ///< taken; but points moved faster than the speed bound that was given before
   kInvalid,  ///< refused: another number of vertices, numbers that are not finite, a pose whose
-             ///< matrix is not a rotation. The last one stays
+             ///< matrix is not a rotation, a cloud without balls. The last one stays
   kLate,     ///< refused: older than the last one, or its time is not finite
 };
 const char* toString(Observation observation);  ///< "taken", "jumped", "invalid", "late"
@@ -158,6 +158,15 @@ class Guard {
   /// for setVertices().
   Observation setPose(const std::string& object, const robots::Pose& X_WO, double time,
                       double speed_bound, double turn_bound);
+  /// All balls of an object with a cloud and a motion, as seen at `time` [s] in the frame X_WO, and
+  /// a bound on the speed of their points from then on [m/s]; see Replanner::setCloud(). Clouds
+  /// never jump, because their balls do not correspond. But nothing is proven from a new cloud on
+  /// until the next look(), not even what was left of the last answer's motion: call both together.
+  /// kInvalid: a cloud that is missing, cropped, or that cloudFault() refuses. The rest as for
+  /// setPose(). Makes the cloud's hierarchy: O(balls log(balls)).
+  Observation setCloud(const std::string& object, std::shared_ptr<const PointCloud> cloud,
+                       double time, double speed_bound,
+                       const std::optional<robots::Pose>& X_WO = {});
   /// Bounds where obstacles can be from `time` [s] on: by their motions, or by what was seen of
   /// them, grown by their speed bounds times its age (and backwards, by the bound before, for times
   /// between the last two observations; earlier nothing passes). Costs the update of their

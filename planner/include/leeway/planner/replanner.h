@@ -33,19 +33,28 @@ struct TimedPoint {
 /// The cost of following one obstacle in a step.
 struct ObstacleUpdate {
   std::string object;
-  std::string strategy;    ///< the one that ran, by choice of `auto` or not; "pose": it is rigid
-  std::string reason;      ///< why `auto` chose it, in a few words; else "asked for", "it is rigid"
+  /// The one that ran, by choice of `auto` or not; "pose": it is rigid; "cloud": it is a cloud.
+  std::string strategy;
+  /// Why `auto` chose it, in a few words; else "asked for", "it is rigid", "it is a cloud".
+  std::string reason;
   double update_s = 0;     ///< of its hierarchy, to the step's beginning [s]
   double seen = 0;         ///< when it was last seen, at or before the step's beginning [s]
   bool predicted = false;  ///< the step was proven against its motion, not against a bound on it
 };
 
-/// An observation of one obstacle by the program: see Replanner::setVertices() and setPose().
+/// A cloud that was seen, in the frame X_WO.
+struct SeenCloud {
+  std::shared_ptr<const PointCloud> cloud;
+  robots::Pose X_WO;
+};
+
+/// An observation of one obstacle by the program: see Replanner::setVertices(), setPose() and
+/// setCloud().
 struct ObstacleSight {
   std::string object;
   double time = 0;  ///< [s]
-  /// The vertices in its frame [m], or the pose X_WO.
-  std::variant<std::vector<Eigen::Vector3d>, robots::Pose> seen;
+  /// The vertices in its frame [m], the pose X_WO, or all balls of a cloud.
+  std::variant<std::vector<Eigen::Vector3d>, robots::Pose, SeenCloud> seen;
   double speed_bound = 0;  ///< from then on [m/s]
   double turn_bound = 0;   ///< of a pose [rad/s]
 };
@@ -155,6 +164,14 @@ class Replanner {
   /// object, a pose that is not finite or not a rotation, a time after time(), or bounds below 0.
   void setPose(const std::string& object, const robots::Pose& X_WO, double time, double speed_bound,
                double turn_bound);
+  /// All balls of an object with a cloud and a motion (Object::motion), as seen at `time` <= time()
+  /// [s] in the frame X_WO, and a bound on the speed of their points from then on [m/s]. Without
+  /// X_WO the frame stays where it was. The balls replace those before and the object's motion for
+  /// good: nothing of the old cloud stays, and what the new one lacks counts as free. Throws
+  /// std::invalid_argument, and changes nothing, for another object, a cloud that is cropped or
+  /// that cloudFault() refuses, and as setPose(). O(balls log(balls)).
+  void setCloud(const std::string& object, std::shared_ptr<const PointCloud> cloud, double time,
+                double speed_bound, const std::optional<robots::Pose>& X_WO = {});
 
   /// The scene as it was at the last look: constant, for any thread.
   std::shared_ptr<const CompiledScene> scene() const;
