@@ -81,6 +81,8 @@ constexpr double kSumRounding = 1e-13;
 /// 17 digits: accelerations of a cubic over this time are then exact to 1e-7 rad/s^2, jerks to 1e-3
 /// rad/s^3.
 constexpr double kLeastPhase = 1e-4;
+/// Speeds that differ by at most this share count as one.
+constexpr double kSameSpeed = 1e-11;
 /// Rows of a timed motion are at least this far apart [s].
 constexpr double kLeastRow = 2e-5;
 

@@ -74,8 +74,13 @@ class Choice {
     const LineLimits& limits = legs_[leg].limits;
     const double length = legs_[leg].length - first.after - last.before;
     const auto [low, high] = std::minmax(first.to, last.from);
-    if (!(length >= 0) || SpeedChange(low, high, limits).way() > length) return std::nullopt;
-    return length > 0 ? SpeedProfile(limits, length, first.to, last.from).duration() : 0;
+    if (!(length >= 0)) return std::nullopt;
+    const bool meet = length <= kInLine * legs_[leg].length;
+    if (SpeedChange(low, high, limits).withLongPhases().way() > (meet ? 0 : length))
+      return std::nullopt;
+    if (meet) return 0;
+    const double time = SpeedProfile(limits, length, first.to, last.from).duration();
+    return time >= kLeastPhase ? std::optional(time) : std::nullopt;
   }
 
   /// The time of turn k and the legs beside it.

@@ -113,7 +113,14 @@ SpeedChange fastestTurn(const Leg& before, const Leg& after, const MotionLimits&
     turn.acceleration = std::min(turn.acceleration, limits.acceleration[i] / change);
     if (!limits.jerk.empty()) turn.jerk = std::min(turn.jerk, limits.jerk[i] / change);
   }
-  return turn.acceleration < kInfinity ? SpeedChange(0, 1, turn).withLongPhases() : SpeedChange();
+  if (!(turn.acceleration < kInfinity)) return {};
+  const SpeedChange change = SpeedChange(0, 1, turn).withLongPhases();
+  // A joint whose jerk is limited may keep its velocity in this turn. Blends have a ramp all the
+  // same, because the way from one leg to the other may need it.
+  const bool smooth = std::any_of(limits.jerk.begin(), limits.jerk.end(),
+                                  [](double jerk) { return jerk < kInfinity; });
+  if (!smooth || change.ramp > 0) return change;
+  return {0, 1, change.time + kLeastPhase, kLeastPhase};
 }
 
 std::vector<double> blendTimes(std::span<const Leg> legs, std::span<const Blend> blends,
@@ -136,7 +143,7 @@ std::vector<double> blendTimes(std::span<const Leg> legs, std::span<const Blend>
       speed = 2 * its / times[other];
     }
     const double most = mostSpeedAfter(legs[at(e)].limits, speed, std::max(length, 0.0));
-    times[k] = std::max(times[k], 2 * mine / most);
+    times[k] = std::max(times[k], 2 * mine / (most * (1 - kInLine)));
   };
   // Backwards for slowing down, then forwards for speeding up. What is lowered then is still above
   // the speed before it.

@@ -62,6 +62,7 @@ SpeedChange::SpeedChange(double first, double last, const LineLimits& limits)
 
 SpeedChange SpeedChange::withLongPhases() const {
   if (!(time > 0)) return *this;
+  if (to - from <= kSameSpeed * to) return {from, to, 0, 0};
   const double plateau = time - 2 * ramp, longer = phase(ramp);
   return {from, to, 2 * longer + phase(plateau > kInLine * time ? plateau : 0), longer};
 }
@@ -149,7 +150,7 @@ std::vector<double> SpeedProfile::knots() const {
 
 double mostSpeedAfter(const LineLimits& limits, double speed, double length) {
   return largestWithout(speed, std::max(speed, limits.speed), [&](double last) {
-    return SpeedChange(speed, last, limits).way() - length;
+    return SpeedChange(speed, last, limits).withLongPhases().way() - length;
   });
 }
 

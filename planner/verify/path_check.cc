@@ -134,13 +134,15 @@ class PathCheck {
           name, from, to);
     };
     double before = 0;  // the acceleration at the end of the cubic before; at first, at rest
+    double slack_before = 0, farthest = 0;
+    for (const std::vector<double>& row : path_.positions)
+      farthest = std::max(farthest, std::abs(row[i]));
     for (waypoint = 0; waypoint + 1 < path_.positions.size(); ++waypoint) {
       const double duration = path_.times[waypoint + 1] - path_.times[waypoint];
       const Cubic cubic = cubicsOf(path_, waypoint)[i];
       // Rounding of positions and times, which derivatives enlarge.
       const double rounding =
-          kVerifyDigits * (std::abs(path_.positions[waypoint][i]) +
-                           cubic.speed() * (1 + path_.times[waypoint + 1] / duration));
+          kVerifyDigits * (farthest + cubic.speed() * (1 + path_.times[waypoint + 1] / duration));
       const auto within = [&](double value, double limit, double slack) {
         return std::abs(value) <= limit * (1 + kVerifyLimit) + slack;
       };
@@ -161,13 +163,15 @@ class PathCheck {
         const double j = cubic.jerk() / (square * duration);
         if (!within(j, limits.jerk, rounding / (square * duration)))
           return exceeds("jerk", j, limits.jerk);
-        if (!within_jump(first - before, rounding / square)) return jumps(before, first);
+        if (!within_jump(first - before, slack_before + rounding / square))
+          return jumps(before, first);
         if (waypoint + 2 == path_.positions.size() && !within_jump(last, rounding / square)) {
           ++waypoint;
           return jumps(last, 0);
         }
       }
       before = last;
+      slack_before = rounding / square;
     }
     for (waypoint = 0;; waypoint = path_.positions.size() - 1) {
       const double velocity = path_.velocities[waypoint][i];

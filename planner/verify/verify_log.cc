@@ -37,7 +37,7 @@ class LogVerifier {
     for (const Object& object : problem.world.objects)
       if (object.motion) motion_.bodies.emplace_back(object, problem.execution);
     own_.resize(motion_.bodies.size());
-    relied_.resize(motion_.bodies.size());
+    held_.resize(motion_.bodies.size());
   }
 
   VerifyResult run(const PlanOptions& options, const ClearanceWish& wish) {
@@ -184,12 +184,14 @@ class LogVerifier {
     motion_.path.positions.push_back(row);
   }
 
-  /// Takes what was observed before the step. Refuses sights that the bounds, on which steps
-  /// relied, do not allow.
+  /// Takes what was observed before the step. Refuses sights that contradict others, or the
+  /// knowledge on which steps relied.
   bool observes(const LoggedStep& step) {
     std::vector<Sighting> known;
-    for (std::size_t m = 0; m < own_.size(); ++m)
+    for (std::size_t m = 0; m < own_.size(); ++m) {
       known.push_back(own_[m] ? *own_[m] : motion_.bodies[m].lookedAt(step.time));
+      if (!held_[m].empty()) held_[m].back().until = step.time;
+    }
     for (const LoggedSight& sight : step.observed) {
       std::size_t m = 0;
       while (motion_.bodies[m].name() != sight.object) ++m;
@@ -205,26 +207,36 @@ class LogVerifier {
         now.vertices = std::make_shared<const std::vector<Eigen::Vector3d>>(sight.vertices);
       now.speed = sight.speed_bound;
       now.turning = sight.turn_bound;
-      const Relied relied = std::exchange(relied_[m], {});
-      std::string off;
-      if (relied.line > 0)
-        off = motion_.bodies[m].departure(relied.known, now);
-      else if (own_[m])
-        off = motion_.bodies[m].departure(*own_[m], now);
-      if (relied.line > 0 && relied.known.kind == Sighting::Kind::kFollows)
-        for (const double time : {relied.time, step.time})
-          if (off.empty() && time >= now.time) off = motion_.bodies[m].departureOfMotion(now, time);
-      if (!off.empty())
-        return refute(step, fmt::format("'{}' {}{}", sight.object, off,
-                                        relied.line > 0
-                                            ? fmt::format(", on which line {} relied", relied.line)
-                                            : ", in the same line"));
+      if (!agrees(step, m, now)) return false;
+      held_[m].push_back({step.line, step.time, step.time, now});
       own_[m] = known[m] = std::move(now);
     }
-    for (std::size_t m = 0; m < known.size(); ++m)
-      if (relied_[m].line == 0 || !own_[m]) relied_[m] = {step.line, step.time, known[m]};
+    for (std::size_t m = 0; m < known.size(); ++m) {
+      const bool is_same = !held_[m].empty() && known[m].kind == held_[m].back().known.kind &&
+                           known[m].kind != Sighting::Kind::kLooked;
+      if (!is_same) held_[m].push_back({step.line, step.time, step.time, known[m]});
+    }
     motion_.known.push_back(std::move(known));
     return saysWhatWasSeen(step);
+  }
+
+  /// Whether a sight agrees with all that was held of its obstacle at its time and later.
+  bool agrees(const LoggedStep& step, std::size_t m, const Sighting& now) {
+    MovingBody& body = motion_.bodies[m];
+    for (auto held = held_[m].rbegin(); held != held_[m].rend() && held->until >= now.time;
+         ++held) {
+      std::string off = body.departure(held->known, now);
+      if (held->known.kind == Sighting::Kind::kFollows)
+        for (const double time : {std::max(held->from, now.time), held->until})
+          if (off.empty()) off = body.departureOfMotion(now, time);
+      if (!off.empty())
+        return refute(step,
+                      fmt::format("'{}' {}{}", body.name(), off,
+                                  held->line == step.line
+                                      ? ", in the same line"
+                                      : fmt::format(", on which line {} relied", held->line)));
+    }
+    return true;
   }
 
   /// The step lists each obstacle, with the time at which it was seen.
@@ -291,10 +303,11 @@ class LogVerifier {
            differs("status: unsafe", end.status == "unsafe", last.decision == "unsafe");
   }
 
-  /// The knowledge on which steps relied since the obstacle was seen.
-  struct Relied {
-    int line = 0;     ///< of the first step; 0: none
-    double time = 0;  ///< of its look [s]
+  /// Knowledge of an obstacle, and when it was held: while steps relied on it, or at the time of a
+  /// line in which another sight follows.
+  struct Held {
+    int line;            ///< of the first step
+    double from, until;  ///< [s]
     Sighting known;
   };
 
@@ -304,7 +317,7 @@ class LogVerifier {
   std::vector<double> limits_;  ///< on velocity [rad/s or m/s]
   TimedPath motion_;
   std::vector<std::optional<Sighting>> own_;  ///< what the program has seen of each body
-  std::vector<Relied> relied_;
+  std::vector<std::vector<Held>> held_;       ///< by obstacle, in the order of the steps
   VerifyResult result_;
 };
 

@@ -431,16 +431,6 @@ class GltfReader {
     FileMesh mesh;
     requireCountable(source_, vertices.count, {});
     requireCountable(source_, mode == 4 ? count : 3 * (count - 2), {});
-    mesh.vertices.reserve(vertices.count);
-    for (std::size_t i = 0; i < vertices.count; ++i) {
-      if (i % MeshSource::kLinesBetweenStops == 0) source_.pause();
-      const Eigen::Vector3d v(vertices.at(i, 0), vertices.at(i, 1), vertices.at(i, 2));
-      if (!v.allFinite())
-        source_.fail(vertices.path +
-                     " has a coordinate that is not finite; finite numbers would "
-                     "be accepted");
-      mesh.vertices.push_back(v);
-    }
     const auto corner = [&](std::size_t i) {
       const double vertex = indices ? indices->at(i, 0) : static_cast<double>(i);
       if (!(vertex < static_cast<double>(vertices.count)))
@@ -459,7 +449,26 @@ class GltfReader {
     else
       for (std::size_t i = 2; i < count; ++i)
         mode == 6 ? add(0, i - 1, i) : i % 2 == 0 ? add(i - 2, i - 1, i) : add(i - 1, i - 2, i);
+    takeVertices(vertices, mesh);
     contents_.meshes.push_back(std::move(mesh));
+  }
+
+  /// Gives a mesh the vertices that its corners name: parts may share many of them.
+  void takeVertices(const Numbers& vertices, FileMesh& mesh) const {
+    std::vector<std::int32_t> places(vertices.count, -1);
+    for (const std::int32_t corner : mesh.corners) places[static_cast<std::size_t>(corner)] = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (i % MeshSource::kLinesBetweenStops == 0) source_.pause();
+      if (places[i] < 0) continue;
+      const Eigen::Vector3d v(vertices.at(i, 0), vertices.at(i, 1), vertices.at(i, 2));
+      if (!v.allFinite())
+        source_.fail(vertices.path +
+                     " has a coordinate that is not finite; finite numbers would "
+                     "be accepted");
+      places[i] = static_cast<std::int32_t>(mesh.vertices.size());
+      mesh.vertices.push_back(v);
+    }
+    for (std::int32_t& corner : mesh.corners) corner = places[static_cast<std::size_t>(corner)];
   }
 
   void leaveOut(std::int64_t& kind, std::size_t count) {

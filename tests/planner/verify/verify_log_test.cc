@@ -508,6 +508,15 @@ TEST_F(VerifyLog, SightsThatContradictEachOtherAreRefuted) {
       forged(lines[3], [&](Json& l) { l["observed"].push_back(far(l["observed"][0], fourth)); });
   expectNotProven(problem, twice, VerifyStatus::kRefuted, 4,
                   "by its speed bound, in the same line");
+  // A first sight, with a bound that allows everything, does not hide what steps relied on.
+  twice[3] = forged(lines[3], [&](Json& l) {
+    l["observed"][0]["speed_bound"] = 1000;
+    l["observed"].push_back(far(l["observed"][0], fourth));
+    l["observed"][0]["time"] = third;
+    l["observed"][0]["position"] = Json::parse(lines[2])["observed"][0]["position"];
+    l["observed"][0]["rotation"] = Json::parse(lines[2])["observed"][0]["rotation"];
+  });
+  expectNotProven(problem, twice, VerifyStatus::kRefuted, 4, "on which line 3 relied");
   // A sight before the last one, from which the last one could not be reached.
   Lines older = lines;
   older[3] = forged(lines[3], [&](Json& l) {

@@ -133,6 +133,17 @@ TEST(ReadGltf, StripsFansLinesAndPoints) {
   EXPECT_EQ(as(0).not_solid.points, 4);
 }
 
+/// Parts of a mesh may share their vertices, each with a few of them.
+TEST(ReadGltf, PartsTakeTheVerticesThatTheyName) {
+  Tetrahedron file;
+  file.indices = bytesOf<std::uint16_t>({3, 1, 3});
+  file.index = R"("bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR")";
+  const MeshContents contents = read(file.json());
+  ASSERT_EQ(contents.meshes.at(0).vertices.size(), 2U);
+  EXPECT_EQ(contents.meshes[0].vertices[1], Vector3d(0, 0, 1.1F));
+  EXPECT_EQ(cornersOf(contents.meshes[0], 0), (Corners{1, 0, 1}));
+}
+
 TEST(ReadGltf, NodesPlaceMeshes) {
   Tetrahedron file;
   // 90 degrees about z, with z mirrored, 5 along x; the other node is in no scene.
