@@ -92,6 +92,10 @@ constexpr double kLeastRow = 2e-5;
 constexpr double kVerifyLimit = 1e-3;
 /// Rounding of positions and times in files, for the same comparison.
 constexpr double kVerifyDigits = 4e-15;
+/// Rounding of this size is allowed whatever the limits are [rad/s^2 and rad/s^3, or m].
+constexpr double kVerifyLeastAcceleration = 1e-4, kVerifyLeastJerk = 10;
+/// A third derivative enlarges it by this factor more.
+constexpr double kVerifyJerkDigits = 5;
 
 /// A blend is proven as chords. Between any two points of the robot, the relative motion departs
 /// from the chords by at most this [m]; the margins include it.

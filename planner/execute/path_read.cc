@@ -107,18 +107,20 @@ void readVelocities(const YamlReader& rows, Table& table) {
   }
 }
 
-Table readTrajectory(const YamlReader& file) {
+/// `outer`: what is around it in the file; may be null.
+Table readTrajectory(const YamlReader& file, const YamlReader* outer = nullptr) {
   if (!file.isMap())
     file.fail("is no map; joint_names and points (trajectory_msgs/JointTrajectory) are expected");
   expectOneForm(file, {"joint_trajectory", "path", "positions", "points"});
   // A RobotTrajectory of MoveIt may move joints of several variables as well.
-  if (const auto other = file.find("multi_dof_joint_trajectory"); other && other->isMap())
-    if (const auto points = other->find("points");
-        points && !points->isNull() && !points->items().empty())
-      points->fail(
+  if (const auto other = file.find("multi_dof_joint_trajectory"); other && !other->isNull()) {
+    const auto points = other->isMap() ? other->find("points") : std::nullopt;
+    if (!other->isMap() || (points && !points->isNull() && !points->items().empty()))
+      other->fail(
           fmt::format("{} has motions that are not read; a joint_trajectory alone is expected",
-                      points->where()));
-  if (const auto nested = file.find("joint_trajectory")) return readTrajectory(*nested);
+                      other->where()));
+  }
+  if (const auto nested = file.find("joint_trajectory")) return readTrajectory(*nested, &file);
   const auto planned = file.find("path");
   const YamlReader& source = planned && planned->isMap() ? *planned : file;
   expectOneForm(source, {"positions", "points"});
@@ -136,7 +138,9 @@ Table readTrajectory(const YamlReader& file) {
     const auto time = plain ? std::nullopt : item.find("time_from_start");
     if (time && !time->isNull()) table.rows.back().time = readTime(*time);
   }
-  if (const auto certificate = source.find("certificate"); certificate && !certificate->isNull()) {
+  auto certificate = source.find("certificate");
+  if (!certificate && outer != nullptr) certificate = outer->find("certificate");
+  if (certificate && !certificate->isNull()) {
     if (!certificate->isMap()) certificate->fail("the certificate is no map; a map is expected");
     if (const auto interpolation = certificate->find("interpolation")) {
       table.interpolation = interpolation->text();

@@ -49,6 +49,10 @@ void checkTimes(const std::string& file, double duration, double period) {
                      fmt::format("cannot be written: the motion takes {} s; no more than {} s, by "
                                  "faster limits, are expected",
                                  duration, kLatestStamp));
+  if (period > 0 && period < kLeastRow)
+    throw InputError(file, 0,
+                     fmt::format("cannot be written: the period is {} s; at least {} s is expected",
+                                 period, kLeastRow));
   if (period > 0 && !(duration / period <= kMostRows))
     throw InputError(file, 0,
                      fmt::format("cannot be written: {} s have more than {} rows {} s apart; a "

@@ -51,7 +51,8 @@ std::vector<RowTime> sampleTimes(const Trajectory& trajectory, double period) {
     const bool is_end = time == trajectory.duration();
     const double whole = (is_end ? std::ceil(time * 1e9) : std::round(time * 1e9)) / 1e9;
     const RowTime row{whole, std::max(whole, time)};
-    const bool is_near = !result.empty() && whole - result.back().whole < kLeastRow;
+    const bool is_near =
+        !result.empty() && whole - result.back().whole < kLeastRow - 2e-9;  // both are rounded
     if (is_near && result.size() > 1)
       result.back() = row;
     else if (!is_near || is_end)

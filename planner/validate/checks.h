@@ -22,9 +22,7 @@ struct Fault {
   std::string message, key, name;
 };
 
-/// Returns the warnings of the loaders of a robot, or of a problem, on which answers rest: all but
-/// those about parts of the robot that are left out. O(warnings).
-std::vector<std::string> loaderWarnings(const robots::Model& model);
+/// Returns the warnings of the loaders of a robot and of its problem. O(warnings).
 std::vector<std::string> loaderWarnings(const Problem& problem);
 
 /// The numbers that a setting accepts, in words: "zero or more".

@@ -125,16 +125,8 @@ bool hasFollower(const Model& model, int variable) {
 
 }  // namespace
 
-std::vector<std::string> loaderWarnings(const robots::Model& model) {
-  std::vector<std::string> rest;
-  std::copy_if(
-      model.warnings.begin(), model.warnings.end(), std::back_inserter(rest),
-      [](const std::string& warning) { return warning.find("left out") == std::string::npos; });
-  return rest;
-}
-
 std::vector<std::string> loaderWarnings(const Problem& problem) {
-  std::vector<std::string> warnings = loaderWarnings(*problem.robot.model);
+  std::vector<std::string> warnings = problem.robot.model->warnings;
   warnings.insert(warnings.end(), problem.warnings.begin(), problem.warnings.end());
   return warnings;
 }
@@ -154,9 +146,9 @@ std::optional<std::string> startFault(const Problem& problem) {
     if (const double most = largestValue(model, static_cast<int>(v));
         std::abs(problem.start[v]) > most && hasFollower(model, static_cast<int>(v)))
       return fmt::format(
-          "start has {} at {}; at most {} is expected, because a joint that mimics it "
-          "would be too far out",
-          variableText(model, static_cast<int>(v)), problem.start[v], std::max(0.0, most));
+          "start has {} at {}; {} is expected, because a joint that mimics it would be too far out",
+          variableText(model, static_cast<int>(v)), problem.start[v],
+          most < 0 ? "another robot" : fmt::format("at most {}", most));
   }
   for (const int v : problem.robot.variables) {
     if (!isOfOrientation(model, v)) {

@@ -139,39 +139,51 @@ class PathCheck {
       farthest = std::max(farthest, std::abs(row[i]));
     for (waypoint = 0; waypoint + 1 < path_.positions.size(); ++waypoint) {
       const double duration = path_.times[waypoint + 1] - path_.times[waypoint];
+      const auto hidden = [&](const char* what) {
+        return fmt::format(
+            "{}'s {} after the row cannot be told: the next row is {:.3g} s later, at "
+            "{:.6g} s, and numbers are rounded; rows at least {:g} s apart are expected",
+            name, what, duration, path_.times[waypoint + 1], kLeastRow);
+      };
+      if (duration < kLeastRow / 2) return hidden("acceleration");
       const Cubic cubic = cubicsOf(path_, waypoint)[i];
       // Rounding of positions and times, which derivatives enlarge.
       const double rounding =
-          kVerifyDigits * (farthest + cubic.speed() * (1 + path_.times[waypoint + 1] / duration));
-      const auto within = [&](double value, double limit, double slack) {
-        return std::abs(value) <= limit * (1 + kVerifyLimit) + slack;
-      };
-      // No more than what times in whole nanoseconds make of a limited jerk.
-      const auto within_jump = [&](double change, double slack) {
-        return std::abs(change) <=
-               kVerifyLimit * std::min(limits.acceleration, limits.jerk * duration) + 2 * slack;
+          kVerifyDigits *
+          (farthest + cubic.speed() * (1 + std::abs(path_.times[waypoint + 1]) / duration));
+      const auto within = [&](double value, double limit, double off) {
+        return std::abs(value) <= limit * (1 + kVerifyLimit) + off;
       };
       const double square = duration * duration;
+      const double slack = rounding / square;
+      const double slack_of_jerk = kVerifyJerkDigits * slack / duration;
+      if (rounding / duration > limits.velocity / 2) return hidden("velocity");
+      if (slack > std::max(limits.acceleration / 2, kVerifyLeastAcceleration))
+        return hidden("acceleration");
+      if (slack_of_jerk > std::max(limits.jerk / 2, kVerifyLeastJerk)) return hidden("jerk");
+      // No more than what times in whole nanoseconds make of a limited jerk.
+      const auto within_jump = [&](double change, double off) {
+        return std::abs(change) <=
+               kVerifyLimit * std::min(limits.acceleration, limits.jerk * duration) + 2 * off;
+      };
       if (const double v = cubic.speed() / duration;
           !within(v, limits.velocity, rounding / duration))
         return exceeds("velocity", v, limits.velocity);
       const double first = cubic.acceleration(0) / square, last = cubic.acceleration(1) / square;
       for (const double a : {first, last})
-        if (!within(a, limits.acceleration, rounding / square))
+        if (!within(a, limits.acceleration, slack))
           return exceeds("acceleration", a, limits.acceleration);
       if (limits.jerk < kInfinity) {
         const double j = cubic.jerk() / (square * duration);
-        if (!within(j, limits.jerk, rounding / (square * duration)))
-          return exceeds("jerk", j, limits.jerk);
-        if (!within_jump(first - before, slack_before + rounding / square))
-          return jumps(before, first);
-        if (waypoint + 2 == path_.positions.size() && !within_jump(last, rounding / square)) {
+        if (!within(j, limits.jerk, slack_of_jerk)) return exceeds("jerk", j, limits.jerk);
+        if (!within_jump(first - before, slack_before + slack)) return jumps(before, first);
+        if (waypoint + 2 == path_.positions.size() && !within_jump(last, slack)) {
           ++waypoint;
           return jumps(last, 0);
         }
       }
       before = last;
-      slack_before = rounding / square;
+      slack_before = slack;
     }
     for (waypoint = 0;; waypoint = path_.positions.size() - 1) {
       const double velocity = path_.velocities[waypoint][i];

@@ -28,9 +28,13 @@ bool moves(const Step& step) {
 /// Returns an empty text if the path's steps are the problem's steps, or the first of them, and
 /// each step begins at the last waypoint of the step before.
 std::string wrongSteps(const Problem& problem, const Path& path) {
-  if (path.steps.empty() || path.steps.size() > problem.steps.size())
+  if (path.steps.empty())
+    return "the path has no steps; the file of a path (--output) as .json or .yaml has them, those "
+           "of "
+           "trajectories and .csv and .path files do not";
+  if (path.steps.size() > problem.steps.size())
     return "the path has " + std::to_string(path.steps.size()) + " steps, the problem " +
-           std::to_string(problem.steps.size()) + " (only .json and .yaml files keep them)";
+           std::to_string(problem.steps.size());
   int now = 0;
   for (std::size_t s = 0; s < path.steps.size(); ++s) {
     const PathStep& step = path.steps[s];

@@ -301,6 +301,7 @@ class GltfReader {
         name += given[i];
       }
     }
+    if (name.find('\0') != std::string::npos) fail(uri, "the name of a file");
     const std::filesystem::path path = std::filesystem::path(source_.path()).parent_path() / name;
     try {
       return readBinaryFile(path, "the numbers of a glTF file", std::size_t{1} << 31);
@@ -513,6 +514,14 @@ class GltfReader {
       for (std::size_t k = children.exists() ? children.value->size() : 0; k-- > 0;)
         open.emplace_back(index(element(children, k), nodes), X);
     }
+    std::size_t left_out = 0;
+    for (std::size_t i = 0; i < is_placed.size(); ++i)
+      if (!is_placed[i] && member(element(nodes, i), "mesh").exists()) ++left_out;
+    if (left_out > 0)
+      contents_.notes.push_back(
+          {{},
+           "left out, as they are not in the file's scene: " + std::to_string(left_out) +
+               (left_out == 1 ? " node" : " nodes") + " with a mesh"});
   }
 
   void placeMesh(const Entry& node, const Eigen::Matrix4d& X) {

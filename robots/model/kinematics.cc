@@ -144,8 +144,8 @@ double kinematicsRounding(const Model& model, double reach) {
   // A translation passes one product, three sums and the parent's rotation: below 256 u of its
   // length. So each joint above a point at distance d from the joint's frame moves it by at most
   // 256 u d, and d is at most `reach` plus the sum of the chain's offsets. The angle multiplier * q
-  // + offset of a revolute joint rounds by 2 u |angle|: a mimic joint counts twice, and once more for
-  // each 100 rad from the second on.
+  // + offset of a revolute joint rounds by 2 u |angle|: for a mimic joint, ten times as much is
+  // added, which covers 1000 rad.
   // clang-format on
   std::vector<double> extent(model.joints.size());
   std::vector<double> depth(model.joints.size());
@@ -170,16 +170,8 @@ double kinematicsRounding(const Model& model, double reach) {
     const bool root = joint.parent_link < 0;
     const auto parent = static_cast<std::size_t>(root ? 0 : joint.parent_link);
     extent[i] = (root ? 0 : extent[parent]) + joint.X_PJ.translation.norm() + travel;
-    double count = 1;
-    if (joint.mimic >= 0) {
-      constexpr double kCounted = 100, kMost = 1000;  // [rad]; farther out, nothing is certified
-      const int master = model.joints[static_cast<std::size_t>(joint.mimic)].first_variable;
-      const Variable& v = model.variables[static_cast<std::size_t>(master)];
-      const double angle =
-          std::fabs(joint.multiplier) * std::max(std::fabs(v.lower), std::fabs(v.upper)) +
-          std::fabs(joint.offset);
-      count += std::max(1.0, std::min(kMost, angle) / kCounted);
-    }
+    // Planners accept no angle beyond 1000 rad.
+    const double count = joint.mimic < 0 ? 1 : joint.type == JointType::kPrismatic ? 2 : 11;
     depth[i] = (root ? 0 : depth[parent]) + count;
     worst = std::max(worst, depth[i] * kJointRounding * (reach + 2 * extent[i]));
   }

@@ -36,7 +36,7 @@ TEST_F(Usage, WrongUseIsStatus2) {
   expectRefused("plan reach.yaml --sed 3", {"did you mean --seed?"});
   expectRefused("plan reach.yaml --output=", {"--output"});
   expectRefused("plan reach.yaml --iterations 99999999999999999999", {"--iterations"});
-  expectRefused("plan reach.yaml --trajectory t.csv --period nan", {"--period: nan", "1e-06"});
+  expectRefused("plan reach.yaml --trajectory t.csv --period nan", {"--period: nan", "2e-05"});
   expectRefused("clearance reach.yaml path.json --parts 0", {"--parts: 0", "1 to 100000"});
   expectRefused("clearance reach.yaml path.json --tolerance nan", {"--tolerance: nan"});
   expectRefused("plan reach.yaml --fast", {"leeway plan", "--fast"});

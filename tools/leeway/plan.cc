@@ -414,7 +414,7 @@ Verb addPlan(CLI::App& command) {
                   "rows of the trajectory every so many seconds besides those where its "
                   "acceleration changes")
       ->type_name("S")
-      ->check(numberFrom(1e-6, 1e6))
+      ->check(numberFrom(2e-5, 1e6))
       ->needs("--trajectory");
   view::addPageOptions(*app, arguments->view);
   app->add_flag("--json", arguments->json, "print one JSON document");

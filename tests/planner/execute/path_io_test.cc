@@ -554,8 +554,9 @@ TEST_F(PathIo, TimesThatNoFileCanSayAreRefused) {
     return std::string();
   };
   EXPECT_EQ(message(0), "");
-  EXPECT_NE(message(1e-6).find("more than 1000000 rows 1e-06 s apart"), std::string::npos);
+  EXPECT_NE(message(1e-6).find("the period is 1e-06 s; at least 2e-05 s"), std::string::npos);
   problem.execution.velocities["joint1"] = 1e-9;
+  EXPECT_NE(message(2e-5).find("more than 1000000 rows 2e-05 s apart"), std::string::npos);
   EXPECT_EQ(message(0), "");
   problem.execution.speed = 0.1;
   EXPECT_NE(message(0).find("no more than 2147483647 s"), std::string::npos);

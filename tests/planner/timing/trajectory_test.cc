@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <random>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/edge_certifier.h"
@@ -611,6 +612,36 @@ TEST_F(TrajectoryTest, LeavesOutWaypointsNearTheLine) {
 }
 
 /// A world without obstacles, and several limits on jerk.
+/// The verifier certifies the rows of every motion that we make, whatever the limits are: those of
+/// all joints or of one, small and large, with jerk or without.
+TEST(Trajectory, RowsKeepAllLimits) {
+  Problem problem = loadProblem(sourceFolder() + "/problems/shelf/reach.yaml");
+  const PlanResult result = plan(problem);
+  ASSERT_TRUE(result.certificate.certified);
+  std::mt19937 random(23);
+  const auto power = [&](double low, double high) {
+    return std::pow(10, std::uniform_real_distribution<double>(low, high)(random));
+  };
+  int blended = 0;
+  for (int i = 0; i < 60; ++i) {
+    problem.execution = {};
+    problem.execution.speed = power(-1, 0);
+    problem.execution.corners = i % 4 == 0 ? Corners::kStop : Corners::kBlend;
+    for (const int v : problem.robot.variables) {
+      const std::string& joint = problem.robot.model->variables[at(v)].name;
+      if (i % 3 != 0 || v == problem.robot.variables[at(i % 7)])
+        problem.execution.accelerations[joint] = power(-2, 3);
+      if (i % 2 == 0 && (i % 5 != 0 || v == problem.robot.variables[at(i % 7)]))
+        problem.execution.jerks[joint] = power(-1, 6);
+    }
+    const Trajectory trajectory = trajectoryOf(problem, result.path);
+    blended += trajectory.cutCorners().empty() ? 0 : 1;
+    const VerifyResult proof = verify(problem, motionOf(trajectory));
+    EXPECT_EQ(proof.status, VerifyStatus::kCertified) << i << ": " << proof.reason;
+  }
+  EXPECT_GT(blended, 20);
+}
+
 TEST_F(TrajectoryTest, BlendsSaveTime) {
   Problem free = problem;
   free.world.objects.clear();

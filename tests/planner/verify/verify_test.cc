@@ -202,14 +202,14 @@ TEST(Verify, CubicsAreBounded) {
   EXPECT_GT(overshoots, 50);
 }
 
-/// The motion with rest before and after it, within a microsecond: limits that are far away.
+/// The motion with rest before and after it, in almost no time: limits that are far away.
 Path withRest(Path path, Problem& problem) {
   for (const int v : problem.robot.variables)
     problem.execution.velocities[problem.robot.model->variables[at(v)].name] = 100;
   path.positions.insert(path.positions.begin(), path.positions.front());
   path.positions.push_back(path.positions.back());
-  path.times.insert(path.times.begin(), path.times.front() - 1e-6);
-  path.times.push_back(path.times.back() + 1e-6);
+  path.times.insert(path.times.begin(), path.times.front() - 2.1e-5);
+  path.times.push_back(path.times.back() + 2.1e-5);
   const std::vector<double> rest(path.names.size(), 0);
   path.velocities.insert(path.velocities.begin(), rest);
   path.velocities.push_back(rest);
@@ -328,6 +328,12 @@ TEST(Verify, MotionsKeepTheirLimits) {
   expect("", -1);
   problem.execution.jerks[joint] = 31;
   expect("'s jerk after the row reaches 32, over its limit of 31", 0);
+  // Rounding hides what rows that are dense, or far from time 0, would show.
+  problem.execution.jerks[joint] = 32;
+  for (double& time : path.times) time += 1e14;
+  expect("cannot be told", 0);
+  path.times = {0, 1e-6, 2e-6, 3e-6, 4e-6};
+  expect("cannot be told: the next row is 1e-06 s later", 0);
 }
 
 /// Against states at 2,000 places of random cubics.

@@ -34,18 +34,30 @@ bool saysPlanned(const ProblemSource& source) {
   return !source.group.empty() || !source.chain.empty();
 }
 
+/// What need not be printed again.
+std::set<std::string>& printedWarnings() {
+  static std::set<std::string> printed;
+  return printed;
+}
+
 /// Prints the warnings about a robot; those about entries that are left out only once, because
 /// planning does not need these. What a certificate rests on, such as an open mesh, comes always.
 void printRobotWarnings(const robots::Model& model, const ProblemSource& source) {
-  const std::vector<std::string> rest = planner::loaderWarnings(model);
+  const auto isRest = [](const std::string& warning) {
+    return warning.find("left out") == std::string::npos;
+  };
+  std::vector<std::string> rest, left;
   robots::ContentKey told("told warnings");
-  for (const std::string& warning : model.warnings)
-    if (std::find(rest.begin(), rest.end(), warning) == rest.end()) told.add(warning);
-  const std::size_t left_out = model.warnings.size() - rest.size();
+  for (const std::string& warning : model.warnings) {
+    (isRest(warning) ? rest : left).push_back(warning);
+    if (!isRest(warning)) told.add(warning);
+  }
+  const std::size_t left_out = left.size();
   const robots::DiskCache cache(
       source.no_cache || source.tell_again || left_out < 2 ? std::string() : robots::cacheFolder());
   const std::string key = cache.isOn() ? told.finish() : "";
   if (!key.empty() && cache.read(key)) {
+    printedWarnings().insert(left.begin(), left.end());  // results repeat them
     printWarnings(rest);
     printWarnings(
         {fmt::format("robot '{}': {} entries are left out, as told before; `leeway info` "
@@ -443,9 +455,8 @@ std::string takePathFile(ProblemSource& source, const std::vector<std::string>& 
 }
 
 void printWarnings(const std::vector<std::string>& warnings) {
-  static std::set<std::string> printed;
   for (const std::string& warning : warnings) {
-    if (printed.insert(warning).second && !isQuiet()) {
+    if (printedWarnings().insert(warning).second && !isQuiet()) {
       printMessage("warning: " + warning);
     }
   }

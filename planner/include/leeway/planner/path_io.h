@@ -43,8 +43,8 @@ void writePath(const std::string& file, const Problem& problem, const PlanResult
 ///
 /// The certificate in the file is that of the motion. With blended corners, the lower bound of its
 /// clearance is at most the least margin. If a blend cuts off the closest place of the path, the
-/// clearance has no upper bound. Throws robots::InputError, also for more than 2^31 s or a million
-/// periods.
+/// clearance has no upper bound. Throws robots::InputError, also for more than 2^31 s, a million
+/// periods, and a period below 20 us.
 void writeTrajectory(const std::string& file, const Problem& problem, const PlanResult& result,
                      const Trajectory& trajectory, double period = 0);
 

@@ -187,8 +187,8 @@ struct PlanResult {
   /// Unsolved: planned revolute joints whose limits block the shorter turn from the start to every
   /// goal that is given by joints.
   std::vector<std::string> long_turns;
-  /// Warnings of the problem's loaders, except those about parts of the robot that are left out;
-  /// margins and objects that have no effect; goals left out.
+  /// Warnings of the loaders of robot and problem; margins and objects that have no effect; goals
+  /// left out.
   std::vector<std::string> warnings;
 };
 
