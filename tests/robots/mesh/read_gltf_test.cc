@@ -77,7 +77,8 @@ MeshContents read(const std::string& contents) {
       contents);
 }
 
-void expectTetrahedron(const MeshContents& contents, const Vector3d& last = {0, 0, 1.1F}) {
+void expectTetrahedron(const MeshContents& contents,
+                       const Vector3d& last = {0, 0, static_cast<double>(1.1F)}) {
   ASSERT_EQ(contents.meshes.size(), 1U);
   const FileMesh& mesh = contents.meshes[0];
   ASSERT_EQ(mesh.vertices.size(), 4U);
@@ -140,7 +141,7 @@ TEST(ReadGltf, PartsTakeTheVerticesThatTheyName) {
   file.index = R"("bufferView": 1, "componentType": 5123, "count": 3, "type": "SCALAR")";
   const MeshContents contents = read(file.json());
   ASSERT_EQ(contents.meshes.at(0).vertices.size(), 2U);
-  EXPECT_EQ(contents.meshes[0].vertices[1], Vector3d(0, 0, 1.1F));
+  EXPECT_EQ(contents.meshes[0].vertices[1], Vector3d(0, 0, static_cast<double>(1.1F)));
   EXPECT_EQ(cornersOf(contents.meshes[0], 0), (Corners{1, 0, 1}));
 }
 
