@@ -19,20 +19,23 @@ struct Braking {
     return velocity == 0 && std::abs(acceleration) <= jerk_step;
   }
 
-  /// Moves one period on. The joint brakes as hard as it can while its acceleration can still fall
-  /// to 0 in time, by a `jerk_step` a period. With x now, the velocity that is lost until then is
-  /// x + (x - jerk_step) + (x - 2 jerk_step) + ..., the positive ones alone, times the period.
-  void advance(double period, double most, double jerk_step) {
+  /// Moves on by the time `first`, after which all steps take a period. The joint brakes as hard as
+  /// it can while its acceleration can still fall to 0 in time, by a jerk_step = jerk * period a
+  /// period. With x now, the velocity that is lost until then is x * first, and (x - jerk_step) +
+  /// (x - 2 jerk_step) + ..., the positive ones alone, times the period.
+  void advance(double first, double period, double most, double jerk) {
     const double sign = velocity < 0 || (velocity == 0 && acceleration < 0) ? -1 : 1;
-    const double v = sign * velocity, a = sign * acceleration, wanted = v / period;
-    double steps = 0, x = wanted;  // steps: periods after this one until acceleration is 0
-    if (jerk_step < kInfinity) {
-      steps = std::floor((std::sqrt(1 + 8 * wanted / jerk_step) - 1) / 2);
-      x = (wanted + jerk_step * steps * (steps + 1) / 2) / (steps + 1);
+    const double v = sign * velocity, a = sign * acceleration;
+    const double jerk_now = jerk * first, jerk_step = jerk * period;
+    double steps = 0, x = v / first;  // steps: periods after this one until acceleration is 0
+    if (jerk < kInfinity) {
+      const double half = period / 2 - first;
+      steps = std::floor((half + std::sqrt(half * half + 2 * period * v / jerk_step)) / period);
+      x = (v + jerk_step * period * steps * (steps + 1) / 2) / (first + steps * period);
     }
-    const double low = std::max(a - jerk_step, -most);
-    const double next = std::max(std::min(-x, std::max(a + jerk_step, low)), low);
-    velocity = next == -x && steps == 0 ? 0 : sign * (v + next * period);
+    const double low = std::max(a - jerk_now, -most);
+    const double next = std::max(std::min(-x, std::max(a + jerk_now, low)), low);
+    velocity = next == -x && steps == 0 ? 0 : sign * (v + next * first);
     acceleration = sign * next;
   }
 };
@@ -53,8 +56,9 @@ Brake::Brake(MotionLimits limits, double period) : limits_(std::move(limits)), p
 
 int Brake::stop(std::span<const double> place, std::span<const double> velocity,
                 std::span<const double> acceleration, std::span<double> rows, double first) const {
-  return limits_jerk_ ? stopEach(place, velocity, acceleration, rows)
-                      : stopOnLine(place, velocity, rows, first > 0 ? first : period_);
+  const double time = first > 0 ? first : period_;
+  return limits_jerk_ ? stopEach(place, velocity, acceleration, rows, time)
+                      : stopOnLine(place, velocity, rows, time);
 }
 
 int Brake::stopOnLine(std::span<const double> place, std::span<const double> velocity,
@@ -77,17 +81,17 @@ int Brake::stopOnLine(std::span<const double> place, std::span<const double> vel
 }
 
 int Brake::stopEach(std::span<const double> place, std::span<const double> velocity,
-                    std::span<const double> acceleration, std::span<double> rows) const {
+                    std::span<const double> acceleration, std::span<double> rows,
+                    double first) const {
   const std::size_t n = place.size(), most = rows.size() / n;
   std::size_t count = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const double jerk_step = limits_.jerk[i] * period_;
     Braking joint{velocity[i], acceleration[i]};
     double position = place[i];
     std::size_t row = 0;
-    for (; !joint.isDone(jerk_step); ++row) {
+    for (double time = first; !joint.isDone(limits_.jerk[i] * time); ++row, time = period_) {
       if (row == most) return -1;
-      joint.advance(period_, limits_.acceleration[i], jerk_step);
+      joint.advance(time, period_, limits_.acceleration[i], limits_.jerk[i]);
       position += joint.velocity * period_;
       // Joints before this one may rest already.
       if (row >= count)

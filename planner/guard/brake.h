@@ -23,7 +23,7 @@ class Brake {
   /// Writes the setpoints after `place`, row by row, until the robot is at rest; returns how many,
   /// or -1 where they are more than `rows` has room for. Without limits on jerk all are on the line
   /// along `velocity`; with them each joint brakes for itself, which is as fast as it can. `first`:
-  /// in how much time the velocity may change before the first row, without limits on jerk; 0: in a
+  /// in how much time the velocity changes before the first row, no more than a period; 0: in a
   /// period.
   int stop(std::span<const double> place, std::span<const double> velocity,
            std::span<const double> acceleration, std::span<double> rows, double first = 0) const;
@@ -32,7 +32,7 @@ class Brake {
   int stopOnLine(std::span<const double> place, std::span<const double> velocity,
                  std::span<double> rows, double first) const;
   int stopEach(std::span<const double> place, std::span<const double> velocity,
-               std::span<const double> acceleration, std::span<double> rows) const;
+               std::span<const double> acceleration, std::span<double> rows, double first) const;
 
   MotionLimits limits_;
   double period_;

@@ -367,13 +367,15 @@ struct Guard::Impl {
       if (!keeps(MotionLimit::kVelocity, part.first, now,
                  k > 0 ? std::min(options.limits.velocity[i], fastest) : fastest, rounding))
         return false;
-      // Under limits on jerk a stop takes whole periods, of which the first may have begun before.
-      if (row > 1 || !(next.since > 0)) continue;
-      const double a = next.accelerationTo(1, i, T);
+      // The robot may be in no state to brake within its limits from within a period.
+      if (row > 2 || !(next.since > 0)) continue;
+      const double since = next.timeTo(row, T), a = next.accelerationTo(row, i, T);
+      const double before =
+          row == 1 ? next.acceleration[i] : next.accelerationTo(row - 1, i, T);
       if (!keeps(MotionLimit::kAcceleration, part.first, a, options.limits.acceleration[i],
-                 rounding * 4 / next.since) ||
-          !keeps(MotionLimit::kJerk, part.first, (a - next.acceleration[i]) / next.since,
-                 options.limits.jerk[i], rounding * 16 / (next.since * next.since)))
+                 rounding * 4 / since) ||
+          !keeps(MotionLimit::kJerk, part.first, (a - before) / since, options.limits.jerk[i],
+                 rounding * 16 / (next.since * since)))
         return false;
     }
     return true;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -1147,12 +1148,63 @@ TEST(Guard, VelocityChangesWithinAPeriodAreAccelerations) {
   EXPECT_TRUE(stop.certified);
   ASSERT_GE(stop.motion.size(), 3u);
   EXPECT_NEAR((stop.motion[0] - stop.start[0]) / 0.02, 0.09, 1e-9);
-  // Under limits on jerk the motion that was proven goes on instead.
+  // Under limits on jerk acceleration, 5 m/s^2, falls by no more than 1 in the 2 ms.
   problem.execution.jerks = {{"disc/x", 500}};
   Guard smooth(problem);
   EXPECT_EQ(smooth.check({.setpoints = first, .time = 0}).passed, 1);
-  EXPECT_TRUE(smooth.check({.time = 0.002}).goes_on);
-  EXPECT_TRUE(smooth.answer().certified);
+  const GuardAnswer& slow = smooth.check({.time = 0.002});
+  EXPECT_TRUE(slow.certified);
+  EXPECT_FALSE(slow.goes_on);
+  ASSERT_GE(slow.motion.size(), 3u);
+  EXPECT_NEAR((slow.motion[0] - slow.start[0]) / 0.02, 0.108, 1e-9);
+}
+
+/// Regression: jerk was looked at up to the first row of a stop from within a period alone, and was
+/// 2.2 times the limit in the second.
+TEST(Guard, AStopFromWithinAPeriodKeepsLimitsOnJerk) {
+  constexpr double T = 0.02, kMost = 5, kJerk = 100;
+  Problem problem = test::wallProblem();
+  problem.execution.velocities = {{"disc/x", 1}};
+  problem.execution.accelerations = {{"disc/x", kMost}};
+  problem.execution.jerks = {{"disc/x", kJerk}};
+  Random random(3, 0);
+  int certified = 0;
+  for (int round = 0; round < 300; ++round) {
+    Guard guard(problem);
+    std::vector<double> rows;
+    double x = -1, v = 0, a = 0;
+    for (int k = 0; k < 6; ++k) {
+      a = std::clamp(a + random.uniform(-0.9, 0.9) * kJerk * T, -kMost, kMost);
+      v = std::clamp(v + a * T, -1.0, 1.0);
+      x += v * T;
+      rows.insert(rows.end(), {x, -1, 0});
+    }
+    const std::size_t whole = static_cast<std::size_t>(round) % 4;
+    if (guard.check({.setpoints = rows, .time = 0}).passed < static_cast<int>(whole) + 1) continue;
+    const double since = T * random.uniform(0.05, 0.95);
+    const auto velocityTo = [&](std::size_t row) {
+      return (rows[3 * row] - (row == 0 ? -1 : rows[3 * row - 3])) / T;
+    };
+    const double now = velocityTo(whole), last = whole > 0 ? velocityTo(whole - 1) : 0;
+    double before = (now - last) / T, speed = now;
+    const GuardAnswer& stop = guard.check({.time = static_cast<double>(whole) * T + since});
+    ASSERT_TRUE(stop.certified) << round;
+    if (stop.goes_on) continue;
+    ++certified;
+    double place = stop.start[0];
+    for (std::size_t k = 0; k < stop.motion.size() / 3 + 2; ++k) {
+      const double time = k == 0 ? since : T;
+      const double next = 3 * k < stop.motion.size() ? stop.motion[3 * k] : place;
+      const double then = (next - place) / T, change = (then - speed) / time;
+      EXPECT_LE(std::abs(change), kMost * (1 + 1e-5) + 1e-6 / time) << round << " " << k;
+      EXPECT_LE(std::abs(change - before), kJerk * time * (1 + 1e-5) + 1e-9 / time)
+          << round << " " << k;
+      place = next;
+      speed = then;
+      before = change;
+    }
+  }
+  EXPECT_GT(certified, 200);
 }
 
 TEST(Guard, AStopDoesNotTurnACircleTheOtherWay) {
