@@ -170,17 +170,6 @@ Edge certify(const Scene& self, const py::object& a, const py::object& b) {
   return edge;
 }
 
-std::string brokenLimit(const planner::ConfigurationSpace& space, std::span<const double> point) {
-  for (int i = 0; i < space.size(); ++i) {
-    const double value = point[static_cast<std::size_t>(i)];
-    const auto variable = static_cast<std::size_t>(space.variables()[static_cast<std::size_t>(i)]);
-    if (value < space.lower(i) || value > space.upper(i))
-      return space.model().variables[variable].name + " = " + text(value) + " is outside " +
-             text(space.lower(i)) + " to " + text(space.upper(i));
-  }
-  return {};
-}
-
 State check(const Scene& self, const py::object& state, double tolerance) {
   State result;
   result.point = statePoint(self.problem, state);
@@ -320,6 +309,17 @@ void defineState(py::module_& module) {
 }
 
 }  // namespace
+
+std::string brokenLimit(const planner::ConfigurationSpace& space, std::span<const double> point) {
+  for (int i = 0; i < space.size(); ++i) {
+    const double value = point[static_cast<std::size_t>(i)];
+    const auto variable = static_cast<std::size_t>(space.variables()[static_cast<std::size_t>(i)]);
+    if (value < space.lower(i) || value > space.upper(i))
+      return space.model().variables[variable].name + " = " + text(value) + " is outside " +
+             text(space.lower(i)) + " to " + text(space.upper(i));
+  }
+  return {};
+}
 
 std::unique_ptr<EdgeCertifier> Certifiers::take() {
   {

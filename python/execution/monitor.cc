@@ -62,6 +62,11 @@ Monitor::Monitor(Scene of, std::vector<double> velocities, std::vector<double> a
       velocity_limits(std::move(velocities)),
       acceleration_limits(std::move(accelerations)),
       q(scene.problem->start) {
+  // Joints that are not planned stand where the start has them, which limits need not allow.
+  std::vector<robots::VariableRange> ranges(q.size());
+  for (std::size_t v = 0; v < q.size(); ++v) ranges[v] = {q[v], q[v]};
+  const std::vector<robots::VariableRange> limits = robots::limitRanges(model());
+  for (const int v : scene.compiled->space().variables()) ranges[at(v)] = limits[at(v)];
   const auto bodies = scene.compiled->scene().bodies();
   for (int body = 0; body < static_cast<int>(bodies.size()); ++body) {
     const int link = scene.compiled->bodyLink(body);
@@ -69,7 +74,7 @@ Monitor::Monitor(Scene of, std::vector<double> velocities, std::vector<double> a
     Eigen::Vector3d center;
     double radius = 0;
     boundingBall(bodies[at(body)], center, radius);
-    movers.push_back({body, link, robots::relativeMotion(model(), link, -1, center, radius)});
+    movers.push_back({body, link, robots::relativeMotion(model(), link, -1, center, radius, ranges)});
   }
 }
 
@@ -132,6 +137,9 @@ Report look(Monitor& self, double time, const py::object& state, const py::objec
             double horizon) {
   const Busy busy(self.busy, kBusyMonitor);
   const std::vector<double> point = numbers(state, "q", self.scene.size());
+  // Bounds on speeds, pairs that are proven apart and cropped clouds hold within the limits.
+  if (const std::string broken = brokenLimit(self.scene.compiled->space(), point); !broken.empty())
+    throw py::value_error("q: " + broken + "; a position within the limits is expected");
   const std::vector<double> speeds = spread(self.scene, numbers(rates, "rates", self.scene.size()));
   if (!std::isfinite(time) || !(horizon >= 0) || std::isinf(horizon))
     throw py::value_error("time must be finite and horizon at least 0 and finite");
@@ -187,9 +195,9 @@ void defineMonitor(py::module_& module) {
       "not planned stand.",
       makeMonitor);
   define(monitor, "look", "(self, time, q, rates, horizon=0.1)",
-         "Where the robot is at `time` [s], q (joints,), how fast its joints are, rates (joints,) "
-         "[rad/s or m/s], and what could come to its margin within `horizon` [s]: an Impact. Times "
-         "must not run backwards.",
+         "Where the robot is at `time` [s], q (joints,) within the limits, how fast its joints are, "
+         "rates (joints,) [rad/s or m/s], and what could come to its margin within `horizon` [s]: "
+         "an Impact. Times must not run backwards.",
          look);
   defineConstant(
       monitor, "counts",

@@ -182,11 +182,15 @@ double LinkMotion::rounding(double reach) const {
 
 collision::PointMotion pointMotion(const Model& model, const RelativeMotion& motion,
                                    std::span<const double> velocity, const RateLimits& limits) {
-  std::vector<JointMotion> rates(model.joints.size());
+  std::vector<JointMotion> rates(model.joints.size()), present(rates.size());
   collision::PointMotion result;
-  jointMotion(model, velocity, rates);
-  result.speed = speedBound(model, motion, rates);
+  jointMotion(model, velocity, present);
+  result.speed = speedBound(model, motion, present);
   jointMotion(model, limits.velocity, rates);
+  for (std::size_t j = 0; j < rates.size(); ++j) {
+    rates[j].angle = std::max(rates[j].angle, present[j].angle);
+    rates[j].travel = std::max(rates[j].travel, present[j].travel);
+  }
   result.speed_cap = speedBound(model, motion, rates);
   result.acceleration = accelerationBound(model, motion, rates);
   // Points accelerate with the joints' accelerations as they move with their velocities.

@@ -50,9 +50,9 @@ struct RateLimits {
 
 /// Bounds on the speed of a body's points for collision::ImpactSchedule: now, with the variables at
 /// the rates `velocity` (one a variable; floating: as in jointMotion()), and later, within the
-/// limits. `motion` is relativeMotion(model, link, -1, sphere of the body). Acceleration includes
-/// the centripetal and Coriolis parts at the velocity limits. Infinite where a limit that matters
-/// is. O(terms).
+/// limits; a joint that is faster than its limit now may stay so. `motion` is relativeMotion(model,
+/// link, -1, sphere of the body). Acceleration includes the centripetal and Coriolis parts at these
+/// velocities. Infinite where a limit that matters is. O(terms).
 collision::PointMotion pointMotion(const Model& model, const RelativeMotion& motion,
                                    std::span<const double> velocity, const RateLimits& limits);
 
