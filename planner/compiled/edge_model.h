@@ -48,9 +48,6 @@ struct EdgeModel {
   /// `rounding` holds for bodies within this distance of the world's origin [m]: a distance beyond
   /// all limits, or the largest one supported for an unlimited joint.
   double reach = 0;
-  /// Whether pairs were dropped by a proof that holds only within the joints' limits. Points
-  /// outside them are then undecided.
-  bool needs_limits = false;
   /// Indices, in a point, of the circles in which some mimic joint is not periodic.
   std::vector<int> jumping_circles;
 

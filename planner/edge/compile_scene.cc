@@ -256,7 +256,6 @@ std::shared_ptr<const EdgeModel> makeEdgeModel(std::shared_ptr<const PreparedRob
   model->gaps = motions.gaps;
   model->rounding = motions.rounding;
   model->reach = motions.reach;
-  model->needs_limits = robot->hasProven();
   model->jumping_circles = motions.jumping_circles;
   model->robot = std::move(robot);
   return model;
@@ -281,9 +280,19 @@ struct CompiledScene::NamedRules {
   std::shared_ptr<Index> index = std::make_shared<Index>();
   /// Objects whose clouds were cropped or carved for the place where they stand.
   std::set<std::string> fitted = {};
+  bool has_crops = false;  ///< of some cloud, perhaps of one that was removed since
   std::string grasp = {};  // firstGrasp()
   /// The bodies of objects that have a motion, and where these stand at the start of the execution.
   std::map<int, robots::Pose> moving = {};
+
+  /// Enters the cloud of an object.
+  void note(const Object& object) {
+    if (isFitted(object))
+      fitted.insert(object.name);
+    else
+      fitted.erase(object.name);
+    has_crops |= object.cloud && !object.cloud->crops.empty();
+  }
 };
 
 CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
@@ -297,7 +306,7 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
                    MarginWords(problem),   problem.execution.start, world.objects(),
                    problem.world.deforming};
   for (const Object& object : problem.world.objects)
-    if (isFitted(object)) rules.fitted.insert(object.name);
+    rules.note(object);
   rules.grasp = firstGrasp(problem);
   rules_ = std::make_shared<const NamedRules>(std::move(rules));
   std::vector<std::string> warnings = robot->warnings();
@@ -350,6 +359,8 @@ const SceneLanes& CompiledScene::lanes() const {
                  [&] { shared.lanes = std::make_unique<const SceneLanes>(*this, edges()); });
   return *shared.lanes;
 }
+
+bool CompiledScene::needsLimits() const { return edge_model_->robot->hasProven() || rules_->has_crops; }
 
 int CompiledScene::findThing(const std::string& name) const {
   const auto nameOf = [this](int body) -> std::string_view {
@@ -431,13 +442,8 @@ std::shared_ptr<CompiledScene> CompiledScene::changed(std::span<const Object> ad
     changed->rules_ = std::make_shared<const NamedRules>(std::move(rules));
   };
   for (const Object& object : added)
-    if (isFitted(object) != (rules_->fitted.count(object.name) != 0))
-      changeRules([&](NamedRules& rules) {
-        if (isFitted(object))
-          rules.fitted.insert(object.name);
-        else
-          rules.fitted.erase(object.name);
-      });
+    if (isFitted(object) || rules_->fitted.count(object.name) != 0)
+      changeRules([&](NamedRules& rules) { rules.note(object); });
   for (const int body : removed)
     if (rules_->moving.count(body) != 0)
       changeRules([&](NamedRules& rules) { rules.moving.erase(body); });

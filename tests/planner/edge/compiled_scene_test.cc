@@ -119,7 +119,7 @@ TEST(CompiledScene, WithoutAnSrdfProofsCountAndFixedJointsDoNotMakeNeighbours) {
   for (robots::Variable& v : stiff->variables) v.lower = -0.3, v.upper = 0.3;
   const CompiledScene straight(problemWith(stiff));
   EXPECT_EQ(reason(straight, "link0", "link2"), "proven never to meet");
-  EXPECT_TRUE(straight.edgeModel().needs_limits);
+  EXPECT_TRUE(straight.needsLimits());
   auto margin = column(4);
   for (robots::Variable& v : margin->variables) v.lower = -0.3, v.upper = 0.3;
   Problem kept_apart = problemWith(margin);

@@ -948,7 +948,7 @@ TEST(EdgeCertifier, OutsideLimitsThatAProofNeededIsUndecided) {
   const auto model = std::make_shared<robots::Model>(std::move(robot));
   Problem problem = test::problemOf(model, {0, 0}, {0, 0});
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
-  EXPECT_TRUE(certifier.scene().edgeModel().needs_limits);
+  EXPECT_TRUE(certifier.scene().needsLimits());
   EXPECT_EQ(certifier.decide(std::vector<double>{0.1, 0}), Verdict::kFree);
   EXPECT_EQ(certifier.decide(std::vector<double>{-0.9, 0}), Verdict::kUndecided);
   EXPECT_EQ(certifier.certify(std::vector<double>{0, 0}, std::vector<double>{-0.9, 0}).verdict,

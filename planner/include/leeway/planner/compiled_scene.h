@@ -174,6 +174,9 @@ class CompiledScene {
 
   /// Data for certifying every edge; private to planner/ (planner/compiled/edge_model.h).
   const EdgeModel& edgeModel() const { return *edge_model_; }
+  /// Whether something is left out by a proof that holds only within the joints' limits: pairs that
+  /// are proven apart, points of cropped clouds. Points outside the limits are then undecided.
+  bool needsLimits() const;
   /// Data that the scene's certifiers share, created at the first use; private to planner/
   /// (planner/edge/edge_frames.h and edge_lanes.h). It refers to this scene. Thread-safe.
   const EdgeScene& edges() const;
