@@ -794,6 +794,10 @@ constexpr double kCutClearance = 1e-3;
 constexpr double kBlendShrink = 0.6;
 constexpr int kBlendTries = 7;
 
+/// Quintics through the rows of a file are its cubics to within this [rad or m]; rows that depart
+/// farther are named.
+constexpr double kQuinticSlack = 1e-6;
+
 /// Maximum number of rows of a sampled trajectory [count]: a few hundred megabytes.
 constexpr double kMostRows = 1e6;
 

@@ -32,8 +32,9 @@ struct Table {
   struct Row {
     std::vector<double> values;
     int line;
-    std::optional<double> time = {};      ///< [s]
-    std::vector<double> velocities = {};  ///< of the columns in `values`
+    std::optional<double> time = {};         ///< [s]
+    std::vector<double> velocities = {};     ///< of the columns in `values`
+    std::vector<double> accelerations = {};  ///< as velocities; empty: not given
   };
   std::vector<Row> rows;
   bool cubic = false;         ///< rows have times and velocities, with cubics between them
@@ -82,6 +83,25 @@ double readTime(const YamlReader& time) {
   return seconds;
 }
 
+// What files of paths may hold: the fields of ROS messages and the keys that are written here.
+constexpr std::array<std::string_view, 3> kOuterKeys = {
+    "joint_trajectory", "multi_dof_joint_trajectory", "certificate"};
+constexpr std::array<std::string_view, 7> kPathKeys = {"header",
+                                                       "joint_names",
+                                                       "points",
+                                                       "positions",
+                                                       "steps",
+                                                       "certificate",
+                                                       "multi_dof_joint_trajectory"};
+constexpr std::array<std::string_view, 5> kPointKeys = {"positions", "velocities", "accelerations",
+                                                        "effort", "time_from_start"};
+constexpr std::array<std::string_view, 6> kStepKeys = {"name",      "first", "last",
+                                                       "deviation", "turn",  "places"};
+constexpr std::array<std::string_view, 12> kCertificateKeys = {
+    "certified",       "interpolation",   "margin",     "tracking_tolerance",
+    "clearance_lower", "clearance_upper", "closest",    "segments",
+    "not_checked",     "obstacles_at",    "conditions", "blended_corners"};
+
 /// Whether any row states velocities.
 bool hasVelocities(const YamlReader& rows) {
   const std::vector<YamlReader> items = rows.items();
@@ -104,6 +124,12 @@ void readVelocities(const YamlReader& rows, Table& table) {
       velocities.fail(
           fmt::format("{} velocities; {} are expected", row.velocities.size(), row.values.size()));
     if (!row.time) item.fail("has no time_from_start, which cubics need");
+    const auto accelerations = item.find("accelerations");
+    if (!accelerations || accelerations->isNull()) continue;
+    row.accelerations = accelerations->numbers();
+    if (!row.accelerations.empty() && row.accelerations.size() != row.values.size())
+      accelerations->fail(fmt::format("{} accelerations; {}, or none, are expected",
+                                      row.accelerations.size(), row.values.size()));
   }
 }
 
@@ -120,9 +146,13 @@ Table readTrajectory(const YamlReader& file, const YamlReader* outer = nullptr) 
           fmt::format("{} has motions that are not read; a joint_trajectory alone is expected",
                       other->where()));
   }
-  if (const auto nested = file.find("joint_trajectory")) return readTrajectory(*nested, &file);
+  if (const auto nested = file.find("joint_trajectory")) {
+    file.expectKeys(kOuterKeys);
+    return readTrajectory(*nested, &file);
+  }
   const auto planned = file.find("path");
   const YamlReader& source = planned && planned->isMap() ? *planned : file;
+  source.expectKeys(kPathKeys);
   expectOneForm(source, {"positions", "points"});
   Table table;
   const YamlReader names = source.at("joint_names", "a list of joint names");
@@ -133,6 +163,7 @@ Table readTrajectory(const YamlReader& file, const YamlReader* outer = nullptr) 
   if (table.names.empty())
     names.fail(fmt::format("{} is empty; the name of each column is expected", names.where()));
   for (const YamlReader& item : rows.items()) {
+    if (item.isMap()) item.expectKeys(kPointKeys);
     const YamlReader row = plain ? item : item.at("positions", "a list of numbers");
     table.rows.push_back({row.numbers(), row.line()});
     const auto time = plain ? std::nullopt : item.find("time_from_start");
@@ -142,17 +173,20 @@ Table readTrajectory(const YamlReader& file, const YamlReader* outer = nullptr) 
   if (!certificate && outer != nullptr) certificate = outer->find("certificate");
   if (certificate && !certificate->isNull()) {
     if (!certificate->isMap()) certificate->fail("the certificate is no map; a map is expected");
+    certificate->expectKeys(kCertificateKeys);
     if (const auto interpolation = certificate->find("interpolation")) {
       table.interpolation = interpolation->text();
       table.interpolation_line = interpolation->line();
     }
   }
-  // A controller that gets velocities moves on cubics, unless a certificate says otherwise.
-  if (!plain &&
-      (table.interpolation == kCubic || (table.interpolation.empty() && hasVelocities(rows))))
-    readVelocities(rows, table);
+  // A controller that gets velocities moves on cubics, which are lines where the motion stops at
+  // its corners. Orientations alone do not move on cubics.
+  const std::string& given = table.interpolation;
+  const bool may_be = given.empty() || given == kJointLinear || given == kPlaneGeodesic;
+  if (!plain && (given == kCubic || (may_be && hasVelocities(rows)))) readVelocities(rows, table);
   if (const auto steps = source.find("steps"))
     for (const YamlReader& step : steps->items()) {
+      step.expectKeys(kStepKeys);
       PathStep read;
       read.name = step.at("name", "the step's name").text();
       read.first = readWaypoint(step.at("first", "a waypoint"), table.rows.size());
@@ -266,7 +300,8 @@ Table readCsv(const std::string& file, std::vector<std::string>* warnings) {
 }
 
 /// Takes the velocities of a CSV file that has them.
-void takeVelocities(const std::string& file, const Problem& problem, Table& table) {
+void takeVelocities(const std::string& file, const Problem& problem, Table& table,
+                    std::vector<std::string>* warnings) {
   const auto column = [&](const std::string& name) {
     return static_cast<std::size_t>(std::find(table.names.begin(), table.names.end(), name) -
                                     table.names.begin());
@@ -275,10 +310,16 @@ void takeVelocities(const std::string& file, const Problem& problem, Table& tabl
   for (const std::string& name : plannedNames(problem))
     columns.emplace_back(column(name), column(name + std::string(kVelocityEnding)));
   const std::size_t count = table.names.size();
-  if (std::all_of(columns.begin(), columns.end(),
-                  [&](const auto& c) { return c.second == count; }) ||
-      hasRotation(ConfigurationSpace(problem.robot.model, problem.robot.variables)))
+  if (std::all_of(columns.begin(), columns.end(), [&](const auto& c) { return c.second == count; }))
     return;
+  if (hasRotation(ConfigurationSpace(problem.robot.model, problem.robot.variables))) {
+    if (warnings != nullptr)
+      warnings->push_back(
+          fmt::format("{}:{}: velocities of bodies that turn are not read; straight motions join "
+                      "the rows",
+                      file, table.names_line));
+    return;
+  }
   const auto require = [&](bool is_there, const std::string& name) {
     if (!is_there)
       throw InputError(file, table.names_line,
@@ -382,7 +423,7 @@ void normaliseRotations(const std::string& file, int line, const ConfigurationSp
 void expectInterpolation(const std::string& file, const Table& table,
                          const ConfigurationSpace& space) {
   const std::string& given = table.interpolation;
-  if (given.empty() || table.cubic || given == space.interpolation()) return;
+  if (given.empty() || given == space.interpolation() || (table.cubic && given == kCubic)) return;
   throw InputError(file, table.interpolation_line,
                    fmt::format("the interpolation is '{}'; {}, or {} for rows with times and "
                                "velocities, is expected",
@@ -423,6 +464,36 @@ void expectDurations(const std::string& file, const Table& table, const Path& pa
                       path.times[i], table.rows[i - 1].line));
 }
 
+/// Names accelerations that the cubics between rows do not have. `accelerations`: one row a row of
+/// the path; empty where none are given.
+void nameAccelerations(const std::string& file, const Table& table, const Path& path,
+                       const std::vector<std::vector<double>>& accelerations,
+                       std::vector<std::string>& warnings) {
+  double most = kQuinticSlack;
+  std::size_t row = 0, joint = 0;
+  for (std::size_t k = 1; k < accelerations.size(); ++k) {
+    if (accelerations[k - 1].empty() || accelerations[k].empty()) continue;
+    const auto motion = [&](std::size_t r, std::size_t i) -> RowMotion {
+      return {path.positions[r][i], path.velocities[r][i], accelerations[r][i]};
+    };
+    for (std::size_t i = 0; i < path.names.size(); ++i) {
+      const double departure =
+          quinticDeparture(path.times[k] - path.times[k - 1], motion(k - 1, i), motion(k, i));
+      if (departure > most) {
+        most = departure;
+        row = k;
+        joint = i;
+      }
+    }
+  }
+  if (row > 0)
+    warnings.push_back(fmt::format(
+        "{}:{}: with these accelerations a controller may follow quintics, which depart from the "
+        "cubics that are looked at here by up to {:.2g} rad or m at '{}'; rows without "
+        "accelerations, or a margin for that, are expected",
+        file, table.rows[row].line, most, path.names[joint]));
+}
+
 /// Refuses turns that no certifier accepts.
 void expectEdges(const std::string& file, const Table& table, const ConfigurationSpace& space,
                  const Path& path) {
@@ -443,17 +514,20 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
   Path path;
   path.names = plannedNames(problem);
   path.steps = table.steps;
-  if (table.cubic && !options.cubics && options.warnings != nullptr)
+  if (table.cubic && !options.cubics && options.warnings != nullptr &&
+      table.interpolation != space.interpolation())
     options.warnings->push_back(
         file + ": lines join its rows here, and cubics in its motion, which 'verify' proves");
   const bool cubic = table.cubic && options.cubics;
   if (table.rows.empty()) throw InputError(file, 0, "holds no waypoint; at least one is expected");
+  std::vector<std::vector<double>> accelerations;
   for (const Table::Row& row : table.rows) {
     if (row.values.size() != columns.size())
       throw InputError(
           file, row.line,
           fmt::format("a row of {} numbers; {} are expected", row.values.size(), columns.size()));
-    std::vector<double> point(problem.robot.variables.size()), velocity(cubic ? point.size() : 0);
+    std::vector<double> point(problem.robot.variables.size()), velocity(cubic ? point.size() : 0),
+        acceleration(row.accelerations.empty() ? 0 : velocity.size());
     for (std::size_t c = 0; c < columns.size(); ++c) {
       if (columns[c] == kIgnored) continue;
       const auto place =
@@ -462,13 +536,15 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
         requirePassive(file, row.line, row.values[c], columns[c], problem);
       else
         point[static_cast<std::size_t>(place - problem.robot.variables.begin())] = row.values[c];
-      if (cubic && place != problem.robot.variables.end())
-        velocity[static_cast<std::size_t>(place - problem.robot.variables.begin())] =
-            row.velocities[c];
+      if (!cubic || place == problem.robot.variables.end()) continue;
+      const auto i = static_cast<std::size_t>(place - problem.robot.variables.begin());
+      velocity[i] = row.velocities[c];
+      if (!acceleration.empty()) acceleration[i] = row.accelerations[c];
     }
     if (cubic) {
       path.times.push_back(*row.time);
       path.velocities.push_back(std::move(velocity));
+      accelerations.push_back(std::move(acceleration));
     }
     normaliseRotations(file, row.line, space, point);
     path.positions.push_back(std::move(point));
@@ -476,6 +552,8 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
   if (options.shortest) path.positions = unwrapped(space, std::move(path.positions));
   expectTimes(file, table, path);
   expectDurations(file, table, path);
+  if (options.warnings != nullptr)
+    nameAccelerations(file, table, path, accelerations, *options.warnings);
   expectEdges(file, table, space, path);
   return path;
 }
@@ -489,7 +567,7 @@ Path readPath(const std::string& file, const Problem& problem, const PathReading
     return matched(file, readTrajectory(YamlReader::load(file)), problem, options);
   if (ending == ".csv") {
     Table table = readCsv(file, options.warnings);
-    takeVelocities(file, problem, table);
+    takeVelocities(file, problem, table, options.warnings);
     return matched(file, table, problem, options);
   }
   if (ending == ".path" || ending == ".txt")

@@ -305,20 +305,18 @@ void writeTrajectory(const std::string& file, const Problem& problem, const Plan
   const std::vector<std::string>& names = result.path.names;
   if (ending == ".csv") return writeFileWhole(file, trajectoryCsv(names, samples));
   std::string text = json ? jsonHead(problem, names) : yamlHead(problem, names);
+  // A controller that gets accelerations follows quintics, and cubics alone are certified.
+  const bool accelerates = areQuinticsCubic(samples);
   for (std::size_t i = 0; i < samples.times.size(); ++i) {
-    const std::string positions = rowText(samples.positions[i]),
-                      velocities = rowText(samples.velocities[i]),
-                      accelerations = rowText(samples.accelerations[i]),
-                      time = timeText(samples.times[i]);
-    text += json ? fmt::format(
-                       "    {{\"positions\": {}, \"velocities\": {}, \"accelerations\": {}, "
-                       "\"time_from_start\": {}}}{}\n",
-                       positions, velocities, accelerations, time,
-                       i + 1 < samples.times.size() ? "," : "")
-                 : fmt::format(
-                       "  - positions: {}\n    velocities: {}\n    accelerations: {}\n    "
-                       "time_from_start: {}\n",
-                       positions, velocities, accelerations, time);
+    Entries point = {{"positions", rowText(samples.positions[i])},
+                     {"velocities", rowText(samples.velocities[i])}};
+    if (accelerates) point.emplace_back("accelerations", rowText(samples.accelerations[i]));
+    point.emplace_back("time_from_start", timeText(samples.times[i]));
+    const std::string_view first = json ? "    {" : "  - ", between = json ? ", " : "\n    ";
+    for (const auto& [key, value] : point)
+      text += fmt::format("{}{}: {}", &key == &point[0].first ? first : between,
+                          json ? quotedText(key) : key, value);
+    text += !json ? "\n" : i + 1 < samples.times.size() ? "},\n" : "}\n";
   }
   const Entries entries = trajectoryEntries(problem, trajectory, result.certificate);
   writeFileWhole(file, text + (json ? jsonTail(entries) : yamlTail(entries)));

@@ -264,11 +264,11 @@ void ConfigurationSpace::unwrap(std::span<const double> previous, std::span<doub
 
 const char* ConfigurationSpace::interpolation() const {
   for (const Part& part : parts_)
-    if (part.kind == Kind::kRotation) return "SE(3) geodesic";
+    if (part.kind == Kind::kRotation) return kSpaceGeodesic;
   for (const int v : variables_)
     if (model_->joints[at(model_->variables[at(v)].joint)].type == robots::JointType::kPlanar)
-      return "SE(2) geodesic";
-  return "joint-linear";
+      return kPlaneGeodesic;
+  return kJointLinear;
 }
 
 void ConfigurationSpace::lineDifference(std::span<const double> a, std::span<const double> b,

@@ -108,6 +108,27 @@ Samples sample(const Trajectory& trajectory, double period) {
   return samples;
 }
 
+double quinticDeparture(double time, const RowMotion& begin, const RowMotion& end) {
+  constexpr double kMost = 0.01728;  // at s = 2/5
+  const double step = 6 * (end.position - begin.position) / (time * time);
+  const double first = step - (4 * begin.velocity + 2 * end.velocity) / time,
+               last = (2 * begin.velocity + 4 * end.velocity) / time - step;
+  return kMost * time * time *
+         (std::abs(begin.acceleration - first) + std::abs(end.acceleration - last));
+}
+
+bool areQuinticsCubic(const Samples& samples) {
+  const auto row = [&](std::size_t k, std::size_t i) -> RowMotion {
+    return {samples.positions[k][i], samples.velocities[k][i], samples.accelerations[k][i]};
+  };
+  for (std::size_t k = 1; k < samples.times.size(); ++k)
+    for (std::size_t i = 0; i < samples.positions[k].size(); ++i)
+      if (!(quinticDeparture(samples.times[k] - samples.times[k - 1], row(k - 1, i), row(k, i)) <=
+            kQuinticSlack))
+        return false;
+  return true;
+}
+
 Path motionOf(const Trajectory& trajectory) {
   const ConfigurationSpace& space = trajectory.space();
   if (hasRotation(space))

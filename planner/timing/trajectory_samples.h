@@ -30,6 +30,20 @@ struct Samples {
 /// circles, and keeps successive quaternions in one half of the sphere. O(rows).
 Samples sample(const Trajectory& trajectory, double period);
 
+/// A variable at the time of a row.
+struct RowMotion {
+  double position, velocity, acceleration;
+};
+
+/// How far the quintic through two rows that are `time` [s] apart may be from the cubic through
+/// their positions and velocities, at most: with the differences of accelerations at the ends times
+/// s^2 (1 - s)^3 / 2, whose greatest value is 0.01728.
+double quinticDeparture(double time, const RowMotion& begin, const RowMotion& end);
+
+/// Whether quintics through the rows are the cubics, to kQuinticSlack. False where accelerations
+/// jump, as they do without limits on jerk. O(rows).
+bool areQuinticsCubic(const Samples& samples);
+
 /// Adds those of some ascending times that are at least kLeastRow from all others in `times`, which
 /// stay ascending. O(times).
 void addSpaced(std::span<const double> added, std::vector<double>& times);

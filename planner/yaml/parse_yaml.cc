@@ -9,6 +9,19 @@
 
 namespace leeway::planner {
 
+namespace {
+
+/// `ros2 topic echo` ends each message with a line `---`, which begins another document. This is
+/// the text without such a line at its end.
+std::string withoutEndMark(const std::string& text) {
+  const std::size_t last = text.find_last_not_of(" \t\r\n");
+  const std::size_t line = last == std::string::npos ? last : text.rfind('\n', last);
+  if (line == std::string::npos || text.compare(line + 1, last - line, "---") != 0) return text;
+  return text.substr(0, line + 1);
+}
+
+}  // namespace
+
 /// Handles the events of yaml-cpp. Its marks count lines from 0.
 class YamlDocument::YamlEvents : public Builder, public YAML::EventHandler {
  public:
@@ -81,7 +94,7 @@ YamlDocument::YamlDocument(std::string file, std::string text, const robots::Sto
 }
 
 void YamlDocument::parseYaml(const std::string& text) {
-  std::istringstream stream(text);
+  std::istringstream stream(withoutEndMark(text));
   try {
     YAML::Parser parser(stream);
     YamlEvents events(*this);

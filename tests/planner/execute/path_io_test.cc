@@ -75,6 +75,20 @@ PlanResult resultOf(const Problem& problem, std::vector<std::vector<double>> row
   return result;
 }
 
+/// The numbers below a CSV's header.
+std::vector<std::vector<double>> csvRows(const std::string& text) {
+  std::vector<std::vector<double>> rows;
+  std::istringstream lines(text);
+  std::string line, cell;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    rows.emplace_back();
+    for (std::istringstream cells(line); std::getline(cells, cell, ',');)
+      rows.back().push_back(std::stod(cell));
+  }
+  return rows;
+}
+
 Problem armProblem() { return loadProblem(kSource + "/problems/shelf/reach.yaml"); }
 Problem bodyProblem() { return loadProblem(kSource + "/problems/bodies/window.yaml"); }
 
@@ -304,7 +318,8 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
   }
   EXPECT_NEAR(before, trajectory.duration(), 1e-9);
   EXPECT_GE(sampled, static_cast<int>(trajectory.duration() / 0.05));
-  EXPECT_GT(points[0].at("accelerations")[0].get<double>(), 0.1);
+  // Accelerations jump without limits on jerk: quintics through them would leave the motion.
+  EXPECT_FALSE(points[0].contains("accelerations"));
   const auto& certificate = json.at("certificate");
   EXPECT_EQ(certificate.at("blended_corners"), nlohmann::json::array({1}));
   EXPECT_EQ(certificate.at("clearance_lower").get<double>(), problem.margins.common);
@@ -328,12 +343,14 @@ TEST_F(PathIo, TrajectoriesHaveRatesAndTheirOwnCertificate) {
   const auto stop = nlohmann::json::parse(readText(file("stop.json")));
   EXPECT_EQ(stop.at("certificate").at("clearance_lower").get<double>(), 0.03);
   EXPECT_EQ(stop.at("points").size(), stopping.knots().size());
-  for (std::size_t i = 0; i + 1 < stop.at("points").size(); ++i) {  // later ones
+  writeTrajectory(file("stop.csv"), problem, result, stopping);
+  const std::vector<std::vector<double>> columns = csvRows(readText(file("stop.csv")));
+  ASSERT_EQ(columns.size(), stopping.knots().size());
+  for (std::size_t i = 0; i + 1 < columns.size(); ++i) {  // later ones
     std::vector<double> second(7);
     stopping.acceleration((stopping.knots()[i] + stopping.knots()[i + 1]) / 2, second);
-    EXPECT_NEAR(stop.at("points")[i].at("accelerations")[0].get<double>(), second[0], 1e-9) << i;
+    EXPECT_NEAR(columns[i].at(1 + 7 + 7), second[0], 1e-9) << i;
   }
-  writeTrajectory(file("stop.csv"), problem, result, stopping);
   const std::string csv = readText(file("stop.csv"));
   EXPECT_EQ(csv.substr(0, 12), "time,joint1,");
   const std::string head = csv.substr(0, csv.find('\n'));
@@ -367,6 +384,7 @@ TEST_F(PathIo, BlendedTrajectoriesAreReadAsTheirCubics) {
     std::vector<std::string> warnings;
     const Path read = readPath(file(name), problem, {.cubics = true, .warnings = &warnings});
     EXPECT_TRUE(warnings.empty()) << warnings[0];
+    EXPECT_NE(readText(file(name)).find("acceleration"), std::string::npos) << name;
     ASSERT_EQ(read.times.size(), read.positions.size()) << name;
     for (std::size_t k = 1; k < read.times.size(); ++k)
       for (const double t : {0.3, 0.5, 0.9}) {
@@ -388,10 +406,24 @@ TEST_F(PathIo, BlendedTrajectoriesAreReadAsTheirCubics) {
     EXPECT_EQ(warnings.size(), 1U) << name;
     warnings.clear();
   }
-  // Lines join the rows of a motion without blends.
+  // The cubics of a motion without blends are on the lines of its path, and keep limits as well.
   problem.execution.corners = Corners::kStop;
-  writeTrajectory(file("stop.json"), problem, result, trajectoryOf(problem, result.path));
-  EXPECT_TRUE(readPath(file("stop.json"), problem, {.cubics = true}).times.empty());
+  for (const char* name : {"stop.json", "stop.csv"}) {
+    writeTrajectory(file(name), problem, result, trajectoryOf(problem, result.path));
+    std::vector<std::string> warnings;
+    const Path read = readPath(file(name), problem, {.cubics = true, .warnings = &warnings});
+    EXPECT_EQ(read.velocities.size(), read.positions.size()) << name;
+    EXPECT_EQ(verify(problem, read).status, VerifyStatus::kCertified) << name;
+    EXPECT_TRUE(warnings.empty()) << name;
+    Problem slower = problem;
+    for (auto& [joint, jerk] : slower.execution.jerks) jerk = 15;
+    const VerifyResult faster = verify(slower, read);
+    EXPECT_EQ(faster.status, VerifyStatus::kRefuted) << name;
+    EXPECT_NE(faster.reason.find("jerk"), std::string::npos) << faster.reason;
+  }
+  std::vector<std::string> warnings;
+  EXPECT_TRUE(readPath(file("stop.json"), problem, {.warnings = &warnings}).times.empty());
+  EXPECT_TRUE(warnings.empty());
 
   const auto refused = [&](const std::string& rows) {
     std::ofstream(file("bad.json")) << R"({"joint_names": ["joint1", "joint2", "joint3", "joint4",
@@ -489,15 +521,14 @@ TEST_F(PathIo, TrajectoriesOfBodiesHaveTheRatesOfTheirNumbers) {
   const std::vector<std::vector<double>> rows = {{0, 0, 1, 0, 0, 0, 1},
                                                  {0.3, 0, 1, 0.6, 0, 0.48, 0.64}};
   const Trajectory trajectory(space, rows, defaultMotionLimits(*space));
-  writeTrajectory(file("body.json"), problem, resultOf(problem, rows), trajectory,
+  writeTrajectory(file("body.csv"), problem, resultOf(problem, rows), trajectory,
                   trajectory.duration() / 17);
   const double h = 1e-5;
   std::vector<double> before(7), middle(7), after(7);
   int moving = 0;
-  const auto json = nlohmann::json::parse(readText(file("body.json")));
-  for (const auto& point : json.at("points")) {
-    const double time = point.at("time_from_start").at("sec").get<double>() +
-                        point.at("time_from_start").at("nanosec").get<double>() * 1e-9;
+  for (const std::vector<double>& row : csvRows(readText(file("body.csv")))) {
+    ASSERT_EQ(row.size(), 1U + 3 * 7);
+    const double time = row[0];
     if (time < 2 * h || time > trajectory.duration() - 2 * h) continue;
     trajectory.configuration(time - h, before);
     trajectory.configuration(time, middle);
@@ -505,10 +536,9 @@ TEST_F(PathIo, TrajectoriesOfBodiesHaveTheRatesOfTheirNumbers) {
     const bool smooth = std::abs(std::remainder(time, trajectory.duration() / 17)) <
                         1e-6;  // otherwise a jump within 2 h
     for (std::size_t i = 0; i < 7; ++i) {
-      EXPECT_NEAR(point.at("velocities")[i].get<double>(), (after[i] - before[i]) / (2 * h), 1e-4);
+      EXPECT_NEAR(row[8 + i], (after[i] - before[i]) / (2 * h), 1e-4);
       if (smooth) {
-        EXPECT_NEAR(point.at("accelerations")[i].get<double>(),
-                    (after[i] - 2 * middle[i] + before[i]) / (h * h), 1e-4);
+        EXPECT_NEAR(row[15 + i], (after[i] - 2 * middle[i] + before[i]) / (h * h), 1e-4);
       }
     }
     moving += smooth;
@@ -710,6 +740,77 @@ TEST_F(PathIo, OtherShapesOfTrajectoryAreRead) {
           problem)
           .positions[0],
       row);
+}
+
+/// `ros2 topic echo` ends a message with a line `---`.
+TEST_F(PathIo, MessagesMayEndWithTheMarkOfTheNext) {
+  const Problem problem = armProblem();
+  const std::string message =
+      "header: {frame_id: base}\njoint_names: [joint1, joint2, joint3, joint4, joint5, joint6, "
+      "joint7]\npoints:\n- positions: [1, 2, 3, 4, 5, 6, 7]\n  velocities: []\n  accelerations: "
+      "[]\n  effort: []\n  time_from_start: {sec: 0, nanosec: 0}\n";
+  for (const char* end : {"---\n", "---", "--- \n\n", "\n---\r\n"})
+    EXPECT_EQ(messageOf(write("echo.yaml", message + end), problem), "accepted") << end;
+  EXPECT_NE(messageOf(write("echo.yaml", message + "---\n" + message + "---\n"), problem)
+                .find("holds 2 YAML documents or more"),
+            std::string::npos);
+}
+
+/// Keys that no message has are other questions: rows with `velocity` were joined by lines.
+TEST_F(PathIo, UnknownKeysAreRefused) {
+  const Problem problem = armProblem();
+  const std::string names =
+      R"("joint_names": ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7"])";
+  const std::string row = R"("positions": [1, 2, 3, 4, 5, 6, 7])";
+  const auto message = [&](const std::string& text) {
+    return messageOf(write("keys.json", text), problem);
+  };
+  EXPECT_EQ(message("{" + names + R"(, "points": [{)" + row + "}]}"), "accepted");
+  const std::pair<std::string, const char*> texts[] = {
+      {"{" + names + R"(, "points": [{)" + row + R"(, "velocity": [1, 1, 1, 1, 1, 1, 1]}]})",
+       "unknown key 'velocity'"},
+      {"{" + names + R"(, "points": [{)" + row + R"(, "Velocities": []}]})",
+       "unknown key 'Velocities'"},
+      {"{" + names + R"(, "relative": true, "points": [{)" + row + "}]}", "unknown key 'relative'"},
+      {"{" + names + R"(, "positions": [[1, 2, 3, 4, 5, 6, 7]], "velocities": [[]]})",
+       "unknown key 'velocities'"},
+      {R"({"path": {)" + names + R"(, "positions": [[1, 2, 3, 4, 5, 6, 7]], "times": [0]}})",
+       "unknown key 'times'"},
+      {R"({"certificat": {}, "joint_trajectory": {)" + names + R"(, "points": [{)" + row + "}]}}",
+       "unknown key 'certificat'"},
+      {"{" + names + R"(, "points": [{)" + row + R"(}], "certificate": {"interpolated": "cubic"}})",
+       "unknown key 'interpolated'"},
+      {"{" + names + R"(, "points": [{)" + row +
+           R"(}], "steps": [{"name": "a", "first": 0, "last": 0, "place": [1]}]})",
+       "unknown key 'place'"}};
+  for (const auto& [text, key] : texts)
+    EXPECT_NE(message(text).find(key), std::string::npos) << text << "\n" << message(text);
+}
+
+/// A controller that gets accelerations goes on quintics, which may leave the cubics that are
+/// proven: y = 1.25 at t = 0.5 in the first case, where the cubic stays at 0.
+TEST_F(PathIo, AccelerationsThatCubicsDoNotHaveAreNamed) {
+  const Problem problem = armProblem();
+  const auto named = [&](double acceleration) {
+    const std::string zeros = "[0, 0, 0, -1, 0, 1, 0]", rest = "[0, 0, 0, 0, 0, 0, 0]";
+    const auto point = [&](int time, double second) {
+      return "{\"positions\": " + zeros + ", \"velocities\": " + rest +
+             ", \"accelerations\": [0, " + std::to_string(second) +
+             ", 0, 0, 0, 0, 0], \"time_from_start\": " + std::to_string(time) + "}";
+    };
+    std::vector<std::string> warnings;
+    readPath(write("a.json", R"({"joint_names": ["joint1", "joint2", "joint3", "joint4",
+"joint5", "joint6", "joint7"], "points": [)" +
+                                 point(0, 0) + ",\n" + point(1, acceleration) + "]}"),
+             problem, {.cubics = true, .warnings = &warnings});
+    return warnings;
+  };
+  EXPECT_TRUE(named(0).empty());
+  const std::vector<std::string> warnings = named(40);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("a.json:3: with these accelerations"), std::string::npos)
+      << warnings[0];
+  EXPECT_NE(warnings[0].find("0.69 rad or m at 'joint2'"), std::string::npos) << warnings[0];
 }
 
 TEST_F(PathIo, RowsOfACsvMayHaveBlanks) {

@@ -9,6 +9,11 @@
 
 namespace leeway::planner {
 
+/// Names of interpolations.
+inline constexpr const char* kJointLinear = "joint-linear";
+inline constexpr const char* kPlaneGeodesic = "SE(2) geodesic";
+inline constexpr const char* kSpaceGeodesic = "SE(3) geodesic";
+
 /// The planned variables of a group: their indices, their interpolation, and the distance of two
 /// points. Planner, certificate, verifier and files all interpolate here. A point is a span of
 /// size() doubles in group order [rad or m]. Joints follow straight lines. Continuous joints and
@@ -61,7 +66,8 @@ class ConfigurationSpace {
   /// controller without circles goes the same way.
   void unwrap(std::span<const double> previous, std::span<double> next) const;
 
-  /// The name of this interpolation: "joint-linear", "SE(2) geodesic" or "SE(3) geodesic".
+  /// The name of this interpolation: kSpaceGeodesic where orientations turn, kPlaneGeodesic with
+  /// planar joints, else kJointLinear.
   const char* interpolation() const;
 
   // Between the rows of a path (plan.h), circles also follow straight lines: from 3 to -3 by 6 rad,

@@ -13,9 +13,9 @@ struct PathReading {
   /// that are read get whole turns added, see unwrapped(). Use it for files whose angles are
   /// wrapped.
   bool shortest = false;
-  /// Reads Path::times and velocities of a file whose certificate says that corners are blended
-  /// (`interpolation: cubic`), and of a file without a certificate that has velocities. Otherwise
-  /// such a file gives its rows alone, with a warning.
+  /// Reads Path::times and velocities of a file whose rows have velocities, unless orientations
+  /// turn. Otherwise such a file gives its rows alone, with a warning where its certificate does
+  /// not say that lines join them.
   bool cubics = false;
   /// Receives warnings about a file that can be used. Null: no warnings.
   std::vector<std::string>* warnings = nullptr;
@@ -36,10 +36,11 @@ Path readPath(const std::string& file, const Problem& problem, const PathReading
 void writePath(const std::string& file, const Problem& problem, const PlanResult& result);
 
 /// Writes a timed motion along the result's path, whole or not at all. .json and .yaml have the
-/// shape of trajectory_msgs/JointTrajectory: positions, velocities and accelerations (after a jump)
-/// at the motion's knots, and every `period` seconds if that is above 0; for orientations the
-/// derivatives are of the quaternion's numbers. Between knots on an edge, joints move on the cubic
-/// through positions and velocities. .csv has the same columns.
+/// shape of trajectory_msgs/JointTrajectory: positions, velocities and accelerations at the
+/// motion's knots, and every `period` seconds if that is above 0; for orientations the derivatives
+/// are of the quaternion's numbers. Between knots on an edge, joints move on the cubic through
+/// positions and velocities. Accelerations are left out where they jump, since controllers that get
+/// them follow quintics. .csv has the same columns, always with accelerations (after a jump).
 ///
 /// The certificate in the file is that of the motion. With blended corners, the lower bound of its
 /// clearance is at most the least margin. If a blend cuts off the closest place of the path, the
