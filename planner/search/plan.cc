@@ -214,7 +214,8 @@ class Plan {
     limits_.reserve(kSimplifyShare);
     if (wantsCost()) return searchCheapest(task);
     const double bound = clearanceBound();
-    result_.clearance_bound = bound;
+    // Of ranges and poses there are more goals than those that were drawn.
+    result_.clearance_bound = haveGoalsOnePlace() ? bound : mostClearance(start_);
     Search search(scene_, pool_, task);
     const bool is_limited =
         std::isfinite(std::get<MaximumClearance>(problem_.objective).at_most_longer);
@@ -271,16 +272,26 @@ class Plan {
     return {start_, *nearest};
   }
 
-  /// The greatest clearance that a path can have: that of its start, or of the best goal point [m].
+  double mostClearance(const std::vector<double>& point) {
+    return certifier()
+        .edgeClearance(point, point, {.tolerance = kEndTolerance, .pairs = clearanceOf()})
+        .clearance.upper;
+  }
+
+  bool haveGoalsOnePlace() const {
+    return std::all_of(problem_.goals.begin(), problem_.goals.end(), [](const Goal& goal) {
+      return goal.poses.empty() && std::all_of(goal.ranges.begin(), goal.ranges.end(),
+                                               [](const auto& r) { return r.first == r.second; });
+    });
+  }
+
+  /// The greatest clearance of a path to the goal points: that of its start, or of the best of them
+  /// [m].
   double clearanceBound() {
-    const auto most = [&](const std::vector<double>& point) {
-      return certifier()
-          .edgeClearance(point, point, {.tolerance = kEndTolerance, .pairs = clearanceOf()})
-          .clearance.upper;
-    };
     double goal = -kInfinity;
-    for (const std::vector<double>& point : goals_.points) goal = std::max(goal, most(point));
-    return std::min(goal, most(start_));
+    for (const std::vector<double>& point : goals_.points)
+      goal = std::max(goal, mostClearance(point));
+    return std::min(goal, mostClearance(start_));
   }
 
   void finish(Waypoints path) {
