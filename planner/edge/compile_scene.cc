@@ -305,8 +305,7 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
   NamedRules rules{problem.name,           problem.margins,         mostMargin(problem),
                    MarginWords(problem),   problem.execution.start, world.objects(),
                    problem.world.deforming};
-  for (const Object& object : problem.world.objects)
-    rules.note(object);
+  for (const Object& object : problem.world.objects) rules.note(object);
   rules.grasp = firstGrasp(problem);
   rules_ = std::make_shared<const NamedRules>(std::move(rules));
   std::vector<std::string> warnings = robot->warnings();
@@ -360,7 +359,9 @@ const SceneLanes& CompiledScene::lanes() const {
   return *shared.lanes;
 }
 
-bool CompiledScene::needsLimits() const { return edge_model_->robot->hasProven() || rules_->has_crops; }
+bool CompiledScene::needsLimits() const {
+  return edge_model_->robot->hasProven() || rules_->has_crops;
+}
 
 int CompiledScene::findThing(const std::string& name) const {
   const auto nameOf = [this](int body) -> std::string_view {

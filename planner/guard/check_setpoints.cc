@@ -370,8 +370,7 @@ struct Guard::Impl {
       // The robot may be in no state to brake within its limits from within a period.
       if (row > 2 || !(next.since > 0)) continue;
       const double since = next.timeTo(row, T), a = next.accelerationTo(row, i, T);
-      const double before =
-          row == 1 ? next.acceleration[i] : next.accelerationTo(row - 1, i, T);
+      const double before = row == 1 ? next.acceleration[i] : next.accelerationTo(row - 1, i, T);
       if (!keeps(MotionLimit::kAcceleration, part.first, a, options.limits.acceleration[i],
                  rounding * 4 / since) ||
           !keeps(MotionLimit::kJerk, part.first, (a - before) / since, options.limits.jerk[i],

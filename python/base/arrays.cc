@@ -324,6 +324,18 @@ py::list listOf(const std::vector<std::string>& names) {
   return list;
 }
 
+std::string word(py::handle value, const char* name) {
+  if (!py::isinstance<py::str>(value))
+    throw py::type_error(std::string(name) + " is of type " + Py_TYPE(value.ptr())->tp_name +
+                         "; a word is expected");
+  Py_ssize_t size = 0;
+  const char* const bytes = PyUnicode_AsUTF8AndSize(value.ptr(), &size);
+  if (bytes != nullptr) return {bytes, static_cast<std::size_t>(size)};
+  PyErr_Clear();  // half of a surrogate pair
+  throw py::value_error(std::string(name) + " is " + std::string(py::str(py::repr(value))) +
+                        ", which is no Unicode text; a word is expected");
+}
+
 std::string fileName(py::handle value, const char* name) {
   if (!py::isinstance<py::str>(value) && !py::hasattr(value, "__fspath__"))
     throw py::type_error(std::string(name) + " is of type " + Py_TYPE(value.ptr())->tp_name +

@@ -57,6 +57,8 @@ Integer whole(py::handle value, const char* name) {
   return static_cast<Integer>(
       whole(value, name, std::uint64_t{std::numeric_limits<Integer>::max()}));
 }
+/// A text. Throws TypeError for what is none, ValueError for characters that are no Unicode.
+std::string word(py::handle value, const char* name);
 /// A wrong value for messages, in one line.
 std::string shown(py::handle value);
 

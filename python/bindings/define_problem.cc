@@ -198,7 +198,7 @@ std::vector<double> goalPoint(const planner::Problem& problem, const planner::Go
 
 std::vector<double> statePoint(const Problem& problem, const py::object& state) {
   if (py::isinstance<py::str>(state)) {
-    const auto name = state.cast<std::string>();
+    const std::string name = word(state, "state");
     if (name == "start") return startPoint(*problem);
     if (name == "goal" && !problem->goals.empty())
       return goalPoint(*problem, problem->goals.front());
@@ -248,11 +248,13 @@ void defineProblem(py::module_& module) {
            interrupt.released([&] { planner::saveProblem(*value, path, stop); });
          });
   define(problem, "attach", "(self, object, link, touch_links=[], *, state=None)",
-         "The problem with an object of the world held by a link, grasped where it stands while "
-         "the robot is at `state` (default: the start). It may touch the link and `touch_links`.",
+         "Returns another problem, with an object of the world held by a link, grasped where it "
+         "stands while the robot is at `state` (default: the start). It may touch the link and "
+         "`touch_links`. This problem stays as it is.",
          attach);
   define(problem, "detach", "(self, object, *, state=None)",
-         "The problem with a held object put down where it is while the robot is at `state`.",
+         "Returns another problem, with a held object put down where it is while the robot is at "
+         "`state`. This problem stays as it is.",
          detach);
   define(problem, "copy", "(self)",
          "Another problem with the same content, as copy.copy() and copy.deepcopy() give.",

@@ -40,8 +40,8 @@ Range rangeOf(const py::handle& value, const std::string& name) {
 Range rangeOf(const planner::Problem& problem, int variable, const py::handle& value) {
   const robots::Variable& v = problem.robot.model->variables[at(variable)];
   if (py::isinstance<py::str>(value)) {
-    if (value.cast<std::string>() != "any")
-      unknownWord("goal", value.cast<std::string>(), "a number, (from, to) or 'any'");
+    if (const std::string given = word(value, "goal"); given != "any")
+      unknownWord("goal", given, "a number, (from, to) or 'any'");
     if (std::isfinite(v.lower) && std::isfinite(v.upper)) {
       return {v.lower, v.upper};
     }
@@ -121,7 +121,7 @@ FramePose makePose(const std::string& frame, const py::object& position,
     throw py::value_error("orientation and rpy are both given; one is expected");
   planner::FramePose made;
   made.frame = frame;
-  if (!relative_to.is_none()) made.relative_to = relative_to.cast<std::string>();
+  if (!relative_to.is_none()) made.relative_to = word(relative_to, "relative_to");
   made.position.fill({-kAnyPosition, kAnyPosition});
   if (!position.is_none())
     made.position = rangesOf(position, "position", kAnyPosition, kAnyPosition);
@@ -151,7 +151,7 @@ planner::Constraint makeConstraint(const std::string& frame, const py::object& p
   planner::Constraint made;
   made.frame = frame;
   if (!name.is_none()) made.name = py::str(name);
-  if (!relative_to.is_none()) made.relative_to = relative_to.cast<std::string>();
+  if (!relative_to.is_none()) made.relative_to = word(relative_to, "relative_to");
   if (!position.is_none())
     made.position = rangesOf(position, "position", std::numeric_limits<double>::infinity(),
                              std::numeric_limits<double>::infinity());
@@ -247,7 +247,7 @@ planner::Goal goalOfMap(const planner::Problem& problem, const py::dict& goal) {
     const std::string name = py::str(key);
     const auto item = py::reinterpret_borrow<py::object>(value);
     const std::optional<planner::Problem> group = ofGroup(problem, name);
-    const bool is_any = py::isinstance<py::str>(item) && item.cast<std::string>() == "any";
+    const bool is_any = py::isinstance<py::str>(item) && word(item, "goal") == "any";
     if (group)
       if (const std::vector<FramePose> poses = framePoses(item); !poses.empty()) {
         addPosesOfGroup(problem, *group, name, poses, result.poses);
@@ -294,7 +294,7 @@ planner::Goal goalOf(const planner::Problem& problem, const py::object& goal) {
     return result;
   }
   if (py::isinstance<py::str>(goal)) {
-    result.name = goal.cast<std::string>();
+    result.name = word(goal, "goal");
     const Robot robot(problem.robot.model, problem.robot.variables);
     for (const double value : namedState(robot, result.name))
       result.ranges.emplace_back(value, value);
@@ -337,7 +337,7 @@ void setValues(const planner::Problem& problem, const py::object& values, const 
     return;
   }
   const std::vector<double> point = py::isinstance<py::str>(values)
-                                        ? namedState(robot, values.cast<std::string>())
+                                        ? namedState(robot, word(values, what.c_str()))
                                         : numbers(values, what.c_str(), count(problem));
   robot.expand(point, q);
 }

@@ -51,6 +51,8 @@ class Problem {
 
   mutable std::shared_ptr<const planner::Problem> value_;
   mutable std::map<std::string, HandedOut> handed_out_;
+  /// Attributes that were handed out and then replaced. To change them would have no effect.
+  mutable std::vector<std::pair<std::string, HandedOut>> replaced_;
   bool is_constant_ = false;
 };
 

@@ -203,11 +203,11 @@ std::vector<double> namedState(const Robot& robot, const std::string& name) {
 }
 
 std::vector<std::string> groupNames(const py::object& group) {
-  if (py::isinstance<py::str>(group)) return {group.cast<std::string>()};
+  if (py::isinstance<py::str>(group)) return {word(group, "group")};
   std::vector<std::string> names;
   if (py::isinstance<py::list>(group) || py::isinstance<py::tuple>(group))
     for (const py::handle name : group)
-      if (py::isinstance<py::str>(name)) names.push_back(name.cast<std::string>());
+      if (py::isinstance<py::str>(name)) names.push_back(word(name, "group"));
   if (names.empty() || names.size() != py::len(group))
     throw py::type_error("group is a " + std::string(Py_TYPE(group.ptr())->tp_name) +
                          "; the name of a group, or a list of such names, is expected");

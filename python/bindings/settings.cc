@@ -19,13 +19,6 @@ namespace {
 using planner::Setting;
 using planner::SettingPlace;
 
-std::string word(const py::object& value, const char* name) {
-  if (!py::isinstance<py::str>(value))
-    throw py::type_error(std::string(name) + " is of type " + Py_TYPE(value.ptr())->tp_name +
-                         "; a word is expected");
-  return value.cast<std::string>();
-}
-
 bool truth(const py::object& value, const char* name) {
   if (!isTruth(value))
     throw py::type_error(std::string(name) + " is " + shown(value) + "; True or False is expected");
@@ -601,7 +594,29 @@ void refill(const py::object& handed_out, const py::object& fresh) {
 
 }  // namespace
 
+namespace {
+
+/// The last margin that names a pair holds. One that was changed in its place becomes the last.
+void putChangedLast(const py::dict& margins, const py::dict& before) {
+  py::list changed;
+  for (const auto& [key, margin] : margins)
+    if (!before.contains(key) ||
+        !isSameImage(py::reinterpret_borrow<py::object>(margin), before[key]))
+      changed.append(key);
+  for (const py::handle key : changed) margins[key] = margins.attr("pop")(key);
+}
+
+}  // namespace
+
 void Problem::takeChanges(const std::string& except) const {
+  for (auto& [name, kept] : replaced_) {
+    py::object image = imageOf(kept.object);
+    if (isSameImage(image, kept.image)) continue;
+    kept.image = std::move(image);
+    throw py::value_error("'" + name +
+                          "' was changed after another had taken its place in its problem; the one "
+                          "that the problem has now, or a copy, is expected");
+  }
   std::shared_ptr<planner::Problem> changed;
   for (const Setting& setting : planner::settings()) {
     const auto found = handed_out_.find(std::string(setting.name));
@@ -609,6 +624,7 @@ void Problem::takeChanges(const std::string& except) const {
     const py::object image = imageOf(found->second.object);
     if (isSameImage(image, found->second.image)) continue;
     if (!changed) changed = std::make_shared<planner::Problem>(*value_);
+    if (setting.name == "margins") putChangedLast(found->second.object, getMargins(*value_));
     setValue(setting, *changed, found->second.object);
   }
   if (!changed) return;
@@ -628,6 +644,8 @@ void Problem::apply(const py::dict& settings) {
   };
   if (given("steps") && (given("goal") || given("goals")))
     throw py::value_error("steps are given beside a goal; one of them is expected");
+  if (given("goal") && given("goals"))
+    throw py::value_error("goal is given beside goals; one of them is expected");
   planner::Problem changed = **this;
   // In the table's order: a planner before its parameters, frames before poses.
   for (const Setting& setting : planner::settings()) {
@@ -671,7 +689,21 @@ void Problem::set(const Setting& setting, const py::object& value) {
   replaceEnds(name, changed);
   placeStart(changed);
   planner::validate(changed);
-  // Objects that were handed out stay the problem's, with the values that its settings have now.
+  // An attribute that is set is another object, as in all of Python: who keeps the old one can set
+  // it again.
+  const auto old = handed_out_.find(name);
+  if (old != handed_out_.end() && !value.is(old->second.object)) {
+    replaced_.emplace_back(name, old->second);
+    handed_out_.erase(old);
+  }
+  const auto again = std::find_if(replaced_.begin(), replaced_.end(), [&](const auto& kept) {
+    return kept.first == name && value.is(kept.second.object);
+  });
+  if (again != replaced_.end()) {
+    handed_out_[name] = {value, imageOf(value)};
+    replaced_.erase(again);
+  }
+  // What else was handed out stays the problem's, with the values that it has now.
   for (auto next = handed_out_.begin(); next != handed_out_.end();) {
     const auto handed_out = next++;
     const Setting& of = *planner::findSetting(handed_out->first);

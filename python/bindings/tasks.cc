@@ -84,7 +84,7 @@ TaskStep lineStep(const std::string& frame, const py::object& by, const py::obje
   if (!poses.is_none()) line.poses = waypointsOf(poses);
   if (poses.is_none() && !turns && !(line.by.norm() > 0))
     throw py::value_error("by is of no length; the way from here (x, y, z) [m] is expected");
-  if (!relative_to.is_none()) line.relative_to = relative_to.cast<std::string>();
+  if (!relative_to.is_none()) line.relative_to = word(relative_to, "relative_to");
   for (const auto& [value, what] : {std::pair(position_tolerance, "position_tolerance"),
                                     std::pair(angle_tolerance, "angle_tolerance")})
     if (!(value >= kLeastLineTolerance) || std::isinf(value))
@@ -102,9 +102,8 @@ TaskStep lineStep(const std::string& frame, const py::object& by, const py::obje
 
 TaskStep loadedLine(const py::object& file, const py::object& frame, const py::object& name) {
   std::vector<std::string> warnings;
-  planner::LineStep line =
-      planner::loadWaypoints(fileName(file, "file"),
-                             frame.is_none() ? std::string() : frame.cast<std::string>(), warnings);
+  planner::LineStep line = planner::loadWaypoints(
+      fileName(file, "file"), frame.is_none() ? std::string() : word(frame, "frame"), warnings);
   for (const std::string& warning : warnings) warn(warning);
   return made(name, std::move(line));
 }

@@ -60,8 +60,8 @@ py::array_t<double> asked(const Trajectory& self, const py::object& time) {
 std::optional<planner::Path> motionOfTrajectory(const py::object& object) {
   if (!py::isinstance<Trajectory>(object)) return std::nullopt;
   const planner::Trajectory& trajectory = object.cast<const Trajectory&>().value;
-  // A motion without blends is a path of lines, also of orientations.
-  if (trajectory.cuts().blends.empty() && trajectory.cuts().left_out.empty())
+  // Orientations do not move on cubics; their motion has no blends, and is a path of lines.
+  if (trajectory.space().interpolation() == std::string(planner::kSpaceGeodesic))
     return object.cast<const Trajectory&>().result.value.path;
   return planner::motionOf(trajectory);
 }
@@ -127,7 +127,7 @@ void defineTrajectory(py::module_& module) {
          asked<&planner::Trajectory::acceleration>);
   define(trajectory, "save", "(self, file)",
          "Writes times, positions, velocities and accelerations, every period and at knots: .json, "
-         ".yaml or .csv. Whole or not at all.",
+         ".yaml (both without accelerations that jump) or .csv. Whole or not at all.",
          [](const Trajectory& self, const py::object& file) {
            const std::string path = fileName(file, "file");
            const Trajectory held = self;

@@ -563,7 +563,7 @@ void defineWorld(py::module_& module) {
     return self.value.objects.size() + self.value.deforming.size();
   });
   world.def("__contains__", [](const World& self, const py::object& name) {
-    return py::isinstance<py::str>(name) && self.has(name.cast<std::string>());
+    return py::isinstance<py::str>(name) && self.has(word(name, "name"));
   });
   world.def("__iter__",
             [](const World& self) { return py::iter(listOf(objectNames(self.value))); });

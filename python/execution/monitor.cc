@@ -74,7 +74,8 @@ Monitor::Monitor(Scene of, std::vector<double> velocities, std::vector<double> a
     Eigen::Vector3d center;
     double radius = 0;
     boundingBall(bodies[at(body)], center, radius);
-    movers.push_back({body, link, robots::relativeMotion(model(), link, -1, center, radius, ranges)});
+    movers.push_back(
+        {body, link, robots::relativeMotion(model(), link, -1, center, radius, ranges)});
   }
 }
 
@@ -194,11 +195,12 @@ void defineMonitor(py::module_& module) {
       "m/s^2, rad/s or m/s]; velocities by default those of the URDF. Joints that are "
       "not planned stand.",
       makeMonitor);
-  define(monitor, "look", "(self, time, q, rates, horizon=0.1)",
-         "Where the robot is at `time` [s], q (joints,) within the limits, how fast its joints are, "
-         "rates (joints,) [rad/s or m/s], and what could come to its margin within `horizon` [s]: "
-         "an Impact. Times must not run backwards.",
-         look);
+  define(
+      monitor, "look", "(self, time, q, rates, horizon=0.1)",
+      "Where the robot is at `time` [s], q (joints,) within the limits, how fast its joints are, "
+      "rates (joints,) [rad/s or m/s], and what could come to its margin within `horizon` [s]: "
+      "an Impact. Times must not run backwards.",
+      look);
   defineConstant(
       monitor, "counts",
       [](const Monitor& self) {

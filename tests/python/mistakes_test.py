@@ -249,15 +249,75 @@ def test_settings_that_change_others_change_what_was_handed_out(robot):
     assert goals == [] and len(steps) == 1
     problem.goal = TUCKED
     assert steps == [] and len(goals) == 1 and problem.goals is goals
-    # A name that was kept stays the problem's.
-    world, margins = problem.world, problem.margins
-    problem.margins = {("hand", "post"): 0.01}
-    margins[("link6", "post")] = 0.02
-    problem.world = worlds()
-    world.add_sphere("ball", 0.1, position=(5, 0, 0))
-    assert problem.copy().margins == {("hand", "post"): 0.01, ("link6", "post"): 0.02} and "ball" in problem.copy().world
     with pytest.raises(ValueError, match="'joint1' is planned; its value belongs to start"):
         problem.others = {"joint1": 0.1}
+
+
+KEPT = {
+    "world": leeway.World(),
+    "margins": {("hand", "post"): 0.01},
+    "allowed": [("hand", "post")],
+    "start": TUCKED,
+    "goals": ["upright"],
+    "frames": {},
+    "velocities": 0.5,
+}
+
+
+@pytest.mark.parametrize("name", KEPT)
+def test_what_was_replaced_can_be_put_back(robot, name):
+    """A problem that was given back its world went through its walls, as to replace it had emptied it."""
+    problem = good(robot, margins={("robot", "post"): 0.02}, frames={"tip": ("hand", (0, 0, 0.1))}, velocities={"joint1": 0.25})
+    before, other = leeway.plan(problem, iterations=20), problem.copy()
+    kept = getattr(problem, name)
+    setattr(problem, name, KEPT[name])
+    setattr(other, name, KEPT[name])
+    assert same(leeway.plan(problem, iterations=20), leeway.plan(other, iterations=20))
+    setattr(problem, name, kept)
+    assert getattr(problem, name) is kept and problem.world.names == ["post"]
+    assert same(leeway.plan(problem, iterations=20), before)
+    setattr(problem, name, getattr(problem, name))
+    assert getattr(problem, name) is kept
+
+
+def test_what_was_replaced_is_not_changed_in_vain(robot):
+    problem = good(robot)
+    world, margins = problem.world, problem.margins
+    problem.margins, problem.world = {("hand", "post"): 0.01}, worlds()
+    margins[("link6", "post")] = 0.02
+    with pytest.raises(ValueError, match="'margins' was changed after another had taken its place"):
+        leeway.plan(problem)
+    world.add_sphere("ball", 0.1, position=(5, 0, 0))
+    with pytest.raises(ValueError, match="'world' was changed after another"):
+        problem.copy()
+    assert problem.copy().margins == {("hand", "post"): 0.01}
+    problem.world = world
+    world.add_sphere("other", 0.1, position=(5, 0, 0))
+    assert problem.copy().world.names == ["post", "ball", "other"]
+
+
+def test_the_margin_that_was_set_last_holds(robot):
+    """A key that was there keeps its place in a dict: a margin of the group that came behind it held instead."""
+    problem = good(robot, margins={("hand", "post"): 0.01, ("robot", "world"): 0.02})
+    problem.margins["hand", "post"] = 0.5
+    problem.margins["link6", "post"] = 0.03
+    problem.seed = 2
+    assert list(problem.copy().margins.items())[-2:] == [(("hand", "post"), 0.5), (("link6", "post"), 0.03)]
+    assert leeway.plan(problem).status == "invalid_start"
+
+
+def test_a_goal_does_not_stand_beside_goals(robot):
+    with pytest.raises(ValueError, match="goal is given beside goals; one of them is expected"):
+        good(robot, goals=[TUCKED])
+
+
+def test_words_are_words(robot):
+    for call in (lambda word: FramePose("hand", (0, 0, 0), relative_to=word), lambda word: TaskStep.line(by=(0, 0, 1), relative_to=word),
+                 lambda word: good(robot, planner=word), lambda word: good(robot, goal=word), lambda word: leeway.Scene(good(robot)).check(word)):
+        for wrong in (5, "\ud800"):
+            with pytest.raises((TypeError, ValueError)) as error:
+                call(wrong)
+            assert "\n" not in str(error.value) and "Unable to cast" not in str(error.value)
 
 
 def test_margins_of_groups_stay_groups(robot):

@@ -472,6 +472,11 @@ def test_a_monitor_is_safe_and_looks_at_little(robot, world):
     assert monitor.counts["pairs"] < 20 * scene.pairs
     near = monitor.look(100.0, robot.state("ready"), [0.5] * 7)
     assert near.violated > 0 and any("post" in pair for pair in near.imminent)
+    with pytest.raises(ValueError, match="is outside .* within the limits is expected"):
+        monitor.look(101.0, [100.0] + list(q[1:]), [0] * 7)
+    slow = leeway.Monitor(scene, accelerations=[0] * 7, velocities=[0.1] * 7).look(0.0, q, [0.1] * 7)
+    fast = leeway.Monitor(scene, accelerations=[0] * 7, velocities=[0.1] * 7).look(0.0, q, [1] * 7)  # beyond its limits
+    assert fast.safe_until == pytest.approx(slow.safe_until / 10, rel=1e-3)
     assert leeway.time_to_impact(1.0, 2.0) == pytest.approx(0.5) and leeway.time_to_impact(1.0, float("nan")) == 0
 
 

@@ -252,6 +252,24 @@ TEST_F(CloudProblems, ACropSmallerThanAMarginIsRefused) {
   EXPECT_EQ(refused(), "");
 }
 
+TEST_F(CloudProblems, OutsideTheLimitsACroppedCloudLeavesPlacesUndecided) {
+  const char* const points = "0 0.5 0\n5 0 0\n";
+  const std::string scan = " - {name: scan, cloud: {file: scan.xyz, radius: 0.02, crop: 0.05}}\n";
+  const Problem cropped = load(kBall + scan, points);
+  EXPECT_EQ(cropped.world.objects[0].cloud->size(), 1U);
+  Problem empty = cropped;
+  empty.world.objects.clear();
+  const auto with_crop = std::make_shared<const CompiledScene>(cropped);
+  const auto without = std::make_shared<const CompiledScene>(empty);
+  const auto decide = [](const std::shared_ptr<const CompiledScene>& scene, double x) {
+    return EdgeCertifier(scene).decide(std::vector<double>{x, 0, 0, 0, 0, 0, 1});
+  };
+  EXPECT_EQ(decide(with_crop, 1), Verdict::kFree);
+  EXPECT_EQ(decide(with_crop, 5), Verdict::kUndecided);  // a point was there
+  EXPECT_EQ(decide(without, 5), Verdict::kFree);
+  EXPECT_EQ(decide(without->withObjects(cropped.world.objects), 5), Verdict::kUndecided);
+}
+
 TEST_F(CloudProblems, ACropThatDoesNotSufficeNamesItsLine) {
   const std::string begin =
       kBall + " - {name: can, sphere: {radius: 0.1}, position: [0, 0.9, 0]}\n";
