@@ -24,13 +24,6 @@
 namespace leeway::planner {
 namespace {
 
-std::vector<double> startOf(const Problem& problem) {
-  std::vector<double> point;
-  for (const int v : problem.robot.variables)
-    point.push_back(problem.start[static_cast<std::size_t>(v)]);
-  return point;
-}
-
 /// Adds a step that took `seconds` of computing to the sums of an execution.
 void add(const ReplanStep& step, double seconds, ReplanResult& result) {
   ++result.steps;
@@ -108,7 +101,7 @@ struct Replanner::Impl {
         limits(velocityLimits(problem)),
         seen(scene),
         now(problem.execution.start),
-        state(startOf(problem)),
+        state(startPoint(problem)),
         trail{state},
         sums(sumsOf(problem, proves)) {}
 

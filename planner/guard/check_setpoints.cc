@@ -115,12 +115,6 @@ Commanded withErrors(const Problem& problem, const GuardOptions& options) {
   return {std::move(with_errors), scene};
 }
 
-std::vector<double> startOf(const Problem& problem) {
-  std::vector<double> point;
-  for (const int v : problem.robot.variables) point.push_back(problem.start[at(v)]);
-  return point;
-}
-
 bool isFinite(std::span<const double> numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
 }
@@ -190,7 +184,7 @@ struct Guard::Impl {
         next(known),
         velocity(size),
         acceleration(size) {
-    known.reset(startOf(problem), problem.execution.start);
+    known.reset(startPoint(problem), problem.execution.start);
     answer.start = known.row(0);
     answer.time = known.time;
     proof.look(problem.execution.start);

@@ -103,7 +103,7 @@ class Plan {
                                  "variable '" + variableName(part.first) +
                                      "' has no limits; a range to plan in is expected, for planar "
                                      "and floating joints under 'bounds'");
-    for (const int v : problem_.robot.variables) start_.push_back(problem_.start[at(v)]);
+    start_ = startPoint(problem_);
   }
 
   std::string variableName(int i) const {

@@ -1,5 +1,7 @@
 #include "leeway/planner/configuration_space.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -250,6 +252,15 @@ bool ConfigurationSpace::withinLimits(std::span<const double> a) const {
       return false;
   }
   return true;
+}
+
+std::string ConfigurationSpace::brokenLimit(std::span<const double> a) const {
+  for (int i = 0; i < size(); ++i)
+    if (a[at(i)] < lower(i) || a[at(i)] > upper(i))
+      return fmt::format("{} = {} is outside {} to {}",
+                         model_->variables[at(variables_[at(i)])].name, a[at(i)], lower(i),
+                         upper(i));
+  return {};
 }
 
 void ConfigurationSpace::unwrap(std::span<const double> previous, std::span<double> next) const {

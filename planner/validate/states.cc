@@ -341,4 +341,22 @@ std::string cropFault(const Object& object, const CropNeeds& needs) {
   return {};
 }
 
+std::vector<double> startPoint(const Problem& problem) {
+  std::vector<double> point;
+  for (const int v : problem.robot.variables) point.push_back(problem.start[at(v)]);
+  return point;
+}
+
+std::vector<double> goalPoint(const Problem& problem, const Goal& goal) {
+  std::vector<double> point = startPoint(problem);
+  for (std::size_t i = 0; i < goal.ranges.size(); ++i) {
+    const auto [lower, upper] = goal.ranges[i];
+    if (std::isfinite(lower) && std::isfinite(upper))
+      point[i] = lower == upper ? lower : 0.5 * lower + 0.5 * upper;
+    else if (std::isfinite(lower) || std::isfinite(upper))
+      point[i] = std::isfinite(lower) ? lower : upper;
+  }
+  return point;
+}
+
 }  // namespace leeway::planner

@@ -167,31 +167,12 @@ void requireGoal(const Problem& problem) {
         "expected");
 }
 
-std::vector<double> startPoint(const planner::Problem& problem) {
-  std::vector<double> point;
-  for (const int variable : problem.robot.variables) point.push_back(problem.start[at(variable)]);
-  return point;
-}
-
-namespace {
-
-/// The middle of the goal's ranges; where a range has none, its finite end, else the start's value.
-/// Of poses the valid configuration nearest to the start.
-std::vector<double> goalPoint(const planner::Problem& problem, const planner::Goal& goal) {
-  if (!goal.poses.empty()) {
-    planner::Problem at_goal = problem;
-    at_goal.start_poses = goal.poses;
-    return startPoint(released([&] { return planner::placeStart(at_goal); }));
-  }
-  std::vector<double> point = startPoint(problem);
-  for (std::size_t i = 0; i < goal.ranges.size(); ++i) {
-    const auto [lower, upper] = goal.ranges[i];
-    if (std::isfinite(lower) && std::isfinite(upper))
-      point[i] = lower == upper ? lower : 0.5 * lower + 0.5 * upper;
-    else if (std::isfinite(lower) || std::isfinite(upper))
-      point[i] = std::isfinite(lower) ? lower : upper;
-  }
-  return point;
+/// goalPoint(); of poses the valid configuration nearest to the start.
+std::vector<double> placeOf(const planner::Problem& problem, const planner::Goal& goal) {
+  if (goal.poses.empty()) return goalPoint(problem, goal);
+  planner::Problem at_goal = problem;
+  at_goal.start_poses = goal.poses;
+  return startPoint(released([&] { return planner::placeStart(at_goal); }));
 }
 
 }  // namespace
@@ -200,8 +181,7 @@ std::vector<double> statePoint(const Problem& problem, const py::object& state) 
   if (py::isinstance<py::str>(state)) {
     const std::string name = word(state, "state");
     if (name == "start") return startPoint(*problem);
-    if (name == "goal" && !problem->goals.empty())
-      return goalPoint(*problem, problem->goals.front());
+    if (name == "goal" && !problem->goals.empty()) return placeOf(*problem, problem->goals.front());
   }
   planner::Problem at_state = *problem;
   setStart(at_state, state);

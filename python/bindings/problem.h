@@ -67,8 +67,6 @@ Problem problemOf(const char* call, const py::args& args, py::dict& keywords,
 /// Throws ValueError where there is nothing to plan to.
 void requireGoal(const Problem& problem);
 
-/// Points of the planned joints: the problem's start, and the middle of its goals.
-std::vector<double> startPoint(const planner::Problem& problem);
 /// "start", "goal", a group state, numbers, or a map by joint.
 std::vector<double> statePoint(const Problem& problem, const py::object& state);
 

@@ -175,7 +175,7 @@ State check(const Scene& self, const py::object& state, double tolerance) {
   result.point = statePoint(self.problem, state);
   positiveTolerance(tolerance);
   const planner::CompiledScene& scene = *self.compiled;
-  result.limit = brokenLimit(scene.space(), result.point);
+  result.limit = scene.space().brokenLimit(result.point);
   const std::shared_ptr<const planner::Problem> problem = self.current();
   if (result.limit.empty()) result.limit = planner::brokenConstraint(scene, *problem, result.point);
   result.nothing_checked = scene.nothingChecked();
@@ -309,17 +309,6 @@ void defineState(py::module_& module) {
 }
 
 }  // namespace
-
-std::string brokenLimit(const planner::ConfigurationSpace& space, std::span<const double> point) {
-  for (int i = 0; i < space.size(); ++i) {
-    const double value = point[static_cast<std::size_t>(i)];
-    const auto variable = static_cast<std::size_t>(space.variables()[static_cast<std::size_t>(i)]);
-    if (value < space.lower(i) || value > space.upper(i))
-      return space.model().variables[variable].name + " = " + text(value) + " is outside " +
-             text(space.lower(i)) + " to " + text(space.upper(i));
-  }
-  return {};
-}
 
 std::unique_ptr<EdgeCertifier> Certifiers::take() {
   {

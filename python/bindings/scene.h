@@ -3,7 +3,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -52,8 +51,6 @@ struct State {
 const char* verdictName(planner::Verdict verdict);
 /// The names of a pair's bodies; empty for -1.
 std::pair<std::string, std::string> pairNames(const planner::CompiledScene& scene, int pair);
-/// The first joint of a point that is outside its limits, in words; empty: none is.
-std::string brokenLimit(const planner::ConfigurationSpace& space, std::span<const double> point);
 py::object pairObject(const std::string& a, const std::string& b);  ///< a tuple, or None
 
 void defineScene(py::module_& module);

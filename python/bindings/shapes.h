@@ -32,9 +32,6 @@ robots::MeshTreatment meshTreatment(const std::string& solid, double weld);
 /// A shape, or a list of shapes or pairs (shape, pose). `name` is that of the geometries.
 std::vector<collision::Geometry> geometriesOf(const py::object& shapes, const std::string& name);
 
-/// The result of a distance query.
-py::object distanceObject(const collision::DistanceResult& result);
-
 void defineShapes(py::module_& module);
 void defineDistances(py::module_& module);
 

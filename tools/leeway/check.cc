@@ -63,29 +63,6 @@ struct CheckedState {
   }
 };
 
-std::vector<double> startPoint(const planner::Problem& problem) {
-  std::vector<double> point;
-  for (const int variable : problem.robot.variables) {
-    point.push_back(problem.start[static_cast<std::size_t>(variable)]);
-  }
-  return point;
-}
-
-/// The middle of the goal's ranges. If a range has no middle, its finite end, else the start's
-/// value.
-std::vector<double> goalPoint(const planner::Problem& problem, const planner::Goal& goal) {
-  std::vector<double> point = startPoint(problem);
-  for (std::size_t i = 0; i < goal.ranges.size(); ++i) {
-    const auto [lower, upper] = goal.ranges[i];
-    if (std::isfinite(lower) && std::isfinite(upper)) {
-      point[i] = lower == upper ? lower : 0.5 * lower + 0.5 * upper;
-    } else if (std::isfinite(lower) || std::isfinite(upper)) {
-      point[i] = std::isfinite(lower) ? lower : upper;
-    }
-  }
-  return point;
-}
-
 /// The configuration that planning would try first for a goal of poses.
 NamedState solvedGoal(const planner::Problem& problem, const planner::Goal& goal) {
   planner::Problem at_goal = problem;
@@ -199,20 +176,6 @@ std::vector<NamedState> collectStates(const planner::Problem& problem,
   return states;
 }
 
-std::string brokenLimit(const planner::ConfigurationSpace& space,
-                        const std::vector<double>& point) {
-  for (int i = 0; i < space.size(); ++i) {
-    const double value = point[static_cast<std::size_t>(i)];
-    if (value < space.lower(i) || value > space.upper(i)) {
-      const auto variable =
-          static_cast<std::size_t>(space.variables()[static_cast<std::size_t>(i)]);
-      return fmt::format("{} = {} is outside {} to {}", space.model().variables[variable].name,
-                         value, space.lower(i), space.upper(i));
-    }
-  }
-  return {};
-}
-
 /// Returns whether bodies overlap, and names the pairs if they do. Does not measure clearances and
 /// depths, because that takes ten times as long.
 bool isInCollision(planner::EdgeCertifier& certifier, CheckedState& checked) {
@@ -239,7 +202,7 @@ CheckedState checkState(planner::EdgeCertifier& certifier, const planner::Proble
     checked.limit = state.fault;
     return checked;
   }
-  checked.limit = brokenLimit(certifier.scene().space(), state.point);
+  checked.limit = certifier.scene().space().brokenLimit(state.point);
   if (checked.limit.empty())
     checked.limit = planner::ConstraintProof(certifier.scene(), problem).fault(state.point);
   checked.nothing_checked = certifier.scene().nothingChecked();

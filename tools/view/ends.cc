@@ -113,7 +113,7 @@ std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem&
                         const CompiledScene& shown) {
   std::vector<End> ends(1);
   ends[0].name = "start";
-  for (const int v : problem.robot.variables) ends[0].position.push_back(problem.start[at(v)]);
+  ends[0].position = startPoint(problem);
   for (const planner::Goal& goal : problem.goals) {
     End end{goal.name, {}, {}};
     if (goal.poses.empty()) {
@@ -135,7 +135,7 @@ std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem&
         ends.push_back(std::move(end));
         continue;
       }
-      for (const int v : problem.robot.variables) end.position.push_back(at_goal.start[at(v)]);
+      end.position = startPoint(at_goal);
     }
     ends.push_back(std::move(end));
   }

@@ -31,9 +31,7 @@ AskedEdges askedEdges(const planner::Problem& problem,
                       const std::shared_ptr<const planner::CompiledScene>& scene,
                       unsigned long long iterations) {
   AskedEdges asked;
-  std::vector<double> start;
-  for (const int v : problem.robot.variables)
-    start.push_back(problem.start[static_cast<std::size_t>(v)]);
+  const std::vector<double> start = startPoint(problem);
   std::vector<double> goal;  // middle of the first goal's range
   for (const auto& [low, high] : problem.goals.front().ranges)
     goal.push_back(low + (high - low) / 2);

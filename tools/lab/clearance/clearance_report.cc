@@ -143,7 +143,7 @@ class Measurement {
     if (!checker || !distances) return row;
     const planner::QuietOmpl quiet;
     const RivalSpace space(scene, *checker, distances.get(), options_.resolution, seed);
-    const ob::ProblemDefinitionPtr definition = space.definition(startOf(problem), goals);
+    const ob::ProblemDefinitionPtr definition = space.definition(startPoint(problem), goals);
     const ob::SpaceInformationPtr& information = space.information();
     const auto& validity = *information->getStateValidityChecker();
     if (std::isnan(validity.clearance(definition->getStartState(0)))) return row;

@@ -97,7 +97,7 @@ PlanningRow theirs(const PlanningProblem& named, const StateEngine& engine,
   row.compile_s = secondsSince(begin);
   const planner::QuietOmpl quiet;
   RivalPlan plan(scene, *checker, options, seed);
-  const Rows rows = plan.run(startOf(problem), goals, options.time, row);
+  const Rows rows = plan.run(startPoint(problem), goals, options.time, row);
   if (!row.solved()) return row;
   row.length = planner::pathLength(scene->space(), rows);
   planner::EdgeCertifier certifier(scene);

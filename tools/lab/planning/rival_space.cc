@@ -83,13 +83,6 @@ Rows RivalSpace::rowsOf(ompl::geometric::PathGeometric& path) const {
   return rows;
 }
 
-std::vector<double> startOf(const planner::Problem& problem) {
-  std::vector<double> start;
-  for (const int v : problem.robot.variables)
-    start.push_back(problem.start[static_cast<std::size_t>(v)]);
-  return start;
-}
-
 Rows pointsOf(const planner::Problem& problem) {
   Rows points;
   for (const planner::Goal& goal : problem.goals) {

@@ -36,7 +36,6 @@ class RivalSpace {
   ompl::base::SpaceInformationPtr information_;
 };
 
-std::vector<double> startOf(const planner::Problem& problem);
 /// Goals that are single configurations.
 Rows pointsOf(const planner::Problem& problem);
 /// Whether some edge is proven to be in contact.

@@ -218,10 +218,7 @@ std::vector<PairNames> pairsTooNear(const planner::Problem& problem,
   const PairNames known{result.offending_a, result.offending_b};
   if (known.a.empty()) return {};
   if (result.status != planner::PlanStatus::kInvalidStart || !problem.steps.empty()) return {known};
-  std::vector<double> point;
-  for (const int variable : problem.robot.variables)
-    point.push_back(problem.start[static_cast<std::size_t>(variable)]);
-  return pairsTooNear(planner::CompiledScene(problem), point, known);
+  return pairsTooNear(planner::CompiledScene(problem), startPoint(problem), known);
 }
 
 std::string pairsText(const std::vector<PairNames>& pairs) {

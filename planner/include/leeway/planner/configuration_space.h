@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "leeway/robots/model.h"
@@ -61,6 +62,9 @@ class ConfigurationSpace {
   void requirePath(std::span<const std::vector<double>> waypoints, const char* call) const;
   /// True for finite numbers inside the limits, with orientations of unit length to within 1e-6.
   bool withinLimits(std::span<const double> a) const;
+  /// The first variable that is outside its limits, in words: "joint2 = 3 is outside -1 to 1";
+  /// empty: none is.
+  std::string brokenLimit(std::span<const double> a) const;
   /// Adds whole turns to the circles of `next` so that each is at most half a turn from `previous`;
   /// circles that already are keep their bits. Paths are stored and written in this form, so that a
   /// controller without circles goes the same way.

@@ -499,6 +499,13 @@ std::vector<robots::Geometry> shapesOf(const Problem& problem, const std::string
 /// infinite behind a prismatic joint without limits. O(links x joints).
 std::vector<PointCloud::Ball> reachOf(const Problem& problem);
 
+/// Returns the planned variables of the start, in the group's order.
+std::vector<double> startPoint(const Problem& problem);
+
+/// Returns the middle of the goal's ranges; where a range has none, its finite end, else the
+/// start's value. With poses, use placeStart().
+std::vector<double> goalPoint(const Problem& problem, const Goal& goal);
+
 /// Returns the region of a pose, with the names resolved in `problem` and the links as at its
 /// start. Throws robots::InputError for an invalid robot or start, see validate(). Throws
 /// std::invalid_argument for names that do not exist, a reference frame that planned variables
