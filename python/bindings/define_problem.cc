@@ -167,6 +167,8 @@ void requireGoal(const Problem& problem) {
         "expected");
 }
 
+namespace {
+
 /// goalPoint(); of poses the valid configuration nearest to the start.
 std::vector<double> placeOf(const planner::Problem& problem, const planner::Goal& goal) {
   if (goal.poses.empty()) return goalPoint(problem, goal);

@@ -35,13 +35,6 @@ std::vector<double> flat(const Rows& rows) {
   return values;
 }
 
-std::vector<double> startPoint(const Problem& problem) {
-  std::vector<double> point;
-  for (const int v : problem.robot.variables)
-    point.push_back(problem.start[static_cast<std::size_t>(v)]);
-  return point;
-}
-
 /// The slow twin: states of a motion by kinematics and distance queries.
 class Truth {
  public:

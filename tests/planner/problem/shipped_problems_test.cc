@@ -46,13 +46,6 @@ std::string testName(const testing::TestParamInfo<std::string>& file) {
   return name;
 }
 
-std::vector<double> startPoint(const Problem& problem) {
-  std::vector<double> point;
-  for (const int v : problem.robot.variables)
-    point.push_back(problem.start[static_cast<std::size_t>(v)]);
-  return point;
-}
-
 /// The ends and the middle of every range.
 std::vector<std::vector<double>> goalPoints(const Goal& goal) {
   std::vector<std::vector<double>> points(3);
