@@ -40,17 +40,6 @@ bool isSame(const Attachment& x, const Attachment& y) {
          isSamePose(x.X_LO, y.X_LO) && areSameShapes(x.object.geometries, y.object.geometries);
 }
 
-/// Proofs depend only on which margins are positive, and on which pairs wishes name.
-bool isSamePositive(const Margins& x, const Margins& y) {
-  return (x.common > 0) == (y.common > 0) &&
-         std::equal(x.pairs.begin(), x.pairs.end(), y.pairs.begin(), y.pairs.end(),
-                    [](const PairMargin& m, const PairMargin& n) {
-                      return m.a == n.a && m.b == n.b && (m.margin > 0) == (n.margin > 0);
-                    }) &&
-         std::equal(x.wishes.begin(), x.wishes.end(), y.wishes.begin(), y.wishes.end(),
-                    [](const Wish& m, const Wish& n) { return m.pairs == n.pairs; });
-}
-
 std::vector<std::string> namesOf(const Contacts& contacts) {
   std::vector<std::string> names;
   for (const auto& [a, b] : contacts.allowed) {
@@ -79,7 +68,6 @@ PreparedRobot::PreparedRobot(const Problem& problem, std::vector<VariableRange> 
       ranges_(std::move(ranges)),
       attachments_(problem.robot.attachments),
       contacts_(problem.contacts),
-      margins_(problem.margins),
       has_srdf_(problem.robot.model->has_srdf),
       allowed_names_(namesOf(problem.contacts)) {
   RobotPairs pairs(problem, ranges_, stop);
@@ -89,7 +77,6 @@ PreparedRobot::PreparedRobot(const Problem& problem, std::vector<VariableRange> 
     throw robots::InputError(problem.name, 0, error.what());
   }
   carriers_ = pairs.carriers();
-  has_proven_ = pairs.hasProven();
   unchecked_bodies_ = pairs.uncheckedBodies();
   warnings_ = pairs.takeWarnings();
   dropped_ends_ = pairs.takeDroppedEnds();
@@ -120,8 +107,6 @@ const char* PreparedRobot::differenceFrom(const Problem& problem,
   if (contacts_.replace_srdf != problem.contacts.replace_srdf ||
       contacts_.allowed != problem.contacts.allowed)
     return "contacts";
-  if (!has_srdf_ && !contacts_.replace_srdf && !isSamePositive(margins_, problem.margins))
-    return "margins";
   return nullptr;
 }
 

@@ -42,8 +42,6 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
   const collision::Scene& scene() const { return scene_; }
   /// The link that carries each body, whether it moves or not.
   std::span<const int> carriers() const { return carriers_; }
-  /// True if a pair was dropped by a proof that holds only within the joints' limits.
-  bool hasProven() const { return has_proven_; }
   /// Pairs of bodies that are not checked, by their first body: pairs of bodies up to the i-th end
   /// at droppedEnd(i). Pairs that geometry decides come last.
   const std::shared_ptr<const std::vector<CompiledScene::Dropped>>& dropped() const {
@@ -59,7 +57,7 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
   /// Whether the problem's contacts mention the name. O(log names).
   bool isAllowedName(const std::string& name) const;
   /// The name of a member in which a problem differs from the one that the robot was prepared for;
-  /// null: none. Margins differ if proofs would.
+  /// null: none.
   const char* differenceFrom(const Problem& problem) const;
 
   const RobotMotions& motions() const { return motions_; }
@@ -82,13 +80,11 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
   std::vector<robots::VariableRange> ranges_;
   std::vector<Attachment> attachments_;
   Contacts contacts_;
-  Margins margins_;
   bool has_srdf_;
 
   std::vector<std::string> allowed_names_;  // sorted
   collision::Scene scene_;
   std::vector<int> carriers_;
-  bool has_proven_ = false;
   std::shared_ptr<const std::vector<CompiledScene::Dropped>> dropped_;
   std::vector<std::size_t> dropped_ends_;
   std::vector<std::string> warnings_;

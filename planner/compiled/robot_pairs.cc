@@ -49,9 +49,7 @@ RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableR
       if (const std::optional<Reason> why = reason(i, j)) drop(i, j, *why);
     dropped_ends_.push_back(dropped_.size());
   }
-  if (!derivesPairs()) return;
-  dropTouching(stop);
-  dropProven(stop);
+  if (derivesPairs()) dropTouching(stop);
 }
 
 collision::SceneBuilder RobotPairs::builder() const {
@@ -190,45 +188,6 @@ void RobotPairs::warnOfTouch(int i, int j) {
                   name(i), name(j)));
 }
 
-void RobotPairs::dropProven(const robots::Stop& stop) {
-  if (!isPassiveWithinLimits()) return;
-  std::vector<std::pair<int, int>> candidates, bodies;
-  for (int i = 0; i < count(); ++i)
-    for (int j = i + 1; j < count(); ++j)
-      if (entries_[at(i)].isLink() && entries_[at(j)].isLink() && is_dropped_.count({i, j}) == 0 &&
-          !hasMargin(i, j)) {
-        candidates.emplace_back(entries_[at(i)].link, entries_[at(j)].link);
-        bodies.emplace_back(i, j);
-      }
-  const std::vector<std::pair<int, int>> proven = robots::provenApart(model_, candidates, stop);
-  for (std::size_t k = 0; k < candidates.size(); ++k)
-    if (std::find(proven.begin(), proven.end(), candidates[k]) != proven.end()) {
-      has_proven_ = true;
-      drop(bodies[k].first, bodies[k].second,
-           {Unchecked::kProvenApart, toString(Unchecked::kProvenApart)});
-    }
-}
-
-/// The proof states that two links never touch; it does not cover a margin or a wish.
-bool RobotPairs::hasMargin(int i, int j) const {
-  bool positive = problem_.margins.common > 0;
-  for (const PairMargin& m : problem_.margins.pairs)
-    if (areNamed(i, j, m.a, m.b)) positive = m.margin > 0;
-  for (const Wish& wish : problem_.margins.wishes)
-    for (const auto& [a, b] : wish.pairs) positive = positive || areNamed(i, j, a, b);
-  return positive;
-}
-
-/// The proof holds within the limits, and a joint that is not planned may be outside them.
-bool RobotPairs::isPassiveWithinLimits() const {
-  for (std::size_t v = 0; v < model_.variables.size(); ++v) {
-    const robots::Variable& variable = model_.variables[v];
-    if (ranges_[v].lower != ranges_[v].upper) continue;
-    if (ranges_[v].lower < variable.lower || ranges_[v].lower > variable.upper) return false;
-  }
-  return true;
-}
-
 const std::string& RobotPairs::name(int i) const { return entries_[at(i)].body.name; }
 
 std::span<const int> RobotPairs::named(const std::string& name) const {
@@ -296,11 +255,9 @@ const char* toString(Unchecked why) {
     case Unchecked::kTouchAlways:
       return "touching in every configuration";
     case Unchecked::kTouchSampled:
-      return "touching at every sampled configuration";
-    case Unchecked::kProvenApart:
       break;
   }
-  return "proven never to meet";
+  return "touching at every sampled configuration";
 }
 
 std::vector<UncheckedPairs> countUnchecked(std::span<const CompiledScene::Dropped> dropped) {

@@ -31,8 +31,6 @@ class RobotPairs {
   /// The gap of the links of two bodies by joint angles, from the model; null: none.
   const robots::LinkGap* linkGap(int i, int j) const;
 
-  /// True if a pair was dropped by a proof that holds only within the joints' limits.
-  bool hasProven() const { return has_proven_; }
   /// Links that the SRDF allows to touch everything, unless the problem replaces the SRDF.
   std::vector<int> uncheckedBodies() const;
   /// Dropped pairs by their first body; those of body i end at droppedEnds()[i]. Pairs that
@@ -66,7 +64,6 @@ class RobotPairs {
   void drop(int i, int j, const Reason& reason);
   void dropTouching(const robots::Stop& stop);
   void warnOfTouch(int i, int j);
-  void dropProven(const robots::Stop& stop);
 
   int count() const { return static_cast<int>(entries_.size()); }
   const std::string& name(int i) const;
@@ -77,8 +74,6 @@ class RobotPairs {
   const robots::DisabledPair* findDisabled(int a, int b) const;
   bool isUnchecked(const Entry& entry) const;
   bool derivesPairs() const { return !model_.has_srdf && !problem_.contacts.replace_srdf; }
-  bool hasMargin(int i, int j) const;
-  bool isPassiveWithinLimits() const;
 
   const Problem& problem_;
   const robots::Model& model_;
@@ -93,7 +88,6 @@ class RobotPairs {
   std::vector<CompiledScene::Dropped> dropped_;
   std::vector<std::size_t> dropped_ends_;
   std::vector<std::string> warnings_;
-  bool has_proven_ = false;
 };
 
 }  // namespace leeway::planner

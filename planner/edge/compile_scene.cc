@@ -268,6 +268,7 @@ struct CompiledScene::NamedRules {
   std::string problem;  // its name, for messages
   Margins margins;
   double most_margin;  // mostMargin()
+  double kept;         // keptClearance()
   MarginWords words;
   double execution_start;
   int objects;                               // bodies of its objects, after those of the robot
@@ -302,9 +303,9 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
   const std::shared_ptr<const PreparedRobot> robot = PreparedRobot::of(problem, *space_, stop);
   Surroundings world(problem, *robot, stop);
   dropped_ = world.dropped();
-  NamedRules rules{problem.name,           problem.margins,         mostMargin(problem),
-                   MarginWords(problem),   problem.execution.start, world.objects(),
-                   problem.world.deforming};
+  NamedRules rules{problem.name,           problem.margins,        mostMargin(problem),
+                   keptClearance(problem), MarginWords(problem),   problem.execution.start,
+                   world.objects(),        problem.world.deforming};
   for (const Object& object : problem.world.objects) rules.note(object);
   rules.grasp = firstGrasp(problem);
   rules_ = std::make_shared<const NamedRules>(std::move(rules));
@@ -326,6 +327,8 @@ CompiledScene::CompiledScene(const Problem& problem, const robots::Stop& stop)
     body_link_[b] = robot->carriers()[b];
     collision::SceneAccess::place(scene_, static_cast<int>(b), X_WL[at(body_link_[b])]);
   }
+  if (std::isfinite(rules_->kept))
+    collision::SceneAccess::raiseMargins(scene_, rules_->kept, bodiesOfRobot());
   std::vector<Object> moving;
   for (const Object& object : problem.world.objects)
     if (object.motion) moving.push_back(object);
@@ -359,9 +362,7 @@ const SceneLanes& CompiledScene::lanes() const {
   return *shared.lanes;
 }
 
-bool CompiledScene::needsLimits() const {
-  return edge_model_->robot->hasProven() || rules_->has_crops;
-}
+bool CompiledScene::needsLimits() const { return rules_->has_crops; }
 
 int CompiledScene::findThing(const std::string& name) const {
   const auto nameOf = [this](int body) -> std::string_view {
@@ -463,7 +464,7 @@ std::shared_ptr<CompiledScene> CompiledScene::changed(std::span<const Object> ad
     for (const Object& object : added)
       if (const auto body = objects.find(object.name); object.motion && body != objects.end())
         changeRules([&](NamedRules& rules) { rules.moving[body->second] = object.X_WO; });
-    change.setDefaultMargin(rules_->margins.common);
+    change.setDefaultMargin(std::max(rules_->margins.common, rules_->kept));
     changed->dropped_ = applyRules(objects, removed_names, change);
     changed->scene_ = std::move(change).build();
   } catch (const std::invalid_argument& error) {
@@ -510,7 +511,7 @@ std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::applyR
     forEachNamed(
         robot, objects, m.a, m.b,
         [&](int i, int j) {
-          if (moves(i)) change.setMargin(i, j, m.margin);
+          if (moves(i)) change.setMargin(i, j, std::max(m.margin, rules_->kept));
         },
         &rules_->words);
 
@@ -742,6 +743,7 @@ std::string CompiledScene::differenceFrom(const Problem& problem) const {
     if (v < 0 || at(v) >= model_->variables.size()) return differs("robot.variables");
   if (const char* part = edge_model_->robot->differenceFrom(problem)) return differs(part);
   if (!areSameMargins(rules_->margins, problem.margins)) return differs("margins");
+  if (rules_->kept > keptClearance(problem)) return differs("objective, in its clearance,");
   if (!areSameWishes(rules_->margins, problem.margins))
     return differs("margins.wishes, in the pairs that they name,");
   const std::vector<DeformingObstacle>& deforming = problem.world.deforming;

@@ -255,7 +255,8 @@ std::vector<std::pair<int, std::string>> readLines(const std::string& file,
     begin = end + 1;
     ++number;
     if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (!withoutBlanks(line).empty()) lines.emplace_back(number, std::move(line));
+    const std::string_view text_of = withoutBlanks(line);
+    if (!text_of.empty() && text_of.front() != '#') lines.emplace_back(number, std::move(line));
   }
   if (warnings != nullptr && !robots::lastLineEnds(text))
     warnings->push_back(fmt::format("{}:{}: {}", file, number, robots::kLastLineOpen));
@@ -377,7 +378,8 @@ std::vector<int> columnVariables(const std::string& file, const Table& table,
   for (std::size_t i = 0; i < table.names.size(); ++i) {
     const std::string& name = table.names[i];
     const int v = problem.robot.model->findVariable(name);
-    if (v < 0 && name != kTimeColumn && !isDerivative(name, problem))
+    if (v < 0 && name != kTimeColumn && !isDerivative(name, problem) &&
+        problem.robot.model->findJoint(name) < 0)
       throw InputError(file, table.names_line,
                        fmt::format("unknown joint '{}'{}", elided(name),
                                    didYouMean(elided(name), plannedNames(problem))));
@@ -393,6 +395,33 @@ std::vector<int> columnVariables(const std::string& file, const Table& table,
           fmt::format("planned joint '{}' is missing; a column for each planned joint is expected",
                       problem.robot.model->variables[at(v)].name));
   return columns;
+}
+
+/// Refuses rows in which a fixed or mimic joint is not where the others put it. Recorded states
+/// have columns of these joints, too.
+void requireFollowers(const std::string& file, const Table& table, const Problem& problem,
+                      const Path& path) {
+  const robots::Model& model = *problem.robot.model;
+  std::vector<double> q = problem.start;
+  for (std::size_t c = 0; c < table.names.size(); ++c) {
+    const int j = model.findVariable(table.names[c]) < 0 ? model.findJoint(table.names[c]) : -1;
+    if (j < 0) continue;
+    const robots::KinematicStep& step = model.steps[at(j)];
+    const bool follows = model.joints[at(j)].mimic >= 0;
+    for (std::size_t r = 0; r < table.rows.size(); ++r) {
+      for (std::size_t i = 0; i < path.names.size(); ++i)
+        q[at(problem.robot.variables[i])] = path.positions[r][i];
+      const double expected = follows ? step.multiplier * q[at(step.variable)] + step.offset : 0;
+      const double value = table.rows[r].values[c];
+      if (!(std::abs(value - expected) <= kPassiveJointSlack))
+        throw InputError(
+            file, table.rows[r].line,
+            fmt::format("joint '{}' is at {}, but {}; {} is expected", table.names[c], value,
+                        follows ? "follows '" + model.variables[at(step.variable)].name + "'"
+                                : "does not move",
+                        expected));
+    }
+  }
 }
 
 void requirePassive(const std::string& file, int line, double value, int variable,
@@ -549,6 +578,7 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
     normaliseRotations(file, row.line, space, point);
     path.positions.push_back(std::move(point));
   }
+  requireFollowers(file, table, problem, path);
   if (options.shortest) path.positions = unwrapped(space, std::move(path.positions));
   expectTimes(file, table, path);
   expectDurations(file, table, path);

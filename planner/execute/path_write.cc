@@ -83,7 +83,7 @@ std::string timeText(double seconds) {
 /// How far every point of the robot may depart from the path while margins hold [m]. It is half of
 /// the clearance above the largest margin, because two links may depart towards each other.
 double trackingTolerance(const Problem& problem, const Certificate& certificate) {
-  double margin = problem.margins.common;
+  double margin = std::max(problem.margins.common, keptClearance(problem));
   for (const PairMargin& pair : problem.margins.pairs) margin = std::max(margin, pair.margin);
   return certificate.certified ? std::max(0.0, (certificate.clearance.lower - margin) / 2) : 0;
 }

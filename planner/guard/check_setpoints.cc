@@ -70,19 +70,12 @@ GuardOptions checked(GuardOptions options, const Problem& problem) {
   return options;
 }
 
-/// The problem with all margins greater. Pairs with a margin above 0 are checked even where they
-/// are proven never to meet: that proof covers neither margins nor errors.
+/// The problem with all margins greater.
 Problem grown(Problem problem, double growth) {
   problem.margins.common += growth;
   for (PairMargin& m : problem.margins.pairs) m.margin += growth;
+  if (auto* length = std::get_if<MinimumLength>(&problem.objective)) length->clearance += growth;
   return problem;
-}
-
-/// How much greater margins must be for all of them to be above 0 [m].
-double growthAboveZero(const Problem& problem) {
-  double least = std::min(0.0, problem.margins.common);
-  for (const PairMargin& m : problem.margins.pairs) least = std::min(least, m.margin);
-  return kGuardChordRounding - least;
 }
 
 /// The problem whose margins hold for the robot's motion as it is commanded, and its scene.
@@ -92,8 +85,7 @@ Commanded withErrors(const Problem& problem, const GuardOptions& options) {
   const bool has_errors = options.point_error > 0 ||
                           std::any_of(options.joint_errors.begin(), options.joint_errors.end(),
                                       [](double e) { return e > 0; });
-  auto scene = std::make_shared<const CompiledScene>(
-      has_errors ? grown(problem, growthAboveZero(problem)) : problem);
+  auto scene = std::make_shared<const CompiledScene>(problem);
   const auto refuse = [&](const std::string& message) {
     throw robots::InputError(problem.name, 0, "Guard: " + message);
   };

@@ -93,6 +93,9 @@ std::string objectFault(const Object& object);
 /// Returns the largest separation that affects margins, wishes or the objective [m]; infinite for a
 /// cost that is inverse to the distance.
 double mostMargin(const Problem& problem);
+/// The clearance that the objective length keeps from the world, as a margin of these pairs [m];
+/// -infinity: none.
+double keptClearance(const Problem& problem);
 /// Requirements that a problem has of the crops of its clouds.
 struct CropNeeds {
   double margin = 0;                      ///< mostMargin() [m]

@@ -289,14 +289,18 @@ double mostMargin(const Problem& problem) {
   double most = problem.margins.common;
   for (const PairMargin& m : problem.margins.pairs) most = std::max(most, m.margin);
   for (const Wish& wish : problem.margins.wishes) most = std::max(most, wish.clearance);
-  if (const auto* length = std::get_if<MinimumLength>(&problem.objective))
-    most = std::max(most, length->clearance);
+  most = std::max(most, keptClearance(problem));
   if (const auto* cost = std::get_if<MinimumCost>(&problem.objective))
     for (const CostTerm& term : cost->terms)
       if (term.of != Pairs::kSelf)
         most = std::max(most, term.nearness.kind == Nearness::Kind::kHinge ? term.nearness.distance
                                                                            : kInfinity);
   return most;
+}
+
+double keptClearance(const Problem& problem) {
+  const auto* length = std::get_if<MinimumLength>(&problem.objective);
+  return length != nullptr ? length->clearance : -collision::kInfinity;
 }
 
 std::string firstGrasp(const Problem& problem) {

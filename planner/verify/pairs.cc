@@ -79,7 +79,10 @@ class Rules {
     for (const PairMargin& m : problem_.margins.pairs)
       if ((stands(m.a, a) && stands(m.b, b)) || (stands(m.a, b) && stands(m.b, a)))
         margin = m.margin;
-    return margin;
+    // The objective length may keep a clearance from the world.
+    const auto* length = std::get_if<MinimumLength>(&problem_.objective);
+    const bool is_with_world = a.link < 0 || b.link < 0;
+    return length != nullptr && is_with_world ? std::max(margin, length->clearance) : margin;
   }
 
   /// Whether the planner can change the joint's position.

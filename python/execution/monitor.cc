@@ -138,7 +138,7 @@ Report look(Monitor& self, double time, const py::object& state, const py::objec
             double horizon) {
   const Busy busy(self.busy, kBusyMonitor);
   const std::vector<double> point = numbers(state, "q", self.scene.size());
-  // Bounds on speeds, pairs that are proven apart and cropped clouds hold within the limits.
+  // Bounds on speeds and cropped clouds hold within the limits.
   if (const std::string broken = self.scene.compiled->space().brokenLimit(point); !broken.empty())
     throw py::value_error("q: " + broken + "; a position within the limits is expected");
   const std::vector<double> speeds = spread(self.scene, numbers(rates, "rates", self.scene.size()));

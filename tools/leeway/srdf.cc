@@ -73,8 +73,6 @@ Why whyOf(planner::Unchecked why) {
       return Why::kAlways;
     case planner::Unchecked::kTouchSampled:
       return Why::kNearlyAlways;
-    case planner::Unchecked::kProvenApart:
-      return Why::kNever;
     default:
       return Why::kFile;
   }
@@ -103,6 +101,12 @@ std::vector<LinkPair> classify(const planner::CompiledScene& scene,
   // The compiler checks only pairs with one joint between them.
   const std::set<NamePair> always =
       namesOf(model, robots::provenTouching(model, touching, interrupted));
+  std::vector<std::pair<int, int>> checked;
+  for (const collision::ScenePair& pair : scene.scene().pairs())
+    checked.emplace_back(
+        model.findLink(scene.scene().bodies()[static_cast<std::size_t>(pair.body_a)].name),
+        model.findLink(scene.scene().bodies()[static_cast<std::size_t>(pair.body_b)].name));
+  const std::set<NamePair> never = namesOf(model, robots::provenApart(model, checked, interrupted));
   std::vector<LinkPair> pairs;
   for (const planner::CompiledScene::Dropped& d : scene.dropped())
     pairs.push_back({d.a, d.b, whyOf(d.why)});
@@ -110,6 +114,10 @@ std::vector<LinkPair> classify(const planner::CompiledScene& scene,
     PairNames names = pairNames(scene, entry.pair);
     if (model.findLink(names.a) > model.findLink(names.b)) std::swap(names.a, names.b);
     const NamePair pair = std::minmax(names.a, names.b);
+    if (never.count(pair) != 0) {
+      pairs.push_back({names.a, names.b, Why::kNever});
+      continue;
+    }
     const bool is_nearly_always =
         arguments.samples >= kFewestSamples && entry.hits >= kNearlyAlways * arguments.samples;
     const Why why = always.count(pair) != 0                    ? Why::kAlways

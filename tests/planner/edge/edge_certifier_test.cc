@@ -938,23 +938,6 @@ TEST(EdgeCertifier, QueriesAllocateNothing) {
   }
 }
 
-// A pair excluded by a proof within the limits may collide outside them.
-TEST(EdgeCertifier, OutsideLimitsThatAProofNeededIsUndecided) {
-  auto robot = robots::testing::chain(
-      3, robots::JointType::kPrismatic, 0.1, [](int i, robots::Link& link, robots::Joint& joint) {
-        link.geometries.push_back({collision::Shape::sphere(0.1), {}, link.name});
-        if (i > 0) joint.X_PJ.translation = {0.5, 0, 0};
-      });
-  const auto model = std::make_shared<robots::Model>(std::move(robot));
-  Problem problem = test::problemOf(model, {0, 0}, {0, 0});
-  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
-  EXPECT_TRUE(certifier.scene().needsLimits());
-  EXPECT_EQ(certifier.decide(std::vector<double>{0.1, 0}), Verdict::kFree);
-  EXPECT_EQ(certifier.decide(std::vector<double>{-0.9, 0}), Verdict::kUndecided);
-  EXPECT_EQ(certifier.certify(std::vector<double>{0, 0}, std::vector<double>{-0.9, 0}).verdict,
-            Verdict::kUndecided);
-}
-
 // Regression: a geometry with the same centre as a smaller one on the same link got its motion,
 // with a thousandth of the growth. So a cube swept over a pin was certified free.
 TEST(EdgeCertifier, GeometriesOfOneCentreHaveMotionsOfTheirOwn) {

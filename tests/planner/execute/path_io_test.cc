@@ -813,6 +813,27 @@ TEST_F(PathIo, AccelerationsThatCubicsDoNotHaveAreNamed) {
   EXPECT_NE(warnings[0].find("0.69 rad or m at 'joint2'"), std::string::npos) << warnings[0];
 }
 
+/// Recorded states have the joints that follow others, and logs have comments.
+TEST_F(PathIo, ColumnsOfFollowersAreCheckedAndCommentsPassedOver) {
+  const std::string robot =
+      write("grip.urdf",
+            "<robot name=\"grip\"><link name=\"palm\"/><link name=\"a\"/><link name=\"b\"/>"
+            "<joint name=\"left\" type=\"prismatic\"><parent link=\"palm\"/><child link=\"a\"/>"
+            "<limit lower=\"0\" upper=\"1\" velocity=\"1\" effort=\"1\"/></joint>"
+            "<joint name=\"right\" type=\"prismatic\"><parent link=\"palm\"/><child link=\"b\"/>"
+            "<limit lower=\"-3\" upper=\"3\" velocity=\"9\" effort=\"1\"/>"
+            "<mimic joint=\"left\" multiplier=\"-2\" offset=\"0.5\"/></joint></robot>");
+  const Problem problem = loadProblem(
+      write("grip.yaml", "leeway: 1\nrobot: {urdf: grip.urdf}\nstart: [0.1]\ngoal: [0.2]\n"));
+  const auto message = [&](const std::string& text) {
+    return messageOf(write("grip.csv", text), problem);
+  };
+  EXPECT_EQ(message("# recorded\nleft,right\n0.125,0.25\n # half way\n0.25,0\n"), "accepted");
+  EXPECT_EQ(message("left,right\n0.125,0.25\n0.25,0.2\n"),
+            file("grip.csv") + ":3: joint 'right' is at 0.2, but follows 'left'; 0 is expected");
+  EXPECT_NE(message("left,wrong\n0.1,0.3\n").find("unknown joint 'wrong'"), std::string::npos);
+}
+
 TEST_F(PathIo, RowsOfACsvMayHaveBlanks) {
   const Problem problem = armProblem();
   const std::vector<std::vector<double>> rows = {{1, 2, 3, 4, 5, 6, 7}, {2, 2, 3, 4, 5, 6, 7}};

@@ -10,7 +10,9 @@
 
 #include "leeway/collision/scene.h"
 #include "leeway/planner/configuration_space.h"
+#include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/point_cloud.h"
+#include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/model.h"
@@ -1198,6 +1200,39 @@ TEST(Guard, AStopFromWithinAPeriodKeepsLimitsOnJerk) {
     }
   }
   EXPECT_GT(certified, 200);
+}
+
+/// Regression: plan() alone took the clearance of the objective length as a margin, and others
+/// certified what does not keep it.
+TEST(Guard, TheClearanceOfTheObjectiveIsAMarginForAll) {
+  Problem problem = test::wallProblem();
+  const std::vector<double> start = startPoint(problem);
+  const auto verdict = [&](double clearance) {
+    problem.objective = MinimumLength{clearance};
+    const auto scene = std::make_shared<const CompiledScene>(problem);
+    const bool is_free = EdgeCertifier(scene).decide(start) == Verdict::kFree;
+    Path path;
+    for (const int v : problem.robot.variables)
+      path.names.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
+    path.positions = {start};
+    const bool is_verified = verify(problem, path).status == VerifyStatus::kCertified;
+    EXPECT_EQ(is_free, is_verified) << clearance;
+    EXPECT_EQ(is_free, Guard(problem).check({}).certified) << clearance;
+    // An object that comes later keeps it, too.
+    const auto without = scene->withObjects({}, std::vector<int>{scene->bodiesOfRobot()});
+    const auto again = without->withObjects(std::vector<Object>{problem.world.objects[0]});
+    EXPECT_EQ(is_free, EdgeCertifier(again).decide(start) == Verdict::kFree) << clearance;
+    EXPECT_EQ(EdgeCertifier(without).decide(start), Verdict::kFree);
+    return is_free;
+  };
+  const double distance = EdgeCertifier(std::make_shared<const CompiledScene>(problem))
+                              .clearance(start, 1e-6)
+                              .clearance.lower;
+  EXPECT_TRUE(verdict(distance - 0.01));
+  EXPECT_FALSE(verdict(distance + 0.01));
+  const auto scene = std::make_shared<const CompiledScene>(problem);
+  problem.objective = MinimumLength{};
+  EXPECT_NE(scene->differenceFrom(problem).find("objective"), std::string::npos);
 }
 
 TEST(Guard, AStopDoesNotTurnACircleTheOtherWay) {

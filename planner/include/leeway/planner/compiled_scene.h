@@ -32,7 +32,6 @@ enum class Unchecked : unsigned char {
   kAttached,      ///< an object, and the link that holds it or another link that may touch it
   kTouchAlways,   ///< parts that meet at a joint, proven to touch in every configuration
   kTouchSampled,  ///< parts that meet at a joint and touch at every sampled configuration
-  kProvenApart,   ///< links that are proven never to touch
 };
 const char* toString(Unchecked why);  ///< "adjacent", "allowed by the problem", ...
 
@@ -174,8 +173,8 @@ class CompiledScene {
 
   /// Data for certifying every edge; private to planner/ (planner/compiled/edge_model.h).
   const EdgeModel& edgeModel() const { return *edge_model_; }
-  /// Whether something is left out by a proof that holds only within the joints' limits: pairs that
-  /// are proven apart, points of cropped clouds. Points outside the limits are then undecided.
+  /// Whether points of a cloud were cropped, which cannot be reached within the joints' limits.
+  /// Configurations outside them are then undecided.
   bool needsLimits() const;
   /// Data that the scene's certifiers share, created at the first use; private to planner/
   /// (planner/edge/edge_frames.h and edge_lanes.h). It refers to this scene. Thread-safe.
