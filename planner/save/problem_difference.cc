@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <type_traits>
 
 #include "leeway/collision/convex_hull.h"
 #include "leeway/collision/deformable_mesh.h"
@@ -189,20 +190,16 @@ bool isSame(const CostTerm& a, const CostTerm& b) {
          a.weight == b.weight && a.worst == b.worst && a.of == b.of;
 }
 
-bool isSame(const Objective& a, const Objective& b) {
-  if (a.index() != b.index()) return false;
-  if (const auto* length = std::get_if<MinimumLength>(&a))
-    return length->clearance == std::get<MinimumLength>(b).clearance;
-  if (const auto* most = std::get_if<MaximumClearance>(&a))
-    return most->of == std::get<MaximumClearance>(b).of &&
-           most->at_most_longer == std::get<MaximumClearance>(b).at_most_longer;
+/// Whether costs are the same. Other objectives consist of settings.
+bool isSameCost(const Objective& a, const Objective& b) {
+  const auto *x = std::get_if<MinimumCost>(&a), *y = std::get_if<MinimumCost>(&b);
+  if (x == nullptr || y == nullptr) return x == y;
   // Their sum does not depend on the order of terms.
   const auto ordered = [](std::vector<CostTerm> terms) {
     std::stable_partition(terms.begin(), terms.end(), [](const CostTerm& t) { return !t.worst; });
     return terms;
   };
-  const auto &x = std::get<MinimumCost>(a), &y = std::get<MinimumCost>(b);
-  return x.length == y.length && isSame(ordered(x.terms), ordered(y.terms));
+  return x->length == y->length && isSame(ordered(x->terms), ordered(y->terms));
 }
 
 bool isSameMotion(const collision::VertexMotion* a, const collision::VertexMotion* b) {
@@ -276,25 +273,40 @@ std::string modelDifference(const Model& a, const Model& b) {
   return {};
 }
 
-std::string executionDifference(const Execution& a, const Execution& b) {
-  const bool is_same =
-      a.start == b.start && a.step == b.step && a.duration == b.duration && a.speed == b.speed &&
-      a.velocities == b.velocities && a.accelerations == b.accelerations && a.jerks == b.jerks &&
-      a.acceleration_scale == b.acceleration_scale && a.jerk_scale == b.jerk_scale &&
-      a.corners == b.corners && a.foresight == b.foresight && a.look_ahead == b.look_ahead &&
-      a.buffer == b.buffer && a.patience == b.patience;
-  return is_same ? "" : "execution";
-}
-
 /// 0 and infinity both stand for an unlimited time.
 double limitOf(double time) { return std::isinf(time) ? 0 : time; }
+
+/// The first setting with a value of its own that differs; empty: none. The cost of an objective is
+/// compared in isSameCost().
+std::string settingDifference(const Problem& a, const Problem& b) {
+  const auto isSameValue = [](const Setting& setting, const auto* x, const auto* y) {
+    if (x == nullptr || y == nullptr) return x == y;
+    if constexpr (std::is_same_v<decltype(x), const double*>)
+      if (setting.key == "limits.time") return limitOf(*x) == limitOf(*y);
+    return *x == *y;
+  };
+  for (const Setting& setting : settings()) {
+    const bool is_same = std::visit(
+        [&](const auto& place) {
+          using Place = std::decay_t<decltype(place)>;
+          if constexpr (std::is_same_v<Place, WordSetting>)
+            return place.get(a) == place.get(b);
+          else if constexpr (std::is_pointer_v<Place>)
+            return isSameValue(setting, settingValue(a, place), settingValue(b, place));
+          else  // compared by problemDifference(), or one of the planner's parameters
+            return true;
+        },
+        setting.value);
+    if (!is_same) return std::string(setting.member.empty() ? setting.key : setting.member);
+  }
+  return {};
+}
 
 }  // namespace
 
 std::string problemDifference(const Problem& a, const Problem& b) {
   if (const std::string in = modelDifference(*a.robot.model, *b.robot.model); !in.empty())
     return "robot.model." + in;
-  if (a.name != b.name) return "name";
   if (a.robot.variables != b.robot.variables) return "robot.variables";
   if (a.start != b.start) return "start";
   if (static_cast<bool>(a.condition.accept) != static_cast<bool>(b.condition.accept))
@@ -310,23 +322,14 @@ std::string problemDifference(const Problem& a, const Problem& b) {
         firstOf("world.objects", a.world.objects, b.world.objects),
         firstOf("world.deforming", a.world.deforming, b.world.deforming),
         firstOf("margins.pairs", a.margins.pairs, b.margins.pairs),
-        firstOf("margins.wishes", a.margins.wishes, b.margins.wishes),
-        executionDifference(a.execution, b.execution)})
+        firstOf("margins.wishes", a.margins.wishes, b.margins.wishes), settingDifference(a, b)})
     if (!in.empty()) return in;
   for (std::size_t i = 0; i < a.world.objects.size(); ++i)
     if (!isSame(a.world.objects[i].X_WO, b.world.objects[i].X_WO))
       return fmt::format("world.objects[{}].X_WO", i);
   if (a.contacts.allowed != b.contacts.allowed) return "contacts.allowed";
   if (a.contacts.replace_srdf != b.contacts.replace_srdf) return "contacts.replace_srdf";
-  if (a.margins.common != b.margins.common) return "margins.common";
-  if (!isSame(a.objective, b.objective)) return "objective";
-  if (a.planner.name != b.planner.name || a.planner.parameters != b.planner.parameters ||
-      a.planner.simplify != b.planner.simplify || a.planner.push != b.planner.push)
-    return "planner";
-  if (limitOf(a.limits.time) != limitOf(b.limits.time) ||
-      a.limits.iterations != b.limits.iterations)
-    return "limits";
-  return a.seed == b.seed ? "" : "seed";
+  return isSameCost(a.objective, b.objective) ? "" : "objective";
 }
 
 }  // namespace leeway::planner

@@ -12,6 +12,7 @@
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/settings.h"
 #include "leeway/robots/placed_model.h"
 #include "planner/save/problem_text.h"
 #include "tests/support/build_paths.h"
@@ -251,6 +252,52 @@ TEST(SaveProblem, KeepsTheSpeedOfLines) {
   Problem faster = problem;
   std::get<LineStep>(faster.steps[0].action).speed = 0.25;
   EXPECT_EQ(problemDifference(problem, faster), "steps[0]");
+}
+
+/// Gives a setting another value.
+struct Change {
+  Problem& problem;
+
+  void operator()(SettingPlace<bool> place) const { *place(problem) = !*place(problem); }
+  void operator()(SettingPlace<double> place) const { *place(problem) = 0.375; }
+  void operator()(SettingPlace<std::int64_t> place) const { *place(problem) += 1; }
+  void operator()(SettingPlace<std::uint64_t> place) const { *place(problem) += 1; }
+  void operator()(SettingPlace<std::string> place) const { *place(problem) += "x"; }
+  template <class Value>
+  void operator()(SettingPlace<std::map<std::string, Value>> place) const {
+    (*place(problem))["x"] = {};
+  }
+  void operator()(const WordSetting& choice) const {
+    for (const WordSetting::Word& word : choice.words)
+      if (word.value != choice.get(problem)) return choice.set(problem, word.value);
+  }
+  void operator()(PlannerParameterSetting of) const {
+    problem.planner.parameters[std::string(of.parameter)] = "1";
+  }
+  void operator()(std::monostate) const {}
+};
+
+TEST(SaveProblem, NoSettingChangesUnseen) {
+  int changed = 0;
+  for (const Setting& setting : settings()) {
+    if (std::holds_alternative<std::monostate>(setting.value)) continue;
+    Problem problem = ball();
+    if (setting.objective() == "clearance") problem.objective = MaximumClearance();
+    Problem other = problem;
+    std::visit(Change{other}, setting.value);
+    const bool is_parameter = std::holds_alternative<PlannerParameterSetting>(setting.value);
+    const std::string_view name = setting.member.empty() ? setting.key : setting.member;
+    EXPECT_EQ(problemDifference(problem, other), is_parameter ? "planner.parameters" : name);
+    ++changed;
+  }
+  EXPECT_GT(changed, 25);
+  // 0 and infinity both are an unlimited time, but not an endless patience.
+  Problem endless = ball(), none = ball();
+  endless.limits.time = std::numeric_limits<double>::infinity();
+  none.limits.time = 0;
+  EXPECT_EQ(problemDifference(endless, none), "");
+  endless.execution.patience = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(problemDifference(endless, none), "execution.patience");
 }
 
 /// Problems that share a folder of files do not replace each other's.

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -138,6 +139,21 @@ TEST(Settings, HaveNamesKeysAndOptionsOfTheirOwn) {
   }
   EXPECT_EQ(findSetting(""), nullptr);
   EXPECT_EQ(findSetting("margn"), nullptr);
+}
+
+/// Files and comparisons know only members that a setting names. A new member does not compile here
+/// until its setting is counted.
+TEST(Settings, NameEveryMember) {
+  const auto countOf = [](std::string_view head) {
+    return std::count_if(settings().begin(), settings().end(),
+                         [&](const Setting& setting) { return setting.key.starts_with(head); });
+  };
+  [[maybe_unused]] const auto& [start, step, duration, speed, velocities, accelerations, jerks,
+                                acceleration_scale, jerk_scale, corners, foresight, look_ahead,
+                                buffer, patience] = Execution();
+  EXPECT_EQ(countOf("execution."), 14);
+  [[maybe_unused]] const auto& [time, iterations] = PlanningLimits();
+  EXPECT_EQ(countOf("limits."), 2);
 }
 
 /// The words of the range are the same wherever a number comes from.
