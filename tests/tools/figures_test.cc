@@ -108,6 +108,19 @@ TEST(Terminal, HelpBreaksInItsColumns) {
   EXPECT_NE(help.find("\n                              "), std::string::npos) << help;
   EXPECT_NE(help.find(" \\\n      "), std::string::npos) << help;
   EXPECT_EQ(help.substr(help.size() - 6), "--last");
+  // Lines that continue a description are one text with it; those of another column are not.
+  const std::string gap(26, ' ');
+  EXPECT_EQ(wrappedHelp("  key                     text that ends at\n" + gap + "two lines\n" +
+                        gap + "  and more\n  long, longer keys\n" + gap + "text\n"),
+            "  key                     text that ends at two lines\n" + gap +
+                "  and more\n  long, longer keys\n" + gap + "text\n");
+}
+
+TEST(Terminal, LinesDoNotBreakBeforeUnits) {
+  const std::string words(76, 'x');
+  EXPECT_EQ(wrapped(words + " 10 mm"), words + "\n10 mm");
+  EXPECT_EQ(wrapped(words + " 10 mm.", 2), words + "\n  10 mm.");
+  EXPECT_EQ(wrapped(words + " 10 models"), words + " 10\nmodels");
 }
 
 TEST(Terminal, CountsSaySingularAndPlural) {

@@ -106,8 +106,9 @@ TEST_F(Lint, WishesOfPairsThatMayTouchAreOdd) {
   const Answer answer = run("lint wish.yaml");
   EXPECT_EQ(answer.status, 1);
   EXPECT_EQ(answer.out,
+            "1 file, 1 finding\n"
             "wish.yaml: warning: wish of 0.1 m between upper and lower: none of its pairs is "
-            "checked\n1 file, 1 finding\n");
+            "checked\n");
 }
 
 /// What a robot is warned of is found once.

@@ -291,7 +291,8 @@ Json stateJson(const CheckedState& checked) {
 }
 
 std::string pointText(const Eigen::Vector3d& p) {
-  return fmt::format("({:.4f}, {:.4f}, {:.4f})", p.x(), p.y(), p.z());
+  return fmt::format("({}, {}, {})", formatNear(p.x(), 4), formatNear(p.y(), 4),
+                     formatNear(p.z(), 4));
 }
 
 /// Lists all pairs that are too near, if there are several.
@@ -329,8 +330,9 @@ std::string stateText(const CheckedState& checked) {
   if (clearance.upper <= 0) {
     text += fmt::format(", {} and {} in collision, {} deep\n", checked.names.a, checked.names.b,
                         clearanceText({-clearance.upper, -clearance.lower}));
-    text += fmt::format("  deepest points {} on {}, {} on {}\n", pointText(check.closest.point_a),
-                        checked.names.a, pointText(check.closest.point_b), checked.names.b);
+    text +=
+        fmt::format("  deepest points {} on {},\n    {} on {}\n", pointText(check.closest.point_a),
+                    checked.names.a, pointText(check.closest.point_b), checked.names.b);
     text += fmt::format("  {} is clear once moved {} mm along {}\n", checked.names.b,
                         formatUpper(-clearance.lower * 1e3, 2), pointText(check.closest.normal));
     return text + allPairsText(checked);
@@ -340,8 +342,9 @@ std::string stateText(const CheckedState& checked) {
   if (checked.margin != 0) {
     text += fmt::format(" (margin {} mm)", checked.margin * 1e3);
   }
-  text += fmt::format("\n  closest points {} on {}, {} on {}\n", pointText(check.closest.point_a),
-                      checked.names.a, pointText(check.closest.point_b), checked.names.b);
+  text +=
+      fmt::format("\n  closest points {} on {},\n    {} on {}\n", pointText(check.closest.point_a),
+                  checked.names.a, pointText(check.closest.point_b), checked.names.b);
   if (check.verdict == planner::Verdict::kUndecided) {
     text += "  undecided: counts as not valid\n";
   } else if (check.verdict == planner::Verdict::kNotFree) {
@@ -370,7 +373,7 @@ int runCheck(const CheckArguments& arguments) {
     if (arguments.json) {
       list.push_back(stateJson(checked));
     } else {
-      fmt::print("{}", wrapped(stateText(checked)));
+      fmt::print("{}", wrapped(stateText(checked), 4));
     }
   }
   if (arguments.json) {
@@ -382,9 +385,10 @@ int runCheck(const CheckArguments& arguments) {
                {"states", list},
                {"not_checked", planner::uncheckedJson(unchecked)}});
   } else {
-    fmt::print("{}.\n", nothing_checked.empty()
-                            ? planner::toString(unchecked) + obstaclesText(problem)
-                            : "Nothing was checked: " + nothing_checked);
+    fmt::print("{}", wrapped((nothing_checked.empty()
+                                  ? planner::toString(unchecked) + obstaclesText(problem)
+                                  : "Nothing was checked: " + nothing_checked) +
+                             ".\n"));
   }
   return all_valid ? kYes : kNo;
 }

@@ -296,7 +296,7 @@ std::string stretchTable(const Profile& profile, bool steps, bool parts) {
   std::vector<std::string> heading = {"edge"};
   if (parts) heading.insert(heading.end(), {"from t", "to t"});
   if (steps) heading.emplace_back("step");
-  heading.insert(heading.end(), {"from", "lower [mm]", "upper [mm]", "at t", "proven", "between"});
+  heading.insert(heading.end(), {"from", "clearance", "at t", "proven", "between"});
   std::vector<std::vector<std::string>> rows;
   for (const Stretch& stretch : profile.stretches) {
     for (const Near* near : {&stretch.world, &stretch.self}) {
@@ -306,17 +306,16 @@ std::string stretchTable(const Profile& profile, bool steps, bool parts) {
         row.insert(row.end(),
                    {fmt::format("{:.3f}", stretch.t0), fmt::format("{:.3f}", stretch.t1)});
       if (steps) row.push_back(stretch.step);
-      row.insert(row.end(), {near == &stretch.world ? "world" : "self",
-                             formatLower(near->clearance.lower * 1e3, 3),
-                             formatUpper(near->clearance.upper * 1e3, 3),
-                             fmt::format("{:.3f}", near->t), stretch.keeps_margins ? "yes" : "no",
-                             fmt::format("{} - {}", near->names.a, near->names.b)});
+      row.insert(row.end(),
+                 {near == &stretch.world ? "world" : "self", clearanceText(near->clearance),
+                  fmt::format("{:.3f}", near->t), stretch.keeps_margins ? "yes" : "no",
+                  fmt::format("{} - {}", near->names.a, near->names.b)});
       rows.push_back(std::move(row));
     }
   }
   if (rows.empty()) return "";
   const std::size_t from = (parts ? 3U : 1U) + (steps ? 1U : 0U);
-  return formatTable(heading, rows, {from - (steps ? 1U : 0U), from, from + 4, from + 5});
+  return formatTable(heading, rows, {from - (steps ? 1U : 0U), from, from + 3, from + 4});
 }
 
 void printText(const planner::Problem& problem, const Profile& profile,
@@ -429,10 +428,12 @@ Verb addClearance(CLI::App& command) {
       "clearance", "clearance along a path as certified intervals, with the closest pair");
   addProblemAndPathArguments(*app, arguments->source, arguments->files);
   addRunLimits(*app, arguments->limits);
-  app->add_option("--tolerance", arguments->tolerance, "width of the intervals [m]")
-      ->type_name("METRES")
-      ->check(numberFrom(1e-12, 1e9))
-      ->capture_default_str();
+  CLI::Option* tolerance =
+      app->add_option("--tolerance", arguments->tolerance,
+                      "width of the intervals [m]; by default what the shown digits need, and of "
+                      "--json 1e-4")
+          ->type_name("METRES")
+          ->check(numberFrom(1e-12, 1e9));
   app->add_option("--parts", arguments->parts, "stretches that every edge is cut into")
       ->type_name("N")
       ->check(countFrom(1, 100000))
@@ -447,7 +448,11 @@ Verb addClearance(CLI::App& command) {
       "Example:\n"
       "  leeway plan problems/shelf/reach.yaml --output path.json && leeway clearance "
       "problems/shelf/reach.yaml path.json --parts 4");
-  return {app, [arguments] { return runClearance(*arguments); }};
+  return {app, [arguments, tolerance] {
+            if (!arguments->json && tolerance->count() == 0)
+              arguments->tolerance = view::kMomentTolerance;
+            return runClearance(*arguments);
+          }};
 }
 
 }  // namespace leeway::tools

@@ -51,7 +51,7 @@ int runFk(const FkArguments& arguments) {
                     {"quaternion", {turn.x(), turn.y(), turn.z(), turn.w()}}});
     std::vector<std::string> row = {model.links[i].name};
     for (const Eigen::Vector3d& three : {p, rpy})
-      for (int k = 0; k < 3; ++k) row.push_back(fmt::format("{:.6f}", three(k)));
+      for (int k = 0; k < 3; ++k) row.push_back(formatNear(three(k), 6));
     rows.push_back(row);
   }
   if (arguments.json) {

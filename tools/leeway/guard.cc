@@ -47,8 +47,8 @@ constexpr const char* kKeys =
                           radius, or balls (x y z radius), or cloud (a file) with radius: all of a
                           cloud with a motion was seen; position, orientation: its frame's, else
                           as before
-Empty lines, and lines that begin with #, are left out. Without a time the robot has gone through
-what passed of the request before, and at least one period.
+Empty lines, and lines that begin with #, are left out. Without a time the robot
+has gone through what passed of the request before, and at least one period.
 JSON, a document a line (metres, radians, seconds; null: nothing, or nothing known):
   version                 of these documents (docs/json.md)
   line, seed              of the input, from 1; of the problem
@@ -574,7 +574,7 @@ Verb addGuard(CLI::App& command) {
   app->add_flag("--json", arguments->json, "answers are JSON in any case");
   app->footer(std::string(kKeys) +
               "\nA line that is wrong stops the robot, and the next ones are read. Exit status 0: "
-              "every answer was certified;\n1: one was not; 2: a line was wrong.\n"
+              "every answer was certified; 1: one was not; 2: a line was wrong.\n"
               "Example:\n  leeway guard problems/moving/wall.yaml <problems/moving/wall.jsonl");
   return {app, [arguments] { return runGuard(*arguments); }};
 }

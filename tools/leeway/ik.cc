@@ -160,7 +160,7 @@ std::string table(const robots::Model& model, const std::vector<int>& variables,
   std::vector<std::vector<std::string>> rows;
   for (const CheckedSolution& checked : list) {
     std::vector<std::string> row = {fmt::format("{}", rows.size() + 1)};
-    for (const double value : checked.solution.values) row.push_back(fmt::format("{:.4f}", value));
+    for (const double value : checked.solution.values) row.push_back(formatNear(value, 4));
     row.push_back(formatLower(checked.check.clearance.lower * 1e3, 2));
     row.push_back(!checked.is_checked                                     ? "not checked"
                   : checked.free()                                        ? "free"
@@ -216,27 +216,34 @@ Json answerJson(const IkArguments& arguments, const robots::Model& model,
 }
 
 void printNone(const std::string& link, const robots::IkResult& result) {
-  fmt::print(
-      "{}: {}\n", link,
+  std::string text =
       result.status == robots::IkStatus::kUnreachable
           ? fmt::format(
-                "unreachable: proven, with {} of configurations",
+                "{}: {}: proven, with {} of configurations\n", link,
+                verdictText("unreachable", false),
                 result.proof_boxes == 1 ? "1 box" : fmt::format("{} boxes", result.proof_boxes))
-          : fmt::format("no solution found from {} starts; there may be one", result.starts));
+          : fmt::format("{}: {} from {}; there may be one\n", link,
+                        verdictText("no solution found", false),
+                        counted(static_cast<std::size_t>(result.starts), "start"));
   const robots::IkSolution& nearest = result.nearest;
   if (!nearest.values.empty())
-    fmt::print("nearest found: {:.3f} mm and {:.4f} rad away, at {:.4f}\n",
-               nearest.error.position * 1e3, nearest.error.angle, fmt::join(nearest.values, ", "));
+    text += fmt::format("nearest found: {:.2f} mm and {:.4f} rad away, at {:.4f}\n",
+                        nearest.error.position * 1e3, nearest.error.angle,
+                        fmt::join(nearest.values, ", "));
+  fmt::print("{}", wrapped(text));
 }
 
 void printSolutions(const IkArguments& arguments, const robots::Model& model,
                     const std::vector<int>& variables, const std::vector<CheckedSolution>& list) {
   const auto free =
       std::count_if(list.begin(), list.end(), [](const CheckedSolution& c) { return c.free(); });
-  fmt::print("{}: {} solution{}, {}; {} first\n{}", arguments.link, list.size(),
-             list.size() == 1 ? "" : "s",
-             list.front().is_checked ? fmt::format("{} free", free) : "not checked for collisions",
-             arguments.order == "clearance" ? "most clearance" : "nearest to the state",
+  const std::string found = fmt::format(
+      "{}, {}", counted(list.size(), "solution"),
+      list.front().is_checked ? fmt::format("{} free", free) : "not checked for collisions");
+  fmt::print("{}{}",
+             wrapped(fmt::format(
+                 "{}: {}; {} first\n", arguments.link, verdictText(found, free > 0),
+                 arguments.order == "clearance" ? "most clearance" : "nearest to the state")),
              table(model, variables, list));
 }
 

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -17,6 +18,7 @@
 #include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/view/base/figures.h"
 #include "tools/view/base/scene_names.h"
 
 namespace leeway::tools {
@@ -237,12 +239,15 @@ int runLint(const LintArguments& arguments) {
   } else if (arguments.json || arguments.format == "json") {
     printJson(documentOf(list));
   } else {
-    for (const Finding& finding : list)
-      fmt::print("{}{}: {}: {}\n", finding.file,
-                 finding.line > 0 ? fmt::format(":{}", finding.line) : "",
-                 finding.error ? "error" : "warning", finding.message);
-    fmt::print("{} file{}, {} finding{}\n", arguments.files.size(),
-               arguments.files.size() == 1 ? "" : "s", list.size(), list.size() == 1 ? "" : "s");
+    const bool is_terminal = isatty(STDOUT_FILENO) == 1;
+    fmt::print("{}, {}\n", counted(arguments.files.size(), "file"),
+               verdictText(counted(list.size(), "finding"), list.empty()));
+    for (const Finding& finding : list) {
+      const std::string text = fmt::format("{}{}: {}: {}\n", finding.file,
+                                           finding.line > 0 ? fmt::format(":{}", finding.line) : "",
+                                           finding.error ? "error" : "warning", finding.message);
+      fmt::print("{}", is_terminal ? wrapped(text) : text);  // editors read one line each
+    }
   }
   return list.empty() ? kYes : kNo;
 }

@@ -134,7 +134,9 @@ void printRobot(const Json& robot, bool all) {
   fmt::print("{}",
              wrapped(fmt::format("robot {}: {}; joints: {}{}\n", robot["name"].get<std::string>(),
                                  counted(robot["links"].get<std::size_t>(), "link"), joints,
-                                 mimic == 0 ? "" : fmt::format("; {} of them mimic", mimic))));
+                                 mimic == 0 ? ""
+                                            : fmt::format("; {} of them {}", mimic,
+                                                          mimic == 1 ? "mimics" : "mimic"))));
   std::vector<std::vector<std::string>> rows;
   for (const auto& variable : robot["variables"]) {
     rows.push_back({variable["name"], limitText(variable["lower"]), limitText(variable["upper"]),

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -13,6 +14,8 @@
 #include <ctime>
 #include <limits>
 #include <set>
+#include <sstream>
+#include <string_view>
 
 #include "planner/base/tolerances.h"
 
@@ -189,8 +192,19 @@ void UnitProgress::next(const std::string& unit) {
 
 namespace {
 
-/// Breaks lines at spaces, with `mark` at the end of each broken line. `column`: where the text
-/// begins.
+/// The length of a space and a unit that follow a number which ends at `end`; 0: none do.
+std::size_t unitBehind(const std::string& text, std::size_t end) {
+  if (end == 0 || end >= text.size() || text[end] != ' ') return 0;
+  if (std::isdigit(static_cast<unsigned char>(text[end - 1])) == 0) return 0;
+  const std::size_t unit = std::min(text.find_first_of(" \n.,;:)", end + 1), text.size());
+  const std::string_view word = std::string_view(text).substr(end + 1, unit - end - 1);
+  for (const std::string_view known : {"mm", "m", "s", "ms", "rad", "mrad", "%"})
+    if (word == known) return unit - end;
+  return 0;
+}
+
+/// Breaks lines at spaces, but not between a number and its unit, with `mark` at the end of each
+/// broken line. `column`: where the text begins.
 std::string broken(const std::string& text, std::size_t indent, const std::string& mark,
                    std::size_t column = 0) {
   std::string result;
@@ -207,7 +221,8 @@ std::string broken(const std::string& text, std::size_t indent, const std::strin
       ++i;
       continue;
     }
-    const std::size_t end = std::min(text.find_first_of(" \n", i + 1), text.size());
+    std::size_t end = std::min(text.find_first_of(" \n", i + 1), text.size());
+    if (unitBehind(text, end) > 0) end += unitBehind(text, end);
     const std::string word = text.substr(i, end - i);  // with the space before it
     const std::size_t length = lengthOf(word);
     if (!line_begins && column + length > roomAt(end)) {
@@ -230,25 +245,41 @@ std::string wrapped(const std::string& text, std::size_t indent) {
   return broken(text, indent, "");
 }
 
+namespace {
+
+/// The column of a line's text: behind its key, or behind its blanks if it has no key.
+std::size_t textColumn(const std::string& line) {
+  const std::size_t first = std::min(line.find_first_not_of(' '), line.size());
+  const std::size_t gap = line.find("  ", first);
+  return first == 0 || gap == std::string::npos ? first : line.find_first_not_of(' ', gap);
+}
+
+}  // namespace
+
 std::string wrappedHelp(const std::string& help) {
-  constexpr std::size_t kDescriptions = 30;  // CLI11's column
-  std::string result;
-  for (std::size_t i = 0; i < help.size();) {
-    const std::size_t end = std::min(help.find('\n', i), help.size());
-    const std::string line = help.substr(i, end - i);
-    const bool has_description = line.size() > kDescriptions && line.starts_with("  ") &&
-                                 line[kDescriptions - 1] == ' ' && line[kDescriptions] != ' ';
-    if (line.starts_with("  leeway "))
-      result += broken(line, 6, " \\");
-    else if (has_description)
-      result += line.substr(0, kDescriptions) +
-                broken(line.substr(kDescriptions), kDescriptions, "", kDescriptions);
+  constexpr std::size_t kLeastColumn = 20;  // lines from here continue the text above them
+  std::vector<std::string> lines;
+  std::istringstream in(help);
+  std::size_t above = 0;  // the column of the line before
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t column = textColumn(line);
+    const bool goes_on = column == above && column >= kLeastColumn &&
+                         line.find_first_not_of(' ') == column && column < line.size();
+    if (goes_on)
+      lines.back() += " " + line.substr(column);
     else
-      result += broken(line, 0, "");
-    if (end < help.size()) result += '\n';
-    i = end + 1;
+      lines.push_back(line);
+    above = column;
   }
-  return result;
+  std::string result;
+  for (const std::string& line : lines) {
+    if (&line != lines.data()) result += '\n';
+    const std::size_t column = textColumn(line);
+    result += line.starts_with("  leeway ")
+                  ? broken(line, 6, " \\")
+                  : line.substr(0, column) + broken(line.substr(column), column, "", column);
+  }
+  return help.ends_with('\n') ? result + '\n' : result;
 }
 
 std::string verdictText(const std::string& words, bool good) {

@@ -68,10 +68,11 @@ class UnitProgress {
 
 /// The width of text for an 80-column terminal.
 inline constexpr std::size_t kColumns = 80;
-/// Breaks the lines of prose at spaces so that they fit kColumns. Further lines of a broken line
-/// begin with `indent` blanks. Keeps longer words whole.
+/// Breaks the lines of prose at spaces, but not before a unit, so that they fit kColumns. Further
+/// lines of a broken line begin with `indent` blanks. Keeps longer words whole.
 std::string wrapped(const std::string& text, std::size_t indent = 0);
-/// Breaks the lines of CLI11's help so that they fit kColumns. Descriptions stay in their column.
+/// Breaks the lines of CLI11's help so that they fit kColumns. Descriptions stay in their column;
+/// lines that only continue one are joined to it first.
 /// Examples, which begin with two blanks and `leeway`, continue after a backslash.
 std::string wrappedHelp(const std::string& help);
 /// The words of a verdict, green or red if stdout is a terminal and NO_COLOR is not set.

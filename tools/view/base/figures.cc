@@ -25,6 +25,10 @@ std::string formatUpper(double value, int digits) {
   return formatRounded(value, digits, std::ceil);
 }
 
+std::string formatNear(double value, int digits) {
+  return formatRounded(value, digits, std::round);
+}
+
 std::optional<std::string> figureOf(const collision::Interval& clearance) {
   constexpr double kOneNumber = 1e-8;  // [m]
   const auto rounded = [](double metres) { return std::round(metres * 1e5) / 100 + 0.0; };

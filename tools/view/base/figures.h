@@ -12,6 +12,8 @@ namespace leeway::tools {
 /// "-".
 std::string formatLower(double value, int digits);
 std::string formatUpper(double value, int digits);
+/// The same rounded to the nearest one, for values that are no bounds. Never "-0.00".
+std::string formatNear(double value, int digits);
 
 /// The number of millimetres that both ends of an interval [m] round to, at two decimals; nothing
 /// if they differ. Ends within 1e-8 m count as the same number, the lower one.
