@@ -42,7 +42,8 @@ json withoutTimes(json line) {
 
 /// The table and the summary of stderr without the times in them and the blanks that align these.
 std::string withoutMilliseconds(const std::string& text) {
-  return std::regex_replace(text, std::regex(" *[0-9]+\\.[0-9]+"), "");
+  // Columns are as wide as their numbers.
+  return std::regex_replace(text, std::regex(" *[0-9]+\\.[0-9]+|--+| {2,}"), "");
 }
 
 /// OMPL.app's files are problems like any other.

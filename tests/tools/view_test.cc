@@ -240,6 +240,32 @@ TEST_F(View, VisualShapesArePartOfThePage) {
             plain.out.substr(0, plain.out.rfind('\n', plain.out.size() - 2)))
       << "what is checked is the same";
   EXPECT_GT(read("dressed.html").size(), read("plain.html").size());
+  const Answer batch = run("batch reach.yaml --visual --view pages");
+  EXPECT_EQ(batch.status, 0) << batch.err;
+  EXPECT_NE(batch.err.find("skin.unknown"), std::string::npos) << batch.err;
+  EXPECT_GT(read("pages/0001.html").size(), read("plain.html").size());
+  expectRefused("batch reach.yaml --visual", {"--view"});
+}
+
+TEST_F(View, SaysWhatBlockedASearchAndWhatNoSensorSaw) {
+  const auto with = [](const std::string& object) {
+    std::string text = kReach;
+    text.insert(text.find("limits:"), "  - " + object + "\n");
+    return text.replace(text.find("time: 20"), 8, "iterations: 300");
+  };
+  write("walled.yaml", with("{name: wall, position: [0.55, 0, 0], box: {size: [0.9, 0.02, 1]}}"));
+  const Answer plan = run("plan walled.yaml");
+  const Answer view = run("view walled.yaml --svg walled.svg");
+  EXPECT_EQ(view.status, 1) << view.out << view.err;
+  for (const Answer* answer : {&plan, &view})
+    EXPECT_NE(answer->flat().find("Most edges were blocked by: "), std::string::npos)
+        << answer->out;
+  write("seen.xyz", "0.9 0.9 0\n0.9 1 0\n");
+  write("cloud.yaml", with("{name: scan, cloud: {file: seen.xyz, radius: 0.01}}"));
+  const Answer cloud = run("view cloud.yaml --svg cloud.svg");
+  EXPECT_NE(cloud.flat().find("cloud 'scan': space that was not seen counts as free."),
+            std::string::npos)
+      << cloud.out << cloud.err;
 }
 
 TEST_F(View, RefusesWhatItCannotWrite) {
@@ -291,6 +317,9 @@ TEST_F(View, OtherVerbsWritePages) {
   const std::string index = read("pages/index.html");
   EXPECT_NE(index.find("around the post"), std::string::npos);
   EXPECT_NE(index.find("href=\"0002.html\""), std::string::npos);
+  EXPECT_NE(index.find("<div class=\"place\">lower and post,<br><a href=\"0001.html#t="),
+            std::string::npos)
+      << index;
 }
 
 }  // namespace

@@ -74,8 +74,7 @@ std::string pathTable(const planner::PlanResult& result) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < result.path.positions.size(); ++i) {
     std::vector<std::string> row = {fmt::format("{}", i)};
-    for (const double position : result.path.positions[i])
-      row.push_back(fmt::format("{:.4f}", position));
+    for (const double position : result.path.positions[i]) row.push_back(formatNear(position, 4));
     row.push_back(i < result.certificate.segments.size()
                       ? keptText(result.certificate.segments[i].lower)
                       : "");
@@ -154,16 +153,15 @@ std::string offendingText(const planner::PlanResult& result) {
         state);
   }
   const Eigen::Vector3d place = 0.5 * (check.closest.point_a + check.closest.point_b);
-  const std::string where =
-      fmt::format("at ({:.4f}, {:.4f}, {:.4f}) m", place.x(), place.y(), place.z());
+  const std::string where = fmt::format("at ({}, {}, {}) m", formatNear(place.x(), 4),
+                                        formatNear(place.y(), 4), formatNear(place.z(), 4));
   if (check.clearance.upper <= 0) {
-    return fmt::format("The {} is in collision: {} and {}, {} mm deep, {}.\n", state,
+    return fmt::format("The {} is in collision: {} and {}, {} deep, {}.\n", state,
                        result.offending_a, result.offending_b,
-                       formatLower(millimetres(-check.clearance.upper), 3), where);
+                       clearanceText({-check.clearance.upper, -check.clearance.lower}), where);
   }
-  return fmt::format("The {} is too near: {} and {}, {} mm apart at most, {}.\n", state,
-                     result.offending_a, result.offending_b,
-                     formatUpper(millimetres(check.clearance.upper), 3), where);
+  return fmt::format("The {} is too near: {} and {}, {} apart, {}.\n", state, result.offending_a,
+                     result.offending_b, clearanceText(check.clearance), where);
 }
 
 std::string timeText(const planner::PlanResult& result, double load_s) {
@@ -172,11 +170,11 @@ std::string timeText(const planner::PlanResult& result, double load_s) {
   return fmt::format(
       "Time [ms]: load {:.2f}, compile {:.2f}, plan {:.2f}, simplify {:.2f}, {}push {:.2f}, "
       "certify {:.2f}.\n"
-      "Counts: {}, {}, {} ({} undecided), {} distance queries.\n",
+      "Counts: {}, {}, {} ({} undecided), {} distance {}.\n",
       load_s * 1e3, result.compile_s * 1e3, result.plan_s * 1e3, result.simplify_s * 1e3, improve,
       result.push_s * 1e3, result.certify_s * 1e3, counted(result.iterations, "iteration"),
       counted(result.states, "state"), counted(result.edges, "edge"), result.undecided_edges,
-      result.distance_queries);
+      result.distance_queries, result.distance_queries == 1 ? "query" : "queries");
 }
 
 std::string durationText(const planner::Trajectory& trajectory) {
@@ -185,7 +183,8 @@ std::string durationText(const planner::Trajectory& trajectory) {
   if (corners > 0 && trajectory.cutCorners().empty()) {
     at_corners = ", at rest at every corner";
   } else if (corners > 0) {
-    at_corners = fmt::format(", {} of {} corners blended", trajectory.cutCorners().size(), corners);
+    at_corners = fmt::format(", {} of {} blended", trajectory.cutCorners().size(),
+                             counted(static_cast<std::size_t>(corners), "corner"));
   }
   return fmt::format("Takes {:.3f} s within the joints' limits{}.\n", trajectory.duration(),
                      at_corners);
@@ -195,33 +194,6 @@ std::string limitsText(const planner::PlanningLimits& limits) {
   return limits.iterations > 0
              ? fmt::format("limits: {} s, {} iterations", limits.time, limits.iterations)
              : fmt::format("limit: {} s", limits.time);
-}
-
-/// The pairs that blocked a search, and how near to a goal it came.
-std::string hindranceText(const planner::Problem& problem, const planner::PlanResult& result) {
-  constexpr std::size_t kPairs = 3;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(kPairs, result.blocked.size()); ++i) {
-    const planner::BlockedPair& pair = result.blocked[i];
-    text += fmt::format("{}{} and {} ({})", text.empty() ? "" : ", ", pair.a, pair.b, pair.edges);
-  }
-  if (!text.empty()) text = fmt::format("Most edges were blocked by: {}.\n", text);
-  const auto nameOf = [&](std::size_t i) -> const std::string& {
-    const int v = problem.robot.variables[i];
-    return problem.robot.model->variables[static_cast<std::size_t>(v)].name;
-  };
-  const planner::SearchGap& gap = result.gap;
-  if (!gap.from.empty()) {
-    std::size_t most = 0;
-    for (std::size_t i = 0; i < gap.from.size(); ++i)
-      if (std::abs(gap.to[i] - gap.from[i]) > std::abs(gap.to[most] - gap.from[most])) most = i;
-    text += fmt::format(
-        "Start and goal came within {:.3g} of each other, most of it in '{}': {:.3g} and {:.3g}.\n",
-        gap.distance, nameOf(most), gap.from[most], gap.to[most]);
-  }
-  for (const std::string& name : result.long_turns)
-    text += fmt::format("The limits of '{}' bar the shorter turn to the goal.\n", name);
-  return text;
 }
 
 /// The word for a plan without a path.
@@ -288,17 +260,19 @@ std::string failureText(const planner::Problem& problem, const planner::PlanResu
   switch (result.status) {
     case planner::PlanStatus::kUnsolved:
       if (!result.reason.empty()) {
-        text +=
-            fmt::format("No further than {}.\n{}", result.reason, hindranceText(problem, result));
+        text += fmt::format("No further than {}.\n{}{}", result.reason, blockedText(result.blocked),
+                            hindranceText(problem, result));
         break;
       }
-      text += fmt::format("No path after {:.2f} s of planning and {} iterations ({}).\n",
-                          result.plan_s, result.iterations,
+      text += fmt::format("No path after {:.2f} s of planning and {} ({}).\n", result.plan_s,
+                          counted(result.iterations, "iteration"),
                           interrupted() ? "interrupted" : limitsText(problem.limits));
       if (result.undecided_edges > 0)
-        text += fmt::format("{} of {} edges were left undecided; the search went without them.\n",
-                            result.undecided_edges, result.edges);
-      text += hindranceText(problem, result);
+        text += fmt::format("{} of {} {} left undecided; the search did not use {}.\n",
+                            result.undecided_edges, counted(result.edges, "edge"),
+                            result.undecided_edges == 1 ? "was" : "were",
+                            result.undecided_edges == 1 ? "it" : "them");
+      text += blockedText(result.blocked) + hindranceText(problem, result);
       break;
     case planner::PlanStatus::kInvalidStart:
     case planner::PlanStatus::kInvalidGoal:

@@ -97,7 +97,7 @@ int runView(ViewArguments& arguments) {
   std::string text =
       fmt::format("{}: {}{}\n", problem.name, verdictText(subject.verdict, subject.good),
                   interrupted() ? ", interrupted" : "");
-  text += view::nearestText(subject.least);
+  text += view::nearestText(subject.least) + blockedText(subject.blocked);
   for (const std::string& note : subject.notes) text += note + "\n";
   if (compared)
     text += fmt::format("\n{}: {}\n", arguments.compare,
@@ -133,7 +133,7 @@ Verb addView(CLI::App& command) {
          "and what lies between")
       ->type_name("FILE.svg");
   app->add_flag("--open", arguments->page.open, "show the page in the browser");
-  view::addVisual(*app, arguments->page);
+  view::addVisual(*app, arguments->page.visual);
   app->footer(
       "The page needs no network and no server. docs/view.md explains it.\n"
       "Examples:\n"

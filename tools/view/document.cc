@@ -160,7 +160,8 @@ class Document {
                      {"robot", model_.name},
                      {"verdict", subject_.verdict},
                      {"good", subject_.good},
-                     {"notes", subject_.notes}};
+                     {"notes", subject_.notes},
+                     {"warnings", subject_.warnings}};
     addBodies(document);
     addParts(document);
     addMotion(document);
@@ -648,6 +649,12 @@ class Document {
                           {"of_start", pack_.add(nearerToStart(nodes, ends))},
                           {"points", pack_.add(q.numbers)}};
     document["searched"] = searched.size();
+    Json blocked = Json::array();  // bodies; -1: of a step, not of the shown scene
+    for (const planner::BlockedPair& pair : subject_.blocked)
+      blocked.push_back({{"names", {pair.a, pair.b}},
+                         {"bodies", {scene_.find(pair.a), scene_.find(pair.b)}},
+                         {"edges", pair.edges}});
+    document["blocked"] = blocked;
   }
 
   /// Returns for each node of a search whether fewer edges lead to it from the start than from the

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <filesystem>
 #include <sstream>
+#include <string_view>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/verify.h"
+#include "planner/validate/checks.h"
 #include "planner/verify/path_check.h"
 #include "tools/view/base/figures.h"
 #include "tools/view/base/scene_names.h"
@@ -22,6 +24,22 @@ std::string shownName(const std::string& file) {
   return path.is_absolute() ? (path.parent_path().filename() / path.filename()).string() : file;
 }
 
+/// Shortens paths of this machine to their last folder and name: a page may be sent to anyone.
+std::string withoutFolders(std::string text) {
+  std::error_code error;
+  for (std::size_t i = text.find('/'); i != std::string::npos; i = text.find('/', i + 1)) {
+    if (i > 0 && std::string_view(" '\"(").find(text[i - 1]) == std::string_view::npos) continue;
+    // The longest folder that exists; its name may have spaces.
+    for (std::size_t end = text.rfind('/'); end > i; end = text.rfind('/', end - 1)) {
+      const std::string folder = text.substr(i, end - i);
+      if (!std::filesystem::is_directory(folder, error)) continue;
+      text.replace(i, end - i, std::filesystem::path(folder).filename().string());
+      break;
+    }
+  }
+  return text;
+}
+
 Subject begin(const planner::Problem& problem, const std::string& source) {
   Subject subject{problem, shownName(source), {}, {}, {}, {}, {}, {}, {}, {}, false, {}, {}, {}};
   subject.scene = subject.first_scene =
@@ -30,6 +48,8 @@ Subject begin(const planner::Problem& problem, const std::string& source) {
   if (!problem.steps.empty())
     subject.first_scene = std::make_shared<const planner::CompiledScene>(first);
   subject.ends = endsOf(problem, first, subject.first_scene, *subject.scene);
+  for (const auto& list : {planner::loaderWarnings(problem), subject.first_scene->warnings()})
+    for (const std::string& warning : list) subject.warnings.push_back(withoutFolders(warning));
   return subject;
 }
 
@@ -49,6 +69,7 @@ std::string endNote(const Subject& subject, const End& end) {
   return text;
 }
 
+/// The start, the goals, and what is assumed about clouds.
 void noteEnds(Subject& subject) {
   for (const End& end : subject.ends) {
     if (end.unreachable)
@@ -57,6 +78,13 @@ void noteEnds(Subject& subject) {
     if (end.check.verdict != planner::Verdict::kFree && end.check.pair >= 0)
       subject.notes.push_back(endNote(subject, end));
   }
+  for (const std::string& note : cloudNotes(subject.problem))
+    subject.notes.push_back("Note: " + note + ".");
+}
+
+void addLines(const std::string& text, Subject& subject) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) subject.notes.push_back(line);
 }
 
 void noteNothingChecked(const std::string& why, Subject& subject) {
@@ -170,10 +198,8 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
   subject.verdict = subject.good ? "certified" : "not certified";
   if (subject.good) noteClearances(subject);
   if (subject.good && !problem.constraints.empty())
-    if (const auto proven = planner::proveConstraints(*subject.scene, problem, path)) {
-      std::istringstream lines(constraintsText(problem, *proven));
-      for (std::string line; std::getline(lines, line);) subject.notes.push_back(line);
-    }
+    if (const auto proven = planner::proveConstraints(*subject.scene, problem, path))
+      addLines(constraintsText(problem, *proven), subject);
   if (subject.good && problem.condition.accept)
     subject.notes.push_back(
         "A condition of the program holds at the states that were looked at; nothing is proven "
@@ -224,11 +250,14 @@ Subject subjectOfPlan(const planner::Problem& problem, const std::string& source
       break;
     default:
       subject.verdict = "no path found";
-      subject.notes.push_back(fmt::format(
-          "{} ended after {:.2f} s, {} iterations and {} edges, {} of them undecided. "
-          "That no path was found does not prove that there is none.",
-          result.planner, result.plan_s, result.iterations, result.edges, result.undecided_edges));
+      subject.notes.push_back(
+          fmt::format("{} ended after {:.2f} s, {} and {}, {} of them undecided. "
+                      "That no path was found does not prove that there is none.",
+                      result.planner, result.plan_s, counted(result.iterations, "iteration"),
+                      counted(result.edges, "edge"), result.undecided_edges));
   }
+  subject.blocked = result.blocked;
+  addLines(hindranceText(problem, result), subject);
   noteEnds(subject);
   return subject;
 }

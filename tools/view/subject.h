@@ -33,6 +33,8 @@ struct Subject {
   std::vector<std::string> notes;  ///< sentences for people
   SearchEdges searched;
   std::vector<std::pair<double, std::string>> decisions;  ///< of an execution, by time [s]
+  std::vector<std::string> warnings = {};  ///< of loaders and scene, without this machine's folders
+  std::vector<planner::BlockedPair> blocked = {};  ///< of a plan without a path
   std::string path_file = {};  ///< where the path comes from: its file, or "plan"
 };
 

@@ -39,6 +39,7 @@
 #include "tools/leeway/support/verb.h"
 #include "tools/leeway/support/warning_log.h"
 #include "tools/leeway/view/page_folder.h"
+#include "tools/leeway/view/page_options.h"
 #include "tools/view/base/figures.h"
 #include "tools/view/base/output_file.h"
 
@@ -53,7 +54,7 @@ struct Arguments {
   PlanOverrides overrides;
   std::vector<std::string> inputs;
   std::string shard, output, ompl_log, view;
-  bool resume = false, verify = false, pose_goals = false;
+  bool resume = false, verify = false, pose_goals = false, visual = false;
   int repeat = 1, jobs = 1;
 };
 
@@ -216,7 +217,8 @@ Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model
   }
   if (!arguments.view.empty()) {
     outcome.page =
-        view::folderPage(view::subjectOfPlan(problem, item.problem, result, {}, interrupted));
+        view::folderPage(view::subjectOfPlan(problem, item.problem, result, {}, interrupted),
+                         arguments.visual, outcome.warnings);
   }
   return document;
 }
@@ -402,10 +404,10 @@ void printTable(const std::vector<Tallies::Folder>& folders) {
                     fmt::format("{}", other), ms(median(tally.plan_s)), ms(median(tally.total_s)),
                     ms(quantile(tally.total_s, 0.95))});
   }
-  fmt::print(stderr, "{}",
-             formatTable({"folder", "all", "solved", "unsolved", "invalid", "plan [ms]",
-                          "whole [ms]", "95 % [ms]"},
-                         rows));
+  fmt::print(
+      stderr, "{}",
+      formatTable({"folder", "all", "solved", "unsolved", "invalid", "plan [ms]", "in all", "95 %"},
+                  rows));
 }
 
 /// The options of the command line that affect answers. Each line keeps them, so that lines with
@@ -581,9 +583,11 @@ Verb addBatch(CLI::App& command) {
                   "also write OMPL's benchmark log, for ompl_benchmark_statistics.py and Planner "
                   "Arena: a run for each problem")
       ->type_name("FILE.log");
-  app->add_option("--view", arguments->view,
-                  "a page of each problem, and DIR/index.html with their pictures")
-      ->type_name("DIR");
+  CLI::Option* pages =
+      app->add_option("--view", arguments->view,
+                      "a page of each problem, and DIR/index.html with their pictures")
+          ->type_name("DIR");
+  view::addVisual(*app, arguments->visual)->needs(pages);
   app->add_flag("--resume", arguments->resume, "continue an interrupted --output FILE");
   app->add_flag("--pose-goals", arguments->pose_goals,
                 "in place of goals that are single configurations, the pose that the last moved "

@@ -20,6 +20,7 @@
 #include "robots/cache/content_key.h"
 #include "robots/cache/disk_cache.h"
 #include "tools/leeway/support/terminal.h"
+#include "tools/view/base/scene_names.h"
 
 namespace leeway::tools {
 
@@ -356,18 +357,9 @@ std::shared_ptr<const robots::Model> loadRobotModel(const std::string& urdf,
 
 namespace {
 
-/// Notes what the answers do not cover: the balls that filters removed, and unseen space.
 void printLeftOut(const planner::Problem& problem) {
   if (isQuiet()) return;
-  for (const planner::Object& object : problem.world.objects) {
-    if (!object.cloud) continue;
-    for (const planner::CloudFilter& filter : object.cloud->filters)
-      if (filter.removed > 0 && filter.name != "thin")
-        printMessage(fmt::format("note: cloud '{}' leaves out {} {}", object.name, filter.removed,
-                                 filter.what));
-    printMessage(
-        fmt::format("note: cloud '{}': space that was not seen counts as free", object.name));
-  }
+  for (const std::string& note : cloudNotes(problem)) printMessage("note: " + note);
 }
 
 planner::Problem readProblem(const ProblemSource& source) {

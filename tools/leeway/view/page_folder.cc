@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
 #include <system_error>
 
 #include "leeway/planner/path_io.h"
 #include "leeway/robots/input_error.h"
+#include "robots/load/visual_shapes.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/view/base/figures.h"
 #include "tools/view/document.h"
@@ -47,6 +49,7 @@ th { position: sticky; top: 0; background: #fff; white-space: nowrap }
 th button { font: inherit; font-weight: 600; border: 0; background: none; color: inherit; padding: 4px 0; cursor: pointer }
 th[aria-sort=ascending] button::after { content: " \25b2" } th[aria-sort=descending] button::after { content: " \25bc" }
 a { color: var(--accent) }
+.place { white-space: normal; color: var(--soft) }
 td img { width: 220px; height: 74px; object-fit: contain; display: block; background: #fff; border-radius: 4px }
 .soft { color: var(--soft) } .good { color: var(--good) } .bad { color: var(--bad) }
 @media (max-width: 760px) { body { margin: 8px } th, td { padding: 4px } .picture, .total { display: none } }
@@ -87,16 +90,29 @@ PageFolder::PageFolder(const std::string& folder) : folder_(folder) {
   expectPage(folder_ + "/index.html");
 }
 
-FolderPage folderPage(const Subject& subject) {
-  const planner::PathClearance& least = subject.least.all;
-  const bool has_clearance = least.closest_segment >= 0;
-  return {page(subject),
-          pictureSvg(subject, true),
-          subject.problem.name,
-          has_clearance ? clearanceText(least.clearance) : std::string(),
-          has_clearance ? least.clearance.lower : 0,
-          subject.verdict,
-          subject.good};
+FolderPage folderPage(const Subject& subject, bool visual, std::vector<std::string>& warnings) {
+  std::optional<robots::VisualShapes> visuals;
+  if (visual) {
+    visuals = robots::loadVisualShapes(*subject.problem.robot.model);
+    warnings.insert(warnings.end(), visuals->left_out.begin(), visuals->left_out.end());
+  }
+  FolderPage folder_page;
+  folder_page.html = page(subject, nullptr, visuals ? &*visuals : nullptr);
+  folder_page.svg = pictureSvg(subject, true);
+  folder_page.name = subject.problem.name;
+  folder_page.verdict = subject.verdict;
+  folder_page.good = subject.good;
+  const auto& [least, world, self] = subject.least;
+  if (least.closest_segment >= 0) {
+    const Timeline& timeline = subject.timeline;
+    const int moment =
+        self.clearance.upper < world.clearance.upper ? timeline.least_self : timeline.least_world;
+    folder_page.clearance = clearanceText(least.clearance);
+    folder_page.clearance_m = least.clearance.lower;
+    folder_page.nearest = least.closest_a + " and " + least.closest_b;
+    folder_page.time = timeline.moments.at(static_cast<std::size_t>(moment)).time;
+  }
+  return folder_page;
 }
 
 void PageFolder::add(const std::string& problem, const nlohmann::ordered_json& line,
@@ -131,7 +147,11 @@ void PageFolder::add(const std::string& problem, const nlohmann::ordered_json& l
   const std::string clearance =
       page.clearance.empty()
           ? "data-v=\"\">"
-          : fmt::format("data-v=\"{}\">{}", page.clearance_m, escaped(page.clearance));
+          : fmt::format(
+                "data-v=\"{}\">{}<div class=\"place\">{},<br><a href=\"{:04}.html#t={}\">"
+                "at {:.2f} s</a></div>",
+                page.clearance_m, escaped(page.clearance), escaped(page.nearest), count_, page.time,
+                page.time);
   rows_ += fmt::format(
       "<tr><td>{}</td><td class=\"{}\">{}</td><td class=\"number\" {}</td>"
       "<td class=\"number\" {}</td><td class=\"number total\" {}</td>"

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "tools/view/subject.h"
 
@@ -13,11 +14,14 @@ struct FolderPage {
   std::string name;        ///< the problem's
   std::string clearance;   ///< "10.57 mm"; empty without a path, or where nothing is near
   double clearance_m = 0;  ///< to sort by
+  std::string nearest;     ///< the pair that has it; empty as `clearance`
+  double time = 0;         ///< when the motion has it [s]
   std::string verdict;
   bool good = false;  ///< as Subject's
 };
-/// May be called by several threads.
-FolderPage folderPage(const Subject& subject);
+/// `visual`: the page also draws the robot's visual shapes; those that are left out are added to
+/// `warnings`. May be called by several threads.
+FolderPage folderPage(const Subject& subject, bool visual, std::vector<std::string>& warnings);
 
 /// Writes a page for each of many problems, and an index of all of them that can be sorted.
 class PageFolder {

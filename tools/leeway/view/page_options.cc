@@ -34,11 +34,11 @@ void addPageOptions(CLI::App& app, PageChoice& choice) {
   CLI::Option* view =
       app.add_option("--view", choice.file, "also write a page to look at")->type_name("FILE.html");
   app.add_flag("--open", choice.open, "show the page in the browser")->needs(view);
-  addVisual(app, choice)->needs(view);
+  addVisual(app, choice.visual)->needs(view);
 }
 
-CLI::Option* addVisual(CLI::App& app, PageChoice& choice) {
-  return app.add_flag("--visual", choice.visual,
+CLI::Option* addVisual(CLI::App& app, bool& visual) {
+  return app.add_flag("--visual", visual,
                       "the page also draws the robot's visual shapes, which are not checked");
 }
 

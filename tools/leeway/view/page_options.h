@@ -15,7 +15,7 @@ struct PageChoice {
 };
 void addPageOptions(CLI::App& app, PageChoice& choice);
 /// Only --visual.
-CLI::Option* addVisual(CLI::App& app, PageChoice& choice);
+CLI::Option* addVisual(CLI::App& app, bool& visual);
 
 /// As expectPage() of the file, if there is one.
 inline void expectPage(const PageChoice& choice) {

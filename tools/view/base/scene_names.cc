@@ -68,4 +68,45 @@ std::string constraintsText(const planner::Problem& problem,
   return text;
 }
 
+std::string blockedText(std::span<const planner::BlockedPair> blocked) {
+  constexpr std::size_t kPairs = 3;
+  std::string text;
+  for (const planner::BlockedPair& pair : blocked.first(std::min(kPairs, blocked.size())))
+    text += fmt::format("{}{} and {} ({})", text.empty() ? "" : ", ", pair.a, pair.b, pair.edges);
+  return text.empty() ? "" : fmt::format("Most edges were blocked by: {}.\n", text);
+}
+
+std::string hindranceText(const planner::Problem& problem, const planner::PlanResult& result) {
+  std::string text;
+  const auto nameOf = [&](std::size_t i) -> const std::string& {
+    const int v = problem.robot.variables[i];
+    return problem.robot.model->variables[static_cast<std::size_t>(v)].name;
+  };
+  const planner::SearchGap& gap = result.gap;
+  if (!gap.from.empty()) {
+    std::size_t most = 0;
+    for (std::size_t i = 0; i < gap.from.size(); ++i)
+      if (std::abs(gap.to[i] - gap.from[i]) > std::abs(gap.to[most] - gap.from[most])) most = i;
+    text += fmt::format(
+        "Start and goal came within {:.3g} of each other, most of it in '{}': {:.3g} and {:.3g}.\n",
+        gap.distance, nameOf(most), gap.from[most], gap.to[most]);
+  }
+  for (const std::string& name : result.long_turns)
+    text += fmt::format("The limits of '{}' bar the shorter turn to the goal.\n", name);
+  return text;
+}
+
+std::vector<std::string> cloudNotes(const planner::Problem& problem) {
+  std::vector<std::string> notes;
+  for (const planner::Object& object : problem.world.objects) {
+    if (!object.cloud) continue;
+    for (const planner::CloudFilter& filter : object.cloud->filters)
+      if (filter.removed > 0 && filter.name != "thin")
+        notes.push_back(
+            fmt::format("cloud '{}' leaves out {} {}", object.name, filter.removed, filter.what));
+    notes.push_back(fmt::format("cloud '{}': space that was not seen counts as free", object.name));
+  }
+  return notes;
+}
+
 }  // namespace leeway::tools

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/constraint_result.h"
+#include "leeway/planner/plan.h"
 
 namespace leeway::tools {
 
@@ -24,5 +26,14 @@ std::string obstaclesText(const planner::Problem& problem);
 /// `results`: one each; none where they are not proven.
 std::string constraintsText(const planner::Problem& problem,
                             const std::vector<planner::ConstraintResult>& results);
+
+/// The pairs that blocked most edges of a search: a line; empty if none did.
+std::string blockedText(std::span<const planner::BlockedPair> blocked);
+/// How near to a goal a search came, and limits that bar the shorter turn: a line for each; empty
+/// where nothing is known.
+std::string hindranceText(const planner::Problem& problem, const planner::PlanResult& result);
+
+/// What answers about point clouds do not cover: the balls that filters removed, and unseen space.
+std::vector<std::string> cloudNotes(const planner::Problem& problem);
 
 }  // namespace leeway::tools

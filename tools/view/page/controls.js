@@ -2,6 +2,7 @@
 import { Vector3 } from 'three';
 import { element } from './words.js';
 
+const kTurn = Math.PI / 24; // of the camera with each key
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4];
 
 export class Controls {
@@ -42,7 +43,9 @@ export class Controls {
     const { app } = this;
     const step = (by) => { app.pause(); app.seek(app.motion.times[Math.min(Math.max(app.moment + by, 0), app.motion.times.length - 1)]); };
     const from = (x, y, z) => app.stage?.frame(app.box, new Vector3(x, y, z));
-    const actions = {
+    const turn = (...by) => () => app.stage?.turn(...by);
+    const turns = { ArrowLeft: turn(-kTurn, 0), ArrowRight: turn(kTurn, 0), ArrowUp: turn(0, kTurn), ArrowDown: turn(0, -kTurn) };
+    const actions = event.shiftKey && turns[event.key] ? turns : {
       ' ': () => app.toggle(),
       ArrowLeft: () => step(-1),
       ArrowRight: () => step(1),
@@ -55,6 +58,7 @@ export class Controls {
       p: () => app.recorder.savePicture(),
       v: () => app.recorder.toggle(),
       f: () => app.stage?.frame(app.box),
+      i: turn(0, 0, 0.8), o: turn(0, 0, 1.25),
       1: () => from(0, -1, 0.05), 2: () => from(1, 0, 0.05), 3: () => from(0, -0.01, 1),
       Escape: () => app.select(-1),
     };

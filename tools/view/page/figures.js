@@ -129,6 +129,17 @@ export function wayOut(from, translation) {
   return arrow;
 }
 
+// An arrow of one length on the screen.
+export class Arrow {
+  constructor(stage, from, way) {
+    this.stage = stage;
+    this.group = wayOut(from, way);
+  }
+  update() {
+    this.group.scale.setScalar(0.12 * this.stage.camera.position.distanceTo(this.group.position));
+  }
+}
+
 // Frames in the world, x red, y green, z blue.
 export function frames(poses, size) {
   const group = new Group();

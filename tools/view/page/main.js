@@ -4,7 +4,7 @@ import { Address } from './address.js';
 import { Compared } from './compared.js';
 import { Controls } from './controls.js';
 import { Deforming } from './deforming.js';
-import { Balls, MovingFrames, NearestLine, Outline, Search, Trail, frames, wayOut } from './figures.js';
+import { Arrow, Balls, MovingFrames, NearestLine, Outline, Search, Trail, frames, wayOut } from './figures.js';
 import { Labels, ScaleBar, lengthText, squareFor, worldGrid } from './measures.js';
 import { Motion, Poses } from './motion.js';
 import { Nearness } from './nearness.js';
@@ -14,7 +14,7 @@ import { ClearancePlot, JointPlot, decisionColour } from './plot.js';
 import { Recorder } from './recorder.js';
 import { Parts, kRanks } from './shapes.js';
 import { Stage, boxOfBalls, kMany } from './stage.js';
-import { headline } from './summary.js';
+import { headline, remedy } from './summary.js';
 import { Swept } from './swept.js';
 import { colours, onThemeChange } from './theme.js';
 import { unpack } from './unpack.js';
@@ -48,6 +48,7 @@ class App {
     this.driven = new Set(this.data.driven);
     this.held = new Set(this.data.held);
     this.colliding = new Set();
+    this.marked = new Set(); // bodies that were chosen in a list
     this.links = new Set(this.data.links);
     this.deforming = [];
     this.given = new Map(this.data.colors.map(([body, colour]) => [body, `#${colour.map((share) => Math.round(255 * share).toString(16).padStart(2, '0')).join('')}`]));
@@ -85,7 +86,8 @@ class App {
     this.controls = new Controls(this);
     this.panel = new Panel(this);
     const still = this.motion.duration === 0;
-    const plots = [element('canvas', { className: 'plot', id: 'clearance-plot' }), element('canvas', { className: 'plot', id: 'joint-plot' })];
+    const plot = (id, label) => element('canvas', { className: 'plot', id, role: 'img', 'aria-label': label });
+    const plots = [plot('clearance-plot', 'clearance over time'), plot('joint-plot', 'joints over time')];
     const verdict = element('span', { id: 'verdict', className: this.data.good ? 'good' : 'bad', text: this.data.verdict });
     document.body.append(
       element('header', {}, element('h1', { text: this.data.name }), verdict,
@@ -133,7 +135,7 @@ class App {
   }
   colourOfBody(body) {
     const c = colours();
-    if (body === this.selected) return c.selected;
+    if (body === this.selected || this.marked.has(body)) return c.selected;
     if (this.colliding.has(body)) return c.collision;
     return this.plainColour(body);
   }
@@ -228,7 +230,7 @@ class App {
     layer(`axes of the world, grid (a square is ${lengthText(this.worldGrid.square)})`, false, (on) => { this.worldGrid.group.visible = on; });
     if (data.axes.length > 0) layer('frames of tools and constraints', data.axes.length <= 2, (on) => { this.axes.group.visible = on; });
     layer('names', false, (on) => this.labels.show(on));
-    stage.controls.addEventListener('change', () => this.nearest.update());
+    stage.controls.addEventListener('change', () => { this.nearest.update(); this.arrow?.update(); });
     picks(stage, () => this.targets(), (body) => this.select(body));
   }
   // Meshes that a ray can meet.
@@ -321,6 +323,11 @@ class App {
   addFigures(robot) {
     const { stage, data } = this;
     this.nearest = new NearestLine(stage);
+    this.remedy = remedy(this);
+    if (this.remedy) {
+      this.arrow = new Arrow(stage, this.remedy.from, this.remedy.way);
+      stage.scene.add(this.arrow.group);
+    }
     this.trail = new Trail();
     this.trail.set(this.motion, this.parts, data.tip);
     this.balls = new Balls(this.parts, robot);
@@ -409,7 +416,14 @@ class App {
     this.stage?.draw();
   }
 
+  // Gives some bodies the colour of a selection, until something is selected.
+  mark(bodies) {
+    this.select(-1);
+    this.marked = new Set(bodies);
+    this.paint();
+  }
   select(body) {
+    this.marked.clear();
     this.selected = body;
     this.panel.select(body);
     this.paint();
@@ -533,13 +547,17 @@ class App {
     const closest = this.near.at(this.moment);
     if (closest && this.showNearest) this.nearest.set(this.motion.toWorld(closest.a, closest.point_a), this.motion.toWorld(closest.b, closest.point_b));
     else this.nearest.set(null, null);
+    if (this.arrow) {
+      this.arrow.group.visible = this.showNearest && this.moment === this.remedy.moment;
+      this.arrow.update();
+    }
     this.stage.draw();
   }
   // When what is said by colours has changed.
   paintBodies() {
     this.colliding = this.findColliding();
     const held = [...this.held].filter((body) => this.isHeld(body));
-    const said = JSON.stringify([[...this.colliding], held, this.selected, colours().page]);
+    const said = JSON.stringify([[...this.colliding], held, this.selected, [...this.marked], colours().page]);
     if (said === this.painted) return;
     this.painted = said;
     for (const group of Object.values(this.groups)) for (const i of group) i.paint();
@@ -572,6 +590,7 @@ class App {
       word.style.color = decisionColour(decision) ?? '';
       lines.push(word);
     }
+    this.nearestText.ariaLive = this.playing ? 'off' : 'polite'; // a motion is not read aloud
     this.nearestText.replaceChildren(...lines);
     this.nearestText.classList.toggle('bad', Boolean(closest) && closest.lower <= closest.margin);
   }

@@ -13,6 +13,7 @@ export class Panel {
     this.jointValues = data.joints.map(() => element('td', { className: 'number' }));
     this.root = element('aside', { id: 'panel' },
       this.section('Result', true, ...this.result()),
+      ...(data.warnings.length > 0 ? [this.section(`Warnings (${data.warnings.length})`, data.warnings.length <= 3, element('ul', { id: 'warnings' }, ...data.warnings.map((text) => element('li', { text }))))] : []),
       ...(app.stage ? [this.section('Selected', true, this.selection)] : []),
       ...(app.stage ? [this.section('Layers', true, ...this.layers())] : []),
       this.section(`Objects (${data.bodies.length})`, false, this.objects()),
@@ -35,7 +36,7 @@ export class Panel {
     const steps = data.steps.map((step) => element('button', { className: 'link', text: `${step.begin.toFixed(2)} s: ${step.name} (${step.kind})`, onclick: () => { this.app.pause(); this.app.seek(step.begin); } }));
     const widen = advice(this.app);
     const drawn = this.app.visual ? [element('p', { id: 'visual-note', text: this.app.visual.text() })] : [];
-    return [...this.least(), ...(widen ? [element('p', { id: 'advice' }, widen[0], element('span', { className: 'whole', text: widen[1] }), '.')] : []), ...this.compared(), ...notes, ...drawn, ...steps, element('p', { className: 'soft', text: `${(data.source || data.name).replaceAll('/', '/\u200b')}: ${count}${error}.` })];
+    return [...this.least(), ...(widen ? [element('p', { id: 'advice' }, widen[0], element('span', { className: 'whole', text: widen[1] }), '.')] : []), ...this.compared(), ...notes, ...this.blocked(), ...drawn, ...steps, element('p', { className: 'soft', text: `${(data.source || data.name).replaceAll('/', '/\u200b')}: ${count}${error}.` })];
   }
 
   // The least clearances, which also go there.
@@ -48,6 +49,16 @@ export class Panel {
       const text = `nearest to ${what}: ${distanceText(near)}, ${app.data.bodies[near.a]} and ${app.data.bodies[near.b]}, ${app.motion.times[moment].toFixed(2)} s`;
       return [element('button', { className: 'link', id: `least-${choice}`, text, onclick: () => { app.choose(choice); app.seekLeast(); } })];
     });
+  }
+
+  // The pairs that blocked the search; a click marks both bodies.
+  blocked() {
+    const { app } = this;
+    const rows = app.data.blocked.map(({ names, bodies, edges }) => {
+      const text = `${names[0]} \u2013 ${names[1]}: ${edges} edge${edges === 1 ? '' : 's'}`;
+      return element('li', {}, app.stage ? element('button', { className: 'link', text, onclick: () => app.mark(bodies) }) : text);
+    });
+    return rows.length > 0 ? [element('h4', { text: 'What blocked the search' }), element('ul', { id: 'blocked' }, ...rows)] : [];
   }
 
   // The other path's figures beside the first one's.
@@ -131,7 +142,7 @@ export class Panel {
     const moment = app.leastMoment[body] - 1;
     if (moment >= 0) {
       const time = app.motion.times[moment];
-      rows.push(element('button', { className: 'link', text: `least ${distanceText({ lower: app.leastClearance[body], upper: app.leastClearance[body] })} at ${time.toFixed(2)} s`, onclick: () => { app.pause(); app.seek(time); } }));
+      rows.push(element('button', { className: 'link', text: `least where it was measured ${distanceText({ lower: app.leastClearance[body], upper: app.leastClearance[body] })} at ${time.toFixed(2)} s`, onclick: () => { app.pause(); app.seek(time); } }));
     }
     if (app.motion.matrices.has(body)) rows.push(element('button', { className: 'link', text: app.search ? 'show its trail and the search' : 'show its trail', onclick: () => app.showTrail(body) }));
     this.selection.replaceChildren(...rows);
@@ -155,6 +166,6 @@ export class Panel {
 }
 
 function keys() {
-  const all = [['Space', 'play or pause'], ['\u2190 \u2192', 'one moment back, on'], ['Home End', 'start, end'], ['\u2212 +', 'slower, faster'], ['M', 'where the room is least'], ['G', 'look at the gap'], ['F', 'see all of it'], ['L', 'a scale that shows what is near'], ['P', 'save a picture'], ['V', 'save a video'], ['1 2 3', 'from the front, the side, above'], ['Esc', 'select nothing']];
+  const all = [['Space', 'play or pause'], ['\u2190 \u2192', 'one moment back, on'], ['Home End', 'start, end'], ['\u2212 +', 'slower, faster'], ['M', 'where the room is least'], ['G', 'look at the gap'], ['F', 'see all of it'], ['L', 'a scale that shows what is near'], ['P', 'save a picture'], ['V', 'save a video'], ['1 2 3', 'from the front, the side, above'], ['Shift \u2190 \u2192 \u2191 \u2193', 'turn the scene'], ['I O', 'nearer, farther'], ['Esc', 'select nothing']];
   return [element('dl', {}, ...all.flatMap(([key, what]) => [element('dt', { text: key }), element('dd', { text: what })]))];
 }

@@ -134,6 +134,20 @@ export class Stage {
     this.draw();
   }
 
+  // Turns around what the camera looks at [rad], and goes to a share of the distance from it.
+  turn(around, upward, share = 1) {
+    const { camera, controls } = this;
+    const away = camera.position.clone().sub(controls.target);
+    const length = away.length();
+    const angle = Math.atan2(away.y, away.x) + around;
+    const tilt = Math.min(Math.max(Math.acos(away.z / length) - upward, 0.01), Math.PI - 0.01);
+    away.set(Math.sin(tilt) * Math.cos(angle), Math.sin(tilt) * Math.sin(angle), Math.cos(tilt));
+    camera.position.copy(controls.target).addScaledVector(away, share * length);
+    controls.update();
+    controls.dispatchEvent({ type: 'end' });
+    this.draw();
+  }
+
   // For who reads the pixels in the same task.
   renderNow() {
     this.scene.background = new Color(colours().scene);

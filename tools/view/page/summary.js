@@ -18,9 +18,14 @@ function endText(app) {
   return `${end.name}: ${data.bodies[closest.a]} and ${data.bodies[closest.b]}, ${distanceText(closest)}${closest.upper > 0 ? ', nearer than the margin' : ''}`;
 }
 
+function searchText({ verdict, blocked: [most] }) {
+  if (verdict !== 'no path found') return '';
+  return `${most ? `most edges were blocked by ${most.names[0]} and ${most.names[1]}; ` : ''}that no path was found does not prove that there is none`;
+}
+
 export function headline(app) {
   const { data, motion } = app;
-  if (motion.duration === 0) return endText(app) || (data.searched > 0 && !data.good ? 'that no path was found does not prove that there is none' : '');
+  if (motion.duration === 0) return endText(app) || searchText(data);
   const place = tightest(app);
   const executed = data.decisions.length > 0;
   const where = executed ? 'in every step' : `on the whole path${data.obstacles}`;
@@ -38,25 +43,36 @@ function directionText(way) {
   return `(${way.toArray().map((part) => part.toFixed(2).replace('-', '\u2212')).join(', ')})`;
 }
 
-// How the tightest place gets wider: the direction in which an object of the world would have to move, to first order, and the objective that keeps away
-// (of plans without steps). [words, option of the command]; null: nothing to say.
-export function advice(app) {
+// The direction in which an object of the world would have to move for the tightest place to get wider, to first order, and from where: {object, moment,
+// from, way}. null: no object is part of it, or it is no plan.
+export function remedy(app) {
   const { data, motion } = app;
   const place = tightest(app);
   if (!place || motion.duration === 0 || data.decisions.length > 0) return null;
   const { near, moment } = place;
-  const option = data.widest || data.steps.length > 0 ? '' : '--objective clearance';
   const matrices = motion.matricesAt(moment);
   const [a, b] = [[near.a, near.point_a], [near.b, near.point_b]].map(([body, point]) => motion.toWorld(body, point, matrices));
-  const isWorld = (body) => !app.links.has(body) && !app.held.has(body);
-  const object = [near.b, near.a].find(isWorld);
+  const object = [near.b, near.a].find((body) => !app.links.has(body) && !app.held.has(body));
   const way = new Vector3().subVectors(b, a);
-  let move = '';
-  if (object !== undefined && near.upper > 0 && way.length() > 1e-6) {
-    way.normalize();
-    if (object === near.a) way.negate();
-    move = `move ${data.bodies[object]} along ${directionText(way)} of the world`;
+  if (object === undefined || !(near.upper > 0) || way.length() < 1e-6) return null;
+  way.normalize();
+  if (object === near.a) way.negate();
+  return { object, moment, from: object === near.a ? a : b, way };
+}
+
+// How the tightest place gets wider: that direction, and the objective that keeps away (of plans without steps). [words, option of the command]; null:
+// nothing to say.
+export function advice(app) {
+  const { data, motion } = app;
+  const { near, choice } = tightest(app) ?? {};
+  if (!near || motion.duration === 0 || data.decisions.length > 0) return null;
+  const option = data.widest || data.steps.length > 0 ? '' : choice === 'self' ? 'objective: {clearance: {of: all}}' : '--objective clearance';
+  const found = remedy(app);
+  const arrow = found && app.stage ? ` (the arrow at ${motion.times[found.moment].toFixed(2)} s)` : '';
+  const move = found ? `move ${data.bodies[found.object]} along ${directionText(found.way)} of the world${arrow}` : '';
+  if (!move && !option) {
+    const held = [near.b, near.a].find((body) => app.held.has(body));
+    return held === undefined ? null : [`The tightest place is where the robot takes hold of ${data.bodies[held]}, carries it or lets it go`, ''];
   }
-  if (!move && !option) return null;
   return [`To widen the tightest place: ${move}${move && option ? ', or ' : ''}${option ? 'plan with ' : ''}`, option];
 }
