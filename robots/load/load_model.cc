@@ -22,15 +22,14 @@
 #include "robots/base/tolerances.h"
 #include "robots/cache/content_key.h"
 #include "robots/cache/disk_cache.h"
+#include "robots/load/read_document.h"
 #include "robots/mesh/mesh_import.h"
 #include "robots/mesh/mesh_path.h"
 #include "robots/mesh/mesh_treatment.h"
-#include "robots/mjcf/mjcf.h"
 #include "robots/model/model_builder.h"
 #include "robots/motion/gap_file.h"
 #include "robots/motion/kept_proofs.h"
 #include "robots/motion/link_gaps.h"
-#include "robots/sdf/sdf.h"
 #include "robots/urdf/srdf.h"
 #include "robots/urdf/urdf_document.h"
 #include "robots/urdf/xacro.h"
@@ -259,20 +258,45 @@ void appendJoint(const UrdfJoint& source, const std::vector<int>& link_position,
   model.joints.push_back(std::move(joint));
 }
 
+const UrdfJoint& jointNamed(const UrdfDocument& document, const std::string& name) {
+  return *std::find_if(document.joints.begin(), document.joints.end(),
+                       [&](const UrdfJoint& j) { return j.name == name; });
+}
+
+/// A mimic joint with a multiplier of 0, its own or of those that it follows, stands still.
+void fixStillMimics(UrdfDocument& document) {
+  std::vector<std::pair<UrdfJoint*, double>> still;
+  for (UrdfJoint& joint : document.joints) {
+    double multiplier = 1, position = 0;
+    for (const UrdfJoint* next = &joint; next->has_mimic;
+         next = &jointNamed(document, next->mimic)) {
+      position += multiplier * next->offset;
+      multiplier *= next->multiplier;
+    }
+    if (multiplier == 0) still.emplace_back(&joint, position);
+  }
+  for (const auto& [joint, position] : still) {
+    const bool is_bounded =
+        joint->type == JointType::kRevolute || joint->type == JointType::kPrismatic;
+    if (is_bounded && !(position >= joint->lower && position <= joint->upper))
+      document.warnings.push_back(joint->file + ":" + std::to_string(joint->mimic_line) +
+                                  ": joint " + inQuotes(joint->name) +
+                                  " mimics with multiplier 0 and stands still at " +
+                                  textOf(position) + ", beyond its limits, which are left out");
+    lockAt(*joint, position);
+  }
+}
+
 /// Follows a chain of mimics to the joint with a variable: m1 (m2 q + o2) + o1.
 void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, RobotDescription& model) {
-  const auto find = [&](const std::string& name) {
-    return &*std::find_if(document.joints.begin(), document.joints.end(),
-                          [&](const UrdfJoint& j) { return j.name == name; });
-  };
   Joint& joint = model.joints[at(model.findJoint(source.name))];
-  const UrdfJoint* master = find(source.mimic);
+  const UrdfJoint* master = &jointNamed(document, source.mimic);
   joint.multiplier = source.multiplier;
   joint.offset = source.offset;
   while (master->has_mimic) {
     joint.offset += joint.multiplier * master->offset;
     joint.multiplier *= master->multiplier;
-    master = find(master->mimic);
+    master = &jointNamed(document, master->mimic);
   }
   joint.mimic = model.findJoint(master->name);
 }
@@ -281,7 +305,7 @@ void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, RobotDe
 void limitMaster(const UrdfJoint& source, RobotDescription& model) {
   const Joint& joint = model.joints[at(model.findJoint(source.name))];
   const int variable = model.joints[at(joint.mimic)].first_variable;
-  if (!source.has_limit || !(source.velocity > 0) || joint.multiplier == 0 || variable < 0) return;
+  if (!source.has_limit || !(source.velocity > 0) || variable < 0) return;
   double& velocity = model.variables[at(variable)].velocity;
   const double limit = source.velocity / std::abs(joint.multiplier);
   velocity = velocity > 0 ? std::min(velocity, limit) : limit;
@@ -303,7 +327,7 @@ void narrowMaster(const UrdfJoint& source, RobotDescription& model) {
   if (source.type != JointType::kRevolute && source.type != JointType::kPrismatic) return;
   const Joint& joint = model.joints[at(model.findJoint(source.name))];
   const Joint& master = model.joints[at(joint.mimic)];
-  if (joint.multiplier == 0 || master.first_variable < 0) return;
+  if (master.first_variable < 0) return;
   Variable& variable = model.variables[at(master.first_variable)];
   if (variable.lower == variable.upper) return;
   double lower = (source.lower - joint.offset) / joint.multiplier;
@@ -318,7 +342,7 @@ void narrowMaster(const UrdfJoint& source, RobotDescription& model) {
     why = "they leave it no range";
   if (why == nullptr)
     narrow(variable, lower, upper, "the limits of " + name + " (" + place + ")");
-  else if (source.lower < source.upper)
+  else if (source.lower < source.upper && (source.lower > -kInfinity || source.upper < kInfinity))
     model.warnings.push_back(place + ": the limits of " + name + ", are left out: " + why);
 }
 
@@ -379,9 +403,33 @@ void addStates(const UrdfDocument& document, RobotDescription& robot) {
   }
 }
 
-/// A robot whose moving links have no shapes touches nothing, whatever it does.
-void warnOfNoShapes(const UrdfDocument& document, const std::vector<std::pair<int, int>>& order,
-                    RobotDescription& robot) {
+/// Links with visual shapes alone touch nothing, or these stand in. A robot whose moving links have
+/// no shapes touches nothing, whatever it does.
+void warnOfShapes(const UrdfDocument& document, const std::vector<std::pair<int, int>>& order,
+                  RobotDescription& robot) {
+  const auto warn = [&](const UrdfLink& of, const std::string& message) {
+    robot.warnings.push_back(of.file + ":" + std::to_string(of.line) + ": " + message);
+  };
+  std::vector<const UrdfLink*> bare, standing;
+  std::string bare_names, standing_names;
+  const auto add = [](const UrdfLink& link, std::vector<const UrdfLink*>& to, std::string& names) {
+    names += (to.empty() ? "" : ", ") + inQuotes(link.name);
+    to.push_back(&link);
+  };
+  for (const UrdfLink& link : document.links) {
+    if (link.has_visual && link.collisions.empty()) add(link, bare, bare_names);
+    if (link.visual_stands_in) add(link, standing, standing_names);
+  }
+  if (bare.size() == 1)
+    warn(*bare[0],
+         "link " + bare_names + " has a <visual> and no <collision>: it will touch nothing");
+  else if (!bare.empty())
+    warn(*bare[0],
+         std::to_string(bare.size()) +
+             " links have a <visual> and no <collision>, and will touch nothing: " + bare_names);
+  if (!standing.empty())
+    warn(*standing[0],
+         "the <visual> shapes of links without <collision> stand in for it: " + standing_names);
   std::vector<bool> moves;
   std::size_t first = robot.links.size();
   for (std::size_t l = 0; l < robot.links.size(); ++l) {
@@ -394,10 +442,9 @@ void warnOfNoShapes(const UrdfDocument& document, const std::vector<std::pair<in
   }
   if (first == robot.links.size()) return;
   const UrdfLink& link = document.links[at(order[first].first)];
-  robot.warnings.push_back(
-      link.file + ":" + std::to_string(link.line) + ": neither link " + inQuotes(link.name) +
-      " nor any other that moves has a <collision>, or a geom that collides: the robot will touch "
-      "nothing");
+  warn(link, "neither link " + inQuotes(link.name) +
+                 " nor any other that moves has a <collision>, or a geom that collides: the robot "
+                 "will touch nothing");
 }
 
 /// provenGaps(), kept on disk.
@@ -423,11 +470,9 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
                          options.xacro.front().first +
                          "\"; a file that ends in .xacro would be accepted");
   XmlFile file(urdf_path, "URDF", options);
-  const bool is_mjcf = isMjcf(file), is_sdf = isSdf(file);
-  const UrdfDocument document = is_mjcf  ? readMjcf(file, options)
-                                : is_sdf ? readSdf(file, options)
-                                         : readUrdf(file, options);
-  if (!is_mjcf && !is_sdf) compareWithUrdfdom(document);
+  UrdfDocument document = readDocument(file, options, false);
+  if (!document.essence.empty()) compareWithUrdfdom(document);
+  fixStillMimics(document);
   std::optional<XmlFile> srdf;
   if (!srdf_path.empty()) srdf.emplace(srdf_path, "SRDF", options);
 
@@ -489,7 +534,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   addPairs(document, link_position, robot);
   addStates(document, robot);
   if (srdf) readSrdf(*srdf, robot);
-  warnOfNoShapes(document, order, robot);
+  warnOfShapes(document, order, robot);
   wrong.throwFirst();
   auto model = std::make_shared<Model>(std::move(robot));
   model->link_gaps = gapsOf(*model, meshes);

@@ -1,8 +1,8 @@
 #include "robots/load/visual_shapes.h"
 
 #include "leeway/robots/input_error.h"
+#include "robots/load/read_document.h"
 #include "robots/mesh/mesh_path.h"
-#include "robots/mjcf/mjcf.h"
 #include "robots/urdf/urdf_document.h"
 #include "robots/urdf/xml_reader.h"
 
@@ -22,8 +22,7 @@ VisualShapes loadVisualShapes(const RobotDescription& robot, const Stop& stop) {
   options.kinematics_only = true;  // a collision mesh that is missing does not matter here
   options.stop = stop;
   XmlFile file(robot.urdf_file, "URDF", options);
-  const UrdfDocument document =
-      isMjcf(file) ? readMjcf(file, options, true) : readUrdf(file, options, true);
+  const UrdfDocument document = readDocument(file, options, true);
   result.left_out = document.unread_visuals;
   for (const UrdfLink& link : document.links) {
     const int number = robot.findLink(link.name);
@@ -34,10 +33,10 @@ VisualShapes loadVisualShapes(const RobotDescription& robot, const Stop& stop) {
           throw InputError(visual.file, visual.line,
                            "the robot was read before it had link " + inQuotes(link.name));
         VisualShape shape{number, visual.X_LG, {}, {}};
+        const std::string& from = visual.mesh_from.empty() ? robot.urdf_file : visual.mesh_from;
         if (visual.kind == UrdfCollision::Kind::kMesh)
-          shape.mesh =
-              importTriangles(resolveMesh(visual.mesh_file, robot.urdf_file, visual.line, options),
-                              visual.mesh_scale, visual.file, visual.line, stop);
+          shape.mesh = importTriangles(resolveMesh(visual.mesh_file, from, visual.line, options),
+                                       visual.mesh_scale, visual.file, visual.line, stop);
         else
           shape.shape = primitiveOf(visual);
         result.shapes.push_back(std::move(shape));

@@ -9,7 +9,6 @@
 #include "leeway/robots/text.h"
 #include "robots/base/read_on.h"
 #include "robots/mjcf/mjcf_bodies.h"
-#include "robots/urdf/rotation.h"
 
 namespace leeway::robots {
 
@@ -130,7 +129,7 @@ class MjcfReader {
     const std::vector<double> c = a.over("polycoef", {0, 1, 0, 0, 0});
     if (e.Attribute("joint2") == nullptr) {
       if (joint.has_mimic || isFollowed(joint)) return leaveOut(kCoupled);
-      return lock(joint, restOf(joint) + c[0]);
+      return lockAt(joint, restOf(joint) + c[0]);
     }
     const UrdfJoint& master = jointOf(a, "joint2");
     if (c[2] != 0 || c[3] != 0 || c[4] != 0)
@@ -154,19 +153,6 @@ class MjcfReader {
       next = &*std::find_if(document_.joints.begin(), document_.joints.end(),
                             [&](const UrdfJoint& j) { return j.name == next->mimic; });
     return next->name == master.name;
-  }
-
-  static void lock(UrdfJoint& joint, double position) {
-    Pose moved;
-    const Eigen::Vector3d axis = joint.axis.normalized();
-    if (joint.type == JointType::kPrismatic)
-      moved.translation = position * axis;
-    else
-      moved.rotation = rotationAbout(axis, position);
-    joint.X_PJ = joint.X_PJ * moved;
-    joint.xyz = joint.X_PJ.translation;
-    joint.type = JointType::kFixed;
-    joint.has_limit = false;
   }
 
   // Keyframes.

@@ -28,10 +28,11 @@ constexpr int kWorld = -1;  // in place of a frame
 
 class SdfReader {
  public:
-  SdfReader(XmlFile& file, const LoadOptions& options)
+  SdfReader(XmlFile& file, const LoadOptions& options, bool with_visuals)
       : wrong_(options.errors), files_(file, options), models_(readModels(files_)) {
     document_.path = file.path();
     document_.name = models_.name;
+    document_.with_visuals = with_visuals;
   }
 
   UrdfDocument read() {
@@ -77,17 +78,27 @@ class SdfReader {
         link.collisions.push_back(std::move(*read));
     };
     XmlFile& file = f.scope.file();
-    const bool has_visual = e.FirstChildElement("visual") != nullptr;
+    link.has_visual = e.FirstChildElement("visual") != nullptr;
     if (e.FirstChildElement("collision") == nullptr && files_.options().visual_as_collision) {
       file.eachChild(e, "visual", add);
-      if (!link.collisions.empty()) visual_links_.push_back(link.name);
+      link.visual_stands_in = !link.collisions.empty();
     } else {
       file.eachChild(e, "collision", add);
     }
-    if (link.collisions.empty() && has_visual)
-      file.warn(e, "link " + inQuotes(link.name) +
-                       " has a <visual> and no <collision>: it will touch nothing");
+    if (document_.with_visuals) readVisuals(index, link);
     document_.links.push_back(std::move(link));
+  }
+
+  void readVisuals(int index, UrdfLink& link) {
+    for (const XMLElement* e = frame(index).element->FirstChildElement("visual"); e != nullptr;
+         e = e->NextSiblingElement("visual")) {
+      try {
+        if (auto read = readShape(*e, models_.frames, index))
+          link.visuals.push_back(std::move(*read));
+      } catch (const InputError& error) {
+        document_.unread_visuals.emplace_back(error.what());
+      }
+    }
   }
 
   /// The document's link of a frame's link, or the world's, which is made for it.
@@ -212,25 +223,37 @@ class SdfReader {
       setLimits(file, *f.element, nullptr, joint);
       return;
     }
-    file.leaveOutUnknown(*axis, {"xyz", "limit", "mimic", "use_parent_model_frame"},
-                         {"dynamics", "initial_position"});
-    if (const XMLElement* xyz = file.onlyChild(*axis, "xyz")) {
-      file.knownAttributes(*xyz, {"expressed_in"});
-      joint.axis = vectorIn(file, *axis, "xyz", joint.axis);
+    const int minor = f.scope.source->minor;
+    expectOnly(file, *axis, {}, {"xyz", "limit", "mimic", "use_parent_model_frame"},
+               {"dynamics", "initial_position"});
+    leaveOutChildren(file, *f.element, "axis2", "the joint has one axis");
+    if (numberIn(file, *axis, "initial_position", 0) != 0)
+      leaveOutChildren(file, *axis, "initial_position", "joints begin where a state puts them");
+    if (minor >= 7)
+      leaveOutChildren(file, *axis, "use_parent_model_frame",
+                       "from SDF 1.7 on, expressed_in=\"__model__\" of <xyz> has its place");
+    const XMLElement* xyz = leafIn(file, *axis, "xyz", {"expressed_in"});
+    if (xyz == nullptr) {
+      file.warn(*axis, "joint " + inQuotes(joint.name) + " has no <xyz> in <axis>: it is z");
+    } else {
+      joint.axis = vectorOf(file, *xyz);
       const double norm = joint.axis.norm();
       if (!(norm > 1e-100))
         file.fail(*xyz, "the axis " + inQuotes(file.text(*xyz)) + " of joint " +
                             inQuotes(joint.name) +
                             " has no direction; a vector other than zero would be accepted");
     }
-    // Up to SDF 1.4 axes are in the model's frame, up to 1.6 there is a flag for it.
-    const int minor = f.scope.source->minor;
-    std::string in;
-    if (minor <= 4 || (minor <= 6 && flagIn(file, *axis, "use_parent_model_frame", false)))
+    // Up to SDF 1.4 axes are in the model's frame, in 1.5 and 1.6 there is a flag for it.
+    const char* given = xyz == nullptr ? nullptr : xyz->Attribute("expressed_in");
+    std::string in = given == nullptr ? "" : given;
+    if (minor <= 6 && flagIn(file, *axis, "use_parent_model_frame", minor <= 4)) {
+      if (!in.empty())
+        file.fail(*xyz, "expressed_in is " + inQuotes(in) +
+                            ", and the axis is in the model's frame" +
+                            (minor <= 4 ? ", as this version of SDF has it" : "") +
+                            "; one of them would be accepted");
       in = "__model__";
-    const XMLElement* xyz = axis->FirstChildElement("xyz");
-    if (xyz != nullptr && xyz->Attribute("expressed_in") != nullptr)
-      in = xyz->Attribute("expressed_in");
+    }
     if (!in.empty()) {
       const int other = models_.frames.find(f.scope.whole(in), file, xyz == nullptr ? *axis : *xyz);
       joint.axis = models_.frames.relative(index, other).rotation * joint.axis;
@@ -239,9 +262,9 @@ class SdfReader {
   }
 
   /// A limit of a joint; `otherwise` where it is not given, and for 1e16 and more.
-  static double limitIn(const XmlFile& file, const XMLElement& limit, const char* name,
+  static double limitIn(XmlFile& file, const XMLElement& limit, const char* name,
                         double otherwise) {
-    const XMLElement* e = file.onlyChild(limit, name);
+    const XMLElement* e = leafIn(file, limit, name);
     if (e == nullptr) return otherwise;
     const std::string text = file.text(*e);
     const std::optional<double> value = parseNumber(text);
@@ -249,6 +272,15 @@ class SdfReader {
       file.fail(
           *e, "<" + std::string(name) + "> is " + inQuotes(text) + "; a number would be accepted");
     return std::abs(*value) >= kGreatestLimit ? std::copysign(kInfinity, *value) : *value;
+  }
+
+  /// The same of a position, which has an end only on the side of `none`.
+  static double positionIn(XmlFile& file, const XMLElement& limit, const char* name, double none) {
+    const double value = limitIn(file, limit, name, none);
+    if (std::isinf(value) && value != none)
+      file.fail(limit, "<" + std::string(name) + "> is " + inQuotes(textIn(file, limit, name)) +
+                           "; a number from -1e16 to 1e16 would be accepted");
+    return value;
   }
 
   static void setLimits(XmlFile& file, const XMLElement& at, const XMLElement* limit,
@@ -259,12 +291,20 @@ class SdfReader {
     joint.upper = kInfinity;
     joint.velocity = kInfinity;
     if (limit != nullptr) {
-      file.leaveOutUnknown(*limit, {"lower", "upper", "velocity"},
-                           {"effort", "stiffness", "dissipation"});
-      joint.lower = limitIn(file, *limit, "lower", -kInfinity);
-      joint.upper = limitIn(file, *limit, "upper", kInfinity);
+      expectOnly(file, *limit, {}, {"lower", "upper", "velocity"},
+                 {"effort", "stiffness", "dissipation"});
+      joint.lower = positionIn(file, *limit, "lower", -kInfinity);
+      joint.upper = positionIn(file, *limit, "upper", kInfinity);
       const double velocity = limitIn(file, *limit, "velocity", kInfinity);
-      if (velocity > 0) joint.velocity = velocity;
+      if (velocity > 0)  // (Less than 0 is none.)
+        joint.velocity = velocity;
+      else if (velocity == 0)
+        file.warn(*limit, "the velocity limit \"0\" of joint " + inQuotes(joint.name) +
+                              " is taken for none: it may move at 1 rad/s or 1 m/s");
+      if (joint.type == JointType::kContinuous &&
+          (joint.lower != -kInfinity || joint.upper != kInfinity))
+        file.leaveOut(*limit, "joint " + inQuotes(joint.name) +
+                                  " is continuous: its <lower> and <upper> are left out");
     }
     if (joint.type == JointType::kContinuous ||
         (joint.type == JointType::kRevolute && joint.lower == -kInfinity &&
@@ -295,8 +335,7 @@ class SdfReader {
       file.leaveOut(*mimic, "joint " + inQuotes(name) + " does not move: its <mimic> is left out");
       return;
     }
-    file.allowAttributes(*mimic, {"joint", "axis"});
-    file.leaveOutUnknown(*mimic, {"multiplier", "offset", "reference"}, {});
+    expectOnly(file, *mimic, {"joint", "axis"}, {"multiplier", "offset", "reference"});
     const char* which = mimic->Attribute("axis");
     if (which != nullptr && std::string_view(which) != "axis")
       file.fail(*mimic, "axis of <mimic> is " + inQuotes(which) +
@@ -306,12 +345,23 @@ class SdfReader {
     if (frame(master).kind != SdfFrame::Kind::kJoint)
       file.fail(*mimic, "<mimic> names " + inQuotes(frame(master).name) +
                             ", which is no joint; the name of a joint would be accepted");
+    const double multiplier = numberIn(file, *mimic, "multiplier", 1),
+                 offset = numberIn(file, *mimic, "offset", 0) -
+                          multiplier * numberIn(file, *mimic, "reference", 0);
+    const auto isMaster = [&](const UrdfJoint& j) { return j.name == jointName(frame(master)); };
+    if (std::none_of(document_.joints.begin(), document_.joints.end(), isMaster)) {
+      const std::string left_out = "joint " + inQuotes(name) + " mimics " +
+                                   inQuotes(jointName(frame(master))) + ", which is left out: it ";
+      // Joints of static models stand at 0, a gearbox has no position.
+      const bool is_still = std::string_view(frame(master).element->Attribute("type")) != "gearbox";
+      if (is_still) lockAt(*joint, offset);
+      return file.leaveOut(*mimic, left_out + (is_still ? "stands still" : "moves on its own"));
+    }
     joint->has_mimic = true;
     joint->mimic = jointName(frame(master));
     joint->mimic_line = mimic->GetLineNum();
-    joint->multiplier = numberIn(file, *mimic, "multiplier", 1);
-    joint->offset = numberIn(file, *mimic, "offset", 0) -
-                    joint->multiplier * numberIn(file, *mimic, "reference", 0);
+    joint->multiplier = multiplier;
+    joint->offset = offset;
   }
 
   // The world.
@@ -375,12 +425,6 @@ class SdfReader {
       main().warn(main().root(),
                   std::to_string(still_) + (still_ == 1 ? " joint moves" : " joints move") +
                       " links of a model with <static>: they are left out, the links stand still");
-    if (visual_links_.empty()) return;
-    std::string names;
-    for (const std::string& name : visual_links_)
-      names += (names.empty() ? "" : ", ") + inQuotes(name);
-    main().warn(main().root(),
-                "the <visual> shapes of links without <collision> stand in for it: " + names);
   }
 
   ErrorsSince wrong_;
@@ -390,7 +434,6 @@ class SdfReader {
   std::map<int, int> links_;      // of the document, by frame or kWorld
   std::vector<UrdfJoint> fixed_;  // names are made unique in the end
   std::set<std::string> link_names_ = {"world"}, joint_names_;
-  std::vector<std::string> visual_links_;
   int still_ = 0;  // joints that move links of static models
 };
 
@@ -401,8 +444,8 @@ bool isSdf(const XmlFile& file) {
   return root == "sdf" || root == "gazebo";
 }
 
-UrdfDocument readSdf(XmlFile& file, const LoadOptions& options) {
-  return SdfReader(file, options).read();
+UrdfDocument readSdf(XmlFile& file, const LoadOptions& options, bool with_visuals) {
+  return SdfReader(file, options, with_visuals).read();
 }
 
 }  // namespace leeway::robots

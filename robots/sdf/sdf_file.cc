@@ -102,13 +102,20 @@ std::vector<std::string> SdfFiles::takeWarnings() {
   return all;
 }
 
-SdfPose poseIn(XmlFile& file, const XMLElement& parent) {
+SdfPose poseIn(const SdfSource& source, const XMLElement& parent) {
+  XmlFile& file = *source.file;
   SdfPose pose;
   pose.element = file.onlyChild(parent, "pose");
   if (pose.element == nullptr) return pose;
   const XMLElement& e = *pose.element;
-  file.knownAttributes(e, {"relative_to", "rotation_format", "degrees"});
+  std::vector<std::string> known = {"relative_to", "rotation_format", "degrees"};
   if (const char* base = e.Attribute("relative_to")) pose.relative_to = base;
+  if (source.minor <= 6) {  // SDF 1.5 and 1.6 call it so
+    known.emplace_back("frame");
+    if (const char* base = e.Attribute("frame")) pose.relative_to = base;
+  }
+  file.knownAttributes(e, known);
+  file.leaveOutUnknown(e, {}, {});
   const char* format = e.Attribute("rotation_format");
   const std::string rotation = format == nullptr || *format == '\0' ? "euler_rpy" : format;
   const bool is_quaternion = rotation == "quat_xyzw";
@@ -133,31 +140,70 @@ SdfPose poseIn(XmlFile& file, const XMLElement& parent) {
   return pose;
 }
 
-std::string textIn(const XmlFile& file, const XMLElement& parent, const char* name) {
-  const XMLElement* child = file.onlyChild(parent, name);
+void expectOnly(XmlFile& file, const XMLElement& element,
+                const std::vector<std::string>& attributes,
+                std::initializer_list<std::string_view> used,
+                std::initializer_list<std::string_view> unused) {
+  for (const std::string_view child : used) {
+    const std::string name(child);
+    const char* value = element.Attribute(name.c_str());
+    if (value != nullptr &&
+        std::find(attributes.begin(), attributes.end(), name) == attributes.end())
+      file.fail(element, "<" + std::string(element.Name()) + "> has the attribute " +
+                             inQuotes(name + "=\"" + value + "\"") + "; <" + name + ">" + value +
+                             "</" + name + "> would be accepted");
+  }
+  file.allowAttributes(element, attributes);
+  file.leaveOutUnknown(element, used, unused);
+}
+
+void leaveOutChildren(XmlFile& file, const XMLElement& parent, const char* name,
+                      const std::string& consequence) {
+  file.eachChild(parent, name, [&](const XMLElement& e) {
+    file.leaveOut(
+        e, "<" + std::string(name) + "> in <" + parent.Name() + "> is left out: " + consequence);
+  });
+}
+
+const XMLElement* leafIn(XmlFile& file, const XMLElement& parent, const char* name,
+                         const std::vector<std::string>& attributes) {
+  const XMLElement* leaf = file.onlyChild(parent, name);
+  if (leaf == nullptr) return nullptr;
+  file.knownAttributes(*leaf, attributes);
+  file.leaveOutUnknown(*leaf, {}, {});
+  return leaf;
+}
+
+std::string textIn(XmlFile& file, const XMLElement& parent, const char* name) {
+  const XMLElement* child = leafIn(file, parent, name);
   return child == nullptr ? "" : file.text(*child);
 }
 
-std::optional<std::vector<double>> numbersIn(const XmlFile& file, const XMLElement& parent,
+std::optional<std::vector<double>> numbersIn(XmlFile& file, const XMLElement& parent,
                                              const char* name, std::size_t count) {
-  const XMLElement* child = file.onlyChild(parent, name);
+  const XMLElement* child = leafIn(file, parent, name);
   if (child == nullptr) return std::nullopt;
   return numbersOf(file, *child, count);
 }
 
-Eigen::Vector3d vectorIn(const XmlFile& file, const XMLElement& parent, const char* name,
-                         const Eigen::Vector3d& otherwise) {
-  const auto values = numbersIn(file, parent, name, 3);
-  return values ? Eigen::Vector3d(values->data()) : otherwise;
+Eigen::Vector3d vectorOf(const XmlFile& file, const XMLElement& element) {
+  return Eigen::Vector3d(numbersOf(file, element, 3).data());
 }
 
-double numberIn(const XmlFile& file, const XMLElement& parent, const char* name, double otherwise) {
+Eigen::Vector3d vectorIn(XmlFile& file, const XMLElement& parent, const char* name,
+                         const Eigen::Vector3d& otherwise) {
+  const XMLElement* child = leafIn(file, parent, name);
+  return child == nullptr ? otherwise : vectorOf(file, *child);
+}
+
+double numberIn(XmlFile& file, const XMLElement& parent, const char* name, double otherwise) {
   const auto values = numbersIn(file, parent, name, 1);
   return values ? values->front() : otherwise;
 }
 
-double sizeIn(const XmlFile& file, const XMLElement& parent, const char* name) {
-  const XMLElement& child = file.requiredChild(parent, name);
+double sizeIn(XmlFile& file, const XMLElement& parent, const char* name) {
+  static_cast<void>(file.requiredChild(parent, name));
+  const XMLElement& child = *leafIn(file, parent, name);
   const double size = numbersOf(file, child, 1).front();
   if (!(size >= 0))
     file.fail(child, std::string("<") + name + "> of <" + parent.Name() + "> is " +
@@ -176,8 +222,8 @@ bool flagOf(const XmlFile& file, const XMLElement& at, const std::string& text) 
   return false;
 }
 
-bool flagIn(const XmlFile& file, const XMLElement& parent, const char* name, bool otherwise) {
-  const XMLElement* child = file.onlyChild(parent, name);
+bool flagIn(XmlFile& file, const XMLElement& parent, const char* name, bool otherwise) {
+  const XMLElement* child = leafIn(file, parent, name);
   return child == nullptr ? otherwise : flagOf(file, *child, file.text(*child));
 }
 

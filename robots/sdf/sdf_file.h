@@ -4,10 +4,12 @@
 
 #include <tinyxml2.h>
 
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "leeway/collision/pose.h"
@@ -54,25 +56,39 @@ struct SdfPose {
   const tinyxml2::XMLElement* element = nullptr;  ///< null: there is none, X is the identity
 };
 /// The only <pose> of `parent`. Throws InputError.
-SdfPose poseIn(XmlFile& file, const tinyxml2::XMLElement& parent);
+SdfPose poseIn(const SdfSource& source, const tinyxml2::XMLElement& parent);
 
+/// Leaves out attributes, text and children that are in none of the lists, as XmlFile does. Throws
+/// InputError for an attribute that should be one of the children `used`.
+void expectOnly(XmlFile& file, const tinyxml2::XMLElement& element,
+                const std::vector<std::string>& attributes,
+                std::initializer_list<std::string_view> used,
+                std::initializer_list<std::string_view> unused = {});
+/// Leaves out the children of that name with a warning that ends in `consequence`.
+void leaveOutChildren(XmlFile& file, const tinyxml2::XMLElement& parent, const char* name,
+                      const std::string& consequence);
+
+/// The only child of that name, which holds text alone; null if there is none.
+const tinyxml2::XMLElement* leafIn(XmlFile& file, const tinyxml2::XMLElement& parent,
+                                   const char* name,
+                                   const std::vector<std::string>& attributes = {});
 /// The text of the only child of that name; empty if there is none.
-std::string textIn(const XmlFile& file, const tinyxml2::XMLElement& parent, const char* name);
+std::string textIn(XmlFile& file, const tinyxml2::XMLElement& parent, const char* name);
 /// Exactly `count` numbers from -1e9 to 1e9; nothing without a child of that name.
-std::optional<std::vector<double>> numbersIn(const XmlFile& file,
-                                             const tinyxml2::XMLElement& parent, const char* name,
-                                             std::size_t count);
-/// Exactly three such numbers, or `otherwise`.
-Eigen::Vector3d vectorIn(const XmlFile& file, const tinyxml2::XMLElement& parent, const char* name,
+std::optional<std::vector<double>> numbersIn(XmlFile& file, const tinyxml2::XMLElement& parent,
+                                             const char* name, std::size_t count);
+/// Exactly three such numbers of an element.
+Eigen::Vector3d vectorOf(const XmlFile& file, const tinyxml2::XMLElement& element);
+/// The same of the only child of that name, or `otherwise`.
+Eigen::Vector3d vectorIn(XmlFile& file, const tinyxml2::XMLElement& parent, const char* name,
                          const Eigen::Vector3d& otherwise);
-double numberIn(const XmlFile& file, const tinyxml2::XMLElement& parent, const char* name,
+double numberIn(XmlFile& file, const tinyxml2::XMLElement& parent, const char* name,
                 double otherwise);
 /// One number of 0 or more, which must be there.
-double sizeIn(const XmlFile& file, const tinyxml2::XMLElement& parent, const char* name);
+double sizeIn(XmlFile& file, const tinyxml2::XMLElement& parent, const char* name);
 /// true, false, 1 or 0, as a text of `at`.
 bool flagOf(const XmlFile& file, const tinyxml2::XMLElement& at, const std::string& text);
 /// The same of the only child of that name, or `otherwise`.
-bool flagIn(const XmlFile& file, const tinyxml2::XMLElement& parent, const char* name,
-            bool otherwise);
+bool flagIn(XmlFile& file, const tinyxml2::XMLElement& parent, const char* name, bool otherwise);
 
 }  // namespace leeway::robots

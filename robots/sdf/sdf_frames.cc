@@ -93,13 +93,14 @@ std::vector<int> SdfFrames::chain(int frame) const {
 Pose SdfFrames::inBase(int frame) const {
   const SdfFrame& f = (*this)[frame];
   if (f.placed.empty()) return f.X_BF;
+  if (const auto known = in_base_.find(frame); known != in_base_.end()) return known->second;
   const int placed = find(f.placed, *f.file, *f.element);
   const std::vector<int> way = chain(placed);
   if (std::find(way.begin(), way.end(), frame) == way.end())
     f.file->fail(*f.element, "the placement_frame " + inQuotes(f.placed) +
                                  " does not belong to the model; one of its frames would be "
                                  "accepted");
-  return f.X_BF * relative(placed, frame);
+  return in_base_.emplace(frame, f.X_BF * relative(placed, frame)).first->second;
 }
 
 Pose SdfFrames::relative(int a, int b) const {

@@ -65,7 +65,8 @@ class SdfFrames {
   void push(SdfFrame frame);
 
   std::vector<SdfFrame> frames_;
-  mutable std::vector<int> bases_;  // of the frames; they are looked up once
+  mutable std::vector<int> bases_;       // of the frames; they are looked up once
+  mutable std::map<int, Pose> in_base_;  // of frames with `placed`; they are computed once
   std::map<std::string, int> by_name_;
 };
 

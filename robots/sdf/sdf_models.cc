@@ -15,6 +15,8 @@ using tinyxml2::XMLElement;
 /// Models that include others many times over make files without end.
 constexpr std::size_t kMostFrames = 20000;
 
+constexpr const char* kNoState = "the model stands as its poses have it, with joints at 0";
+
 class ModelReader {
  public:
   explicit ModelReader(SdfFiles& files) : files_(files) {}
@@ -23,15 +25,18 @@ class ModelReader {
     const SdfSource& main = files_.main();
     XmlFile& file = *main.file;
     const XMLElement* root = &file.root();
-    file.allowAttributes(*root, {"version"});
+    checkRoot(file);
     const XMLElement* world = file.onlyChild(*root, "world");
-    file.leaveOutUnknown(*root, {"model", "world"}, {"light", "actor"});
     if (world != nullptr) {
       root = world;
-      file.leaveOutUnknown(
-          *world, {"model", "include", "joint"},
-          {"light", "physics", "scene", "gui", "plugin", "gravity", "magnetic_field", "atmosphere",
-           "spherical_coordinates", "wind", "audio", "state"});
+      // (A frame matters only to what names it, and that is refused.)
+      expectOnly(file, *world, {"name"}, {"model", "include", "joint"},
+                 {"light", "physics", "scene", "gui", "plugin", "gravity", "magnetic_field",
+                  "atmosphere", "spherical_coordinates", "wind", "audio", "frame", "actor", "road",
+                  "population", "state"});
+      leaveOutChildren(file, *world, "state", "the robot stands as its <model> has it");
+      for (const char* part : {"actor", "road", "population"})
+        leaveOutChildren(file, *world, part, "it is no part of the robot, which cannot touch it");
       if (const XMLElement* joint = world->FirstChildElement("joint"))
         file.fail(*joint,
                   "a <joint> of the <world> is not read; one of the <model> would be "
@@ -69,6 +74,19 @@ class ModelReader {
     std::string link, model;
   };
 
+  /// Checks what stands beside the model or world of a file.
+  static void checkRoot(XmlFile& file) {
+    const XMLElement& root = file.root();
+    expectOnly(file, root, {"version"}, {"model", "world", "include"}, {"light", "actor"});
+    leaveOutChildren(file, root, "actor", "it is no part of the robot, which cannot touch it");
+    if (root.FirstChildElement("world") == nullptr) return;
+    for (const char* tag : {"model", "include"})
+      if (const XMLElement* beside = root.FirstChildElement(tag))
+        file.fail(*beside, "<" + std::string(tag) +
+                               "> beside <world>; one robot would be accepted, "
+                               "in <world> or in <sdf>");
+  }
+
   void expectName(const SdfSource& source, const XMLElement& e, const std::string& name) const {
     const XmlFile& file = *source.file;
     const bool is_reserved = name.size() >= 4 && name.starts_with("__") && name.ends_with("__");
@@ -89,10 +107,11 @@ class ModelReader {
   Contents readModel(const SdfSource& source, const XMLElement& e, const SdfScope& around,
                      const Including& by, bool is_outermost) {
     XmlFile& file = *source.file;
-    file.allowAttributes(e, {"name", "canonical_link", "placement_frame", "namespace"});
-    file.leaveOutUnknown(
-        e, {"link", "joint", "frame", "model", "include", "pose", "static"},
+    expectOnly(
+        file, e, {"name", "canonical_link", "placement_frame", "namespace"},
+        {"link", "joint", "frame", "model", "include", "pose", "static"},
         {"self_collide", "allow_auto_disable", "enable_wind", "plugin", "gripper", "model_state"});
+    leaveOutChildren(file, e, "model_state", kNoState);
     const std::string name = by.name.empty() ? file.attribute(e, "name") : by.name;
     expectName(source, e, name);
     if (is_outermost) models_.name = name;
@@ -119,7 +138,7 @@ class ModelReader {
     frame.scope = scope;
     frame.element = &e;
     frame.file = &file;
-    const SdfPose pose = by.pose.element != nullptr ? by.pose : poseIn(file, e);
+    const SdfPose pose = by.pose.element != nullptr ? by.pose : poseIn(source, e);
     frame.X_BF = pose.X;
     if (!is_outermost)
       frame.base = pose.relative_to.empty() ? around.model : around.whole(pose.relative_to);
@@ -159,15 +178,16 @@ class ModelReader {
 
   Contents readInclude(const XMLElement& e, const SdfScope& around, bool is_outermost) {
     XmlFile& file = around.file();
-    file.allowAttributes(e, {"merge"});
     if (const XMLElement* parameters = e.FirstChildElement("experimental:params"))
       file.fail(*parameters,
                 "<experimental:params> changes the model that it includes, and is not "
                 "read; a file with the changes would be accepted");
-    file.leaveOutUnknown(e, {"uri", "name", "pose", "placement_frame", "static"},
-                         {"plugin", "namespace", "model_state"});
+    expectOnly(file, e, {"merge"}, {"uri", "name", "pose", "placement_frame", "static"},
+               {"plugin", "namespace", "model_state"});
+    leaveOutChildren(file, e, "model_state", kNoState);
     const SdfSource& source = files_.include(*around.source, file.requiredChild(e, "uri"));
     const XMLElement& root = source.file->root();
+    checkRoot(*source.file);
     const XMLElement* model = source.file->onlyChild(root, "model");
     if (model == nullptr)
       file.fail(e, "<include> names " + source.file->path() +
@@ -180,7 +200,10 @@ class ModelReader {
     by.element = &e;
     by.name = textIn(file, e, "name");
     by.placement = textIn(file, e, "placement_frame");
-    by.pose = poseIn(file, e);
+    by.pose = poseIn(*around.source, e);
+    if (!by.placement.empty() && by.pose.element == nullptr)
+      file.fail(e, "<include> has the <placement_frame> " + inQuotes(by.placement) +
+                       " and no <pose>, which would place it; both would be accepted");
     by.merges =
         !is_outermost && e.Attribute("merge") != nullptr && flagOf(file, e, e.Attribute("merge"));
     Contents contents = readModel(source, *model, around, by, is_outermost);
@@ -199,27 +222,23 @@ class ModelReader {
     frame.scope = scope;
     frame.element = &e;
     frame.file = &file;
-    const SdfPose pose = poseIn(file, e);
+    const SdfPose pose = poseIn(*scope.source, e);
     frame.X_BF = pose.X;
     frame.base = scope.model;
     if (tag == "link") {
       frame.kind = SdfFrame::Kind::kLink;
-      file.allowAttributes(e, {"name"});
-      file.leaveOutUnknown(
-          e, {"pose", "collision"},
-          {"visual", "inertial", "sensor", "gravity", "enable_wind", "self_collide", "kinematic",
-           "must_be_base_link", "velocity_decay", "projector", "audio_sink", "audio_source",
-           "battery", "light", "particle_emitter", "plugin"});
+      expectOnly(file, e, {"name"}, {"pose", "collision"},
+                 {"visual", "inertial", "sensor", "gravity", "enable_wind", "self_collide",
+                  "kinematic", "must_be_base_link", "velocity_decay", "projector", "audio_sink",
+                  "audio_source", "battery", "light", "particle_emitter", "plugin"});
     } else if (tag == "joint") {
       frame.kind = SdfFrame::Kind::kJoint;
-      file.allowAttributes(e, {"name", "type"});
-      file.leaveOutUnknown(e, {"pose", "parent", "child", "axis", "axis2"},
-                           {"physics", "sensor", "thread_pitch", "screw_thread_pitch",
-                            "gearbox_ratio", "gearbox_reference_body", "plugin"});
+      expectOnly(file, e, {"name", "type"}, {"pose", "parent", "child", "axis", "axis2"},
+                 {"physics", "sensor", "thread_pitch", "screw_thread_pitch", "gearbox_ratio",
+                  "gearbox_reference_body", "plugin"});
       frame.base = frame.attached_to = scope.whole(file.text(file.requiredChild(e, "child")));
     } else {
-      file.allowAttributes(e, {"name", "attached_to"});
-      file.leaveOutUnknown(e, {"pose"}, {});
+      expectOnly(file, e, {"name", "attached_to"}, {"pose"});
       const char* to = e.Attribute("attached_to");
       frame.attached_to = to == nullptr || *to == '\0' ? scope.model : scope.whole(to);
       frame.base = frame.attached_to;

@@ -26,8 +26,7 @@ const XMLElement& shapeIn(XmlFile& file, const XMLElement& geometry) {
 }
 
 void readMesh(XmlFile& file, const XMLElement& e, UrdfCollision& shape) {
-  file.allowAttributes(e, {"optimization"});
-  file.leaveOutUnknown(e, {"uri", "scale", "submesh"}, {"convex_decomposition"});
+  expectOnly(file, e, {"optimization"}, {"uri", "scale", "submesh"}, {"convex_decomposition"});
   if (const XMLElement* part = e.FirstChildElement("submesh"))
     file.fail(*part,
               "<submesh> takes a part of the mesh, and is not read; a file that holds only "
@@ -55,12 +54,19 @@ void readMesh(XmlFile& file, const XMLElement& e, UrdfCollision& shape) {
                      "; convex_hull or convex_decomposition would be accepted");
 }
 
-void readPlane(XmlFile& file, const XMLElement& e, UrdfCollision& shape) {
-  file.leaveOutUnknown(e, {"normal"}, {"size"});
+void readPlane(XmlFile& file, const XMLElement& e, bool is_visual, UrdfCollision& shape) {
+  expectOnly(file, e, {}, {"normal", "size"});
   const Eigen::Vector3d normal = vectorIn(file, e, "normal", Eigen::Vector3d::UnitZ());
   if (!(normal.norm() > 1e-12))
     file.fail(e, "<normal> of <plane> is zero; a direction would be accepted");
-  shape.kind = Kind::kPlane;
+  shape.kind = is_visual ? Kind::kBox : Kind::kPlane;
+  if (is_visual) {  // (What collides has no end.)
+    const std::vector<double> size = numbersIn(file, e, "size", 2).value_or(std::vector{1., 1.});
+    shape.size = {size[0], size[1], 0};
+    if (!(shape.size.array() >= 0).all())
+      file.fail(e, "<size> of <plane> is " + inQuotes(textIn(file, e, "size")) +
+                       "; two edges of zero or more would be accepted");
+  }
   if (normal != Eigen::Vector3d::UnitZ()) shape.X_LG.rotation *= rotationOfZ(normal);
 }
 
@@ -70,28 +76,37 @@ std::optional<UrdfCollision> readShape(const XMLElement& element, const SdfFrame
                                        int link) {
   const SdfScope& scope = frames[link].scope;
   XmlFile& file = scope.file();
-  if (std::string_view(element.Name()) == "collision") {
-    file.allowAttributes(element, {"name"});
-    file.leaveOutUnknown(
-        element, {"pose", "geometry"},
+  const bool is_visual = std::string_view(element.Name()) == "visual";
+  if (is_visual)
+    expectOnly(file, element, {"name"}, {"pose", "geometry"},
+               {"cast_shadows", "laser_retro", "transparency", "visibility_flags", "meta",
+                "material", "plugin"});
+  else
+    expectOnly(
+        file, element, {"name"}, {"pose", "geometry"},
         {"surface", "laser_retro", "max_contacts", "density", "auto_inertia_params", "plugin"});
-  }
+  if (const XMLElement* surface = element.FirstChildElement("surface"))
+    if (const XMLElement* contact = surface->FirstChildElement("contact"))
+      for (const char* mask : {"collide_bitmask", "category_bitmask", "collide_without_contact"})
+        leaveOutChildren(file, *contact, mask, "the shape collides with all others");
   UrdfCollision shape;
   if (const char* name = element.Attribute("name")) shape.name = name;
-  const SdfPose pose = poseIn(file, element);
+  const SdfPose pose = poseIn(*scope.source, element);
   shape.X_LG = pose.X;
   if (!pose.relative_to.empty())
     shape.X_LG =
         frames.relative(link, frames.find(scope.whole(pose.relative_to), file, *pose.element)) *
         pose.X;
-  const XMLElement& e = shapeIn(file, file.requiredChild(element, "geometry"));
+  const XMLElement& geometry = file.requiredChild(element, "geometry");
+  file.allowAttributes(geometry, {});
+  const XMLElement& e = shapeIn(file, geometry);
   shape.file = file.path();
   shape.line = e.GetLineNum();
   const std::string kind = e.Name();
   if (kind == "empty") return std::nullopt;
   if (kind == "box") {
     shape.kind = Kind::kBox;
-    file.leaveOutUnknown(e, {"size"}, {});
+    expectOnly(file, e, {}, {"size"});
     static_cast<void>(file.requiredChild(e, "size"));
     shape.size = vectorIn(file, e, "size", shape.size);
     if ((shape.size.array() < 0).any())
@@ -99,23 +114,23 @@ std::optional<UrdfCollision> readShape(const XMLElement& element, const SdfFrame
                        "; edges of zero or more would be accepted");
   } else if (kind == "sphere") {
     shape.kind = Kind::kSphere;
-    file.leaveOutUnknown(e, {"radius"}, {});
+    expectOnly(file, e, {}, {"radius"});
     shape.radius = sizeIn(file, e, "radius");
   } else if (kind == "cylinder" || kind == "capsule") {
     shape.kind = kind == "capsule" ? Kind::kCapsule : Kind::kCylinder;
-    file.leaveOutUnknown(e, {"radius", "length"}, {});
+    expectOnly(file, e, {}, {"radius", "length"});
     shape.radius = sizeIn(file, e, "radius");
     shape.length = sizeIn(file, e, "length");
   } else if (kind == "ellipsoid") {
     shape.kind = Kind::kEllipsoid;
-    file.leaveOutUnknown(e, {"radii"}, {});
+    expectOnly(file, e, {}, {"radii"});
     static_cast<void>(file.requiredChild(e, "radii"));
     shape.size = 2 * vectorIn(file, e, "radii", shape.size);
     if (!(shape.size.array() > 0).all())
       file.fail(e, "<radii> of <ellipsoid> is " + inQuotes(textIn(file, e, "radii")) +
                        "; three positive numbers would be accepted");
   } else if (kind == "plane") {
-    readPlane(file, e, shape);
+    readPlane(file, e, is_visual, shape);
   } else if (kind == "mesh") {
     readMesh(file, e, shape);
   } else {

@@ -9,8 +9,8 @@
 
 namespace leeway::robots {
 
-/// Reads a <collision>, or a <visual> that stands in for one, of a link (a frame). Nothing if it is
-/// <empty>. Throws InputError.
+/// Reads a <collision> or <visual> of a link (a frame). Nothing if it is <empty>. The plane of a
+/// <visual> is a box without a height. Throws InputError.
 std::optional<UrdfCollision> readShape(const tinyxml2::XMLElement& element, const SdfFrames& frames,
                                        int link);
 

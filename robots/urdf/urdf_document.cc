@@ -51,7 +51,6 @@ class UrdfReader {
     // What is between links and joints says little while some of them are wrong.
     wrong_.throwFirst();
     checkStructure(document_);
-    warnOfVisuals();
     warnOfSoftLimits();
     document_.essence = essence();
     document_.warnings = file_.takeWarnings();
@@ -154,13 +153,12 @@ class UrdfReader {
     if (document_.with_visuals) readVisuals(element, link);
     if (element.FirstChildElement("collision") == nullptr && takes_visuals_) {
       file_.eachChild(element, "visual", add);
-      if (!link.collisions.empty()) visual_links_.push_back(link.name);
+      link.visual_stands_in = !link.collisions.empty();
     } else {
       checkUnread(element, {"visual"});
       file_.eachChild(element, "collision", add);
     }
-    if (link.collisions.empty() && element.FirstChildElement("visual") != nullptr)
-      bare_links_.emplace_back(&element, link.name);
+    link.has_visual = element.FirstChildElement("visual") != nullptr;
     document_.links.push_back(std::move(link));
   }
 
@@ -173,25 +171,6 @@ class UrdfReader {
         document_.unread_visuals.emplace_back(error.what());
       }
     }
-  }
-
-  void warnOfVisuals() {
-    std::string names;
-    for (const auto& [element, name] : bare_links_)
-      names += (names.empty() ? "" : ", ") + inQuotes(name);
-    if (bare_links_.size() == 1)
-      file_.warn(*bare_links_.front().first,
-                 "link " + names + " has a <visual> and no <collision>: it will touch nothing");
-    else if (!bare_links_.empty())
-      file_.warn(*bare_links_.front().first,
-                 std::to_string(bare_links_.size()) +
-                     " links have a <visual> and no <collision>, and will touch nothing: " + names);
-    if (visual_links_.empty()) return;
-    names.clear();
-    for (const std::string& name : visual_links_)
-      names += (names.empty() ? "" : ", ") + inQuotes(name);
-    file_.warn(file_.root(),
-               "the <visual> shapes of links without <collision> stand in for it: " + names);
   }
 
   /// The one element of a <geometry> that is a shape. Others beside it are extensions.
@@ -550,8 +529,6 @@ class UrdfReader {
   UrdfDocument document_;
   std::map<std::string, int> link_lines_, joint_lines_, link_index_;
   std::vector<std::string> link_names_;
-  std::vector<std::string> visual_links_;                              // whose <visual> stands in
-  std::vector<std::pair<const XMLElement*, std::string>> bare_links_;  // without <collision>
   std::string soft_limited_;  // joints with soft limits, in quotes
   const XMLElement* first_soft_limits_ = nullptr;
 };

@@ -42,6 +42,8 @@ struct UrdfLink {
   int line = 0;
   std::vector<UrdfCollision> collisions;
   std::vector<UrdfCollision> visuals;  ///< with UrdfDocument::with_visuals
+  bool has_visual = false;             ///< whether or not visual shapes are read
+  bool visual_stands_in = false;       ///< for the collision shapes
 };
 
 struct UrdfJoint {
@@ -104,6 +106,9 @@ void checkStructure(const UrdfDocument& document);
 /// Reads the document's essence with urdfdom, the reader that robot software shares. Throws
 /// InputError where urdfdom reads another robot.
 void compareWithUrdfdom(const UrdfDocument& document);
+
+/// Lets a joint of one position stand still there.
+void lockAt(UrdfJoint& joint, double position);
 
 /// The rotation of fixed-axis angles roll, pitch, yaw [rad]: Rz(yaw) Ry(pitch) Rx(roll).
 Eigen::Matrix3d rollPitchYaw(const Eigen::Vector3d& rpy);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "robots/urdf/rotation.h"
 #include "robots/urdf/urdf_document.h"
 #include "robots/urdf/xml_reader.h"
 
@@ -130,6 +131,19 @@ class StructureCheck {
 };
 
 }  // namespace
+
+void lockAt(UrdfJoint& joint, double position) {
+  Pose moved;
+  const Eigen::Vector3d axis = joint.axis.normalized();
+  if (joint.type == JointType::kPrismatic)
+    moved.translation = position * axis;
+  else
+    moved.rotation = rotationAbout(axis, position);
+  joint.X_PJ = joint.X_PJ * moved;
+  joint.xyz = joint.X_PJ.translation;
+  joint.type = JointType::kFixed;
+  joint.has_limit = joint.has_mimic = false;
+}
 
 void checkStructure(const UrdfDocument& document) { StructureCheck(document).run(); }
 

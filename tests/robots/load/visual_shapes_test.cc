@@ -54,6 +54,37 @@ TEST(VisualShapes, OfAUrdf) {
   EXPECT_EQ(robot->links[static_cast<std::size_t>(robot->findLink("arm"))].geometries.size(), 1u);
 }
 
+TEST(VisualShapes, OfAnSdf) {
+  const Folder folder;
+  static_cast<void>(folder.write("tool/skin.obj", kTetrahedron));
+  static_cast<void>(folder.write("tool/tool.sdf", R"(<sdf version="1.9"><model name="tool">
+<link name="palm"><visual name="v"><geometry><mesh><uri>skin.obj</uri></mesh></geometry></visual></link>
+</model></sdf>)"));
+  const std::string file = folder.write("robot.sdf", R"(<sdf version="1.9"><model name="two">
+<link name="base">
+  <visual name="v"><pose>0 0 1 0 0 0</pose><material/><geometry><plane><size>2 3</size></plane></geometry></visual>
+  <visual name="w"><geometry><heightmap/></geometry></visual>
+</link>
+<frame name="f" attached_to="base"><pose>0 1 0 0 0 0</pose></frame>
+<link name="arm"><visual name="v"><pose relative_to="f"/><geometry><sphere><radius>1</radius></sphere></geometry></visual></link>
+<include><uri>tool/tool.sdf</uri></include>
+<joint name="j" type="fixed"><parent>base</parent><child>arm</child></joint>
+<joint name="k" type="fixed"><parent>arm</parent><child>tool</child></joint>
+</model></sdf>
+)");
+  const auto robot = loadModel(file, "");
+  const VisualShapes visuals = loadVisualShapes(*robot);
+  ASSERT_EQ(visuals.shapes.size(), 3u) << testing::PrintToString(visuals.left_out);
+  ASSERT_TRUE(visuals.shapes[0].shape);  // a plane that is drawn has its size
+  EXPECT_EQ(visuals.shapes[0].shape->halfExtents(), Eigen::Vector3d(1, 1.5, 0));
+  EXPECT_EQ(visuals.shapes[0].X_LV.translation, Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(visuals.shapes[1].X_LV.translation, Eigen::Vector3d(0, 1, 0));
+  EXPECT_EQ(visuals.shapes[2].link, robot->findLink("tool::palm"));
+  EXPECT_EQ(visuals.shapes[2].mesh.triangles.size(), 4u);  // beside the file that names it
+  EXPECT_EQ(visuals.left_out.size(), 1u);
+  EXPECT_TRUE(mentions(visuals, "robot.sdf:4"));
+}
+
 TEST(VisualShapes, OfMjcf) {
   const Folder folder;
   static_cast<void>(folder.write("skin.obj", kTetrahedron));

@@ -242,8 +242,9 @@ TEST(Mjcf, LinesOfPolycoefAreMimics) {
 <body name="b"><joint name="k" type="slide" ref="0.5"/><geom size="0.1"/></body>
 <body name="c"><joint name="l" type="slide"/><geom size="0.1"/></body>
 <body name="d"><joint name="m" type="slide"/><geom size="0.1"/></body>
-<body name="e"><joint name="n" type="slide"/><geom size="0.1"/></body>)",
-      R"(<equality><joint joint1="k" joint2="j" polycoef="0.1 2"/>
+<body name="e"><joint name="n" type="slide"/><geom size="0.1"/></body>
+<body name="f"><joint name="o" type="slide" ref="1"/><geom size="0.1"/></body>)",
+      R"(<equality><joint joint1="k" joint2="j" polycoef="0.1 2"/><joint joint1="o" joint2="j" polycoef="0.4 0"/>
 <joint joint1="l" polycoef="0.3 1 0 0 0"/>
 <joint joint1="m" joint2="j" polycoef="0 1 1"/>
 <joint joint1="n" joint2="j" active="false"/></equality>)"));
@@ -258,9 +259,10 @@ TEST(Mjcf, LinesOfPolycoefAreMimics) {
   EXPECT_DOUBLE_EQ(height("a"), 0.5);
   EXPECT_DOUBLE_EQ(height("b"), 0.1 + 2 * 0.5);  // q - ref = 0.1 + 2 (0.75 - 0.25)
   EXPECT_DOUBLE_EQ(height("c"), 0.3);
+  EXPECT_DOUBLE_EQ(height("f"), 0.4);
   EXPECT_NE(std::find_if(robot->warnings.begin(), robot->warnings.end(),
                          [](const std::string& w) {
-                           return w.find("robot.xml:11: the equality of joint \"m\"") !=
+                           return w.find("robot.xml:12: the equality of joint \"m\"") !=
                                   std::string::npos;
                          }),
             robot->warnings.end());

@@ -198,6 +198,32 @@ TEST(Kinematics, MimicChainsAreResolvedToTheJointThatMoves) {
   EXPECT_EQ(model->variables.size(), 3u + 3u + 7u);
 }
 
+/// So their master may turn without end, and no product of 0 and infinity is taken.
+TEST(Kinematics, MimicsOfMultiplierZeroStandStill) {
+  const Folder folder;
+  const auto model = loadModel(folder.write("robot.urdf", R"(<robot name="r">
+  <link name="a"/><link name="b"/><link name="c"/><link name="d"/>
+  <joint name="turn" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
+  <joint name="still" type="prismatic"><parent link="a"/><child link="c"/><axis xyz="2 0 0"/>
+    <limit lower="-9" upper="9" effort="1" velocity="2"/><mimic joint="turn" multiplier="0" offset="0.5"/></joint>
+  <joint name="chained" type="revolute"><parent link="c"/><child link="d"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="1" effort="1" velocity="2"/><mimic joint="still" multiplier="4" offset="1"/></joint>
+</robot>)"),
+                               "");
+  ASSERT_EQ(model->variables.size(), 1u);
+  for (const char* name : {"still", "chained"})
+    EXPECT_EQ(model->joints[static_cast<std::size_t>(model->findJoint(name))].type,
+              JointType::kFixed);
+  std::vector<Pose> X_WL(model->links.size());
+  forwardKinematics(*model, std::vector<double>{1}, X_WL);
+  const Pose& X = X_WL[static_cast<std::size_t>(model->findLink("d"))];
+  EXPECT_EQ(X.translation, Eigen::Vector3d(0.5, 0, 0));
+  EXPECT_NEAR(X.rotation(1, 0), std::sin(3), 1e-15);
+  ASSERT_EQ(model->warnings.size(), 1u);
+  EXPECT_NE(model->warnings[0].find("robot.urdf:7: joint \"chained\""), std::string::npos)
+      << model->warnings[0];
+}
+
 TEST(Kinematics, PlaneAxesAreRightHandedForEveryNormal) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;

@@ -121,6 +121,28 @@ TEST(Sdf, AxesAreInTheFrameOfTheirVersion) {
   EXPECT_LE((moved("1.7", "<xyz expressed_in=\"__model__\">1 0 0</xyz>") - model).norm(), 1e-14);
 }
 
+/// Their frames have that name up to SDF 1.6.
+TEST(Sdf, PosesOfOldFilesNameTheirFrame) {
+  const std::string links =
+      "<link name=\"a\"><pose>1 0 0 0 0 0</pose></link>"
+      "<link name=\"b\"><pose frame=\"a\">0 1 0 0 0 0</pose></link>" +
+      joint("", "fixed");
+  expectAt(poseOf(*load(sdf(links, "1.6")), {}, "b"), {1, 1, 0}, aboutZ(0));
+  expectAt(poseOf(*load(sdf(links, "1.7")), {}, "b"), {0, 1, 0}, aboutZ(0));
+}
+
+/// Each placement needs those of the models inside: once, or 2^40 times.
+TEST(Sdf, PlacementsOfModelsInModelsAreComputedOnce) {
+  std::string text = "<link name=\"l\"><pose>1 0 0 0 0 0</pose></link>", frame = "l";
+  for (int depth = 0; depth < 40; ++depth) {
+    text = "<model name=\"m\" placement_frame=\"" + frame + "\">" + text + "</model>";
+    frame = "m::" + frame;
+  }
+  const auto robot = load("<sdf version=\"1.9\"><model name=\"r\" placement_frame=\"" + frame +
+                          "\"><pose>0 2 0 0 0 0</pose>" + text + "</model></sdf>");
+  expectAt(poseOf(*robot, {}, frame), {0, 2, 0}, aboutZ(0));
+}
+
 TEST(Sdf, RobotsStandWhereTheirModelStands) {
   const auto robot = load(
       "<sdf version=\"1.7\"><world name=\"w\"><light name=\"sun\"/><model name=\"m\"><pose>1 2 3 0 "
@@ -211,6 +233,11 @@ TEST(Sdf, LimitsAreThoseOfTheFile) {
     EXPECT_TRUE(std::isinf(variableOf(*free, "j").velocity)) << none;
   }
   EXPECT_TRUE(std::isinf(variableOf(*of("", "prismatic"), "j").lower));
+  const auto half = of("<limit><lower>1</lower></limit>");
+  EXPECT_EQ(half->joints[1].type, JointType::kRevolute);
+  EXPECT_EQ(variableOf(*half, "j").lower, 1);
+  EXPECT_TRUE(std::isinf(variableOf(*half, "j").upper));
+  EXPECT_EQ(half->defaultConfiguration().at(0), 1);
 }
 
 TEST(Sdf, MimicsFollow) {
@@ -226,6 +253,36 @@ TEST(Sdf, MimicsFollow) {
                "1.11"));
   ASSERT_EQ(robot->variables.size(), 1u);
   expectAt(poseOf(*robot, {1}, "c"), {0, 0, 0}, aboutZ(2 * (1 - 0.25) + 0.5));
+}
+
+TEST(Sdf, MimicsOfWhatIsLeftOut) {
+  const std::string links =
+      "<link name=\"a\"/><link name=\"b\"/><link name=\"c\"/>"
+      "<joint name=\"k\" type=\"prismatic\"><parent>a</parent><child>c</child><axis><xyz>1 0 0"
+      "</xyz><mimic joint=\"";
+  const std::string numbers =
+      "\"><multiplier>2</multiplier><offset>0.5</offset><reference>0.2</reference></mimic></axis>"
+      "</joint>";
+  const auto expectWarning = [](const Model& robot, const std::string& words) {
+    EXPECT_TRUE(std::any_of(
+        robot.warnings.begin(), robot.warnings.end(),
+        [&](const std::string& warning) { return warning.find(words) != std::string::npos; }))
+        << words;
+  };
+  const auto geared =
+      load(sdf(links + "g" + numbers + joint("<axis><xyz>0 0 1</xyz></axis>") +
+               "<joint name=\"g\" type=\"gearbox\"><parent>a</parent><child>b</child></joint>"));
+  EXPECT_EQ(geared->variables.size(), 2u);
+  expectWarning(*geared, "\"k\" mimics \"g\", which is left out: it moves on its own");
+  const auto still =
+      load(sdf(links + "s::j" + numbers + joint("<axis><xyz>0 0 1</xyz></axis>") +
+               "<model name=\"s\"><static>1</static><link name=\"a\"/><link name=\"b\"/>" +
+               joint("<axis><xyz>0 0 1</xyz></axis>") +
+               "</model><joint name=\"w\" type=\"fixed\">"
+               "<parent>world</parent><child>a</child></joint>"));
+  EXPECT_EQ(still->variables.size(), 1u);
+  expectWarning(*still, "\"k\" mimics \"s::j\", which is left out: it stands still");
+  expectAt(poseOf(*still, {0}, "c"), {0.5 - 2 * 0.2, 0, 0}, aboutZ(0));
 }
 
 TEST(Sdf, LinksThatAJointJoinsAreNotChecked) {
@@ -376,6 +433,8 @@ TEST_F(SdfIncludes, SayWhatIsWrongInWhichFile) {
       "<pose>0 0 0 0 0 0</pose></include>"
       "<joint name=\"w\" type=\"fixed\"><parent>arm</parent><child>tool::palm</child></joint>",
       tool, 1, {"\"tool::plam\"", "did you mean \"tool::palm\"?"});
+  expect("<include><uri>model://tool</uri><placement_frame>palm</placement_frame></include>", arm,
+         4, {"<placement_frame> \"palm\"", "no <pose>"});
   folder_.write("tool/model.sdf",
                 "<sdf version=\"1.5\"><model name=\"tool\">\n<link/></model></sdf>");
   expect("<include><uri>model://tool</uri></include>", tool, 2, {"<link> has no name"});
@@ -545,6 +604,34 @@ TEST(Sdf, UnknownPartsAreLeftOutWithTheirLine) {
     EXPECT_NE(all.find(words), std::string::npos) << words << '\n' << all;
 }
 
+/// What bears on geometry, kinematics or limits is read, refused or named.
+TEST(Sdf, PartsThatAreNotReadAreNamed) {
+  const std::string axis = joint(
+      "\n<axis2/>\n<axis><xyz>1 0 0</xyz>\n<initial_position>1</initial_position>\n"
+      "<use_parent_model_frame>1</use_parent_model_frame>\n<limit><lower>1</lower>"
+      "<velocity>0</velocity></limit></axis>",
+      "continuous");
+  const auto robot = load(
+      "<sdf version=\"1.9\">\n<actor name=\"p\"/><world name=\"w\">\n<state "
+      "world_name=\"w\"/>\n<population name=\"p\"/>\n<model "
+      "name=\"m\">\n<model_state name=\"m\"/><link name=\"a\"/><link "
+      "name=\"b\"><collision name=\"c\">\n<surface><contact><collide_bitmask>1"
+      "</collide_bitmask></contact></surface><geometry><sphere><radius>1"
+      "</radius></sphere></geometry></collision></link>" +
+      axis + "</model></world></sdf>");
+  std::string all;
+  for (const std::string& warning : robot->warnings) all += warning + '\n';
+  for (const char* words :
+       {":2: <actor> in <sdf> is left out", ":3: <state> in <world> is left out",
+        ":4: <population> in <world> is left out", ":6: <model_state> in <model> is left out",
+        ":7: <collide_bitmask> in <contact> is left out", ":8: <axis2> in <joint> is left out",
+        ":10: <initial_position> in <axis> is left out",
+        ":11: <use_parent_model_frame> in <axis> is left out",
+        ":12: joint \"j\" is continuous: its <lower> and <upper> are left out",
+        ":12: the velocity limit \"0\" of joint \"j\" is taken for none"})
+    EXPECT_NE(all.find(words), std::string::npos) << words << '\n' << all;
+}
+
 struct BadSdf {
   const char* name;
   std::string text;
@@ -657,6 +744,18 @@ const BadSdf kBad[] = {
      4,
      {"lower limit \"1\"", "upper limit \"0\""}},
     {"LimitWord", two(axis("<limit><lower>low</lower></limit>")), 4, {"<lower>", "\"low\""}},
+    {"LimitEndless",
+     two(axis("<limit><lower>1e16</lower></limit>")),
+     4,
+     {"<lower> is \"1e16\"", "-1e16 to 1e16"}},
+    {"LimitAttribute",
+     two(axis("<limit lower=\"-1\" upper=\"1\"/>")),
+     4,
+     {"<limit> has the attribute", "lower=\"-1\"", "<lower>-1</lower> would be accepted"}},
+    {"AxisInTwoFrames",
+     two(axis("<xyz expressed_in=\"a\">0 0 1</xyz>"), "1.4"),
+     4,
+     {"expressed_in is \"a\"", "this version of SDF"}},
     {"Mimic", two(axis("<mimic joint=\"k\"/>")), 4, {"<mimic>", "\"k\"", "not defined"}},
     {"MimicLink", two(axis("<mimic joint=\"a\"/>")), 4, {"\"a\"", "no joint"}},
     {"MimicItself", two(axis("<mimic joint=\"j\"/>")), 4, {"\"j\"", "mimics itself"}},
@@ -695,6 +794,12 @@ const BadSdf kBad[] = {
      "<sdf version=\"1.11\"><world name=\"w\">\n<joint name=\"j\" type=\"fixed\"/></world></sdf>",
      2,
      {"<joint> of the <world>"}},
+    {"WorldAndModel",
+     "<sdf version=\"1.11\"><world name=\"w\"><model name=\"a\"><link "
+     "name=\"l\"/></model></world>\n"
+     "<model name=\"b\"><link name=\"l\"/></model></sdf>",
+     2,
+     {"<model> beside <world>", "one robot would be accepted"}},
     {"WorldModels",
      "<sdf version=\"1.9\"><world name=\"w\"><model name=\"a\"/>\n<model "
      "name=\"b\"/></world></sdf>",

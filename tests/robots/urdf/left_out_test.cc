@@ -226,7 +226,7 @@ TEST_F(LeftOutOfUrdf, VisualShapesStandInWhereAskedFor) {
   options.visual_as_collision = true;
   const auto model = load(shapes, options);
   expectWarnings(*model,
-                 {":1: the <visual> shapes of links without <collision> stand in for it: \"b\""});
+                 {":3: the <visual> shapes of links without <collision> stand in for it: \"b\""});
   const auto& b = model->links[1].geometries;
   ASSERT_EQ(b.size(), 2U);
   EXPECT_EQ(b[0].shape.type(), collision::ShapeType::kBox);
