@@ -246,10 +246,17 @@ class GltfReader {
   }
 
   void requireVersion() const {
-    const Entry version =
-        member(member(root(), "asset").exists() ? member(root(), "asset") : root(), "version");
-    if (!version.exists() || !version.value->is_string() || !text(version).starts_with("2."))
-      fail({version.value, "asset.version"}, "\"2.0\"");
+    const Entry asset = member(root(), "asset");
+    if (!asset.exists()) fail({nullptr, "asset.version"}, "\"2.0\"");
+    // A later 2.x adds what a reader of 2.0 may leave out, unless minVersion needs it (3.2).
+    const Entry version = member(asset, "version"), least = member(asset, "minVersion");
+    if (!version.exists() || !isVersion2(text(version))) fail(version, "\"2.0\"");
+    if (least.exists() && text(least) != "2.0") fail(least, "\"2.0\"");
+  }
+
+  static bool isVersion2(std::string_view version) {
+    return version.size() > 2 && version.starts_with("2.") &&
+           version.find_first_not_of("0123456789", 2) == std::string_view::npos;
   }
 
   /// A reader has to refuse a file that requires an extension unknown to it (section 3.12).
@@ -284,23 +291,17 @@ class GltfReader {
 
   std::string load(const Entry& uri) {
     const std::string given = text(uri);
-    if (given.starts_with("data:")) {
-      const std::size_t comma = given.find(";base64,");
-      if (comma == std::string::npos) fail({nullptr, uri.path + ": ';base64,'"}, "data in base64");
-      return decoded(uri, std::string_view(given).substr(comma + 8));
+    const std::size_t colon = given.find_first_of(":/");
+    if (colon != std::string::npos && given[colon] == ':') {
+      constexpr std::string_view kMark = ";base64,";
+      const std::size_t mark = given.find(kMark);
+      if (!given.starts_with("data:") || mark == std::string::npos)
+        source_.fail(uri.path + " is " + shown(given.substr(0, given.find(','))) +
+                     "; the name of a file, or data in base64, would be accepted");
+      return decoded(uri, unescaped(given.substr(mark + kMark.size())));
     }
     reads_others_ = true;
-    std::string name;
-    for (std::size_t i = 0; i < given.size(); ++i) {
-      unsigned code = 0;
-      if (given[i] == '%' && i + 2 < given.size() &&
-          std::from_chars(&given[i + 1], &given[i + 3], code, 16).ptr == &given[i + 3]) {
-        name += static_cast<char>(code);
-        i += 2;
-      } else {
-        name += given[i];
-      }
-    }
+    const std::string name = unescaped(given);
     if (name.find('\0') != std::string::npos) fail(uri, "the name of a file");
     const std::filesystem::path path = std::filesystem::path(source_.path()).parent_path() / name;
     try {
@@ -309,6 +310,22 @@ class GltfReader {
       source_.fail("names the file " + shown(given) + " in " + uri.path + ": " + error.what() +
                    "; a file that is there would be accepted");
     }
+  }
+
+  /// A part of a URI without its percent-encoding (RFC 3986, section 2.1).
+  static std::string unescaped(const std::string& part) {
+    std::string text;
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      unsigned code = 0;
+      if (part[i] == '%' && i + 2 < part.size() &&
+          std::from_chars(&part[i + 1], &part[i + 3], code, 16).ptr == &part[i + 3]) {
+        text += static_cast<char>(code);
+        i += 2;
+      } else {
+        text += part[i];
+      }
+    }
+    return text;
   }
 
   std::string decoded(const Entry& uri, std::string_view text) const {
@@ -539,6 +556,9 @@ class GltfReader {
 
   Eigen::Matrix4d transformOf(const Entry& node) const {
     if (const auto matrix = numbers<16>(node, "matrix")) {
+      for (const char* other : {"translation", "rotation", "scale"})
+        if (const Entry beside = member(node, other); beside.exists())
+          source_.fail(beside.path + " stands beside a matrix; one of them would be accepted");
       const Eigen::Matrix4d X = Eigen::Map<const Eigen::Matrix4d>(matrix->data());  // by columns
       if (X.row(3) != Eigen::RowVector4d(0, 0, 0, 1))
         fail(member(node, "matrix"), "0, 0, 0 and 1 as the last row, numbers 4, 8, 12 and 16,");

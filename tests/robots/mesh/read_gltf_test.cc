@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -104,6 +105,22 @@ TEST(ReadGltf, TextAndBinary) {
   plain.position = R"("bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3")";
   plain.primitive = R"("attributes": {"POSITION": 0})";
   EXPECT_EQ(cornersOf(read(plain.json()).meshes.at(0), 0), (Corners{0, 1, 2}));
+}
+
+TEST(ReadGltf, LaterVersionsAndEscapedData) {
+  Tetrahedron file;
+  std::string text = file.json();
+  const std::string version = R"("version": "2.0")";
+  text.replace(text.find(version), version.size(), R"("version": "2.7", "minVersion": "2.0")");
+  const std::size_t data = text.find("base64,") + 7;
+  for (std::size_t at = data; text[at] != '"'; ++at)
+    if (at % 5 == 0) {
+      char escaped[4];
+      std::snprintf(escaped, sizeof escaped, "%%%02X", static_cast<unsigned>(text[at]));
+      text.replace(at, 1, escaped);
+      at += 2;
+    }
+  expectTetrahedron(read(text));
 }
 
 TEST(ReadGltf, QuantisedCoordinates) {
@@ -216,6 +233,11 @@ TEST(ReadGltf, RefusesWhatItWouldReadWrongly) {
   changed(&Tetrahedron::nodes, R"([{"children": [1, 1]}, {"mesh": 0}])", "two parents");
   changed(&Tetrahedron::nodes, R"([{"mesh": 0, "rotation": [0, 0, 1, 1]}])", "unit quaternion");
   changed(&Tetrahedron::nodes, R"([{"mesh": 0, "scale": [1, 1]}])", "3 finite numbers");
+  const std::string identity = R"("matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1])";
+  for (const char* beside :
+       {R"("translation": [1, 0, 0])", R"("scale": [1, 1, 1])", R"("rotation": [0, 0, 0, 1])"})
+    changed(&Tetrahedron::nodes, R"([{"mesh": 0, )" + identity + ", " + beside + "}]",
+            "stands beside a matrix");
   changed(&Tetrahedron::more, R"("extensionsRequired": ["KHR_draco_mesh_compression"])",
           "KHR_draco_mesh_compression");
   changed(&Tetrahedron::more, R"("scenes": [{"nodes": [5]}])", "scenes[0].nodes[0] is '5'");
@@ -224,7 +246,14 @@ TEST(ReadGltf, RefusesWhatItWouldReadWrongly) {
   changed(&Tetrahedron::buffer, R"("uri": "data:;base64,*)", "'*'");
   changed(&Tetrahedron::buffer, R"("uri": "gone.bin)", "gone.bin");
   changed(&Tetrahedron::buffer, R"("uri": "data:;base64,AAAA)", "bytes that are there");
-  expectRefused(R"({"asset": {"version": "1.0"}})", "asset.version is '\"1.0\"'");
+  expectRefused("{}", "asset.version is missing");
+  expectRefused(R"({"asset": {}})", "asset.version is missing");
+  for (const char* version : {"1.0", "20.0", "2.", "2.x"})
+    expectRefused(R"({"asset": {"version": ")" + std::string(version) + "\"}}",
+                  "asset.version is '\"" + std::string(version) + "\"'");
+  expectRefused(R"({"asset": {"version": "2.1", "minVersion": "2.1"}})",
+                "asset.minVersion is '\"2.1\"'");
+  changed(&Tetrahedron::buffer, R"("uri": "https://a.b/c.bin)", "name of a file");
   expectRefused("{\n\"asset\": nope}", ":2: is not JSON here");
   expectRefused("[]", "the file is a list");
   const std::string whole = Tetrahedron().glb();
