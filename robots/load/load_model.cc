@@ -22,6 +22,7 @@
 #include "robots/base/tolerances.h"
 #include "robots/cache/content_key.h"
 #include "robots/cache/disk_cache.h"
+#include "robots/load/fit_primitive.h"
 #include "robots/load/read_document.h"
 #include "robots/mesh/mesh_import.h"
 #include "robots/mesh/mesh_path.h"
@@ -86,6 +87,14 @@ class Meshes {
       keys_.back() = key.finish();
     }
     return withTreatment(loaded.mesh->shape, *treatment);
+  }
+
+  /// The primitive that is fitted to a mesh.
+  UrdfCollision fitted(const UrdfCollision& collision, std::vector<std::string>& warnings) const {
+    const IndexedMesh mesh = importTriangles(std::get<0>(keyOf(collision)), Eigen::Vector3d::Ones(),
+                                             collision.file, collision.line, options_.stop);
+    warnings.insert(warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
+    return fittedPrimitive(collision, mesh);
   }
 
   const DiskCache& cache() const { return cache_; }
@@ -233,12 +242,19 @@ void appendLink(const UrdfLink& source, int joint, Meshes& meshes, const LoadOpt
   link.name = source.name;
   link.joint = joint;
   for (const UrdfCollision& collision : source.collisions) {
-    if (collision.kind == UrdfCollision::Kind::kMesh && options.kinematics_only) {
+    const bool is_mesh = collision.kind == UrdfCollision::Kind::kMesh;
+    if ((is_mesh || collision.fit) && options.kinematics_only) {
       model.lacks_meshes = true;
-      static_cast<void>(treatmentOf(options, {link.name, collision.mesh_file}));  // it is known
+      if (is_mesh)
+        static_cast<void>(treatmentOf(options, {link.name, collision.mesh_file}));  // it is known
       continue;
     }
     readOn(options.errors, [&] {
+      if (collision.fit) {
+        const UrdfCollision primitive = meshes.fitted(collision, model.warnings);
+        link.geometries.push_back({primitiveOf(primitive), primitive.X_LG, collision.name});
+        return;
+      }
       link.geometries.push_back({makeShape(collision, source.name, meshes, model.warnings),
                                  collision.X_LG, collision.name});
     });

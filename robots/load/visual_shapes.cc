@@ -1,6 +1,7 @@
 #include "robots/load/visual_shapes.h"
 
 #include "leeway/robots/input_error.h"
+#include "robots/load/fit_primitive.h"
 #include "robots/load/read_document.h"
 #include "robots/mesh/mesh_path.h"
 #include "robots/urdf/urdf_document.h"
@@ -33,12 +34,19 @@ VisualShapes loadVisualShapes(const RobotDescription& robot, const Stop& stop) {
           throw InputError(visual.file, visual.line,
                            "the robot was read before it had link " + inQuotes(link.name));
         VisualShape shape{number, visual.X_LG, {}, {}};
-        const std::string& from = visual.mesh_from.empty() ? robot.urdf_file : visual.mesh_from;
-        if (visual.kind == UrdfCollision::Kind::kMesh)
-          shape.mesh = importTriangles(resolveMesh(visual.mesh_file, from, visual.line, options),
-                                       visual.mesh_scale, visual.file, visual.line, stop);
-        else
-          shape.shape = primitiveOf(visual);
+        const auto meshOf = [&](const Eigen::Vector3d& scale) {
+          const std::string& from = visual.mesh_from.empty() ? robot.urdf_file : visual.mesh_from;
+          return importTriangles(resolveMesh(visual.mesh_file, from, visual.line, options), scale,
+                                 visual.file, visual.line, stop);
+        };
+        if (visual.kind == UrdfCollision::Kind::kMesh) {
+          shape.mesh = meshOf(visual.mesh_scale);
+        } else {
+          const UrdfCollision primitive =
+              visual.fit ? fittedPrimitive(visual, meshOf(Eigen::Vector3d::Ones())) : visual;
+          shape.shape = primitiveOf(primitive);
+          shape.X_LV = primitive.X_LG;
+        }
         result.shapes.push_back(std::move(shape));
       } catch (const InputError& error) {
         result.left_out.emplace_back(error.what());

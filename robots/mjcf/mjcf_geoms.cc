@@ -120,10 +120,6 @@ GeomReader::Geom GeomReader::read(const XMLElement& element, const std::string& 
     file_.fail(element, "a geom of type " + kTypes[type] +
                             " is not read; another type, or contype and conaffinity 0 for one that "
                             "collides with nothing, would be accepted");
-  if (type != kMesh && a.find("mesh") != nullptr)
-    file_.fail(element, "a " + kTypes[type] +
-                            " that MuJoCo fits to a mesh is not read; its sizes, or type=\"mesh\" "
-                            "for the mesh's hull, would be accepted");
   if (type == kPlane && !is_static)
     file_.fail(element,
                "a plane moves with its body; planes of bodies that stand still would be "
@@ -139,9 +135,9 @@ std::optional<UrdfCollision> GeomReader::readVisual(const XMLElement& element,
   const Attributes a = classes_.of(element, childclass);
   const std::size_t type = a.word("type", kTypes, "sphere");
   if (a.mask("group", 0) >= kHidden || type == kPlane) return std::nullopt;
-  if (type == kHfield || type == kSdf || (type != kMesh && a.find("mesh") != nullptr))
+  if (type == kHfield || type == kSdf)
     file_.fail(element, "this geom of type " + kTypes[type] +
-                            " is not drawn; a mesh as it is, or another type, would be accepted");
+                            " is not drawn; another type would be accepted");
   UrdfCollision shape = shapeOf(a, type, X_LF);
   shape.is_hull = false;
   return shape;
@@ -160,7 +156,9 @@ void GeomReader::readShape(const Attributes& a, std::size_t type, const Pose& X_
                            UrdfCollision& shape) const {
   std::vector<double> size = a.over("size", {0, 0, 0});
   Pose X_FG;
+  const bool is_fit = type != kMesh && !a.text("mesh", "").empty();
   if (const auto fromto = a.numbers("fromto", 6)) {
+    if (is_fit) a.fail("fromto", "pos, without it, would be accepted beside a mesh");
     if (type != kCapsule && type != kCylinder && type != kEllipsoid && type != kBox)
       a.fail("fromto",
              "a capsule, cylinder, ellipsoid or box would be accepted with it, and this "
@@ -176,11 +174,14 @@ void GeomReader::readShape(const Attributes& a, std::size_t type, const Pose& X_
   }
   shape.X_LG = X_LF * X_FG;
   if (type == kMesh) return readMeshGeom(a, shape);
+  if (is_fit && type == kPlane)
+    a.fail("mesh", "a type that can be fitted to a mesh would be accepted, this is a plane");
   if (type == kPlane) {
     shape.kind = UrdfCollision::Kind::kPlane;
     return;
   }
-  for (std::size_t i = 0; i < sizesOf(type); ++i)
+  if (is_fit) readFit(a, shape);
+  for (std::size_t i = 0; i < sizesOf(type) && !is_fit; ++i)
     if (!(size[i] > 0))
       a.fail("size", std::to_string(sizesOf(type)) + " positive numbers would be accepted for a " +
                          kTypes[type] + (sizesOf(type) == 1 ? "" : ", fewer with fromto"));
@@ -194,7 +195,7 @@ void GeomReader::readShape(const Attributes& a, std::size_t type, const Pose& X_
                                     : UrdfCollision::Kind::kBox;
 }
 
-void GeomReader::readMeshGeom(const Attributes& a, UrdfCollision& shape) const {
+const XMLElement& GeomReader::meshOf(const Attributes& a) const {
   const std::string name = a.text("mesh", "");
   if (name.empty()) a.fail("mesh", "the name of a <mesh> would be accepted");
   const auto found = meshes_.find(name);
@@ -204,7 +205,28 @@ void GeomReader::readMeshGeom(const Attributes& a, UrdfCollision& shape) const {
     const std::string nearest = suggestion(name, names);
     a.fail("mesh", nearest.empty() ? "the name of a <mesh> would be accepted" : nearest);
   }
-  const XMLElement& element = *found->second;
+  return *found->second;
+}
+
+void GeomReader::readFit(const Attributes& a, UrdfCollision& shape) const {
+  const XMLElement& element = meshOf(a);
+  const Mesh mesh = resolved(element);
+  const std::size_t inertia = classes_.of(element, "")
+                                  .word("inertia", {"legacy", "exact", "shell", "convex"},
+                                        settings_.exact_inertia ? "exact" : "legacy");
+  if (inertia == 3)
+    classes_.of(element, "")
+        .fail("inertia",
+              "legacy, exact or shell would be accepted, as a primitive is fitted to the mesh");
+  shape.fit = MeshFit{static_cast<MeshFit::Inertia>(inertia), settings_.fits_bounds,
+                      a.number("fitscale", 1), mesh.X_GM};
+  if (!(shape.fit->scale > 0)) a.fail("fitscale", "a number above 0 would be accepted");
+  shape.mesh_file = mesh.path;
+  shape.mesh_scale = mesh.scale;
+}
+
+void GeomReader::readMeshGeom(const Attributes& a, UrdfCollision& shape) const {
+  const XMLElement& element = meshOf(a);
   const Mesh mesh = resolved(element);
   shape.kind = UrdfCollision::Kind::kMesh;
   shape.is_hull = true;

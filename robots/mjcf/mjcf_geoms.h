@@ -27,7 +27,8 @@ struct GeomMasks {
   }
 };
 
-/// Reads geoms as MuJoCo collides them: meshes as their convex hulls.
+/// Reads geoms as MuJoCo collides them: meshes as their convex hulls, or as the primitives that it
+/// fits to them.
 class GeomReader {
  public:
   /// `file` and the others must outlive this.
@@ -59,6 +60,10 @@ class GeomReader {
   void readShape(const Attributes& a, std::size_t type, const Pose& X_LF,
                  UrdfCollision& shape) const;
   void readMeshGeom(const Attributes& a, UrdfCollision& shape) const;
+  /// A primitive that is fitted to the geom's mesh.
+  void readFit(const Attributes& a, UrdfCollision& shape) const;
+  /// The <mesh> that a geom names.
+  const tinyxml2::XMLElement& meshOf(const Attributes& a) const;
 
   const MjcfFile& file_;
   const MjcfSettings& settings_;

@@ -61,6 +61,8 @@ MjcfSettings readSettings(const MjcfFile& file) {
     settings.mesh_folder = a.text("meshdir", settings.mesh_folder);
     settings.strips_paths = a.flag("strippath", settings.strips_paths);
     settings.auto_limits = a.flag("autolimits", settings.auto_limits);
+    settings.fits_bounds = a.flag("fitaabb", settings.fits_bounds);
+    settings.exact_inertia = a.flag("exactmeshinertia", settings.exact_inertia);
   });
   file.eachOf("option", [&](const XMLElement& e) {
     if (std::string_view(e.Name()) != "flag") return;

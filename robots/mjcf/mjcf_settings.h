@@ -19,6 +19,8 @@ struct MjcfSettings {
   std::string mesh_folder;
   bool strips_paths = false;
   bool auto_limits = true;
+  bool fits_bounds = false;     ///< primitives go around the meshes that they are fitted to
+  bool exact_inertia = false;   ///< of meshes, in files of older versions
   bool filters_parents = true;  ///< a body does not collide with its parent
 
   double angle(double written) const;  ///< [rad]

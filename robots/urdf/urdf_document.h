@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,15 @@
 #include "leeway/robots/model.h"
 
 namespace leeway::robots {
+
+/// A primitive that MuJoCo fits to a mesh.
+struct MeshFit {
+  enum class Inertia : unsigned char { kLegacy, kExact, kShell };
+  Inertia inertia = Inertia::kLegacy;  ///< of the mesh: how its parts count
+  bool to_bounds = false;              ///< around the mesh, not of about its inertia
+  double scale = 1;                    ///< of the sizes
+  Pose X_GM;                           ///< places the scaled mesh on the geom
+};
 
 /// A <collision> of a link of a URDF or SDF, as written, or a <visual> that stands in for it; a
 /// geom of an MJCF file.
@@ -33,7 +43,8 @@ struct UrdfCollision {
   std::string mesh_file;
   std::string mesh_from;  ///< the file whose folder mesh_file starts from; empty: the document's
   Eigen::Vector3d mesh_scale = Eigen::Vector3d::Ones();
-  bool is_hull = false;  ///< of the mesh, unless LoadOptions::meshes says otherwise
+  bool is_hull = false;        ///< of the mesh, unless LoadOptions::meshes says otherwise
+  std::optional<MeshFit> fit;  ///< a primitive whose size and place follow from the mesh
 };
 
 struct UrdfLink {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -504,6 +505,92 @@ TEST_P(MjcfMessage, SaysWhereWhatAndWhatInstead) {
 }
 
 /// A body (line 3) with `inside` in line 4.
+/// MuJoCo's own sizes and poses, of its release 3 compiled to WebAssembly (npm's mujoco-js 0.0.7).
+TEST(Mjcf, PrimitivesAreFittedToMeshesAsMuJoCoDoes) {
+  struct Case {
+    const char *compiler, *mesh, *geom;
+    Eigen::Vector3d size, pos;
+    Eigen::Vector4d quat;  // w x y z
+  };
+  const Eigen::Vector3d center(0.07500000298023222, 0.05000000074505806, 0.025000000372529026);
+  const Eigen::Vector4d turn(0.22089758010408622, 0.7360409335852054, 0.005524009276587527,
+                             0.6398573970133457);
+  const Case cases[] = {
+      {"",
+       "",
+       "type=\"box\"",
+       {0.025999430195414633, 0.06396526944309404, 0.10479730391039135},
+       center,
+       turn},
+      {"", "", "type=\"capsule\"", {0.044982349819254336, 0.08230612900076419, 0}, center, turn},
+      {"", "", "type=\"cylinder\"", {0.044982349819254336, 0.10479730391039135, 0}, center, turn},
+      {"", "", "", {0.06492066784963334, 0, 0}, center, turn},
+      {"",
+       "",
+       "type=\"ellipsoid\" pos=\"1 2 3\" euler=\"10 20 30\" fitscale=\"2\"",
+       {0.051998860390829266, 0.12793053888618808, 0.2095946078207827},
+       {1.0460930163673527, 2.077867112312574, 3.0237096436587954},
+       {-0.05813801603914889, 0.8140344269413825, 0.15317303732012696, 0.5572306017111566}},
+      {"fitaabb=\"true\"",
+       "",
+       "type=\"box\"",
+       {0.04697410025771179, 0.10684717440561345, 0.1734654655230407},
+       {0.13245257634650165, 0.04515150842658293, 0.01049041088351119},
+       turn},
+      {"fitaabb=\"true\"",
+       "",
+       "type=\"cylinder\"",
+       {0.10684717440561345, 0.1734654655230407, 0},
+       {0.13245257634650165, 0.04515150842658293, 0.01049041088351119},
+       turn},
+      {"",
+       "inertia=\"shell\"",
+       "type=\"box\"",
+       {0.03345330755899482, 0.08077392877009854, 0.13383574168348716},
+       {0.08888889265754236, 0.05555555634397679, 0.02222222251393808},
+       {0.23453323754007607, 0.7336662772815936, -0.0012241108170968906, 0.6377510922150189}},
+      {"",
+       "inertia=\"exact\" scale=\"-1 2 3\" refpos=\"0.1 0 0\"",
+       "type=\"box\"",
+       {0.06230117539914108, 0.11618950356037966, 0.14445955990910042},
+       {0.024999997019767774, 0.1000000014901161, 0.07500000111758709},
+       {0.6955607099671162, 0.58182260672345, 0.12726069123038009, -0.40184881426120667}},
+      // Of a small mesh the axes are off the principal ones.
+      {"",
+       "scale=\"0.1 0.1 0.1\" refquat=\"1 2 3 4\"",
+       "type=\"box\"",
+       {0.002604021195242004, 0.0063948756006106606, 0.010479725635266062},
+       {-0.0008333334699273109, 0.0016666667163372044, 0.009166666939854622},
+       {0.2875805636141903, 0.7839921853548755, 0.3467715993119941, 0.4270867952119751}},
+      {"",
+       "scale=\"0.01 0.01 0.01\" refquat=\"1 2 3 4\"",
+       "type=\"box\"",
+       {0.0009376389078042969, 0.00045240100957181384, 0.0007008328633419293},
+       {-0.00008333334699273111, 0.00016666667163372047, 0.0009166666939854621},
+       {1, 0, 0, 0}}};
+  const Folder folder;
+  folder.write("tet.obj",
+               "v 0 0 0\nv 0.3 0 0\nv 0 0.2 0\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  for (const Case& c : cases) {
+    const std::string text = std::string("<mujoco><compiler ") + c.compiler +
+                             "/><asset><mesh name=\"t\" file=\"tet.obj\" " + c.mesh +
+                             "/></asset><worldbody><body name=\"a\"><joint/><geom mesh=\"t\" " +
+                             c.geom + "/></body></worldbody></mujoco>";
+    const auto robot = loadModel(folder.write("robot.xml", text), "");
+    const Geometry& geometry = geometryOf(*robot, "a");
+    const collision::Shape& shape = geometry.shape;
+    const bool is_box = shape.type() == collision::ShapeType::kBox ||
+                        shape.type() == collision::ShapeType::kEllipsoid;
+    const Eigen::Vector3d size =
+        is_box ? shape.halfExtents() : Eigen::Vector3d(shape.radius(), shape.halfLength(), 0);
+    EXPECT_LE((size - c.size).norm(), 1e-12) << text << size.transpose();
+    EXPECT_LE((geometry.X_BG.translation - c.pos).norm(), 1e-12) << text;
+    const Eigen::Quaterniond q(c.quat[0], c.quat[1], c.quat[2], c.quat[3]);
+    EXPECT_LE((geometry.X_BG.rotation - q.toRotationMatrix()).norm(), 1e-10)
+        << text << geometry.X_BG.rotation;
+  }
+}
+
 std::string body(const std::string& inside, const std::string& rest = "") {
   return model("<body name=\"a\"><joint name=\"j\"/>\n" + inside + "</body>", rest);
 }
@@ -609,7 +696,12 @@ const BadMjcf kBad[] = {
      {"\"filterparents\"", "did you mean \"filterparent\""}},
     {"Include", body("<include file=\"none.xml\"/>"), 4, {"\"none.xml\"", "there is no"}},
     {"HeightField", body("<geom type=\"hfield\" hfield=\"h\"/>"), 4, {"hfield", "not read"}},
-    {"Fitted", body("<geom type=\"capsule\" mesh=\"m\"/>"), 4, {"capsule", "fits to a mesh"}},
+    {"Fitted", body("<geom type=\"capsule\" mesh=\"m\"/>"), 4, {"\"m\"", "name of a <mesh>"}},
+    {"FittedPlane", body("<geom type=\"plane\" mesh=\"m\"/>"), 4, {"plane moves"}},
+    {"FittedFromTo",
+     body("<geom type=\"capsule\" mesh=\"m\" fromto=\"0 0 0 1 0 0\"/>"),
+     4,
+     {"fromto", "beside a mesh"}},
     {"Model", body("", "<asset><model file=\"x.xml\"/></asset>"), 6, {"<model>", "<include>"}},
     {"SecondRoot", body("") + "<mujoco/>", 8, {"second root", "one <mujoco>"}},
 };
