@@ -24,6 +24,7 @@ namespace {
 using robots::InputError;
 
 constexpr std::string_view kTimeColumn = "time";
+constexpr double kLatestTime = 1e12;  // [s], some 30,000 years: differences are exact to 0.1 ms
 
 /// The contents of a file: columns by name, or by order without names, and rows with their lines.
 struct Table {
@@ -37,7 +38,8 @@ struct Table {
     std::vector<double> accelerations = {};  ///< as velocities; empty: not given
   };
   std::vector<Row> rows;
-  bool cubic = false;         ///< rows have times and velocities, with cubics between them
+  bool cubic = false;  ///< rows have times and velocities, with cubics between them
+  std::optional<std::size_t> time_column;
   std::string interpolation;  ///< as the certificate names it; may be empty
   int interpolation_line = 0;
   std::vector<PathStep> steps;
@@ -289,9 +291,6 @@ Table readCsv(const std::string& file, std::vector<std::string>* warnings) {
     }
     Table::Row row{{}, number};
     for (const std::string& field : fields) row.values.push_back(readField(file, number, field));
-    const auto time = static_cast<std::size_t>(
-        std::find(table.names.begin(), table.names.end(), kTimeColumn) - table.names.begin());
-    if (time < row.values.size() && !table.names.empty()) row.time = row.values[time];
     table.rows.push_back(std::move(row));
   }
   if (table.names.empty() && table.rows.empty())
@@ -300,12 +299,27 @@ Table readCsv(const std::string& file, std::vector<std::string>* warnings) {
   return table;
 }
 
+/// Finds the column of times. If a planned joint has that name, too, it has the last such column.
+void takeTimes(const Problem& problem, Table& table) {
+  const auto& names = table.names;
+  const std::vector<std::string> planned = plannedNames(problem);
+  const bool is_joint = std::find(planned.begin(), planned.end(), kTimeColumn) != planned.end();
+  const auto first = std::find(names.begin(), names.end(), kTimeColumn);
+  if (first == names.end() ||
+      (is_joint && std::find(first + 1, names.end(), kTimeColumn) == names.end()))
+    return;
+  table.time_column = static_cast<std::size_t>(first - names.begin());
+  for (Table::Row& row : table.rows)
+    if (*table.time_column < row.values.size()) row.time = row.values[*table.time_column];
+}
+
 /// Takes the velocities of a CSV file that has them.
 void takeVelocities(const std::string& file, const Problem& problem, Table& table,
                     std::vector<std::string>* warnings) {
   const auto column = [&](const std::string& name) {
-    return static_cast<std::size_t>(std::find(table.names.begin(), table.names.end(), name) -
-                                    table.names.begin());
+    std::size_t i = 0;
+    while (i < table.names.size() && (table.names[i] != name || i == table.time_column)) ++i;
+    return i;
   };
   std::vector<std::pair<std::size_t, std::size_t>> columns;  // of a position and its velocity
   for (const std::string& name : plannedNames(problem))
@@ -328,7 +342,7 @@ void takeVelocities(const std::string& file, const Problem& problem, Table& tabl
                                    "planned joint, or no velocity, is expected",
                                    name));
   };
-  require(column(std::string(kTimeColumn)) < count, std::string(kTimeColumn));
+  require(table.time_column.has_value(), std::string(kTimeColumn));
   for (const std::string& name : plannedNames(problem)) {
     const std::string velocity = name + std::string(kVelocityEnding);
     require(column(velocity) < count, velocity);
@@ -377,7 +391,7 @@ std::vector<int> columnVariables(const std::string& file, const Table& table,
   std::vector<int> columns;
   for (std::size_t i = 0; i < table.names.size(); ++i) {
     const std::string& name = table.names[i];
-    const int v = problem.robot.model->findVariable(name);
+    const int v = i == table.time_column ? kIgnored : problem.robot.model->findVariable(name);
     if (v < 0 && name != kTimeColumn && !isDerivative(name, problem) &&
         problem.robot.model->findJoint(name) < 0)
       throw InputError(file, table.names_line,
@@ -555,6 +569,10 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
       throw InputError(
           file, row.line,
           fmt::format("a row of {} numbers; {} are expected", row.values.size(), columns.size()));
+    if (row.time && !(std::abs(*row.time) <= kLatestTime))
+      throw InputError(file, row.line,
+                       fmt::format("the row's time is {} s; a number from {} to {} is expected",
+                                   *row.time, -kLatestTime, kLatestTime));
     std::vector<double> point(problem.robot.variables.size()), velocity(cubic ? point.size() : 0),
         acceleration(row.accelerations.empty() ? 0 : velocity.size());
     for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -597,6 +615,7 @@ Path readPath(const std::string& file, const Problem& problem, const PathReading
     return matched(file, readTrajectory(YamlReader::load(file)), problem, options);
   if (ending == ".csv") {
     Table table = readCsv(file, options.warnings);
+    takeTimes(problem, table);
     takeVelocities(file, problem, table, options.warnings);
     return matched(file, table, problem, options);
   }

@@ -391,13 +391,20 @@ namespace {
 /// A group state, or a value of each of `variables`; `group` as for groupStateRanges().
 VariableRanges statedRanges(const std::string& what, const std::string& text, const Model& model,
                             std::span<const int> variables, const std::string& group = {}) {
-  std::string spaced = text;
-  std::replace(spaced.begin(), spaced.end(), ',', ' ');
-  std::istringstream words(spaced);
+  std::istringstream parts(text + ',');  // a last comma has an empty value after it
   std::vector<double> values;
-  std::size_t count = 0;
-  for (std::string word; words >> word; ++count)
-    if (const std::optional<double> value = robots::parseFinite(word)) values.push_back(*value);
+  std::size_t count = 0, empty = 0;  // the number of the first empty value, from 1
+  for (std::string part; std::getline(parts, part, ',');) {
+    std::istringstream words(part);
+    const std::size_t before = count;
+    for (std::string word; words >> word; ++count)
+      if (const std::optional<double> value = robots::parseFinite(word)) values.push_back(*value);
+    if (count == before && empty == 0) empty = count + 1;
+  }
+  if (!values.empty() && values.size() == count && empty > 0)
+    throw InputError("", 0,
+                     fmt::format("value {} of {} '{}' is empty; {} numbers are expected, of {}",
+                                 empty, what, text, variables.size(), namesOf(model, variables)));
   if (values.empty() || values.size() < count) {
     const std::string_view name = withoutBlanks(text);
     return groupStateRanges("", 0, std::string(name), model, variables, group);

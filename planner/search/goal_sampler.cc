@@ -25,9 +25,11 @@ std::string contactText(const EdgeCertifier& certifier, const StateCheck& check)
   const collision::Scene& scene = certifier.scene().scene();
   const collision::ScenePair& pair = scene.pairs()[at(check.pair)];
   const bool deep = check.clearance.upper <= 0;
-  return fmt::format("{} and {} {} there, {:.3f} mm {}", scene.bodies()[at(pair.body_a)].name,
-                     scene.bodies()[at(pair.body_b)].name, deep ? "collide" : "are too near",
-                     std::abs(check.clearance.upper) * 1e3, deep ? "deep" : "apart");
+  return fmt::format(
+      "{} and {} {} there, {:.3f} mm {}", scene.bodies()[at(pair.body_a)].name,
+      scene.bodies()[at(pair.body_b)].name, deep ? "collide" : "are too near",
+      std::abs(check.clearance.upper) * 1e3,
+      deep ? "deep" : fmt::format("apart, and more than {:g} mm is required", pair.margin * 1e3));
 }
 
 /// Whether points drawn uniformly from each region can be reached. They cannot if a position is

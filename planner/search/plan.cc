@@ -99,10 +99,10 @@ class Plan {
     for (const ConfigurationSpace::Part& part : space.parts())
       if (part.kind == ConfigurationSpace::Kind::kLine &&
           !std::isfinite(space.upper(part.first) - space.lower(part.first)))
-        throw robots::InputError(problem_.name, 0,
-                                 "variable '" + variableName(part.first) +
-                                     "' has no limits; a range to plan in is expected, for planar "
-                                     "and floating joints under 'bounds'");
+        throw robots::InputError(
+            problem_.name, 0,
+            "variable '" + variableName(part.first) +
+                "' has no limits; a range to plan in is expected, under 'bounds'");
     start_ = startPoint(problem_);
   }
 

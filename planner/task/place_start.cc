@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "collision/base/numbers.h"
+#include "leeway/planner/placed_at.h"
 #include "leeway/planner/plan.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/clock.h"
@@ -109,27 +110,34 @@ class LongestLine {
 }  // namespace
 
 Problem placeStart(const Problem& problem, const std::function<bool()>& stop) {
+  validate(problem);
+  return problem.start_poses.empty() ? problem
+                                     : placedAt(problem, problem.start_poses, "start", stop);
+}
+
+Problem placedAt(const Problem& problem, const std::vector<robots::PoseRegion>& poses,
+                 const std::string& what, const std::function<bool()>& stop) {
   const Clock::time_point begin = Clock::now();
   const double limit = problem.limits.time > 0 ? problem.limits.time / 2 : kInfinity;
   const auto isOver = [&] { return secondsSince(begin) > limit || (stop && stop()); };
-  validate(problem);
-  if (problem.start_poses.empty()) return problem;
   Problem placed = problem;
+  placed.start_poses = poses;
+  validate(placed);
   placed.start_poses.clear();
   const LineStep* line =
       problem.steps.empty() ? nullptr : std::get_if<LineStep>(&problem.steps[0].action);
   const Problem world = firstWorld(placed);
   Problem task = line == nullptr ? world : stageOf(world, problem.steps[0]);
-  task.goals = {{"of the start", {}, problem.start_poses}};
+  task.goals = {{what, {}, poses}};
   EdgeCertifier certifier(std::make_shared<const CompiledScene>(task));
   GoalSampler sampler(certifier, task, problem.seed);
   GoalPoints points = sampler.first([] { return false; });
   if (!points.reason.empty()) {
-    // The start was searched as a goal.
-    const std::string as_goal = "goal '" + task.goals[0].name + "': ";
+    const std::string as_goal = "goal '" + what + "': ";  // it was searched as one
     throw robots::InputError(
         problem.name, 0,
-        "start: " + points.reason.substr(points.reason.starts_with(as_goal) ? as_goal.size() : 0));
+        what + ": " +
+            points.reason.substr(points.reason.starts_with(as_goal) ? as_goal.size() : 0));
   }
   std::vector<double> start;
   if (points.points.empty())

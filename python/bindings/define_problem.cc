@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "leeway/planner/placed_at.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/planners.h"
 #include "leeway/planner/save_problem.h"
@@ -172,9 +173,8 @@ namespace {
 /// goalPoint(); of poses the valid configuration nearest to the start.
 std::vector<double> placeOf(const planner::Problem& problem, const planner::Goal& goal) {
   if (goal.poses.empty()) return goalPoint(problem, goal);
-  planner::Problem at_goal = problem;
-  at_goal.start_poses = goal.poses;
-  return startPoint(released([&] { return planner::placeStart(at_goal); }));
+  return startPoint(released(
+      [&] { return planner::placedAt(problem, goal.poses, "goal '" + goal.name + "'"); }));
 }
 
 }  // namespace
@@ -188,7 +188,8 @@ std::vector<double> statePoint(const Problem& problem, const py::object& state) 
   planner::Problem at_state = *problem;
   setStart(at_state, state);
   if (at_state.start_poses.empty()) return startPoint(at_state);
-  return startPoint(released([&] { return planner::placeStart(at_state); }));
+  return startPoint(
+      released([&] { return planner::placedAt(at_state, at_state.start_poses, "the state"); }));
 }
 
 void defineProblem(py::module_& module) {

@@ -1,3 +1,5 @@
+#include <numbers>
+
 #include "leeway/robots/inverse_kinematics.h"
 #include "python/base/define.h"
 #include "python/base/released.h"
@@ -25,7 +27,13 @@ Inverse solve(const Robot& robot, const std::string& link, const py::object& tar
   const int index = robot.model->findLink(link);
   if (index < 0) throw py::value_error("no link '" + link + "'");
   if (solutions < 1) throw py::value_error("solutions are below 1; at least one is expected");
-  const auto region = robots::PoseRegion::exact(index, {}, {}, pose(target, "pose"));
+  if (target.is_none())
+    throw py::value_error(
+        "pose is None; a position (3,), a position and quaternion (7,) or a matrix (4, 4) is "
+        "expected");
+  auto region = robots::PoseRegion::exact(index, {}, {}, pose(target, "pose"));
+  if (py::len(target) == 3)  // a position
+    region.rpy.fill({-std::numbers::pi, std::numbers::pi});
   std::vector<double> q = robot.model->defaultConfiguration();
   if (!start.is_none()) robot.expand(numbers(start, "start", robot.size()), q);
   Interrupt interrupt(stop);
@@ -77,7 +85,7 @@ void defineInverse(py::module_& module) {
   define(module, "inverse_kinematics",
          "(robot, link, pose, *, start=None, solutions=1, seed=1, stop=None)",
          "Configurations of the planned joints that bring a link to a pose in the world: a "
-         "position and quaternion (7,), a matrix (4, 4), or a position (3,) without a turn. Looks "
+         "position and quaternion (7,), a matrix (4, 4), or a position (3,) with any turn. Looks "
          "from `start` (joints,) first. Without a solution it tries to prove that there is none. "
          "Contacts are not looked at: Scene.valid() is for that.",
          solve);

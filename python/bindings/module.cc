@@ -43,6 +43,18 @@ void defineErrors(py::module_& module) {
   });
 }
 
+/// Makes __new__() raise. An object that it alone makes holds nothing, and its methods would read
+/// that. CPython refuses __new__() of a base, here pybind11's, for a class with another tp_new.
+void refuseNewAlone(const py::module_& module) {
+  for (const auto& [name, value] : py::reinterpret_borrow<py::dict>(module.attr("__dict__"))) {
+    if (Py_TYPE(value.ptr()) != py::detail::get_internals().default_metaclass) continue;
+    reinterpret_cast<PyTypeObject*>(value.ptr())->tp_new = [](PyTypeObject* type, PyObject* args,
+                                                              PyObject* kwargs) {
+      return py::detail::pybind11_object_new(type, args, kwargs);
+    };
+  }
+}
+
 }  // namespace
 }  // namespace leeway::python
 
@@ -72,6 +84,7 @@ PYBIND11_MODULE(_leeway, module) {
   defineReplanner(module);
   defineGuard(module);
   defineMonitor(module);
+  refuseNewAlone(module);
   module.attr("__name__") = name;
   defineLifetime(module);
 }

@@ -400,6 +400,14 @@ def objects(robot):
             leeway.inverse_kinematics(robot, "hand", robot.pose("hand", TUCKED)), DEFORMABLE, result.problem, scene.problem]
 
 
+def test_objects_are_made_by_calls_alone(robot):
+    classes = [value for value in vars(leeway._leeway).values() if isinstance(value, type) and not issubclass(value, Exception)]
+    assert len(classes) > 20
+    for made in classes:
+        with pytest.raises(TypeError, match="__new__"):
+            made.__new__(made)
+
+
 def attributes(thing):
     return [name for name in dir(type(thing)) if not name.startswith("_") and isinstance(getattr(type(thing), name), property)]
 

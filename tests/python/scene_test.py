@@ -183,6 +183,11 @@ def test_inverse_kinematics(robot):
     assert np.all((robot.lower <= found.solutions) & (found.solutions <= robot.upper))
     again = leeway.inverse_kinematics(robot, "hand", target, start=robot.state("ready"), solutions=4)
     assert again.solutions.tobytes() == found.solutions.tobytes()
+    turned = leeway.inverse_kinematics(robot, "hand", target[:3], start=robot.state("ready"), solutions=4)  # with any turn
+    assert turned and np.allclose(robot.pose("hand", turned.solutions)[:, :3], target[:3], atol=1e-8)
+    assert not np.allclose(robot.pose("hand", turned.solutions)[:, 3:], (0, 0, 0, 1), atol=1e-3)
+    with pytest.raises(ValueError, match="pose is None"):
+        leeway.inverse_kinematics(robot, "hand", None)
     far = leeway.inverse_kinematics(robot, "hand", (5, 0, 0))
     assert not far and far.status == "unreachable" and far.solutions.shape == (0, 7) and far.nearest.shape == (7,)
 

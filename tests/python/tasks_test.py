@@ -47,8 +47,11 @@ def test_a_pose_as_start_becomes_joint_values(robot, world):
     problem.start = robot.state("ready")
     problem.start = start
     assert np.allclose(robot.pose("hand", problem.start)[:3, 3], X[:3, 3], atol=1e-8)
-    with pytest.raises(leeway.InputError, match="out of reach"):
+    with pytest.raises(leeway.InputError, match="start: out of reach"):
         leeway.Problem(robot, world, FramePose("hand", (3, 0, 0)), "tucked")
+    far = leeway.Problem(robot, world, "tucked", FramePose("hand", (3, 0, 0)))
+    with pytest.raises(leeway.InputError, match="goal 'goal': out of reach"):  # not the start
+        leeway.check(far, "goal")
 
 
 def test_an_unreachable_pose_is_proven_so(robot, world):

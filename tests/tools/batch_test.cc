@@ -174,6 +174,21 @@ TEST_F(Batch, FoldersMayHoldOtherYaml) {
   EXPECT_EQ(run("batch mixed/notes.yaml").status, 2);
 }
 
+TEST_F(Batch, LinksThatLeadToNoFileAreNamed) {
+  write("mixed/arm.urdf", kUrdf);
+  write("mixed/arm.srdf", kSrdf);
+  write("mixed/reach.yaml", kReach);
+  fs::create_symlink("gone.yaml", path("mixed/late.yaml"));
+  fs::create_symlink("self.yaml", path("mixed/self.yaml"));
+  fs::create_directory_symlink("../set", path("mixed/more"));
+  const Answer answer = run("batch mixed");
+  EXPECT_EQ(problemsOf(answer.lines()), std::vector<std::string>{"mixed/reach.yaml"});
+  for (const char* words : {"mixed/late.yaml: left out, it is a link to gone.yaml",
+                            "mixed/self.yaml: left out", "mixed/more: left out, links to folders"})
+    EXPECT_NE(answer.err.find(words), std::string::npos) << words << answer.err;
+  expectRefused("batch mixed/late.yaml", {"mixed/late.yaml: is a link to gone.yaml"});
+}
+
 TEST_F(Batch, SceneWithoutRequestIsReported) {
   fs::remove(path("set/a/request0010.yaml"));
   write("set/b/request0003.yaml", kRequest);

@@ -290,6 +290,27 @@ std::string touchingUrdf() {
   return text + "</robot>\n";
 }
 
+TEST_F(RobotFiles, WhatIsTooNearNamesTheMargin) {
+  write("one.urdf", kOneJoint);
+  write("one.yaml",
+        "leeway: 1\nrobot: {urdf: one.urdf}\nstart: [0]\ngoal: [1]\nmargin: 0.03\n"
+        "objects: [{name: ball, position: [0.8, 0, 0], sphere: {radius: 0.19}}]\n");
+  const Answer near = run("plan one.yaml");
+  EXPECT_EQ(near.status, 1);
+  EXPECT_NE(near.out.find("The start is too near: b and ball, 10"), std::string::npos) << near.out;
+  EXPECT_NE(near.out.find("; more than 30 mm is required.\n"), std::string::npos) << near.out;
+  EXPECT_EQ(run("plan one.yaml --json").document()["offending"]["margin"], 0.03);
+}
+
+TEST_F(RobotFiles, EmptyValuesOfStatesNameTheirPlace) {
+  write("one.urdf", kOneJoint);
+  expectRefused("plan --robot one.urdf --group j --start 0, --goal 1",
+                {"value 2 of start '0,' is empty"});
+  expectRefused("fk one.urdf --state ,", {"--state ','"});
+  write("t.urdf", touchingUrdf());
+  expectRefused("fk t.urdf --state 0,,0,0", {"value 2 is empty; a number for "});
+}
+
 TEST_F(RobotFiles, AutoAllowsWhatTouchesAtRest) {
   write("t.urdf", touchingUrdf());
   const std::string plan = "plan --robot t.urdf --chain base rest --start 0,0,0 --goal 1,0,0 ";

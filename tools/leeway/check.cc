@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/placed_at.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/named_states.h"
 #include "leeway/robots/text.h"
@@ -65,14 +66,13 @@ struct CheckedState {
 
 /// The configuration that planning would try first for a goal of poses.
 NamedState solvedGoal(const planner::Problem& problem, const planner::Goal& goal) {
-  planner::Problem at_goal = problem;
-  at_goal.start_poses = goal.poses;
   try {
-    at_goal = planner::placeStart(at_goal);
+    const planner::Problem at_goal =
+        planner::placedAt(problem, goal.poses, "goal '" + goal.name + "'");
+    return {goal.name, startPoint(at_goal)};
   } catch (const robots::InputError& error) {
     return {goal.name, startPoint(problem), error.what()};
   }
-  return {goal.name, startPoint(at_goal)};
 }
 
 double parseValue(const std::string& state, std::string_view text) {

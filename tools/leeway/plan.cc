@@ -138,7 +138,7 @@ std::string allPairsText(const planner::Problem& problem, const planner::PlanRes
                      pairsText(pairs), hint);
 }
 
-std::string offendingText(const planner::PlanResult& result) {
+std::string offendingText(const planner::Problem& problem, const planner::PlanResult& result) {
   const auto& check = result.offending;
   const bool is_start = result.status == planner::PlanStatus::kInvalidStart;
   if (!result.reason.empty()) {
@@ -160,8 +160,10 @@ std::string offendingText(const planner::PlanResult& result) {
                        result.offending_a, result.offending_b,
                        clearanceText({-check.clearance.upper, -check.clearance.lower}), where);
   }
-  return fmt::format("The {} is too near: {} and {}, {} apart, {}.\n", state, result.offending_a,
-                     result.offending_b, clearanceText(check.clearance), where);
+  return fmt::format("The {} is too near: {} and {}, {} apart, {}; more than {:g} mm is required.\n",
+                     state, result.offending_a, result.offending_b,
+                     clearanceText(check.clearance), where,
+                     millimetres(offendingMargin(problem, result)));
 }
 
 std::string timeText(const planner::PlanResult& result, double load_s) {
@@ -276,7 +278,7 @@ std::string failureText(const planner::Problem& problem, const planner::PlanResu
       break;
     case planner::PlanStatus::kInvalidStart:
     case planner::PlanStatus::kInvalidGoal:
-      text += offendingText(result) + allPairsText(problem, result);
+      text += offendingText(problem, result) + allPairsText(problem, result);
       break;
     case planner::PlanStatus::kNothingChecked:
       text += fmt::format("Nothing was checked, and nothing planned: {}.\n", result.reason);

@@ -6,7 +6,7 @@
 
 #include "collision/base/numbers.h"
 #include "leeway/collision/separation.h"
-#include "leeway/planner/plan.h"
+#include "leeway/planner/placed_at.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 
@@ -120,10 +120,9 @@ std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem&
       for (const auto& [lower, upper] : goal.ranges) end.position.push_back(middle(lower, upper));
     } else {
       for (const robots::PoseRegion& region : goal.poses) end.frames.push_back(middleOf(region));
-      planner::Problem at_goal = problem;
-      at_goal.start_poses = goal.poses;
+      planner::Problem at_goal;
       try {
-        at_goal = planner::placeStart(at_goal);
+        at_goal = planner::placedAt(problem, goal.poses, "goal '" + goal.name + "'");
       } catch (const robots::InputError&) {
         end.unreachable = true;  // the plan reports the reason
         for (std::size_t i = 0; i < goal.poses.size(); ++i) {

@@ -77,6 +77,11 @@ class Words {
     return static_cast<std::size_t>(value);
   }
 
+  bool atEnd() {
+    skipBlanks();
+    return place_ >= text_.size();
+  }
+
   /// Whether the next line has several words.
   bool severalOnNextLine() {
     skipBlanks();
@@ -180,7 +185,13 @@ void readTextScene(const std::string& path, const robots::LoadOptions& load, Pro
   std::optional<bool> objects_have_poses;
   while (true) {
     const std::string_view marker = words.next("'*' and an object, or '.' at the end");
-    if (marker == ".") break;
+    if (marker == ".") {
+      if (!words.atEnd())
+        words.fail(fmt::format(
+            "'{}' stands after the '.' that ends the scene; a scene that ends there is expected",
+            words.next("").substr(0, 40)));
+      break;
+    }
     if (marker != "*")
       words.fail(
           fmt::format("'{}' stands where '*' and an object's name, or '.' at the end, are "

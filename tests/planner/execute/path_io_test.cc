@@ -240,6 +240,40 @@ TEST_F(PathIo, TimesThatDoNotRiseAreRefused) {
   EXPECT_NE(yaml("0", "soon").find("a.yaml:6:"), std::string::npos);
 }
 
+TEST_F(PathIo, TimesHaveASensibleSize) {
+  const Problem problem = armProblem();
+  std::string names = "time";
+  for (int i = 1; i <= 7; ++i) names += ",joint" + std::to_string(i);
+  const auto csv = [&](const std::string& time) {
+    return messageOf(write("a.csv", names + "\n0,0,0,0,-1,0,1,0\n" + time + ",0.5,0,0,-1,0,1,0\n"),
+                     problem);
+  };
+  EXPECT_EQ(csv("1700000000.5"), "accepted");
+  EXPECT_EQ(csv(std::string(300, '9')),
+            file("a.csv") +
+                ":3: the row's time is 1e+300 s; a number from -1000000000000 to 1000000000000 is "
+                "expected");
+}
+
+TEST_F(PathIo, AJointMayBeCalledTime) {
+  const std::string urdf = write("r.urdf", R"(<robot name="r"><link name="a"/><link name="b"/>
+<joint name="time" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>)");
+  const Problem problem = problemFromStates(robots::loadModel(urdf, ""), "all", "0.5", "-0.5");
+  const auto expect = [&](const Path& path) {
+    EXPECT_EQ(path.positions, (std::vector<std::vector<double>>{{0.5}, {-0.5}}));
+  };
+  expect(readPath(write("a.csv", "time\n0.5\n-0.5\n"), problem));
+  expect(readPath(write("b.csv", "time,time\n0,0.5\n2,-0.5\n"), problem));
+  EXPECT_NE(messageOf(write("c.csv", "time,time\n1,0.5\n0,-0.5\n"), problem).find("the row's time"),
+            std::string::npos);
+  EXPECT_NE(messageOf(write("d.csv", "time,time,time\n0,0,0\n"), problem).find("stands twice"),
+            std::string::npos);
+  const PlanResult planned = resultOf(problem, {{0.5}, {-0.5}});
+  writePath(file("e.csv"), problem, planned);
+  expect(readPath(file("e.csv"), problem));
+}
+
 /// An empty field does not shift the others.
 TEST_F(PathIo, EmptyFieldsNameTheirLine) {
   const Problem problem = armProblem();

@@ -859,6 +859,7 @@ TEST_F(MoveitImport, ScenesSavedAsTextAreTaken) {
          "room.scene:2: object 'left' is the name of another object or link");
   expect("name\n* a\n1\nmesh\n3 1\n0 0 0 1 0 0 0 1 0\n0 1 3\n",
          "room.scene:7: triangle 0 names vertex 3; 0 to 2 is expected");
+  expect("name\n" + std::string(".\n\n* a\n"), "room.scene:4: '*' stands after the '.'");
   expect("world: {}\n", "room.scene:2: ends early");
   expect("leeway: 1\nworld: {}\n", "room.scene:2: 'world:' stands where '*' and an object's name");
 }

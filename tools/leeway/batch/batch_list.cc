@@ -9,6 +9,7 @@
 #include <fstream>
 #include <map>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include "leeway/robots/input_error.h"
@@ -25,13 +26,18 @@ bool isYaml(const fs::path& path) {
   return ending == ".yaml" || ending == ".yml";
 }
 
-/// All files below a folder for which `isOf` holds, sorted by path.
+/// All files below a folder for which `isOf` holds, sorted by path. Names links that lead to none.
 std::vector<fs::path> filesBelow(const fs::path& folder, bool (*isOf)(const fs::path&)) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file() && isOf(entry.path())) {
+    std::error_code error;  // of a link that leads to itself
+    if (entry.is_regular_file(error) && isOf(entry.path()))
       files.push_back(entry.path());
-    }
+    else if (entry.is_symlink() && entry.is_directory(error))
+      printMessage(entry.path().string() + ": left out, links to folders are not followed");
+    else if (entry.is_symlink() && !entry.exists(error) && isOf(entry.path()))
+      printMessage(entry.path().string() + ": left out, it is a link to " +
+                   fs::read_symlink(entry.path()).string() + ", which does not exist");
   }
   std::sort(files.begin(), files.end());
   return files;
@@ -55,9 +61,12 @@ bool isProblemFile(const fs::path& file) {
 }
 
 void requireExists(const std::string& input) {
-  if (!fs::exists(input)) {
-    throw robots::InputError(input, 0, "there is no such file or folder");
-  }
+  if (fs::exists(input)) return;
+  throw robots::InputError(input, 0,
+                           fs::is_symlink(input)
+                               ? "is a link to " + fs::read_symlink(input).string() +
+                                     ", which does not exist; a file or folder is expected"
+                               : "there is no such file or folder");
 }
 
 /// The kind and number in a file name: "scene0042.yaml" is scene 42.

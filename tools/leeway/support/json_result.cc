@@ -69,6 +69,7 @@ Json offendingJson(const planner::Problem& problem, const planner::PlanResult& r
           {"b", result.offending_b},
           {"clearance_lower", jsonNumber(check.clearance.lower)},
           {"clearance_upper", jsonNumber(check.clearance.upper)},
+          {"margin", result.offending_a.empty() ? Json() : Json(offendingMargin(problem, result))},
           {"depth", overlapping ? jsonNumber(-check.clearance.upper) : Json()},
           {"point_a", jsonVector(check.closest.point_a)},
           {"point_b", jsonVector(check.closest.point_b)},

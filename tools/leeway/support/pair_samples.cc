@@ -221,6 +221,22 @@ std::vector<PairNames> pairsTooNear(const planner::Problem& problem,
   return pairsTooNear(planner::CompiledScene(problem), startPoint(problem), known);
 }
 
+double offendingMargin(const planner::Problem& problem, const planner::PlanResult& result) {
+  const planner::CompiledScene scene(problem);
+  const auto& bodies = scene.scene().bodies();
+  const auto isOf = [&](int body, const std::string& name) {
+    return bodies[static_cast<std::size_t>(body)].name == name;
+  };
+  const auto& pairs = scene.scene().pairs();
+  for (auto at = pairs.begin(); at != pairs.end(); ++at) {
+    const auto [a, b] = std::pair((*at).body_a, (*at).body_b);
+    if ((isOf(a, result.offending_a) && isOf(b, result.offending_b)) ||
+        (isOf(b, result.offending_a) && isOf(a, result.offending_b)))
+      return (*at).margin;
+  }
+  return problem.margins.common;  // of an object that a step attaches
+}
+
 std::string pairsText(const std::vector<PairNames>& pairs) {
   std::string text;
   for (const PairNames& pair : pairs)

@@ -47,6 +47,9 @@ PairNames overlappingPair(const planner::CompiledScene& scene, std::span<const d
 std::vector<PairNames> pairsTooNear(const planner::Problem& problem,
                                     const planner::PlanResult& result);
 
+/// The margin that is required of the pair that a plan names as too near at its start or goal [m].
+double offendingMargin(const planner::Problem& problem, const planner::PlanResult& result);
+
 /// The text "a and b; c and d" with all pairs.
 std::string pairsText(const std::vector<PairNames>& pairs);
 

@@ -110,8 +110,12 @@ std::vector<double> parseConfiguration(const planner::Problem& problem, const st
                                  "NAME=VALUE,...{}",
                                  planned.size(), meantState(model, text, {"start"})));
     }
-    for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (parts[i].empty())
+        badState(text, fmt::format("value {} is empty; a number for {} is expected", i + 1,
+                                   model.variables[at(planned[i])].name));
       q[at(planned[i])] = parseNumber("--state", parts[i]);
+    }
     return q;
   }
   std::vector<char> given(q.size(), 0);
