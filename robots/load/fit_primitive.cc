@@ -45,7 +45,11 @@ std::vector<Triangle> trianglesOf(const UrdfCollision& geometry, const IndexedMe
   std::vector<Triangle> triangles;
   triangles.reserve(mesh.triangles.size());
   const auto vertex = [&](std::int32_t index) -> Vector3d {
-    const Vector3d v = mesh.vertices[static_cast<std::size_t>(index)].cast<float>().cast<double>();
+    Vector3d v = mesh.vertices[static_cast<std::size_t>(index)];
+    for (double& x : v) {
+      const volatile float rounded = static_cast<float>(x);  // else GCC 12 omits the rounding
+      x = static_cast<double>(rounded);
+    }
     return geometry.fit->X_GM * geometry.mesh_scale.cwiseProduct(v);
   };
   for (const auto& [a, b, c] : mesh.triangles) {

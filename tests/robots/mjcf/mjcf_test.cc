@@ -586,8 +586,9 @@ TEST(Mjcf, PrimitivesAreFittedToMeshesAsMuJoCoDoes) {
     EXPECT_LE((size - c.size).norm(), 1e-12) << text << size.transpose();
     EXPECT_LE((geometry.X_BG.translation - c.pos).norm(), 1e-12) << text;
     const Eigen::Quaterniond q(c.quat[0], c.quat[1], c.quat[2], c.quat[3]);
-    EXPECT_LE((geometry.X_BG.rotation - q.toRotationMatrix()).norm(), 1e-10)
-        << text << geometry.X_BG.rotation;
+    // A primitive is the same if axes point the other way.
+    const Eigen::Matrix3d R = geometry.X_BG.rotation.transpose() * q.toRotationMatrix();
+    EXPECT_LE((R.cwiseAbs() - Eigen::Matrix3d::Identity()).norm(), 1e-10) << text << R;
   }
 }
 

@@ -219,7 +219,7 @@ TEST(Kinematics, MimicsOfMultiplierZeroStandStill) {
   const Pose& X = X_WL[static_cast<std::size_t>(model->findLink("d"))];
   EXPECT_EQ(X.translation, Eigen::Vector3d(0.5, 0, 0));
   EXPECT_NEAR(X.rotation(1, 0), std::sin(3), 1e-15);
-  ASSERT_EQ(model->warnings.size(), 1u);
+  ASSERT_FALSE(model->warnings.empty());
   EXPECT_NE(model->warnings[0].find("robot.urdf:7: joint \"chained\""), std::string::npos)
       << model->warnings[0];
 }
