@@ -317,14 +317,26 @@ void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, RobotDe
   joint.mimic = model.findJoint(master->name);
 }
 
-/// Lowers the velocity limit of a mimic's master so that the mimic keeps its own. 0 is no limit.
+/// Lowers the limits on the motion of a mimic's master so that the mimic keeps its own. A velocity
+/// of 0 is no limit.
 void limitMaster(const UrdfJoint& source, RobotDescription& model) {
   const Joint& joint = model.joints[at(model.findJoint(source.name))];
   const int variable = model.joints[at(joint.mimic)].first_variable;
+<<<<<<< HEAD
   if (!source.has_limit || !(source.velocity > 0) || variable < 0) return;
   double& velocity = model.variables[at(variable)].velocity;
   const double limit = source.velocity / std::abs(joint.multiplier);
   velocity = velocity > 0 ? std::min(velocity, limit) : limit;
+=======
+  if (!source.has_limit || joint.multiplier == 0 || variable < 0) return;
+  Variable& master = model.variables[at(variable)];
+  const double ratio = std::abs(joint.multiplier);
+  master.acceleration = std::min(master.acceleration, source.acceleration / ratio);
+  master.jerk = std::min(master.jerk, source.jerk / ratio);
+  if (!(source.velocity > 0)) return;
+  const double limit = source.velocity / ratio;
+  master.velocity = master.velocity > 0 ? std::min(master.velocity, limit) : limit;
+>>>>>>> baaca26f (URDF: limits, elements and Drake's shapes that were lost in silence)
 }
 
 void narrow(Variable& variable, double lower, double upper, const std::string& reason) {
@@ -541,6 +553,11 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
     appendVariables(robot, static_cast<int>(i), Eigen::Vector3d::Constant(lower),
                     Eigen::Vector3d::Constant(upper),
                     joint != nullptr && joint->has_limit ? joint->velocity : kInfinity);
+    for (int k = 0; joint != nullptr && k < robot.joints[i].variable_count; ++k) {
+      Variable& variable = robot.variables[at(robot.joints[i].first_variable + k)];
+      variable.acceleration = joint->acceleration;
+      variable.jerk = joint->jerk;
+    }
   }
   for (const UrdfJoint& joint : document.joints) {
     if (!joint.has_mimic) continue;

@@ -67,7 +67,10 @@ bool sameShape(const UrdfCollision& a, const urdf::Geometry& b) {
       return mesh != nullptr && mesh->filename == a.mesh_file &&
              sameVector(a.mesh_scale, mesh->scale);
     }
-    case UrdfCollision::Kind::kEllipsoid:
+    case UrdfCollision::Kind::kEllipsoid: {  // in the essence the box of its half axes
+      const auto* box = dynamic_cast<const urdf::Box*>(&b);
+      return box != nullptr && sameVector(a.size / 2, box->dim);
+    }
     case UrdfCollision::Kind::kPlane:
       break;  // of MJCF
   }

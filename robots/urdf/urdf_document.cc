@@ -12,6 +12,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/text.h"
@@ -51,7 +52,12 @@ class UrdfReader {
     // What is between links and joints says little while some of them are wrong.
     wrong_.throwFirst();
     checkStructure(document_);
+<<<<<<< HEAD
     warnOfSoftLimits();
+=======
+    warnOfVisuals();
+    warnOfUnusedLimits();
+>>>>>>> baaca26f (URDF: limits, elements and Drake's shapes that were lost in silence)
     document_.essence = essence();
     document_.warnings = file_.takeWarnings();
     return std::move(document_);
@@ -118,7 +124,7 @@ class UrdfReader {
         if (std::string_view(a->Name()).starts_with("quat"))  // of URDF 1.1
           file_.fail(*origin, "<origin> has the attribute " + inQuotes(a->Name()) +
                                   ", which is not read; known are: xyz, rpy");
-      file_.allowAttributes(*origin, {"xyz", "rpy"});
+      file_.expectAttributes(*origin, {"xyz", "rpy"});
       if (const auto position = file_.vector(*origin, "xyz")) {
         if (!(position->cwiseAbs().maxCoeff() <= kFarthestOrigin))
           file_.fail(*origin, "xyz of <origin> is " + inQuotes(origin->Attribute("xyz")) +
@@ -173,17 +179,54 @@ class UrdfReader {
     }
   }
 
+<<<<<<< HEAD
+=======
+  void warnOfVisuals() {
+    std::string names;
+    for (const auto& [element, name] : bare_links_)
+      names += (names.empty() ? "" : ", ") + inQuotes(name);
+    if (bare_links_.size() == 1)
+      file_.warn(*bare_links_.front().first,
+                 "link " + names + " has a <visual> and no <collision>: it will touch nothing");
+    else if (!bare_links_.empty())
+      file_.warn(*bare_links_.front().first,
+                 std::to_string(bare_links_.size()) +
+                     " links have a <visual> and no <collision>, and will touch nothing: " + names);
+    if (visual_links_.empty()) return;
+    names.clear();
+    for (const std::string& name : visual_links_)
+      names += (names.empty() ? "" : ", ") + inQuotes(name);
+    file_.warn(file_.root(),
+               "the <visual> shapes of links without <collision> stand in for it: " + names);
+  }
+
+  static constexpr std::string_view kDrakeCapsule = "drake:capsule",
+                                    kDrakeEllipsoid = "drake:ellipsoid";
+
+  /// Whether an element of a <geometry> is its shape. Drake's own are where there is no other.
+  static bool isShape(const XMLElement& element) {
+    static constexpr std::string_view kShapes[] = {"box", "sphere", "cylinder", "capsule", "mesh"};
+    const auto isPlain = [](const XMLElement& e) {
+      return std::find(std::begin(kShapes), std::end(kShapes), e.Name()) != std::end(kShapes);
+    };
+    if (isPlain(element)) return true;
+    if (element.Name() != kDrakeCapsule && element.Name() != kDrakeEllipsoid) return false;
+    for (const XMLElement* e = element.Parent()->FirstChildElement(); e != nullptr;
+         e = e->NextSiblingElement())
+      if (isPlain(*e)) return false;
+    return true;
+  }
+
+>>>>>>> baaca26f (URDF: limits, elements and Drake's shapes that were lost in silence)
   /// The one element of a <geometry> that is a shape. Others beside it are extensions.
   const XMLElement& shapeOf(const XMLElement& geometry) {
-    static constexpr std::string_view kShapes[] = {"box", "sphere", "cylinder", "capsule", "mesh"};
     const std::string accepted =
         "<box>, <sphere>, <cylinder>, <capsule> or <mesh> would be accepted";
     const XMLElement* first = geometry.FirstChildElement();
     if (first == nullptr) file_.fail(geometry, "<geometry> is empty; " + accepted);
     const XMLElement* shape = nullptr;
     for (const XMLElement* e = first; e != nullptr; e = e->NextSiblingElement()) {
-      if (std::find(std::begin(kShapes), std::end(kShapes), e->Name()) == std::end(kShapes))
-        continue;
+      if (!isShape(*e)) continue;
       if (shape != nullptr)
         file_.fail(
             *e,
@@ -213,7 +256,7 @@ class UrdfReader {
     const std::string kind = shape.Name();
     if (kind == "box") {
       collision.kind = UrdfCollision::Kind::kBox;
-      file_.allowAttributes(shape, {"size"});
+      file_.expectAttributes(shape, {"size"});
       file_.attribute(shape, "size");
       collision.size = *file_.vector(shape, "size");
       if ((collision.size.array() < 0).any())
@@ -221,17 +264,22 @@ class UrdfReader {
                               "; edges of zero or more would be accepted");
     } else if (kind == "sphere") {
       collision.kind = UrdfCollision::Kind::kSphere;
-      file_.allowAttributes(shape, {"radius"});
+      file_.expectAttributes(shape, {"radius"});
       collision.radius = readSize(shape, "radius");
-    } else if (kind == "cylinder" || kind == "capsule") {
+    } else if (kind == "cylinder" || kind == "capsule" || kind == kDrakeCapsule) {
       collision.kind =
-          kind == "capsule" ? UrdfCollision::Kind::kCapsule : UrdfCollision::Kind::kCylinder;
-      file_.allowAttributes(shape, {"radius", "length"});
+          kind == "cylinder" ? UrdfCollision::Kind::kCylinder : UrdfCollision::Kind::kCapsule;
+      file_.expectAttributes(shape, {"radius", "length"});
       collision.radius = readSize(shape, "radius");
       collision.length = readSize(shape, "length");
+    } else if (kind == kDrakeEllipsoid) {
+      collision.kind = UrdfCollision::Kind::kEllipsoid;
+      file_.expectAttributes(shape, {"a", "b", "c"});
+      collision.size =
+          2 * Eigen::Vector3d(readSize(shape, "a"), readSize(shape, "b"), readSize(shape, "c"));
     } else {
       collision.kind = UrdfCollision::Kind::kMesh;
-      file_.allowAttributes(shape, {"filename", "scale"});
+      file_.expectAttributes(shape, {"filename", "scale"});
       collision.mesh_file = file_.attribute(shape, "filename");
       if (const auto scale = file_.vector(shape, "scale")) collision.mesh_scale = *scale;
       if ((collision.mesh_scale.array() == 0).any())
@@ -270,7 +318,7 @@ class UrdfReader {
 
   int readLinkReference(const XMLElement& joint, const char* role) {
     const XMLElement& element = file_.requiredChild(joint, role);
-    file_.allowAttributes(element, {"link"});
+    file_.expectAttributes(element, {"link"});
     const std::string name = file_.attribute(element, "link");
     auto found = link_index_.find(name);
     if (found == link_index_.end() && name == "world" && std::string_view(role) == "parent")
@@ -329,7 +377,7 @@ class UrdfReader {
                                 " has no <axis>: its plane is normal to x");
       return;
     }
-    file_.allowAttributes(*axis, {"xyz"});
+    file_.expectAttributes(*axis, {"xyz"});
     file_.attribute(*axis, "xyz");
     joint.axis = *file_.vector(*axis, "xyz");
     // The square of a norm outside these bounds loses digits.
@@ -352,14 +400,24 @@ class UrdfReader {
                        (joint.type == JointType::kRevolute ? ", or the type continuous" : ""));
       return;
     }
-    file_.allowAttributes(
+    file_.expectAttributes(
         *limit, {"lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"});
     joint.has_limit = true;
     joint.limit_line = limit->GetLineNum();
     joint.lower = file_.number(*limit, "lower").value_or(0);
     joint.upper = file_.number(*limit, "upper").value_or(0);
     readVelocity(*limit, joint);
-    if (!isBounded(joint)) return;
+    for (const char* name : {"acceleration", "deceleration"})
+      joint.acceleration = std::min(joint.acceleration, readRate(*limit, name, joint));
+    joint.jerk = readRate(*limit, "jerk", joint);
+    if (!isBounded(joint)) {
+      // Many files give a continuous joint a whole turn, to some digits.
+      const bool is_whole_turn =
+          joint.type == JointType::kContinuous && joint.upper - joint.lower > 6.28;
+      if (joint.type != JointType::kFixed && joint.lower != joint.upper && !is_whole_turn)
+        unused_limits_.add(*limit, joint.name);
+      return;
+    }
     for (const char* name : {"lower", "upper"})
       if (!(std::abs(file_.number(*limit, name).value_or(0)) <= kGreatestLimit))
         file_.fail(*limit, std::string("the ") + name + " limit " +
@@ -401,36 +459,54 @@ class UrdfReader {
                             ": it may move at 1 rad/s or 1 m/s");
   }
 
+  /// A limit that URDF 1.2 adds. One that is zero, negative or too large means that there is none.
+  double readRate(const XMLElement& limit, const char* name, const UrdfJoint& joint) {
+    const char* given = limit.Attribute(name);
+    if (given == nullptr) return kInfinity;
+    const auto value = parseNumber(given);
+    if (value && *value > 0 && *value <= kGreatestLimit) return *value;
+    if (!value || std::isnan(*value)) static_cast<void>(file_.number(limit, name));  // it throws
+    if (joint.type != JointType::kFixed)
+      file_.warn(limit, std::string("the ") + name + " limit " + inQuotes(given) + " of joint " +
+                            inQuotes(joint.name) + " is taken for none");
+    return kInfinity;
+  }
+
   /// Soft limits are named and not used: published problems have starts and goals beyond them.
   void noteSoftLimits(const XMLElement& element, UrdfJoint& joint) {
     const XMLElement* safety = file_.onlyChild(element, "safety_controller");
     if (safety == nullptr || joint.type == JointType::kFixed) return;
-    file_.allowAttributes(*safety,
-                          {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"},
-                          XmlFile::Misspelt::kLeftOut);
+    file_.expectAttributes(*safety,
+                           {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"},
+                           XmlFile::Misspelt::kLeftOut);
     try {
       const auto lower = file_.number(*safety, "soft_lower_limit"),
                  upper = file_.number(*safety, "soft_upper_limit");
       if (!lower && !upper) return;
       const bool narrows = lower.value_or(0) > joint.lower || upper.value_or(0) < joint.upper;
       if (isBounded(joint) && !narrows) return;  // the other is 0 then, URDF's default
-      if (soft_limited_.empty()) first_soft_limits_ = safety;
-      soft_limited_ += (soft_limited_.empty() ? "" : ", ") + inQuotes(joint.name);
+      soft_limits_.add(*safety, joint.name);
     } catch (const InputError& error) {
       file_.leaveOut(error, "; it is not used");
     }
   }
 
-  void warnOfSoftLimits() {
-    if (!soft_limited_.empty())
-      file_.warn(*first_soft_limits_,
-                 "soft limits are not used, joints move within their <limit>: " + soft_limited_);
+  void warnOfUnusedLimits() {
+    if (soft_limits_.first != nullptr)
+      file_.warn(
+          *soft_limits_.first,
+          "soft limits are not used, joints move within their <limit>: " + soft_limits_.joints);
+    if (unused_limits_.first != nullptr)
+      file_.warn(*unused_limits_.first,
+                 "lower and upper limits are not used of joints that are not revolute or "
+                 "prismatic: " +
+                     unused_limits_.joints);
   }
 
   void readMimic(const XMLElement& element, UrdfJoint& joint) {
     const XMLElement* mimic = file_.onlyChild(element, "mimic");
     if (mimic == nullptr) return;
-    file_.allowAttributes(*mimic, {"joint", "multiplier", "offset"});
+    file_.expectAttributes(*mimic, {"joint", "multiplier", "offset"});
     if (joint.type == JointType::kPlanar || joint.type == JointType::kFloating)
       file_.fail(*mimic, "joint " + inQuotes(joint.name) + " is " + element.Attribute("type") +
                              " and cannot mimic; revolute, continuous and prismatic joints can");
@@ -492,8 +568,17 @@ class UrdfReader {
       c->SetName("collision");
       keepOnly(*c, {"origin", "geometry"});
       XMLElement& geometry = *c->FirstChildElement("geometry");
-      keepOnly(geometry, {"box", "sphere", "cylinder", "capsule", "mesh"});
-      if (XMLElement* capsule = geometry.FirstChildElement("capsule")) capsule->SetName("cylinder");
+      XMLElement* shape = geometry.FirstChildElement();
+      while (!isShape(*shape)) shape = shape->NextSiblingElement();
+      const std::string kind = shape->Name();
+      keepOnly(geometry, {kind});
+      if (kind == "capsule" || kind == kDrakeCapsule) shape->SetName("cylinder");
+      if (kind == kDrakeEllipsoid) {
+        shape->SetName("box");
+        std::string size;
+        for (const char* half : {"a", "b", "c"}) size += std::string(shape->Attribute(half)) + " ";
+        shape->SetAttribute("size", size.c_str());
+      }
     }
   }
 
@@ -529,8 +614,24 @@ class UrdfReader {
   UrdfDocument document_;
   std::map<std::string, int> link_lines_, joint_lines_, link_index_;
   std::vector<std::string> link_names_;
+<<<<<<< HEAD
   std::string soft_limited_;  // joints with soft limits, in quotes
   const XMLElement* first_soft_limits_ = nullptr;
+=======
+  std::vector<std::string> visual_links_;                              // whose <visual> stands in
+  std::vector<std::pair<const XMLElement*, std::string>> bare_links_;  // without <collision>
+  /// Limits that are not used.
+  struct UnusedLimits {
+    const XMLElement* first = nullptr;
+    std::string joints;  // in quotes
+
+    void add(const XMLElement& element, const std::string& joint) {
+      if (first == nullptr) first = &element;
+      joints += (joints.empty() ? "" : ", ") + inQuotes(joint);
+    }
+  };
+  UnusedLimits soft_limits_, unused_limits_;
+>>>>>>> baaca26f (URDF: limits, elements and Drake's shapes that were lost in silence)
 };
 
 }  // namespace

@@ -1,7 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+<<<<<<< HEAD
 #include <optional>
+=======
+#include <limits>
+>>>>>>> baaca26f (URDF: limits, elements and Drake's shapes that were lost in silence)
 #include <string>
 #include <utility>
 #include <vector>
@@ -69,6 +73,8 @@ struct UrdfJoint {
   bool has_limit = false;
   double lower = 0, upper = 0;  ///< 0 where not given, as URDF has it
   double velocity = 0;          ///< 0: none
+  double acceleration = std::numeric_limits<double>::infinity();  ///< and deceleration
+  double jerk = std::numeric_limits<double>::infinity();
   int limit_line = 0;
   bool has_mimic = false;
   std::string mimic;
@@ -95,7 +101,7 @@ struct UrdfDocument {
   std::vector<std::pair<int, int>> enabled_pairs;  ///< neighbours that are checked all the same
   std::vector<UrdfState> states;                   ///< the keys of an MJCF file
   /// The XML that bears on motion and collision, in the words of plain URDF 1.0: capsules are
-  /// cylinders in it.
+  /// cylinders in it, Drake's ellipsoids boxes of their half axes.
   std::string essence;
 };
 

@@ -257,6 +257,23 @@ void XmlFile::allowAttributes(const XMLElement& element, const std::vector<std::
   }
 }
 
+void XmlFile::expectAttributes(const XMLElement& element, const std::vector<std::string>& known,
+                               Misspelt misspelt) {
+  allowAttributes(element, known, misspelt);
+  for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
+       child = child->NextSiblingElement()) {
+    const std::string name = child->Name();
+    const std::string message = "<" + name + "> in <" + element.Name() + "> is not known";
+    if (misspelt == Misspelt::kRefused &&
+        std::find(known.begin(), known.end(), name) != known.end())
+      throwOrKeep(InputError(path_, child->GetLineNum(),
+                             message + "; the attribute " + name + "=\"...\" would be accepted"),
+                  errors_);
+    else
+      leaveOut(*child, message + " and is left out");
+  }
+}
+
 void XmlFile::leaveOutUnknown(const XMLElement& parent,
                               std::initializer_list<std::string_view> used,
                               std::initializer_list<std::string_view> unused) {

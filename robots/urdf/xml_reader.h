@@ -85,6 +85,10 @@ class XmlFile {
   /// The same, and leaves out text inside the element.
   void allowAttributes(const tinyxml2::XMLElement& element, const std::vector<std::string>& names,
                        Misspelt misspelt = Misspelt::kRefused);
+  /// The same of an element that has attributes alone: leaves out its children, too. One with the
+  /// name of an attribute is an error, unless `misspelt` says otherwise.
+  void expectAttributes(const tinyxml2::XMLElement& element, const std::vector<std::string>& names,
+                        Misspelt misspelt = Misspelt::kRefused);
   /// Leaves out the children of `parent` that are in neither list. One that seems to be a misspelt
   /// name of the first, which bear on motion and collision, is an error.
   void leaveOutUnknown(const tinyxml2::XMLElement& parent,

@@ -190,6 +190,75 @@ TEST_F(LeftOutOfUrdf, CapsulesAreRead) {
       folder_.write("v.urdf", "<robot name=\"r\" version=\"1.2\"><link name=\"a\"/></robot>"), ""));
 }
 
+TEST_F(LeftOutOfUrdf, ShapesOfDrakeAreRead) {
+  const auto shapeOf = [&](const std::string& geometry) {
+    return load(collision(geometry))->links[1].geometries.at(0).shape;
+  };
+  const collision::Shape capsule = shapeOf("<drake:capsule radius=\"0.1\" length=\"0.6\"/>");
+  EXPECT_EQ(capsule.type(), collision::ShapeType::kCapsule);
+  EXPECT_EQ(capsule.halfLength(), 0.3);
+  const collision::Shape ellipsoid =
+      shapeOf("<drake:ellipsoid a=\"0.1\" b=\"0.2\" c=\"0.3\"/><drake:declare_convex/>");
+  EXPECT_EQ(ellipsoid.type(), collision::ShapeType::kEllipsoid);
+  EXPECT_EQ(ellipsoid.halfExtents(), Eigen::Vector3d(0.1, 0.2, 0.3));
+  EXPECT_EQ(shapeOf("<drake:capsule radius=\"1\" length=\"1\"/><sphere radius=\"2\"/>").radius(), 2)
+      << "plain URDF comes first";
+  expectInputError([&] { load(collision("\n<drake:ellipsoid a=\"1\" b=\"1\"/>")); }, file_, 4,
+                   {"<drake:ellipsoid> has no c"});
+  const std::string two = "\n<drake:capsule radius=\"1\" length=\"1\"/>";
+  expectInputError([&] { load(collision(two + two)); }, file_, 5, {"a second shape"});
+}
+
+/// As SDF has them, an element would be lost in place of an attribute.
+TEST_F(LeftOutOfUrdf, ElementsInElementsThatHaveAttributesAlone) {
+  expectWarnings(*load(collision("\n<sphere radius=\"1\"><drake:proximity/><colour/></sphere>")),
+                 {":4: <drake:proximity> in <sphere> is not known and is left out",
+                  ":4: <colour> in <sphere> is not known and is left out"});
+  const std::pair<std::string, std::string> wrong[] = {
+      {collision("<mesh filename=\"m.stl\">\n<scale>1 1 1</scale></mesh>"), "scale"},
+      {collision("<sphere radius=\"1\">\n<radius>2</radius></sphere>"), "radius"},
+      {linkWithShape("b") + "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child "
+                            "link=\"b\"/><origin>\n<xyz>1 0 0</xyz></origin></joint>",
+       "xyz"}};
+  for (const auto& [text, name] : wrong)
+    expectInputError([&, &given = text] { load(given); }, file_, 4,
+                     {"<" + name + "> in <", "the attribute " + name + "=\"...\""});
+}
+
+TEST_F(LeftOutOfUrdf, LimitsOfJointsWithoutEnds) {
+  const auto limited = [&](const std::string& type, const std::string& range) {
+    return load(linkWithShape("b") + "\n<joint name=\"j\" type=\"" + type +
+                "\"><parent link=\"a\"/><child link=\"b\"/><axis xyz=\"0 0 1\"/>\n<limit " + range +
+                " effort=\"1\" velocity=\"1\"/></joint>");
+  };
+  for (const char* type : {"continuous", "planar", "floating"})
+    expectWarnings(*limited(type, "lower=\"-1\" upper=\"1\""),
+                   {":5: lower and upper limits are not used of joints that are not revolute or "
+                    "prismatic: \"j\""});
+  for (const char* none : {"", "lower=\"0\" upper=\"0\"", "lower=\"-3.1415\" upper=\"3.1415\""})
+    expectWarnings(*limited("continuous", none), {});
+}
+
+/// As URDF 1.2 has them. The lesser of acceleration and deceleration counts, also for mimics.
+TEST_F(LeftOutOfUrdf, AccelerationsAndJerksAreLimits) {
+  const std::string limits = "effort=\"1\" velocity=\"1\" acceleration=\"4\" deceleration=\"3\" ";
+  const auto model = load(joint(limit(limits + "jerk=\"20\"")));
+  expectWarnings(*model, {});
+  EXPECT_EQ(model->variables[0].acceleration, 3);
+  EXPECT_EQ(model->variables[0].jerk, 20);
+  const auto followed = load(joint(limit(limits)) +
+                             "<link name=\"c\"/><joint name=\"m\" type=\"revolute\"><parent "
+                             "link=\"b\"/><child link=\"c\"/><mimic joint=\"j\" multiplier=\"-2\"/>"
+                             "<limit lower=\"-9\" upper=\"9\" effort=\"1\" velocity=\"9\" "
+                             "acceleration=\"2\" jerk=\"8\"/></joint>");
+  EXPECT_EQ(followed->variables[0].acceleration, 1);
+  EXPECT_EQ(followed->variables[0].jerk, 4);
+  expectWarnings(*load(joint("\n" + limit("effort=\"1\" velocity=\"1\" jerk=\"0\""))),
+                 {":5: the jerk limit \"0\" of joint \"j\" is taken for none"});
+  expectInputError([&] { load(joint("\n" + limit("effort=\"1\" velocity=\"1\" jerk=\"low\""))); },
+                   file_, 5, {"jerk of <limit> holds \"low\""});
+}
+
 TEST_F(LeftOutOfUrdf, TabsAndNewlinesAreWhiteSpace) {
   testing::internal::CaptureStderr();
   const auto model =

@@ -267,10 +267,10 @@ const BadUrdf kBad[] = {
      5,
      {"<limits> in <joint>", "did you mean <limit>?"}},
     {"ExtensionInPlaceOfAShape",
-     robot("<link name=\"b\"><collision><geometry>\n<drake:ellipsoid a=\"1\" b=\"1\" "
+     robot("<link name=\"b\"><collision><geometry>\n<drake:torus a=\"1\" b=\"1\" "
            "c=\"1\"/></geometry></collision></link>"),
      4,
-     {"<drake:ellipsoid> is not known", "<capsule>"}},
+     {"<drake:torus> is not known", "<capsule>"}},
     {"MeshNotFound",
      robot("<link name=\"b\"><collision><geometry>\n<mesh "
            "filename=\"package://arm/meshes/b.stl\"/></geometry></collision></link>\n" +
