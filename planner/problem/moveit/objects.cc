@@ -59,13 +59,22 @@ Shape readPrimitive(const YamlReader& primitive) {
 /// instead write `resource`, a file by its package, path or URI, and `dimensions`, its scale.
 Shape readSceneMesh(const YamlReader& mesh, std::vector<std::string>& warnings,
                     const robots::LoadOptions& load) {
+  const auto dimensions = mesh.find("dimensions");
+  const Eigen::Vector3d scale = dimensions ? dimensions->vector3() : Eigen::Vector3d::Ones();
   if (const auto resource = mesh.find("resource")) {
-    const auto scale = mesh.find("dimensions");
+    for (const char* key : {"vertices", "triangles"})
+      if (const auto own = mesh.find(key); hasContent(own))
+        own->fail(
+            fmt::format("{} stands beside 'resource'; one of them is expected", own->where()));
     return robots::loadMesh(
-        robots::resolveMesh(resource->text(), resource->file(), resource->line(), load),
-        scale ? scale->vector3() : Eigen::Vector3d(1, 1, 1), resource->file(), resource->line(),
-        load, &warnings);
+        robots::resolveMesh(resource->text(), resource->file(), resource->line(), load), scale,
+        resource->file(), resource->line(), load, &warnings);
   }
+  if (scale != Eigen::Vector3d::Ones())
+    dimensions->fail(
+        fmt::format("{} is the scale of a 'resource', which is missing; vertices [m] "
+                    "without a scale are expected",
+                    dimensions->where()));
   const YamlReader points = mesh.at("vertices", "a list of points [m]");
   const YamlReader faces = mesh.at("triangles", "a list of three vertex_indices each");
   std::vector<Eigen::Vector3d> vertices;

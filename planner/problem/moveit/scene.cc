@@ -257,10 +257,13 @@ LinkPadding readLinkPadding(const YamlReader& scene, const Model& model) {
 
 void applyLinkPadding(const LinkPadding& padding, Problem& problem) {
   if (padding.empty()) return;
-  std::vector<std::string> world;
-  for (const Object& object : problem.world.objects) world.push_back(object.name);
-  for (const DeformingObstacle& obstacle : problem.world.deforming)
-    world.push_back(obstacle.object.name);
+  std::vector<std::string> world = {kWorldWord};  // it holds for objects that are added later
+  if (const Names names(problem); !names.marginFault(padding.begin()->first, kWorldWord).empty()) {
+    world.clear();
+    for (const Object& object : problem.world.objects) world.push_back(object.name);
+    for (const DeformingObstacle& obstacle : problem.world.deforming)
+      world.push_back(obstacle.object.name);
+  }
   const auto keep = [&](const std::string& name, double distance) {
     if (distance > problem.margins.common)
       for (const std::string& object : world)

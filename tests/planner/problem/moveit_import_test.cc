@@ -143,6 +143,13 @@ TEST_F(MoveitImport, MeshesMayBeFiles) {
       highest = std::max(highest, (mesh.X_BG * v).z());
     EXPECT_EQ(highest, 11);
   }
+  const std::string own = "vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles: [[0, 1, 2]]";
+  EXPECT_NE(messageOf(withMesh("{resource: props/tip.obj, " + own + "}"), kRequest)
+                .find("vertices stands beside 'resource'"),
+            std::string::npos);
+  EXPECT_NE(messageOf(withMesh("{dimensions: [10, 10, 10], " + own + "}"), kRequest)
+                .find("dimensions is the scale of a 'resource', which is missing"),
+            std::string::npos);
   const std::string lost = messageOf(withMesh("{resource: 'package://lost/can.stl'}"), kRequest);
   EXPECT_EQ(lost.rfind("scene.yaml:21: the mesh \"package://lost/can.stl\" was not found", 0), 0U)
       << lost;
@@ -779,7 +786,7 @@ TEST_F(MoveitImport, PaddingIsAMarginOfTheWorldsPairs) {
     EXPECT_EQ(pair.margin, 0.02);
     pairs.push_back(pair.a + " " + pair.b);
   }
-  EXPECT_EQ(pairs, (std::vector<std::string>{"left can", "left box", "cup can", "cup box"}));
+  EXPECT_EQ(pairs, (std::vector<std::string>{"left world", "cup world"}));
 
   // A problem file may ask for more, for less where it names a pair, and bring more objects.
   folder_.write("scene.yaml", padded);
@@ -793,7 +800,7 @@ TEST_F(MoveitImport, PaddingIsAMarginOfTheWorldsPairs) {
             more));
     double margin = loaded.margins.common;
     for (const PairMargin& pair : loaded.margins.pairs)
-      if (pair.a == "left" && pair.b == object) margin = pair.margin;
+      if (pair.a == "left" && (pair.b == object || pair.b == "world")) margin = pair.margin;
     return margin;
   };
   EXPECT_EQ(marginOf("", "can"), 0.02);
