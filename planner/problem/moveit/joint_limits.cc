@@ -22,8 +22,12 @@ namespace {
 
 using robots::Model;
 
-constexpr std::array<std::string_view, 3> kTop = {"joint_limits", "default_velocity_scaling_factor",
-                                                  "default_acceleration_scaling_factor"};
+constexpr std::array<std::string_view, 4> kTop = {"joint_limits", "default_velocity_scaling_factor",
+                                                  "default_acceleration_scaling_factor",
+                                                  "cartesian_limits"};
+/// Parameters of a ROS node stand below these, in this order.
+constexpr std::array<std::string_view, 3> kWrappers = {"/**", "ros__parameters",
+                                                       "robot_description_planning"};
 constexpr std::array<std::string_view, 18> kEntry = {
     "has_position_limits", "min_position",      "max_position",
     "has_velocity_limits", "max_velocity",      "min_velocity",
@@ -43,7 +47,15 @@ class JointLimits {
 
   std::shared_ptr<const Model> read() {
     if (!file_.isMap()) file_.fail("is no map; joint_limits, limits by joint, are expected");
+    for (const std::string_view& wrapper : kWrappers)
+      if (const auto inside = file_.find(wrapper)) {
+        file_.expectKeys({&wrapper, 1});
+        if (!inside->isMap()) inside->fail("is no map; limits of joints are expected");
+        file_ = *inside;
+      }
     file_.expectKeys(kTop);
+    if (const auto cartesian = file_.find("cartesian_limits"))
+      warn(*cartesian, "'cartesian_limits' is left out: only joints have limits");
     for (const auto& [key, setting] :
          {std::pair("default_velocity_scaling_factor", "speed"),
           std::pair("default_acceleration_scaling_factor", "acceleration_scale")})

@@ -115,6 +115,20 @@ TEST_F(JointLimits, OfAJointThatFollowsLimitTheOneItFollows) {
 }
 
 /// Warnings name the line of each entry that is left out.
+/// Parameters of a ROS node, and limits of frames beside those of joints.
+TEST_F(JointLimits, StandBelowTheNamesOfParameters) {
+  const std::string limits = "joint_limits: {shoulder: {max_velocity: 1.5}}, cartesian_limits: {}";
+  for (const std::string& text :
+       {"{" + limits + "}", "robot_description_planning: {" + limits + "}",
+        "/**: {ros__parameters: {robot_description_planning: {" + limits + "}}}"}) {
+    model_ = with(text + "\n");
+    EXPECT_EQ(of("shoulder").velocity, 1.5) << text;
+    EXPECT_NE(model_->warnings.back().find("'cartesian_limits' is left out"), std::string::npos);
+  }
+  EXPECT_NE(messageOf("robot_description_planning: {joint_limits: {}}\nother: 1\n").find("other"),
+            std::string::npos);
+}
+
 TEST_F(JointLimits, WarnOfWhatIsLeftOut) {
   const std::pair<std::string, std::string> kinds[] = {
       {"gripper_left: {max_velocity: 1}", "has no joint 'gripper_left': its limits are left out"},
