@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/text.h"
 #include "robots/base/read_file.h"
 #include "robots/mesh/number_type.h"
 #include "robots/mesh/readers.h"
@@ -554,7 +555,24 @@ class GltfReader {
       contents_.instances.push_back({i, X.topRows<3>()});
   }
 
+  /// A misspelt transformation would leave the mesh elsewhere.
+  void expectTransform(const Entry& node) const {
+    static const std::vector<std::string> kKnown = {
+        "matrix", "rotation", "scale",      "translation", "camera", "children",
+        "mesh",   "name",     "extensions", "extras",      "skin",   "weights"};
+    for (const auto& [key, value] : node.value->items()) {
+      if (std::find(kKnown.begin(), kKnown.end(), key) != kKnown.end()) continue;
+      const std::string* meant = nearestName(key, std::span(kKnown).first(4));
+      for (std::size_t i = 0; i < 4 && meant == nullptr && key.size() > 2; ++i)
+        if (kKnown[i].starts_with(key)) meant = &kKnown[i];
+      if (meant != nullptr)
+        source_.fail(node.path + " has the unknown key " + shown(key) + "; " + *meant +
+                     " would be accepted");
+    }
+  }
+
   Eigen::Matrix4d transformOf(const Entry& node) const {
+    expectTransform(node);
     if (const auto matrix = numbers<16>(node, "matrix")) {
       for (const char* other : {"translation", "rotation", "scale"})
         if (const Entry beside = member(node, other); beside.exists())

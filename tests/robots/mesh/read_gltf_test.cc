@@ -229,6 +229,9 @@ TEST(ReadGltf, RefusesWhatItWouldReadWrongly) {
   changed(&Tetrahedron::nodes, R"([{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {}}}])",
           "EXT_mesh_gpu_instancing is an object");
   changed(&Tetrahedron::nodes, R"([{"mesh": 3}])", "nodes[0].mesh is '3'; 0 to 0");
+  for (const char* key : {"Translation", "translate", "rot"})
+    changed(&Tetrahedron::nodes, R"([{"mesh": 0, ")" + std::string(key) + R"(": [1, 0, 0]}])",
+            "nodes[0] has the unknown key '" + std::string(key) + "'");
   changed(&Tetrahedron::nodes, R"([{"mesh": 0, "children": [0]}])", "below itself");
   changed(&Tetrahedron::nodes, R"([{"children": [1, 1]}, {"mesh": 0}])", "two parents");
   changed(&Tetrahedron::nodes, R"([{"mesh": 0, "rotation": [0, 0, 1, 1]}])", "unit quaternion");
