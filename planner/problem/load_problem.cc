@@ -345,8 +345,9 @@ struct NamePairs {
   std::string group = {};  ///< "robot and boxes", if one of them is a group
 };
 
-/// Reads two names. `takes_world`: whether kWorldWord stands for all objects.
-NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known, bool takes_world = false) {
+/// Reads two names. `takes_words`: whether kWorldWord stands for all objects, and kRobotWord also
+/// for what the robot takes hold of later.
+NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known, bool takes_words = false) {
   const std::vector<YamlReader> items = pair.items();
   if (items.size() != 2)
     pair.fail(fmt::format("{} is no pair; two different names of links or objects are expected",
@@ -355,11 +356,18 @@ NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known, bool ta
   NamePairs read;
   std::vector<std::string> sides[2];
   const auto isWorld = [](const std::string& name) { return name == kWorldWord; };
+  const auto isRobot = [&](const std::string& name) {
+    return takes_words && name == kRobotWord && !known.things.isKnown(kRobotWord);
+  };
   for (std::size_t i = 0; i < 2; ++i) {
     const std::string& other = names[1 - i];
     // Words stay words, so that they also hold for objects that are added later.
-    if (takes_world && (isWorld(names[i]) || (names[i] == kRobotWord && isWorld(other) &&
-                                              !known.things.isKnown(kRobotWord)))) {
+    if (isRobot(names[i]) && !isWorld(other)) {
+      sides[i] = {names[i]};
+      read.group = names[0] + " and " + names[1];
+      continue;
+    }
+    if (takes_words && (isWorld(names[i]) || isRobot(names[i]))) {
       const std::string& side = known.groups.count(other) != 0 && other != kRobotWord
                                     ? known.groups.at(other).front()
                                     : other;
@@ -389,7 +397,7 @@ NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known, bool ta
     pair.fail(fmt::format("{}: {}", pair.where(), sameName(names[0])));
   for (const std::string& a : sides[0])
     for (const std::string& b : sides[1])
-      if (a != b && !(names[0] == names[1] && a > b)) read.pairs.emplace_back(a, b);
+      if (isRobot(a) || (a != b && !(names[0] == names[1] && a > b))) read.pairs.emplace_back(a, b);
   if (read.pairs.empty())
     pair.fail(fmt::format("{}: '{}' and '{}' stand for one thing; two different ones are expected",
                           pair.where(), names[0], names[1]));
@@ -430,14 +438,16 @@ void readPairMargin(const YamlReader& entry, const KnownNames& known, Problem& p
   if (const auto weight = entry.find("weight"); weight && !entry.find("wish"))
     weight->fail("key 'weight' stands without 'wish', whose weight it is; both are expected");
   const auto wish = entry.find("wish");
-  const NamePairs read = readNamePairs(entry.at("between", "two names"), known, !wish);
+  const YamlReader between = entry.at("between", "two names");
+  // (Wishes have no words.)
+  const NamePairs read = readNamePairs(between, known, !wish);
   // An entry with only a wish keeps the margin as it is.
   double margin = problem.margins.common;
   if (!wish || entry.has("margin")) {
     const YamlReader given = entry.at("margin", "a number [m]");
     margin = given.number();
     warnOfOverlap(margin, given, problem);
-    for (const auto& [a, b] : read.pairs)
+    for (const auto& [a, b] : readNamePairs(between, known, true).pairs)
       problem.margins.pairs.push_back({a, b, margin, read.group});
   }
   if (wish) readWish(entry, *wish, read, margin, problem);
@@ -650,7 +660,8 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
   if (robots::endingOf(yaml_path) == ".cfg") return loadOmplApp(yaml_path, given);
   ProblemOptions options = given;
   const robots::ErrorsSince wrong(options.load.errors);
-  const YamlReader file = YamlReader::load(yaml_path, options.load.stop, options.load.errors);
+  const YamlReader file =
+      YamlReader::load(yaml_path, options.load.stop, options.load.errors, options.load.files_read);
   if (!file.isMap()) file.fail("is no map; a problem file (leeway: 1, ...) is expected");
   requireVersion(file);
   file.expectKeys(keysOf("problem"));

@@ -12,6 +12,7 @@
 #include "planner/problem/read_shapes.h"
 #include "planner/validate/checks.h"
 #include "planner/validate/format_keys.h"
+#include "planner/validate/names.h"
 #include "robots/mesh/mesh_treatment.h"
 
 namespace leeway::planner {
@@ -170,6 +171,10 @@ void readDeforming(const YamlReader& entry, const robots::LoadOptions& load, Pro
   if (const auto margin = entry.find("margin")) {
     const double value = margin->sizeNumber();
     const std::string group = "robot and " + name.text();
+    if (!Names(problem).isKnown(kRobotWord)) {  // the word holds for what it takes hold of later
+      problem.margins.pairs.push_back({kRobotWord, name.text(), value, group});
+      return;
+    }
     for (const robots::Link& link : problem.robot.model->links)
       problem.margins.pairs.push_back({link.name, name.text(), value, group});
     for (const Attachment& held : problem.robot.attachments)

@@ -97,7 +97,7 @@ std::string sameName(const std::string& name);
 inline constexpr const char* kNameTaken =
     "is the name of another object or link; a name of its own is expected";
 
-/// In margins, wishes and contacts: all links and attached objects. No object may have this name.
+/// All links and attached objects; in margins also those attached later. No object has this name.
 inline constexpr const char* kRobotWord = "robot";
 inline constexpr const char* kNameReserved =
     "stands for all links and what they hold; another name is expected";

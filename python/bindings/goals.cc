@@ -519,12 +519,14 @@ std::vector<std::pair<std::string, std::string>> namePairs(const planner::Proble
   const auto isWord = [](const py::object& side, const char* word) {
     return py::isinstance<py::str>(side) && std::string(py::str(side)) == word;
   };
-  // In margins words stay words beside 'world', so that they hold for what comes later, too.
-  const bool takes_world = std::string(name) == "margins";
+  // In margins words stay words, so that they hold for what comes later, too.
+  const bool takes_words = std::string(name) == "margins";
+  const auto isRobot = [&](const py::object& side) {
+    return takes_words && isWord(side, "robot") && !isThing("robot");
+  };
   for (std::size_t i = 0; i < 2; ++i) {
-    const py::object side = pair[i], other = pair[1 - i];
-    if (takes_world && (isWord(side, "world") ||
-                        (isWord(side, "robot") && isWord(other, "world") && !isThing("robot"))))
+    const py::object side = pair[i];
+    if ((takes_words && isWord(side, "world")) || isRobot(side))
       sides[i].push_back(py::str(side));
     else if (isWord(side, "world") && !isThing("world"))
       throw py::value_error(std::string(name) +
@@ -535,6 +537,7 @@ std::vector<std::pair<std::string, std::string>> namePairs(const planner::Proble
     else
       add(side, sides[i]);
   }
+  if (isRobot(pair[0]) && isRobot(pair[1])) return {{"robot", "robot"}};
   if (sides[0] == sides[1] && sides[0].size() == 1)
     throw py::value_error(std::string(name) + ": '" + sides[0][0] +
                           "' stands twice; two different names of links or objects are expected");

@@ -174,7 +174,7 @@ LIVE = {
     "world moved": (lambda p: p.world.move("post", (0.5, 0, 0.5)), lambda p: p.world.pose("post")[1, 3] == 0),
     "world removed": (lambda p: p.world.remove("post"), lambda p: len(p.world) == 0),
     "margins": (lambda p: put(p.margins, ("hand", "post"), 0.02), lambda p: p.margins == {("hand", "post"): 0.02}),
-    "margins updated": (lambda p: p.margins.update({("robot", "post"): 0.02}), lambda p: p.margins.get(("link3", "post")) == 0.02),
+    "margins updated": (lambda p: p.margins.update({("robot", "post"): 0.02}), lambda p: p.margins.get(("robot", "post")) == 0.02),
     "allowed": (lambda p: p.allowed.append(("hand", "post")), lambda p: p.allowed == [("hand", "post")]),
     "wishes": (lambda p: put(p.wishes, ("hand", "post"), (0.1, 2.0)), lambda p: p.wishes == {("hand", "post"): (0.1, 2.0)}),
     "start": (lambda p: put(p.start, 0, 0.25), lambda p: p.start[0] == 0.25),

@@ -177,6 +177,30 @@ TEST(Task, LinesOfARobotOnAFloatingVirtualJoint) {
   EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
 }
 
+/// A car takes hold of a can and passes a wall at 10 mm.
+TEST(Task, MarginsOfTheRobotHoldForWhatItTakesHoldOf) {
+  const Folder folder;
+  folder.write(
+      "slider.urdf",
+      "<robot name=\"slider\"><link name=\"base\"/><link name=\"car\"><collision><geometry>"
+      "<sphere radius=\"0.05\"/></geometry></collision></link><joint name=\"x\" "
+      "type=\"prismatic\"><parent link=\"base\"/><child link=\"car\"/><axis xyz=\"1 0 0\"/>"
+      "<limit lower=\"0\" upper=\"0.5\" effort=\"1\" velocity=\"1\"/></joint></robot>");
+  const auto statusWith = [&](const std::string& margins) {
+    return solve(loadProblem(folder.write(
+                     "task.yaml",
+                     "leeway: 1\nrobot: {urdf: slider.urdf}\nstart: {x: 0}\nobjects:\n"
+                     "  - {name: can, position: [0, 0.2, 0], box: {size: [0.05, 0.1, 0.05]}}\n"
+                     "  - {name: wall, position: [0.25, 0.31, 0], box: {size: [0.1, 0.1, 0.1]}}\n"
+                     "margins: [" +
+                         margins +
+                         "]\nsteps: [{attach: {object: can, link: car}}, {move: {x: 0.5}}]\n")))
+        .status;
+  };
+  EXPECT_EQ(statusWith("{between: [robot, wall], margin: 0.005}"), PlanStatus::kSolved);
+  EXPECT_NE(statusWith("{between: [robot, wall], margin: 0.1}"), PlanStatus::kSolved);
+}
+
 TEST(Task, SaysWhichStepGotNoFurther) {
   const Folder folder;
   const Problem problem = loadProblem(folder.write(
