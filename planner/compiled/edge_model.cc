@@ -22,13 +22,12 @@ using robots::VariableRange;
 
 /// See EdgeModel::jumping_circles: circles that a mimic joint follows by sliding, or with a factor
 /// that is not an integer.
-std::vector<int> jumpingCircles(const ConfigurationSpace& space) {
-  std::vector<int> places;
+std::vector<EdgeModel::JumpingCircle> jumpingCircles(const ConfigurationSpace& space) {
+  std::vector<EdgeModel::JumpingCircle> circles;
   const Model& model = space.model();
   for (const ConfigurationSpace::Part& part : space.parts()) {
     if (part.kind != ConfigurationSpace::Kind::kCircle) continue;
     const int master = model.variables[at(space.variables()[at(part.first)])].joint;
-    bool jumps = false;
     for (const Joint& mimic : model.joints) {
       double factor = 1;
       const Joint* j = &mimic;
@@ -39,11 +38,12 @@ std::vector<int> jumpingCircles(const ConfigurationSpace& space) {
       if (j != &model.joints[at(master)] || j == &mimic) continue;
       const bool turns = mimic.type == robots::JointType::kRevolute ||
                          mimic.type == robots::JointType::kContinuous;
-      jumps = jumps || !turns || factor != std::round(factor);
+      if (turns && factor == std::round(factor)) continue;
+      circles.push_back({part.first, static_cast<int>(&mimic - model.joints.data())});
+      break;
     }
-    if (jumps) places.push_back(part.first);
   }
-  return places;
+  return circles;
 }
 
 /// See RobotMotions::largest_exact.
@@ -229,8 +229,8 @@ bool EdgeModel::isSmooth(std::span<const double> a, std::span<const double> b,
   // Inside an edge circles are wrapped. An end that is not wrapped would be whole turns from its
   // neighbours.
   const auto wrapped = [](double x) { return x >= -std::numbers::pi && x < std::numbers::pi; };
-  return std::all_of(jumping_circles.begin(), jumping_circles.end(), [&](int circle) {
-    const std::size_t i = at(circle);
+  return std::all_of(jumping_circles.begin(), jumping_circles.end(), [&](JumpingCircle circle) {
+    const std::size_t i = at(circle.place);
     // If the edge does not end in b to rounding, it ends a whole turn away.
     return wrapped(a[i]) && wrapped(b[i]) && std::abs(a[i] + difference[i] - b[i]) < 1;
   });

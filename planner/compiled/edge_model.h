@@ -48,8 +48,12 @@ struct EdgeModel {
   /// `rounding` holds for bodies within this distance of the world's origin [m]: a distance beyond
   /// all limits, or the largest one supported for an unlimited joint.
   double reach = 0;
-  /// Indices, in a point, of the circles in which some mimic joint is not periodic.
-  std::vector<int> jumping_circles;
+  /// A circle in which some mimic joint is not periodic.
+  struct JumpingCircle {
+    int place;  ///< in a point
+    int mimic;  ///< the joint
+  };
+  std::vector<JumpingCircle> jumping_circles;
 
   /// True if the edge is one smooth motion of every joint. It is false only if a circle wraps under
   /// a mimic joint that is not periodic in it, because the mimic joint would jump.
@@ -65,9 +69,9 @@ struct RobotMotions {
   /// For each geometry of a moving body, its motion relative to the world: index into `motions`;
   /// -1: it stands still.
   std::vector<int> of_world;
-  double rounding = 0, reach = 0;  ///< as in EdgeModel
-  std::vector<int> jumping_circles;
-  std::vector<int> moved_joints;  ///< that edges can move
+  double rounding = 0, reach = 0;                         ///< as in EdgeModel
+  std::vector<EdgeModel::JumpingCircle> jumping_circles;  ///< as in EdgeModel
+  std::vector<int> moved_joints;                          ///< that edges can move
   /// The largest magnitude at which each number of a point interpolates as exactly as bounds
   /// assume.
   std::vector<double> largest_exact;

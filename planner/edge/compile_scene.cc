@@ -5,6 +5,7 @@
 #include <iterator>
 #include <map>
 #include <mutex>
+#include <numbers>
 #include <numeric>
 #include <set>
 #include <stdexcept>
@@ -24,6 +25,7 @@
 #include "planner/compiled/robot_pairs.h"
 #include "planner/edge/edge_frames.h"
 #include "planner/edge/edge_lanes.h"
+#include "planner/edge/why_undecided.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {
@@ -552,6 +554,20 @@ std::string CompiledScene::nothingChecked() const {
                    [&](const Dropped& d) { return scene_.find(d.b) >= bodiesOfRobot(); }))
     return {};
   return "no pair with the world is checked; " + toString(countUnchecked(dropped()));
+}
+
+std::string whyUndecided(const CompiledScene& scene, std::span<const double> point) {
+  const robots::Model& model = scene.model();
+  for (const EdgeModel::JumpingCircle circle : scene.edgeModel().jumping_circles) {
+    const double value = point[at(circle.place)];
+    if (value >= -std::numbers::pi && value < std::numbers::pi) continue;
+    const std::string& name = model.variables[at(scene.space().variables()[at(circle.place)])].name;
+    return fmt::format(
+        "joint {} mimics {} and would jump where that wraps around; {} is {}, and a value from -pi "
+        "to pi is expected",
+        model.joints[at(circle.mimic)].name, name, name, value);
+  }
+  return {};
 }
 
 std::shared_ptr<CompiledScene> CompiledScene::variant() const {

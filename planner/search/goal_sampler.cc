@@ -9,6 +9,7 @@
 #include "collision/base/numbers.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
+#include "planner/edge/why_undecided.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {
@@ -103,10 +104,14 @@ void GoalSampler::drawJoints(std::size_t g, GoalPoints& result, const std::funct
   result.stopped = result.stopped || stopped;
   if (!found && point && !keepsConstraints(q) && result.reason.empty())
     result.reason = "goal '" + goal.name + "': " + constraints_->fault(q);
+  const std::string why = point ? whyUndecided(certifier_->scene(), q) : std::string();
+  if (!found && !why.empty() && result.reason.empty())
+    result.reason = "goal '" + goal.name + "': " + why;
   if (!found)
     result.warnings.push_back(
         "goal '" + goal.name + "' is left out: " +
         (point && !keepsConstraints(q) ? constraints_->fault(q)
+         : !why.empty()                ? why
          : point   ? contactText(*certifier_, certifier_->tooNear(q, kReportTolerance))
          : stopped ? "no valid point of it was found within the limits"
                    : "none of " + std::to_string(kGoalAttempts) + " points of it was valid"));

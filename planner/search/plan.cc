@@ -19,6 +19,7 @@
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/constraint/constrained_way.h"
+#include "planner/edge/why_undecided.h"
 #include "planner/improve/lower_cost.h"
 #include "planner/improve/push.h"
 #include "planner/objective/path_cost.h"
@@ -117,6 +118,7 @@ class Plan {
   bool checkEnds() {
     if (certifier().decide(start_) != Verdict::kFree) {
       offend(PlanStatus::kInvalidStart, certifier().tooNear(start_, kReportTolerance));
+      result_.reason = whyUndecided(*scene_, start_);
       return false;
     }
     if (constraints_)

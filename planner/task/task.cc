@@ -17,6 +17,7 @@
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/base/waypoints.h"
+#include "planner/edge/why_undecided.h"
 #include "planner/objective/path_cost.h"
 #include "planner/search/goal_sampler.h"
 #include "planner/search/plan.h"
@@ -148,6 +149,7 @@ class TaskPlan {
       result_.offending_a = scene->scene().bodies()[at(bodies.body_a)].name;
       result_.offending_b = scene->scene().bodies()[at(bodies.body_b)].name;
     }
+    result_.reason = whyUndecided(*scene, start);
     fail(0, "its start is not valid");
     count(certifier);
     return false;
@@ -329,6 +331,7 @@ class TaskPlan {
         result_.offending = planned.offending;
         result_.offending_a = planned.offending_a;
         result_.offending_b = planned.offending_b;
+        result_.reason = planned.reason;
       }
       result_.blocked = std::move(planned.blocked);
       result_.gap = std::move(planned.gap);

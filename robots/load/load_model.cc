@@ -322,12 +322,6 @@ void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, RobotDe
 void limitMaster(const UrdfJoint& source, RobotDescription& model) {
   const Joint& joint = model.joints[at(model.findJoint(source.name))];
   const int variable = model.joints[at(joint.mimic)].first_variable;
-<<<<<<< HEAD
-  if (!source.has_limit || !(source.velocity > 0) || variable < 0) return;
-  double& velocity = model.variables[at(variable)].velocity;
-  const double limit = source.velocity / std::abs(joint.multiplier);
-  velocity = velocity > 0 ? std::min(velocity, limit) : limit;
-=======
   if (!source.has_limit || joint.multiplier == 0 || variable < 0) return;
   Variable& master = model.variables[at(variable)];
   const double ratio = std::abs(joint.multiplier);
@@ -336,7 +330,6 @@ void limitMaster(const UrdfJoint& source, RobotDescription& model) {
   if (!(source.velocity > 0)) return;
   const double limit = source.velocity / ratio;
   master.velocity = master.velocity > 0 ? std::min(master.velocity, limit) : limit;
->>>>>>> baaca26f (URDF: limits, elements and Drake's shapes that were lost in silence)
 }
 
 void narrow(Variable& variable, double lower, double upper, const std::string& reason) {

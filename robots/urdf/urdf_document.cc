@@ -52,12 +52,7 @@ class UrdfReader {
     // What is between links and joints says little while some of them are wrong.
     wrong_.throwFirst();
     checkStructure(document_);
-<<<<<<< HEAD
-    warnOfSoftLimits();
-=======
-    warnOfVisuals();
     warnOfUnusedLimits();
->>>>>>> baaca26f (URDF: limits, elements and Drake's shapes that were lost in silence)
     document_.essence = essence();
     document_.warnings = file_.takeWarnings();
     return std::move(document_);
@@ -179,27 +174,6 @@ class UrdfReader {
     }
   }
 
-<<<<<<< HEAD
-=======
-  void warnOfVisuals() {
-    std::string names;
-    for (const auto& [element, name] : bare_links_)
-      names += (names.empty() ? "" : ", ") + inQuotes(name);
-    if (bare_links_.size() == 1)
-      file_.warn(*bare_links_.front().first,
-                 "link " + names + " has a <visual> and no <collision>: it will touch nothing");
-    else if (!bare_links_.empty())
-      file_.warn(*bare_links_.front().first,
-                 std::to_string(bare_links_.size()) +
-                     " links have a <visual> and no <collision>, and will touch nothing: " + names);
-    if (visual_links_.empty()) return;
-    names.clear();
-    for (const std::string& name : visual_links_)
-      names += (names.empty() ? "" : ", ") + inQuotes(name);
-    file_.warn(file_.root(),
-               "the <visual> shapes of links without <collision> stand in for it: " + names);
-  }
-
   static constexpr std::string_view kDrakeCapsule = "drake:capsule",
                                     kDrakeEllipsoid = "drake:ellipsoid";
 
@@ -217,7 +191,6 @@ class UrdfReader {
     return true;
   }
 
->>>>>>> baaca26f (URDF: limits, elements and Drake's shapes that were lost in silence)
   /// The one element of a <geometry> that is a shape. Others beside it are extensions.
   const XMLElement& shapeOf(const XMLElement& geometry) {
     const std::string accepted =
@@ -614,12 +587,6 @@ class UrdfReader {
   UrdfDocument document_;
   std::map<std::string, int> link_lines_, joint_lines_, link_index_;
   std::vector<std::string> link_names_;
-<<<<<<< HEAD
-  std::string soft_limited_;  // joints with soft limits, in quotes
-  const XMLElement* first_soft_limits_ = nullptr;
-=======
-  std::vector<std::string> visual_links_;                              // whose <visual> stands in
-  std::vector<std::pair<const XMLElement*, std::string>> bare_links_;  // without <collision>
   /// Limits that are not used.
   struct UnusedLimits {
     const XMLElement* first = nullptr;
@@ -631,7 +598,6 @@ class UrdfReader {
     }
   };
   UnusedLimits soft_limits_, unused_limits_;
->>>>>>> baaca26f (URDF: limits, elements and Drake's shapes that were lost in silence)
 };
 
 }  // namespace

@@ -1,11 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
-<<<<<<< HEAD
-#include <optional>
-=======
 #include <limits>
->>>>>>> baaca26f (URDF: limits, elements and Drake's shapes that were lost in silence)
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>

@@ -32,6 +32,35 @@ TEST_F(Check, ATaskHasAStartAndGoalsOfItsOwn) {
   expectRefused("check task.yaml --state goal", {"a goal for each of its moves"});
 }
 
+/// A joint that wraps around, and half of which another one follows.
+TEST_F(Check, NamesTheMimicThatWouldJump) {
+  write("mimic.urdf",
+        "<robot name=\"r\"><link name=\"base\"/><link name=\"a\"><collision><geometry><sphere "
+        "radius=\"0.1\"/></geometry></collision></link><link name=\"b\"/>"
+        "<joint name=\"j\" type=\"continuous\"><parent link=\"base\"/><child link=\"a\"/><origin "
+        "xyz=\"1 0 0\"/><axis xyz=\"0 0 1\"/></joint>"
+        "<joint name=\"m\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/><axis "
+        "xyz=\"0 0 1\"/><mimic joint=\"j\" multiplier=\"0.5\"/></joint></robot>");
+  const auto problem = [&](const std::string& start, const std::string& goal) {
+    write("mimic.yaml",
+          "leeway: 1\nrobot: {urdf: mimic.urdf}\nstart: [" + start + "]\ngoal: [" + goal +
+              "]\nobjects: [{name: o, position: [0, 0, 2], sphere: {radius: 0.1}}]\n");
+  };
+  const std::string why = "joint m mimics j and would jump where that wraps around; j is 4";
+  const auto says = [&](const std::string& command, int status) {
+    const Answer answer = run(command + " --json");
+    EXPECT_EQ(answer.status, status) << command << answer.err;
+    EXPECT_NE(answer.out.find(why), std::string::npos) << command << answer.out;
+  };
+  problem("1", "4");
+  says("plan mimic.yaml", 1);
+  write("rows.csv", "j\n1\n4\n");
+  says("clearance mimic.yaml rows.csv", 1);
+  problem("4", "1");
+  says("plan mimic.yaml", 1);
+  says("check mimic.yaml --state start", 1);
+}
+
 TEST_F(Check, StartAndGoalByDefault) {
   const Answer answer = run("check reach.yaml --json");
   EXPECT_EQ(answer.status, 0) << answer.err;
@@ -201,6 +230,25 @@ TEST_F(Clearance, AgreesWithTheCertificate) {
   EXPECT_LE(certificate["clearance_lower"], document["clearance_upper"]);
   EXPECT_EQ(document["segments"].size(), certificate["segments"].size());
   EXPECT_EQ(document["closest"]["b"], "post");
+}
+
+/// As `verify` does.
+TEST_F(Clearance, EdgesBeyondTheLimitsAreNotCertified) {
+  write("far.csv", "shoulder,elbow\n-1,0.25\n-3.5,0.25\n");
+  const Answer answer = run("clearance reach.yaml far.csv --json");
+  EXPECT_EQ(answer.status, 1) << answer.err;
+  EXPECT_EQ(answer.document()["status"], "not_certified");
+  EXPECT_EQ(answer.document()["reason"].get<std::string>().rfind(
+                "edge 0 is not certified: shoulder = -3.5 is outside -", 0),
+            0U)
+      << answer.out;
+}
+
+TEST_F(Clearance, APathOfOneWaypointIsAnEdgeWithoutLength) {
+  write("rest.csv", "shoulder,elbow\n-1,0.25\n");
+  const Answer answer = run("clearance reach.yaml rest.csv --json");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_EQ(answer.document()["segments"].size(), 1U);
 }
 
 TEST_F(Clearance, DrawsTheProfile) {

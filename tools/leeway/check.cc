@@ -16,6 +16,7 @@
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/constraint/constraint_proof.h"
+#include "planner/edge/why_undecided.h"
 #include "planner/execute/unchecked_json.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
@@ -205,6 +206,7 @@ CheckedState checkState(planner::EdgeCertifier& certifier, const planner::Proble
   checked.limit = certifier.scene().space().brokenLimit(state.point);
   if (checked.limit.empty())
     checked.limit = planner::ConstraintProof(certifier.scene(), problem).fault(state.point);
+  if (checked.limit.empty()) checked.limit = planner::whyUndecided(certifier.scene(), state.point);
   checked.nothing_checked = certifier.scene().nothingChecked();
   if (!arguments.depth && isInCollision(certifier, checked)) return checked;
   checked.check = certifier.clearance(state.point, tolerance);

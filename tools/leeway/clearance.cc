@@ -14,12 +14,14 @@
 #include "leeway/planner/path_io.h"
 #include "leeway/robots/input_error.h"
 #include "planner/constraint/constraint_proof.h"
+#include "planner/edge/why_undecided.h"
 #include "planner/execute/unchecked_json.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/path_ends.h"
 #include "tools/leeway/support/plan_overrides.h"
 #include "tools/leeway/support/problem_source.h"
+#include "tools/leeway/support/robot_state.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
 #include "tools/leeway/view/page_options.h"
@@ -85,8 +87,8 @@ struct Profile {
   bool certified = true;
   std::string nothing_checked;                         ///< why; else empty
   std::vector<planner::ConstraintResult> constraints;  ///< where all are proven
-  std::string broken;                                  ///< the first that is not, and where
-  std::set<planner::CompiledScene::Dropped> dropped;   ///< in some step
+  std::string broken;  ///< the first that is not, or why an edge is not certified, and where
+  std::set<planner::CompiledScene::Dropped> dropped;  ///< in some step
 
   std::vector<planner::UncheckedPairs> unchecked() const {
     return planner::countUnchecked(std::vector(dropped.begin(), dropped.end()));
@@ -142,6 +144,17 @@ Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, in
   return stretch;
 }
 
+/// Why nothing is proven of an edge, wherever bodies are; else empty.
+std::string whyNotCertified(const planner::CompiledScene& scene, const planner::Path& path,
+                            std::size_t edge) {
+  std::string why;
+  for (const auto* end : {&path.positions[edge], &path.positions[edge + 1]}) {
+    if (why.empty()) why = planner::whyUndecided(scene, *end);
+    if (why.empty()) why = brokenLimit(scene.space(), *end);
+  }
+  return why;
+}
+
 /// Measures every stretch of a path in the world of its step. Without steps there is one world.
 Profile measure(const std::vector<view::Stage>& stages, const planner::Path& path,
                 const ClearanceArguments& arguments, const planner::PlanOptions& options) {
@@ -173,7 +186,11 @@ Profile measure(const std::vector<view::Stage>& stages, const planner::Path& pat
         profile.all.add(stretch.all, index);
         profile.world.add(stretch.world, index);
         profile.self.add(stretch.self, index);
+        const std::string why = whyNotCertified(*stage.scene, path, i);
+        stretch.keeps_margins = stretch.keeps_margins && why.empty();
         profile.certified = profile.certified && stretch.keeps_margins;
+        if (!why.empty() && profile.broken.empty())
+          profile.broken = fmt::format("edge {} is not certified: {}", segment, why);
         profile.stretches.push_back(std::move(stretch));
       }
     }
@@ -350,7 +367,7 @@ void proveConstraints(const planner::CompiledScene& scene, const planner::Proble
   }
   const int segment = edges.places[broken.edge].segment;
   profile.certified = false;
-  profile.broken = fmt::format("{} on edge {}", broken.what, segment);
+  if (profile.broken.empty()) profile.broken = fmt::format("{} on edge {}", broken.what, segment);
   for (Stretch& stretch : profile.stretches)
     stretch.keeps_margins = stretch.keeps_margins && stretch.segment < segment;
 }
@@ -370,9 +387,12 @@ int runClearance(ClearanceArguments& arguments) {
   planner::Problem problem = loadProblem(arguments.source, arguments.limits.timeLimit());
   apply(arguments.limits, problem);
   std::vector<std::string> warnings;
-  const planner::Path path = planner::readPath(
-      path_file, problem, {.shortest = arguments.shortest, .warnings = &warnings});
+  planner::Path path = planner::readPath(path_file, problem,
+                                         {.shortest = arguments.shortest, .warnings = &warnings});
   printWarnings(warnings);
+  // A path that stays where it begins has an edge without length.
+  if (path.positions.size() == 1 && problem.steps.empty())
+    path.positions.push_back(path.positions.front());
   if (path.positions.size() < 2) {
     throw robots::InputError(path_file, 0,
                              "has fewer than two waypoints: there is no edge to measure");

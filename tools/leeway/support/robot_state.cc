@@ -138,4 +138,18 @@ std::vector<double> parseConfiguration(const planner::Problem& problem, const st
   return q;
 }
 
+std::string brokenLimit(const planner::ConfigurationSpace& space,
+                        const std::vector<double>& point) {
+  for (int i = 0; i < space.size(); ++i) {
+    const double value = point[static_cast<std::size_t>(i)];
+    if (value < space.lower(i) || value > space.upper(i)) {
+      const auto variable =
+          static_cast<std::size_t>(space.variables()[static_cast<std::size_t>(i)]);
+      return fmt::format("{} = {} is outside {} to {}", space.model().variables[variable].name,
+                         value, space.lower(i), space.upper(i));
+    }
+  }
+  return {};
+}
+
 }  // namespace leeway::tools

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "leeway/planner/configuration_space.h"
 #include "leeway/planner/problem.h"
 
 namespace leeway::tools {
@@ -19,6 +20,10 @@ int parseLink(const robots::Model& model, const std::string& name);
 /// Parses a whole text as std::stod() does, as a finite number. Throws robots::InputError that
 /// names `option`.
 double parseNumber(const std::string& option, const std::string& text);
+
+/// Which value of a point is outside the limits, in words: "elbow = 3 is outside -2 to 2"; empty if
+/// none is.
+std::string brokenLimit(const planner::ConfigurationSpace& space, const std::vector<double>& point);
 
 /// Throws robots::InputError about `--state TEXT`.
 [[noreturn]] void badState(const std::string& text, const std::string& message);
