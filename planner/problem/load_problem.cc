@@ -660,8 +660,7 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
   if (robots::endingOf(yaml_path) == ".cfg") return loadOmplApp(yaml_path, given);
   ProblemOptions options = given;
   const robots::ErrorsSince wrong(options.load.errors);
-  const YamlReader file =
-      YamlReader::load(yaml_path, options.load.stop, options.load.errors, options.load.files_read);
+  const YamlReader file = YamlReader::load(yaml_path, options.load.stop, options.load.errors);
   if (!file.isMap()) file.fail("is no map; a problem file (leeway: 1, ...) is expected");
   requireVersion(file);
   file.expectKeys(keysOf("problem"));

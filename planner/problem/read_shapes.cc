@@ -15,6 +15,7 @@
 #include "leeway/robots/model.h"
 #include "planner/base/tolerances.h"
 #include "planner/validate/format_keys.h"
+#include "robots/base/files_read.h"
 #include "robots/mesh/mesh_path.h"
 #include "robots/mesh/mesh_treatment.h"
 
@@ -272,8 +273,11 @@ std::string resolvedPath(const YamlReader& reader) {
         fmt::format("{} is '{}'; a path is expected, because only the files of meshes are "
                     "found by package://",
                     reader.where(), path.string()));
-  if (path.is_absolute()) return path.string();
-  return (std::filesystem::path(reader.file()).parent_path() / path).lexically_normal().string();
+  std::string found = path.string();
+  if (!path.is_absolute())
+    found = (std::filesystem::path(reader.file()).parent_path() / path).lexically_normal().string();
+  robots::FilesRead::note(found);
+  return found;
 }
 
 std::string meshPath(const YamlReader& reader, const robots::LoadOptions& load) {

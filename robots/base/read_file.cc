@@ -12,6 +12,7 @@
 #include <filesystem>
 
 #include "leeway/robots/input_error.h"
+#include "robots/base/files_read.h"
 
 namespace leeway::robots {
 namespace {
@@ -38,7 +39,18 @@ std::size_t sizeInMegabytes(std::size_t bytes) { return bytes >> 20; }
 
 }  // namespace
 
+thread_local FilesRead* FilesRead::of_thread = nullptr;
+
+FilesRead::FilesRead() { of_thread = this; }
+
+FilesRead::~FilesRead() { of_thread = nullptr; }
+
+void FilesRead::note(const std::string& path) {
+  if (of_thread != nullptr) of_thread->paths_.insert(path);
+}
+
 std::string readBinaryFile(const std::string& path, std::string_view kind, std::size_t limit) {
+  FilesRead::note(path);
   const auto fail = [&](const std::string& what) {
     throw InputError(path, 0, what + "; " + std::string(kind) + " is expected");
   };

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "leeway/robots/input_error.h"
+#include "robots/base/files_read.h"
 
 namespace leeway::robots {
 
@@ -173,6 +174,10 @@ std::string resolveFile(const std::string& uri, const std::string& what,
   const auto fail = [&](const std::string& message) {
     throw InputError(urdf_path, line, "the " + what + " \"" + uri + "\" " + message);
   };
+  const auto noted = [](std::string found) {
+    FilesRead::note(found);
+    return found;
+  };
   std::error_code error;
   const path urdf_folder = std::filesystem::absolute(path(urdf_path), error).parent_path();
   if (const auto in_package = behind(uri, {"package://", "model://"})) {
@@ -186,7 +191,7 @@ std::string resolveFile(const std::string& uri, const std::string& what,
     const std::string name = in_package->substr(begin, slash - begin);
     const PackageSearch search =
         searchPackage(name, in_package->substr(rest), urdf_folder, options);
-    if (search.found()) return *search.found();
+    if (search.found()) return noted(*search.found());
     const std::string advice = "; --package " + name + "=FOLDER says where the package is";
     if (search.folders().empty())
       fail("was not found: there is no package \"" + name +
@@ -206,7 +211,7 @@ std::string resolveFile(const std::string& uri, const std::string& what,
   std::string tried;
   for (const std::string& spelling : spellings(in_file ? *in_file : uri)) {
     const path place = (urdf_folder / spelling).lexically_normal();  // unless it is absolute
-    if (std::filesystem::is_regular_file(place, error)) return place.string();
+    if (std::filesystem::is_regular_file(place, error)) return noted(place.string());
     tried += (tried.empty() ? "" : ", ") + place.string();
   }
   fail("was not found, looked for " + tried + "; the path of a " + what +

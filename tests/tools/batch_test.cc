@@ -103,6 +103,8 @@ TEST_F(Batch, LineIsWhatPlanPrints) {
                   .document();
   json same = withoutTimes(line);
   same.erase("problem");
+  EXPECT_EQ(same["files"].size(), 4U) << same["files"];
+  same.erase("files");
   same.erase("options");  // a line of plan is no list that goes on
   plan.erase("time_s");
   EXPECT_EQ(same, plan);
@@ -294,11 +296,12 @@ TEST_F(Batch, ResumesAnInterruptedRun) {
 
 /// Regression: the time of looking for shorter paths was left out of the whole.
 TEST_F(Batch, TheWholeCountsEveryStage) {
-  write("lines.json",
-        R"({"problem":"reach.yaml","version":1,"options":{},"status":"solved","certificate":)"
-        R"({"certified":true},"time_s":{"load":9,"compile":0.001,"plan":0.01,"simplify":0.1,)"
-        R"("improve":1,"push":0.1,"certify":0.01}})"
-        "\n");
+  write(
+      "lines.json",
+      R"({"problem":"reach.yaml","version":1,"options":{},"files":{},"status":"solved","certificate":)"
+      R"({"certified":true},"time_s":{"load":9,"compile":0.001,"plan":0.01,"simplify":0.1,)"
+      R"("improve":1,"push":0.1,"certify":0.01}})"
+      "\n");
   const Answer answer = run("batch reach.yaml --output lines.json --resume");
   EXPECT_EQ(answer.status, 0) << answer.err;
   EXPECT_NE(answer.err.find("median 10.00 ms of planning, 1221.00 ms with"), std::string::npos)
@@ -323,13 +326,33 @@ TEST_F(Batch, ResumePlansChangedProblemsAgain) {
   ASSERT_EQ(run("batch reach.yaml empty.yaml --output lines.json").status, 0);
   std::string changed = kReach;
   write("reach.yaml", changed.replace(changed.find("goal: left"), 10, "goal: [0.5, 0.5]"));
-  // The clock of files may be coarse.
-  fs::last_write_time(folder_ / "reach.yaml",
-                      fs::last_write_time(folder_ / "lines.json") + std::chrono::seconds(1));
+  // Contents count, not times.
+  const auto before = fs::last_write_time(folder_ / "lines.json") - std::chrono::hours(1);
+  fs::last_write_time(folder_ / "reach.yaml", before);
+  fs::last_write_time(folder_ / "empty.yaml", before + std::chrono::hours(2));
   const Answer answer = run("batch reach.yaml empty.yaml --output lines.json --resume");
   EXPECT_EQ(answer.status, 0) << answer.err;
   EXPECT_NE(answer.err.find("1 kept from the run before"), std::string::npos) << answer.err;
   EXPECT_NE(read("lines.json").find("0.5,0.5]"), std::string::npos) << read("lines.json");
+}
+
+TEST_F(Batch, ResumePlansAgainWhereTheRobotHasChanged) {
+  ASSERT_EQ(run("batch reach.yaml empty.yaml --output lines.json").status, 0);
+  write("arm.urdf", std::string(kUrdf) + "<!-- changed -->\n");
+  const Answer answer = run("batch reach.yaml empty.yaml --output lines.json --resume");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_EQ(answer.err.find("kept from the run before"), std::string::npos) << answer.err;
+  const Answer again = run("batch reach.yaml empty.yaml --output lines.json --resume");
+  EXPECT_NE(again.err.find("2 kept from the run before"), std::string::npos) << again.err;
+}
+
+/// Options of --robot have no meaning without it, and lines that were made with others are refused.
+TEST_F(Batch, OptionsOfTheRobot) {
+  for (const char* option : {"--srdf arm.srdf", "--joint-limits l.yaml", "--bounds elbow 0 1"})
+    expectRefused(std::string("batch reach.yaml ") + option, {"go with --robot"});
+  ASSERT_EQ(run("batch " + robot_ + "set/b --output lines.json").status, 0);
+  expectRefused("batch " + robot_ + "set/b --output lines.json --resume --bounds elbow -2 2",
+                {"lines.json:1", "bounds"});
 }
 
 TEST_F(Batch, ResumeRefusesAnotherRunsFile) {

@@ -26,6 +26,7 @@
 #include "planner/problem/other_formats.h"
 #include "planner/problem/read_meshes.h"
 #include "planner/problem/read_states.h"
+#include "robots/base/files_read.h"
 #include "robots/base/read_file.h"
 #include "robots/mesh/mesh_import.h"
 
@@ -226,7 +227,10 @@ class Loader {
   }
 
   std::string meshFile(const Config::Entry& entry) const {
-    return (std::filesystem::path(config_.file()).parent_path() / entry.text).string();
+    const std::filesystem::path folder = std::filesystem::path(config_.file()).parent_path();
+    std::string file = (folder / entry.text).string();
+    robots::FilesRead::note(file);
+    return file;
   }
 
   collision::Shape readMesh(const Config::Entry& entry) {

@@ -28,8 +28,10 @@
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/stopped.h"
 #include "planner/base/clock.h"
+#include "robots/base/files_read.h"
 #include "tools/leeway/batch/batch_list.h"
 #include "tools/leeway/batch/batch_output.h"
+#include "tools/leeway/batch/file_digests.h"
 #include "tools/leeway/batch/ompl_log.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
@@ -122,24 +124,36 @@ void posesForGoals(planner::Problem& problem) {
   }
 }
 
-planner::Problem load(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
-                      const BatchItem& item, std::vector<std::string>& warnings) {
+/// What the problems share.
+struct Shared {
+  std::shared_ptr<const robots::Model> robot;  ///< of --robot; without it, each names its own
+  Json robot_files = Json::object();           ///< FileDigests::of() what it was read from
+  FileDigests digests;
+};
+
+/// Loads a problem, and adds the digests of the files that it was read from to its line.
+planner::Problem load(const Arguments& arguments, Shared& shared, const BatchItem& item,
+                      Outcome& outcome) {
+  std::vector<std::string>& warnings = outcome.warnings;
   const auto add = [&warnings](const std::vector<std::string>& more) {
     warnings.insert(warnings.end(), more.begin(), more.end());
   };
   if (!item.error.empty()) {
     throw robots::InputError(item.problem, 0, item.error);
   }
+  const robots::FilesRead files;
   robots::LoadOptions load = loadOptions(arguments.source);
   load.stop = interrupted;
   planner::Problem problem;
-  if (model) {
-    problem = planner::loadMoveit(model, item.problem, item.request, {.load = load});
+  if (shared.robot) {
+    problem = planner::loadMoveit(shared.robot, item.problem, item.request, {.load = load});
   } else {
     problem = planner::loadProblem(item.problem, {.load = load});
     add(problem.robot.model->warnings);
   }
   add(problem.warnings);
+  outcome.line["files"] = shared.robot_files;
+  outcome.line["files"].update(shared.digests.of(files.paths()));
   if (arguments.pose_goals) posesForGoals(problem);
   return planner::placeStart(problem);
 }
@@ -185,10 +199,9 @@ planner::PlanResult planRepeatedly(const planner::Problem& problem,
   return result;
 }
 
-Json solve(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
-           const BatchItem& item, Outcome& outcome) {
+Json solve(const Arguments& arguments, Shared& shared, const BatchItem& item, Outcome& outcome) {
   const auto start = Clock::now();
-  planner::Problem problem = load(arguments, model, item, outcome.warnings);
+  planner::Problem problem = load(arguments, shared, item, outcome);
   apply(arguments.overrides, problem);
   const double load_s = secondsSince(start);
   outcome.time_limit = problem.limits.time;
@@ -281,12 +294,11 @@ class Tallies {
 
 /// Always returns one line. Bad input and internal faults are reported in it and on stderr, and the
 /// batch goes on.
-Outcome solveOrReport(const Arguments& arguments, const std::shared_ptr<const robots::Model>& model,
-                      const BatchItem& item) {
+Outcome solveOrReport(const Arguments& arguments, Shared& shared, const BatchItem& item) {
   Outcome outcome;
   Json answer;
   try {
-    answer = solve(arguments, model, item, outcome);
+    answer = solve(arguments, shared, item, outcome);
   } catch (const robots::Stopped& stopped) {  // by an interrupt, which cuts the outcome
     answer = {{"status", "error"}, {"error", stopped.what()}};
   } catch (const robots::InputError& error) {
@@ -294,7 +306,10 @@ Outcome solveOrReport(const Arguments& arguments, const std::shared_ptr<const ro
   } catch (const std::exception& error) {
     answer = {{"status", "internal_error"}, {"error", error.what()}};
   }
-  if (answer.contains("error")) outcome.error = answer["error"];
+  if (answer.contains("error")) {
+    outcome.error = answer["error"];
+    outcome.line.clear();
+  }
   outcome.line.update(answer);
   outcome.cut = interrupted();
   return outcome;
@@ -303,12 +318,8 @@ Outcome solveOrReport(const Arguments& arguments, const std::shared_ptr<const ro
 /// Solves problems in one thread per job, and returns them in their order.
 class Jobs {
  public:
-  Jobs(const Arguments& arguments, std::shared_ptr<const robots::Model> model,
-       std::vector<const BatchItem*> items)
-      : arguments_(arguments),
-        model_(std::move(model)),
-        items_(std::move(items)),
-        outcomes_(items_.size()) {
+  Jobs(const Arguments& arguments, Shared& shared, std::vector<const BatchItem*> items)
+      : arguments_(arguments), shared_(shared), items_(std::move(items)), outcomes_(items_.size()) {
     if (arguments_.jobs == 1) return;
     const std::size_t threads = std::min(static_cast<std::size_t>(arguments_.jobs), items_.size());
     for (std::size_t i = 0; i < threads; ++i) threads_.emplace_back([this] { run(); });
@@ -324,7 +335,7 @@ class Jobs {
   /// thread.
   Outcome take() {
     const std::size_t i = taken_++;
-    if (threads_.empty()) return solveOrReport(arguments_, model_, *items_[i]);
+    if (threads_.empty()) return solveOrReport(arguments_, shared_, *items_[i]);
     std::unique_lock<std::mutex> lock(mutex_);
     solved_.wait(lock, [&] { return outcomes_[i].has_value(); });
     Outcome outcome = std::move(*outcomes_[i]);
@@ -337,7 +348,7 @@ class Jobs {
     for (std::size_t i = next_++; i < items_.size(); i = next_++) {
       Outcome outcome;
       outcome.cut = true;
-      if (!interrupted()) outcome = solveOrReport(arguments_, model_, *items_[i]);
+      if (!interrupted()) outcome = solveOrReport(arguments_, shared_, *items_[i]);
       const std::lock_guard<std::mutex> lock(mutex_);
       outcomes_[i] = std::move(outcome);
       solved_.notify_one();
@@ -345,7 +356,7 @@ class Jobs {
   }
 
   const Arguments& arguments_;
-  std::shared_ptr<const robots::Model> model_;
+  Shared& shared_;
   std::vector<const BatchItem*> items_;
   std::vector<std::optional<Outcome>> outcomes_;
   std::size_t taken_ = 0;
@@ -416,6 +427,13 @@ Json optionsJson(const Arguments& arguments) {
   Json options = Json::object();
   if (!arguments.source.robot.empty()) options["robot"] = arguments.source.robot;
   if (!arguments.source.srdf.empty()) options["srdf"] = arguments.source.srdf;
+  if (!arguments.source.joint_limits.empty())
+    options["joint_limits"] = arguments.source.joint_limits;
+  for (const auto& [name, given] :
+       {std::pair("bounds", &arguments.source.bounds), std::pair("widen", &arguments.source.widen),
+        std::pair("xacro", &arguments.source.xacro)})
+    if (!given->empty()) options[name] = *given;
+  if (arguments.source.visual_as_collision) options["visual_as_collision"] = true;
   options.update(arguments.overrides.json());
   if (arguments.repeat != 1) options["repeat"] = arguments.repeat;
   if (arguments.verify) options["verify"] = true;
@@ -450,6 +468,12 @@ std::vector<BatchItem> checkedItems(const Arguments& arguments) {
   if (arguments.resume && arguments.output.empty()) {
     throw robots::InputError("command line", 0, "--resume continues a file: name it with --output");
   }
+  const ProblemSource& source = arguments.source;
+  if (source.robot.empty() && (!(source.srdf + source.joint_limits).empty() ||
+                               !source.bounds.empty() || !source.widen.empty()))
+    badUsage(
+        "--srdf, --joint-limits, --bounds and --widen go with --robot; problem files name these "
+        "themselves");
   if (!arguments.ompl_log.empty()) checkOutputFile(arguments.ompl_log, kLogEndings);
   std::vector<BatchItem> items = listItems(arguments);
   std::vector<std::string> inputs = filesOf(arguments.source);
@@ -458,13 +482,13 @@ std::vector<BatchItem> checkedItems(const Arguments& arguments) {
   return items;
 }
 
-/// The robot of --robot. Without it, each problem names its own robot.
-std::shared_ptr<const robots::Model> commonRobot(const Arguments& arguments, WarningLog& warnings) {
+void loadRobot(const Arguments& arguments, WarningLog& warnings, Shared& shared) {
   const ProblemSource& source = arguments.source;
-  if (source.robot.empty()) return nullptr;
-  std::shared_ptr<const robots::Model> model = loadRobotModel(source.robot, source.srdf, source);
-  warnings.print(model->warnings);
-  return model;
+  if (source.robot.empty()) return;
+  const robots::FilesRead files;
+  shared.robot = loadRobotModel(source.robot, source.srdf, source);
+  shared.robot_files = shared.digests.of(files.paths());
+  warnings.print(shared.robot->warnings);
 }
 
 /// The log of --ompl-log. Without it, nothing is kept.
@@ -501,15 +525,16 @@ int run(const Arguments& arguments) {
   OmplLogFile log(arguments.ompl_log);
   view::PageFolder pages(arguments.view);
   WarningLog warnings;
-  const std::shared_ptr<const robots::Model> model = commonRobot(arguments, warnings);
+  Shared shared;
+  loadRobot(arguments, warnings, shared);
   const Json options = optionsJson(arguments);
-  BatchOutput output(arguments.output, items, arguments.resume, options);
+  BatchOutput output(arguments.output, items, arguments.resume, options, shared.digests);
   std::vector<const BatchItem*> open;
   for (const BatchItem& item : items) {
     if (!output.has(item.problem)) open.push_back(&item);
   }
   UnitProgress progress(items.size(), items.size() - open.size());
-  Jobs jobs(arguments, model, std::move(open));
+  Jobs jobs(arguments, shared, std::move(open));
   Tallies tallies;
   const auto count = [&](const std::string& problem, const Json& line) {
     tallies.add(problem, line);

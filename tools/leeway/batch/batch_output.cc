@@ -8,15 +8,17 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "leeway/planner/path_io.h"
 #include "leeway/robots/input_error.h"
+#include "robots/base/read_file.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
 
 BatchOutput::BatchOutput(std::string path, const std::vector<BatchItem>& items, bool resume,
-                         const Json& options)
+                         const Json& options, FileDigests& digests)
     : path_(std::move(path)) {
   for (const BatchItem& item : items) {
     order_.push_back(item.problem);
@@ -27,8 +29,7 @@ BatchOutput::BatchOutput(std::string path, const std::vector<BatchItem>& items, 
   if (resume) {
     for (const std::string& file : {partialPath(), path_}) {
       if (!std::filesystem::exists(file)) continue;
-      keepLinesOf(file, options);
-      dropChanged(file, items);
+      keepLinesOf(file, options, digests);
       break;
     }
     kept_ = lines_.size();
@@ -47,7 +48,21 @@ BatchOutput::~BatchOutput() {
   }
 }
 
-void BatchOutput::keepLinesOf(const std::string& file, const Json& options) {
+namespace {
+
+/// Whether the files that a line was made from are still the same.
+bool isCurrent(const Json& document, FileDigests& digests) {
+  const auto files = document.find("files");
+  if (files == document.end() || !files->is_object()) return false;
+  for (const auto& [path, digest] : files->items())
+    if (digest != digests.of(path)) return false;
+  return true;
+}
+
+}  // namespace
+
+void BatchOutput::keepLinesOf(const std::string& file, const Json& options, FileDigests& digests) {
+  std::set<std::string> expanded;
   std::ifstream in(file, std::ios::binary);
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
@@ -75,22 +90,17 @@ void BatchOutput::keepLinesOf(const std::string& file, const Json& options) {
           fmt::format("was made with the options {}, not {}; resume with those of the first run",
                       jsonText(made_with), jsonText(options)));
     }
-    if (document["status"] != "error" && document["status"] != "internal_error") {
-      lines_[problem] = line;
-    }
+    if (document["status"] == "error" || document["status"] == "internal_error" ||
+        !isCurrent(document, digests))
+      continue;
+    lines_[problem] = line;
+    for (const auto& [path, digest] : document["files"].items())
+      if (robots::endingOf(path) == ".xacro") expanded.insert(path);
   }
-}
-
-void BatchOutput::dropChanged(const std::string& file, const std::vector<BatchItem>& items) {
-  const auto written = std::filesystem::last_write_time(file);
-  const auto isNewer = [&](const std::string& path) {
-    std::error_code error;
-    const auto changed = std::filesystem::last_write_time(path, error);
-    return !error && changed > written;
-  };
-  for (const BatchItem& item : items)
-    if (isNewer(item.problem) || (!item.request.empty() && isNewer(item.request)))
-      lines_.erase(item.problem);
+  for (const std::string& path : expanded)
+    printMessage(path +
+                 ": whether files that it includes have changed is not known; without "
+                 "--resume all problems are planned again");
 }
 
 std::string BatchOutput::linesInOrder() const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/leeway/batch/batch_list.h"
+#include "tools/leeway/batch/file_digests.h"
 #include "tools/leeway/support/json_result.h"
 
 namespace leeway::tools {
@@ -16,12 +17,11 @@ namespace leeway::tools {
 class BatchOutput {
  public:
   /// `path` empty: stdout. With `resume`, keeps the lines of an interrupted (or finished) run,
-  /// except lines that report bad input and lines of files that are newer than FILE, so that these
-  /// problems are tried again. Throws
-  /// robots::InputError if a kept line does not belong to this batch, or if its key `options`
-  /// differs from `options`.
+  /// except lines that report bad input and lines whose `files` have other digests now, so that
+  /// these problems are tried again. Throws robots::InputError if a kept line does not belong to
+  /// this batch, or if its key `options` differs from `options`.
   BatchOutput(std::string path, const std::vector<BatchItem>& items, bool resume,
-              const Json& options);
+              const Json& options, FileDigests& digests);
   ~BatchOutput();
   BatchOutput(const BatchOutput&) = delete;
   BatchOutput& operator=(const BatchOutput&) = delete;
@@ -37,9 +37,7 @@ class BatchOutput {
   std::string partialPath() const { return path_ + ".partial"; }
 
  private:
-  void keepLinesOf(const std::string& file, const Json& options);
-  /// Drops the lines of problems whose own files were changed after `file` was written.
-  void dropChanged(const std::string& file, const std::vector<BatchItem>& items);
+  void keepLinesOf(const std::string& file, const Json& options, FileDigests& digests);
   std::string linesInOrder() const;
 
   std::string path_;

@@ -300,6 +300,7 @@ Json PlanOverrides::json() const {
   if (hinge) json["hinge"] = *hinge;
   if (inverse) json["inverse"] = *inverse;
   if (length_weight) json["length_weight"] = *length_weight;
+  if (!upright.empty()) json["upright"] = upright;
   if (certificate != "path") json["certificate"] = certificate;
   return json;
 }

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "tools/leeway/support/json_result.h"
+
+namespace leeway::tools {
+
+/// Digests of the contents of files. Thread-safe.
+class FileDigests {
+ public:
+  /// The digest of a file's bytes in hexadecimal digits (64 bits of FNV-1a: it finds changes, not
+  /// forgeries), with those of the .bin files beside a .gltf. Empty for what is no file. Reads a
+  /// file again if its size or time has changed.
+  std::string of(const std::string& path);
+  /// Path and digest of each that is a file.
+  Json of(const std::set<std::string>& paths);
+
+ private:
+  struct Known {
+    std::filesystem::file_time_type changed;
+    std::uintmax_t size = 0;
+    std::string digest;
+  };
+  std::string ofBytes(const std::string& path);
+
+  std::mutex mutex_;
+  std::map<std::string, Known> known_;
+};
+
+}  // namespace leeway::tools
