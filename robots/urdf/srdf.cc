@@ -9,10 +9,12 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <sstream>
 #include <utility>
 #include <vector>
 
 #include "leeway/robots/groups.h"
+#include "leeway/robots/text.h"
 
 namespace leeway::robots {
 
@@ -256,9 +258,24 @@ class SrdfReader {
     });
   }
 
+  /// Whether a name means something else where states are asked for by name.
+  static bool readsOtherwise(const std::string& name) {
+    if (name == "start" || name == "goal" || name.find('=') != std::string::npos) return true;
+    std::string spaced = name;
+    std::replace(spaced.begin(), spaced.end(), ',', ' ');
+    std::istringstream words(spaced);
+    for (std::string word; words >> word;)
+      if (!parseNumber(word)) return false;
+    return true;
+  }
+
   GroupState readGroupState(const XMLElement& e, InputErrors& wrong) {
     GroupState state;
     state.name = file_.attribute(e, "name");
+    if (readsOtherwise(state.name))
+      file_.warn(e, "the name " + inQuotes(state.name) +
+                        " of a group state may be read as values, or as a problem's own start or "
+                        "goal; another name would be clear");
     const int group = requireGroup(e, "group");
     state.group = model_.groups[static_cast<std::size_t>(group)].name;
     failIfTwice(e, [&](const XMLElement& other) {

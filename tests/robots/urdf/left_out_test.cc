@@ -397,7 +397,9 @@ TEST_F(LeftOutOfUrdf, AMimicsOwnLimitsNarrowItsMaster) {
                            "leave it no range"});
   expectWarnings(
       *model("<joint name=\"m\" type=\"continuous\">", "lower=\"0\" upper=\"0.4\"", ""),
-      {":6: the limits of joint \"f\", which mimics \"m\", are left out: that joint has none"});
+      {":4: lower and upper limits are not used of joints that are not revolute or prismatic: "
+       "\"m\"",
+       ":6: the limits of joint \"f\", which mimics \"m\", are left out: that joint has none"});
 }
 
 }  // namespace

@@ -180,6 +180,17 @@ TEST_F(Srdf, Warnings) {
        ":6: the joint \"q\" in <passive_joint> is not defined"});
 }
 
+/// Their names mean something else where states are asked for by name.
+TEST_F(Srdf, NamesOfStatesThatReadAsValues) {
+  for (const char* name : {"0 0 0", "2", "1,-0.5", "a=b", "start", "goal"})
+    expectWarnings(
+        *load("<group name=\"arm\"><chain base_link=\"base\" tip_link=\"tool\"/></group>\n"
+              "<group_state name=\"" +
+              std::string(name) +
+              "\" group=\"arm\"><joint name=\"j1\" value=\"0\"/></group_state>"),
+        {":3: the name \"" + std::string(name) + "\" of a group state may be read as"});
+}
+
 TEST_F(Srdf, OtherRobotIsAWarning) {
   const auto model =
       loadModel(folder_.write("r.urdf", kUrdf), folder_.write("r.srdf", "<robot name=\"other\"/>"));
