@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -82,7 +83,47 @@ DenseWorld::DenseWorld(const DenseWorld& other, const std::string& scene_file,
   listPairs();
 }
 
+DenseWorld::DenseWorld(std::shared_ptr<const robots::Model> model, Named start)
+    : model_(std::move(model)), start_(std::move(start)), X_WL_(model_->links.size()) {
+  addRobot();
+}
+
 DenseWorld::~DenseWorld() = default;
+
+struct DenseWorld::Points {
+  std::shared_ptr<FclSurface> surface;
+};
+
+std::shared_ptr<const DenseWorld::Points> DenseWorld::pointsOf(
+    const std::vector<Eigen::Vector3d>& points_W) {
+  constexpr double kSize = 1e-5;
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  for (const Eigen::Vector3d& p : points_W) {
+    const auto first = static_cast<std::int32_t>(vertices.size());
+    vertices.insert(vertices.end(), {p, p + kSize * Eigen::Vector3d::UnitX(),
+                                     p + kSize * Eigen::Vector3d::UnitY()});
+    triangles.push_back({first, first + 1, first + 2});
+  }
+  return std::make_shared<const Points>(Points{lab::fclMesh(vertices, triangles)});
+}
+
+std::pair<double, std::string> DenseWorld::leastDistance(const Points& points,
+                                                         const std::vector<std::string>& names,
+                                                         const std::vector<double>& positions) {
+  place(names, positions);
+  std::pair<double, std::string> least{std::numeric_limits<double>::infinity(), {}};
+  for (const auto& body : bodies_) {
+    for (std::size_t g = 0; g < body->geometries.size(); ++g) {
+      fcl::DistanceResultd result;
+      const double distance = fcl::distance(
+          body->geometries[g].get(), body->objects[g]->getTransform(), points.surface.get(),
+          Isometry3d::Identity(), fcl::DistanceRequestd(), result);
+      if (!(distance >= least.first)) least = {distance, body->name};
+    }
+  }
+  return least;
+}
 
 void DenseWorld::addRobot() {
   for (std::size_t i = 0; i < model_->links.size(); ++i) {

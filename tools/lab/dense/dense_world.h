@@ -31,7 +31,18 @@ class DenseWorld {
   /// The robot of `other` in another scene; shares its hierarchies.
   DenseWorld(const DenseWorld& other, const std::string& scene_file,
              const std::string& request_file);
+  /// The robot alone, for leastDistance(); `start`: of the joints that are not named there.
+  DenseWorld(std::shared_ptr<const robots::Model> model,
+             std::vector<std::pair<std::string, double>> start);
   ~DenseWorld();
+
+  /// Points in FCL's hierarchy, as triangles of 0.01 mm.
+  struct Points;
+  static std::shared_ptr<const Points> pointsOf(const std::vector<Eigen::Vector3d>& points_W);
+  /// The least distance of a link from the points [m], and the link's name.
+  std::pair<double, std::string> leastDistance(const Points& points,
+                                               const std::vector<std::string>& names,
+                                               const std::vector<double>& positions);
 
   /// Finds the first colliding pair at these positions of the named joints. Other joints take the
   /// values of the request's start state, or 0 if it does not name them.
