@@ -85,8 +85,6 @@ planner::VerifyResult verifyPath(const std::string& file, const VerifyArguments&
     for (const std::string& warning : takeNearEnds(path, problem))
       warnings.push_back(file + ": " + warning);
   printWarnings(warnings);
-  // The proof does not use this scene.
-  printWarnings(planner::CompiledScene(problem).warnings());
   UnitProgress progress(std::max<std::size_t>(2, path.positions.size()) - 1);
   options.progress = [&](const std::string& phase, double) {
     phase == "edge" ? progress.next(phase) : progress.after(phase);
@@ -110,17 +108,20 @@ int runVerify(VerifyArguments& arguments) {
   arguments.source.no_cache = true;
   planner::Problem problem = loadProblem(arguments.source, arguments.limits.timeLimit());
   apply(arguments.limits, problem);
+  if (is_log) refuseSteps(problem, "verify --log");
   planner::PlanOptions options = interactivePlanOptions(arguments.limits.timeLimit());
   // People see the clearance with two decimals. JSON has the bound that proving the margins gives.
   std::function<bool(const planner::Interval&)> is_enough;
   if (!arguments.json)
     is_enough = [](const planner::Interval& clearance) { return figureOf(clearance).has_value(); };
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings = planner::loaderWarnings(problem);
+  // The proof does not use this scene.
+  const std::vector<std::string> of_scene = planner::CompiledScene(problem).warnings();
+  warnings.insert(warnings.end(), of_scene.begin(), of_scene.end());
   Proven proven{"all steps of " + arguments.log,
                 "; the obstacles moved within what is known of them"};
   if (is_log) {
-    refuseSteps(problem, "verify --log");
-    printWarnings(planner::CompiledScene(problem).warnings());
+    printWarnings(warnings);
     if (obstaclesText(problem).empty()) proven.obstacles.clear();
   }
   const planner::VerifyResult result =
@@ -131,10 +132,6 @@ int runVerify(VerifyArguments& arguments) {
     Json document = toJson(result);
     document["clouds"] = cloudsJson(problem);
     document["seed"] = problem.seed;
-    const std::vector<std::string> of_scene = planner::CompiledScene(problem).warnings();
-    const std::vector<std::string> of_loaders = planner::loaderWarnings(problem);
-    warnings.insert(warnings.begin(), of_scene.begin(), of_scene.end());
-    warnings.insert(warnings.begin(), of_loaders.begin(), of_loaders.end());
     document["warnings"] = warnings;
     document["interrupted"] = interrupted();
     printJson(document);

@@ -166,7 +166,7 @@ void RivalReport::draw(const std::vector<std::string>& pictures) {
              status == kNoMatplotlib || status < 0
                  ? "python3 and matplotlib draw them (python3-matplotlib)"
                  : "draw_report failed");
-  missing_.emplace_back("matplotlib");
+  missing_.emplace_back(status == kNoMatplotlib || status < 0 ? "matplotlib" : "draw_report");
 }
 
 int RivalReport::end(const End& end) const {

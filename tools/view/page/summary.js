@@ -28,8 +28,10 @@ export function headline(app) {
   if (motion.duration === 0) return endText(app) || searchText(data);
   const place = tightest(app);
   const executed = data.decisions.length > 0;
-  const where = executed ? 'in every step' : `on the whole path${data.obstacles}`;
-  const proven = `${data.good ? '' : 'not '}proven ${where}`;
+  // An execution that was stopped, or whose time is up, is proven as far as it went.
+  const isProven = executed ? data.decisions.every(([, decision]) => decision !== 'unsafe') : data.good;
+  const where = executed ? `in every step${isProven && !data.good ? ' that was taken' : ''}` : `on the whole path${data.obstacles}`;
+  const proven = `${isProven ? '' : 'not '}proven ${where}`;
   if (!place) return `${proven}; nothing else is near`;
   const { near, moment } = place;
   const what = data.good && !executed ? 'least clearance' : 'nearest where it was measured';
