@@ -46,7 +46,7 @@ std::string CloudScene::fault(const PointCloud* cloud, const robots::Pose& X_WO)
     return "was cropped, and what it lacks may move; a cloud that is not cropped is expected";
   if (const std::string of_balls = cloudFault(*cloud); !of_balls.empty()) return ": " + of_balls;
   if (const std::string of_pose = poseFault(X_WO); !of_pose.empty()) return ": its pose " + of_pose;
-  return {};
+  return carveFault(*cloud, X_WO);
 }
 
 void CloudScene::replace(std::shared_ptr<const PointCloud> cloud, const robots::Pose& X_WO) {

@@ -12,6 +12,7 @@
 #include "collision/base/pose_check.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/clock.h"
+#include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/execute/cloud_scene.h"
 #include "planner/validate/checks.h"
@@ -205,7 +206,10 @@ struct Obstacles::Cloud final : Rigid {
 
   double moved(const Sight& sight) const override {
     const CloudSight* const other = cloudOf(sight);
-    if (other == nullptr) return Rigid::moved(sight);
+    if (other == nullptr)
+      return carveFault(*own_scene.cloud(), std::get<robots::Pose>(sight)).empty()
+                 ? Rigid::moved(sight)
+                 : kNaN;
     return CloudScene::fault(other->cloud.get(), placeOf(*other)).empty() ? 0 : kNaN;
   }
   void see(const Sight& sight, double time, double speed) override {
@@ -216,8 +220,9 @@ struct Obstacles::Cloud final : Rigid {
       extent = extentOf(own_scene.standing(X_WO, 0));
       return;
     }
+    const auto& X_WO = std::get<robots::Pose>(sight);
+    if (poseFault(X_WO).empty()) own_scene.replace(own_scene.cloud(), X_WO);
     Rigid::see(sight, time, speed);
-    own_scene.replace(own_scene.cloud(), present);
   }
   void describe(ObstacleUpdate& update) const override {
     update.strategy = "cloud";
@@ -243,7 +248,7 @@ Obstacles::Obstacles(const Problem& problem, std::shared_ptr<const CompiledScene
   }
   if (!clouds_.empty()) base_ = std::make_shared<const CompiledScene>(withoutMovingClouds(problem));
   for (const std::unique_ptr<Followed>& obstacle : obstacles_) {
-    if (std::find(clouds_.begin(), clouds_.end(), obstacle.get()) != clouds_.end()) continue;
+    if (isCloud(*obstacle)) continue;
     solids_.push_back(obstacle.get());
     bodies_.push_back(base_->scene().find(obstacle->name));
   }
@@ -263,6 +268,10 @@ void Obstacles::add(std::unique_ptr<Followed> obstacle) {
 
 bool Obstacles::has(int body) const {
   return std::find(bodies_.begin(), bodies_.end(), body) != bodies_.end();
+}
+
+bool Obstacles::isCloud(const Followed& obstacle) const {
+  return std::find(clouds_.begin(), clouds_.end(), &obstacle) != clouds_.end();
 }
 
 std::shared_ptr<const CompiledScene> Obstacles::sceneOf(std::size_t group) const {
@@ -287,7 +296,7 @@ void Obstacles::look(double time) {
             "", 0,
             fmt::format("obstacle '{}' at {} s: {}", o.name, time, collision::toString(status)));
       o.seen = time;
-      with_clouds_ = nullptr;
+      if (isCloud(o)) with_clouds_ = nullptr;
     }
     o.describe(updates_[i]);
     updates_[i].seen = o.seen;
@@ -302,11 +311,17 @@ Obstacles::Followed& Obstacles::find(const std::string& object, const Sight& see
   constexpr const char* kExpected[] = {"deforming obstacle", "object with a motion",
                                        "cloud with a motion"};
   std::string but;
-  if (o != obstacles_.end())
+  if (o == obstacles_.end()) {
+    std::vector<std::string> names;
+    for (const auto& f : obstacles_)
+      if (f->isSeenAs(seen)) names.push_back(f->name);
+    but = didYouMean(object, names);
+  } else {
     but = (*o)->isSeenAs(robots::Pose()) ? "; that object is rigid, and its pose is expected"
                                          : "; that obstacle deforms, and its vertices are expected";
-  if (o != obstacles_.end() && (*o)->isSeenAs(CloudSight()))
-    but = "; that object is a cloud, and balls or its pose are expected";
+    if ((*o)->isSeenAs(CloudSight()))
+      but = "; that object is a cloud, and balls or its pose are expected";
+  }
   throw std::invalid_argument(
       fmt::format("there is no {} '{}'{}", kExpected[seen.index()], object, but));
 }
@@ -322,6 +337,15 @@ robots::Pose Obstacles::poseOf(const std::string& object) const {
 
 double Obstacles::seenAt(const std::string& object, const Sight& seen) const {
   return find(object, seen).seen;
+}
+
+void Obstacles::requireNewer(const std::string& object, const Sight& seen, double time) const {
+  const Followed& o = find(object, seen);
+  if (!std::holds_alternative<CloudSight>(seen) || time >= o.seen || (o.hasMotion() && !o.own))
+    return;
+  throw std::invalid_argument(
+      fmt::format("a cloud of '{}' seen at {} s, before the one of {} s; a later one is expected",
+                  object, time, o.seen));
 }
 
 void Obstacles::requireBound(const std::string& object, const Bound& bound) {
@@ -348,7 +372,7 @@ void Obstacles::set(const std::string& object, const Sight& seen, double time, c
   o.predicted = false;
   o.speed_bound = speed;
   o.seen = time;
-  with_clouds_ = nullptr;
+  if (isCloud(o)) with_clouds_ = nullptr;
 }
 
 bool Obstacles::widens(const std::string& object, const Sight& seen, const Bound& bound) const {

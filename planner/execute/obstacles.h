@@ -63,8 +63,9 @@ class Obstacles {
   void set(const std::string& object, const Sight& seen, double time, const Bound& bound);
   /// How much farther points of the obstacle, seen at `time`, are from those of the last look than
   /// its speed bound allows [m]; at most 0 where it holds, NaN for a sight that makes no sense:
-  /// another number of vertices, numbers that are not finite, a matrix that is not a rotation. The
-  /// balls of two clouds do not correspond, so that no cloud jumps: 0 or less.
+  /// another number of vertices, numbers that are not finite, a matrix that is not a rotation, a
+  /// carved cloud elsewhere. The balls of two clouds do not correspond, so that no cloud jumps: 0
+  /// or less.
   double jump(const std::string& object, const Sight& seen, double time) const;
   /// Whether points with this bound may move farther than was bounded before; so they may where a
   /// motion was known until now. A new cloud always widens: it may have balls anywhere.
@@ -73,6 +74,9 @@ class Obstacles {
   robots::Pose poseOf(const std::string& object) const;
   /// When an obstacle was last seen [s].
   double seenAt(const std::string& object, const Sight& seen) const;
+  /// Throws std::invalid_argument for a cloud that was seen before the present one, which would
+  /// hide what that one shows. A motion of the problem is no sight.
+  void requireNewer(const std::string& object, const Sight& seen, double time) const;
   /// Throws std::invalid_argument for a bound that is not 0 or more.
   static void requireBound(const std::string& object, const Bound& bound);
 
@@ -105,6 +109,7 @@ class Obstacles {
   void add(std::unique_ptr<Followed> obstacle);
   Followed& find(const std::string& object, const Sight& seen) const;
   bool has(int body) const;
+  bool isCloud(const Followed& obstacle) const;
   struct Bounded {
     std::variant<collision::Shape, robots::Pose> now;
     Growth growth;

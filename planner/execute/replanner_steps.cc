@@ -385,6 +385,7 @@ struct Replanner::Impl {
                       : sight.index() == 1 ? "a pose"
                                            : "a cloud",
                       object, time, now));
+    obstacles.requireNewer(object, sight, time);
     obstacles.set(object, sight, time, bound);
     ObstacleSight seen_now{object, time, {}, bound.speed, bound.turning};
     if (const auto* pose = std::get_if<robots::Pose>(&sight)) {

@@ -222,15 +222,20 @@ struct Guard::Impl {
     }
   }
 
+  bool takesTime(double time) const {
+    return std::isfinite(time) && time >= known.time &&
+           timeSpacing(time) <= kGuardCoarsestTime * options.period;
+  }
+
   /// Takes the request's time and state; false where they make no sense.
   bool begin(const GuardRequest& request) {
     const double time = request.time.value_or(nextTime());
-    const bool has_time = std::isfinite(time) && time >= known.time &&
-                          timeSpacing(time) <= kGuardCoarsestTime * options.period;
+    const bool has_time = takesTime(time);
     beginOn(has_time ? time : nextTime());
     const auto fits = [&](std::span<const double> state) {
       return state.empty() || (state.size() == size && isFinite(state));
     };
+    if (!has_begun && !fits(request.position)) is_lost = true;
     if (!has_time || !fits(request.position) || !fits(request.velocity)) return false;
     bool leaves = !has_begun;
     for (std::size_t i = 0; i < request.position.size(); ++i)
@@ -499,7 +504,8 @@ struct Guard::Impl {
   SetpointMotion known, next;  ///< of the last answer; of the one that is made
   bool has_begun = false;      ///< there was a call
   bool known_holds = false;    ///< `known` is proven, and the robot is on it
-  bool is_lost = false;        ///< no stop was found; holds until a position is given
+  /// No stop was found, or where the robot began was not readable; holds until a position is given.
+  bool is_lost = false;
   std::vector<double> velocity, acceleration;
   std::vector<std::string> jumped;  ///< obstacles
   GuardAnswer answer;
@@ -539,6 +545,7 @@ void Guard::look(double time) {
 }
 
 double Guard::nextTime() const { return impl_->nextTime(); }
+bool Guard::takesTime(double time) const { return impl_->takesTime(time); }
 const GuardOptions& Guard::options() const { return impl_->options; }
 const std::shared_ptr<const CompiledScene>& Guard::scene() const { return impl_->scene; }
 const GuardAnswer& Guard::answer() const { return impl_->answer; }

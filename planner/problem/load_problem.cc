@@ -262,7 +262,7 @@ void readBody(const YamlReader& map, const robots::LoadOptions& load, Problem& p
   }
   for (const std::string_view other : {"shapes", "attach"}) expectAlone("cloud", other);
   for (const std::string_view other : shapeWords()) expectAlone("cloud", other);
-  object.cloud = readCloud(*cloud, problem.warnings, load.stop);
+  readCloud(*cloud, object, problem.warnings, load.stop);
 }
 
 void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,

@@ -23,35 +23,28 @@ bool isOfRobot(const Problem& problem, const std::string& name) {
                      [&](const Attachment& held) { return held.object.name == name; });
 }
 
-bool isCloud(const Problem& problem, const std::string& name) {
-  return std::any_of(problem.world.objects.begin(), problem.world.objects.end(),
-                     [&](const Object& o) { return o.name == name && o.cloud; });
-}
-
+/// Leaves out of the object's cloud and unseen space what `carve` names.
 PointCloud carvedOf(const YamlReader& cloud, const std::vector<std::string>& names,
-                    const Problem& problem, const Object& object) {
+                    const Problem& problem, Object& object) {
   const YamlReader carve = *cloud.find("carve");
-  if (names.empty())
-    carve.fail(fmt::format("{} is empty; names of links or objects are expected", carve.where()));
-  std::vector<Geometry> shapes_W;
-  std::string what;
-  for (const std::string& name : names) {
-    if (isCloud(problem, name))
-      carve.fail(
-          fmt::format("{} names '{}', which is a cloud; links and objects with shapes are "
-                      "expected",
-                      carve.where(), name));
+  for (const std::string& name : names)
     if (!problem.start_poses.empty() && isOfRobot(problem, name))
       carve.fail(
           fmt::format("{} names '{}', and the start is given by poses; a start by joint "
                       "values, which places the robot, is expected",
                       carve.where(), name));
-    const std::vector<Geometry> of = placedShapes(problem, name, {});
-    shapes_W.insert(shapes_W.end(), of.begin(), of.end());
-  }
+  const std::vector<Geometry> shapes_W = carveShapes(problem, names, {});
+  std::string what;
   for (const YamlReader& item : carve.items()) what += (what.empty() ? "" : ", ") + item.text();
   const auto margin = cloud.find("carve_margin");
-  return carved(*object.cloud, object.X_WO, shapes_W, margin ? margin->sizeNumber() : 0, what);
+  const double within = margin ? margin->sizeNumber() : 0;
+  PointCloud kept = carved(*object.cloud, object.X_WO, shapes_W, within, what);
+  const std::size_t before = object.geometries.size();
+  object.geometries = carvedShapes(object.geometries, object.X_WO, shapes_W, within);
+  if (const std::size_t gone = before - object.geometries.size(); gone > 0)
+    kept.filters.push_back(
+        {"carve", "parts of unseen space that touch " + what, gone, object.X_WO});
+  return kept;
 }
 
 DepthCamera readCamera(const YamlReader& map) {
@@ -71,9 +64,42 @@ DepthCamera readCamera(const YamlReader& map) {
   return camera;
 }
 
+void expectUnseenFree(const YamlReader& cloud) {
+  if (const auto unseen = cloud.find("unseen"); unseen && unseen->text() != "free")
+    unseen->fail(
+        fmt::format("{} is '{}'; only 'free' is accepted without a camera: add shapes where "
+                    "something that was not seen may be",
+                    unseen->where(), unseen->text()));
+}
+
+/// The space that counts as occupied because the camera did not see it; nothing if it is free.
+std::optional<UnseenSpace> readUnseen(const YamlReader& cloud, const YamlReader& camera) {
+  const auto unseen = cloud.find("unseen");
+  const auto range = camera.find("range"), parts = camera.find("parts");
+  const bool is_free = !unseen || unseen->text() == "free";
+  if (!is_free && unseen->text() != "occupied")
+    unseen->fail(
+        fmt::format("{} is '{}'; free or occupied is expected", unseen->where(), unseen->text()));
+  for (const auto& only : {range, parts})
+    if (is_free && only)
+      only->fail(
+          fmt::format("{} stands without 'unseen: occupied'; both are expected", only->where()));
+  if (is_free) return std::nullopt;
+  if (!range)
+    camera.fail(
+        fmt::format("{} has no 'range' beside 'unseen: occupied'; the depth [m] up to "
+                    "which unseen space is occupied is expected",
+                    camera.where()));
+  UnseenSpace space;
+  space.range = range->number();
+  if (parts) space.most_parts = static_cast<std::size_t>(parts->integer(1));
+  return space;
+}
+
 /// Reads the points of the file, or the pixels of a depth image, with their radii.
 PointCloud loadFile(const YamlReader& cloud, const YamlReader& file, double radius,
-                    std::vector<std::string>& warnings, const robots::Stop& stop) {
+                    std::vector<Geometry>& unseen, std::vector<std::string>& warnings,
+                    const robots::Stop& stop) {
   const std::string path = resolvedPath(file), ending = robots::endingOf(path);
   const auto camera = cloud.find("camera");
   const bool is_picture = ending == ".png" || ending == ".pgm";
@@ -82,6 +108,7 @@ PointCloud loadFile(const YamlReader& cloud, const YamlReader& file, double radi
         fmt::format("{} stands beside '{}', which is no depth image; .png or .pgm is "
                     "expected",
                     camera->where(), file.text()));
+  if (!is_picture) expectUnseenFree(cloud);
   if (!is_picture) return loadCloud(path, radius, warnings, stop);
   if (!camera)
     file.fail(
@@ -90,20 +117,19 @@ PointCloud loadFile(const YamlReader& cloud, const YamlReader& file, double radi
                     file.where(), file.text()));
   const DepthCamera read = readCamera(*camera);
   const auto mask = camera->find("mask");
-  return loadDepthImage(path, mask ? resolvedPath(*mask) : std::string(), read, radius, stop);
+  const std::optional<UnseenSpace> space = readUnseen(cloud, *camera);
+  return loadDepthImage(path, mask ? resolvedPath(*mask) : std::string(), read, radius, stop,
+                        space ? &*space : nullptr, &unseen);
 }
 
-void expectUnseenFree(const YamlReader& cloud) {
-  if (const auto unseen = cloud.find("unseen"); unseen && unseen->text() != "free")
-    unseen->fail(
-        fmt::format("{} is '{}'; only 'free' is accepted: add shapes where something that "
-                    "was not seen may be",
-                    unseen->where(), unseen->text()));
-}
-
-/// `balls:` of a cloud: centers and radii.
-std::shared_ptr<const PointCloud> readBalls(const YamlReader& balls, const robots::Stop& stop) {
+/// `balls:` of a cloud: centers and radii; none may be left where all were `carved`.
+std::shared_ptr<const PointCloud> readBalls(const YamlReader& balls,
+                                            const std::optional<YamlReader>& carved,
+                                            const robots::Stop& stop) {
   PointCloud cloud;
+  if (carved)
+    cloud.filters.push_back({"carve", "balls, before the cloud was saved",
+                             static_cast<std::size_t>(carved->integer(1))});
   for (const YamlReader& item : balls.items()) {
     if (cloud.balls.size() % 1024 == 0) robots::throwIfStopped(stop, "a cloud was read");
     const std::vector<double> v = item.numbers();
@@ -112,7 +138,7 @@ std::shared_ptr<const PointCloud> readBalls(const YamlReader& balls, const robot
                             v.size()));
     cloud.balls.push_back({{v[0], v[1], v[2]}, v[3]});
   }
-  if (cloud.balls.empty())
+  if (cloud.balls.empty() && !carved)
     balls.fail(fmt::format("{} is empty; at least one ball is expected", balls.where()));
   if (const std::string fault = cloudFault(cloud); !fault.empty())
     balls.fail(fmt::format("{}: {}", balls.where(), fault));
@@ -121,20 +147,23 @@ std::shared_ptr<const PointCloud> readBalls(const YamlReader& balls, const robot
 
 }  // namespace
 
-std::shared_ptr<const PointCloud> readCloud(const YamlReader& cloud,
-                                            std::vector<std::string>& warnings,
-                                            const robots::Stop& stop) {
+void readCloud(const YamlReader& cloud, Object& object, std::vector<std::string>& warnings,
+               const robots::Stop& stop) {
   cloud.expectKeys(keysOf("cloud"));
   if (const auto margin = cloud.find("carve_margin"); margin && !cloud.has("carve"))
     margin->fail("key 'carve_margin' stands without 'carve'; both are expected");
+  const auto carved = cloud.find("carved");
   if (const auto balls = cloud.find("balls")) {
     for (const char* const other : {"file", "camera", "radius"})
       if (const auto beside = cloud.find(other))
         beside->fail(fmt::format("key '{}' stands beside 'balls' in {}; one of them is expected",
                                  other, cloud.where()));
     expectUnseenFree(cloud);
-    return readBalls(*balls, stop);
+    object.cloud = readBalls(*balls, carved, stop);
+    return;
   }
+  if (carved)
+    carved->fail("key 'carved' stands without 'balls'; it is what a saved cloud had carved out");
   const YamlReader file =
       cloud.at("file", "a file of points (PLY, PCD, XYZ, CSV) or a depth image (PNG, PGM)");
   const YamlReader radius = cloud.at("radius", "the radius of each point's ball [m]");
@@ -142,10 +171,9 @@ std::shared_ptr<const PointCloud> readCloud(const YamlReader& cloud,
   if (!std::filesystem::exists(path))
     file.fail(fmt::format("{} names '{}', and there is no such file; an existing file is expected",
                           file.where(), path));
-  expectUnseenFree(cloud);
   try {
-    return std::make_shared<const PointCloud>(
-        loadFile(cloud, file, radius.number(), warnings, stop));
+    object.cloud = std::make_shared<const PointCloud>(
+        loadFile(cloud, file, radius.number(), object.geometries, warnings, stop));
   } catch (const std::invalid_argument& error) {
     const YamlReader& wrong = std::string_view(error.what()).starts_with("radius") ? radius : file;
     wrong.fail(fmt::format("{}: {}", wrong.where(), error.what()));
@@ -188,6 +216,11 @@ void filterCloud(const YamlReader& cloud, const std::vector<std::string>& carve,
       found->fail(fmt::format("{}: {}", found->where(), error.what()));
     }
   };
+  if (cloud.has("carved")) {
+    PointCloud placed = *object.cloud;
+    placed.filters.front().X_WC = object.X_WO;
+    keep(std::move(placed));
+  }
   filter("carve", [&](const YamlReader&) { return carvedOf(cloud, carve, problem, object); });
   filter("crop", [&](const YamlReader& crop) {
     keep(cropped(*object.cloud, object.X_WO, robotReach(problem), crop.number()));
@@ -199,6 +232,9 @@ void filterCloud(const YamlReader& cloud, const std::vector<std::string>& carve,
   filter("most_balls", [&](const YamlReader& most) {
     return thinnedTo(*object.cloud, static_cast<std::size_t>(most.integer(1)));
   });
+  if (object.motion && !object.geometries.empty())
+    cloud.fail(fmt::format(
+        "object '{}' moves, and unseen space does not; 'unseen: free' is expected", object.name));
   if (const std::string fault = motionFault(object, problem.execution.start); !fault.empty())
     cloud.fail(fmt::format("object '{}' {}", object.name, fault));
 }

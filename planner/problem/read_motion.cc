@@ -374,11 +374,8 @@ void readObjectMotion(const YamlReader& map, const YamlReader& moving, Object& o
     (keys ? *keys : moving).fail(fmt::format("{}: {}", moving.where(), error.what()));
   }
   motion.speed_bound = readBound(moving, "speed_bound", "m/s", motion.poses != nullptr);
-  // Any motion of a cloud's points is within a bound on their speed, turning included.
-  if (object.cloud && !motion.poses && !moving.has("turn_bound"))
-    motion.turn_bound = 0;
-  else
-    motion.turn_bound = readBound(moving, "turn_bound", "rad/s", motion.poses != nullptr);
+  // movingObject() has the one of a cloud.
+  motion.turn_bound = readBound(moving, "turn_bound", "rad/s", motion.poses || object.cloud);
   try {
     object = movingObject(object, motion, problem.execution.start);
   } catch (const std::invalid_argument& error) {

@@ -50,10 +50,10 @@ std::array<double, 3> readColor(const YamlReader& color);
 /// `scale` of a map, one factor or three; ones by default.
 Eigen::Vector3d readScale(const YamlReader& map);
 
-/// Reads `cloud:` of an object: its points with their radius, before any filter.
-std::shared_ptr<const PointCloud> readCloud(const YamlReader& cloud,
-                                            std::vector<std::string>& warnings,
-                                            const robots::Stop& stop);
+/// Reads `cloud:` of an object: its points with their radius, before any filter, and what counts as
+/// occupied because the camera did not see it.
+void readCloud(const YamlReader& cloud, Object& object, std::vector<std::string>& warnings,
+               const robots::Stop& stop);
 
 /// Reads `octree:` of an object: the boxes of a file, named `owner`. Adds a warning with their
 /// number and with what unseen space counts as.

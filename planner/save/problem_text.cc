@@ -612,6 +612,10 @@ class Writer {
           std::array{ball.center.x(), ball.center.y(), ball.center.z(), ball.radius}, what));
     MapText text;
     text.add("balls", listText(balls));
+    std::size_t carved = 0;
+    for (const CloudFilter& filter : cloud.filters)
+      if (filter.name == "carve") carved += filter.removed;
+    if (carved > 0) text.add("carved", std::to_string(carved));
     if (cloud.completeWithin() < kInfinity)
       text.add("crop", numberText(cloud.completeWithin(), what));
     return text.text();

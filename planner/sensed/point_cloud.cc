@@ -10,6 +10,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "collision/base/pose_check.h"
 #include "collision/base/tolerances.h"
 #include "leeway/collision/distance.h"
 #include "planner/sensed/stride.h"
@@ -36,6 +37,13 @@ void requireNotNegative(const char* what, double distance) {
   if (distance >= 0 && distance <= kLargestSize) return;
   throw std::invalid_argument(
       fmt::format("{} {}; 0 to {} m is accepted", what, distance, kLargestSize));
+}
+
+void requirePose(const robots::Pose& X_WC) {
+  if (collision::isPose(X_WC)) return;
+  throw std::invalid_argument(
+      "the pose of the cloud is not finite, or its matrix is not a rotation; a placement is "
+      "expected");
 }
 
 /// Calls add(point, its number) for the points that are numbers; returns how many are not.
@@ -322,6 +330,7 @@ PointCloud carved(const PointCloud& cloud, const robots::Pose& X_WC,
                   std::span<const robots::Geometry> shapes_W, double margin,
                   const std::string& what) {
   requireNotNegative("margin", margin);
+  requirePose(X_WC);
   std::vector<char> is_removed(cloud.size(), 0);
   std::vector<Vector3d> centers_W;
   centers_W.reserve(cloud.size());
@@ -345,14 +354,17 @@ PointCloud carved(const PointCloud& cloud, const robots::Pose& X_WC,
       is_removed[b] = result.distance.upper <= request.threshold ? 1 : 0;
     }
   }
-  return without(cloud, is_removed, "carve",
-                 margin > 0 ? fmt::format("balls within {:.4g} m of {}", margin, what)
-                            : "balls that touch " + what);
+  PointCloud kept = without(cloud, is_removed, "carve",
+                            margin > 0 ? fmt::format("balls within {:.4g} m of {}", margin, what)
+                                       : "balls that touch " + what);
+  kept.filters.back().X_WC = X_WC;
+  return kept;
 }
 
 PointCloud cropped(const PointCloud& cloud, const robots::Pose& X_WC, std::span<const Ball> reach_W,
                    double distance) {
   requireNotNegative("distance", distance);
+  requirePose(X_WC);
   std::vector<char> is_removed(cloud.size(), 0);
   for (std::size_t b = 0; b < cloud.size(); ++b) {
     const Ball& ball = cloud.balls[b];

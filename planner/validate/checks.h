@@ -118,6 +118,9 @@ std::optional<std::string> speedBoundFault(const Object& object, double start);
 /// When obstacles that move stand where a plan sees them [s]; nothing if none moves.
 std::optional<double> obstaclesAt(const Problem& problem);
 
+/// Returns a message, to follow the cloud's name, if the cloud was carved at another pose than
+/// X_WC, where what was carved out may be in the way; otherwise an empty string.
+std::string carveFault(const PointCloud& cloud, const robots::Pose& X_WC);
 /// Whether the object's cloud was cropped or carved for the place where it stands.
 bool isFitted(const Object& object);
 /// A bound on how far points of an object are from its frame's origin [m]; infinite with a
@@ -174,9 +177,12 @@ Problem attached(const Problem& problem, const std::string& object, const std::s
                  std::span<const double> configuration);
 Problem detached(const Problem& problem, const std::string& object,
                  std::span<const double> configuration);
-/// shapesOf() and reachOf() for a problem that passed checkRobot().
+/// shapesOf(), shapesToCarve() and reachOf() for a problem that passed checkRobot().
 std::vector<robots::Geometry> placedShapes(const Problem& problem, const std::string& name,
                                            std::span<const double> configuration);
+std::vector<robots::Geometry> carveShapes(const Problem& problem,
+                                          std::span<const std::string> names,
+                                          std::span<const double> configuration);
 std::vector<PointCloud::Ball> robotReach(const Problem& problem);
 /// poseRegion() for a problem that passed checkRobot(). `base_moves`: whether it may be relative to
 /// what planned joints move, which is then the region's base.

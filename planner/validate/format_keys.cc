@@ -31,9 +31,9 @@ constexpr Keys kMoving[] = {"keys",        "velocity",   "turning", "time",
                             "speed_bound", "turn_bound", "age"};
 constexpr Keys kMovingKey[] = {"time", "position", "orientation", "rpy"};
 constexpr Keys kOctree[] = {"file", "unseen"};
-constexpr Keys kCloud[] = {"file",  "camera",       "radius", "balls", "unseen",
+constexpr Keys kCloud[] = {"file",  "camera",       "radius", "balls", "unseen",    "carved",
                            "carve", "carve_margin", "crop",   "thin",  "most_balls"};
-constexpr Keys kCamera[] = {"fx", "fy", "cx", "cy", "scale", "slant", "mask"};
+constexpr Keys kCamera[] = {"fx", "fy", "cx", "cy", "scale", "slant", "range", "mask", "parts"};
 constexpr Keys kHeightField[] = {"file", "step", "scale", "offset", "floor", "missing"};
 constexpr Keys kBox[] = {"size"};
 constexpr Keys kSphere[] = {"radius"};

@@ -68,6 +68,30 @@ std::vector<Geometry> placedShapes(const Problem& problem, const std::string& na
   return shapes_W;
 }
 
+std::vector<Geometry> carveShapes(const Problem& problem, std::span<const std::string> names,
+                                  std::span<const double> configuration) {
+  if (names.empty())
+    throw std::invalid_argument("carve is empty; names of links or objects are expected");
+  std::vector<Geometry> all_W;
+  for (const std::string& name : names) {
+    const auto refuse = [&](const char* what) {
+      throw std::invalid_argument(
+          fmt::format("carve names '{}', which {} are expected", name, what));
+    };
+    for (const Object& object : problem.world.objects) {
+      if (object.name != name) continue;
+      if (object.cloud) refuse("is a cloud; links and objects with shapes");
+      if (object.motion && !configuration.empty()) refuse("moves; links and objects at rest");
+    }
+    for (const DeformingObstacle& obstacle : problem.world.deforming)
+      if (obstacle.object.name == name && !configuration.empty())
+        refuse("deforms; links and objects at rest");
+    const std::vector<Geometry> shapes_W = placedShapes(problem, name, configuration);
+    all_W.insert(all_W.end(), shapes_W.begin(), shapes_W.end());
+  }
+  return all_W;
+}
+
 std::vector<Ball> robotReach(const Problem& problem) {
   const Model& model = *problem.robot.model;
   const std::vector<Pose> X_WL = placeLinks(problem, {});
@@ -104,6 +128,12 @@ std::vector<Geometry> shapesOf(const Problem& problem, const std::string& name,
                                std::span<const double> configuration) {
   checkRobot(problem);
   return placedShapes(problem, name, configuration);
+}
+
+std::vector<Geometry> shapesToCarve(const Problem& problem, std::span<const std::string> names,
+                                    std::span<const double> configuration) {
+  checkRobot(problem);
+  return carveShapes(problem, names, configuration);
 }
 
 std::vector<Ball> reachOf(const Problem& problem) {

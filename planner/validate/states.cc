@@ -202,9 +202,20 @@ std::string objectFault(const Object& object) {
       if (!(share >= 0 && share <= 1))
         return fmt::format("the color of '{}' holds {}; numbers from 0 to 1 are expected",
                            object.name, share);
-  if (object.cloud)
-    if (const std::string fault = cloudFault(*object.cloud); !fault.empty())
-      return fmt::format("cloud '{}': {}", object.name, fault);
+  if (!object.cloud) return {};
+  if (const std::string fault = cloudFault(*object.cloud); !fault.empty())
+    return fmt::format("cloud '{}': {}", object.name, fault);
+  if (const std::string fault = carveFault(*object.cloud, object.X_WO); !fault.empty())
+    return fmt::format("cloud '{}' {}", object.name, fault);
+  return {};
+}
+
+std::string carveFault(const PointCloud& cloud, const robots::Pose& X_WC) {
+  for (const CloudFilter& f : cloud.filters)
+    if (f.X_WC && f.removed > 0 &&
+        (f.X_WC->translation != X_WC.translation || f.X_WC->rotation != X_WC.rotation))
+      return "stands at another pose than the one at which it was carved, and what was carved out "
+             "may be in the way here; that pose, or a cloud that is not carved, is expected";
   return {};
 }
 
@@ -234,7 +245,7 @@ double pointSpeed(double speed, double turning, double extent) {
 std::string motionFault(const Object& object, double start) {
   if (!object.motion) return {};
   const ObjectMotion& motion = *object.motion;
-  if (object.geometries.empty() && (!object.cloud || object.cloud->balls.empty()))
+  if (object.geometries.empty() && !object.cloud)
     return "moves and has no shape; at least one is expected";
   if (!(extentOf(object) < kInfinity))
     return "moves and has a half-space; shapes of bounded size are expected";
@@ -265,7 +276,11 @@ std::string motionFault(const Object& object, double start) {
 }
 
 Object movingObject(Object object, const ObjectMotion& motion, double time) {
-  object.motion = std::make_shared<const ObjectMotion>(motion);
+  ObjectMotion of_object = motion;
+  // Any motion of a cloud's points is within a bound on their speed, turning included.
+  if (object.cloud && object.geometries.empty() && !motion.poses && motion.turn_bound == kInfinity)
+    of_object.turn_bound = 0;
+  object.motion = std::make_shared<const ObjectMotion>(std::move(of_object));
   if (motion.poses) object.X_WO = motion.poses->pose(time);
   std::string fault = objectFault(object);
   if (fault.empty())
@@ -300,7 +315,7 @@ double mostMargin(const Problem& problem) {
 
 double keptClearance(const Problem& problem) {
   const auto* length = std::get_if<MinimumLength>(&problem.objective);
-  return length != nullptr ? length->clearance : -collision::kInfinity;
+  return length != nullptr ? length->clearance : -kInfinity;
 }
 
 std::string firstGrasp(const Problem& problem) {

@@ -10,6 +10,7 @@
 #include "collision/base/numbers.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/tolerances.h"
+#include "planner/validate/checks.h"
 
 namespace leeway::planner::verification {
 namespace {
@@ -211,6 +212,11 @@ std::string MovingBody::departureOfMotion(const Sighting& seen, double time) {
   Sighting motion;  // follows
   motion.time = time;
   return apart(seen, motion, time, "where it was seen");
+}
+
+std::string MovingBody::carvedElsewhere(const Sighting& seen) const {
+  if (!isRigid() || !object_->cloud || seen.cloud) return {};
+  return carveFault(*object_->cloud, seen.X_WO);
 }
 
 /// How much farther from a first sighting a second one is, at `time`, than bounds from the first on

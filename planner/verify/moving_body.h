@@ -68,6 +68,9 @@ class MovingBody {
   std::string departure(const Sighting& before, const Sighting& now);
   /// The same of the problem's motion at a time that is not before a sight, by the sight's bounds.
   std::string departureOfMotion(const Sighting& seen, double time);
+  /// Says that a sight has the problem's cloud at another pose than the one at which it was carved;
+  /// empty if it has not.
+  std::string carvedElsewhere(const Sighting& seen) const;
 
  private:
   /// Bounds on the motion of a rigid obstacle: its origin [m/s], its turning [rad/s].

@@ -198,6 +198,9 @@ class LogVerifier {
       if (!(sight.time <= step.time))
         return refute(step, fmt::format("'{}' was seen at {} s, later than the step's {} s",
                                         sight.object, sight.time, step.time));
+      if (sight.cloud && known[m].kind == Sighting::Kind::kSeen && sight.time < known[m].time)
+        return refute(step, fmt::format("a cloud of '{}' was seen at {} s, before the one of {} s",
+                                        sight.object, sight.time, known[m].time));
       Sighting now;
       now.kind = Sighting::Kind::kSeen;
       now.time = sight.time;
@@ -207,6 +210,8 @@ class LogVerifier {
         now.vertices = std::make_shared<const std::vector<Eigen::Vector3d>>(sight.vertices);
       now.speed = sight.speed_bound;
       now.turning = sight.turn_bound;
+      if (const std::string fault = motion_.bodies[m].carvedElsewhere(now); !fault.empty())
+        return refute(step, fmt::format("'{}' {}", sight.object, fault));
       if (!agrees(step, m, now)) return false;
       held_[m].push_back({step.line, step.time, step.time, now});
       own_[m] = known[m] = std::move(now);

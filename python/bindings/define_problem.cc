@@ -173,8 +173,8 @@ namespace {
 /// goalPoint(); of poses the valid configuration nearest to the start.
 std::vector<double> placeOf(const planner::Problem& problem, const planner::Goal& goal) {
   if (goal.poses.empty()) return goalPoint(problem, goal);
-  return startPoint(released(
-      [&] { return planner::placedAt(problem, goal.poses, "goal '" + goal.name + "'"); }));
+  return startPoint(
+      released([&] { return planner::placedAt(problem, goal.poses, "goal '" + goal.name + "'"); }));
 }
 
 }  // namespace

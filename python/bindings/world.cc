@@ -159,8 +159,6 @@ void setMotion(World& world, const std::string& name, const py::object& times,
   motion.poses = posesOf(*found, times, poses, velocity, turning, time);
   motion.speed_bound = speedBoundOf(speed_bound);
   motion.turn_bound = speedBoundOf(turn_bound, "turn_bound");
-  // Any motion of a cloud's points is within a bound on their speed, turning included.
-  if (found->cloud && !motion.poses && turn_bound.is_none()) motion.turn_bound = 0;
   motion.age = number(age, "age");
   Object moving = planner::movingObject(*found, motion, number(start, "start"));
   for (Object& object : world.change().objects)

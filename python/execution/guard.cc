@@ -152,9 +152,12 @@ const char* setCloudOf(Guarding& self, const std::string& object, const py::obje
   if (!state.is_none()) place = numbers(state, "state", self.size());
   const std::shared_ptr<const planner::Problem> problem = self.problem.value();
   const bool is_sensible = given_pose.is_none() || areFinite(given_pose);
+  // Without a pose nothing can be carved out, and the guard refuses the observation.
   const py::object sure = is_sensible ? given_pose : py::none();
+  const py::object names = is_sensible ? carve : py::tuple();
+  const py::object margin = is_sensible ? carve_margin : py::float_(0.0);
   CloudGiven seen =
-      cloudGiven(*problem, {points, radius, sure, thin, most_balls, carve, carve_margin}, place);
+      cloudGiven(*problem, {points, radius, sure, thin, most_balls, names, margin}, place);
   if (!is_sensible) {
     seen.X_WO.emplace();
     seen.X_WO->translation.setConstant(std::numeric_limits<double>::quiet_NaN());

@@ -27,9 +27,10 @@ CloudGiven cloudGiven(const planner::Problem& problem, const CloudArguments& of,
     std::vector<double> configuration = problem.start;
     for (std::size_t i = 0; i < state.size(); ++i)
       configuration[static_cast<std::size_t>(problem.robot.variables[i])] = state[i];
-    for (const std::string& name : carve)
-      cloud = planner::carved(cloud, *given.X_WO, planner::shapesOf(problem, name, configuration),
-                              margin, name);
+    std::string what;
+    for (const std::string& name : carve) what += (what.empty() ? "" : ", ") + name;
+    cloud = planner::carved(cloud, *given.X_WO,
+                            planner::shapesToCarve(problem, carve, configuration), margin, what);
   }
   if (!cloud.balls.empty()) cloud = thinnedAs(of.thin, of.most_balls, std::move(cloud));
   given.cloud = std::make_shared<const planner::PointCloud>(std::move(cloud));

@@ -22,7 +22,8 @@ inline constexpr char kCloudDoc[] =
     "[s], each a ball of `radius` [m] (a number, or one a point). They replace those before, and "
     "none is faster than `speed_bound` [m/s] from then on. `pose` of the frame: x y z, or with a "
     "quaternion x y z w behind it, or (4, 4); None: as before. Points that are NaN are dropped. "
-    "`thin`, `most_balls` as in World.add_cloud(). `carve`: links, objects or 'robot' whose points "
+    "`thin`, `most_balls` as in World.add_cloud(). `carve`: links, objects at rest or 'robot' "
+    "whose points "
     "are left out, to within `carve_margin` [m], with the robot at `state`; needs `pose`.";
 
 /// The balls, filtered, and their pose, if one is given. `state`: of the planned variables, or

@@ -386,6 +386,7 @@ def test_a_guard_and_a_replanner_take_clouds_as_they_are_seen(robot, tmp_path):
     assert guard.set_cloud("seen", holes, np.full(81, 0.01), 0.2, 0.1, pose=(0, 0, 0.1), thin=0.05) == "taken"
     assert guard.set_cloud("seen", holes * np.nan, 0.01, 0.3, 0.1) == "invalid"
     assert guard.set_cloud("seen", grid(0.9), 0.01, 0.3, 0.1, pose=(np.nan, 0, 0)) == "invalid"
+    assert guard.set_cloud("seen", grid(0.9), 0.01, 0.3, 0.1, pose=(np.nan, 0, 0), carve=["robot"], carve_margin=0.01, state=robot.state("ready")) == "invalid"
     assert guard.set_cloud("seen", grid(0.9), 0.01, 0.1, 0.1) == "late"
     assert guard.set_cloud("seen", grid(0.9), 0.01, float("inf"), 0.1) == "late"
     assert guard.set_cloud("seen", grid(0.9), 0.01, 0.3) == "taken"  # no bound
@@ -393,7 +394,7 @@ def test_a_guard_and_a_replanner_take_clouds_as_they_are_seen(robot, tmp_path):
     assert guard.check(still, time=0.3).passed == 0
     for wrong, what in ((dict(name="car"), "car"), (dict(points=np.zeros((3, 2))), "shape"), (dict(radius=0), "radius"), (dict(points=np.full((1, 3), 1e12)), "point 0 has the coordinate"),
                         (dict(carve=["robot"]), "pose"), (dict(carve=["robot"], pose=(0, 0, 0)), "state"), (dict(carve_margin=1), "carve"), (dict(speed_bound=-1), "speed_bound"),
-                        (dict(carve=["hnd"], pose=(0, 0, 0), state=robot.state("ready")), "hnd"), (dict(most_balls=0), "most_balls")):
+                        (dict(carve=["hnd"], pose=(0, 0, 0), state=robot.state("ready")), "hnd"), (dict(carve=["seen"], pose=(0, 0, 0), state=robot.state("ready")), "is a cloud"), (dict(most_balls=0), "most_balls")):
         with pytest.raises(ValueError, match=what):
             guard.set_cloud(**{**dict(name="seen", points=grid(0.9), radius=0.01, time=0.4), **wrong})
     problem = leeway.Problem(robot, world, "ready", turned(robot, 0.8), margin=0.01)

@@ -290,7 +290,44 @@ TEST_F(GuardVerb, TakesCloudsAsTheyAreSeen) {
   for (const std::size_t k : {0u, 2u, 4u, 6u}) EXPECT_EQ(lines[k]["passed"], 3) << k;
   for (const std::size_t k : {1u, 3u, 5u}) EXPECT_EQ(lines[k]["observation"], "taken") << k;
   EXPECT_EQ(lines[7]["observation"], "invalid");
+  EXPECT_EQ(lines[7]["cloud"]["filters"][0]["removed"], 1);
   EXPECT_EQ(lines[8]["observation"], "late");
+  EXPECT_EQ(lines[1]["cloud"]["balls"], 1);
+  EXPECT_EQ(lines[1]["cloud"]["unseen"], "free");
+  // The stop that follows a wrong line is proven against what was just seen.
+  const json at_the_arm = {{"balls", {{0.2, -0.2, 0, 0.1}}}};
+  for (const std::string& line : {std::string("{"), std::string("[[1]]"), std::string("[[null]]"),
+                                  std::string("{\"time\": 1e300}")}) {
+    const Answer free = guard("cloud.yaml", still + observe(0.02, points) + line + "\n");
+    EXPECT_EQ(free.status, 2);
+    EXPECT_EQ(free.lines()[2]["reason"], "invalid") << line;
+    EXPECT_EQ(free.lines()[2]["certified"], true) << line;
+    const Answer met = guard("cloud.yaml", still + observe(0.02, at_the_arm) + line + "\n");
+    EXPECT_EQ(met.lines()[2]["certified"], false) << line;
+  }
+  // Points of the arm itself are left out; the others are thinned.
+  const json scan = {{"points", {{0.135, -0.21, 0}, {0.85, 0, 0}, {0.851, 0, 0}, {0.852, 0, 0}}},
+                     {"radius", 0.01},
+                     {"position", {0, 0, 0}},
+                     {"orientation", {0, 0, 0, 1}}};
+  const auto with = [&](const json& more) {
+    json all = scan;
+    all.update(more);
+    return all;
+  };
+  EXPECT_EQ(guard("cloud.yaml", observe(0, scan) + still).lines()[1]["passed"], 0);
+  const json filters = {{"carve", {"robot"}},
+                        {"carve_margin", 0.01},
+                        {"state", {-1, 0}},
+                        {"thin", 0.1},
+                        {"most_balls", 1}};
+  const Answer filtered = guard("cloud.yaml", observe(0, with(filters)) + still);
+  EXPECT_EQ(filtered.status, 0) << filtered.err;
+  EXPECT_EQ(filtered.lines()[1]["passed"], 3);
+  const json cloud_seen = filtered.lines()[0]["cloud"];
+  EXPECT_EQ(cloud_seen["balls"], 1);
+  EXPECT_EQ(cloud_seen["filters"][0]["what"], "balls within 0.01 m of robot");
+  EXPECT_EQ(cloud_seen["filters"][0]["removed"], 1);
   const auto wrong = [&](const json& more, const std::string& message) {
     const Answer refused = guard("cloud.yaml", observe(0.1, more));
     EXPECT_EQ(refused.status, 2) << message;
@@ -308,6 +345,24 @@ TEST_F(GuardVerb, TakesCloudsAsTheyAreSeen) {
   wrong({{"cloud", 3}, {"radius", 0.01}}, "observe.cloud is no name of a file");
   wrong({{"object", "post"}, {"balls", {{0, 0, 0, 1}}}}, "no cloud with a motion 'post'");
   wrong({{"balls", {{0, 0, 0, 1}}}, {"speed_bound", -1}}, "observe.speed_bound is -1");
+  wrong({{"balls", {{0, 0, 0, 1}, {0, 0, 0, -1}}}}, "observe.balls: ball 1 has the radius -1");
+  wrong({{"balls", {{0, 0, 1e10, 1}}}}, "observe.balls: ball 0 has the coordinate");
+  wrong(with({{"crop", 1}}), "observe.crop: what was cropped could come near");
+  wrong(with({{"carve", {"robot"}}}), "observe.carve stands without state");
+  wrong(with({{"state", {0, 0}}}), "observe.state stands without carve");
+  wrong(with({{"carve", "robot"}, {"state", {0, 0}}}), "observe.carve is no list of names");
+  wrong(with({{"carve", json::array()}, {"state", {0, 0}}}), "carve is empty");
+  wrong(with({{"carve", {"rbot"}}, {"state", {0, 0}}}), "'rbot'; did you mean 'robot'?");
+  wrong(with({{"carve", {"shelf"}}, {"state", {0, 0}}}), "'shelf', which is a cloud");
+  wrong(with({{"carve", {"robot"}}, {"state", {0}}}), "observe.state is [0]");
+  wrong(with({{"carve", {"robot"}}, {"state", {0, 0}}, {"carve_margin", -1}}), "margin -1");
+  wrong(with({{"thin", 0}}), "cell 0");
+  wrong(with({{"most_balls", 0}}), "most_balls is 0");
+  wrong(with({{"most_balls", 1.5}}), "observe.most_balls is 1.5");
+  json unplaced = with({{"carve", {"robot"}}, {"state", {0, 0}}});
+  unplaced.erase("position");
+  unplaced.erase("orientation");
+  wrong(unplaced, "observe.carve stands without position and orientation");
 }
 
 TEST_F(GuardVerb, HelpExplainsEveryKey) {
@@ -315,7 +370,9 @@ TEST_F(GuardVerb, HelpExplainsEveryKey) {
   const Answer answer = guard("reach.yaml", towardsThePost(5) + "\n[[9,9]]\n");
   std::set<std::string> keys;
   for (const json& line : answer.lines()) collectKeys(line, keys);
-  keys.insert("observation");
+  for (const char* const key :
+       {"observation", "cloud", "carve", "carve_margin", "state", "thin", "most_balls"})
+    keys.insert(key);
   const std::string help = run("guard --help").out;
   for (const std::string& key : keys)
     EXPECT_TRUE(std::regex_search(help, std::regex("\\b" + key + "\\b"))) << key;

@@ -46,7 +46,10 @@ constexpr const char* kKeys =
                           object, time, speed_bound and points (x y z; null: not measured) with
                           radius, or balls (x y z radius), or cloud (a file) with radius: all of a
                           cloud with a motion was seen; position, orientation: its frame's, else
-                          as before
+                          as before; thin, most_balls: as in problem files; carve (names
+                          of links, objects at rest, or robot), with position and
+                          orientation, state (of the robot then) and carve_margin:
+                          points of these are left out
 Empty lines, and lines that begin with #, are left out. Without a time the robot
 has gone through what passed of the request before, and at least one period.
 JSON, a document a line (metres, radians, seconds; null: nothing, or nothing known):
@@ -65,6 +68,7 @@ JSON, a document a line (metres, radians, seconds; null: nothing, or nothing kno
   start, motion           where it begins; setpoints, one a period, of what passed and of the stop
   counts                  edges, distance_queries and work that the answer took
   observation             the answer to a line that observes: taken, jumped, invalid, late
+  cloud                   that it showed (docs/json.md: one of `clouds`)
   message                 what is wrong with the line, after which the robot stops
 )";
 
@@ -96,7 +100,7 @@ struct LineFault {
 /// Reads lines of setpoints.
 class LineReader {
  public:
-  explicit LineReader(const planner::Problem& problem) {
+  explicit LineReader(const planner::Problem& problem) : problem_(problem) {
     for (const int v : problem.robot.variables)
       names_.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
     for (std::size_t i = 0; i < names_.size(); ++i) order_.push_back(i);
@@ -266,10 +270,18 @@ class LineReader {
     return {"object", "vertices", "time", "speed_bound"};
   }
 
-  static Line observationOf(const Json& value) {
+  Line observationOf(const Json& value) const {
     if (!value.is_object()) throw LineFault{"observe is no object with keys"};
     const std::vector<std::string> keys = keysOf(value);
-    expectKeys(value, keys);
+    std::vector<std::string> known = keys;
+    if (value.contains("points") || value.contains("balls") || value.contains("cloud")) {
+      known.insert(known.end(), {"carve", "carve_margin", "state", "thin", "most_balls"});
+      if (value.contains("crop"))
+        throw LineFault{
+            "observe.crop: what was cropped could come near; a cloud that is not cropped is "
+            "expected"};
+    }
+    expectKeys(value, known);
     for (const std::string& key : keys)
       if (!value.contains(key)) throw LineFault{fmt::format("observe has no '{}'", key)};
     if (!value["object"].is_string()) throw LineFault{"observe.object is no text"};
@@ -284,7 +296,12 @@ class LineReader {
       return line;
     }
     if (!value.contains("vertices")) {
-      line.cloud = std::make_shared<const planner::PointCloud>(cloudOf(value));
+      try {
+        line.cloud =
+            std::make_shared<const planner::PointCloud>(filtered(cloudOf(value), value, line.X_WO));
+      } catch (const std::invalid_argument& error) {
+        throw LineFault{fmt::format("observe: {}", error.what())};
+      }
       return line;
     }
     const std::vector<double> numbers = rowsOf(value["vertices"], 3, "observe.vertices");
@@ -299,28 +316,72 @@ class LineReader {
       const std::vector<double> numbers = rowsOf(value["balls"], 4, "observe.balls");
       for (std::size_t i = 0; i < numbers.size(); i += 4)
         cloud.balls.push_back({{numbers[i], numbers[i + 1], numbers[i + 2]}, numbers[i + 3]});
+      if (cloud.balls.empty()) return cloud;
+      if (const std::string fault = planner::cloudFault(cloud); !fault.empty())
+        throw LineFault{"observe.balls: " + fault};
       return cloud;
     }
     const double radius = number(value["radius"], "observe.radius");
+    if (value.contains("points")) {
+      Json points = value["points"];
+      if (points.is_array())
+        for (Json& point : points)
+          for (Json& coordinate : point)
+            if (coordinate.is_null()) coordinate = std::nan("");
+      const std::vector<double> numbers = rowsOf(points, 3, "observe.points");
+      return planner::makeCloud(
+          {numbers.data(), numbers.size() / 3, 0, planner::PointArray::Number::kDouble}, radius);
+    }
+    if (!value["cloud"].is_string()) throw LineFault{"observe.cloud is no name of a file"};
+    std::vector<std::string> warnings;
     try {
-      if (value.contains("points")) {
-        Json points = value["points"];
-        if (points.is_array())
-          for (Json& point : points)
-            for (Json& coordinate : point)
-              if (coordinate.is_null()) coordinate = std::nan("");
-        const std::vector<double> numbers = rowsOf(points, 3, "observe.points");
-        return planner::makeCloud(
-            {numbers.data(), numbers.size() / 3, 0, planner::PointArray::Number::kDouble}, radius);
-      }
-      if (!value["cloud"].is_string()) throw LineFault{"observe.cloud is no name of a file"};
-      std::vector<std::string> warnings;
       cloud = planner::loadCloud(value["cloud"].get<std::string>(), radius, warnings);
-      printWarnings(warnings);
-      return cloud;
-    } catch (const std::exception& error) {
+    } catch (const robots::InputError& error) {
       throw LineFault{fmt::format("observe: {}", error.what())};
     }
+    printWarnings(warnings);
+    return cloud;
+  }
+
+  /// Applies the filters of an observation, in the order of problem files.
+  planner::PointCloud filtered(planner::PointCloud cloud, const Json& value,
+                               const std::optional<collision::Pose>& X_WC) const {
+    for (const char* const key : {"carve_margin", "state"})
+      if (value.contains(key) && !value.contains("carve"))
+        throw LineFault{fmt::format("observe.{} stands without carve; both are expected", key)};
+    if (value.contains("carve")) {
+      if (!X_WC)
+        throw LineFault{
+            "observe.carve stands without position and orientation; the pose of the cloud's frame "
+            "is expected"};
+      if (!value.contains("state"))
+        throw LineFault{"observe.carve stands without state; where the robot was is expected"};
+      const std::vector<double> state = rowOf(value["state"], names_.size(), "observe.state");
+      std::vector<double> configuration = problem_.start;
+      for (std::size_t i = 0; i < state.size(); ++i)
+        configuration[static_cast<std::size_t>(problem_.robot.variables[i])] = state[i];
+      std::vector<std::string> names;
+      for (const Json& name : value["carve"]) {
+        if (!value["carve"].is_array() || !name.is_string())
+          throw LineFault{"observe.carve is no list of names; [robot], for example, is expected"};
+        names.push_back(name.get<std::string>());
+      }
+      const double margin = value.contains("carve_margin")
+                                ? number(value["carve_margin"], "observe.carve_margin")
+                                : 0.0;
+      cloud = planner::carved(cloud, *X_WC, planner::shapesToCarve(problem_, names, configuration),
+                              margin, fmt::format("{}", fmt::join(names, ", ")));
+    }
+    if (value.contains("thin"))
+      cloud = planner::thinned(cloud, number(value["thin"], "observe.thin"));
+    if (value.contains("most_balls")) {
+      const Json& most = value["most_balls"];
+      if (!most.is_number_unsigned())
+        throw LineFault{fmt::format("observe.most_balls is {}; a whole number from 1 is expected",
+                                    jsonText(most))};
+      cloud = planner::thinnedTo(cloud, most.get<std::size_t>());
+    }
+    return cloud;
   }
 
   static collision::Pose poseOf(const Json& value) {
@@ -335,6 +396,7 @@ class LineReader {
     return {turn.normalized().toRotationMatrix(), {p[0], p[1], p[2]}};
   }
 
+  const planner::Problem& problem_;
   std::vector<std::string> names_;
   std::vector<std::size_t> order_;  // of the columns: which joint
   bool has_begun_ = false;
@@ -424,6 +486,7 @@ class Session {
       if (!line) return;
       if (line->is_observation) {
         document["observation"] = observe(*line);
+        document["cloud"] = line->cloud ? cloudJson({line->object, {}, {}, line->cloud}) : Json();
         return tell({});
       }
       setpoints = line->setpoints.size() / reader_.names().size();
@@ -433,6 +496,7 @@ class Session {
       message = fault.message;
       tellFault(message);
       const double nothing[] = {std::nan("")};
+      look({});
       guard_.check({.setpoints = nothing});  // the robot stops
     }
     document.update(answerJson(guard_.answer(), reader_.names()));
@@ -468,15 +532,20 @@ class Session {
     return message;
   }
 
-  void check(const Line& line) {
-    const double time = line.time.value_or(guard_.nextTime());
-    if ((!objects_.empty() || !rigid_.empty()) && std::isfinite(time)) {
-      try {
-        guard_.look(time);
-      } catch (const robots::InputError& error) {
-        throw LineFault{error.what()};
-      }
+  /// Looks at the world at the time of the answer; returns what is wrong, after which nothing is
+  /// proven. A stop that follows a wrong line is proven against what is seen now, too.
+  std::string look(const std::optional<double>& asked) {
+    const double time = asked && guard_.takesTime(*asked) ? *asked : guard_.nextTime();
+    try {
+      guard_.look(time);
+    } catch (const robots::InputError& error) {
+      return error.what();
     }
+    return {};
+  }
+
+  void check(const Line& line) {
+    if (const std::string fault = look(line.time); !fault.empty()) throw LineFault{fault};
     guard_.check({.setpoints = line.setpoints,
                   .position = line.position,
                   .velocity = line.velocity,

@@ -160,10 +160,10 @@ std::string offendingText(const planner::Problem& problem, const planner::PlanRe
                        result.offending_a, result.offending_b,
                        clearanceText({-check.clearance.upper, -check.clearance.lower}), where);
   }
-  return fmt::format("The {} is too near: {} and {}, {} apart, {}; more than {:g} mm is required.\n",
-                     state, result.offending_a, result.offending_b,
-                     clearanceText(check.clearance), where,
-                     millimetres(offendingMargin(problem, result)));
+  return fmt::format(
+      "The {} is too near: {} and {}, {} apart, {}; more than {:g} mm is required.\n", state,
+      result.offending_a, result.offending_b, clearanceText(check.clearance), where,
+      millimetres(offendingMargin(problem, result)));
 }
 
 std::string timeText(const planner::PlanResult& result, double load_s) {

@@ -69,7 +69,7 @@ std::string endNote(const Subject& subject, const End& end) {
   return text;
 }
 
-/// The start, the goals, and what is assumed about clouds.
+/// The start and the goals.
 void noteEnds(Subject& subject) {
   for (const End& end : subject.ends) {
     if (end.unreachable)
@@ -78,13 +78,17 @@ void noteEnds(Subject& subject) {
     if (end.check.verdict != planner::Verdict::kFree && end.check.pair >= 0)
       subject.notes.push_back(endNote(subject, end));
   }
-  for (const std::string& note : cloudNotes(subject.problem))
-    subject.notes.push_back("Note: " + note + ".");
 }
 
 void addLines(const std::string& text, Subject& subject) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) subject.notes.push_back(line);
+}
+
+/// Notes what was left out of clouds, and what unseen space counts as.
+void noteClouds(Subject& subject) {
+  for (const std::string& note : cloudNotes(subject.problem))
+    subject.notes.push_back("Note: " + note + ".");
 }
 
 void noteNothingChecked(const std::string& why, Subject& subject) {
@@ -207,6 +211,7 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
   subject.notes.push_back(
       toString(countUnchecked(uncheckedIn(movingScenes(subject.stages, subject.first_scene)))) +
       ".");
+  noteClouds(subject);
   noteEnds(subject);
   return subject;
 }
@@ -218,9 +223,15 @@ Subject subjectOfPlan(const planner::Problem& problem, const std::string& source
       result.status == planner::PlanStatus::kPartial) {
     Subject subject = subjectOfPath(problem, source, result.path, &result.certificate, stop);
     subject.searched = std::move(searched);
-    subject.notes.push_back(
-        fmt::format("Solved with {}, seed {}: {}, length {:.3f}.", result.planner, result.seed,
-                    counted(result.certificate.segments.size(), "edge"), result.length));
+    const bool is_part = result.status == planner::PlanStatus::kPartial;
+    if (is_part) {
+      subject.good = false;
+      subject.verdict = "only a part of the line";
+      subject.notes.insert(subject.notes.begin(), result.reason + ".");
+    }
+    subject.notes.push_back(fmt::format(
+        "{} with {}, seed {}: {}, length {:.3f}.", is_part ? "Planned" : "Solved", result.planner,
+        result.seed, counted(result.certificate.segments.size(), "edge"), result.length));
     return subject;
   }
   Subject subject = begin(problem, source);
@@ -258,6 +269,7 @@ Subject subjectOfPlan(const planner::Problem& problem, const std::string& source
   }
   subject.blocked = result.blocked;
   addLines(hindranceText(problem, result), subject);
+  noteClouds(subject);
   noteEnds(subject);
   return subject;
 }
@@ -284,6 +296,7 @@ Subject subjectOfExecution(const planner::Problem& problem, const std::string& s
     subject.notes.push_back(
         fmt::format("Every step is proven to keep at least {} mm while the obstacles move.",
                     formatLower(lower * 1e3, 2)));
+  noteClouds(subject);
   noteEnds(subject);
   return subject;
 }

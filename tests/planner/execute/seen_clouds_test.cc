@@ -369,6 +369,10 @@ TEST_F(SeenClouds, LogsWithOtherCloudsAreRefutedOrRefused) {
   EXPECT_EQ(result.status, VerifyStatus::kRefuted);
   EXPECT_EQ(result.line, 5);
   EXPECT_EQ(result.b, "seen");
+  // A cloud that is older than the last one hides what that one shows.
+  result = verified(problem, with([](Json& seen) { seen["time"] = 0.0; }));
+  EXPECT_EQ(result.status, VerifyStatus::kRefuted);
+  EXPECT_NE(result.reason.find("before the one of"), std::string::npos) << result.reason;
   // No bound: nothing is proven.
   result = verified(problem, with([](Json& seen) { seen["speed_bound"] = nullptr; }));
   EXPECT_EQ(result.status, VerifyStatus::kUndecided) << result.reason;
@@ -404,8 +408,12 @@ TEST_F(SeenClouds, SightsThatMakeNoSenseChangeNothing) {
   };
   expectThrow("no cloud with a motion 'bar'; that object is rigid",
               [&] { replanner.setCloud("bar", cloud, 0, 0); });
-  expectThrow("no cloud with a motion 'upper wall'",
+  expectThrow("no cloud with a motion 'upper wall'; known: seen",
               [&] { replanner.setCloud("upper wall", cloud, 0, 0); });
+  expectThrow("no cloud with a motion 'sen'; did you mean 'seen'?",
+              [&] { replanner.setCloud("sen", cloud, 0, 0); });
+  expectThrow("no object with a motion 'bare'; did you mean 'bar'?",
+              [&] { replanner.setPose("bare", {}, 0, 0, 0); });
   expectThrow("no deforming obstacle 'seen'; that object is a cloud",
               [&] { replanner.setVertices("seen", Points(3), 0, 0); });
   expectThrow("later than the present", [&] { replanner.setCloud("seen", cloud, 1, 0); });
@@ -425,6 +433,7 @@ TEST_F(SeenClouds, SightsThatMakeNoSenseChangeNothing) {
   PointCloud cropped = *cloud;
   cropped.crops.push_back({0.5, {}, reachOf(problem)});
   expectThrow("was cropped", [&] { replanner.setCloud("seen", shared(cropped), 0, 0); });
+  expectThrow("before the one of 0 s", [&] { replanner.setCloud("seen", cloud, -1, 0); });
   // The fence is still there.
   EXPECT_TRUE(replanner.step().observed.empty());
   EXPECT_TRUE(replanner.path().empty());
@@ -434,6 +443,78 @@ TEST_F(SeenClouds, SightsThatMakeNoSenseChangeNothing) {
   replanner.setCloud("seen", shared(carved_out), replanner.time(), 1);
   while (!replanner.reached() && replanner.time() < 10) ASSERT_TRUE(replanner.step().certified);
   EXPECT_TRUE(replanner.reached());
+}
+
+/// The fence without the balls at its middle, which were carved out where it stands.
+PointCloud carvedFence(const robots::Pose& X_WC) {
+  const robots::Geometry post{collision::Shape::sphere(0.05), X_WC * test::at(0, 1.2, 0), {}};
+  return carved(ballsAt(fence(0, 0.9, 1.5)), X_WC, {&post, 1}, 0, "post");
+}
+
+/// What was carved out covers its hole at one place only.
+TEST_F(SeenClouds, ACarvedCloudStaysWhereItWasCarved) {
+  const robots::Pose there = test::at(0.1, 0, 0);
+  const auto cut = shared(carvedFence(there));
+  ASSERT_LT(cut->size(), fence(0, 0.9, 1.5).size());
+  const Problem problem = fenceGate();
+  Replanner replanner(problem);
+  EXPECT_THROW(replanner.setCloud("seen", cut, 0, 0), std::invalid_argument);
+  EXPECT_THROW(replanner.setCloud("seen", cut, 0, 0, test::at(0.2, 0, 0)), std::invalid_argument);
+  replanner.setCloud("seen", cut, 0, 0, there);
+  replanner.setPose("seen", there, 0, 0, 0);
+  try {
+    replanner.setPose("seen", test::at(0.1, 0.3, 0), 0, 0, 0);
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("at which it was carved"), std::string::npos);
+  }
+  EXPECT_TRUE(replanner.step().certified);  // of the cloud that was seen, where it was seen
+  const auto scene = replanner.scene();
+  const auto body = static_cast<std::size_t>(scene->scene().find("seen"));
+  EXPECT_EQ(scene->scene().bodies()[body].X_WB.translation, there.translation);
+  // So do problems.
+  Problem moved = problem;
+  moved.world.objects.back().cloud = cut;
+  robots::expectInputError([&] { validate(moved); }, "fence", 0, {"at which it was carved"});
+  moved.world.objects.back().X_WO = there;
+  EXPECT_NO_THROW(validate(moved));
+  // A log in which the problem's carved cloud is seen elsewhere, from a program that did not know.
+  Replanner elsewhere(problem);
+  elsewhere.setPose("seen", test::at(0, 0.5, 0), 0, 0, 0);
+  const std::vector<std::string> lines = {logLine(problem, elsewhere.step()),
+                                          logLine(problem, elsewhere.executed())};
+  EXPECT_EQ(verified(problem, lines).status, VerifyStatus::kCertified);
+  moved.world.objects.back() = problem.world.objects.back();
+  moved.world.objects.back().cloud = shared(carvedFence({}));
+  const VerifyResult refuted = verified(moved, lines);
+  EXPECT_EQ(refuted.status, VerifyStatus::kRefuted);
+  EXPECT_NE(refuted.reason.find("at which it was carved"), std::string::npos) << refuted.reason;
+}
+
+TEST_F(SeenClouds, ACloudThatIsWhollyCarvedOutTakesLaterScans) {
+  Problem problem = fenceGate();
+  const robots::Geometry all{collision::Shape::sphere(9), {}, {}};
+  const PointCloud none = carved(*problem.world.objects.back().cloud, {}, {&all, 1}, 0, "all");
+  ASSERT_EQ(none.size(), 0u);
+  Object seen{"seen", {}, {}};
+  seen.cloud = shared(none);
+  problem.world.objects.back() = movingObject(seen, {.speed_bound = 0.01});
+  EXPECT_EQ(problem.world.objects.back().motion->turn_bound, 0);  // of a cloud: its points' speed
+  Replanner replanner(problem);
+  std::vector<std::string> lines = run(problem, replanner, 5, [](Replanner&) {});
+  ASSERT_EQ(lines.size(), 6u);
+  EXPECT_EQ(verified(problem, lines).status, VerifyStatus::kCertified);
+  lines.pop_back();
+  // A ball in front of the robot: the log is proven against it, too.
+  const double x = replanner.state()[0], y = replanner.state()[1];
+  replanner.setCloud("seen", shared(ballsAt({{x + 0.2, y, 0}})), replanner.time(), 0.01);
+  const ReplanStep step = replanner.step();
+  lines.push_back(logLine(problem, step));
+  lines.push_back(logLine(problem, replanner.executed()));
+  EXPECT_EQ(verified(problem, lines).status, VerifyStatus::kCertified);
+  lines[5] = changedLine(
+      lines[5], [&](nlohmann::ordered_json& line) { line["observed"][0]["balls"][0][0] = x; });
+  EXPECT_EQ(verified(problem, lines).status, VerifyStatus::kRefuted);
 }
 
 TEST_F(SeenClouds, CroppedCloudsDoNotMoveAndCarvedOnesOnlyByABound) {

@@ -443,6 +443,7 @@ TEST(Guard, BadRequestsStopTheRobot) {
                                    {.setpoints = good, .time = 1.76e15}};
   for (const GuardRequest& request : requests) {
     Guard guard(problem);
+    if (!request.position.empty()) guard.check({});  // where the robot begins must be readable
     for (int round = 0; round < 2; ++round) {
       const GuardAnswer& answer = guard.check(request);
       EXPECT_EQ(answer.reason, GuardReason::kInvalid);
@@ -937,6 +938,29 @@ TEST(Guard, ANewCloudCountsFromTheNextLookOn) {
   EXPECT_EQ(guard.check({.setpoints = here, .time = 0.7}).passed, 0);
 }
 
+TEST(Guard, ACarvedCloudIsRefusedElsewhere) {
+  Guard guard(fenceProblem(1.8));
+  const robots::Geometry post{collision::Shape::sphere(0.05), test::at(1.8, 1.2, 0), {}};
+  const auto cut =
+      std::make_shared<const PointCloud>(carved(*fenceAt(1.8), {}, {&post, 1}, 0, "post"));
+  EXPECT_EQ(guard.setCloud("fence", cut, 0, 0, test::at(0, 0.1, 0)), Observation::kInvalid);
+  EXPECT_EQ(guard.setCloud("fence", cut, 0, 0), Observation::kTaken);
+  EXPECT_EQ(guard.setPose("fence", test::at(0, 0.1, 0), 0, 0, 0), Observation::kInvalid);
+  EXPECT_EQ(guard.setPose("fence", {}, 0, 0, 0), Observation::kTaken);
+  guard.look(0);
+  EXPECT_EQ(guard.check({.setpoints = still({-1, 1.2, 0}, 5), .time = 0}).passed, 5);
+}
+
+TEST(Guard, NothingIsProvenWhereTheRobotsFirstPositionIsNotReadable) {
+  Guard guard(fenceProblem(1.8));
+  const std::vector<double> here = {-1, 1.2, 0}, unread = {-1, kNan, 0};
+  const std::vector<double> setpoints = still(here, 5);
+  EXPECT_FALSE(guard.check({.setpoints = setpoints, .position = unread}).certified);
+  EXPECT_FALSE(guard.check({.setpoints = setpoints}).certified);
+  EXPECT_EQ(guard.check({.setpoints = setpoints, .position = here}).passed, 5);
+  EXPECT_TRUE(guard.check({.setpoints = setpoints, .position = unread}).certified);
+}
+
 TEST(Guard, AFenceThatAppearsStopsTheRobotBeforeIt) {
   for (const double error : {0.0, 0.01}) {
     GuardOptions options;
@@ -1207,6 +1231,7 @@ TEST(Guard, AStopFromWithinAPeriodKeepsLimitsOnJerk) {
 TEST(Guard, TheClearanceOfTheObjectiveIsAMarginForAll) {
   Problem problem = test::wallProblem();
   const std::vector<double> start = startPoint(problem);
+  problem.goals = {test::pointGoal("goal", start)};
   const auto verdict = [&](double clearance) {
     problem.objective = MinimumLength{clearance};
     const auto scene = std::make_shared<const CompiledScene>(problem);

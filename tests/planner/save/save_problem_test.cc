@@ -400,8 +400,25 @@ TEST(SaveProblem, BallsOfCloudsAreRead) {
                          cloud + "}}\n"));
   };
   EXPECT_EQ(load("balls: [[0, 0, 0, 0.1], [1, 0, 0, 0.2]]").world.objects[0].cloud->size(), 2u);
+  // A carved cloud comes back as one that holds for its place alone.
+  Problem cut = load("balls: [[0, 0, 0, 0.1], [1, 0, 0, 0.2]]");
+  const robots::Geometry post{Shape::sphere(0.1), cut.world.objects[0].X_WO, {}};
+  for (const double margin : {0.1, 2.0}) {
+    Object& object = cut.world.objects[0];
+    object.cloud = std::make_shared<const PointCloud>(
+        carved(*object.cloud, object.X_WO, {&post, 1}, margin, "post"));
+    Problem loaded = again(cut);
+    const PointCloud& cloud = *loaded.world.objects[0].cloud;
+    EXPECT_EQ(cloud.size(), object.cloud->size());
+    ASSERT_EQ(cloud.filters.size(), 1u);
+    EXPECT_EQ(cloud.filters[0].removed, margin > 1 ? 2u : 1u);
+    loaded.world.objects[0].X_WO.translation.x() = 1;
+    expectInputError([&] { validate(loaded); }, loaded.name, 0, {"at which it was carved"});
+  }
   const std::string name = folder.path("b.yaml");
   for (const auto& wrong : {std::pair("balls: []", "at least one"),
+                            {"balls: [[0, 0, 0, 1]], carved: 0", "carved"},
+                            {"file: b.yaml, radius: 1, carved: 1", "without 'balls'"},
                             {"balls: [[0, 0, 0]]", "radius"},
                             {"balls: [[0, 0, 0, -1]]", "radius -1"},
                             {"balls: [[0, 0, 0, 1]], radius: 1", "beside"},

@@ -252,22 +252,29 @@ TEST_F(CloudProblems, ACropSmallerThanAMarginIsRefused) {
   EXPECT_EQ(refused(), "");
 }
 
+/// Regression: a place beyond the joint's limit, where points had been cropped, was free.
 TEST_F(CloudProblems, OutsideTheLimitsACroppedCloudLeavesPlacesUndecided) {
-  const char* const points = "0 0.5 0\n2.3 0 0\n";
-  const std::string scan = " - {name: scan, cloud: {file: scan.xyz, radius: 0.02, crop: 0.05}}\n";
-  const Problem cropped = load(kBall + scan, points);
+  folder_.write("slider.urdf", R"(<robot name="s"><link name="base"/>
+<link name="car"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+<joint name="x" type="prismatic"><parent link="base"/><child link="car"/><axis xyz="1 0 0"/><limit lower="0" upper="0.5" velocity="1" effort="1"/></joint>
+</robot>)");
+  const Problem cropped = load(
+      "leeway: 1\nrobot: {urdf: slider.urdf}\nstart: [0.1]\ngoal: [0.4]\nobjects:\n"
+      " - {name: scan, cloud: {file: scan.xyz, radius: 0.01, crop: 0.02}}\n",
+      "0.3 0 0.07\n0.9 0 0\n");
   EXPECT_EQ(cropped.world.objects[0].cloud->size(), 1U);
   Problem empty = cropped;
   empty.world.objects.clear();
-  const auto with_crop = std::make_shared<const CompiledScene>(cropped);
   const auto without = std::make_shared<const CompiledScene>(empty);
   const auto decide = [](const std::shared_ptr<const CompiledScene>& scene, double x) {
-    return EdgeCertifier(scene).decide(std::vector<double>{x, 0, 0, 0, 0, 0, 1});
+    return EdgeCertifier(scene).decide(std::vector<double>{x});
   };
-  EXPECT_EQ(decide(with_crop, 1), Verdict::kFree);
-  EXPECT_EQ(decide(with_crop, 2.3), Verdict::kUndecided);  // a point was there
-  EXPECT_EQ(decide(without, 2.3), Verdict::kFree);
-  EXPECT_EQ(decide(without->withObjects(cropped.world.objects), 2.3), Verdict::kUndecided);
+  for (const auto& scene : {std::make_shared<const CompiledScene>(cropped),
+                            without->withObjects(cropped.world.objects)}) {
+    EXPECT_EQ(decide(scene, 0.1), Verdict::kFree);
+    EXPECT_EQ(decide(scene, 0.9), Verdict::kUndecided);
+  }
+  EXPECT_EQ(decide(without, 0.9), Verdict::kFree);
 }
 
 TEST_F(CloudProblems, ACropThatDoesNotSufficeNamesItsLine) {
@@ -405,6 +412,21 @@ TEST_F(CloudProblems, ACloudThatMovesByABoundIsNotCropped) {
   expectError(with("", "{turn_bound: 0.2}"), 13, {"no 'speed_bound'"});
   expectError(with(", crop: 1", "{speed_bound: 0.2}"), 12, {"'scan' moves", "was cropped"});
   expectError(with(", carve: [can]", "{velocity: [0.1, 0, 0]}"), 12, {"carved for one place"});
+}
+
+TEST_F(CloudProblems, WhatMovesIsCarvedOutAtTheStartOnly) {
+  const Problem problem =
+      load(kBall +
+           " - {name: can, sphere: {radius: 0.1}, position: [0, 0.9, 0], moving: {speed_bound: 1, "
+           "turn_bound: 0}}\n"
+           " - {name: jar, sphere: {radius: 0.1}, position: [0, -0.9, 0]}\n"
+           " - {name: scan, cloud: {file: scan.xyz, radius: 0.1, carve: [can, robot]}}\n");
+  const std::vector<std::string> can = {"can"}, rest = {"jar", "robot"}, none, cloud = {"scan"};
+  EXPECT_EQ(shapesToCarve(problem, can).size(), 1u);
+  EXPECT_EQ(shapesToCarve(problem, rest, problem.start).size(), 2u);
+  EXPECT_THROW((void)shapesToCarve(problem, can, problem.start), std::invalid_argument);
+  EXPECT_THROW((void)shapesToCarve(problem, none), std::invalid_argument);
+  EXPECT_THROW((void)shapesToCarve(problem, cloud), std::invalid_argument);
 }
 
 TEST_F(CloudProblems, BadKeysNameTheirLine) {

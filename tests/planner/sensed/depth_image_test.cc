@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
 
+#include "collision/base/numbers.h"
+#include "leeway/collision/distance.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
 #include "leeway/planner/verify.h"
@@ -121,6 +124,54 @@ TEST(DepthImage, ThePixelsOfAllTypesBecomeTheSamePoints) {
   // The half diagonal of a pixel at 1 m, at 60 degrees.
   const double half = std::hypot(1.0 / 500, 1.0 / 400) / 2;
   EXPECT_NEAR(depthSpread(camera), half / (0.5 - half), 1e-12);
+}
+
+/// Points of each pixel's middle ray: those that the camera did not see are in a part, and with
+/// parts enough no other.
+TEST(DepthImage, UnseenSpaceContainsWhatWasNotSeen) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> unit(0, 1);
+  constexpr std::size_t kWidth = 9, kHeight = 7;
+  constexpr double kRange = 2;
+  const DepthCamera camera{10, 11, 4.5, 2.5};
+  int hidden = 0, seen = 0;
+  for (int round = 0; round < 20; ++round) {
+    std::vector<double> depths;
+    std::vector<std::uint8_t> mask;
+    const double wall = 0.5 + unit(random);
+    for (std::size_t i = 0; i < kWidth * kHeight; ++i) {
+      const double kind = unit(random);
+      depths.push_back(kind < 0.1 ? kNaN : kind < 0.2 ? 0 : kind < 0.3 ? 5 * unit(random) : wall);
+      mask.push_back(unit(random) < 0.1 ? 0 : 1);
+    }
+    DepthImage image = imageOf(depths, kWidth);
+    image.mask = mask.data();
+    for (const std::size_t parts : {std::size_t{1}, std::size_t{9}, kWidth * kHeight}) {
+      const auto shapes = unseenShapes(image, camera, {kRange, parts});
+      ASSERT_LE(shapes.size(), parts);
+      for (int k = 0; k < 200; ++k) {
+        const std::size_t pixel = static_cast<std::size_t>(unit(random) * kWidth * kHeight);
+        const double z = 0.01 + (kRange - 0.02) * unit(random);
+        const double depth = mask[pixel] != 0 && depths[pixel] > 0 ? depths[pixel] : 0;
+        if (std::abs(z - depth) < 1e-3) continue;
+        const Vector3d p = z * rayAt(camera, static_cast<double>(pixel % kWidth),
+                                     static_cast<double>(pixel / kWidth));
+        const bool is_inside = std::any_of(shapes.begin(), shapes.end(), [&](const auto& part) {
+          return collision::distance(part.shape, {}, collision::Shape::sphere(1e-6),
+                                     {Eigen::Matrix3d::Identity(), p})
+                     .distance.upper <= 0;
+        });
+        EXPECT_TRUE(is_inside || z < depth) << z << " behind " << depth;
+        EXPECT_TRUE(!is_inside || z > depth || parts <= 9) << z << " before " << depth;
+        (z > depth ? hidden : seen) += 1;
+      }
+    }
+  }
+  EXPECT_GT(hidden, 2000);
+  EXPECT_GT(seen, 2000);
+  EXPECT_THROW((void)unseenShapes(imageOf({1.0}, 1), camera, {0, 5}), std::invalid_argument);
+  EXPECT_THROW((void)unseenShapes(imageOf({1.0}, 1), camera, {1, 0}), std::invalid_argument);
+  EXPECT_TRUE(unseenShapes(imageOf({3.0}, 1), camera, {2, 5}).empty());
 }
 
 TEST(DepthImage, MasksLeaveOutPixels) {
@@ -262,6 +313,45 @@ TEST_F(DepthProblems, APathThroughWhatWasSeenIsFoundAndVerified) {
   EXPECT_EQ(verify(problem, among.path).status, VerifyStatus::kCertified);
 }
 
+TEST_F(DepthProblems, WhatTheCameraDidNotSeeIsOccupiedIfAskedFor) {
+  std::vector<std::uint16_t> depths;
+  for (std::size_t r = 0; r < kHeight; ++r)
+    for (std::size_t c = 0; c < kWidth; ++c)
+      depths.push_back(
+          std::hypot(static_cast<double>(c) - 47, static_cast<double>(r) - 24) < 13 ? 9000 : 1000);
+  folder_.write("hole.png", PngWriter{kWidth, kHeight, 16}.write(depths));
+  const auto planned = [&](const std::string& unseen, const std::string& range,
+                           const Vector3d& goal) {
+    Problem problem = load(seen("{file: hole.png, radius: 0.01, unseen: " + unseen +
+                                ", camera: {fx: 30, fy: 30, cx: 31.5, cy: 23.5" + range + "}}") +
+                           "margin: 0.01\nlimits: {time: 60}\n");
+    for (std::size_t k = 0; k < 3; ++k)
+      problem.goals[0].ranges[k] = {goal[static_cast<Eigen::Index>(k)],
+                                    goal[static_cast<Eigen::Index>(k)]};
+    const PlanResult result = plan(problem);
+    if (result.status == PlanStatus::kSolved) {
+      EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
+    }
+    return result.status;
+  };
+  const Vector3d behind(0.6, 0, 0), in_the_hole(0.6, -0.83, 0);
+  EXPECT_EQ(planned("free", "", behind), PlanStatus::kSolved);
+  EXPECT_EQ(planned("occupied", ", range: 3", behind), PlanStatus::kInvalidGoal);
+  EXPECT_EQ(planned("occupied", ", range: 3", in_the_hole), PlanStatus::kSolved);
+  EXPECT_EQ(planned("occupied", ", range: 1.2", behind), PlanStatus::kSolved);
+  // One part holds what was seen through the hole, too.
+  EXPECT_EQ(planned("occupied", ", range: 3, parts: 1", in_the_hole), PlanStatus::kInvalidGoal);
+  // What is carved out takes the parts with it that it touches.
+  const Problem cut = load(
+      seen("{file: hole.png, radius: 0.01, unseen: occupied, carve: [post], camera: {fx: 30, fy: "
+           "30, cx: 31.5, cy: 23.5, range: 3}}") +
+      " - {name: post, sphere: {radius: 0.2}, position: [0.6, 0, 0]}\n");
+  const Object& wall = cut.world.objects[0];
+  EXPECT_EQ(wall.cloud->filters.back().name, "carve");
+  EXPECT_GT(wall.cloud->filters.back().removed, 0u);
+  EXPECT_FALSE(wall.geometries.empty());
+}
+
 TEST_F(DepthProblems, KeysAreThoseOfTheLibrary) {
   const Problem problem = load(seen(
       "{file: depth.png, radius: 0.02, unseen: free, camera: {fx: 30, fy: 31, cx: 31.5, cy: 23.5, "
@@ -288,7 +378,16 @@ TEST_F(DepthProblems, BadKeysNameTheirLine) {
   expectError("{file: depth.png, " + kCamera + "}", {"'radius'"});
   expectError("{file: depth.png, radius: 0, " + kCamera + "}", {"cloud.radius", "radius 0"});
   expectError("{file: depth.png, radius: 0.01, unseen: occupied, " + kCamera + "}",
-              {"unseen is 'occupied'", "only 'free'"});
+              {"no 'range' beside 'unseen: occupied'"});
+  expectError("{file: depth.png, radius: 0.01, unseen: maybe, " + kCamera + "}",
+              {"unseen is 'maybe'; free or occupied"});
+  expectError("{file: scan.xyz, radius: 0.01, unseen: occupied}",
+              {"unseen is 'occupied'", "only 'free'", "without a camera"});
+  expectError(camera("fx: 30, fy: 30, cx: 1, cy: 1, range: 2"), {"without 'unseen: occupied'"});
+  expectError(
+      "{file: depth.png, radius: 0.01, unseen: occupied, camera: {fx: 30, fy: 30, cx: 1, cy: 1, "
+      "range: 0}}",
+      {"range 0"});
   expectError("{file: depth.png, radius: 0.01, most_balls: 0, " + kCamera + "}", {"most_balls"});
   expectError("{file: depth.png, radius: 0.01, most_balls: 2.5, " + kCamera + "}", {"most_balls"});
   expectError(camera("fx: 30, fy: 30, cx: 1"), {"'cy'"});

@@ -196,6 +196,18 @@ TEST(PointCloud, CarvingRemovesWhatIsNearAndNothingElse) {
   }
 }
 
+TEST(PointCloud, FiltersRefuseAPoseThatIsNone) {
+  const PointCloud cloud = randomCloud(7, 5, 1);
+  const robots::Geometry all{collision::Shape::sphere(9), {}, {}};
+  robots::Pose nowhere, sheared;
+  nowhere.translation.x() = kNaN;
+  sheared.rotation(0, 0) = 2;
+  for (const robots::Pose& bad : {nowhere, sheared}) {
+    EXPECT_THROW((void)carved(cloud, bad, {&all, 1}, 0, "all"), std::invalid_argument);
+    EXPECT_THROW((void)cropped(cloud, bad, {}, 1), std::invalid_argument);
+  }
+}
+
 TEST(PointCloud, CroppingKeepsAllThatIsInReach) {
   const std::vector<Ball> reach = {{{0.1, 0, 0}, 0.1}, {{-0.2, 0, 0.1}, 0.05}};
   robots::Pose X_WC;

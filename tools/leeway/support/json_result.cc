@@ -113,22 +113,24 @@ Json constraintsJson(const std::vector<planner::ConstraintResult>& results) {
   return constraints;
 }
 
+Json cloudJson(const planner::Object& object) {
+  const planner::PointCloud& cloud = *object.cloud;
+  Json filters = Json::array();
+  for (const planner::CloudFilter& filter : cloud.filters)
+    filters.push_back({{"name", filter.name}, {"what", filter.what}, {"removed", filter.removed}});
+  return {{"name", object.name},
+          {"balls", cloud.size()},
+          {"largest_radius", cloud.largestRadius()},
+          {"unseen", isUnseenOccupied(object) ? "occupied" : "free"},
+          {"complete_within", jsonNumber(cloud.completeWithin())},
+          {"filters", filters},
+          {"bytes", cloud.size() * sizeof(planner::PointCloud::Ball)}};
+}
+
 Json cloudsJson(const planner::Problem& problem) {
   Json list = Json::array();
-  for (const planner::Object& object : problem.world.objects) {
-    if (!object.cloud) continue;
-    Json filters = Json::array();
-    for (const planner::CloudFilter& filter : object.cloud->filters)
-      filters.push_back(
-          {{"name", filter.name}, {"what", filter.what}, {"removed", filter.removed}});
-    list.push_back({{"name", object.name},
-                    {"balls", object.cloud->size()},
-                    {"largest_radius", object.cloud->largestRadius()},
-                    {"unseen", "free"},
-                    {"complete_within", jsonNumber(object.cloud->completeWithin())},
-                    {"filters", filters},
-                    {"bytes", object.cloud->size() * sizeof(planner::PointCloud::Ball)}});
-  }
+  for (const planner::Object& object : problem.world.objects)
+    if (object.cloud) list.push_back(cloudJson(object));
   return list;
 }
 

@@ -357,11 +357,6 @@ std::shared_ptr<const robots::Model> loadRobotModel(const std::string& urdf,
 
 namespace {
 
-void printLeftOut(const planner::Problem& problem) {
-  if (isQuiet()) return;
-  for (const std::string& note : cloudNotes(problem)) printMessage("note: " + note);
-}
-
 planner::Problem readProblem(const ProblemSource& source) {
   if (source.problem.empty() && source.robot.empty()) {
     badUsage(
@@ -386,7 +381,8 @@ planner::Problem readProblem(const ProblemSource& source) {
   }
   if (!source.allowed.empty()) planner::allowTouching(problem, source.stop);
   printWarnings(problem.warnings);
-  printLeftOut(problem);
+  if (!isQuiet())
+    for (const std::string& note : cloudNotes(problem)) printMessage("note: " + note);
   if (!source.waypoints.empty())
     takeWaypoints(source, problem);
   else if (!source.goal_pose.empty())

@@ -21,6 +21,10 @@ PairNames pairNames(const planner::CompiledScene& scene, int pair);
 bool movesAsKnown(const planner::Problem& problem);
 /// planner::obstaclesAt() as the end of a sentence, with a space before it.
 std::string obstaclesText(const planner::Problem& problem);
+/// Whether what the camera of the object's cloud did not see counts as occupied.
+bool isUnseenOccupied(const planner::Object& object);
+/// What answers do not cover of each cloud: balls that filters removed, and unseen space.
+std::vector<std::string> cloudNotes(const planner::Problem& problem);
 
 /// Returns a line for each constraint of a problem, with the bounds that are proven along a path.
 /// `results`: one each; none where they are not proven.
@@ -32,8 +36,5 @@ std::string blockedText(std::span<const planner::BlockedPair> blocked);
 /// How near to a goal a search came, and limits that bar the shorter turn: a line for each; empty
 /// where nothing is known.
 std::string hindranceText(const planner::Problem& problem, const planner::PlanResult& result);
-
-/// What answers about point clouds do not cover: the balls that filters removed, and unseen space.
-std::vector<std::string> cloudNotes(const planner::Problem& problem);
 
 }  // namespace leeway::tools

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "leeway/planner/point_cloud.h"
 
@@ -47,11 +48,34 @@ double depthSpread(const DepthCamera& camera);
 /// O(pixels).
 PointCloud makeCloud(const DepthImage& image, const DepthCamera& camera, double radius);
 
+/// Space that a camera looked at and did not see, as shapes in its frame.
+struct UnseenSpace {
+  double range = 0;               ///< depth up to which it counts [m]; above 0
+  std::size_t most_parts = 1000;  ///< convex parts, at least 1; fewer hold more of what was seen
+};
+/// The name of these shapes.
+inline constexpr char kUnseenName[] = "unseen";
+/// Returns the space behind what the pixels show, and all of that of pixels without a measurement
+/// or outside the mask, within the picture and `range`: frusta that contain it. A rectangle of
+/// pixels becomes one frustum from its nearest pixel on; those that hold most of what was seen are
+/// halved. What is outside the picture is not in it. Throws std::invalid_argument as makeCloud(),
+/// for a range that is not above 0 and up to 1e9 m, and 0 parts. O(pixels log(parts)).
+std::vector<robots::Geometry> unseenShapes(const DepthImage& image, const DepthCamera& camera,
+                                           const UnseenSpace& space);
+/// Without the shapes in C that are proven to be within `margin` >= 0 [m] of `shapes_W`.
+/// O(size x shapes).
+std::vector<robots::Geometry> carvedShapes(const std::vector<robots::Geometry>& shapes_C,
+                                           const robots::Pose& X_WC,
+                                           std::span<const robots::Geometry> shapes_W,
+                                           double margin);
+
 /// Reads a depth image from a PNG or PGM of 16 bits, and its mask, of the same size, from one of
 /// any number of bits; an empty path means no mask. Throws robots::InputError for a damaged file,
 /// another size of the mask and an image without a measurement, std::invalid_argument as
-/// makeCloud(), robots::Stopped. O(pixels).
+/// makeCloud(), robots::Stopped. With `space`, `unseen` becomes its unseenShapes(). O(pixels).
 PointCloud loadDepthImage(const std::string& path, const std::string& mask_path,
-                          const DepthCamera& camera, double radius, const robots::Stop& stop = {});
+                          const DepthCamera& camera, double radius, const robots::Stop& stop = {},
+                          const UnseenSpace* space = nullptr,
+                          std::vector<robots::Geometry>* unseen = nullptr);
 
 }  // namespace leeway::planner

@@ -99,7 +99,8 @@ enum class Observation : unsigned char {
   kTaken,
   kJumped,   ///< taken; but points moved faster than the speed bound that was given before
   kInvalid,  ///< refused: another number of vertices, numbers that are not finite, a pose whose
-             ///< matrix is not a rotation, a cloud without balls. The last one stays
+             ///< matrix is not a rotation, a cloud without balls, a carved cloud elsewhere. The
+             ///< last one stays
   kLate,     ///< refused: older than the last one, or its time is not finite
 };
 const char* toString(Observation observation);  ///< "taken", "jumped", "invalid", "late"
@@ -177,6 +178,8 @@ class Guard {
 
   /// The time of a request without one [s].
   double nextTime() const;
+  /// Whether the next request may have this time; see GuardRequest::time.
+  bool takesTime(double time) const;
   const GuardOptions& options() const;
   /// That margins are taken from; with point errors and joint errors in the margins.
   const std::shared_ptr<const CompiledScene>& scene() const;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,9 @@ struct CloudFilter {
   std::string name;         ///< "drop", "carve", "crop" or "thin"
   std::string what;         ///< "points that are not numbers", "balls that touch can"
   std::size_t removed = 0;  ///< balls that are gone [count]
+  /// Of "carve": where the cloud stood. Elsewhere it is refused, because what was carved out may be
+  /// in the way there. Empty: not known.
+  std::optional<robots::Pose> X_WC = {};
 };
 
 /// A union of balls, one around each point that a sensor saw. Plans, checks and proofs take exactly

@@ -28,6 +28,7 @@ struct ObjectMotion {
   /// Its poses at all times; null: it was only seen, at Object::X_WO.
   std::shared_ptr<const collision::PoseMotion> poses = nullptr;
   /// Bounds on the speed of its frame's origin [m/s] and on its turning [rad/s] after it was seen.
+  /// Of a cloud: on the speed of its points, however they move; its turn_bound may be left out.
   double speed_bound = std::numeric_limits<double>::infinity();
   double turn_bound = std::numeric_limits<double>::infinity();
   /// How long before Execution::start it was seen at X_WO [s]; 0 with `poses`.
@@ -493,6 +494,14 @@ Problem detachObject(const Problem& problem, const std::string& object,
 /// unknown name and a configuration of another size.
 std::vector<robots::Geometry> shapesOf(const Problem& problem, const std::string& name,
                                        std::span<const double> configuration = {});
+
+/// Returns the shapes of all of these names for carved(), as shapesOf() does. Throws
+/// std::invalid_argument also for no name and for a cloud, and with a configuration, which is that
+/// of a later time than the start, for what has moved since: deforming obstacles and objects with a
+/// motion.
+std::vector<robots::Geometry> shapesToCarve(const Problem& problem,
+                                            std::span<const std::string> names,
+                                            std::span<const double> configuration = {});
 
 /// Returns balls in the world that contain everything that the robot and its attached objects can
 /// reach, with planned variables within their limits and the others as at the start. Radii are

@@ -168,8 +168,9 @@ class Replanner {
   /// [s] in the frame X_WO, and a bound on the speed of their points from then on [m/s]. Without
   /// X_WO the frame stays where it was. The balls replace those before and the object's motion for
   /// good: nothing of the old cloud stays, and what the new one lacks counts as free. Throws
-  /// std::invalid_argument, and changes nothing, for another object, a cloud that is cropped or
-  /// that cloudFault() refuses, and as setPose(). O(balls log(balls)).
+  /// std::invalid_argument, and changes nothing, for another object, a cloud that is older than the
+  /// last one, cropped, carved elsewhere or that cloudFault() refuses, and as setPose().
+  /// O(balls log(balls)).
   void setCloud(const std::string& object, std::shared_ptr<const PointCloud> cloud, double time,
                 double speed_bound, const std::optional<robots::Pose>& X_WO = {});
 
