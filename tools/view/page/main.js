@@ -567,8 +567,7 @@ class App {
     const { data, near } = this;
     const closest = near.at(this.moment);
     const still = this.motion.duration === 0;
-    const stretch = Math.min(this.motion.momentBefore(this.time), data.proven.all.length - 1);
-    const proven = stretch >= 0 ? near.proven(stretch) : undefined;
+    const proven = this.time === this.motion.times[this.moment] ? near.provenAt(this.moment) : near.proven(Math.min(this.motion.momentBefore(this.time), data.proven.all.length - 1));
     const decision = data.decisions.length > 0 ? data.decisions[Math.min(this.motion.momentBefore(this.time), data.decisions.length - 1)][1] : null;
     const name = near.choices().find(([value]) => value === near.choice)[1];
     const lines = [];
@@ -581,7 +580,7 @@ class App {
       lines.push(element('span', { className: 'soft', id: 'other', text: `${still ? '' : 'now, '}${name}${beside}` }));
     }
     if (closest) lines.push(element('span', { className: 'soft', text: `margin ${+(closest.margin * 1e3).toFixed(3)} mm` }));
-    if (proven !== undefined) lines.push(element('span', { className: 'soft', id: 'proven', text: proven === null ? 'not proven here' : `proven here: at least ${millimetres(proven)} mm` }));
+    if (closest && proven !== undefined) lines.push(element('span', { className: 'soft', id: 'proven', text: proven === null ? 'not proven here' : `proven here: at least ${millimetres(proven)} mm` }));
     if (this.compared) lines.push(...this.compared.lines(this, near.choice));
     const step = this.stepAt(this.time);
     if (step) lines.push(element('span', { id: 'step', text: `${step.name} (${step.kind})` }));

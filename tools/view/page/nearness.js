@@ -34,6 +34,12 @@ export class Nearness {
     const { proven } = this.data;
     return (proven[choice].length > 0 ? proven[choice] : proven.all)[stretch] ?? null;
   }
+  // Proven on both stretches beside a moment. Where a step ends, the moment is measured in the world of that step, and the next one has a world of its own.
+  provenAt(moment, choice = this.choice) {
+    const bounds = [moment - 1, moment].filter((stretch) => stretch >= 0 && stretch < this.data.proven.all.length).map((stretch) => this.proven(stretch, choice));
+    if (bounds.length === 0 || bounds.includes(undefined)) return undefined;
+    return bounds.includes(null) ? null : Math.min(...bounds);
+  }
   // The moment at which the choice is least; -1: it is never near.
   least(choice = this.choice) {
     if (choice === 'world' || choice === 'self') return this.data.least[choice];

@@ -251,9 +251,8 @@ export class ClearancePlot extends Plot {
     const all = [['world', 'from the world'], ['self', 'from itself']].map(([group, name]) => [text(name, near.at(moment, group)), this.colourOf(group)]);
     if (this.other[near.choice]) all.push([text(this.app.compared.label, this.app.compared.at(motion.times[moment], near.choice)), this.colours.compared]);
     if (!this.groups[near.choice]) all.unshift([text('chosen', near.at(moment)), this.colourOf(near.choice)]);
-    const stretch = Math.min(motion.momentBefore(motion.times[moment]), this.proven.length - 1);
-    const proven = near.proven(stretch);
-    if (proven !== undefined) all.push([proven === null ? 'not proven' : `proven at least ${millimetres(proven)} mm`, this.colours.proven]);
+    const proven = near.provenAt(moment);
+    if (near.at(moment) && proven !== undefined) all.push([proven === null ? 'not proven' : `proven at least ${millimetres(proven)} mm`, this.colours.proven]);
     return all;
   }
   // Where the steps of a task begin. A name stands where its stretch has room for it.

@@ -42,7 +42,7 @@ export function headline(app) {
 function directionText(way) {
   const axis = ['x', 'y', 'z'].find((k) => Math.abs(way[k]) > 0.98);
   if (axis) return `${way[axis] > 0 ? '+' : '\u2212'}${axis}`;
-  return `(${way.toArray().map((part) => part.toFixed(2).replace('-', '\u2212')).join(', ')})`;
+  return `(${way.toArray().map((part) => (Math.round(100 * part) / 100 + 0).toFixed(2).replace('-', '\u2212')).join(', ')})`;
 }
 
 // The direction in which an object of the world would have to move for the tightest place to get wider, to first order, and from where: {object, moment,
@@ -74,7 +74,8 @@ export function advice(app) {
   const move = found ? `move ${data.bodies[found.object]} along ${directionText(found.way)} of the world${arrow}` : '';
   if (!move && !option) {
     const held = [near.b, near.a].find((body) => app.held.has(body));
-    return held === undefined ? null : [`The tightest place is where the robot takes hold of ${data.bodies[held]}, carries it or lets it go`, ''];
+    if (held === undefined) return choice === 'self' ? ['The tightest place is between parts of the robot: no object that moves makes it wider', ''] : null;
+    return [`The tightest place is where the robot takes hold of ${data.bodies[held]}, carries it or lets it go`, ''];
   }
   return [`To widen the tightest place: ${move}${move && option ? ', or ' : ''}${option ? 'plan with ' : ''}`, option];
 }
