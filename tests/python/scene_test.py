@@ -183,9 +183,9 @@ def test_inverse_kinematics(robot):
     assert np.all((robot.lower <= found.solutions) & (found.solutions <= robot.upper))
     again = leeway.inverse_kinematics(robot, "hand", target, start=robot.state("ready"), solutions=4)
     assert again.solutions.tobytes() == found.solutions.tobytes()
-    turned = leeway.inverse_kinematics(robot, "hand", target[:3], start=robot.state("ready"), solutions=4)  # with any turn
-    assert turned and np.allclose(robot.pose("hand", turned.solutions)[:, :3], target[:3], atol=1e-8)
-    assert not np.allclose(robot.pose("hand", turned.solutions)[:, 3:], (0, 0, 0, 1), atol=1e-3)
+    turned = leeway.inverse_kinematics(robot, "hand", target[:3, 3], start=robot.state("ready"), solutions=4)  # with any turn
+    assert turned and np.allclose(robot.pose("hand", turned.solutions)[:, :3, 3], target[:3, 3], atol=1e-8)
+    assert not np.allclose(robot.pose("hand", turned.solutions)[:, :3, :3], target[:3, :3], atol=1e-3)
     with pytest.raises(ValueError, match="pose is None"):
         leeway.inverse_kinematics(robot, "hand", None)
     far = leeway.inverse_kinematics(robot, "hand", (5, 0, 0))

@@ -51,7 +51,7 @@ def test_a_pose_as_start_becomes_joint_values(robot, world):
         leeway.Problem(robot, world, FramePose("hand", (3, 0, 0)), "tucked")
     far = leeway.Problem(robot, world, "tucked", FramePose("hand", (3, 0, 0)))
     with pytest.raises(leeway.InputError, match="goal 'goal': out of reach"):  # not the start
-        leeway.check(far, "goal")
+        leeway.check(far, state="goal")
 
 
 def test_an_unreachable_pose_is_proven_so(robot, world):

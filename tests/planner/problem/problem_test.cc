@@ -656,8 +656,8 @@ TEST(ProblemFromStates, TakesGroupStates) {
   EXPECT_EQ(values.goals[0].ranges[5], std::pair(6.2, 6.2));
   EXPECT_EQ(message("arm", "0,,0,0,0,0,0"),
             "value 2 of start '0,,0,0,0,0,0' is empty; 6 numbers are expected, of pan_joint, "
-            "lift_joint, elbow_joint, wrist_1_joint, wrist_2_joint, wrist_3_joint");
-  EXPECT_EQ(message("arm", "0,0,0,0,0,0, ").substr(0, 40),
+            "lift_joint, elbow_joint, wrist1_joint, wrist2_joint, wrist3_joint");
+  EXPECT_EQ(message("arm", "0,0,0,0,0,0, ").substr(0, 41),
             "value 7 of start '0,0,0,0,0,0, ' is empty");
   EXPECT_EQ(message("arm", "0 1"),
             "start '0 1' is 2 numbers; 6 are expected, of pan_joint, lift_joint, elbow_joint, "

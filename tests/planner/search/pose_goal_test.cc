@@ -119,8 +119,8 @@ TEST(PoseGoal, JointsThatMimicStayWhereNumbersHaveDigits) {
   };
   EXPECT_TRUE(plan(problem("offset=\"900\"")).certificate.certified);
   EXPECT_TRUE(plan(problem("multiplier=\"-2000\"")).certificate.certified);
-  for (const char* mimic : {"offset=\"1e15\"", "offset=\"-1000\"", "multiplier=\"1e15\"",
-                            "multiplier=\"0\" offset=\"2000\"", "multiplier=\"3000\""}) {
+  for (const char* mimic :
+       {"offset=\"1e15\"", "offset=\"-1000\"", "multiplier=\"1e15\"", "multiplier=\"3000\""}) {
     try {
       problem(mimic);
       ADD_FAILURE() << mimic;
