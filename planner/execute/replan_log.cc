@@ -61,6 +61,13 @@ Json sightJson(const ObstacleSight& sight) {
   return document;
 }
 
+Json rowsJson(std::span<const TimedPoint> rows) {
+  Json list = Json::array();
+  for (const TimedPoint& row : rows)
+    list.push_back({{"time", row.time}, {"position", row.position}});
+  return list;
+}
+
 Json jointNames(const Problem& problem) {
   Json names = Json::array();
   for (const int v : problem.robot.variables)
@@ -71,7 +78,7 @@ Json jointNames(const Problem& problem) {
 }  // namespace
 
 std::string logLine(const Problem& problem, const ReplanStep& step) {
-  Json obstacles = Json::array(), observed = Json::array(), motion = Json::array();
+  Json obstacles = Json::array(), observed = Json::array();
   for (const ObstacleUpdate& o : step.obstacles)
     obstacles.push_back({{"name", o.object},
                          {"seen", o.seen},
@@ -80,12 +87,11 @@ std::string logLine(const Problem& problem, const ReplanStep& step) {
                          {"reason", o.reason},
                          {"update_s", o.update_s}});
   for (const ObstacleSight& sight : step.observed) observed.push_back(sightJson(sight));
-  for (const TimedPoint& row : step.motion)
-    motion.push_back({{"time", row.time}, {"position", row.position}});
   return summedLine({{"version", kLogVersion},
                      {"step", step.index},
                      {"time", step.time},
                      {"decision", toString(step.decision)},
+                     {"why", step.why},
                      {"certified", step.certified},
                      {"clearance_lower", step.clearance.lower},
                      {"clearance_upper", step.clearance.upper},
@@ -97,7 +103,8 @@ std::string logLine(const Problem& problem, const ReplanStep& step) {
                      {"reached", step.reached},
                      {"joint_names", jointNames(problem)},
                      {"position", step.motion.back().position},
-                     {"motion", std::move(motion)},
+                     {"motion", rowsJson(step.motion)},
+                     {"stop", rowsJson(step.stop)},
                      {"measured", step.measured ? Json(*step.measured) : Json()},
                      {"observed", std::move(observed)},
                      {"obstacles", std::move(obstacles)},

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -14,11 +16,13 @@
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/base/waypoints.h"
+#include "planner/execute/drive.h"
+#include "planner/execute/drive_tolerances.h"
 #include "planner/execute/step_certifier.h"
 #include "planner/execute/timed_path.h"
 #include "planner/search/goals.h"
 #include "planner/search/plan.h"
-#include "planner/timing/motion_limits.h"
+#include "planner/timing/leg.h"
 #include "planner/validate/checks.h"
 
 namespace leeway::planner {
@@ -72,6 +76,16 @@ const Problem& executable(const Problem& problem) {
   return problem;
 }
 
+/// The longest time in which a variable comes to rest from its velocity limit [s].
+double longestStop(const MotionLimits& limits) {
+  double longest = 0;
+  for (std::size_t i = 0; i < limits.velocity.size(); ++i) {
+    const LineLimits line{limits.velocity[i], limits.acceleration[i], limits.jerk[i]};
+    longest = std::max(longest, SpeedChange(0, line.speed, line).time);
+  }
+  return longest;
+}
+
 }  // namespace
 
 const char* toString(Decision decision) {
@@ -98,7 +112,11 @@ struct Replanner::Impl {
         obstacles(problem, scene),
         certifier(scene, obstacles),
         proves(scene->nothingChecked().empty()),
-        limits(velocityLimits(problem)),
+        limits(motionLimits(problem)),
+        space_of_drives(std::make_shared<const ConfigurationSpace>(problem.robot.model,
+                                                                   problem.robot.variables)),
+        periods(static_cast<int>(std::ceil(execution().step / kLongestPeriod))),
+        reaction(longestStop(limits)),
         seen(scene),
         now(problem.execution.start),
         state(startPoint(problem)),
@@ -108,24 +126,33 @@ struct Replanner::Impl {
   /// A possible motion, and how far it is proven.
   struct Candidate {
     Decision decision = Decision::kUnsafe;
-    std::vector<TimedPoint> motion;  // over the step and the look-ahead
-    Waypoints rest;                  // the path after the step
-    Waypoints trail;                 // what is left of it after a retreat; else empty
-    bool first_edge_known = true;    // the rest's first edge is certified against static bodies
-    double until = -kInfinity;       // proven up to [s]
+    std::shared_ptr<const Drive> drive = nullptr;  // null: it stands
+    /// Times of the drive after each period: of the step, and of the stop after it.
+    std::vector<double> times = {};
+    bool follows = false;                 // it goes on at the drive's own pace after the step
+    Waypoints trail = {};                 // what is left of it after a retreat; else empty
+    std::vector<TimedPoint> motion = {};  // over the step and the stop, and at rest after it
+    double stop_end = 0;                  // when it rests [s]
+    double until = -kInfinity;            // proven up to [s]
   };
 
   const ConfigurationSpace& space() const { return scene->space(); }
   const Execution& execution() const { return problem.execution; }
   double stepEnd() const { return execution().start + (index + 1) * execution().step; }
-  bool isProven(const Candidate& c) const { return c.until >= stepEnd(); }
-  bool isFullyProven(const Candidate& c) const { return c.until >= marks.back(); }
+  double period() const { return execution().step / periods; }
+  /// Proven, with the stop at its end.
+  bool isProven(const Candidate& c) const { return c.until >= std::max(c.stop_end, stepEnd()); }
+  bool isFullyProven(const Candidate& c) const { return isProven(c) && c.until >= marks.back(); }
   bool looksAhead() const { return marks.size() > 1; }
+  bool moves() const { return !ahead.empty(); }
 
   /// Sets the times up to which candidates are proven: the step's end and, where the obstacles'
-  /// future is known, the ends of the steps of the look-ahead.
+  /// future is known, the ends of the steps of the look-ahead. A robot that has to leave a place
+  /// needs the time of a stop for that.
   void setMarks() {
-    const double step_end = stepEnd(), end = step_end + execution().look_ahead;
+    const double step_end = stepEnd(),
+                 end = step_end + std::min(execution().look_ahead + reaction,
+                                           kLongestLookAhead * execution().step);
     marks = {step_end};
     if (!obstacles.arePredicted()) return;
     for (int k = 1; step_end + k * execution().step < end - execution().step / 2; ++k)
@@ -141,59 +168,107 @@ struct Replanner::Impl {
   // ---------------------------------------------------------------------------------------------
   // candidates
 
+  /// Where the robot is at a time of a drive. Off the drive that it is on by where it was measured.
+  std::vector<double> placeOn(const std::shared_ptr<const Drive>& on, double time) const {
+    std::vector<double> place = on->at(time);
+    if (offset.empty() || on != drive) return place;
+    space().advance(place, offset, 1, place);
+    for (const ConfigurationSpace::Part& part : space().parts())
+      if (part.kind == ConfigurationSpace::Kind::kLine) {
+        double& q = place[at(part.first)];
+        q = std::clamp(q, space().lower(part.first), space().upper(part.first));
+      }
+    return place;
+  }
+
+  /// Sets the motion of a candidate, a row a period.
+  void setMotion(Candidate& c) const {
+    c.motion = {{now, state}};
+    const int rows = std::max(periods, static_cast<int>(c.times.size()));
+    for (int k = 1; k <= rows; ++k) {
+      const double time = k < periods    ? now + k * period()
+                          : k == periods ? stepEnd()
+                                         : stepEnd() + (k - periods) * period();
+      if (k <= static_cast<int>(c.times.size()))
+        c.motion.push_back({time, placeOn(c.drive, c.times[at(k) - 1])});
+      else
+        c.motion.push_back({time, c.motion.back().position});
+    }
+    c.stop_end = c.motion.back().time;
+    if (c.stop_end < marks.back()) c.motion.push_back({marks.back(), c.motion.back().position});
+  }
+
   /// Keeps the candidate that is proven farthest; of equals, the first.
   void consider(Candidate candidate, ReplanStep& step) {
+    if (candidate.drive != nullptr && candidate.times.empty()) return;  // it leads nowhere
+    setMotion(candidate);
+    std::vector<double> until = {stepEnd()};
+    if (candidate.stop_end > stepEnd()) until.push_back(candidate.stop_end);
+    const std::size_t must = until.size();
+    for (const double mark : marks)
+      if (mark > candidate.stop_end) until.push_back(mark);
     StepCertifier::Bodies broken;
-    candidate.until = certifier.certify(candidate.motion, marks, broken);
+    candidate.until = certifier.certify(candidate.motion, until, must, broken);
     if (step.broken_a.empty()) {
       step.broken_a = broken.a;
       step.broken_b = broken.b;
     }
-    if (isProven(candidate) && candidate.until > best.until) best = std::move(candidate);
+    const auto rank = [&](const Candidate& c) { return std::min(c.until, marks.back()); };
+    if (isProven(candidate) && rank(candidate) > rank(best)) best = std::move(candidate);
   }
 
-  /// Follows the path for the step, then further or, where that is not certified, stands.
-  void considerPath(Decision decision, const Waypoints& along, bool edge_known, ReplanStep& step) {
-    Candidate go{decision, {}, {}, {}, true, -kInfinity};
-    go.motion = travel(space(), limits, along, now, stepEnd(), &go.rest);
-    // Only the path's first edge may be uncertified: once it is left, the rest is certified.
-    go.first_edge_known = edge_known || go.rest.size() < along.size();
-    Candidate stop = go;
-    if (looksAhead()) {
-      const std::vector<TimedPoint> ahead =
-          travel(space(), limits, go.rest, stepEnd(), marks.back());
-      go.motion.insert(go.motion.end(), ahead.begin() + 1, ahead.end());
-    }
-    consider(std::move(go), step);
-    if (isFullyProven(best) || !looksAhead()) return;
-    stop.motion.push_back({marks.back(), stop.motion.back().position});
-    consider(std::move(stop), step);
-  }
-
-  Candidate standing(const std::vector<double>& place) const {
-    Candidate stand{Decision::kWait, {}, path, {}, first_edge_known, -kInfinity};
-    stand.motion = {{now, state}, {stepEnd(), place}};
-    if (looksAhead()) stand.motion.push_back({marks.back(), place});
-    return stand;
-  }
-
-  /// Retreats along the trail, or goes to the random neighbours with the most clearance.
-  void considerEvasions(ReplanStep& step) {
-    const Clock::time_point begin = Clock::now();
-    const auto evasion = [&](const std::vector<TimedPoint>& motion) {
-      Candidate c = standing(motion.back().position);
-      c.decision = Decision::kEvade;
-      c.motion = motion;
-      if (looksAhead()) c.motion.push_back({marks.back(), motion.back().position});
-      if (!c.rest.empty()) c.rest.front() = motion.back().position;
-      c.first_edge_known = false;
+  /// Drives on from a row: for the step, then with the shortest stop; or further before it; or to
+  /// where the drive rests, which is free in a world at rest.
+  void considerDrive(Decision decision, const std::shared_ptr<const Drive>& on, int row,
+                     ReplanStep& step) {
+    const auto goes = [&](int until, const std::vector<double>& stop) {
+      Candidate c{decision, on};
+      c.follows = true;
+      for (int k = row + 1; k <= until; ++k) c.times.push_back(std::min(k, on->rows()));
+      c.times.insert(c.times.end(), stop.begin(), stop.end());
       return c;
     };
-    if (trail.size() > 1) {
-      const Waypoints back(trail.rbegin(), trail.rend());
-      Waypoints left;
-      Candidate retreat = evasion(travel(space(), limits, back, now, stepEnd(), &left));
-      retreat.trail.assign(left.rbegin(), left.rend());
+    const int end = row + periods;
+    const std::vector<double> stop = on->stop(end);
+    consider(goes(end, stop), step);
+    if (isFullyProven(best)) return;
+    if (looksAhead()) {
+      const int later =
+          std::min(end + static_cast<int>(std::ceil((marks.back() - stepEnd()) / period())),
+                   std::max(end, on->rows()));
+      consider(goes(later, on->stop(later)), step);
+      if (isFullyProven(best)) return;
+    }
+    std::vector<double> rest(at(std::max(0, on->restFrom(end) - end)));
+    std::iota(rest.begin(), rest.end(), end + 1.0);
+    if (rest != stop) consider(goes(end, rest), step);
+  }
+
+  /// What was proven before: the stop, or the rest of an evasion.
+  Candidate goingOn() const {
+    Candidate c{evades ? Decision::kEvade : Decision::kWait, drive};
+    c.times = ahead;
+    return c;
+  }
+
+  Candidate standing() const { return {Decision::kWait}; }
+
+  /// Retreats along the trail, or goes to the random neighbours with the most clearance: from rest
+  /// to rest.
+  void considerEvasions(ReplanStep& step) {
+    const Clock::time_point begin = Clock::now();
+    const auto evasion = [&](const std::shared_ptr<const Drive>& way) {
+      Candidate c{Decision::kEvade, way};
+      for (int k = 1; k <= way->rows(); ++k) c.times.push_back(k);
+      return c;
+    };
+    Waypoints back = {state};
+    std::size_t left = trail.size();
+    for (; left > 0 && pathDuration(space(), limits.velocity, back) < kEvasionTime; --left)
+      if (trail[left - 1] != back.back()) back.push_back(trail[left - 1]);
+    if (back.size() > 1) {
+      Candidate retreat = evasion(driveAlong(back, seen));
+      retreat.trail.assign(trail.begin(), trail.begin() + static_cast<std::ptrdiff_t>(left) + 1);
       consider(std::move(retreat), step);
     }
     std::vector<std::pair<double, std::vector<double>>> places;
@@ -201,28 +276,44 @@ struct Replanner::Impl {
     for (int k = 0; k < kEvasions && !isFullyProven(best); ++k) {
       std::vector<double> place = neighbour(random);
       if (space().withinLimits(place)) {
-        const double room = certifier.roomAt(place, stepEnd());
+        const double room = certifier.roomAt(place, marks.back());
         places.emplace_back(room, std::move(place));
       }
     }
     std::stable_sort(places.begin(), places.end(),
                      [](const auto& a, const auto& b) { return a.first > b.first; });
     for (std::size_t k = 0; k < places.size() && k < kEvasionsAsked && !isFullyProven(best); ++k)
-      consider(evasion({{now, state}, {stepEnd(), places[k].second}}), step);
+      consider(evasion(std::make_shared<const Drive>(
+                   space_of_drives, Waypoints{state, places[k].second}, limits, period())),
+               step);
     step.plan_s += secondsSince(begin);
   }
 
-  /// A random configuration that the joints reach within the step.
+  /// How the robot drives along a path, whose edges are certified. Cuts corners where the rows are
+  /// free in the world as seen; so all of it is.
+  std::shared_ptr<const Drive> driveAlong(const Waypoints& along,
+                                          const std::shared_ptr<const CompiledScene>& world) {
+    if (execution().corners == Corners::kBlend && along.size() > 2) {
+      const auto made = std::make_shared<const Drive>(space_of_drives, along, limits, period(),
+                                                      certifiedCuts(world, along, limits));
+      std::vector<TimedPoint> rows;
+      for (int k = 0; k <= made->rows(); ++k) rows.push_back({k * period(), made->at(k)});
+      if (certifier.isFree(rows)) return made;
+    }
+    return std::make_shared<const Drive>(space_of_drives, along, limits, period());
+  }
+
+  /// A random configuration nearby.
   std::vector<double> neighbour(Random& random) const {
     std::vector<double> dq(state.size()), place(state.size());
-    const double time = stepEnd() - now;
+    const double time = random.uniform(0, kEvasionTime);
     for (const ConfigurationSpace::Part& part : space().parts()) {
       const auto i = static_cast<std::size_t>(part.first);
       if (part.kind == ConfigurationSpace::Kind::kRotation) {
-        const double most = limits[i] * time / std::sqrt(3.0);
+        const double most = limits.velocity[i] * time / std::sqrt(3.0);
         for (std::size_t k = 0; k < 3; ++k) dq[i + k] = random.uniform(-most, most);
       } else {
-        dq[i] = random.uniform(-1, 1) * limits[i] * time;
+        dq[i] = random.uniform(-1, 1) * limits.velocity[i] * time;
       }
     }
     space().advance(state, dq, 1, place);
@@ -238,8 +329,8 @@ struct Replanner::Impl {
   // planning
 
   /// Plans from the present state in the world as last seen: first with the buffer to deforming
-  /// obstacles, then without.
-  bool plan(ReplanStep& step, Waypoints& found) {
+  /// obstacles, then without. Returns how to drive; null without a path.
+  std::shared_ptr<const Drive> plan(ReplanStep& step) {
     const Clock::time_point begin = Clock::now();
     Problem from_here = problem;
     for (std::size_t i = 0; i < state.size(); ++i)
@@ -249,22 +340,22 @@ struct Replanner::Impl {
     PlanOptions plan_options;
     plan_options.stop = options.stop;
     plan_options.progress = options.progress;
-    bool solved = false;
+    std::shared_ptr<const Drive> found;
     for (const double buffer : {execution().buffer, 0.0}) {
-      const PlanResult result = planIn(obstacles.world(buffer), from_here, plan_options);
+      const std::shared_ptr<const CompiledScene> world = obstacles.world(buffer);
+      const PlanResult result = planIn(world, from_here, plan_options);
       step.iterations += result.iterations;
       step.edges += result.edges;
       step.distance_queries += result.distance_queries;
       if (result.status == PlanStatus::kSolved) {
-        found = result.path.positions;
+        found = driveAlong(result.path.positions, world);
         step.path_clearance = result.certificate.clearance.lower;
-        solved = true;
         break;
       }
       if (buffer == 0 || obstacles.empty()) break;
     }
     step.plan_s += secondsSince(begin);
-    return solved;
+    return found;
   }
 
   bool mayPlan() const { return index >= next_plan; }
@@ -280,61 +371,134 @@ struct Replanner::Impl {
 
   void decide(ReplanStep& step) {
     best = Candidate{};
-    if (step.path_held) considerPath(Decision::kFollow, path, first_edge_known, step);
+    certifier.setWork(options.work);
+    if (moves()) {
+      // What crosses the path farther ahead may be gone by then.
+      unheld = step.path_held ? 0 : unheld + execution().step;
+      if (follows && unheld <= execution().patience)
+        considerDrive(Decision::kFollow, drive, static_cast<int>(time_on_drive), step);
+      if (isFullyProven(best)) return;
+      if (follows)
+        why = unheld <= execution().patience ? "the way ahead with a stop at its end is not proven"
+                                             : "the path does not hold";
+      certifier.setWork(options.work);  // kept for what there is to fall back on
+      return consider(goingOn(), step);
+    }
+    unheld = 0;
+    why = path.empty() ? "there is no path" : "the path does not hold";
+    if (step.path_held) {
+      why = "the way ahead with a stop at its end is not proven";
+      if (drive == nullptr) setDrive(driveAlong(path, seen));
+      considerDrive(Decision::kFollow, drive, static_cast<int>(time_on_drive), step);
+    }
     if (isFullyProven(best)) return;
     const bool impatient = waited >= execution().patience;
     if ((!step.path_held || impatient) && mayPlan()) {
-      Waypoints found;
-      if (plan(step, found))
-        considerPath(Decision::kPlan, found, true, step);
-      else
+      if (const std::shared_ptr<const Drive> found = plan(step)) {
+        why = "the way ahead with a stop at its end is not proven";
+        considerDrive(Decision::kPlan, found, 0, step);
+      } else {
+        why = "no path was found";
         planFailed();
+      }
     }
     if (isFullyProven(best)) return;
-    consider(standing(state), step);
+    certifier.setWork(options.work);
+    consider(standing(), step);
     if (isFullyProven(best)) return;
+    why += ", and rest is not proven as far as it looks ahead";
     considerEvasions(step);
+  }
+
+  void setDrive(std::shared_ptr<const Drive> on) {
+    drive = std::move(on);
+    time_on_drive = 0;
+    evades = false;
+    offset.clear();
   }
 
   void take(ReplanStep& step) {
     if (!isProven(best) || !proves) {
-      best = standing(state);
+      best = moves() ? goingOn() : standing();
       best.decision = Decision::kUnsafe;
+      setMotion(best);
+      why = proves ? "neither a motion nor rest is proven" : "no pair of shapes is checked";
     }
     step.decision = best.decision;
     step.certified = best.decision != Decision::kUnsafe;
-    step.look_ahead = step.certified ? best.until - stepEnd() : 0.0;
-    step.motion = partOf(space(), best.motion, now, stepEnd());
+    step.look_ahead =
+        step.certified ? std::clamp(best.until - stepEnd(), 0.0, execution().look_ahead) : 0.0;
+    const auto end = best.motion.begin() + periods + 1;
+    step.motion.assign(best.motion.begin(), end);
+    step.stop.assign(end, std::find_if(end, best.motion.end(), [&](const TimedPoint& row) {
+                       return row.time > best.stop_end;
+                     }));
     if (!step.certified) {
       step.clearance = {-kInfinity, kInfinity};
     } else {
       const Clock::time_point begin = Clock::now();
       // clearance() uses the parts of the last proof, which may be another candidate's.
       StepCertifier::Bodies ignored, closest;
-      certifier.certify(step.motion, {&marks[0], 1}, ignored);
+      const double step_end = stepEnd();
+      certifier.setWork(options.work);
+      certifier.certify(step.motion, {&step_end, 1}, 1, ignored);
       step.clearance =
-          certifier.clearance(step.motion, stepEnd(), options.clearance_tolerance, closest);
+          certifier.clearance(step.motion, step_end, options.clearance_tolerance, closest);
       step.closest_a = closest.a;
       step.closest_b = closest.b;
       step.clearance_s = secondsSince(begin);
     }
     state = step.motion.back().position;
-    path = best.rest;
-    first_edge_known = best.first_edge_known;
+    const bool moved = best.decision == Decision::kFollow || best.decision == Decision::kPlan;
+    if (!moved) step.why = why;
     if (best.decision == Decision::kPlan) {
       if (sums.plans > 0) ++sums.replans;
       pause = 1;
     }
-    const bool moved = best.decision == Decision::kFollow || best.decision == Decision::kPlan;
+    go();
     waited = moved ? 0 : waited + execution().step;
     if (!best.trail.empty()) trail = best.trail;
-    if (trail.back() != state) trail.push_back(state);
+    if (trail.back() != state && !evades) trail.push_back(state);
     if (trail.size() > kTrail) trail.erase(trail.begin());
-    step.reached = path.size() == 1 && inGoal(state);
-    step.remaining_s = path.empty() ? kInfinity : pathDuration(space(), limits, path);
+    step.reached = isReached();
+    step.remaining_s = path.empty()       ? kInfinity
+                       : drive && !evades ? (drive->rows() - time_on_drive) * period()
+                                          : pathDuration(space(), limits.velocity, path);
     now = stepEnd();
     ++index;
   }
+
+  /// Takes the best candidate: where the robot is on its drive, and what of the path is left.
+  void go() {
+    if (best.drive != nullptr) {
+      if (best.drive != drive) setDrive(best.drive);
+      evades = best.decision == Decision::kEvade || (best.decision == Decision::kUnsafe && evades);
+      const std::size_t passed = std::min(best.times.size(), at(periods));
+      time_on_drive = best.times[passed - 1];
+      ahead.assign(best.times.begin() + static_cast<std::ptrdiff_t>(passed), best.times.end());
+      follows = best.follows;
+    }
+    first_edge_known = follows;
+    if (drive == nullptr || evades) {
+      if (!path.empty()) path.front() = state;
+    } else {
+      path = drive->pathFrom(time_on_drive);
+      path.front() = state;
+      // It is not quite where the path ends.
+      if (path.size() == 1 && !offset.empty()) path.push_back(drive->at(drive->rows()));
+    }
+    if (moves()) return;
+    // At rest it drives on from a row in which the drive rests; else by another one.
+    const bool rests_on_it = drive != nullptr && !evades && offset.empty() &&
+                             time_on_drive < drive->rows() &&
+                             drive->restFrom(static_cast<int>(time_on_drive)) == time_on_drive;
+    if (!rests_on_it) {
+      setDrive(nullptr);
+      follows = false;
+    }
+  }
+
+  bool isReached() const { return !moves() && path.size() == 1 && inGoal(state); }
 
   ReplanStep run() {
     const Clock::time_point start = Clock::now();
@@ -376,6 +540,28 @@ struct Replanner::Impl {
     return step;
   }
 
+  /// Takes the robot's true state. In motion it goes on from there, beside its drive.
+  void measure(std::span<const double> point) {
+    std::vector<double> off(state.size());
+    space().difference(state, point, off);
+    state.assign(point.begin(), point.end());
+    measured = state;
+    trail.push_back(state);
+    first_edge_known = false;
+    // One waypoint is the goal, and the robot is no longer there.
+    if (path.size() == 1) path.clear();
+    if (!path.empty()) path.front() = state;
+    if (moves() && !hasRotation(space())) {
+      if (offset.empty()) offset.assign(state.size(), 0);
+      for (std::size_t i = 0; i < off.size(); ++i) offset[i] += off[i];
+      first_edge_known = true;  // no edge of it is taken before the robot rests
+    } else {
+      setDrive(nullptr);
+      ahead.clear();
+      follows = false;
+    }
+  }
+
   void set(const std::string& object, const Obstacles::Sight& sight, double time,
            const Obstacles::Bound& bound) {
     if (!(time <= now))
@@ -405,13 +591,25 @@ struct Replanner::Impl {
   Obstacles obstacles;
   StepCertifier certifier;
   bool proves;  // false: no pair is checked, and so no step is certified
-  std::vector<double> limits;
+  MotionLimits limits;
+  std::shared_ptr<const ConfigurationSpace> space_of_drives;
+  int periods;      // of a step
+  double reaction;  // the longest time of a stop [s]
   std::shared_ptr<const CompiledScene> seen;
   double now;
   std::vector<double> state;
   Waypoints trail;
   Waypoints path;
   bool first_edge_known = true;
+  // Where the robot is on a drive, and its proven way to rest, a time a period; none at rest.
+  std::shared_ptr<const Drive> drive;
+  double time_on_drive = 0;
+  std::vector<double> ahead;
+  bool follows = false;        // it moves at the drive's pace, in its rows
+  bool evades = false;         // the drive leaves the path
+  std::vector<double> offset;  // from the drive, where it was measured; empty: none
+  double unheld = 0;           // how long the path has not held in motion [s]
+  std::string why;             // it waits
   Candidate best;
   std::vector<double> marks;
   double waited = 0;
@@ -432,7 +630,7 @@ ReplanStep Replanner::step() { return impl_->run(); }
 double Replanner::time() const { return impl_->now; }
 std::span<const double> Replanner::state() const { return impl_->state; }
 const Waypoints& Replanner::path() const { return impl_->path; }
-bool Replanner::reached() const { return impl_->path.size() == 1 && impl_->inGoal(impl_->state); }
+bool Replanner::reached() const { return impl_->isReached(); }
 int Replanner::replans() const { return impl_->sums.replans; }
 ReplanResult Replanner::executed() const { return impl_->sums; }
 std::shared_ptr<const CompiledScene> Replanner::scene() const { return impl_->seen; }
@@ -442,13 +640,7 @@ void Replanner::setState(std::span<const double> point) {
     throw std::invalid_argument(fmt::format(
         "a state of {} finite numbers within the limits is expected", impl_->state.size()));
   if (std::equal(point.begin(), point.end(), impl_->state.begin())) return;
-  impl_->state.assign(point.begin(), point.end());
-  impl_->measured = impl_->state;
-  impl_->trail.push_back(impl_->state);
-  impl_->first_edge_known = false;
-  // One waypoint is the goal, and the robot is no longer there.
-  if (impl_->path.size() == 1) impl_->path.clear();
-  if (!impl_->path.empty()) impl_->path.front() = impl_->state;
+  impl_->measure(point);
 }
 
 void Replanner::setVertices(const std::string& object, std::span<const Eigen::Vector3d> vertices,

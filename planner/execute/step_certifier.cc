@@ -6,6 +6,7 @@
 
 #include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
+#include "planner/execute/drive_tolerances.h"
 #include "planner/execute/timed_path.h"
 
 namespace leeway::planner {
@@ -14,6 +15,7 @@ StepCertifier::StepCertifier(std::shared_ptr<const CompiledScene> scene, Obstacl
     : scene_(std::move(scene)),
       obstacles_(obstacles),
       still_(obstacles.still()),
+      displacement_(*scene_),
       movers_(obstacles.groups()) {
   begin();
 }
@@ -75,14 +77,49 @@ const Obstacles::Placement& StepCertifier::placement(std::size_t group, double t
   return entry->second;
 }
 
-bool StepCertifier::edgesFree(EdgeCertifier& certifier, std::span<const TimedPoint> part,
-                              Bodies& broken) {
-  for (std::size_t i = 1; i < part.size(); ++i) {
-    const EdgeCheck check =
-        certifier.certify(part[i - 1].position, part[i].position, EdgeRequest::persistent());
-    if (check.verdict == Verdict::kFree) continue;
-    broken = names(certifier.scene(), check.pair);
-    return false;
+double StepCertifier::departure(std::span<const TimedPoint> rows) {
+  const auto row = [&](int k) { return std::span<const double>(rows[at(k)].position); };
+  return displacement_.fromChord(row, 0, static_cast<int>(rows.size()) - 1);
+}
+
+bool StepCertifier::edgeFree(EdgeCertifier& certifier, std::span<const TimedPoint> rows,
+                             double separation, bool is_last, Bodies& broken) {
+  EdgeRequest request = EdgeRequest::persistent();
+  request.work_limit = std::min(is_last ? request.work_limit : kGuardChordWork, left_);
+  request.separation = separation;
+  if (!(left_ > 0)) return false;
+  const std::int64_t before = certifier.statistics.work;
+  const EdgeCheck check = certifier.certify(rows.front().position, rows.back().position, request);
+  left_ -= std::max<std::int64_t>(certifier.statistics.work - before, kGuardLeastWork);
+  if (check.verdict == Verdict::kFree) return true;
+  broken = names(certifier.scene(), check.pair);
+  return false;
+}
+
+bool StepCertifier::rowsFree(EdgeCertifier& certifier, std::span<const TimedPoint> rows,
+                             Bodies& broken) {
+  const auto rests = [&](std::size_t i) { return rows[i].position == rows[i + 1].position; };
+  while (rows.size() > 2 && rests(0)) rows = rows.subspan(1);
+  while (rows.size() > 2 && rests(rows.size() - 2)) rows = rows.first(rows.size() - 1);
+  if (rows.size() <= 2) return edgeFree(certifier, rows, -kInfinity, true, broken);
+  const collision::ScenePairs& pairs = certifier.scene().scene().pairs();
+  const double off = departure(rows), margin = pairs.mostMargin();
+  const bool is_line = off <= kGuardOnLine && margin >= 0 && pairs.leastMargin() == margin;
+  if (off <= kLargestDeparture &&
+      edgeFree(certifier, rows, std::max(0.0, margin) + off, is_line, broken))
+    return true;
+  if (is_line || !(left_ > 0)) return false;  // halves say the same
+  const std::size_t middle = rows.size() / 2;
+  return rowsFree(certifier, rows.first(middle + 1), broken) &&
+         rowsFree(certifier, rows.subspan(middle), broken);
+}
+
+bool StepCertifier::isFree(std::span<const TimedPoint> motion) {
+  Bodies ignored;
+  if (!rowsFree(still_, motion, ignored)) return false;
+  for (std::size_t g = 0; g < movers_.size(); ++g) {
+    movers_[g].certifier->rebind(obstacles_.seenIn(g));
+    if (!rowsFree(*movers_[g].certifier, motion, ignored)) return false;
   }
   return true;
 }
@@ -93,12 +130,13 @@ bool StepCertifier::certifyPart(std::size_t group, std::span<const TimedPoint> m
   const ConfigurationSpace& space = scene_->space();
   EdgeCertifier& moving = *movers_[group].certifier;
   moving.rebind(known.grown);
-  if (edgesFree(moving, partOf(space, motion, t0, t1), broken)) {
+  if (rowsFree(moving, partOf(space, motion, t0, t1), broken)) {
     movers_[group].proven.emplace_back(t0, t1);
     return true;
   }
   const double middle = t0 + (t1 - t0) / 2;
-  if (depth == 0 || known.growth <= kLeastGrowth || !(middle > t0 && middle < t1)) return false;
+  if (depth == 0 || !(left_ > 0) || known.growth <= kLeastGrowth || !(middle > t0 && middle < t1))
+    return false;
   // If the robot is not free at the middle, neither half is free.
   moving.rebind(known.middle);
   if (moving.decide(partOf(space, motion, t0, middle).back().position) != Verdict::kFree)
@@ -108,18 +146,13 @@ bool StepCertifier::certifyPart(std::size_t group, std::span<const TimedPoint> m
 }
 
 double StepCertifier::certify(std::span<const TimedPoint> motion, std::span<const double> marks,
-                              Bodies& broken) {
+                              std::size_t must, Bodies& broken) {
   double until = motion.front().time;
   for (Mover& mover : movers_) mover.proven.clear();
-  for (std::size_t i = 1; i < motion.size(); ++i) {
-    const EdgeCheck check =
-        still_.certify(motion[i - 1].position, motion[i].position, EdgeRequest::persistent());
-    if (check.verdict == Verdict::kFree) continue;
-    broken = names(still_.scene(), check.pair);
-    return until;  // not split at the failing edge: a shorter proof is useless
-  }
+  // Not split where it fails: a shorter proof is useless.
+  if (!rowsFree(still_, motion, broken)) return until;
   for (std::size_t k = 0; k < marks.size(); ++k) {
-    const int halvings = k == 0 ? kMustHalvings : kAheadHalvings;
+    const int halvings = k < must ? kMustHalvings : kAheadHalvings;
     for (std::size_t g = 0; g < movers_.size(); ++g)
       if (!certifyPart(g, motion, until, marks[k], halvings, broken)) return until;
     until = marks[k];
@@ -140,12 +173,20 @@ Interval StepCertifier::clearance(std::span<const TimedPoint> motion, double end
       closest = names(scene, edge.pair);
     }
   };
-  const auto ask = [&](EdgeCertifier& certifier, const std::vector<TimedPoint>& part, double growth,
+  const auto ask = [&](EdgeCertifier& certifier, std::span<const TimedPoint> part, double growth,
                        double proven) {
-    for (std::size_t i = 1; i < part.size(); ++i)
+    for (std::size_t i = 0; i + 1 < part.size();) {
+      std::size_t last = part.size() - 1;
+      double off = 0;
+      for (; last > i + 1; --last)
+        if (off = departure(part.subspan(i, last - i + 1)); off <= kDepartureShare * tolerance)
+          break;
+      if (last == i + 1) off = 0;
       take(certifier.scene(),
-           certifier.edgeClearance(part[i - 1].position, part[i].position, tolerance, -kInfinity),
-           growth, proven);
+           certifier.edgeClearance(part[i].position, part[last].position, tolerance, -kInfinity),
+           growth + off, proven);
+      i = last;
+    }
   };
   ask(still_, partOf(space, motion, motion.front().time, end), 0,
       still_.scene().scene().pairs().leastMargin());

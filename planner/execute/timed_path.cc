@@ -40,36 +40,6 @@ double pathDuration(const ConfigurationSpace& space, std::span<const double> lim
   return time;
 }
 
-std::vector<TimedPoint> travel(const ConfigurationSpace& space, std::span<const double> limits,
-                               const std::vector<std::vector<double>>& path, double time,
-                               double end, std::vector<std::vector<double>>* rest) {
-  std::vector<TimedPoint> motion = {{time, path.front()}};
-  std::size_t next = 1;
-  bool inside = false;  // an edge
-  while (next < path.size()) {
-    const std::vector<double>& here = motion.back().position;
-    const double takes = edgeDuration(space, limits, here, path[next]);
-    const double left = end - motion.back().time;
-    if (!(left > 0)) break;
-    if (takes > left) {
-      motion.push_back({end, pointOn(space, here, path[next], left / takes)});
-      inside = true;
-      break;
-    }
-    if (takes > 0) motion.push_back({motion.back().time + takes, path[next]});
-    ++next;
-  }
-  if (motion.back().time < end || motion.size() == 1)
-    motion.push_back({end, motion.back().position});
-  motion.back().time = end;
-  if (rest != nullptr) {
-    rest->assign(1, motion.back().position);
-    rest->insert(rest->end(), path.begin() + static_cast<std::ptrdiff_t>(next), path.end());
-    if (inside && rest->size() > 1 && (*rest)[0] == (*rest)[1]) rest->erase(rest->begin());
-  }
-  return motion;
-}
-
 std::vector<TimedPoint> partOf(const ConfigurationSpace& space, std::span<const TimedPoint> motion,
                                double t0, double t1) {
   const auto place = [&](double t) {

@@ -17,13 +17,6 @@ double edgeDuration(const ConfigurationSpace& space, std::span<const double> lim
 double pathDuration(const ConfigurationSpace& space, std::span<const double> limits,
                     const std::vector<std::vector<double>>& path);
 
-/// The motion along a path (at least one waypoint) from `time` to `end`. If the path ends earlier,
-/// the motion rests at its end. Sets `rest`, if not null, to the rest of the path: at least one
-/// waypoint.
-std::vector<TimedPoint> travel(const ConfigurationSpace& space, std::span<const double> limits,
-                               const std::vector<std::vector<double>>& path, double time,
-                               double end, std::vector<std::vector<double>>* rest = nullptr);
-
 /// The part of a motion from t0 to t1, which must lie within the motion: at least two rows. Two
 /// parts that meet have the same bytes there.
 std::vector<TimedPoint> partOf(const ConfigurationSpace& space, std::span<const TimedPoint> motion,

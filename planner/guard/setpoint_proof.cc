@@ -5,30 +5,8 @@
 #include <utility>
 
 #include "planner/base/tolerances.h"
-#include "planner/compiled/edge_model.h"
 
 namespace leeway::planner {
-
-Displacement::Displacement(const CompiledScene& scene)
-    : scene_(scene), dq_(scene.model().variables.size()), motion_(scene.model().joints.size()) {}
-
-double Displacement::of(std::span<const double> changes) {
-  expandDifference(scene_.space(), changes, dq_);
-  robots::jointMotion(scene_.model(), dq_, motion_);
-  double most = 0;
-  for (const robots::RelativeMotion& motion : scene_.edgeModel().motions)
-    most = std::max(most, robots::speedBound(scene_.model(), motion, motion_));
-  return most > 0 ? most * (1 + kGuardChordShare) + kGuardChordRounding : 0;
-}
-
-double Displacement::beyondLimits(std::span<const double> changes) {
-  const double within = of(changes);
-  double turn = 0;
-  for (const robots::JointMotion& motion : motion_) turn += motion.angle;
-  // Distances from axes, which `of` takes from the limits, grow by at most the result r itself:
-  // r <= within + turn r.
-  return turn < 1 ? within / (1 - turn) * (1 + kGuardChordShare) : kInfinity;
-}
 
 SetpointProof::Margins SetpointProof::marginsOf(const CompiledScene& scene) {
   const double most = scene.scene().pairs().mostMargin();
@@ -44,8 +22,6 @@ SetpointProof::SetpointProof(const Problem& problem, const GuardOptions& options
       still_(obstacles_.still()),
       still_margins_(marginsOf(still_.scene())),
       displacement_(*scene_),
-      departure_(at(scene_->space().size())),
-      chord_(departure_),
       growth_limit_(kGuardFirstGrowth) {
   if (obstacles_.empty()) return;
   movers_.resize(obstacles_.groups());
@@ -128,33 +104,6 @@ bool SetpointProof::edgeFree(EdgeCertifier& certifier, const SetpointMotion& mot
   return false;
 }
 
-double SetpointProof::growthOf(const SetpointMotion& motion, int from, int to) {
-  const std::span<const double> a = motion.row(from), b = motion.row(to);
-  double squared = 0;
-  // Only a measured start may be outside the limits, where bounds on displacements do not hold.
-  if (from == 0 && !scene_->space().withinLimits(a)) return kInfinity;
-  for (const ConfigurationSpace::Part& part : scene_->space().parts()) {
-    const std::size_t i = at(part.first);
-    chord_[i] = b[i] - a[i];
-    squared += chord_[i] * chord_[i];
-    // The space would go the other way.
-    if (part.kind == ConfigurationSpace::Kind::kCircle && !(std::abs(chord_[i]) < kLongestLineTurn))
-      return kInfinity;
-  }
-  if (!(squared <= kGuardLongestChord * kGuardLongestChord)) return kInfinity;
-  std::fill(departure_.begin(), departure_.end(), 0);
-  for (int k = from + 1; k < to; ++k) {
-    const std::span<const double> row = motion.row(k);
-    double along = 0;
-    for (std::size_t i = 0; i < row.size(); ++i) along += (row[i] - a[i]) * chord_[i];
-    const double t = squared > 0 ? std::clamp(along / squared, 0.0, 1.0) : 0;
-    for (std::size_t i = 0; i < row.size(); ++i)
-      if (const double d = std::abs(row[i] - a[i] - t * chord_[i]); !(d <= departure_[i]))
-        departure_[i] = d;  // NaN as well
-  }
-  return displacement_.of(departure_);
-}
-
 int SetpointProof::untilIn(EdgeCertifier& certifier, const Margins& margins,
                            const SetpointMotion& motion, int from, int to, bool all) {
   if (to - from <= 1) {
@@ -162,7 +111,10 @@ int SetpointProof::untilIn(EdgeCertifier& certifier, const Margins& margins,
       return to;
     return from == to ? from - 1 : from;
   }
-  const double growth = growthOf(motion, from, to);
+  // Only a measured start may be outside the limits, where bounds on displacements do not hold.
+  const bool is_bounded = from > 0 || scene_->space().withinLimits(motion.row(0));
+  const auto row = [&](int k) { return motion.row(k); };
+  const double growth = is_bounded ? displacement_.fromChord(row, from, to) : kInfinity;
   if (growth <= growth_limit_) {
     const double separation = std::max(0.0, margins.most) + growth;
     if (edgeFree(certifier, motion, from, to, separation, kGuardChordWork)) {

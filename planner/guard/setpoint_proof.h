@@ -10,29 +10,11 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/guard.h"
-#include "leeway/robots/motion_bound.h"
+#include "planner/compiled/displacement.h"
 #include "planner/execute/obstacles.h"
 #include "planner/guard/setpoint_motion.h"
 
 namespace leeway::planner {
-
-/// How far any point of the robot moves, seen from any body that it is checked against, while
-/// planned variables change by up to some numbers.
-class Displacement {
- public:
-  explicit Displacement(const CompiledScene& scene);
-  /// Returns that bound [m], for configurations within the limits before and after the change.
-  /// O(motions of the scene x joints).
-  double of(std::span<const double> changes);
-  /// Returns it for changes from within the limits to anywhere; infinity where all joints together
-  /// turn by 1 rad or more.
-  double beyondLimits(std::span<const double> changes);
-
- private:
-  const CompiledScene& scene_;
-  std::vector<double> dq_;
-  std::vector<robots::JointMotion> motion_;
-};
 
 /// Proves that motions keep all margins. Many setpoints are proven by one edge, their chord, with a
 /// separation that covers how far they are from it; where that is not proven, by two chords.
@@ -97,8 +79,6 @@ class SetpointProof {
   int untilInSlice(std::size_t slice, const SetpointMotion& motion, int from, int to, bool all);
   int untilIn(EdgeCertifier& certifier, const Margins& margins, const SetpointMotion& motion,
               int from, int to, bool all);
-  /// How far rows between two are from their chord [m]; infinity: no chord is tried.
-  double growthOf(const SetpointMotion& motion, int from, int to);
   bool edgeFree(EdgeCertifier& certifier, const SetpointMotion& motion, int from, int to,
                 double separation, std::int64_t most_work);
   EdgeCertifier::Statistics sum() const;
@@ -112,7 +92,6 @@ class SetpointProof {
   std::vector<Slice> slices_;
   bool is_stale_ = false;  ///< the slices do not hold
   Displacement displacement_;
-  std::vector<double> departure_, chord_;
   double growth_limit_;
   std::int64_t left_ = 0;  ///< work
   EdgeCertifier::Statistics before_;

@@ -97,10 +97,8 @@ class LineReader {
     requireNames();
     step.position = row(at("position"));
     const YamlReader motion = at("motion");
-    for (const YamlReader& item : motion.items()) {
-      step.times.push_back(item.at("time", "a time [s]").number());
-      step.rows.push_back(row(item.at("position", "the joints' values")));
-    }
+    readRows(motion, step.times, step.rows);
+    readRows(at("stop"), step.stop_times, step.stop_rows);
     if (step.rows.size() < 2)
       motion.fail(fmt::format("motion has {} rows; at least 2 are expected", step.rows.size()));
     if (const YamlReader measured = at("measured"); !measured.isNull())
@@ -132,6 +130,14 @@ class LineReader {
       reader.fail(fmt::format("{} has {} numbers; {}, one a planned joint, are expected",
                               reader.where(), values.size(), problem_.robot.variables.size()));
     return values;
+  }
+
+  void readRows(const YamlReader& list, std::vector<double>& times,
+                std::vector<std::vector<double>>& rows) const {
+    for (const YamlReader& item : list.items()) {
+      times.push_back(item.at("time", "a time [s]").number());
+      rows.push_back(row(item.at("position", "the joints' values")));
+    }
   }
 
   void requireNames() const {

@@ -40,6 +40,8 @@ struct LoggedStep {
   std::vector<double> position;
   std::vector<double> times;              ///< of the rows [s]
   std::vector<std::vector<double>> rows;  ///< at least two
+  std::vector<double> stop_times;         ///< likewise of the stop after them
+  std::vector<std::vector<double>> stop_rows;
   std::optional<std::vector<double>> measured;
   std::vector<LoggedSight> observed;
   std::vector<LoggedObstacle> obstacles;

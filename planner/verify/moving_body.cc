@@ -83,25 +83,31 @@ Sighting MovingBody::lookedAt(double time) const {
   return known;
 }
 
-MovingBody::Rates MovingBody::ratesBetween(double t0, double t1) const {
+MovingBody::Rates MovingBody::ratesBetween(double t0, double t1, double reach) const {
   const PoseMotion& motion = *object_->motion->poses;
-  if (motion.isSteady()) return {motion.velocity().norm(), motion.angularVelocity().norm()};
   Rates most;
+  const auto add = [&](double speed, double turning) {
+    most.speed = std::max(most.speed, speed);
+    most.turning = std::max(most.turning, turning);
+    most.of_points = std::max(most.of_points, speed + turning * reach);
+  };
+  if (motion.isSteady()) {
+    add(motion.velocity().norm(), motion.angularVelocity().norm());
+    return most;
+  }
   const std::vector<PoseMotion::Key>& keys = motion.keyPoses();
   for (std::size_t i = 1; i < keys.size(); ++i) {
     if (keys[i].time < t0 || keys[i - 1].time > t1) continue;
     const double duration = keys[i].time - keys[i - 1].time;
     const Turn turn = turnBetween(keys[i - 1].X_WB.rotation, keys[i].X_WB.rotation);
-    most.speed = std::max(most.speed, distanceOf(keys[i].X_WB, keys[i - 1].X_WB) / duration);
-    most.turning = std::max(most.turning, turn.angle / duration);
+    add(distanceOf(keys[i].X_WB, keys[i - 1].X_WB) / duration, turn.angle / duration);
   }
   return most;
 }
 
 double MovingBody::motionSpeed(double t0, double t1, double reach) const {
   if (!isRigid()) return deforming_->motion->speedBound(t0, t1);
-  const Rates rates = ratesBetween(t0, t1);
-  return (rates.speed + rates.turning * reach) * (1 + kVerifyRounding);
+  return ratesBetween(t0, t1, reach).of_points * (1 + kVerifyRounding);
 }
 
 double MovingBody::motionRounding(double t0, double t1, double reach) const {

@@ -73,12 +73,13 @@ class MovingBody {
   std::string carvedElsewhere(const Sighting& seen) const;
 
  private:
-  /// Bounds on the motion of a rigid obstacle: its origin [m/s], its turning [rad/s].
+  /// Bounds on the motion of a rigid obstacle: its origin [m/s], its turning [rad/s], and its
+  /// points within a reach of the origin [m/s].
   struct Rates {
-    double speed = 0, turning = 0;
+    double speed = 0, turning = 0, of_points = 0;
   };
   std::string apart(const Sighting& first, const Sighting& second, double time, const char* from);
-  Rates ratesBetween(double t0, double t1) const;
+  Rates ratesBetween(double t0, double t1, double reach = 0) const;
   /// A bound on the speed of points within `reach` of the origin, from t0 to t1 [m/s].
   double motionSpeed(double t0, double t1, double reach) const;
   /// A bound on the rounding of poseAt() and of vertices [m].

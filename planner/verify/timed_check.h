@@ -3,6 +3,7 @@
 // Private to planner/: proofs of motions over time among obstacles that move.
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "leeway/planner/verify.h"
@@ -11,11 +12,14 @@
 
 namespace leeway::planner::verification {
 
+/// In place of the step of an edge: nothing moves along it.
+constexpr std::size_t kGap = std::numeric_limits<std::size_t>::max();
+
 /// A motion: at constant speed from row to row of a path, the shorter way in continuous joints.
 struct TimedPath {
   Path path;
   std::vector<double> times;       ///< of the rows [s]
-  std::vector<std::size_t> steps;  ///< the step of each edge
+  std::vector<std::size_t> steps;  ///< the step of each edge, or kGap
   std::vector<MovingBody> bodies;
   std::vector<std::vector<Sighting>> known;  ///< in each step, of each body
 };

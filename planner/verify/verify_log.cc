@@ -1,6 +1,6 @@
 // The log of an execution, proven from what it states and the problem. First the steps are compared
 // with each other and with the problem: order, joints between them, limits, what was seen when.
-// Then their motions are proven as one timed path.
+// Then their motions are proven as one timed path, and their stops as another.
 
 #include <fmt/format.h>
 
@@ -23,6 +23,9 @@ namespace leeway::planner {
 namespace verification {
 namespace {
 
+/// Rows may exceed limits by this share: far above kGuardLimitSlack.
+constexpr double kVerifyRowLimit = 1e-5;
+
 class LogVerifier {
  public:
   LogVerifier(const Problem& problem, const Log& log)
@@ -30,12 +33,19 @@ class LogVerifier {
     for (const int v : problem.robot.variables) {
       const robots::Variable& variable = problem.robot.model->variables[at(v)];
       motion_.path.names.push_back(variable.name);
-      limits_.push_back(statedLimits(problem, variable).velocity);
+      limits_.push_back(statedLimits(problem, variable));
+      double& acceleration = limits_.back().acceleration;
+      if (!(acceleration < kInfinity))
+        acceleration =
+            problem.execution.acceleration_scale * limits_.back().velocity / kTimeToVelocityLimit;
     }
-    for (const DeformingObstacle& obstacle : problem.world.deforming)
-      motion_.bodies.emplace_back(obstacle, problem.execution);
-    for (const Object& object : problem.world.objects)
-      if (object.motion) motion_.bodies.emplace_back(object, problem.execution);
+    stops_.path.names = motion_.path.names;
+    for (TimedPath* motion : {&motion_, &stops_}) {
+      for (const DeformingObstacle& obstacle : problem.world.deforming)
+        motion->bodies.emplace_back(obstacle, problem.execution);
+      for (const Object& object : problem.world.objects)
+        if (object.motion) motion->bodies.emplace_back(object, problem.execution);
+    }
     own_.resize(motion_.bodies.size());
     held_.resize(motion_.bodies.size());
   }
@@ -53,16 +63,15 @@ class LogVerifier {
         refuse(VerifyStatus::kNothingChecked, 0, pairs.nothing_checked);
       return result_;
     }
-    if (const auto fault = findFault(problem_, space_, motion_.path, false)) {
-      refuse(VerifyStatus::kRefuted, lineOfRow(fault->waypoint), fault->reason);
-      return result_;
-    }
-    result_ = verifyTimed(problem_, motion_, options, wish);
-    if (const int segment = std::exchange(result_.segment, -1); segment >= 0) {
-      const double begin = motion_.times[at(segment)], end = motion_.times[at(segment) + 1];
-      result_.line = lineOfRow(at(segment) + 1);
-      result_.t0 = begin + result_.t0 * (end - begin);
-      result_.t1 = begin + result_.t1 * (end - begin);
+    result_ = proven(motion_, options, wish);
+    if (result_.status == VerifyStatus::kCertified && !stops_.times.empty()) {
+      stops_.known = std::move(motion_.known);
+      VerifyResult stops = proven(stops_, options, {});
+      if (stops.status != VerifyStatus::kCertified) {
+        stops.reason = "in its stop: " + stops.reason;
+        stops.unchecked = result_.unchecked;
+        result_ = std::move(stops);
+      }
     }
     if (result_.status == VerifyStatus::kCertified && !log_.end) {
       const int line = log_.steps.back().line;
@@ -75,6 +84,24 @@ class LogVerifier {
   }
 
  private:
+  VerifyResult proven(TimedPath& motion, const PlanOptions& options, const ClearanceWish& wish) {
+    VerifyResult result;
+    if (const auto fault = findFault(problem_, space_, motion.path, false)) {
+      result.status = VerifyStatus::kRefuted;
+      result.line = lineOfRow(motion, fault->waypoint);
+      result.reason = fault->reason;
+      return result;
+    }
+    result = verifyTimed(problem_, motion, options, wish);
+    if (const int segment = std::exchange(result.segment, -1); segment >= 0) {
+      const double begin = motion.times[at(segment)], end = motion.times[at(segment) + 1];
+      result.line = lineOfRow(motion, at(segment) + 1);
+      result.t0 = begin + result.t0 * (end - begin);
+      result.t1 = begin + result.t1 * (end - begin);
+    }
+    return result;
+  }
+
   /// Sets the result. Returns false.
   bool refuse(VerifyStatus status, int line, const std::string& reason) {
     result_.status = status;
@@ -88,8 +115,9 @@ class LogVerifier {
   }
 
   /// The line of the step that ends at a row, or has it within.
-  int lineOfRow(std::size_t row) const {
-    return log_.steps[motion_.steps[row == 0 ? 0 : row - 1]].line;
+  int lineOfRow(const TimedPath& motion, std::size_t row) const {
+    const std::size_t edge = row == 0 || motion.steps[row - 1] == kGap ? row : row - 1;
+    return log_.steps[motion.steps[edge]].line;
   }
 
   /// Adds a step to the motion, if it follows the steps before. Returns false if it does not.
@@ -99,7 +127,7 @@ class LogVerifier {
       return refute(step, fmt::format("step {} is where step {} is expected: lines are missing, or "
                                       "not in order",
                                       step.step, index));
-    return joins(step) && keepsLimits(step) && observes(step) && saysWhatIs(step);
+    return joins(step) && keepsLimits(step) && stops(step) && observes(step) && saysWhatIs(step);
   }
 
   /// The motion of a step begins where and when that of the step before ended.
@@ -146,42 +174,118 @@ class LogVerifier {
     return {};
   }
 
-  /// Times do not decrease, and no joint is faster than its limit. Adds the rows.
+  /// How the joints move when they come to a row.
+  struct Moving {
+    double time = 0, span = kInfinity;  ///< [s] of the row, and of the edge before it
+    std::vector<double> row, velocity, acceleration;
+  };
+
+  /// Goes on to the next row, if times do not decrease and the limits are kept: velocity is that of
+  /// the edge, acceleration its change over the shorter one of two edges, jerk that of
+  /// acceleration.
+  bool goOn(const LoggedStep& step, Moving& at_row, double time, const std::vector<double>& row,
+            const char* where = "") {
+    const double duration = time - at_row.time;
+    if (!(duration >= 0))
+      return refute(step, fmt::format("{}its motion is at {} s after {} s; times that do not "
+                                      "decrease are expected",
+                                      where, time, at_row.time));
+    Moving next{time, duration, row, std::vector<double>(at(space_.size())), {}};
+    space_.difference(at_row.row, row, next.velocity);
+    const double span = std::min(duration, at_row.span);
+    next.acceleration.resize(next.velocity.size());
+    const auto size = [&](const std::vector<double>& v, const ConfigurationSpace::Part& part) {
+      const std::size_t i = at(part.first);
+      return part.kind == ConfigurationSpace::Kind::kRotation
+                 ? std::sqrt(v[i] * v[i] + v[i + 1] * v[i + 1] + v[i + 2] * v[i + 2])
+                 : std::abs(v[i]);
+    };
+    // Rounding of times and values.
+    const auto roundingOf = [&](std::size_t k) {
+      return kVerifyDigits * (1 + std::abs(row[k]) + limits_[k].velocity * std::abs(time));
+    };
+    for (const ConfigurationSpace::Part& part : space_.parts()) {
+      const std::size_t k = at(part.first);
+      const double change = size(next.velocity, part), limit = limits_[k].velocity;
+      if (!(change <= limit * duration * (1 + kVerifyWaypoint) + kVerifyRounding + roundingOf(k)))
+        return refute(
+            step, fmt::format("{}{} moves by {} in {} s; at most {} a second is its limit", where,
+                              motion_.path.names[k], change, duration, limit));
+    }
+    if (duration == 0) return true;  // nothing moved
+    for (std::size_t i = 0; i < next.velocity.size(); ++i) {
+      next.velocity[i] /= duration;
+      next.acceleration[i] = (next.velocity[i] - at_row.velocity[i]) / span;
+    }
+    for (const ConfigurationSpace::Part& part : space_.parts()) {
+      const std::size_t k = at(part.first);
+      std::vector<double> jerk = next.acceleration;
+      for (std::size_t i = 0; i < jerk.size(); ++i)
+        jerk[i] = (jerk[i] - at_row.acceleration[i]) / span;
+      const auto exceeds = [&](const char* what, double value, double limit, double rounding) {
+        if (value <= limit * (1 + kVerifyRowLimit) + rounding) {
+          if (rounding <= limit / 2) return false;
+          refuse(VerifyStatus::kUndecided, step.line,
+                 fmt::format("{}{}'s {} cannot be told: rows are {:.3g} s apart at {:.6g} s, and "
+                             "numbers are rounded",
+                             where, motion_.path.names[k], what, span, time));
+          return true;
+        }
+        refute(step, fmt::format("{}{}'s {} is {:.6g} at {:.6g} s; its limit is {:.6g}", where,
+                                 motion_.path.names[k], what, value, time, limit));
+        return true;
+      };
+      const double rounding = 4 * roundingOf(k) / (span * span);
+      if (exceeds("acceleration", size(next.acceleration, part), limits_[k].acceleration,
+                  rounding) ||
+          (limits_[k].jerk < kInfinity &&
+           exceeds("jerk", size(jerk, part), limits_[k].jerk, 2 * rounding / span)))
+        return false;
+    }
+    at_row = std::move(next);
+    return true;
+  }
+
+  /// The motion keeps the limits. Adds its rows.
   bool keepsLimits(const LoggedStep& step) {
     const std::size_t index = motion_.known.size();
-    if (motion_.times.empty()) add(step.times.front(), step.rows.front());
-    std::vector<double> dq(at(space_.size()));
+    if (motion_.times.empty()) {
+      const std::vector<double> rest(at(space_.size()));
+      moving_ = {step.times.front(), kInfinity, step.rows.front(), rest, rest};
+      add(motion_, step.times.front(), step.rows.front());
+    }
     for (std::size_t i = 1; i < step.rows.size(); ++i) {
-      const double duration = step.times[i] - step.times[i - 1];
-      if (!(duration >= 0))
-        return refute(step, fmt::format("its motion is at {} s after {} s; times that do not "
-                                        "decrease are expected",
-                                        step.times[i], step.times[i - 1]));
-      space_.difference(step.rows[i - 1], step.rows[i], dq);
-      for (const ConfigurationSpace::Part& part : space_.parts()) {
-        const std::size_t k = at(part.first);
-        const bool turns = part.kind == ConfigurationSpace::Kind::kRotation;
-        const double change =
-            turns ? std::sqrt(dq[k] * dq[k] + dq[k + 1] * dq[k + 1] + dq[k + 2] * dq[k + 2])
-                  : std::abs(dq[k]);
-        // Rounding of times and values.
-        const double slack =
-            kVerifyRounding * (1 + std::abs(step.rows[i][k])) +
-            limits_[k] * 8 * std::numeric_limits<double>::epsilon() * std::abs(step.times[i]);
-        if (!(change <= limits_[k] * duration * (1 + kVerifyWaypoint) + slack))
-          return refute(step,
-                        fmt::format("{} moves by {} in {} s; at most {} a second is its limit",
-                                    motion_.path.names[k], change, duration, limits_[k]));
-      }
-      add(step.times[i], step.rows[i]);
+      if (!goOn(step, moving_, step.times[i], step.rows[i])) return false;
+      add(motion_, step.times[i], step.rows[i]);
       motion_.steps.push_back(index);
     }
     return true;
   }
 
-  void add(double time, const std::vector<double>& row) {
-    motion_.times.push_back(time);
-    motion_.path.positions.push_back(row);
+  /// The stop brings the robot to rest within the limits; without one it rests. Adds its rows.
+  bool stops(const LoggedStep& step) {
+    constexpr const char* kWhere = "in its stop: ";
+    Moving moving = moving_;
+    if (!step.stop_rows.empty()) {
+      if (stops_.times.empty()) add(stops_, motion_.times.front(), motion_.path.positions.front());
+      stops_.steps.push_back(kGap);
+      add(stops_, moving.time, moving.row);
+    }
+    for (std::size_t i = 0; i < step.stop_rows.size(); ++i) {
+      if (!goOn(step, moving, step.stop_times[i], step.stop_rows[i], kWhere)) return false;
+      add(stops_, step.stop_times[i], step.stop_rows[i]);
+      stops_.steps.push_back(motion_.known.size());
+    }
+    const double span = moving.span;
+    for (int k = 0; k < 2 && span < kInfinity; ++k)
+      if (!goOn(step, moving, moving.time + span, std::vector<double>(moving.row), kWhere))
+        return false;
+    return true;
+  }
+
+  static void add(TimedPath& motion, double time, const std::vector<double>& row) {
+    motion.times.push_back(time);
+    motion.path.positions.push_back(row);
   }
 
   /// Takes what was observed before the step. Refuses sights that contradict others, or the
@@ -319,8 +423,9 @@ class LogVerifier {
   const Problem& problem_;
   const Log& log_;
   ConfigurationSpace space_;
-  std::vector<double> limits_;  ///< on velocity [rad/s or m/s]
-  TimedPath motion_;
+  std::vector<StatedLimits> limits_;  ///< with the default acceleration
+  TimedPath motion_, stops_;
+  Moving moving_;                             ///< at the end of motion_
   std::vector<std::optional<Sighting>> own_;  ///< what the program has seen of each body
   std::vector<std::vector<Held>> held_;       ///< by obstacle, in the order of the steps
   VerifyResult result_;

@@ -261,6 +261,7 @@ class Verifier {
 
   /// Returns false if the whole path is decided or the work limit is reached.
   bool checkSegment(std::size_t segment) {
+    if (timed_ != nullptr && timed_->steps[segment] == kGap) return true;
     if (options_.progress)
       options_.progress(isRefining() ? "narrowing the clearance" : "edge", secondsSince(begin_));
     a_ = path_.positions[segment];

@@ -172,12 +172,14 @@ void defineStep(py::module_& module) {
   property("time", &ReplanStep::time, "Of the look at the world [s].");
   property(
       "decision", [](const ReplanStep& s) { return toString(s.decision); },
-      "'plan' (a new path), 'follow', 'wait', 'evade' or 'unsafe' (stand: nothing is "
-      "certified).");
+      "'plan' (a new path), 'follow', 'wait' (come to rest, or stand), 'evade' or 'unsafe' (as "
+      "'wait', but nothing is certified).");
+  property("why", &ReplanStep::why,
+           "Why it waits, evades or is unsafe, in words; '' where it goes along a path.");
   property("certified", &ReplanStep::certified,
-           "The motion is proven to keep all margins at every time of the step.");
+           "The motion, and the stop after it, are proven to keep all margins at every time.");
   property("look_ahead", &ReplanStep::look_ahead,
-           "For so long after the step going on, or standing, is certified [s].");
+           "For so long after the step going on, coming to rest, or standing is certified [s].");
   property(
       "lower", [](const ReplanStep& s) { return s.clearance.lower; },
       "The clearance over the whole step is at least this [m].");
@@ -194,7 +196,7 @@ void defineStep(py::module_& module) {
       "If not, the pair that broke it, or None.");
   property("reached", &ReplanStep::reached, "The motion ends in a goal.");
   property("remaining", &ReplanStep::remaining_s,
-           "Duration of the rest of the path [s]; inf without a path.");
+           "Duration of the rest of the path [s], at least; inf without a path.");
   property(
       "times",
       [](const ReplanStep& s) {
@@ -210,7 +212,13 @@ void defineStep(py::module_& module) {
       step_class, "motion",
       [](const Step& self) { return timedPoints(self.value.motion, self.columns()); },
       "Where to be when: (n, 1 + joints), the time [s] and the joints' values; between two rows at "
-      "constant speed.");
+      "constant speed, whose changes keep the limits on acceleration and jerk.");
+  defineConstant(
+      step_class, "stop",
+      [](const Step& self) { return timedPoints(self.value.stop, self.columns()); },
+      "Rows after the motion, likewise, in which the robot comes to rest if no other step is "
+      "taken; "
+      "(0, 1 + joints) where it rests.");
   defineConstant(
       step_class, "log", [](const Step& self) { return logLine(*self.problem, self.value); },
       "The step as one line of a log, without the line's end: JSON with what was observed and the "

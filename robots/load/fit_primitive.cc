@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "collision/base/rounding.h"
 #include "robots/urdf/xml_reader.h"
 
 namespace leeway::robots {
@@ -46,10 +47,7 @@ std::vector<Triangle> trianglesOf(const UrdfCollision& geometry, const IndexedMe
   triangles.reserve(mesh.triangles.size());
   const auto vertex = [&](std::int32_t index) -> Vector3d {
     Vector3d v = mesh.vertices[static_cast<std::size_t>(index)];
-    for (double& x : v) {
-      const volatile float rounded = static_cast<float>(x);  // else GCC 12 omits the rounding
-      x = static_cast<double>(rounded);
-    }
+    for (double& x : v) x = collision::roundedToSingle(x);
     return geometry.fit->X_GM * geometry.mesh_scale.cwiseProduct(v);
   };
   for (const auto& [a, b, c] : mesh.triangles) {

@@ -35,9 +35,11 @@ constexpr const char* kKeys =
   version                 of these documents (docs/json.md)
   step                    from 0
   time                    of the look at the obstacles
-  decision                plan: sets out on a new path; follow: the path holds; wait: stands; evade:
-                          leaves the path, because it cannot stay; unsafe: nothing can be certified
-  certified               the step keeps all margins, whatever the obstacles do in it
+  decision                plan: sets out on a new path; follow: the path holds; wait: comes to rest,
+                          or stands; evade: leaves the path, because it cannot stay; unsafe: nothing
+                          can be certified
+  why                     it waits, evades or is unsafe; else empty
+  certified               the step and its stop keep all margins, whatever the obstacles do until then
   clearance_lower, clearance_upper
                           least separation over the whole step
   closest.a, closest.b    between these
@@ -49,7 +51,10 @@ constexpr const char* kKeys =
   joint_names             the planned joints, in the order of the values below
   position                at the end of the step
   motion[]                what is executed: time, position; between rows at constant speed, continuous
-                          joints the shorter way
+                          joints the shorter way. Limits on acceleration and jerk hold for differences
+                          of that speed
+  stop[]                  the rows after it, time and position, in which the robot comes to rest if no
+                          other step is taken; none where it rests
   measured                the robot's true state, where a program has set it since the step before
   observed[]              what a program has seen since then: object, time; position, rotation (rows of
                           the matrix), with balls (x y z radius) of a cloud, or vertices; speed_bound
@@ -181,15 +186,6 @@ void warnOfProblem(const planner::Problem& problem, const std::string& file) {
           "allow",
           file, object.name)});
     }
-  }
-  const planner::Execution& execution = problem.execution;
-  if (!execution.accelerations.empty() || !execution.jerks.empty() ||
-      execution.acceleration_scale != 1 || execution.jerk_scale != 1 ||
-      execution.corners != planner::Corners::kBlend) {
-    printWarnings({fmt::format(
-        "{}: accelerations, jerks and corners of 'execution' are for plan --trajectory: replan "
-        "goes at the velocity limits",
-        file)});
   }
 }
 

@@ -159,7 +159,7 @@ TEST(MovingObjects, RandomBarsNeverTouchWhatIsCertified) {
     problem.margins.common = 0.01;
     problem.limits.iterations = 300;
     problem.execution.step = 0.1;
-    problem.execution.duration = 5;
+    problem.execution.duration = 8;
     problem.seed = static_cast<std::uint64_t>(seed);
     if (seed % 3 == 2) problem.execution.foresight = Foresight::kSpeedBound;
     problem.world.objects.push_back(bar("keys", through(randomKeys())));
@@ -178,8 +178,9 @@ TEST(MovingObjects, RandomBarsNeverTouchWhatIsCertified) {
     std::vector<TimedPoint> sure;
     bool is_disturbed = false;
     while (replanner.time() < problem.execution.duration - 1e-9 && !replanner.reached()) {
-      const double now = replanner.time(), next = now + problem.execution.step;
-      // The tightest true bounds until the next look: its origin's and its turning's.
+      // The tightest true bounds until the robot rests by the step's stop: its origin's and its
+      // turning's.
+      const double now = replanner.time(), next = now + 1;
       const double speed = unknown->speedBound(now, next, 0);
       const double turning = unknown->speedBound(now, next, 1e6) * 1e-6 + 1e-9;
       replanner.setPose("seen", unknown->pose(now), now, speed, turning);

@@ -7,10 +7,12 @@
 #include <string>
 #include <thread>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/configuration_space.h"
 #include "leeway/planner/plan.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/random.h"
+#include "planner/execute/drive.h"
 #include "planner/execute/timed_path.h"
 #include "planner/timing/motion_limits.h"
 #include "tests/support/build_paths.h"
@@ -89,6 +91,33 @@ double expectTruth(const Problem& problem, const ReplanResult& result, double st
   return kept;
 }
 
+/// How far rows of an execution exceed its limits, as a share, by their differences: the greatest
+/// of velocity, acceleration and jerk.
+double excess(const Problem& problem, std::span<const TimedPoint> rows) {
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+  const MotionLimits limits = motionLimits(problem);
+  std::vector<TimedPoint> all(rows.begin(), rows.end());
+  const double period = all[1].time - all[0].time;
+  for (int k = 0; k < 3; ++k) all.push_back({all.back().time + period, all.back().position});
+  const std::size_t size = all[0].position.size();
+  std::vector<double> v(size), a(size), v_before(size), a_before(size);
+  double most = 0;
+  for (std::size_t k = 1; k < all.size(); ++k) {
+    EXPECT_NEAR(all[k].time - all[k - 1].time, period, 1e-9);
+    space.difference(all[k - 1].position, all[k].position, v);
+    for (std::size_t i = 0; i < size; ++i) {
+      v[i] /= period;
+      a[i] = (v[i] - v_before[i]) / period;
+      most = std::max({most, std::abs(v[i]) / limits.velocity[i],
+                       std::abs(a[i]) / limits.acceleration[i],
+                       std::abs(a[i] - a_before[i]) / period / limits.jerk[i]});
+    }
+    v_before = v;
+    a_before = a;
+  }
+  return most - 1;
+}
+
 TEST(Replanner, WithoutAnythingThatDeformsThePathIsFollowed) {
   Problem problem = test::wallProblem();
   problem.execution.velocities = {{"disc/x", 0.7}};
@@ -101,6 +130,7 @@ TEST(Replanner, WithoutAnythingThatDeformsThePathIsFollowed) {
   EXPECT_EQ(result.waits + result.evasions, 0);
   EXPECT_EQ(result.trajectory.front().position, problem.start);
   EXPECT_EQ(result.trajectory.back().position, (std::vector<double>{1, -1, 0}));
+  EXPECT_LT(excess(problem, result.trajectory), 1e-6);
   double fastest = 0;
   for (std::size_t i = 1; i < result.trajectory.size(); ++i) {
     const TimedPoint &a = result.trajectory[i - 1], &b = result.trajectory[i];
@@ -114,21 +144,72 @@ TEST(Replanner, WithoutAnythingThatDeformsThePathIsFollowed) {
   EXPECT_GT(fastest, 0.999);
 }
 
-/// An edge that takes less time than doubles can add gives two rows of one time. A step must still
-/// begin at the state in which the one before ended.
+/// Steps and stops keep the limits, and a world at rest has no pause: with and without a limit on
+/// jerk, with cut corners and without.
+TEST(Replanner, KeepsLimitsOnAccelerationAndJerk) {
+  for (const double jerk : {kInfinity, 30.0})
+    for (const Corners corners : {Corners::kBlend, Corners::kStop}) {
+      Problem problem = test::wallProblem();
+      problem.execution.accelerations = {{"disc/x", 1.5}};
+      problem.execution.corners = corners;
+      if (jerk < kInfinity) problem.execution.jerks = {{"disc/x", jerk}, {"disc/y", jerk}};
+      std::vector<TimedPoint> executed;
+      int stops = 0;
+      double longest = 0;
+      const ReplanResult result = replan(problem, {}, [&](const ReplanStep& step) {
+        executed.insert(executed.end(), step.motion.begin() + (executed.empty() ? 0 : 1),
+                        step.motion.end());
+        std::vector<TimedPoint> until_rest = executed;
+        until_rest.insert(until_rest.end(), step.stop.begin(), step.stop.end());
+        EXPECT_LT(excess(problem, until_rest), 1e-5) << step.time;
+        stops += step.stop.empty() ? 0 : 1;
+        if (!step.stop.empty()) longest = std::max(longest, step.stop.back().time - step.time);
+      });
+      EXPECT_EQ(result.status, ReplanStatus::kReached);
+      EXPECT_EQ(result.waits + result.evasions, 0);
+      EXPECT_GT(stops, result.steps / 2);
+      EXPECT_LT(longest, 2);  // of about 6 s
+    }
+}
+
+/// A stop leaves neither the way of its drive nor the limits, and is much shorter than the rest.
+TEST(Drive, StopsOnItsWay) {
+  const Problem problem = test::wallProblem();
+  const auto space =
+      std::make_shared<const ConfigurationSpace>(problem.robot.model, problem.robot.variables);
+  const double period = 0.01;
+  MotionLimits limits{{1, 1, 1}, {2, 2, 2}, {20, 20, kInfinity}};
+  const Drive drive(space, {{0, 0, 0}, {1, 0, 0}, {1, 2, 0}}, limits, period,
+                    {{{1, 0.2, 0.2, 0.3}}});
+  EXPECT_EQ(drive.at(0), (std::vector<double>{0, 0, 0}));
+  EXPECT_EQ(drive.at(drive.rows()), (std::vector<double>{1, 2, 0}));
+  int shorter = 0;
+  for (int row = 0; row <= drive.rows(); ++row) {
+    const std::vector<double> stop = drive.stop(row);
+    double before = row;
+    for (const double time : stop) {
+      EXPECT_GE(time, before);
+      EXPECT_LE(time, before + 1 + 1e-9);
+      before = time;
+    }
+    shorter += static_cast<int>(stop.size()) < drive.rows() - row ? 1 : 0;
+    EXPECT_LE(static_cast<double>(stop.size()) * period, 1.5) << row;
+  }
+  EXPECT_GT(shorter, drive.rows() / 2);
+  EXPECT_EQ(drive.pathFrom(0).back(), (std::vector<double>{1, 2, 0}));
+}
+
+/// A part of a motion begins at the first of rows with one time, where the part before ends.
 TEST(Replanner, PartsBeginAtTheFirstOfRowsWithOneTime) {
   const Problem problem = test::wallProblem();
   const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
   const std::vector<double> a = {1 - 0x1p-53, 0, 0}, b = {1, 0, 0}, c = {1.5, 0, 0};
-  const std::vector<double> limits = {1, 1, 1};
-  std::vector<std::vector<double>> rest;
-  const std::vector<TimedPoint> motion = travel(space, limits, {a, b, c}, 8, 9, &rest);
-  ASSERT_EQ(motion[0].time, motion[1].time);
+  const std::vector<TimedPoint> motion = {{8, a}, {8, b}, {9, c}};
   const std::vector<TimedPoint> first = partOf(space, motion, 8, 8.25),
                                 second = partOf(space, motion, 8.25, 9);
   EXPECT_EQ(first.front().position, a);
   EXPECT_EQ(first.back().position, second.front().position);
-  EXPECT_EQ(second.back().position, rest.front());
+  EXPECT_EQ(second.back().position, c);
 }
 
 TEST(Replanner, WaitsForAGateThatOpens) {
@@ -370,7 +451,7 @@ TEST(Replanner, RandomSheetsNeverTouchWhatIsCertified) {
     problem.margins.common = 0.01;
     problem.limits.iterations = 300;
     problem.execution.step = 0.1;
-    problem.execution.duration = 5;
+    problem.execution.duration = 8;
     problem.seed = static_cast<std::uint64_t>(seed);
     if (seed % 3 == 2) problem.execution.foresight = Foresight::kSpeedBound;
     for (int k = 0; k < 3; ++k) {

@@ -507,11 +507,12 @@ TEST_F(SeenClouds, ACloudThatIsWhollyCarvedOutTakesLaterScans) {
   lines.pop_back();
   // A ball in front of the robot: the log is proven against it, too.
   const double x = replanner.state()[0], y = replanner.state()[1];
-  replanner.setCloud("seen", shared(ballsAt({{x + 0.2, y, 0}})), replanner.time(), 0.01);
+  replanner.setCloud("seen", shared(ballsAt({{x + 0.6, y, 0}})), replanner.time(), 0.01);
   const ReplanStep step = replanner.step();
   lines.push_back(logLine(problem, step));
   lines.push_back(logLine(problem, replanner.executed()));
-  EXPECT_EQ(verified(problem, lines).status, VerifyStatus::kCertified);
+  const VerifyResult proven = verified(problem, lines);
+  EXPECT_EQ(proven.status, VerifyStatus::kCertified) << proven.reason;
   lines[5] = changedLine(
       lines[5], [&](nlohmann::ordered_json& line) { line["observed"][0]["balls"][0][0] = x; });
   EXPECT_EQ(verified(problem, lines).status, VerifyStatus::kRefuted);

@@ -412,7 +412,8 @@ TEST_F(VerifyLog, WhatIsNoLineOfALogIsRefused) {
   expectBad(3, [](Json& l) { l["joint_names"][1] = "disc/z"; },
             {"'disc/z'", "'disc/y' is expected"});
   expectBad(3, [](Json& l) { l["joint_names"].erase(1); }, {"2 joints are named; 3"});
-  expectBad(3, [](Json& l) { l["motion"].erase(1); }, {"motion has ", "at least 2"});
+  expectBad(3, [](Json& l) { l["motion"] = {Json(l["motion"][0])}; },
+            {"motion has ", "at least 2"});
   expectBad(3, [](Json& l) { l["motion"][0]["position"].erase(1); }, {"2 numbers; 3"});
   expectBad(3, [](Json& l) { l["motion"][1]["position"][0] = "a"; }, {"a number is expected"});
   expectBad(3, [](Json& l) { l["motion"][1]["position"][0] = nullptr; }, {"a number is expected"});
@@ -428,7 +429,8 @@ TEST_F(VerifyLog, WhatIsNoLineOfALogIsRefused) {
 /// The motion itself is proven: a robot that drives where it cannot be, or too fast, is found even
 /// if everything else in its log agrees.
 TEST_F(VerifyLog, MotionsThatAreNotFreeOrTooFastAreRefuted) {
-  const Problem problem = barGate();
+  Problem problem = barGate();
+  problem.execution.accelerations = {{"disc/x", 100}};
   const Lines lines = logOf(problem);
   // The bar is in the gap until about 1 s; the robot drives through it from the start.
   Lines bold;
@@ -441,6 +443,7 @@ TEST_F(VerifyLog, MotionsThatAreNotFreeOrTooFastAreRefuted) {
       l["step"] = k;
       l["time"] = k * step;
       l["motion"] = {row(k), row(k + 1)};
+      l["stop"] = Json::array();
       l["position"] = l["motion"][1]["position"];
       l["decision"] = "follow";
       l["reached"] = false;
@@ -460,13 +463,59 @@ TEST_F(VerifyLog, MotionsThatAreNotFreeOrTooFastAreRefuted) {
   EXPECT_EQ(fast.status, VerifyStatus::kRefuted);
   EXPECT_EQ(fast.line, 1);
   EXPECT_NE(fast.reason.find("disc/x moves by 0.05"), std::string::npos) << fast.reason;
+  // Nor does it reach its speed at once, or brake at once.
+  problem.execution.accelerations = {{"disc/x", 19}};
+  const VerifyResult sudden = verified(problem, bold);
+  EXPECT_EQ(sudden.status, VerifyStatus::kRefuted);
+  EXPECT_EQ(sudden.line, 1);
+  EXPECT_NE(sudden.reason.find("disc/x's acceleration is 20 at 0.05 s; its limit is 19"),
+            std::string::npos)
+      << sudden.reason;
+  problem.execution.accelerations = {{"disc/x", 100}};
+  problem.execution.jerks = {{"disc/x", 300}};
+  EXPECT_NE(verified(problem, bold).reason.find("disc/x's jerk is 400"), std::string::npos);
+  problem.execution.jerks.clear();
   // The log of one problem does not prove another, with a gap that stays closed.
   Problem closed = gate();
+  closed.execution = problem.execution;
   closed.world.objects.push_back(
       bar("bar", {.poses = PoseMotion::keys({{0, posed(0, 1.2, 0)}, {9, posed(0, 1.2, 0.1)}})}));
   const VerifyResult other = verified(closed, lines);
   EXPECT_EQ(other.status, VerifyStatus::kRefuted);
   EXPECT_EQ(other.b, "bar");
+}
+
+/// The stop of a step is proven with what the step knew: that it is free, ends at rest, and keeps
+/// the limits.
+TEST_F(VerifyLog, StopsAreProven) {
+  const Problem problem = gate();
+  const Lines lines = logOf(problem);
+  std::size_t k = 0;
+  while (k + 2 < lines.size() && Json::parse(lines[k])["stop"].size() < 10) ++k;
+  const auto refuted = [&](const std::function<void(Json&)>& change, const std::string& why) {
+    Lines changed = lines;
+    changed[k] = forged(lines[k], [&](Json& l) { change(l["stop"]); });
+    const VerifyResult result = verified(problem, changed);
+    EXPECT_NE(result.status, VerifyStatus::kCertified);
+    EXPECT_EQ(result.line, static_cast<int>(k) + 1);
+    EXPECT_EQ(result.reason.substr(0, 13), "in its stop: ");
+    EXPECT_NE(result.reason.find(why), std::string::npos) << result.reason;
+  };
+  refuted([](Json& stop) { stop = Json::array(); }, "acceleration is ");
+  refuted([](Json& stop) { stop.erase(stop.size() - 1); }, " is ");
+  refuted([](Json& stop) { stop[0]["position"][1] = 0; }, " moves by ");
+  // It creeps into the wall, far below the limits.
+  refuted(
+      [](Json& stop) {
+        Json row = stop.back();
+        const double y = row["position"][1].get<double>(), t = row["time"].get<double>();
+        for (int i = 1; i <= 1000; ++i) {
+          row["time"] = t + 0.02 * i;
+          row["position"][1] = y - 0.0015 * i;
+          stop.push_back(row);
+        }
+      },
+      "mm");
 }
 
 /// A bound that is known to be too small for the gap between looks proves nothing.

@@ -1,5 +1,6 @@
 // Checks an executed trajectory at many instants, with separate kinematics, exact vertices of
 // everything that deforms, FCL for contact, and every triangle against every link for the distance.
+// Then the limits on velocity, acceleration and jerk, by differences of rows.
 
 #include <fcl/fcl.h>
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 #include "leeway/collision/distance.h"
 #include "leeway/planner/path_io.h"
 #include "leeway/planner/problem.h"
+#include "leeway/planner/trajectory.h"
 #include "tools/lab/bench/program.h"
 #include "tools/lab/dense/joint_motion.h"
 #include "tools/lab/dense/trajectory_file.h"
@@ -207,6 +209,40 @@ class World {
   leeway::collision::Scratch scratch_;
 };
 
+/// How much rows exceed the limits of the problem, as a share, by differences of what a controller
+/// executes: straight lines at constant speed from row to row. The greatest of all joints.
+struct Excess {
+  double velocity = -1, acceleration = -1, jerk = -1;
+};
+
+Excess excessOf(const Problem& problem, const leeway::dense::Trajectory& rows) {
+  const leeway::planner::MotionLimits limits = leeway::planner::motionLimits(problem);
+  Excess most;
+  const std::size_t joints = limits.velocity.size();
+  std::vector<double> velocity(joints), acceleration(joints);
+  double period = rows[1].time - rows[0].time;
+  const auto take = [&](double& excess, double value, double limit) {
+    excess = std::max(excess, std::abs(value) / limit - 1);
+  };
+  // The robot rests after the last row, as before the first one.
+  for (std::size_t k = 1; k < rows.size() + 2; ++k) {
+    const auto &a = rows[std::min(k - 1, rows.size() - 1)], &b = rows[std::min(k, rows.size() - 1)];
+    const double takes = k < rows.size() ? b.time - a.time : period;
+    period = std::min(period, takes);
+    for (std::size_t i = 0; i < joints; ++i) {
+      const double v = (b.positions[i] - a.positions[i]) / takes;
+      const double dv = (v - velocity[i]) / period;
+      take(most.velocity, v, limits.velocity[i]);
+      take(most.acceleration, dv, limits.acceleration[i]);
+      take(most.jerk, (dv - acceleration[i]) / period, limits.jerk[i]);
+      velocity[i] = v;
+      acceleration[i] = dv;
+    }
+    period = takes;
+  }
+  return most;
+}
+
 struct Options {
   std::string problem, trajectory;
   double step = 0.001, distance_step = 0.01;
@@ -244,7 +280,13 @@ int run(const Options& options) {
       "{}: {:.3f} s, {} samples, {} triangles that move: {} in contact; least distance {:.3f} mm "
       "at {:.2f} s\n",
       problem.name, end - begin, samples + 1, world.triangles(), contacts, least * 1e3, where);
-  return contacts == 0 ? 0 : 1;
+  constexpr double kRounding = 1e-5;  // of numbers in files, and of setpoints
+  const Excess excess = excessOf(problem, rows);
+  const bool keeps =
+      excess.velocity <= kRounding && excess.acceleration <= kRounding && excess.jerk <= kRounding;
+  fmt::print("limits {}: velocity {:+.2e}, acceleration {:+.2e}, jerk {:+.2e} of the limit\n",
+             keeps ? "kept" : "EXCEEDED", excess.velocity, excess.acceleration, excess.jerk);
+  return contacts == 0 && keeps ? 0 : 1;
 }
 
 }  // namespace

@@ -17,9 +17,9 @@ namespace leeway::planner {
 enum class Decision : unsigned char {
   kPlan,    ///< follow a new path
   kFollow,  ///< follow the path, which holds
-  kWait,    ///< stand
+  kWait,    ///< come to rest by the stop of the step before, or stand
   kEvade,   ///< leave the path for a place that is certified, because standing is not
-  kUnsafe,  ///< stand: nothing is certified, not even standing
+  kUnsafe,  ///< as kWait, but nothing is certified, not even standing
 };
 const char* toString(Decision decision);  ///< "plan", "follow", "wait", "evade", "unsafe"
 
@@ -64,23 +64,30 @@ struct ReplanStep {
   int index = 0;
   double time = 0;  ///< of the look at the world [s]
   Decision decision = Decision::kUnsafe;
-  /// The motion is proven to keep all margins at every time of the step, for any motion of the
+  /// The motion and the stop are proven to keep all margins at every time, for any motion of the
   /// obstacles within their known motions or speed bounds. False only for kUnsafe, which includes
   /// that no pair is checked at all (CompiledScene::nothingChecked()).
   bool certified = false;
-  /// Time after the step for which going on, or standing, is certified [s]; at most
+  /// Why it waits, evades, or is unsafe, in a few words; empty where it goes along a path.
+  std::string why;
+  /// Time after the step for which going on, coming to rest, or standing is certified [s]; at most
   /// Execution::look_ahead.
   double look_ahead = 0;
-  /// From the present state to that of the next look: at least two rows, all within the step.
+  /// From the present state to that of the next look: rows one period apart, of which each step has
+  /// as many.
   std::vector<TimedPoint> motion;
+  /// Rows after the motion in which the robot comes to rest, should no other step be taken. Empty
+  /// where it rests already.
+  std::vector<TimedPoint> stop;
   /// The least separation of checked pairs over the whole step [m]; (inf, inf) without pairs.
   Interval clearance;
   std::string closest_a, closest_b;
   /// The rest of the path is certified in the world as seen; if not, the bodies that broke it.
   bool path_held = false;
   std::string broken_a, broken_b;
-  bool reached = false;       ///< the motion ends in a goal
-  double remaining_s = 0;     ///< duration of the rest of the path [s]; infinite without a path
+  bool reached = false;  ///< the motion ends in a goal
+  /// Duration of the rest of the path [s], at least; infinite without a path.
+  double remaining_s = 0;
   double path_clearance = 0;  ///< certified for a new path [m]; infinite without one
 
   double update_s = 0, certify_s = 0, plan_s = 0, clearance_s = 0;  ///< of computing [s]
@@ -98,6 +105,10 @@ struct ReplanOptions {
   std::function<void(const std::string& phase, double elapsed_s)> progress;
   /// Width of ReplanStep::clearance [m], to which the obstacles' motion within the step is added.
   double clearance_tolerance = 1e-3;
+  /// What proofs of a step may cost, in units of collision::Work (about a thousand a microsecond):
+  /// once for what the robot may do, once for its way to rest, once for the clearance. What is not
+  /// proven within it is not done.
+  std::int64_t work = 500'000'000;
 };
 
 struct ReplanResult;
@@ -109,15 +120,21 @@ struct ReplanResult;
 ///    program has set;
 /// 2. certifies the rest of the path in the world as seen now, edge by edge in the order of travel,
 ///    up to the first that fails;
-/// 3. plans from the present state if one fails;
-/// 4. certifies the motion of the step against all that obstacles can do in it. The step is halved
-/// in
-///    time until the robot's motion in each part is free (certified as an edge, without a step
-///    size) of the obstacles at the part's middle, grown by their speed bound times half its
-///    length. With only a speed bound known, the obstacles are those of the last look, grown by the
-///    bound times its age;
-/// 5. follows the path if that is certified, else waits if standing is, else evades: back along its
-///    trail, or to a random neighbour. What is not certified is never called free.
+/// 3. plans if one fails and the robot is at rest. The path gets times within the limits on
+///    velocity, acceleration and jerk, and cut corners, as by trajectoryOf();
+/// 4. certifies the motion of the step, and a stop after it, against all that obstacles can do
+///    until then. Time is halved until the robot's motion in each part is free (certified as edges,
+///    without a step size) of the obstacles at the part's middle, grown by their speed bound times
+///    half its length. With only a speed bound known, the obstacles are those of the last look,
+///    grown by the bound times its age;
+/// 5. follows the path if that is certified, else comes to rest by the stop of the step before. At
+///    rest it waits if standing is certified, else evades: back along its trail, or to a random
+///    neighbour. What is not certified is never called free.
+///
+/// The motion. Rows of steps and stops are one period apart; the robot passes them in straight
+/// lines at constant speed, as position controllers interpolate. The change of that velocity over a
+/// period keeps motionLimits() on acceleration, the change of acceleration those on jerk. A stop
+/// brakes along the path, so that it is free where the path is and nothing moves.
 ///
 /// Computing is assumed to fit into a step: its cost is reported, not simulated. Deterministic: the
 /// same problem, seed and iteration limit give the same steps, costs apart, unless the time limit
@@ -143,14 +160,15 @@ class Replanner {
   std::span<const double> state() const;
   /// The rest of the path, from state() on; empty without one.
   const std::vector<std::vector<double>>& path() const;
-  bool reached() const;  ///< state() is in a goal, and the path is used up
+  bool reached() const;  ///< at rest in a goal, and the path is used up
   int replans() const;   ///< paths planned besides the first
   /// The steps so far, without their trajectory. The status is kReached, kUnsafe (the last step),
   /// kNothingChecked or kStopped.
   ReplanResult executed() const;
 
-  /// The robot's true state now. Throws std::invalid_argument for another size, and for numbers
-  /// that are not finite or outside the limits.
+  /// The robot's true state now. In motion, it goes on from there with its velocity beside the path
+  /// (bodies that turn freely are taken to rest). Throws std::invalid_argument for another size,
+  /// and for numbers that are not finite or outside the limits.
   void setState(std::span<const double> point);
   /// The vertices of an obstacle as seen at `time` <= time() [s], in its frame, and a bound on
   /// their speed from then on [m/s]. Both replace its motion for good. Throws

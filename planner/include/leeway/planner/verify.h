@@ -53,8 +53,10 @@ VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions&
 
 /// Proves or refutes the log of an execution, the lines that logLine() makes, from the log and the
 /// problem alone: that its steps follow each other without gaps, from the problem's start, within
-/// the limits on position and velocity; that each step kept all margins, whatever obstacles did
-/// within their motions, or within the bounds that were stated when they were seen; that no
+/// the limits on position, velocity, acceleration and jerk, by differences of rows; that the stop
+/// of each step brings the robot to rest within them; that each step kept all margins, whatever
+/// obstacles did within their motions, or within the bounds that were stated when they were seen,
+/// and that its stop would have, by what was known in that step; that no
 /// obstacle was seen farther away than its bound allowed while a step relied on it; and that the
 /// robot is in a goal where the log says so. Costs, reasons and clearances in the log are not
 /// used; clearances are proven again. What was observed is taken from the log.
