@@ -7,7 +7,6 @@
 
 #include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
-#include "planner/execute/drive_tolerances.h"
 
 namespace leeway::planner {
 

@@ -17,7 +17,6 @@
 #include "planner/base/tolerances.h"
 #include "planner/base/waypoints.h"
 #include "planner/execute/drive.h"
-#include "planner/execute/drive_tolerances.h"
 #include "planner/execute/step_certifier.h"
 #include "planner/execute/timed_path.h"
 #include "planner/search/goals.h"

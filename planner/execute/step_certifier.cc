@@ -6,7 +6,6 @@
 
 #include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
-#include "planner/execute/drive_tolerances.h"
 #include "planner/execute/timed_path.h"
 
 namespace leeway::planner {

@@ -23,9 +23,6 @@ namespace leeway::planner {
 namespace verification {
 namespace {
 
-/// Rows may exceed limits by this share: far above kGuardLimitSlack.
-constexpr double kVerifyRowLimit = 1e-5;
-
 class LogVerifier {
  public:
   LogVerifier(const Problem& problem, const Log& log)

@@ -448,10 +448,12 @@ Verb addClearance(CLI::App& command) {
       "clearance", "clearance along a path as certified intervals, with the closest pair");
   addProblemAndPathArguments(*app, arguments->source, arguments->files);
   addRunLimits(*app, arguments->limits);
-  app->add_option("--tolerance", arguments->tolerance, "width of the intervals [m]")
-      ->type_name("METRES")
-      ->check(numberFrom(1e-12, 1e9))
-      ->capture_default_str();
+  CLI::Option* tolerance =
+      app->add_option("--tolerance", arguments->tolerance,
+                      "width of the intervals [m]; by default what the shown digits need, and of "
+                      "--json 1e-4")
+          ->type_name("METRES")
+          ->check(numberFrom(1e-12, 1e9));
   app->add_option("--parts", arguments->parts, "stretches that every edge is cut into")
       ->type_name("N")
       ->check(countFrom(1, 100000))
@@ -466,7 +468,11 @@ Verb addClearance(CLI::App& command) {
       "Example:\n"
       "  leeway plan problems/shelf/reach.yaml --output path.json && leeway clearance "
       "problems/shelf/reach.yaml path.json --parts 4");
-  return {app, [arguments] { return runClearance(*arguments); }};
+  return {app, [arguments, tolerance] {
+            if (!arguments->json && tolerance->count() == 0)
+              arguments->tolerance = view::kMomentTolerance;
+            return runClearance(*arguments);
+          }};
 }
 
 }  // namespace leeway::tools

@@ -108,7 +108,8 @@ void narrow(LeastClearance& least, const planner::PathClearance& all,
             const planner::PathClearance& world, const planner::PathClearance& self) {
   const auto meet = [](planner::PathClearance& of, const planner::PathClearance& known) {
     const double lower = std::max(of.clearance.lower, known.clearance.lower);
-    if (known.clearance.upper < of.clearance.upper) of = known;
+    // The place stays where it is as near, to the digits that are shown.
+    if (known.clearance.upper < of.clearance.upper - kMomentTolerance) of = known;
     of.clearance.lower = lower;
   };
   meet(least.all, all);

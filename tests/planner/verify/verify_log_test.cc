@@ -508,9 +508,9 @@ TEST_F(VerifyLog, StopsAreProven) {
       [](Json& stop) {
         Json row = stop.back();
         const double y = row["position"][1].get<double>(), t = row["time"].get<double>();
-        for (int i = 1; i <= 1000; ++i) {
+        for (int i = 1; i <= 3000; ++i) {
           row["time"] = t + 0.02 * i;
-          row["position"][1] = y - 0.0015 * i;
+          row["position"][1] = y - 0.0005 * i;
           stop.push_back(row);
         }
       },
