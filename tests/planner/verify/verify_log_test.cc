@@ -507,9 +507,11 @@ TEST_F(VerifyLog, StopsAreProven) {
   refuted(
       [](Json& stop) {
         Json row = stop.back();
-        const double y = row["position"][1].get<double>(), t = row["time"].get<double>();
+        const double x = row["position"][0].get<double>(), y = row["position"][1].get<double>(),
+                     t = row["time"].get<double>();
         for (int i = 1; i <= 3000; ++i) {
           row["time"] = t + 0.02 * i;
+          row["position"][0] = x + 0.0005 * i;
           row["position"][1] = y - 0.0005 * i;
           stop.push_back(row);
         }
