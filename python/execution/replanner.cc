@@ -273,7 +273,7 @@ void defineExecuted(py::module_& module) {
                      });
          });
   executed.def("__bool__", [](const Executed& self) {
-    return self.value.status == planner::ReplanStatus::kReached;
+    return self.value.status == planner::ReplanStatus::kReached && self.value.certified;
   });
   executed.def("__repr__", [](const Executed& self) {
     return std::string("<leeway.Executed: ") + toString(self.value.status) + ", " +

@@ -176,6 +176,28 @@ TEST_F(Batch, FoldersMayHoldOtherYaml) {
   EXPECT_EQ(run("batch mixed/notes.yaml").status, 2);
 }
 
+/// Regression: problems were found by the text of their lines, and others left out.
+TEST_F(Batch, FoldersMayHoldProblemsInAnyNotation) {
+  write("mixed/arm.urdf", kUrdf);
+  write("mixed/arm.srdf", kSrdf);
+  const std::string reach = kReach;
+  const std::string rest = reach.substr(reach.find('\n') + 1);
+  ASSERT_EQ(reach.substr(0, reach.find('\n')), "leeway: 1");
+  write("mixed/quoted.yaml", "\"leeway\": 1\n" + rest);
+  write("mixed/spaced.yml", "leeway : 1\n" + rest);
+  write("mixed/result.json", "{\"joint_names\": [], \"points\": []}");
+  write(
+      "mixed/flow.json",
+      R"({"leeway": 1, "robot": {"urdf": "arm.urdf", "srdf": "arm.srdf", "group": "arm"}, "start": [0, 0], "goal": [1, 0.5]})");
+  write("mixed/broken.yaml", "leeway: 1\nrobot: [\n");
+  const Answer answer = run("batch mixed");
+  EXPECT_EQ(problemsOf(answer.lines()),
+            (std::vector<std::string>{"mixed/broken.yaml", "mixed/flow.json", "mixed/quoted.yaml",
+                                      "mixed/spaced.yml"}))
+      << answer.err;
+  EXPECT_EQ(answer.err.find("result.json"), std::string::npos) << answer.err;
+}
+
 TEST_F(Batch, LinksThatLeadToNoFileAreNamed) {
   write("mixed/arm.urdf", kUrdf);
   write("mixed/arm.srdf", kSrdf);

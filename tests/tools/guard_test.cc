@@ -168,6 +168,12 @@ TEST_F(GuardVerb, RefusesWhatItCannotGuard) {
   expectRefused("guard reach.yaml --joint-error x=1", {"--joint-error", "no planned joint 'x'"});
   expectRefused("guard reach.yaml --joint-error -1", {"joint_errors[0] is -1"});
   expectRefused("guard reach.yaml --joint-error 0,1", {"--joint-error"});
+  expectRefused("guard reach.yaml --joint-error elbow=0.5,elbow=0", {"names 'elbow' twice"});
+  expectRefused("guard reach.yaml --joint-error elbow", {"elbow=NUMBER is expected"});
+  expectRefused("guard reach.yaml --joint-error elbow=-1", {"'elbow' is -1"});
+  const Answer part = guard("reach.yaml --joint-error elbow=0.01", "");
+  EXPECT_NE(part.err.find("says nothing of 'shoulder', which counts as exact"), std::string::npos)
+      << part.err;
   expectRefused("guard reach.yaml --work 0", {"--work: 0"});
   expectRefused("guard reach.yaml --horizon nan", {"--horizon: nan"});
   expectRefused("guard nowhere.yaml", {"nowhere.yaml"});

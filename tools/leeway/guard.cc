@@ -436,7 +436,7 @@ Json answerJson(const planner::GuardAnswer& answer, const std::vector<std::strin
 /// Numbers for all planned joints: one for each, or joint=number, ...
 std::vector<double> jointErrors(const std::string& text, const std::vector<std::string>& names) {
   if (text.empty()) return {};
-  std::vector<double> errors(names.size(), 0);
+  std::vector<double> errors(names.size(), -1);  // -1: not given
   const std::vector<std::string> parts = listed(text);
   if (parts.size() == 1 && text.find('=') == std::string::npos)
     return std::vector<double>(names.size(), parseNumber("--joint-error", text));
@@ -444,12 +444,28 @@ std::vector<double> jointErrors(const std::string& text, const std::vector<std::
     const std::size_t equals = part.find('=');
     const std::string name = part.substr(0, equals);
     const auto found = std::find(names.begin(), names.end(), name);
-    if (equals == std::string::npos || found == names.end())
+    if (found == names.end())
       badUsage(fmt::format("--joint-error {}: no planned joint '{}'{}", text, name,
                            planner::didYouMean(name, names)));
-    errors[static_cast<std::size_t>(found - names.begin())] =
-        parseNumber("--joint-error", part.substr(equals + 1));
+    if (equals == std::string::npos)
+      badUsage(fmt::format("--joint-error {}: '{}' has no number; {}=NUMBER is expected", text,
+                           name, name));
+    double& error = errors[static_cast<std::size_t>(found - names.begin())];
+    if (error != -1)
+      badUsage(fmt::format("--joint-error {}: names '{}' twice; once is expected", text, name));
+    error = parseNumber("--joint-error", part.substr(equals + 1));
+    if (error < 0)
+      badUsage(
+          fmt::format("--joint-error {}: '{}' is {}; 0 or more is expected", text, name, error));
   }
+  std::string exact;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (errors[i] >= 0) continue;
+    errors[i] = 0;
+    exact += (exact.empty() ? "'" : ", '") + names[i] + "'";
+  }
+  if (!exact.empty() && !isQuiet())
+    printMessage("note: --joint-error says nothing of " + exact + ", which counts as exact");
   return errors;
 }
 

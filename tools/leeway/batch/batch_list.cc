@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "leeway/robots/input_error.h"
+#include "planner/yaml/yaml_reader.h"
 #include "robots/base/read_file.h"
 #include "tools/leeway/support/terminal.h"
 
@@ -43,15 +44,23 @@ std::vector<fs::path> filesBelow(const fs::path& folder, bool (*isOf)(const fs::
   return files;
 }
 
-bool isYamlOrCfg(const fs::path& path) {
-  return isYaml(path) || robots::endingOf(path.string()) == ".cfg";
+bool isJson(const fs::path& path) { return robots::endingOf(path.string()) == ".json"; }
+
+bool mayBeProblem(const fs::path& path) {
+  return isYaml(path) || isJson(path) || robots::endingOf(path.string()) == ".cfg";
 }
 
-/// Whether a file in a folder is a problem: a line begins with the key `leeway`, or with the
-/// section [problem] in a file of OMPL.app.
+/// Whether a file in a folder is a problem: it has the key `leeway`, or the section [problem] of a
+/// file of OMPL.app. Of a file that is no YAML, which planning will tell, a line has to begin so.
 bool isProblemFile(const fs::path& file) {
+  const bool is_cfg = !isYaml(file) && !isJson(file);
+  if (!is_cfg) try {
+      const planner::YamlReader root = planner::YamlReader::load(file.string());
+      return root.isMap() && root.has("leeway");
+    } catch (const robots::InputError&) {
+    }
   std::ifstream in(file);
-  const char* word = isYaml(file) ? "leeway:" : "[problem]";
+  const char* word = is_cfg ? "[problem]" : "leeway:";
   for (std::string line; std::getline(in, line);) {
     if (line.starts_with(word)) {
       return true;
@@ -179,14 +188,14 @@ std::vector<BatchItem> listProblems(const std::vector<std::string>& inputs) {
       items.push_back({input, "", ""});
       continue;
     }
-    const auto files = filesBelow(input, isYamlOrCfg);
+    const auto files = filesBelow(input, mayBeProblem);
     if (files.empty()) {
-      throw robots::InputError(input, 0, "there is no .yaml or .cfg file in this folder");
+      throw robots::InputError(input, 0, "there is no .yaml, .json or .cfg file in this folder");
     }
     for (const fs::path& file : files) {
       if (isProblemFile(file)) {
         items.push_back({file.string(), "", ""});
-      } else {
+      } else if (!isJson(file)) {  // most of these are results
         printMessage(fmt::format("{}: left out, it has no {} and so is no problem file",
                                  file.string(), isYaml(file) ? "key 'leeway'" : "[problem]"));
       }

@@ -162,8 +162,8 @@ class Replanner {
   const std::vector<std::vector<double>>& path() const;
   bool reached() const;  ///< at rest in a goal, and the path is used up
   int replans() const;   ///< paths planned besides the first
-  /// The steps so far, without their trajectory. The status is kReached, kUnsafe (the last step),
-  /// kNothingChecked or kStopped.
+  /// The steps so far, without their trajectory. The status is that of the last step: kReached,
+  /// kUnsafe, kNothingChecked or kStopped; `certified` says whether every step was.
   ReplanResult executed() const;
 
   /// The robot's true state now. In motion, it goes on from there with its velocity beside the path
