@@ -557,8 +557,7 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
   Path path;
   path.names = plannedNames(problem);
   path.steps = table.steps;
-  if (table.cubic && !options.cubics && options.warnings != nullptr &&
-      table.interpolation != space.interpolation())
+  if (table.cubic && !options.cubics && options.warnings != nullptr)
     options.warnings->push_back(
         file + ": lines join its rows here, and cubics in its motion, which 'verify' proves");
   const bool cubic = table.cubic && options.cubics;

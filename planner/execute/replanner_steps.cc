@@ -417,12 +417,15 @@ struct Replanner::Impl {
   }
 
   void take(ReplanStep& step) {
-    if (!isProven(best) || !proves) {
+    if (!isProven(best) || !proves || is_lost) {
       best = moves() ? goingOn() : standing();
       best.decision = Decision::kUnsafe;
       setMotion(best);
-      why = proves ? "neither a motion nor rest is proven" : "no pair of shapes is checked";
+      why = !proves   ? "no pair of shapes is checked"
+            : is_lost ? "a body that turns freely was measured beside its motion"
+                      : "neither a motion nor rest is proven";
     }
+    is_lost = false;
     step.decision = best.decision;
     step.certified = best.decision != Decision::kUnsafe;
     step.look_ahead =
@@ -440,9 +443,11 @@ struct Replanner::Impl {
       StepCertifier::Bodies ignored, closest;
       const double step_end = stepEnd();
       certifier.setWork(options.work);
-      certifier.certify(step.motion, {&step_end, 1}, 1, ignored);
-      step.clearance =
-          certifier.clearance(step.motion, step_end, options.clearance_tolerance, closest);
+      // The work may end before all parts are proven again; then no clearance is known.
+      const bool is_again = certifier.certify(step.motion, {&step_end, 1}, 1, ignored) >= step_end;
+      step.clearance = is_again ? certifier.clearance(step.motion, step_end,
+                                                      options.clearance_tolerance, closest)
+                                : collision::Interval{-kInfinity, kInfinity};
       step.closest_a = closest.a;
       step.closest_b = closest.b;
       step.clearance_s = secondsSince(begin);
@@ -555,6 +560,7 @@ struct Replanner::Impl {
       for (std::size_t i = 0; i < off.size(); ++i) offset[i] += off[i];
       first_edge_known = true;  // no edge of it is taken before the robot rests
     } else {
+      is_lost = moves();  // how it comes to rest from there is not known
       setDrive(nullptr);
       ahead.clear();
       follows = false;
@@ -605,6 +611,7 @@ struct Replanner::Impl {
   double time_on_drive = 0;
   std::vector<double> ahead;
   bool follows = false;        // it moves at the drive's pace, in its rows
+  bool is_lost = false;        // it was measured in a motion that cannot go on beside its drive
   bool evades = false;         // the drive leaves the path
   std::vector<double> offset;  // from the drive, where it was measured; empty: none
   double unheld = 0;           // how long the path has not held in motion [s]

@@ -610,6 +610,7 @@ void putChangedLast(const py::dict& margins, const py::dict& before) {
 
 void Problem::takeChanges(const std::string& except) const {
   for (auto& [name, kept] : replaced_) {
+    if (name == except) continue;  // it may be what is set now
     py::object image = imageOf(kept.object);
     if (isSameImage(image, kept.image)) continue;
     kept.image = std::move(image);
@@ -693,6 +694,8 @@ void Problem::set(const Setting& setting, const py::object& value) {
   // it again.
   const auto old = handed_out_.find(name);
   if (old != handed_out_.end() && !value.is(old->second.object)) {
+    constexpr std::size_t kMostReplaced = 100;
+    if (replaced_.size() == kMostReplaced) replaced_.erase(replaced_.begin());
     replaced_.emplace_back(name, old->second);
     handed_out_.erase(old);
   }

@@ -114,6 +114,10 @@ SdfPose poseIn(const SdfSource& source, const XMLElement& parent) {
     known.emplace_back("frame");
     if (const char* base = e.Attribute("frame")) pose.relative_to = base;
   }
+  for (const char* wrong : {"xyz", "rpy"})
+    if (e.Attribute(wrong) != nullptr)
+      file.fail(e, std::string("<pose> has the attribute ") + wrong +
+                       "; its values as text, x y z roll pitch yaw, would be accepted");
   file.knownAttributes(e, known);
   file.leaveOutUnknown(e, {}, {});
   const char* format = e.Attribute("rotation_format");

@@ -301,6 +301,11 @@ def test_what_was_replaced_is_not_changed_in_vain(robot):
     problem.world = world
     world.add_sphere("other", 0.1, position=(5, 0, 0))
     assert problem.copy().world.names == ["post", "ball", "other"]
+    old = problem.margins  # changed between, and put back: this counts
+    problem.margins = {}
+    old["link5", "post"] = 0.03
+    problem.margins = old
+    assert ("link5", "post") in problem.copy().margins
 
 
 def test_the_margin_that_was_set_last_holds(robot):

@@ -169,7 +169,7 @@ TEST_F(GuardVerb, RefusesWhatItCannotGuard) {
   expectRefused("guard reach.yaml --joint-error -1", {"joint_errors[0] is -1"});
   expectRefused("guard reach.yaml --joint-error 0,1", {"--joint-error"});
   expectRefused("guard reach.yaml --joint-error elbow=0.5,elbow=0", {"names 'elbow' twice"});
-  expectRefused("guard reach.yaml --joint-error elbow", {"elbow=NUMBER is expected"});
+  expectRefused("guard reach.yaml --joint-error elbow,shoulder=1", {"elbow=NUMBER is expected"});
   expectRefused("guard reach.yaml --joint-error elbow=-1", {"'elbow' is -1"});
   const Answer part = guard("reach.yaml --joint-error elbow=0.01", "");
   EXPECT_NE(part.err.find("says nothing of 'shoulder', which counts as exact"), std::string::npos)

@@ -357,6 +357,9 @@ class LineReader {
       if (!value.contains("state"))
         throw LineFault{"observe.carve stands without state; where the robot was is expected"};
       const std::vector<double> state = rowOf(value["state"], names_.size(), "observe.state");
+      const planner::ConfigurationSpace space(problem_.robot.model, problem_.robot.variables);
+      if (const std::string fault = space.brokenLimit(state); !fault.empty())
+        throw LineFault{"observe.state: " + fault + "; a state within the limits is expected"};
       std::vector<double> configuration = problem_.start;
       for (std::size_t i = 0; i < state.size(); ++i)
         configuration[static_cast<std::size_t>(problem_.robot.variables[i])] = state[i];

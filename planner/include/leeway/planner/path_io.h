@@ -14,8 +14,7 @@ struct PathReading {
   /// wrapped.
   bool shortest = false;
   /// Reads Path::times and velocities of a file whose rows have velocities, unless orientations
-  /// turn. Otherwise such a file gives its rows alone, with a warning where its certificate does
-  /// not say that lines join them.
+  /// turn. Otherwise such a file gives its rows alone, with a warning.
   bool cubics = false;
   /// Receives warnings about a file that can be used. Null: no warnings.
   std::vector<std::string>* warnings = nullptr;
