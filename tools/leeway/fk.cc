@@ -12,6 +12,7 @@
 #include "tools/leeway/support/robot_state.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/leeway/support/verb.h"
+#include "tools/view/base/figures.h"
 
 namespace leeway::tools {
 namespace {

@@ -351,8 +351,8 @@ enum class Corners : unsigned char {
   kBlend,
 };
 
-/// How a path is executed. A trajectory (trajectory.h) keeps all limits. Replanner moves at the
-/// velocity limits, in steps, while the scene changes; it ignores accelerations, jerks and corners.
+/// How a path is executed. A trajectory (trajectory.h) and a Replanner, which goes in steps while
+/// the scene changes, keep all limits.
 struct Execution {
   double start = 0;      ///< time of the obstacles' motions at which execution begins [s]
   double step = 0.05;    ///< between two looks at the world [s]
