@@ -29,9 +29,6 @@ inline constexpr double kUnitRoundoff = 0x1p-53;
 /// A norm, or another root of a sum of a few squares, errs by less than 4 units; multiplying it by
 /// this factor rounds it outwards. Smaller breaks the guarantee.
 inline constexpr double kOutwards = 1 + 0x1p-50;
-/// The counterpart inwards: a vector scaled to a length times this factor is no longer than that
-/// length.
-inline constexpr double kInwards = 1 - 0x1p-50;
 
 /// Relative rounding of geometry on meshes and hulls (a point's distance from a triangle, a radius,
 /// an extent), as a share of the coordinates involved. About 20 units in the last place are needed;
@@ -55,10 +52,6 @@ inline constexpr double kPlaneGapRounding = 64 * kUnitRoundoff;
 ///  departure itself always widens the interval, to first order. With a larger value, terms of
 ///  second order would matter.
 inline constexpr double kRotationTolerance = 1e-6;
-
-/// Factor for bounds of first order in a rotation's departure: the terms of second order are less
-/// than kRotationTolerance of them. Smaller breaks the guarantee.
-inline constexpr double kFirstOrderOutwards = 1 + 0x1p-10;
 
 /// Rounding of X_BA computed from two world poses, in units times the sizes; derived in
 /// convex_view.cc. Smaller breaks the guarantee.

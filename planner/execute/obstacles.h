@@ -74,8 +74,8 @@ class Obstacles {
   robots::Pose poseOf(const std::string& object) const;
   /// When an obstacle was last seen [s].
   double seenAt(const std::string& object, const Sight& seen) const;
-  /// Throws std::invalid_argument for a cloud that was seen before the present one, which would
-  /// hide what that one shows. A motion of the problem is no sight.
+  /// Throws std::invalid_argument for a cloud that was seen before the present one, because
+  /// it would hide newer balls. A motion that the problem gives does not count as seen.
   void requireNewer(const std::string& object, const Sight& seen, double time) const;
   /// Throws std::invalid_argument for a bound that is not 0 or more.
   static void requireBound(const std::string& object, const Bound& bound);

@@ -85,7 +85,8 @@ double readTime(const YamlReader& time) {
   return seconds;
 }
 
-// What files of paths may hold: the fields of ROS messages and the keys that are written here.
+// The keys that files of paths may have: the fields of ROS messages, and those that path_write.cc
+// writes.
 constexpr std::array<std::string_view, 3> kOuterKeys = {
     "joint_trajectory", "multi_dof_joint_trajectory", "certificate"};
 constexpr std::array<std::string_view, 7> kPathKeys = {"header",

@@ -243,7 +243,7 @@ struct Replanner::Impl {
     if (rest != stop) consider(goes(end, rest), step);
   }
 
-  /// What was proven before: the stop, or the rest of an evasion.
+  /// Returns the motion that was proven before: the stop, or the rest of an evasion.
   Candidate goingOn() const {
     Candidate c{evades ? Decision::kEvade : Decision::kWait, drive};
     c.times = ahead;
@@ -372,7 +372,7 @@ struct Replanner::Impl {
     best = Candidate{};
     certifier.setWork(options.work);
     if (moves()) {
-      // What crosses the path farther ahead may be gone by then.
+      // An obstacle that crosses the path farther ahead may be gone by then.
       unheld = step.path_held ? 0 : unheld + execution().step;
       if (follows && unheld <= execution().patience)
         considerDrive(Decision::kFollow, drive, static_cast<int>(time_on_drive), step);

@@ -216,7 +216,7 @@ class Plan {
     limits_.reserve(kSimplifyShare);
     if (wantsCost()) return searchCheapest(task);
     const double bound = clearanceBound();
-    // Of ranges and poses there are more goals than those that were drawn.
+    // A range or a pose has more goals than the search has drawn.
     result_.clearance_bound = haveGoalsOnePlace() ? bound : mostClearance(start_);
     Search search(scene_, pool_, task);
     const bool is_limited =

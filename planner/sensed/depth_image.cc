@@ -70,7 +70,7 @@ void eachPixel(const DepthImage& image, const DepthCamera& camera, const Visit& 
 struct Tile {
   std::size_t top, bottom, left, right;
   double nearest;  ///< depth of the nearest pixel [m]
-  double waste;    ///< what was seen behind that, but for a factor [m^3]
+  double waste;    ///< space that was seen behind that, times a constant factor [m^3]
   bool operator<(const Tile& other) const { return waste < other.waste; }
 };
 

@@ -706,7 +706,7 @@ void Problem::set(const Setting& setting, const py::object& value) {
     handed_out_[name] = {value, imageOf(value)};
     replaced_.erase(again);
   }
-  // What else was handed out stays the problem's, with the values that it has now.
+  // Other objects that were handed out stay the problem's, with its present values.
   for (auto next = handed_out_.begin(); next != handed_out_.end();) {
     const auto handed_out = next++;
     const Setting& of = *planner::findSetting(handed_out->first);

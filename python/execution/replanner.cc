@@ -278,7 +278,7 @@ void defineExecuted(py::module_& module) {
   executed.def("__repr__", [](const Executed& self) {
     return std::string("<leeway.Executed: ") + toString(self.value.status) + ", " +
            std::to_string(self.value.steps) + " steps, " + std::to_string(self.value.replans) +
-           " replans>";
+           " replans" + (self.value.certified ? ">" : ", not certified>");
   });
 }
 

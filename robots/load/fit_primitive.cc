@@ -32,7 +32,8 @@ struct Triangle {
     return n.norm() < kLeast ? Vector3d::Zero() : n;
   }
   double area() const { return normal().norm() / 2; }
-  /// What it counts for, seen from `from`: a volume, or an area.
+  /// Returns the triangle's share of the mesh: the volume of its pyramid with apex `from`, or its
+  /// area.
   double weight(const Vector3d& from, Inertia inertia) const {
     if (inertia == Inertia::kShell) return area();
     const double volume = (center() - from).dot(normal()) / 6;

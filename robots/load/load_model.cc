@@ -318,7 +318,7 @@ void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, RobotDe
 }
 
 /// Lowers the limits on the motion of a mimic's master so that the mimic keeps its own. A velocity
-/// of 0 is no limit.
+/// of 0 does not limit.
 void limitMaster(const UrdfJoint& source, RobotDescription& model) {
   const Joint& joint = model.joints[at(model.findJoint(source.name))];
   const int variable = model.joints[at(joint.mimic)].first_variable;

@@ -74,7 +74,7 @@ class ModelReader {
     std::string link, model;
   };
 
-  /// Checks what stands beside the model or world of a file.
+  /// Refuses elements that a file may not have beside its model or world.
   static void checkRoot(XmlFile& file) {
     const XMLElement& root = file.root();
     expectOnly(file, root, {"version"}, {"model", "world", "include"}, {"light", "actor"});

@@ -258,7 +258,7 @@ class SrdfReader {
     });
   }
 
-  /// Whether a name means something else where states are asked for by name.
+  /// Returns whether --state and --start read a name as something other than a group state.
   static bool readsOtherwise(const std::string& name) {
     if (name == "start" || name == "goal" || name.find('=') != std::string::npos) return true;
     std::string spaced = name;

@@ -177,7 +177,8 @@ class UrdfReader {
   static constexpr std::string_view kDrakeCapsule = "drake:capsule",
                                     kDrakeEllipsoid = "drake:ellipsoid";
 
-  /// Whether an element of a <geometry> is its shape. Drake's own are where there is no other.
+  /// Returns whether an element of a <geometry> is its shape. Drake's own shapes count only without
+  /// a standard one.
   static bool isShape(const XMLElement& element) {
     static constexpr std::string_view kShapes[] = {"box", "sphere", "cylinder", "capsule", "mesh"};
     const auto isPlain = [](const XMLElement& e) {

@@ -124,7 +124,7 @@ void posesForGoals(planner::Problem& problem) {
   }
 }
 
-/// What the problems share.
+/// Data that all problems of a run share.
 struct Shared {
   std::shared_ptr<const robots::Model> robot;  ///< of --robot; without it, each names its own
   Json robot_files = Json::object();           ///< FileDigests::of() what it was read from

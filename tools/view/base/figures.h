@@ -12,7 +12,7 @@ namespace leeway::tools {
 /// "-".
 std::string formatLower(double value, int digits);
 std::string formatUpper(double value, int digits);
-/// The same rounded to the nearest one, for values that are no bounds. Never "-0.00".
+/// The same rounded to the nearest one, for values that are not bounds. Never "-0.00".
 std::string formatNear(double value, int digits);
 
 /// The number of millimetres that both ends of an interval [m] round to, at two decimals; nothing

@@ -62,7 +62,7 @@ inline constexpr char kUnseenName[] = "unseen";
 /// for a range that is not above 0 and up to 1e9 m, and 0 parts. O(pixels log(parts)).
 std::vector<robots::Geometry> unseenShapes(const DepthImage& image, const DepthCamera& camera,
                                            const UnseenSpace& space);
-/// Without the shapes in C that are proven to be within `margin` >= 0 [m] of `shapes_W`.
+/// Returns the shapes without those that are proven to be within `margin` >= 0 [m] of `shapes_W`.
 /// O(size x shapes).
 std::vector<robots::Geometry> carvedShapes(const std::vector<robots::Geometry>& shapes_C,
                                            const robots::Pose& X_WC,

@@ -17,8 +17,8 @@ struct CloudFilter {
   std::string name;         ///< "drop", "carve", "crop" or "thin"
   std::string what;         ///< "points that are not numbers", "balls that touch can"
   std::size_t removed = 0;  ///< balls that are gone [count]
-  /// Of "carve": where the cloud stood. Elsewhere it is refused, because what was carved out may be
-  /// in the way there. Empty: not known.
+  /// The cloud's pose when "carve" was applied. The cloud is refused at another pose, because the
+  /// balls that were carved out may be in the way there. Empty: not known.
   std::optional<robots::Pose> X_WC = {};
 };
 

@@ -105,9 +105,9 @@ struct ReplanOptions {
   std::function<void(const std::string& phase, double elapsed_s)> progress;
   /// Width of ReplanStep::clearance [m], to which the obstacles' motion within the step is added.
   double clearance_tolerance = 1e-3;
-  /// What proofs of a step may cost, in units of collision::Work (about a thousand a microsecond):
-  /// once for what the robot may do, once for its way to rest, once for the clearance. What is not
-  /// proven within it is not done.
+  /// The cost that proofs of a step may have, in units of collision::Work (about a thousand a
+  /// microsecond): once for what the robot may do, once for its way to rest, once for the
+  /// clearance. What is not proven within it is not done.
   std::int64_t work = 500'000'000;
 };
 
@@ -201,8 +201,8 @@ class Replanner {
 };
 
 enum class ReplanStatus : unsigned char {
-  kReached,         ///< in a goal, every step certified
-  kUnsafe,          ///< at some step nothing could be certified: the robot stands there
+  kReached,         ///< in a goal; ReplanResult::certified tells whether every step was
+  kUnsafe,          ///< at the last step nothing could be certified
   kTimeout,         ///< Execution::duration has passed
   kStopped,         ///< by the caller, or the number of steps
   kNothingChecked,  ///< no pair of shapes is checked: no step is taken
