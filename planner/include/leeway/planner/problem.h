@@ -28,7 +28,7 @@ struct ObjectMotion {
   /// Its poses at all times; null: it was only seen, at Object::X_WO.
   std::shared_ptr<const collision::PoseMotion> poses = nullptr;
   /// Bounds on the speed of its frame's origin [m/s] and on its turning [rad/s] after it was seen.
-  /// For a cloud, a bound on the speed of its points, however they move; turn_bound has no effect.
+  /// For a cloud, speed_bound bounds the speed of its points, and turn_bound may be left out.
   double speed_bound = std::numeric_limits<double>::infinity();
   double turn_bound = std::numeric_limits<double>::infinity();
   /// How long before Execution::start it was seen at X_WO [s]; 0 with `poses`.
