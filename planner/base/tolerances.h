@@ -794,6 +794,9 @@ constexpr double kCutClearance = 1e-3;
 constexpr double kBlendShrink = 0.6;
 constexpr int kBlendTries = 7;
 
+/// The latest time of a row that is read [s], some 30,000 years: differences are exact to 0.1 ms.
+constexpr double kLatestTime = 1e12;
+
 /// Quintics through the rows of a file are its cubics to within this [rad or m]; rows that depart
 /// farther are named.
 constexpr double kQuinticSlack = 1e-6;

@@ -24,7 +24,6 @@ namespace {
 using robots::InputError;
 
 constexpr std::string_view kTimeColumn = "time";
-constexpr double kLatestTime = 1e12;  // [s], some 30,000 years: differences are exact to 0.1 ms
 
 /// The contents of a file: columns by name, or by order without names, and rows with their lines.
 struct Table {
