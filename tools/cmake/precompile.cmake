@@ -1,5 +1,5 @@
 # Headers of others, parsed once instead of once a file: parsing Eigen takes longer than compiling most of our files. Our own headers stay out, so that
-# a change of one compiles only what includes it. Every file still includes what it uses: the clang preset builds without precompiled headers
+# a change of one compiles only what includes it. Every file still includes what it uses: the tidy preset has no precompiled headers
 # (CMAKE_DISABLE_PRECOMPILE_HEADERS) and finds what is missing.
 set(leeway_common_headers <algorithm> <array> <bit> <cmath> <cstddef> <cstdint> <functional> <limits> <memory> <numeric> <optional> <span>
   <string> <string_view> <utility> <vector> <Eigen/Core>)

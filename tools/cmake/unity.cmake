@@ -1,9 +1,8 @@
-# Most of a file's time goes to the templates of others that it uses (CLI11, nlohmann-json, std::function). The files of a folder are compiled together,
-# up to eight at once: a third of their time (planner/search: 12 s for 34), but a change of one file takes longer. The debug preset, for changes, compiles
-# each file alone; so does the clang preset, which finds what a file forgets to include. The files of a folder share one anonymous namespace, so a name
-# stands for one thing in it; tools/test --full compiles whole folders at once. Where a file cannot be changed so, it is compiled alone.
+# Most of a file's time goes to the templates of others that it uses (CLI11, nlohmann-json, std::function). The files of a folder are compiled together:
+# a third of their time (planner/search: 12 s for 34), but a change of one file takes longer. The debug preset, for changes, compiles each file alone; so
+# does the tidy preset, which finds what a file forgets to include. The files of a folder share one anonymous namespace, so a name
+# stands for one thing in it. Where a file cannot be changed so, it is compiled alone.
 option(LEEWAY_UNITY "Compile the files of a folder together" ${PROJECT_IS_TOP_LEVEL})
-set(LEEWAY_UNITY_FILES 8 CACHE STRING "Most files of a folder that are compiled together")
 
 # leeway_unite(TARGET FILES...), in the folder that makes TARGET: FILES are compiled alone; so are files with options of their own (set before), those for
 # every instruction set (_simd.cc), and those that the build writes.
@@ -34,12 +33,7 @@ function(leeway_unite target)
     if(count EQUAL 1)
       continue()
     endif()
-    set(place 0)
-    foreach(source ${files_of_${folder}})
-      math(EXPR group "${place} / ${LEEWAY_UNITY_FILES}")
-      math(EXPR place "${place} + 1")
-      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${group})
-    endforeach()
+    set_source_files_properties(${files_of_${folder}} PROPERTIES UNITY_GROUP ${folder})
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()
