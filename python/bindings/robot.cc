@@ -21,7 +21,7 @@ namespace leeway::python {
 namespace {
 
 template <typename Things>
-std::vector<std::string> namesOf(const Things& things) {
+std::vector<std::string> namesOfThings(const Things& things) {
   std::vector<std::string> names;
   for (const auto& thing : things) names.push_back(thing.name);
   return names;
@@ -45,8 +45,8 @@ std::vector<int> plannedVariables(const robots::Model& model,
   for (const std::string& name : groups)
     if (!robots::isGroup(model, name)) {
       refuseLeftOut("group", name, model.whyLeftOut("group", name));
-      std::vector<std::string> known = namesOf(model.groups);
-      const std::vector<std::string> joints = namesOf(model.joints);
+      std::vector<std::string> known = namesOfThings(model.groups);
+      const std::vector<std::string> joints = namesOfThings(model.joints);
       known.insert(known.end(), joints.begin(), joints.end());
       unknown("group", name, known);
     }
@@ -114,7 +114,7 @@ std::vector<int> chainVariables(const robots::Model& model, const py::object& ch
     for (const py::handle name : chain) {
       const std::string link = py::str(name);
       ends.push_back(model.findLink(link));
-      if (ends.back() < 0) unknown("link", link, namesOf(model.links));
+      if (ends.back() < 0) unknown("link", link, namesOfThings(model.links));
     }
   if (ends.size() != 2)
     throw py::type_error("chain is " + shown(chain) +
@@ -242,7 +242,7 @@ py::array_t<double> poses(const Robot& robot, const py::object& q) {
 
 py::array_t<double> linkPose(const Robot& robot, const std::string& link, const py::object& q) {
   const int index = robot.model->findLink(link);
-  if (index < 0) unknown("link", link, namesOf(robot.model->links));
+  if (index < 0) unknown("link", link, namesOfThings(robot.model->links));
   Rows points = rows(q, "q", robot.size());
   std::vector<double> matrices = released([&] { return linkMatrices(robot, points, index); });
   points.shape.insert(points.shape.end(), {4, 4});
@@ -402,13 +402,14 @@ void defineRobot(py::module_& module) {
       robot, "upper", [](const Robot& self) { return limits(self, true); },
       "Upper limits of the planned joints: (joints,) [rad or m]; inf where there are none.");
   defineConstant(
-      robot, "links", [](const Robot& self) { return listOf(namesOf(self.model->links)); },
+      robot, "links", [](const Robot& self) { return listOf(namesOfThings(self.model->links)); },
       "Names of all links, parents before children.");
   defineConstant(
-      robot, "groups", [](const Robot& self) { return listOf(namesOf(self.model->groups)); },
+      robot, "groups", [](const Robot& self) { return listOf(namesOfThings(self.model->groups)); },
       "Names of the groups that may be planned.");
   defineConstant(
-      robot, "states", [](const Robot& self) { return listOf(namesOf(self.model->group_states)); },
+      robot, "states",
+      [](const Robot& self) { return listOf(namesOfThings(self.model->group_states)); },
       "Names of the SRDF's group states.");
   defineConstant(
       robot, "warnings", [](const Robot& self) { return listOf(self.model->warnings); },

@@ -34,7 +34,7 @@ constexpr int kDeepest = 16;
 constexpr std::size_t kLongestLine = std::size_t{1} << 26U;
 
 // Input and output, for --help. A test checks that all keys of the output are here.
-constexpr const char* kKeys =
+constexpr const char* kGuardKeys =
     R"(Each line of standard input is a request, and is answered at once by one JSON document.
   1.0,0.2,...             a setpoint for each planned joint, in the order of the group, or in that
                           of a first line with their names; more numbers: the setpoints after it
@@ -660,7 +660,7 @@ Verb addGuard(CLI::App& command) {
       ->check(numberFrom(1e-3, 1e6))
       ->capture_default_str();
   app->add_flag("--json", arguments->json, "answers are JSON in any case");
-  app->footer(std::string(kKeys) +
+  app->footer(std::string(kGuardKeys) +
               "\nA line that is wrong stops the robot, and the next ones are read. Exit status 0: "
               "every answer was certified; 1: one was not; 2: a line was wrong.\n"
               "Example:\n  leeway guard problems/moving/wall.yaml <problems/moving/wall.jsonl");

@@ -30,7 +30,7 @@ constexpr std::string_view kLogEnding = ".jsonl";
 constexpr std::string_view kOutputEndings[] = {".csv", kLogEnding};
 
 // The keys of the JSON documents, for --help. A test checks that none is missing.
-constexpr const char* kKeys =
+constexpr const char* kReplanKeys =
     R"(JSON, a document a step (metres, radians, seconds; null: nothing, or nothing known):
   version                 of these documents (docs/json.md)
   step                    from 0
@@ -304,7 +304,7 @@ Verb addReplan(CLI::App& command) {
                 "terminal");
   app->add_flag("--text", arguments->text, "print a table");
   app->footer(
-      std::string(kKeys) +
+      std::string(kReplanKeys) +
       "\nLimits are those of every planning. Exit status 0: in a goal, every step certified.\n"
       "Example:\n  leeway replan problems/deforming/curtain.yaml --text");
   return {app, [arguments] { return runReplan(*arguments); }};
