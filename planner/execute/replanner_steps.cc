@@ -560,7 +560,8 @@ struct Replanner::Impl {
       for (std::size_t i = 0; i < off.size(); ++i) offset[i] += off[i];
       first_edge_known = true;  // no edge of it is taken before the robot rests
     } else {
-      is_lost = moves();  // how it comes to rest from there is not known
+      // How it comes to rest from there is not known, also where it was measured twice in a step.
+      is_lost = is_lost || moves();
       setDrive(nullptr);
       ahead.clear();
       follows = false;

@@ -1,3 +1,4 @@
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,10 +15,12 @@
 namespace leeway::python {
 namespace {
 
-/// A body of the scene that a link carries, and what bounds its motion.
+/// A body of the scene that a link carries, what bounds its motion, and where the last look saw it.
 struct Mover {
   int body, link;
   robots::RelativeMotion motion;
+  collision::PointMotion bounds = {};
+  robots::Pose X_WL = {};
 };
 
 /// Time to impact of a robot in a scene. One thread at a time: `busy` is read and written with the
@@ -29,6 +32,7 @@ struct Monitor {
   std::vector<Mover> movers;
   std::vector<double> velocity_limits, acceleration_limits;  // one a variable of the model
   std::vector<double> q;                                     // the whole configuration
+  double last_time = -std::numeric_limits<double>::infinity();
   bool busy = false;
 
   Monitor(Scene of, std::vector<double> velocities, std::vector<double> accelerations);
@@ -74,8 +78,9 @@ Monitor::Monitor(Scene of, std::vector<double> velocities, std::vector<double> a
     Eigen::Vector3d center;
     double radius = 0;
     boundingBall(bodies[at(body)], center, radius);
-    movers.push_back(
-        {body, link, robots::relativeMotion(model(), link, -1, center, radius, ranges)});
+    movers.push_back({.body = body,
+                      .link = link,
+                      .motion = robots::relativeMotion(model(), link, -1, center, radius, ranges)});
   }
 }
 
@@ -116,21 +121,37 @@ std::unique_ptr<Monitor> makeMonitor(const Scene& scene, const py::object& accel
   return std::make_unique<Monitor>(scene, spread(scene, velocity), spread(scene, acceleration));
 }
 
+/// Whether the body's points may have moved from its last pose to X_WL in `passed` seconds. One
+/// that has moved farther broke the bounds by which its pairs were postponed.
+bool mayHaveMoved(const Mover& mover, const robots::Pose& X_WL, double passed) {
+  const Eigen::Vector3d center = X_WL * mover.motion.center_L - mover.X_WL * mover.motion.center_L;
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(mover.X_WL.rotation.transpose() * X_WL.rotation));
+  const collision::PointMotion& of = mover.bounds;
+  const double farthest =
+      std::min(of.speed_cap * passed, (of.speed + of.acceleration * passed / 2) * passed);
+  return center.norm() + turn.angle() * mover.motion.radius <= farthest;  // false for NaN
+}
+
 /// Where all bodies are, and how fast they may be from now on.
 void placeAll(Monitor& self, double time, std::span<const double> rates) {
   const robots::Model& model = self.model();
   std::vector<robots::Pose> X_WL(model.links.size());
   robots::forwardKinematics(model, self.q, X_WL);
   double reach = 0;
-  for (const Mover& mover : self.movers) {
-    self.workspace.setPose(mover.body, X_WL[at(mover.link)]);
+  for (Mover& mover : self.movers) {
+    if (!mayHaveMoved(mover, X_WL[at(mover.link)], time - self.last_time)) {
+      constexpr double kInfinity = std::numeric_limits<double>::infinity();
+      self.schedule.setMotion(mover.body, {kInfinity, kInfinity, kInfinity}, time);
+    }
+    mover.X_WL = X_WL[at(mover.link)];
+    mover.bounds = robots::pointMotion(model, mover.motion, rates,
+                                       {self.velocity_limits, self.acceleration_limits});
+    self.workspace.setPose(mover.body, mover.X_WL);
     reach = std::max(reach, X_WL[at(mover.link)].translation.norm() + mover.motion.center_L.norm() +
                                 mover.motion.radius);
-    self.schedule.setMotion(mover.body,
-                            robots::pointMotion(model, mover.motion, rates,
-                                                {self.velocity_limits, self.acceleration_limits}),
-                            time);
+    self.schedule.setMotion(mover.body, mover.bounds, time);
   }
+  self.last_time = time;
   self.workspace.pose_error = robots::kinematicsRounding(model, reach * (1 + 1e-9));
 }
 
@@ -144,6 +165,9 @@ Report look(Monitor& self, double time, const py::object& state, const py::objec
   const std::vector<double> speeds = spread(self.scene, numbers(rates, "rates", self.scene.size()));
   if (!std::isfinite(time) || !(horizon >= 0) || std::isinf(horizon))
     throw py::value_error("time must be finite and horizon at least 0 and finite");
+  if (time < self.last_time)
+    throw py::value_error("time: " + text(time) + " s is before the last look, at " +
+                          text(self.last_time) + " s; times never run backwards");
   self.scene.problem.robot().expand(point, self.q);
   Report report{};
   released([&] {
@@ -192,14 +216,15 @@ void defineMonitor(py::module_& module) {
       "How long nothing can touch: looks at a robot in a Scene again and again, and "
       "at those pairs only that are due. For one thread at a time.\n\n"
       "`accelerations` and `velocities` (joints,) are the joints' limits [rad/s^2 or "
-      "m/s^2, rad/s or m/s]; velocities by default those of the URDF. Joints that are "
-      "not planned stand.",
+      "m/s^2, rad/s or m/s]; velocities by default those of the URDF, unlimited where it "
+      "has none. Joints that are not planned stand.",
       makeMonitor);
   define(
       monitor, "look", "(self, time, q, rates, horizon=0.1)",
       "Where the robot is at `time` [s], q (joints,) within the limits, how fast its joints are, "
       "rates (joints,) [rad/s or m/s], and what could come to its margin within `horizon` [s]: "
-      "an Impact. Times must not run backwards.",
+      "an Impact. Times must not run backwards. What has moved farther than its limits allow is "
+      "looked at anew.",
       look);
   defineConstant(
       monitor, "counts",

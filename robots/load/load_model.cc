@@ -317,8 +317,7 @@ void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, RobotDe
   joint.mimic = model.findJoint(master->name);
 }
 
-/// Lowers the limits on the motion of a mimic's master so that the mimic keeps its own. A velocity
-/// of 0 does not limit.
+/// Lowers the limits on the motion of a mimic's master so that the mimic keeps its own.
 void limitMaster(const UrdfJoint& source, RobotDescription& model) {
   const Joint& joint = model.joints[at(model.findJoint(source.name))];
   const int variable = model.joints[at(joint.mimic)].first_variable;
@@ -327,9 +326,7 @@ void limitMaster(const UrdfJoint& source, RobotDescription& model) {
   const double ratio = std::abs(joint.multiplier);
   master.acceleration = std::min(master.acceleration, source.acceleration / ratio);
   master.jerk = std::min(master.jerk, source.jerk / ratio);
-  if (!(source.velocity > 0)) return;
-  const double limit = source.velocity / ratio;
-  master.velocity = master.velocity > 0 ? std::min(master.velocity, limit) : limit;
+  master.velocity = std::min(master.velocity, source.velocity / ratio);
 }
 
 void narrow(Variable& variable, double lower, double upper, const std::string& reason) {
@@ -545,7 +542,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
                  upper = bounded ? joint->upper : kInfinity;
     appendVariables(robot, static_cast<int>(i), Eigen::Vector3d::Constant(lower),
                     Eigen::Vector3d::Constant(upper),
-                    joint != nullptr && joint->has_limit ? joint->velocity : kInfinity);
+                    joint != nullptr ? joint->velocity : kInfinity);
     for (int k = 0; joint != nullptr && k < robot.joints[i].variable_count; ++k) {
       Variable& variable = robot.variables[at(robot.joints[i].first_variable + k)];
       variable.acceleration = joint->acceleration;

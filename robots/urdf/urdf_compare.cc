@@ -90,8 +90,9 @@ bool sameJoint(const UrdfDocument& document, const UrdfJoint& a, const urdf::Joi
       !samePose(a.X_PJ, b.parent_to_joint_origin_transform) ||
       (moves_along_axis && !sameVector(a.axis, b.axis)))
     return false;
-  if (a.has_limit && (b.limits == nullptr || b.limits->lower != a.lower ||
-                      b.limits->upper != a.upper || b.limits->velocity != a.velocity))
+  if (a.has_limit &&
+      (b.limits == nullptr || b.limits->lower != a.lower || b.limits->upper != a.upper ||
+       b.limits->velocity != (std::isinf(a.velocity) ? 0 : a.velocity)))
     return false;
   return !a.has_mimic || (b.mimic != nullptr && b.mimic->joint_name == a.mimic &&
                           b.mimic->multiplier == a.multiplier && b.mimic->offset == a.offset);

@@ -423,9 +423,11 @@ class UrdfReader {
     }
     const char* given = limit.Attribute("velocity");
     const bool is_endless = given != nullptr && parseNumber(given) && !parseFinite(given);
-    joint.velocity = is_endless ? 0 : file_.number(limit, "velocity").value_or(0);
-    if (joint.velocity > 0 && joint.velocity <= kGreatestLimit) return;
-    joint.velocity = 0;
+    const double velocity = is_endless ? 0 : file_.number(limit, "velocity").value_or(0);
+    if (velocity > 0 && velocity <= kGreatestLimit) {
+      joint.velocity = velocity;
+      return;
+    }
     if (moves)
       file_.warn(limit, (given ? "the velocity limit " + inQuotes(given) + " of joint " +
                                      inQuotes(joint.name) + " is taken for none"
@@ -532,7 +534,7 @@ class UrdfReader {
     XMLElement* limit = element.FirstChildElement("limit");
     if (limit == nullptr) return;
     limit->SetAttribute("effort", "0");
-    if (joint.velocity == 0) limit->SetAttribute("velocity", "0");
+    if (std::isinf(joint.velocity)) limit->SetAttribute("velocity", "0");
   }
 
   void keepShapes(XMLElement& link) {

@@ -1,6 +1,7 @@
 """Plans, proofs, files and times, as a user of the command has them."""
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -479,6 +480,54 @@ def test_a_monitor_is_safe_and_looks_at_little(robot, world):
     fast = leeway.Monitor(scene, accelerations=[0] * 7, velocities=[0.1] * 7).look(0.0, q, [1] * 7)  # beyond its limits
     assert fast.safe_until == pytest.approx(slow.safe_until / 10, rel=1e-3)
     assert leeway.time_to_impact(1.0, 2.0) == pytest.approx(0.5) and leeway.time_to_impact(1.0, float("nan")) == 0
+
+
+SLIDE = """<robot name="slide"><link name="base"/>
+<link name="car"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+<joint name="x" type="prismatic"><parent link="base"/><child link="car"/><axis xyz="1 0 0"/>{}</joint></robot>"""
+
+
+def slide_before_a_wall(folder, limit):
+    """A car of 10 cm at 0 on a rail of 5 m, 1.9 m from a wall."""
+    (folder / "slide.urdf").write_text(SLIDE.format(limit))
+    world = leeway.World()
+    world.add_box("wall", (0.1, 1, 1), position=(2, 0, 0))
+    return leeway.Robot(str(folder / "slide.urdf")), world
+
+
+@pytest.mark.parametrize("limit", ["", 'velocity="0"', 'velocity="-1"', 'velocity="inf"'])
+def test_a_monitor_takes_no_velocity_limit_for_rest(tmp_path, limit):
+    robot, world = slide_before_a_wall(tmp_path, f'<limit lower="0" upper="5" effort="1" {limit}/>')
+    scene = leeway.Scene(robot, world)
+    for rate, truth in ((0, math.sqrt(2 * 1.9 / 10)), (0.1, 0.60653)):  # 10 m/s^2 over 1.9 m
+        found = leeway.Monitor(scene, accelerations=[10]).look(0, [0], [rate])
+        assert 0.99 * truth < found.safe_until <= truth
+
+
+def test_a_monitor_looks_anew_where_a_measurement_breaks_its_bounds(tmp_path):
+    robot, world = slide_before_a_wall(tmp_path, '<limit lower="0" upper="5" effort="1" velocity="1"/>')
+    scene = leeway.Scene(robot, world)
+    for later in (0, 0.01):
+        monitor = leeway.Monitor(scene, accelerations=[1])
+        assert monitor.look(10, [0], [1]).safe_until == pytest.approx(11.9, abs=0.05)
+        assert monitor.look(10 + later, [1.5], [1]).safe_until <= 10 + later + 0.4  # it jumped 1.5 m
+    with pytest.raises(ValueError, match="10.0 s is before the last look, at 10.01 s"):
+        monitor.look(10, [1.5], [1])
+
+
+def test_a_body_measured_twice_in_motion_is_as_lost_as_one_measured_once():
+    body = leeway.Robot.free_body("b", [leeway.Shape.box([0.1, 0.1, 0.1])], lower=[-1, -1, -1], upper=[3, 1, 1])
+    world = leeway.World()
+    world.add_box("wall", (0.1, 1, 1), position=(5, 0, 0))
+    for times in (1, 2):
+        replanner = leeway.Replanner(body, world, start=[0, 0, 0, 0, 0, 0, 1], goal=[2.5, 0, 0, 0, 0, 0, 1], time=2)
+        for _ in range(4):
+            step = replanner.step()
+        assert step.certified
+        before = np.array(replanner.state)
+        for k in range(times):
+            replanner.state = before + np.array([0, 1e-3 * (k + 1), 0, 0, 0, 0, 0])
+        assert not replanner.step().certified
 
 
 def test_a_condition_in_python_restricts_the_search(robot, world):

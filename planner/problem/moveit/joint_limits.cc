@@ -156,7 +156,7 @@ class JointLimits {
                                    value->where()));
       }
     const double own = model_->variables[at(master.first_variable)].velocity;
-    if (velocity && *velocity > own && own > 0 && !is_shared)
+    if (velocity && *velocity > own && !is_shared)
       warn(*entry.find("max_velocity"),
            fmt::format("{} is {}, above {} of the robot's file, and is taken in its place",
                        entry.find("max_velocity")->where(), *velocity * ratio, own * ratio));
@@ -164,7 +164,7 @@ class JointLimits {
       robots::Variable& variable = model_->variables[at(master.first_variable + k)];
       const auto take = [&](double& held, const std::optional<double>& given) {
         if (!given) return;
-        held = is_shared && held > 0 ? std::min(held, *given) : *given;
+        held = is_shared ? std::min(held, *given) : *given;
       };
       take(variable.velocity, velocity);
       take(variable.acceleration, acceleration);
