@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -21,6 +22,17 @@ namespace leeway::tools::testing {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+/// Adds the keys of a document and of all that is nested in it.
+inline void collectKeys(const json& value, std::set<std::string>& keys) {
+  if (value.is_array())
+    for (const json& entry : value) collectKeys(entry, keys);
+  if (!value.is_object()) return;
+  for (const auto& [key, below] : value.items()) {
+    keys.insert(key);
+    collectKeys(below, keys);
+  }
+}
 
 struct Answer {
   int status = -1;

@@ -28,15 +28,6 @@ std::string towardsThePost(int count) {
   return rows.dump();
 }
 
-/// Keys of a document and of its nested values.
-void collectKeys(const json& value, std::set<std::string>& keys) {
-  if (!value.is_object()) return;
-  for (const auto& [key, below] : value.items()) {
-    keys.insert(key);
-    collectKeys(below, keys);
-  }
-}
-
 TEST_F(GuardVerb, AnswersEachLine) {
   const Answer answer = guard("reach.yaml", towardsThePost(30) + "\n\n# nothing\n[]\n");
   EXPECT_EQ(answer.status, 0) << answer.err;

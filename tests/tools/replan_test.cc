@@ -72,17 +72,6 @@ TEST_F(Replan, TellsEveryStepAndTheEnd) {
   EXPECT_EQ(csv.substr(csv.find('\n') + 1, 6), "0,-1,0");
 }
 
-/// Keys of a document and its nested values, including "obstacles[]".
-void collectKeys(const json& value, std::set<std::string>& keys) {
-  if (value.is_array())
-    for (const json& entry : value) collectKeys(entry, keys);
-  if (!value.is_object()) return;
-  for (const auto& [key, below] : value.items()) {
-    keys.insert(key);
-    collectKeys(below, keys);
-  }
-}
-
 TEST_F(Replan, HelpTellsEveryKey) {
   const std::vector<json> lines = run("replan gate.yaml").lines();
   ASSERT_GT(lines.size(), 2u);
