@@ -313,7 +313,12 @@ class RobotLanesBuilder {
     addCover(*cover, X_FG, lane);
     for (const collision::CoverPart& part : cover->parts)
       lane.parts.push_back({placed(X_FG, part.ball), placedPoints(X_FG, part.points)});
-    lane.reach = reachOf(lane) + (place.frame < 0 ? 0 : reach_[at(place.frame)]);
+    lane.reach = reachOf(lane);
+    if (place.frame >= 0) {
+      lane.reach += reach_[at(place.frame)];
+      // No ball holds a half-space: lanes would take one that moves for near nothing.
+      if (!std::isfinite(outer.radius)) lane.reach = kInfinity;
+    }
     result.reach = lane.reach;
     result.piece = lanes_.sweep.addPiece(lane);
     if (place.frame < 0 || lane.cover.empty()) return;

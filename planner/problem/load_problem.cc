@@ -289,6 +289,10 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
                       "one of them is expected",
                       name.text()));
     attachment = readAttachment(*attach, *problem.robot.model);
+    if (!(extentOf(object) < kInfinity))
+      attach->fail(fmt::format(
+          "'{}' has a half-space, which is not held; shapes of bounded size are expected",
+          name.text()));
   });
   if (!is_held) {
     problem.world.objects.push_back(std::move(object));

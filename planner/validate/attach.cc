@@ -63,6 +63,10 @@ Problem attached(const Problem& problem, const std::string& object, const std::s
   if (found->cloud)
     throw std::invalid_argument("object '" + object +
                                 "' is a point cloud: only objects with shapes can be attached");
+  if (!(extentOf(*found) < kInfinity))
+    throw std::invalid_argument("'" + object +
+                                "' has a half-space, which is not held; shapes of bounded size are "
+                                "expected");
   Attachment attachment;
   attachment.link = requireLink(*problem.robot.model, link);
   for (const std::string& touch : touch_links)

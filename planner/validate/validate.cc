@@ -93,6 +93,10 @@ void checkCarried(const Problem& problem) {
       refuse(problem, fmt::format("{}.object.cloud: '{}' is a point cloud, which is not held; "
                                   "shapes are expected",
                                   where(), held.object.name));
+    if (!(extentOf(held.object) < kInfinity))
+      refuse(problem, fmt::format("{}.object: '{}' has a half-space, which is not held; shapes of "
+                                  "bounded size are expected",
+                                  where(), held.object.name));
   }
   for (std::size_t i = 0; i < problem.robot.frames.size(); ++i) {
     const Frame& frame = problem.robot.frames[i];

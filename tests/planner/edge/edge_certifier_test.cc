@@ -881,6 +881,23 @@ TEST(EdgeCertifier, WhatCannotBeIsUndecided) {
   EXPECT_EQ(sliding.certify(home, wall).verdict, Verdict::kUndecided);
 }
 
+// No ball holds a half-space. Robots that only slide bound its motion.
+TEST(EdgeCertifier, AHalfSpaceOnALinkThatSlidesIsNeverOverlooked) {
+  auto robot = robots::testing::chain(
+      2, robots::JointType::kPrismatic, 2, [](int i, robots::Link& link, robots::Joint& joint) {
+        joint.axis = Eigen::Vector3d::UnitZ();
+        if (i == 1) link.geometries.push_back({collision::Shape::halfSpace(), {}, link.name});
+      });
+  const auto model = std::make_shared<robots::Model>(std::move(robot));
+  Problem problem = test::problemOf(model, {-1}, {1});
+  problem.world.objects.push_back(test::box("crate", {0.5, 0.5, 0.5}, 0, 0, 0.6));
+  EdgeCertifier certifier(std::make_shared<const CompiledScene>(problem));
+  const std::vector<double> below{-1}, within{0.5}, above{1.5};
+  EXPECT_NE(certifier.certify(below, above).verdict, Verdict::kFree);
+  EXPECT_NE(certifier.decide(within), Verdict::kFree);
+  EXPECT_NE(certifier.decide(above), Verdict::kFree);
+}
+
 // When a continuous joint wraps, a mimic of half its angle would jump.
 TEST(EdgeCertifier, AMimicThatWouldJumpIsUndecided) {
   auto robot = robots::testing::chain(

@@ -128,6 +128,12 @@ std::vector<Mistake> robotMistakes() {
          p.robot.attachments = {held("part")};
          p.robot.attachments[0].touch_links = {12};
        }},
+      {"held_half_space",
+       [](P& p) {
+         p.robot.attachments = {held("wall")};
+         p.robot.attachments[0].object.geometries[0].shape = collision::Shape::halfSpace();
+       },
+       {{"objects", "[{name: wall, half_space: {}, attach: {link: hand}}]"}}},
       {"held_nowhere",
        [](P& p) {
          p.robot.attachments = {held("part")};
@@ -426,6 +432,14 @@ std::vector<Mistake> stepMistakes() {
          steps(p, {{"drop", DetachStep{"post"}, {}}});
        },
        {{"steps", "[{detach: post}]"}}},
+      {"step_takes_half_space",
+       [](P& p) {
+         p.world.objects.push_back(
+             {"wall", {{collision::Shape::halfSpace(), {}, "wall"}}, test::at(0, 0, -1)});
+         steps(p, {{"take", AttachStep{"wall", "hand", {}}, {}}});
+       },
+       {{"objects", "[{name: wall, half_space: {}, position: [0, 0, -1]}]"},
+        {"steps", "[{attach: {object: wall, link: hand}}]"}}},
       {"step_takes_twice",
        [](P& p) {
          steps(p, {{"take", AttachStep{"post", "hand", {}}, {}},
