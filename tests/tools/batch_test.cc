@@ -330,6 +330,18 @@ TEST_F(Batch, TheWholeCountsEveryStage) {
       << answer.err;
 }
 
+TEST_F(Batch, PoseGoalsMoveAllArms) {
+  const std::string problems = sourceFolder() + "/problems/";
+  Answer answer = run("batch " + problems + "dual_arm/swap.yaml --pose-goals");
+  ASSERT_EQ(answer.status, 0) << answer.err;
+  const json rows = answer.lines()[0]["path"]["positions"];
+  for (std::size_t joint = 0; joint < 12; joint += 6)
+    EXPECT_GT(std::abs(rows.back()[joint].get<double>() - rows[0][joint].get<double>()), 0.1);
+  answer = run("batch " + problems + "pick_place/can.yaml --pose-goals");
+  EXPECT_EQ(answer.status, 2);
+  EXPECT_NE(answer.err.find("--pose-goals is for problems with goals"), std::string::npos);
+}
+
 TEST_F(Batch, ResumeTriesBadInputAgain) {
   write("late/1.yaml", "leeway: 1\n");
   write("late/arm.urdf", kUrdf);

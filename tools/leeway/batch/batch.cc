@@ -24,6 +24,7 @@
 #include "leeway/planner/planners.h"
 #include "leeway/planner/task.h"
 #include "leeway/planner/verify.h"
+#include "leeway/robots/groups.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/stopped.h"
@@ -104,12 +105,26 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
-/// Replaces goals that are single configurations by the poses that the last moved link has there.
-/// This turns them into the same tasks for inverse kinematics.
-void posesForGoals(planner::Problem& problem) {
+/// The last links that the planned joints move: together they are moved by all of these.
+std::vector<int> lastLinks(const planner::Problem& problem) {
   const robots::Model& model = *problem.robot.model;
-  const int link =
-      model.joints[at(model.variables[at(problem.robot.variables.back())].joint)].child_link;
+  const std::vector<int>& planned = problem.robot.variables;
+  std::vector<int> links;
+  for (auto v = planned.rbegin(); v != planned.rend(); ++v)
+    if (std::none_of(links.begin(), links.end(), [&](int link) {
+          return robots::movesLink(model, {&*v, 1}, link);
+        }))
+      links.push_back(model.joints[at(model.variables[at(*v)].joint)].child_link);
+  return links;
+}
+
+/// Replaces goals that are single configurations by the poses that the last moved links have there.
+/// This turns them into the same tasks for inverse kinematics.
+void posesForGoals(planner::Problem& problem, const std::string& file) {
+  if (!problem.steps.empty())
+    throw robots::InputError(file, 0, "it has steps; --pose-goals is for problems with goals");
+  const robots::Model& model = *problem.robot.model;
+  const std::vector<int> links = lastLinks(problem);
   std::vector<robots::Pose> X_WL(model.links.size());
   for (planner::Goal& goal : problem.goals) {
     std::vector<double> q = problem.start;
@@ -120,7 +135,9 @@ void posesForGoals(planner::Problem& problem) {
     }
     if (!single) continue;
     robots::forwardKinematics(model, q, X_WL);
-    goal = {goal.name, {}, {robots::PoseRegion::exact(link, {}, {}, X_WL[at(link)])}};
+    goal = {goal.name, {}, {}};
+    for (const int link : links)
+      goal.poses.push_back(robots::PoseRegion::exact(link, {}, {}, X_WL[at(link)]));
   }
 }
 
@@ -154,7 +171,7 @@ planner::Problem load(const Arguments& arguments, Shared& shared, const BatchIte
   add(problem.warnings);
   outcome.line["files"] = shared.robot_files;
   outcome.line["files"].update(shared.digests.of(files.paths()));
-  if (arguments.pose_goals) posesForGoals(problem);
+  if (arguments.pose_goals) posesForGoals(problem, item.problem);
   return planner::placeStart(problem);
 }
 
