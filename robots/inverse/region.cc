@@ -241,13 +241,10 @@ PoseRegion PoseRegion::exact(int link, const Pose& X_LF, const Pose& X_WR, const
   PoseRegion region;
   region.link = link;
   region.X_LF = X_LF;
-  region.X_WR = X_WR;
-  const Eigen::Vector3d angles = rollPitchYaw(X_RF.rotation);
-  for (int k = 0; k < 3; ++k) {
-    const std::size_t i = at(k);
-    region.position[i] = {X_RF.translation(k), X_RF.translation(k)};
-    region.rpy[i] = {angles(k), angles(k)};
-  }
+  // Angles say less than a rotation: near a pitch of 90 degrees they are 1e-7 off.
+  region.X_WR = X_WR * X_RF;
+  region.position.fill({0, 0});
+  region.rpy.fill({0, 0});
   return region;
 }
 

@@ -64,8 +64,10 @@ robots::PoseRegion parseRegion(const IkArguments& arguments, int link) {
       badUsage(fmt::format("--quaternion: its length is {}; a rotation's is 1", norm));
     const Eigen::Matrix3d R =
         Eigen::Quaterniond(q[3] / norm, q[0] / norm, q[1] / norm, q[2] / norm).toRotationMatrix();
-    const Eigen::Vector3d angles = robots::rollPitchYaw(R);
-    for (int k = 0; k < 3; ++k) region.rpy[static_cast<std::size_t>(k)] = {angles(k), angles(k)};
+    // The frame that turns back by R stands as the world does. Angles say less than a rotation:
+    // near a pitch of 90 degrees they are 1e-7 off.
+    region.X_LF.rotation = R.transpose();
+    region.rpy.fill({0, 0});
     return region;
   }
   for (std::size_t k = 0; k < 3; ++k)

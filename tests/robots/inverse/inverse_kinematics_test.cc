@@ -99,6 +99,28 @@ TEST(InverseKinematics, SolvesPosesOfRandomConfigurations) {
   }
 }
 
+// Roll, pitch and yaw near a pitch of 90 degrees are 1e-7 off: this arm's own poses were proven out
+// of its reach.
+TEST(InverseKinematics, PosesThatPointStraightDown) {
+  auto arm = testing::chain(3, JointType::kRevolute, 3, [](int i, Link&, Joint& joint) {
+    joint.axis = Eigen::Vector3d::UnitY();
+    joint.X_PJ = {rotationOf({0, 0, i == 1 ? 0.7 : 0.0}), {i == 2 ? 0.5 : 0.0, 0, 0}};
+  });
+  const auto model = std::make_shared<const Model>(std::move(arm));
+  const InverseKinematics ik(model, allVariables(*model));
+  const std::vector<double> start(2, 0);
+  Random random(3);
+  for (const double off : {1e-15, 1e-13, 1e-12, 1e-11, 3e-11, 1e-10, 1e-8})
+    for (int i = 0; i < 40; ++i) {
+      const double a = random.uniform(-1, 1), down = i % 2 == 0 ? M_PI / 2 : -M_PI / 2;
+      const std::vector<double> q{a, down - a + (i % 4 < 2 ? off : -off)};
+      const std::vector<PoseRegion> regions = {PoseRegion::exact(2, {}, {}, placed(*model, q, 2))};
+      const IkResult result = ik.solve(regions, start);
+      ASSERT_EQ(result.status, IkStatus::kFound) << off << " " << i;
+      expectSolves(ik, regions, start, result.solutions.front());
+    }
+}
+
 TEST(InverseKinematics, SolvesTreesOfAllJointTypes) {
   Random random(11);
   int tried = 0, found = 0;

@@ -127,7 +127,7 @@ TEST(ReachProof, WhatJointsCannotDo) {
   EXPECT_TRUE(prove(*body, region, 10'000).proven);
   region = PoseRegion::exact(0, {}, {}, {rotationOf({0.1, 0, 0}), Eigen::Vector3d::Zero()});
   EXPECT_TRUE(prove(*body, region, 10'000).proven);  // nor tilts,
-  region.rpy[0] = {0, 0.1};
+  region.rpy[0] = {-0.1, 0};
   EXPECT_FALSE(prove(*body, region, 10'000).proven);
   region.position[0] = {1.01, 2};  // and its x ends at 1
   EXPECT_TRUE(prove(*body, region, 10'000).proven);

@@ -24,7 +24,7 @@ struct PoseRegion {
   /// W is the frame of this link, and the region moves with it; -1: the world.
   int base = -1;
 
-  /// The region that holds X_RF alone.
+  /// The region that holds X_RF alone: its frame R is X_WR * X_RF, and its ranges are 0 there.
   static PoseRegion exact(int link, const Pose& X_LF, const Pose& X_WR, const Pose& X_RF);
 };
 
