@@ -187,6 +187,16 @@ std::vector<double> statePoint(const Problem& problem, const py::object& state) 
   }
   planner::Problem at_state = *problem;
   setStart(at_state, state);
+  for (std::size_t v = 0; v < at_state.start.size(); ++v) {
+    const std::vector<int>& planned = problem->robot.variables;
+    if (at_state.start[v] == problem->start[v] ||
+        std::find(planned.begin(), planned.end(), static_cast<int>(v)) != planned.end())
+      continue;
+    throw py::value_error("the state gives joint '" + problem->robot.model->variables[v].name +
+                          "' the value " + text(at_state.start[v]) +
+                          "; it is not planned and stands at " + text(problem->start[v]) +
+                          ", as others says");
+  }
   if (at_state.start_poses.empty()) return startPoint(at_state);
   return startPoint(
       released([&] { return planner::placedAt(at_state, at_state.start_poses, "the state"); }));

@@ -120,27 +120,49 @@ void setMargins(planner::Problem& problem, const py::object& value) {
 
 py::object getWishes(const planner::Problem& problem) {
   py::dict wishes;
-  for (const planner::Wish& wish : problem.margins.wishes)
-    wishes[sidesOf(wish.pairs)] = py::make_tuple(wish.clearance, wish.weight);
+  for (const planner::Wish& wish : problem.margins.wishes) {
+    const py::tuple key = sidesOf(wish.pairs), entry = py::make_tuple(wish.clearance, wish.weight);
+    if (!wishes.contains(key)) {
+      wishes[key] = entry;
+      continue;
+    }
+    // Of two wishes for the same pairs both count.
+    const py::object before = wishes[key];
+    py::list all = py::isinstance<py::list>(before) ? before.cast<py::list>() : py::list();
+    if (all.empty()) all.append(before);
+    all.append(entry);
+    wishes[key] = all;
+  }
   return wishes;
 }
 
 void setWishes(planner::Problem& problem, const py::object& value) {
+  std::map<NamePairs, std::string> names;  // as read back
+  for (const planner::Wish& wish : problem.margins.wishes) names[wish.pairs] = wish.name;
   std::vector<planner::Wish> wishes;
   for (const auto& [key, entry] : dictOf(value, "wishes")) {
-    planner::Wish wish;
-    auto given = py::reinterpret_borrow<py::object>(entry);
-    if (py::isinstance<py::tuple>(given)) {
-      const auto pair = py::reinterpret_borrow<py::tuple>(given);
-      if (pair.size() != 2)
-        throw py::type_error("wishes: " + shown(given) + "; (clearance, weight) is expected");
-      wish.weight = number(pair[1], "wishes: a weight");
-      given = pair[0];
+    const NamePairs pairs = namePairs(problem, key, "wishes");
+    const auto named = names.find(pairs);
+    const auto add = [&](py::object given) {
+      planner::Wish wish;
+      if (py::isinstance<py::tuple>(given)) {
+        const auto pair = py::reinterpret_borrow<py::tuple>(given);
+        if (pair.size() != 2)
+          throw py::type_error("wishes: " + shown(given) + "; (clearance, weight) is expected");
+        wish.weight = number(pair[1], "wishes: a weight");
+        given = pair[0];
+      }
+      wish.clearance = number(given, "wishes: a clearance");
+      wish.pairs = pairs;
+      wish.name = named == names.end() ? textOf(key) : named->second;
+      wishes.push_back(std::move(wish));
+    };
+    if (!py::isinstance<py::list>(entry)) {
+      add(py::reinterpret_borrow<py::object>(entry));
+      continue;
     }
-    wish.clearance = number(given, "wishes: a clearance");
-    wish.pairs = namePairs(problem, key, "wishes");
-    wish.name = textOf(key);
-    wishes.push_back(std::move(wish));
+    for (const py::handle one : py::reinterpret_borrow<py::list>(entry))
+      add(py::reinterpret_borrow<py::object>(one));
   }
   problem.margins.wishes = std::move(wishes);
 }
@@ -155,15 +177,19 @@ py::object getOthers(const planner::Problem& problem) {
   return values;
 }
 
+/// What is left out stands where a robot stands by default.
 void setOthers(planner::Problem& problem, const py::object& value) {
+  std::vector<double> q = problem.robot.model->defaultConfiguration();
+  for (const int variable : problem.robot.variables) q[at(variable)] = problem.start[at(variable)];
   for (const auto& [name, number_of] : dictOf(value, "others")) {
     const std::string joint = py::str(name);
     const int variable = variableOf(problem, joint);
     const std::vector<int>& planned = problem.robot.variables;
     if (std::find(planned.begin(), planned.end(), variable) != planned.end())
       throw py::value_error("joint '" + joint + "' is planned; its value belongs to start");
-    problem.start[at(variable)] = number(number_of, ("others: " + joint).c_str());
+    q[at(variable)] = number(number_of, ("others: " + joint).c_str());
   }
+  problem.start = std::move(q);
 }
 
 const char* wordOf(planner::Pairs pairs) {
@@ -627,6 +653,8 @@ void Problem::takeChanges(const std::string& except) const {
     if (!changed) changed = std::make_shared<planner::Problem>(*value_);
     if (setting.name == "margins") putChangedLast(found->second.object, getMargins(*value_));
     setValue(setting, *changed, found->second.object);
+    // What was deleted is a joint's own value again.
+    if (setting.name == "others") refill(found->second.object, getOthers(*changed));
   }
   if (!changed) return;
   value_ = std::move(changed);
@@ -684,12 +712,17 @@ void Problem::set(const Setting& setting, const py::object& value) {
     throw py::attribute_error("'" + name +
                               "' is of a problem that was compiled or answered; copy() gives one "
                               "to change");
-  takeChanges(replaced);
-  planner::Problem changed = *value_;
-  setValue(setting, changed, value);
-  replaceEnds(name, changed);
-  placeStart(changed);
-  planner::validate(changed);
+  planner::Problem changed;
+  std::shared_ptr<const planner::Problem> before;
+  do {  // again where another thread changed the problem while a start of poses was placed
+    takeChanges(replaced);
+    before = value_;
+    changed = *before;
+    setValue(setting, changed, value);
+    replaceEnds(name, changed);
+    placeStart(changed);
+    planner::validate(changed);
+  } while (value_ != before);
   // An attribute that is set is another object, as in all of Python: who keeps the old one can set
   // it again.
   const auto old = handed_out_.find(name);

@@ -106,48 +106,74 @@ void withObject(AnyWorld& world, const std::string& name, const Use& use) {
   unknown(name);
 }
 
-/// The poses of set_motion()'s arguments; null: it was only seen.
-std::shared_ptr<const collision::PoseMotion> posesOf(const Object& object, const py::object& times,
-                                                     const py::object& poses,
-                                                     const py::object& velocity,
-                                                     const py::object& turning,
-                                                     const py::object& time) {
-  const bool is_steady = !velocity.is_none() || !turning.is_none();
-  if (times.is_none() != poses.is_none())
-    throw py::value_error(std::string(times.is_none() ? "poses" : "times") +
-                          " stand alone; times and poses are expected");
-  if (!times.is_none()) {
-    if (is_steady || !time.is_none())
+/// What set_motion()'s arguments say. They are read before the object is looked up: reading may run
+/// code in Python that changes the world.
+struct MotionGiven {
+  std::optional<std::vector<collision::PoseMotion::Key>> keys;
+  bool is_steady = false;
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), turning = Eigen::Vector3d::Zero();
+  std::optional<double> time;
+
+  MotionGiven(const py::object& times, const py::object& poses, const py::object& velocities,
+              const py::object& turn, const py::object& at_time)
+      : is_steady(!velocities.is_none() || !turn.is_none()) {
+    if (times.is_none() != poses.is_none())
+      throw py::value_error(std::string(times.is_none() ? "poses" : "times") +
+                            " stand alone; times and poses are expected");
+    if (!times.is_none()) {
+      if (is_steady || !at_time.is_none())
+        throw py::value_error(
+            "times and poses stand beside velocity, turning or time; one of them is expected");
+      readKeys(times, poses);
+    }
+    if (!is_steady && !keys && !at_time.is_none())
       throw py::value_error(
-          "times and poses stand beside velocity, turning or time; one of them is expected");
+          "time stands without velocity or turning; age is expected, of a pose that was seen");
+    if (!at_time.is_none()) time = number(at_time, "time");
+    if (!velocities.is_none()) velocity = vector3(velocities, "velocity");
+    if (!turn.is_none()) turning = vector3(turn, "turning");
+  }
+
+  void readKeys(const py::object& times, const py::object& poses) {
     const Rows at = scalars(times, "times");
     if (!py::isinstance<py::sequence>(poses) && !py::hasattr(poses, "__getitem__"))
       throw py::type_error("poses is no list; a pose for each time is expected");
-    std::vector<collision::PoseMotion::Key> keys;
+    keys.emplace();
     for (const py::handle each : py::reinterpret_borrow<py::object>(poses)) {
-      if (keys.size() == at.values.size()) break;
-      keys.push_back({at.values[keys.size()], pose(each, "poses")});
+      if (keys->size() == at.values.size()) break;
+      keys->push_back({at.values[keys->size()], pose(each, "poses")});
     }
-    if (keys.size() != at.values.size() || py::len(poses) != keys.size())
+    if (keys->size() != at.values.size() || py::len(poses) != keys->size())
       throw py::value_error("times and poses differ in number; a pose for each time is expected");
-    return collision::PoseMotion::keys(std::move(keys));
   }
-  if (!is_steady) {
-    if (!time.is_none())
-      throw py::value_error(
-          "time stands without velocity or turning; age is expected, of a pose that was seen");
-    return nullptr;
+
+  /// The poses of an object that execution finds at `start`; null: it was only seen.
+  std::shared_ptr<const collision::PoseMotion> posesOf(const Object& object, double start) const {
+    if (keys) return collision::PoseMotion::keys(*keys);
+    if (!is_steady) return nullptr;
+    double from = time.value_or(0);
+    if (!time && object.motion && object.motion->poses) {
+      const collision::Pose X_WO = object.motion->poses->pose(start);
+      if (X_WO.translation != object.X_WO.translation || X_WO.rotation != object.X_WO.rotation)
+        throw py::value_error("'" + object.name +
+                              "' moves already; the time at which it is at its present pose is "
+                              "expected");
+      from = start;
+    }
+    return collision::PoseMotion::steady({from, object.X_WO}, velocity, turning);
   }
-  const Eigen::Vector3d still = Eigen::Vector3d::Zero();
-  return collision::PoseMotion::steady({time.is_none() ? 0 : number(time, "time"), object.X_WO},
-                                       velocity.is_none() ? still : vector3(velocity, "velocity"),
-                                       turning.is_none() ? still : vector3(turning, "turning"));
-}
+};
 
 void setMotion(World& world, const std::string& name, const py::object& times,
                const py::object& poses, const py::object& velocity, const py::object& turning,
                const py::object& time, const py::object& speed_bound, const py::object& turn_bound,
                const py::object& age, const py::object& start) {
+  const MotionGiven given(times, poses, velocity, turning, time);
+  planner::ObjectMotion motion;
+  motion.speed_bound = speedBoundOf(speed_bound);
+  motion.turn_bound = speedBoundOf(turn_bound, "turn_bound");
+  motion.age = number(age, "age");
+  const double begin = number(start, "start");
   const auto named = [&](const Object& object) { return object.name == name; };
   const auto& objects = world.value.objects;
   const auto found = std::find_if(objects.begin(), objects.end(), named);
@@ -155,12 +181,8 @@ void setMotion(World& world, const std::string& name, const py::object& times,
     if (!world.has(name)) unknown(name);
     throw py::value_error("'" + name + "' deforms; a rigid object is expected");
   }
-  planner::ObjectMotion motion;
-  motion.poses = posesOf(*found, times, poses, velocity, turning, time);
-  motion.speed_bound = speedBoundOf(speed_bound);
-  motion.turn_bound = speedBoundOf(turn_bound, "turn_bound");
-  motion.age = number(age, "age");
-  Object moving = planner::movingObject(*found, motion, number(start, "start"));
+  motion.poses = given.posesOf(*found, begin);
+  const Object moving = planner::movingObject(*found, motion, begin);
   for (Object& object : world.change().objects)
     if (named(object)) object = moving;
 }
@@ -519,8 +541,9 @@ void defineWorld(py::module_& module) {
       "speed_bound=None, turn_bound=None, age=0.0, start=0.0)",
       "Says how an object moves, for Replanner and Guard; plans see it as it is at `start`, which "
       "is the setting start_time [s]. Through `poses` at `times` [s], straight and by the shorter "
-      "turn between them; or from its pose at `time` (default 0) at a constant `velocity` [m/s] "
-      "and `turning` (3,) [rad/s] in the world; or without these it was only seen at its pose, "
+      "turn between them; or from its pose at `time` (default 0; of one that moves already, "
+      "`start`) at a constant `velocity` [m/s] and `turning` (3,) [rad/s] in the world; or without "
+      "these it was only seen at its pose, "
       "`age` [s] before `start`. `speed_bound` [m/s] of its origin (of a cloud: of its points) and "
       "`turn_bound` [rad/s] hold where its motion is not known.",
       setMotion);

@@ -451,7 +451,7 @@ def test_a_guard_and_a_replanner_follow_objects_that_move(robot):
     with pytest.raises(ValueError, match="set_motion"):
         world.move("cart", (1, 0, 0))
     world.set_motion("cart", velocity=(0, 0.1, 0), turning=(0, 0, 1), start=1)
-    assert world.pose("cart")[1, 3] == pytest.approx(0.35)
+    assert world.pose("cart")[1, 3] == pytest.approx(0.25)
     for wrong in (dict(times=[0]), dict(poses=[(0, 0, 0)]), dict(times=[0, 1], poses=[(0, 0, 0)]), dict(times=[0], poses=[(0, 0, 0)], velocity=(0, 0, 1)),
                   dict(time=1), dict(velocity=(0, 0, 1), age=1), dict(speed_bound=-1), dict(turn_bound=-1), dict(age=-1), dict(velocity=(0, 1)),
                   dict(times=[1, 1], poses=[(0, 0, 0), (0, 0, 1)])):
@@ -459,6 +459,33 @@ def test_a_guard_and_a_replanner_follow_objects_that_move(robot):
             world.set_motion("cart", **wrong)
     with pytest.raises(KeyError):
         world.set_motion("nothing", velocity=(0, 0, 1))
+
+
+def test_a_motion_given_again_goes_on_from_where_the_object_is():
+    world = leeway.World()
+    world.add_box("cart", (0.1, 0.1, 0.1), position=(0, -3, 0))
+    for _ in range(2):
+        world.set_motion("cart", velocity=(0, 1, 0), start=3)
+        assert world.pose("cart")[1, 3] == 0
+    with pytest.raises(ValueError, match="moves already; the time at which it is at its present pose"):
+        world.set_motion("cart", velocity=(0, 2, 0))
+    world.set_motion("cart", velocity=(0, 2, 0), time=3)
+    assert world.pose("cart")[1, 3] == -6
+
+
+def test_a_world_may_change_while_a_motion_is_read():
+    world = leeway.World()
+    for i in range(50):
+        world.add_box(f"box {i}", (0.1, 0.1, 0.1), position=(i, 0, 0))
+
+    class Age:
+        def __float__(self):
+            for i in range(50):
+                world.remove(f"box {i}")
+            return 1.0
+
+    with pytest.raises(KeyError):
+        world.set_motion("box 49", speed_bound=1, age=Age())
 
 
 def test_a_monitor_is_safe_and_looks_at_little(robot, world):
@@ -528,6 +555,44 @@ def test_a_body_measured_twice_in_motion_is_as_lost_as_one_measured_once():
         for k in range(times):
             replanner.state = before + np.array([0, 1e-3 * (k + 1), 0, 0, 0, 0, 0])
         assert not replanner.step().certified
+
+
+def test_a_state_gives_no_value_to_a_joint_that_others_holds(robot, world):
+    problem = leeway.Problem(robot, world, "ready", others={"finger_joint": 0.02})
+    state = dict(zip(robot.joint_names, robot.state("ready")))
+    assert leeway.check(problem, state=state | {"finger_joint": 0.02}).verdict == leeway.check(problem, state=state).verdict
+    scene = leeway.Scene(problem)
+    for ask in (lambda s: leeway.check(problem, state=s), scene.check, lambda s: problem.attach("post", "hand", state=s)):
+        with pytest.raises(ValueError, match="gives joint 'finger_joint' the value 0.03; it is not planned and stands at 0.02"):
+            ask(state | {"finger_joint": 0.03})
+    del problem.others["finger_joint"]
+    assert problem.copy().others == problem.others == {"finger_joint": 0}
+
+
+def test_two_wishes_for_the_same_pair_both_count(tmp_path, robot, world):
+    both = [(0.2, 3.0), (0.5, 1.0)]
+    problem = leeway.Problem(robot, world, "ready", turned(robot, 0.8), wishes={("hand", "post"): both})
+    problem.wishes["robot", "post"] = 0.1
+    problem.save(tmp_path / "saved.yaml")
+    loaded = leeway.load(tmp_path / "saved.yaml").wishes
+    assert loaded["hand", "post"] == problem.wishes["hand", "post"] == both and len(loaded) == 2
+
+
+def test_no_edit_is_lost_while_another_thread_places_the_start(robot, world):
+    problem = leeway.Problem(robot, world, "ready", turned(robot, 0.8))
+    x, y, z = robot.pose("hand", turned(robot, -0.8))[:3, 3]
+
+    def start_again():
+        for _ in range(20):
+            problem.start = leeway.FramePose("hand", (x, y, z))
+
+    thread = threading.Thread(target=start_again)
+    thread.start()
+    for i in range(1, 200):
+        problem.margin = 1e-5 * i
+        assert problem.margin == 1e-5 * i
+    thread.join()
+    assert problem.margin == 1e-5 * 199
 
 
 def test_a_condition_in_python_restricts_the_search(robot, world):
