@@ -413,8 +413,6 @@ BodiesByName CompiledScene::addTo(collision::SceneChange& change, std::span<cons
                           (other >= 0 && !goes) || model_->findLink(object.name) >= 0;
     if (const std::string fault = objectNameFault(object.name, is_taken); !fault.empty())
       throw std::invalid_argument(fmt::format("object '{}' {}", object.name, fault));
-    if (object.name == kWorldWord && rules_->words.world)
-      throw std::invalid_argument(fmt::format("object '{}' {}", object.name, kWorldTaken));
     if (hasShapes(object)) bodies.emplace(object.name, change.add(bodyOf(object)));
   }
   return bodies;

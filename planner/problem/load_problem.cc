@@ -324,11 +324,8 @@ void expectKnown(const YamlReader& item, const YamlReader& list, const KnownName
 /// Reads groups of links and objects. A group stands for all of its members.
 void readGroups(const YamlReader& groups, KnownNames& known) {
   groups.eachEntry([&](const std::string& name, const YamlReader& list) {
-    if (known.things.isKnown(name) || name == kRobotWord || name == kWorldWord)
-      list.fail(fmt::format("group '{}' has the name of {}; a name of its own is expected", name,
-                            name == kRobotWord   ? "the whole robot"
-                            : name == kWorldWord ? "all objects"
-                                                 : "a link or object"));
+    if (const std::string fault = objectNameFault(name, known.things.isKnown(name)); !fault.empty())
+      list.fail(fmt::format("group '{}' {}", name, fault));
     if (list.items().empty())
       list.fail(fmt::format("group '{}' is empty; names of links or objects are expected", name));
     std::vector<std::string>& members = known.groups[name];

@@ -124,9 +124,7 @@ void readFrames(const YamlReader& reader, Problem& problem) {
   const Names names(problem);
   reader.eachEntry([&](const std::string& name, const YamlReader& map) {
     map.expectKeys(keysOf("frame"));
-    if (names.isKnown(name))
-      map.fail(fmt::format(
-          "frame '{}' has the name of a link or object; a name of its own is expected", name));
+    if (const std::string fault = frameNameFault(names, name); !fault.empty()) map.fail(fault);
     // If reading goes on after a fault in it, the frame's name is still known.
     Frame frame{name, 0, {}};
     map.readOn([&] {

@@ -11,17 +11,16 @@ namespace leeway::planner {
 namespace {
 
 bool standsForAll(const Problem& problem, std::string_view word) {
-  const auto isWord = [word](const auto& thing) { return thing.name == word; };
-  const auto isObject = [&](const auto& thing) { return isWord(thing.object); };
-  const auto has = [](const auto& things, const auto& is) {
-    return std::any_of(things.begin(), things.end(), is);
-  };
+  const auto& pairs = problem.margins.pairs;
   const robots::Model& model = *problem.robot.model;
-  return has(problem.margins.pairs,
-             [&](const PairMargin& m) { return m.a == word || m.b == word; }) &&
-         (model.findLink(word) < 0 || isBareLink(model, word)) &&
-         !has(problem.robot.attachments, isObject) && !has(problem.world.objects, isWord) &&
-         !has(problem.world.deforming, isObject);
+  return std::any_of(pairs.begin(), pairs.end(),
+                     [&](const PairMargin& m) { return m.a == word || m.b == word; }) &&
+         (model.findLink(word) < 0 || isBareLink(model, word));
+}
+
+/// The fault of a name that has a meaning already; empty for other names.
+const char* reservedFault(std::string_view name) {
+  return name == kRobotWord ? kNameReserved : name == kWorldWord ? kWorldReserved : "";
 }
 
 }  // namespace
@@ -88,15 +87,10 @@ std::string Names::marginFault(const std::string& a, const std::string& b) const
            (!isKnown(side) || isBareLink(*problem_.robot.model, side));
   };
   for (const auto& [side, other] : {std::pair(a, b), std::pair(b, a)}) {
-    // Such an object counts even if other things have its name, because it may come and go and
-    // would change the word's meaning.
-    const bool is_object = isKnown(kWorldWord) && problem_.robot.model->findLink(kWorldWord) < 0;
-    if (other == kWorldWord && (isWord(side) ? !isWord(other) : is_object))
-      return fmt::format(
-          "'world' is the name of {0}, so that it does not stand for all objects; {0} of another "
-          "name, or the names of the objects that are meant, are expected",
-          problem_.robot.model->findLink(other) >= 0 ? "a link" : "an object");
     if (!isWord(side)) continue;
+    if (other == kWorldWord && !isWord(other))
+      return "'world' is the name of a link, so that it does not stand for all objects; a link of "
+             "another name, or the names of the objects that are meant, are expected";
     if (isWord(other)) return a == b && a == kWorldWord ? sameName(a) : std::string();
     return isKnown(other) ? std::string() : unknown(other, {kRobotWord, kWorldWord});
   }
@@ -112,7 +106,16 @@ MarginWords::MarginWords(const Problem& problem)
     : robot(standsForAll(problem, kRobotWord)), world(standsForAll(problem, kWorldWord)) {}
 
 std::string objectNameFault(std::string_view name, bool is_taken) {
-  return name == kRobotWord ? kNameReserved : is_taken ? kNameTaken : "";
+  const char* const reserved = reservedFault(name);
+  return *reserved == '\0' && is_taken ? kNameTaken : reserved;
+}
+
+std::string frameNameFault(const Names& names, std::string_view name) {
+  if (const char* const reserved = reservedFault(name); *reserved != '\0')
+    return fmt::format("frame '{}' {}", name, reserved);
+  if (!name.empty() && !names.isKnown(name)) return {};
+  return fmt::format("frame '{}' has {}; a name of its own is expected", name,
+                     name.empty() ? "no name" : "the name of a link or object");
 }
 
 std::string sameName(const std::string& name) {

@@ -72,8 +72,8 @@ class Names {
   std::string unknown(std::string_view name, std::vector<std::string> others = {}) const;
   /// Returns the fault of a pair of names; empty if the pair is valid.
   std::string pairFault(const std::string& a, const std::string& b) const;
-  /// The same for margins, which also accept kRobotWord and kWorldWord, unless something with a
-  /// shape has that name.
+  /// The same for margins, which also accept kRobotWord and kWorldWord, unless a link with a shape
+  /// has that name.
   std::string marginFault(const std::string& a, const std::string& b) const;
   /// The fault of the first name that is empty, reserved or used twice, with its place:
   /// "world.objects[3].name 'a' is the name of another object or link; ..."; empty if there is no
@@ -97,19 +97,21 @@ std::string sameName(const std::string& name);
 inline constexpr const char* kNameTaken =
     "is the name of another object or link; a name of its own is expected";
 
-/// All links and attached objects; in margins also those attached later. No object has this name.
+/// All links and attached objects; in margins also those attached later. No object or frame has
+/// this name.
 inline constexpr const char* kRobotWord = "robot";
 inline constexpr const char* kNameReserved =
     "stands for all links and what they hold; another name is expected";
-/// In margins: all objects and deforming obstacles, including those that are added later.
+/// In margins: all objects and deforming obstacles, including those that are added later. In poses:
+/// the world's axes. No object or frame has this name.
 inline constexpr const char* kWorldWord = "world";
-inline constexpr const char* kWorldTaken =
-    "is the word for all objects in the margins; another name is expected";
+inline constexpr const char* kWorldReserved =
+    "stands for the world and for all objects; another name is expected";
 /// Whether the robot has a link of this name without shapes. Many URDFs have one named "world".
 bool isBareLink(const robots::Model& model, std::string_view name);
 /// Whether kRobotWord and kWorldWord stand for all bodies of their kind in the margins of a
-/// problem. They do if the margins use the word and no object and no link with shapes has it as its
-/// name. O(pairs + things).
+/// problem. They do if the margins use the word and no link with shapes has it as its name.
+/// O(pairs + links).
 struct MarginWords {
   explicit MarginWords(const Problem& problem);
   bool robot, world;
@@ -117,5 +119,8 @@ struct MarginWords {
 
 /// Returns the end of a message about an object's name; empty if the name is valid.
 std::string objectNameFault(std::string_view name, bool is_taken);
+
+/// Returns the message about a frame's name; empty if the name is valid.
+std::string frameNameFault(const Names& names, std::string_view name);
 
 }  // namespace leeway::planner

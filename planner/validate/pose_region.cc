@@ -114,26 +114,15 @@ Pose namedPose(const Problem& problem, const std::string& name, bool base_moves,
   return X_WL[at(place.link)] * place.X_LF;
 }
 
-/// Fails if something has the name "world" and is elsewhere: the word would mean two things.
+/// Fails if a link has the name "world" and is elsewhere: the word would mean two things.
 void requireOneWorld(const Problem& problem) {
-  const std::string name = kWorldWord;
-  const auto isNamed = [&](const auto& things, const auto& nameOf) {
-    return std::any_of(things.begin(), things.end(),
-                       [&](const auto& thing) { return nameOf(thing) == name; });
-  };
-  Place place;
-  const bool is_object =
-      isNamed(problem.world.objects, [](const Object& o) { return o.name; }) ||
-      isNamed(problem.world.deforming, [](const DeformingObstacle& o) { return o.object.name; });
-  if (!is_object && !findOnRobot(problem, name, place)) return;
+  if (problem.robot.model->findLink(kWorldWord) < 0) return;
   int base = -1;
-  const Pose X = is_object ? Pose{Eigen::Matrix3d::Zero(), Eigen::Vector3d::Zero()}
-                           : namedPose(problem, name, true, base);
+  const Pose X = namedPose(problem, kWorldWord, true, base);
   if (base >= 0 || X.rotation != Eigen::Matrix3d::Identity() || !X.translation.isZero(0))
     refuse(
-        fmt::format("'world' stands for the world's axes, and is the name of {} as well; another "
-                    "name for that is expected",
-                    is_object ? "an object" : "a link, frame or held object that is elsewhere"));
+        "'world' stands for the world's axes, and is the name of a link that is elsewhere as well; "
+        "another name for that is expected");
 }
 
 /// The pose of a reference frame in the world, or in the link `base` that planned variables move.

@@ -162,12 +162,12 @@ void checkNames(const Problem& problem) {
   std::set<std::string_view> frames;
   for (std::size_t i = 0; i < problem.robot.frames.size(); ++i) {
     const std::string& name = problem.robot.frames[i].name;
-    const char* const fault = name.empty()                  ? "no name"
-                              : names.isKnown(name)         ? "the name of a link or object"
-                              : !frames.insert(name).second ? "the name of another frame"
-                                                            : nullptr;
-    if (fault != nullptr)
-      refuse(problem, fmt::format("frame '{}' has {}; a name of its own is expected", name, fault));
+    if (const std::string fault = frameNameFault(names, name); !fault.empty())
+      refuse(problem, fault);
+    if (!frames.insert(name).second)
+      refuse(problem, fmt::format("frame '{}' has the name of another frame; a name of its own is "
+                                  "expected",
+                                  name));
   }
   const auto requirePair = [&](const std::string& a, const std::string& b, const auto& where) {
     if (const std::string fault = names.pairFault(a, b); !fault.empty())

@@ -266,7 +266,7 @@ class Loader {
       const collision::Shape mesh = readMesh(*world);
       for (const Eigen::Vector3d& v : mesh.mesh()->vertices())
         if (!has_volume) include(v);
-      problem_.world.objects.push_back({"world", {{mesh, {}, "world"}}, {}});
+      problem_.world.objects.push_back({"environment", {{mesh, {}, "environment"}}, {}});
     } else if (!has_volume) {
       config_.fail(0,
                    "[problem] has neither 'world' nor 'volume'; one of them bounds where the body "

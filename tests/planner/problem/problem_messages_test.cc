@@ -88,7 +88,7 @@ TEST(ProblemMessages, TheWordForTheWholeRobot) {
         "margins[0].between: 'robot' is the name of a link, and stands for all links and what they "
         "hold; a group of the links that are meant is expected"},
        {withLink("groups: {world: [post]}\n"), 6,
-        "group 'world' has the name of all objects; a name of its own is expected"},
+        "group 'world' stands for the world and for all objects; another name is expected"},
        {withRobot("groups: {it: [robot]}\n"), 8,
         "groups.it: 'robot' is a group; names of links or objects are expected"},
        {withLink("groups: {a: [post], it: [a]}\n"), 6,

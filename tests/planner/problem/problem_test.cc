@@ -436,7 +436,7 @@ groups: {things: [tool_body, base]}
       "problem.yaml", robot("arm6", "arm") + kArm6Ends +
                           "objects: [{name: world, sphere: {radius: 0.1}, position: [9, 0, 0]}]\n"
                           "margins: [{between: [robot, world], margin: 0.1}]\n"));
-  EXPECT_NE(named.find("'world' is the name of an object, so that it does not stand for all"),
+  EXPECT_NE(named.find("'world' stands for the world and for all objects; another name"),
             std::string::npos)
       << named;
 }

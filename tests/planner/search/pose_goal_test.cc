@@ -63,8 +63,8 @@ TEST(PoseGoal, ExactPoseIsReachedAndVerified) {
   EXPECT_NE(refuted.reason.find("none of the problem's goals"), std::string::npos);
 }
 
-/// "world" means the world in goals, lines and constraints, and nothing else may have the name and
-/// be elsewhere.
+/// "world" means the world in goals, lines and constraints; objects and frames may not have the
+/// name.
 TEST(PoseGoal, WorldIsTheWorld) {
   const std::string pose = "{pose: {frame: tip, relative_to: world, position: [0.3, 0.4, 0.3]}}";
   EXPECT_TRUE(load(arm6(pose)).goals[0].poses[0].X_WR.translation.isZero(0));
@@ -89,7 +89,7 @@ TEST(PoseGoal, WorldIsTheWorld) {
       load(text);
       ADD_FAILURE() << text;
     } catch (const robots::InputError& error) {
-      EXPECT_NE(std::string(error.what()).find("'world' stands for the world's axes"),
+      EXPECT_NE(std::string(error.what()).find("'world' stands for the world and for all objects"),
                 std::string::npos)
           << error.what();
     }

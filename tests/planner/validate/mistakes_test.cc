@@ -148,6 +148,16 @@ std::vector<Mistake> robotMistakes() {
          p.robot.frames = {{"hand", 8, {}}};
        },
        {{"frames", "{hand: {link: hand}}"}}},
+      {"frame_like_world",
+       [](P& p) {
+         p.robot.frames = {{"world", 8, {}}};
+       },
+       {{"frames", "{world: {link: hand}}"}}},
+      {"frame_like_robot",
+       [](P& p) {
+         p.robot.frames = {{"robot", 8, {}}};
+       },
+       {{"frames", "{robot: {link: hand}}"}}},
   };
 }
 
@@ -253,13 +263,9 @@ std::vector<Mistake> nameMistakes() {
          p.margins.wishes = {{"wish", {{"hand", "world"}}, 0.1}};
        },
        {{"margins", "[{between: [hand, world], wish: 0.1}]"}}},
-      {"world_of_two_meanings",
-       [](P& p) {
-         p.world.objects[0].name = "world";
-         p.margins.pairs = {{"robot", "world", 0.1}};
-       },
-       {{"objects", "[{name: world, sphere: {radius: 0.1}}]"},
-        {"margins", "[{between: [robot, world], margin: 0.1}]"}}},
+      {"object_like_world",
+       [](P& p) { p.world.objects[0].name = "world"; },
+       {{"objects", "[{name: world, sphere: {radius: 0.1}}]"}}},
       {"object_like_link",
        [](P& p) { p.world.objects[0].name = "hand"; },
        {{"objects", "[{name: hand, sphere: {radius: 0.1}}]"}}},
@@ -456,13 +462,6 @@ std::vector<Mistake> stepMistakes() {
          steps(p, {{"go", LineStep{"tool", {0, 0, 0}, {}}, {}}});
        },
        {{"steps", "[{line: {frame: tool, by: [0, 0, 0]}}]"}}},
-      {"step_along_object_world",
-       [](P& p) {
-         p.world.objects[0].name = "world";
-         steps(p, {{"go", LineStep{"tool", {0, 0, 1}, "world"}, {}}});
-       },
-       {{"objects", "[{name: world, sphere: {radius: 0.1}, position: [5, 0, 0]}]"},
-        {"steps", "[{line: {frame: tool, by: [0, 0, 1], relative_to: world}}]"}}},
       {"constraint_of_nothing",
        [](P& p) {
          p.constraints = {upright("tol", {0, 0, 1}, 3)};

@@ -240,7 +240,7 @@ struct Contacts {
 
 /// The margin of one pair. Names as in Contacts. "robot" also stands for all links and attached
 /// objects, and "world" for all objects and deforming obstacles, including those added later. The
-/// words lose this meaning if an object, or a link with shapes, has such a name.
+/// words lose this meaning if a link with shapes has such a name; objects and frames may not.
 struct PairMargin {
   std::string a, b;
   double margin;  ///< [m]
