@@ -86,7 +86,7 @@ Problem loadMoveitUnpadded(std::shared_ptr<const robots::Model> model,
   });
   robots::readOn(errors, [&] { readRequestGoals(request, frames, problem); });
   robots::readOn(errors, [&] {
-    if (const auto time = request.find("allowed_planning_time"); time && time->number() > 0)
+    if (const auto time = request.find("allowed_planning_time"); time && time->sizeNumber() > 0)
       problem.limits.time = time->number();
   });
   robots::readOn(errors, [&] { warnOfSettings(request, problem); });

@@ -72,10 +72,14 @@ class StateValues {
   explicit StateValues(Problem& problem) : problem_(problem), model_(*problem.robot.model) {}
 
   void read(const YamlReader& state, HeaderFrames& frames) {
-    if (const auto joints = state.find("joint_state"); hasContent(joints)) readJoints(*joints);
+    if (const auto joints = state.find("joint_state"); hasContent(joints)) {
+      readJoints(*joints);
+      warnOfVelocity(joints->find("velocity"));
+    }
     if (const auto multi = state.find("multi_dof_joint_state"); hasContent(multi)) {
       frames.expectPlanningFrame(*multi);
       readMultiDof(*multi);
+      warnOfVelocity(multi->find("twist"));
     }
   }
   const std::vector<StateValue>& values() const { return values_; }
@@ -86,6 +90,24 @@ class StateValues {
   }
 
  private:
+  /// Whether all numbers in lists and maps are 0.
+  static bool isZero(const YamlReader& value) {
+    if (value.isEmpty()) return true;
+    if (value.isScalar()) return value.number() == 0;
+    if (!value.isMap()) {
+      const auto items = value.items();
+      return std::all_of(items.begin(), items.end(), isZero);
+    }
+    const auto fields = value.entries();
+    return std::all_of(fields.begin(), fields.end(),
+                       [](const auto& field) { return isZero(field.second); });
+  }
+  void warnOfVelocity(const std::optional<YamlReader>& rates) {
+    if (rates && !isZero(*rates))
+      problem_.warnings.push_back(fmt::format("{}:{}: {} is left out: paths start at rest",
+                                              rates->file(), rates->line(), rates->where()));
+  }
+
   std::string keyOf(const std::string& name, int variable) const {
     return variable < 0 ? name : model_.variables[at(variable)].name;
   }

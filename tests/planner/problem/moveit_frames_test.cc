@@ -440,6 +440,18 @@ TEST_F(MoveitFrames, WhatIsLeftOutIsSaid) {
   EXPECT_EQ(warnings(load(model, ballIn("base"), requestWith("") + "max_cartesian_speed: 0.2\n"),
                      "max_cartesian_speed is left out"),
             1);
+  EXPECT_NE(messageOf(model, ballIn("base"), requestWith("") + "allowed_planning_time: -1\n")
+                .find("allowed_planning_time is -1; zero or more is expected"),
+            std::string::npos);
+  // A path starts at rest.
+  const auto moving = [](const char* rates) {
+    return std::string("robot_state: {joint_state: {name: [lift], position: [0], velocity: [") +
+           rates + "]}}\n";
+  };
+  for (const auto& [rates, count] : {std::pair("0", 0), {"0.5", 1}})
+    EXPECT_EQ(warnings(load(model, ballIn("base", moving(rates)), requestWith("")),
+                       "robot_state.joint_state.velocity is left out: paths start at rest"),
+              count);
 }
 
 /// MoveIt does not tell whole turns of a free joint apart, and measures by the shorter way round.
