@@ -116,20 +116,18 @@ void DefaultClasses::read(const XMLElement& element, const std::string& parent) 
     auto node = classes_.extract(main_);
     node.key() = main_ = name;
     classes_.insert(std::move(node));
-    for (auto& [key, value] : classes_)
-      if (value.parent == "main") value.parent = main_;
   }
   const std::string own = parent.empty() ? main_ : name;
   const auto [entry, is_new] = classes_.try_emplace(own);
   if (!parent.empty() && !is_new)
     file_.fail(element, "a second class " + inQuotes(own) + "; names must be unique");
-  entry->second.parent = parent;
+  if (!parent.empty()) entry->second = classes_.at(parent);
   std::vector<const XMLElement*> nested;
   file_.eachChild(element, [&](const XMLElement& child) {
     if (std::string_view(child.Name()) == "default") return nested.push_back(&child);
     checkAttributes(file_, child);
     // Later elements of a class overwrite earlier ones.
-    std::vector<const XMLElement*>& elements = classes_.at(own).elements;
+    std::vector<const XMLElement*>& elements = classes_.at(own);
     elements.insert(elements.begin(), &child);
   });
   for (const XMLElement* child : nested) read(*child, own);
@@ -152,10 +150,10 @@ Attributes DefaultClasses::of(const XMLElement& element, const std::string& chil
   const char* own = element.Attribute("class");
   const std::string_view wanted = tag == nullptr ? element.Name() : tag;
   std::vector<const XMLElement*> levels = {&element};
-  std::string name = own != nullptr ? own : childclass.empty() ? main_ : childclass;
-  for (; !name.empty(); name = classes_.at(name).parent)
-    for (const XMLElement* e : classes_.at(name).elements)
-      if (e->Name() == wanted) levels.push_back(e);
+  for (const XMLElement* e : classes_.at(own != nullptr       ? own
+                                         : childclass.empty() ? main_
+                                                              : childclass))
+    if (e->Name() == wanted) levels.push_back(e);
   return {file_, std::move(levels)};
 }
 

@@ -62,15 +62,13 @@ class DefaultClasses {
   void expectClass(const tinyxml2::XMLElement& element, const char* attribute) const;
 
  private:
-  struct Class {
-    std::string parent;
-    std::vector<const tinyxml2::XMLElement*> elements;
-  };
   void read(const tinyxml2::XMLElement& element, const std::string& parent);
 
   const MjcfFile& file_;
   std::string main_ = "main";
-  std::map<std::string, Class> classes_;
+  /// The elements of each class and of those around it, the nearest first. As in MuJoCo, a class
+  /// has those that the class around it had when it began.
+  std::map<std::string, std::vector<const tinyxml2::XMLElement*>> classes_;
 };
 
 /// Leaves out, with a warning, attributes that MuJoCo does not have for a <compiler>, <flag>,

@@ -237,6 +237,20 @@ TEST(Mjcf, SizesOfAClassStayWhereAnElementGivesFewer) {
   EXPECT_EQ(geometryOf(*robot, "a").shape.halfLength(), 0.5);
 }
 
+/// As in MuJoCo, which copies the outer class where an inner one begins.
+TEST(Mjcf, ALaterSectionOfDefaultsLeavesClassesAsTheyAre) {
+  const auto robot = load(
+      "<mujoco><default><default class=\"a\"><geom rgba=\"1 0 0 1\"/></default></default>"
+      "<default><geom type=\"box\" size=\".1 .1 .1\"/></default>\n" +
+      model(
+          "<body name=\"a\"><joint/><geom class=\"a\" size=\".2\"/></body><body name=\"b\"><joint/>"
+          "<geom/></body>")
+          .substr(8));
+  EXPECT_EQ(geometryOf(*robot, "a").shape.type(), ShapeType::kSphere);
+  EXPECT_EQ(geometryOf(*robot, "a").shape.radius(), 0.2);
+  EXPECT_EQ(geometryOf(*robot, "b").shape.type(), ShapeType::kBox);
+}
+
 TEST(Mjcf, LinesOfPolycoefAreMimics) {
   const auto robot = load(model(
       R"(<body name="a"><joint name="j" type="slide" range="0 1" ref="0.25"/><geom size="0.1"/></body>
