@@ -127,7 +127,8 @@ bool isSame(const std::vector<Item>& a, const std::vector<Item>& b) {
 }
 
 bool isSame(const Goal& a, const Goal& b) {
-  return a.name == b.name && a.ranges == b.ranges && isSame(a.poses, b.poses);
+  return (a.name == b.name || (isGivenByPlace(a.name) && isGivenByPlace(b.name))) &&
+         a.ranges == b.ranges && isSame(a.poses, b.poses);
 }
 
 bool isSame(const Waypoint& a, const Waypoint& b) {

@@ -237,9 +237,8 @@ class Writer {
     std::vector<std::string> goals;
     const std::size_t count = problem_.goals.size();
     if (count == 0) refuse("goals is empty; at least one goal, or steps, is expected");
-    for (std::size_t i = 0; i < count; ++i)
-      goals.push_back(
-          goalText(problem_.goals[i], count == 1 ? "goal" : fmt::format("goal {}", i + 1)));
+    for (const Goal& goal : problem_.goals)
+      goals.push_back(goalText(goal, isGivenByPlace(goal.name) ? goal.name : "goal"));
     if (count == 1) return line("goal", goals[0]);
     list("goals", goals);
   }
@@ -849,6 +848,11 @@ class Writer {
 };
 
 }  // namespace
+
+bool isGivenByPlace(const std::string& name) {
+  return name == "goal" || (name.starts_with("goal ") && name.size() > 5 &&
+                            name.find_first_not_of("0123456789", 5) == std::string::npos);
+}
 
 ProblemText problemText(const Problem& problem, const std::string& files_folder,
                         const std::function<std::string(const std::string&)>& nameOf,

@@ -25,9 +25,12 @@ ProblemText problemText(const Problem& problem, const std::string& files_folder,
                         const std::function<std::string(const std::string&)>& nameOf,
                         const robots::Stop& stop);
 
+/// Whether a goal's name is "goal", or as "goal 2": files give such names to goals by their places.
+bool isGivenByPlace(const std::string& name);
+
 /// Returns the first member of the problem that another one has otherwise: "world.objects[2].X_WO";
-/// empty: both ask the same. Names of wishes, filters of clouds, texts of warnings, and frames that
-/// `other` has besides, are not compared; rotations are to 1e-14.
+/// empty: both ask the same. Names of wishes and by isGivenByPlace(), filters of clouds, texts of
+/// warnings, and frames that `other` has besides, are not compared; rotations are to 1e-14.
 std::string problemDifference(const Problem& problem, const Problem& other);
 
 }  // namespace leeway::planner

@@ -85,6 +85,15 @@ TEST(SaveProblem, ShippedProblemsComeBack) {
   EXPECT_GT(count, 15);
 }
 
+/// Files give goals names by their places, and one may be left of two.
+TEST(SaveProblem, KeepsOneGoalOfAList) {
+  Problem problem = ball();
+  for (const char* name : {"goal 1", "goal 2"}) {
+    problem.goals[0].name = name;
+    EXPECT_EQ(again(problem).goals.at(0).ranges, problem.goals[0].ranges);
+  }
+}
+
 TEST(SaveProblem, KeepsEveryShape) {
   Problem problem = ball();
   const std::vector<Eigen::Vector3d> corners = {
