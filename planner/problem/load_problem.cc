@@ -560,11 +560,13 @@ void readPlanner(const YamlReader& file, Problem& problem) {
 }
 
 void readStartAndGoals(const YamlReader& file, Problem& problem) {
+  VariableRanges passive;
   file.readOn([&] {
-    if (const auto joints = file.find("joints")) readPassiveJoints(*joints, problem);
+    if (const auto joints = file.find("joints")) passive = readPassiveJoints(*joints, problem);
   });
   file.readOn([&] {
-    readStart(file.at("start", "a group state, a list of values or a map by joint"), problem);
+    readStart(file.at("start", "a group state, a list of values or a map by joint"), passive,
+              problem);
   });
   for (const auto& [key, read] : {std::pair("steps", &readSteps), {"waypoints", &readWay}}) {
     const auto task = file.find(key);

@@ -63,6 +63,16 @@ std::string namesOf(const Model& model, std::span<const int> variables) {
   return names;
 }
 
+/// The end of a message about a name that is neither a joint's nor a group's.
+std::string nearJointOrGroup(const Model& model, const std::string& name) {
+  const std::vector<std::string> groups = groupNames(model);
+  std::vector<std::string> known = jointNames(model), all = known;
+  all.insert(all.end(), groups.begin(), groups.end());
+  const std::string* const near = robots::nearestName(name, all);
+  if (near != nullptr && model.findGroup(*near) >= 0) known = groups;
+  return didYouMean(model, "virtual joint", name, known);
+}
+
 std::string plannedNames(const Problem& problem) {
   return namesOf(*problem.robot.model, problem.robot.variables);
 }
@@ -188,15 +198,9 @@ class StateReader {
     const int index = model_.findJoint(name);
     if (const int group = index < 0 ? model_.findGroup(name) : -1; group >= 0)
       return readGroup(value, model_.groups[at(group)]);
-    if (index < 0) {
-      const std::vector<std::string> groups = groupNames(model_);
-      std::vector<std::string> known = jointNames(model_), all = known;
-      all.insert(all.end(), groups.begin(), groups.end());
-      const std::string* const near = robots::nearestName(name, all);
-      if (near != nullptr && model_.findGroup(*near) >= 0) known = groups;
+    if (index < 0)
       value.fail(fmt::format("unknown joint '{}' in {}{}", name, map.where(),
-                             didYouMean(model_, "virtual joint", name, known)));
-    }
+                             nearJointOrGroup(model_, name)));
     const Joint& joint = model_.joints[at(index)];
     if (joint.type == JointType::kPlanar || joint.type == JointType::kFloating)
       return readBodyPose(value, joint);
@@ -388,27 +392,40 @@ Goal takeGoal(const std::string& file, int line, const std::string& name,
 
 namespace {
 
+/// What commas and blanks part.
+struct StatedWords {
+  std::vector<double> numbers;  ///< those that are finite numbers
+  std::size_t count = 0;
+  std::size_t empty = 0;  ///< the number of the first empty value, from 1; 0: none
+
+  bool areNumbers() const { return count > 0 && numbers.size() == count; }
+};
+
+StatedWords statedWords(const std::string& text) {
+  StatedWords read;
+  std::istringstream parts(text + ',');  // a last comma has an empty value after it
+  for (std::string part; std::getline(parts, part, ',');) {
+    std::istringstream words(part);
+    const std::size_t before = read.count;
+    for (std::string word; words >> word; ++read.count)
+      if (const auto value = robots::parseFinite(word)) read.numbers.push_back(*value);
+    if (read.count == before && read.empty == 0) read.empty = read.count + 1;
+  }
+  return read;
+}
+
 /// A group state, or a value of each of `variables`; `group` as for groupStateRanges().
 VariableRanges statedRanges(const std::string& what, const std::string& text, const Model& model,
                             std::span<const int> variables, const std::string& group = {}) {
-  std::istringstream parts(text + ',');  // a last comma has an empty value after it
-  std::vector<double> values;
-  std::size_t count = 0, empty = 0;  // the number of the first empty value, from 1
-  for (std::string part; std::getline(parts, part, ',');) {
-    std::istringstream words(part);
-    const std::size_t before = count;
-    for (std::string word; words >> word; ++count)
-      if (const std::optional<double> value = robots::parseFinite(word)) values.push_back(*value);
-    if (count == before && empty == 0) empty = count + 1;
-  }
-  if (!values.empty() && values.size() == count && empty > 0)
-    throw InputError("", 0,
-                     fmt::format("value {} of {} '{}' is empty; {} numbers are expected, of {}",
-                                 empty, what, text, variables.size(), namesOf(model, variables)));
-  if (values.empty() || values.size() < count) {
-    const std::string_view name = withoutBlanks(text);
-    return groupStateRanges("", 0, std::string(name), model, variables, group);
-  }
+  const StatedWords words = statedWords(text);
+  if (!words.areNumbers())
+    return groupStateRanges("", 0, std::string(withoutBlanks(text)), model, variables, group);
+  if (words.empty > 0)
+    throw InputError(
+        "", 0,
+        fmt::format("value {} of {} '{}' is empty; {} numbers are expected, of {}", words.empty,
+                    what, text, variables.size(), namesOf(model, variables)));
+  const std::vector<double>& values = words.numbers;
   if (values.size() != variables.size())
     throw InputError("", 0,
                      fmt::format("{} '{}' is {} numbers; {} are expected, of {}", what, text,
@@ -420,6 +437,10 @@ VariableRanges statedRanges(const std::string& what, const std::string& text, co
 }
 
 }  // namespace
+
+bool namesState(const std::string& text) {
+  return text.find('=') == std::string::npos && !statedWords(text).areNumbers();
+}
 
 VariableRanges statedRanges(const std::string& what, const std::string& text,
                             const Problem& problem) {
@@ -437,10 +458,9 @@ VariableRanges statedRanges(const std::string& what, const std::string& text,
     const int group = model.findGroup(name);
     const int variable = group < 0 ? model.findVariable(name) : -1;
     if (group < 0 && variable < 0)
-      throw InputError(
-          "", 0,
-          fmt::format("{} '{}' names '{}', which is not a group or joint{}", what, text, name,
-                      didYouMean(model, "group", name, groupNames(model))));
+      throw InputError("", 0,
+                       fmt::format("{} '{}' names '{}', which is not a group or joint{}", what,
+                                   text, name, nearJointOrGroup(model, name)));
     std::string state = text.substr(equals + 1, end - equals - 1);
     state.erase(state.find_last_not_of(", ") + 1);
     const VariableRanges own =
@@ -460,12 +480,18 @@ VariableRanges statedRanges(const std::string& what, const std::string& text,
   return ranges;
 }
 
-void readStart(const YamlReader& reader, Problem& problem) {
+void readStart(const YamlReader& reader, const VariableRanges& passive, Problem& problem) {
   if (givesPoses(reader, *problem.robot.model)) {
     problem.start_poses = readPoseRegions(reader, problem);
     return;
   }
   const VariableRanges given = StateReader(problem, false).read(reader);
+  for (std::size_t v = 0; v < passive.size(); ++v)
+    if (passive[v].given && given[v].given)
+      throw InputError(reader.file(), given[v].line > 0 ? given[v].line : reader.line(),
+                       fmt::format("start gives {}, which has a value under 'joints'; one of them "
+                                   "is expected",
+                                   variableText(*problem.robot.model, static_cast<int>(v))));
   takeStart(reader.file(), reader.line(), given, problem);
 }
 
@@ -479,7 +505,7 @@ Goal readGoal(const YamlReader& reader, const std::string& name, Problem& proble
 namespace {
 
 /// Takes the values of the joints that are not planned from a state: `joints: open`.
-void takePassiveState(const YamlReader& reader, Problem& problem) {
+VariableRanges takePassiveState(const YamlReader& reader, Problem& problem) {
   const Model& model = *problem.robot.model;
   const std::string name = reader.text();
   std::vector<std::string> known;
@@ -504,11 +530,12 @@ void takePassiveState(const YamlReader& reader, Problem& problem) {
   VariableRanges given(model.variables.size());
   for (const auto& [v, value] : found[0].values) given[at(v)] = {true, value, value, 0};
   takeValues(reader.file(), reader.line(), fmt::format("group state '{}'", name), given, problem);
+  return given;
 }
 
 }  // namespace
 
-void readPassiveJoints(const YamlReader& reader, Problem& problem) {
+VariableRanges readPassiveJoints(const YamlReader& reader, Problem& problem) {
   if (reader.isScalar()) return takePassiveState(reader, problem);
   StateReader states(problem, false);
   for (const auto& [name, value] : reader.entries())
@@ -516,8 +543,8 @@ void readPassiveJoints(const YamlReader& reader, Problem& problem) {
       value.fail(fmt::format("{} is planned; its value belongs under 'start'",
                              variableText(*problem.robot.model, v)));
   states.readMap(reader);
-  const VariableRanges& given = states.ranges();
-  takeValues(reader.file(), reader.line(), reader.where(), given, problem);
+  takeValues(reader.file(), reader.line(), reader.where(), states.ranges(), problem);
+  return states.ranges();
 }
 
 }  // namespace leeway::planner

@@ -49,16 +49,19 @@ Goal takeGoal(const std::string& file, int line, const std::string& name,
 VariableRanges statedRanges(const std::string& what, const std::string& text,
                             const Problem& problem);
 
+/// Whether statedRanges() reads a text as the name of a state: it is not numbers, nor has a "=".
+bool namesState(const std::string& text);
+
 /// Reads `start:` of a problem file: a group state, a list in group order, a map by joint or group,
-/// or poses.
-void readStart(const YamlReader& reader, Problem& problem);
+/// or poses. It must not give again what `passive` has, the result of readPassiveJoints().
+void readStart(const YamlReader& reader, const VariableRanges& passive, Problem& problem);
 
 /// Reads one goal in the forms of readStart(), after objects and frames. A pair [from, to] or `any`
 /// in place of a number is a range.
 Goal readGoal(const YamlReader& reader, const std::string& name, Problem& problem);
 
 /// Reads `joints:`, values of joints that are not planned: a map by joint, or the name of a state
-/// of robots::namedStates() that has some of them.
-void readPassiveJoints(const YamlReader& reader, Problem& problem);
+/// of robots::namedStates() that has some of them. Returns them.
+VariableRanges readPassiveJoints(const YamlReader& reader, Problem& problem);
 
 }  // namespace leeway::planner

@@ -676,6 +676,11 @@ void Problem::apply(const py::dict& settings) {
   if (given("goal") && given("goals"))
     throw py::value_error("goal is given beside goals; one of them is expected");
   planner::Problem changed = **this;
+  if (given("others") && py::isinstance<py::dict>(settings["start"]))
+    for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(settings["start"]))
+      if (py::object(settings["others"]).contains(key))
+        throw py::value_error("start gives joint '" + std::string(py::str(key)) +
+                              "', which has a value in others; one of them is expected");
   // In the table's order: a planner before its parameters, frames before poses.
   for (const Setting& setting : planner::settings()) {
     const std::string name(setting.name);

@@ -99,7 +99,7 @@ TEST_F(Ik, BadInput) {
   expectRefused(good + "--srdf arm.srdf --group amr", {"'amr'", "did you mean 'arm'?"});
   expectRefused(good + "--state up", {"'up'"});
   expectRefused(good + "--state knee=1", {"knee=1"});
-  expectRefused(good + "--state elbow=1,elbow=2", {"elbow twice"});
+  expectRefused(good + "--state elbow=1,elbow=2", {"'elbow' twice"});
   expectRefused(good + "--solutions 0", {"--solutions 0"});
   expectRefused(good + "--starts 0", {"--starts 0"});
   expectRefused(good + "--order best", {"--order"});

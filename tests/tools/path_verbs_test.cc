@@ -152,8 +152,8 @@ TEST_F(Check, LimitsCountToo) {
 
 TEST_F(Check, NamedStatesAndNonsense) {
   EXPECT_EQ(run("check reach.yaml --state left --state right").status, 0);
-  expectRefused("check reach.yaml --state 1", {"2 numbers", "shoulder, elbow"});
-  expectRefused("check reach.yaml --state 1,x", {"'x'"});
+  expectRefused("check reach.yaml --state 1", {"2 are expected", "shoulder, elbow"});
+  expectRefused("check reach.yaml --state 1,x", {"'1,x'"});
   expectRefused("check reach.yaml --state knee=1", {"knee", "shoulder, elbow"});
   expectRefused("check reach.yaml --state 1,nan", {"nan"});
 }

@@ -308,7 +308,7 @@ TEST_F(RobotFiles, EmptyValuesOfStatesNameTheirPlace) {
                 {"value 2 of start '0,' is empty"});
   expectRefused("fk one.urdf --state ,", {"--state ','"});
   write("t.urdf", touchingUrdf());
-  expectRefused("fk t.urdf --state 0,,0,0", {"value 2 is empty; a number for "});
+  expectRefused("fk t.urdf --state 0,,0,0", {"value 2 of --state '0,,0,0' is empty"});
 }
 
 TEST_F(RobotFiles, AutoAllowsWhatTouchesAtRest) {

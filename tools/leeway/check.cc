@@ -1,23 +1,18 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/placed_at.h"
 #include "leeway/robots/input_error.h"
-#include "leeway/robots/named_states.h"
-#include "leeway/robots/text.h"
-#include "planner/base/did_you_mean.h"
 #include "planner/constraint/constraint_proof.h"
 #include "planner/edge/why_undecided.h"
 #include "planner/execute/unchecked_json.h"
+#include "planner/problem/read_states.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/json_result.h"
 #include "tools/leeway/support/pair_samples.h"
@@ -76,71 +71,17 @@ NamedState solvedGoal(const planner::Problem& problem, const planner::Goal& goal
   }
 }
 
-double parseValue(const std::string& state, std::string_view text) {
-  constexpr std::string_view kSpace = " \t";
-  const std::size_t begin = std::min(text.find_first_not_of(kSpace), text.size());
-  text = text.substr(begin, text.find_last_not_of(kSpace) + 1 - begin);
-  const std::optional<double> value = robots::parseFinite(text);
-  if (!value) badState(state, fmt::format("'{}' is not a finite number", text));
-  return *value;
-}
-
-std::vector<std::string> plannedNames(const planner::Problem& problem) {
-  std::vector<std::string> names;
-  for (const int variable : problem.robot.variables)
-    names.push_back(problem.robot.model->variables[static_cast<std::size_t>(variable)].name);
-  return names;
-}
-
-/// Parses "1,2,3" (every planned variable, in group order) or "elbow=1,wrist=2" (other variables as
-/// at the start).
-std::vector<double> parseValues(const planner::Problem& problem, const std::string& text) {
-  const std::vector<std::string> parts = listed(text), names = plannedNames(problem);
-  std::vector<double> point = startPoint(problem);
-  if (text.find('=') == std::string::npos) {
-    if (parts.size() != point.size()) {
-      badState(text, fmt::format("is neither start, goal or a group state, nor {} numbers ({}){}",
-                                 point.size(), fmt::join(names, ", "),
-                                 meantState(*problem.robot.model, text, {"start", "goal"})));
-    }
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      point[i] = parseValue(text, parts[i]);
-    }
-    return point;
-  }
-  std::vector<bool> given(point.size(), false);
-  for (const std::string& part : parts) {
-    const std::size_t equals = part.find('=');
-    if (equals == std::string::npos) {
-      badState(text,
-               fmt::format("'{}' is not NAME=VALUE with one of {}", part, fmt::join(names, ", ")));
-    }
-    const std::string name = part.substr(0, equals);
-    const auto i =
-        static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-    if (i == names.size()) {
-      badState(text,
-               fmt::format("no planned joint '{}'{}", name, planner::didYouMean(name, names)));
-    }
-    if (given[i]) {
-      badState(text, fmt::format("gives {} twice; once is expected", name));
-    }
-    given[i] = true;
-    point[i] = parseValue(text, part.substr(equals + 1));
-  }
-  return point;
-}
-
-std::vector<double> groupStatePoint(const planner::Problem& problem,
-                                    const robots::GroupState& state) {
-  std::vector<double> point = startPoint(problem);
-  for (const auto& [variable, value] : state.values) {
-    for (std::size_t i = 0; i < point.size(); ++i) {
-      if (problem.robot.variables[i] == variable) {
-        point[i] = value;
-      }
-    }
-  }
+/// The planned values of `--state TEXT`.
+std::vector<double> parsePoint(const planner::Problem& problem, const std::string& text) {
+  const std::vector<int>& planned = problem.robot.variables;
+  const std::vector<double> q = parseConfiguration(problem, text, {"start", "goal"});
+  for (std::size_t v = 0; v < q.size() && !planner::namesState(text); ++v)
+    if (q[v] != problem.start[v] &&
+        std::find(planned.begin(), planned.end(), static_cast<int>(v)) == planned.end())
+      badState(text, fmt::format("'{}' is not planned; values of planned joints are expected",
+                                 problem.robot.model->variables[v].name));
+  std::vector<double> point;
+  for (const int v : planned) point.push_back(q[static_cast<std::size_t>(v)]);
   return point;
 }
 
@@ -164,10 +105,8 @@ std::vector<NamedState> collectStates(const planner::Problem& problem,
       states.push_back({"start", startPoint(problem)});
     } else if (text == "goal") {
       appendGoals(problem, states);
-    } else if (const auto state = findState(problem, text)) {
-      states.push_back({text, groupStatePoint(problem, *state)});
     } else {
-      states.push_back({text, parseValues(problem, text)});
+      states.push_back({text, parsePoint(problem, text)});
     }
   }
   if (wanted.empty()) {

@@ -440,7 +440,7 @@ Json answerJson(const planner::GuardAnswer& answer, const std::vector<std::strin
 std::vector<double> jointErrors(const std::string& text, const std::vector<std::string>& names) {
   if (text.empty()) return {};
   std::vector<double> errors(names.size(), -1);  // -1: not given
-  const std::vector<std::string> parts = listed(text);
+  const std::vector<std::string> parts = splitAt(',', text);
   if (parts.size() == 1 && text.find('=') == std::string::npos)
     return std::vector<double>(names.size(), parseNumber("--joint-error", text));
   for (const std::string& part : parts) {

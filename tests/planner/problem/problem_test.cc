@@ -441,6 +441,18 @@ groups: {things: [tool_body, base]}
       << named;
 }
 
+TEST(Problem, AJointHasItsValueOnce) {
+  const std::string text = robot("arm7", "arm") + R"(joints: {finger_joint: 0.03}
+goal: ready
+start: {joint1: 0, joint2: 0, joint3: 0, joint4: -1.6, joint5: 0, joint6: 1, joint7: 0)";
+  EXPECT_NO_THROW(load(text + "}\n"));
+  const std::string message =
+      messageOf(Folder().write("problem.yaml", text + ", finger_joint: 0}\n"));
+  EXPECT_NE(message.find("start gives joint 'finger_joint', which has a value under 'joints'"),
+            std::string::npos)
+      << message;
+}
+
 TEST(Problem, GroupsStandForTheirMembersAndObjectivesSayMore) {
   const std::string base = robot("arm6", "arm") + kArm6Ends + R"(
 objects: [{name: o, sphere: {radius: 0.1}}, {name: p, sphere: {radius: 0.1}}]

@@ -1,16 +1,17 @@
 #include "tools/leeway/support/robot_state.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
 
 #include "collision/base/numbers.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/named_states.h"
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
+#include "planner/problem/read_states.h"
 
 namespace leeway::tools {
 
@@ -18,9 +19,13 @@ void badState(const std::string& text, const std::string& message) {
   throw robots::InputError("command line", 0, fmt::format("--state '{}': {}", text, message));
 }
 
+namespace {
+
+/// The end of a message about an unknown state: which of `words` or of the group states may be
+/// meant. Empty for numbers that are not finite, and for lists.
 std::string meantState(const robots::Model& model, const std::string& text,
                        std::vector<std::string> words) {
-  if (text.find_first_of(",=") != std::string::npos || robots::parseNumber(text)) return "";
+  if (text.find(',') != std::string::npos || robots::parseNumber(text)) return "";
   for (const robots::GroupState& state : robots::namedStates(model)) {
     // Several groups may have states of the same name.
     if (std::find(words.begin(), words.end(), state.name) == words.end())
@@ -29,13 +34,16 @@ std::string meantState(const robots::Model& model, const std::string& text,
   return planner::didYouMean(model, "group state", text, words);
 }
 
-std::optional<robots::GroupState> findState(const planner::Problem& problem,
-                                            const std::string& name) {
+/// Returns the group state of that name that gives all planned joints a value. Where all joints of
+/// the robot are planned, the only state of the name will do: other joints are as at the start.
+robots::GroupState findState(const planner::Problem& problem, const std::string& name,
+                             const std::vector<std::string>& words) {
+  const robots::Model& model = *problem.robot.model;
   const std::vector<int>& planned = problem.robot.variables;
-  if (const std::string why = problem.robot.model->whyStateLeftOut(name, planned); !why.empty())
+  if (const std::string why = model.whyStateLeftOut(name, planned); !why.empty())
     badState(name, "is not known" + why);
   std::vector<robots::GroupState> found;
-  for (const robots::GroupState& state : robots::namedStates(*problem.robot.model)) {
+  for (const robots::GroupState& state : robots::namedStates(model)) {
     if (state.name != name) continue;
     const auto gives = [&](int variable) {
       return std::any_of(state.values.begin(), state.values.end(),
@@ -44,12 +52,19 @@ std::optional<robots::GroupState> findState(const planner::Problem& problem,
     if (std::all_of(planned.begin(), planned.end(), gives)) return state;
     found.push_back(state);
   }
-  if (found.empty()) return std::nullopt;
-  // Where a whole robot is planned, as one that is read alone, a state is of some of its joints.
-  if (found.size() == 1 && planned.size() == problem.robot.model->variables.size())
-    return found.front();
-  badState(name, robots::stateLackFault(*problem.robot.model, name, planned));
+  if (found.empty()) {
+    std::vector<std::string> names;
+    for (const int v : planned) names.push_back(model.variables[at(v)].name);
+    badState(name, fmt::format("is neither {} or a group state, nor {} numbers ({}), nor "
+                               "NAME=VALUE,...{}",
+                               fmt::join(words, ", "), planned.size(), fmt::join(names, ", "),
+                               meantState(model, name, words)));
+  }
+  if (found.size() == 1 && planned.size() == model.variables.size()) return found.front();
+  badState(name, robots::stateLackFault(model, name, planned));
 }
+
+}  // namespace
 
 std::vector<std::string> splitAt(char separator, const std::string& text) {
   std::vector<std::string> parts(1);
@@ -61,18 +76,6 @@ std::vector<std::string> splitAt(char separator, const std::string& text) {
     }
   }
   return parts;
-}
-
-std::vector<std::string> listed(const std::string& text) {
-  if (text.find('=') != std::string::npos) return splitAt(',', text);
-  std::vector<std::string> values;
-  for (const std::string& part : splitAt(',', text)) {
-    std::istringstream words(part);
-    const std::size_t before = values.size();
-    for (std::string word; words >> word;) values.push_back(word);
-    if (values.size() == before) values.emplace_back();  // an error of its reader: "1,,2"
-  }
-  return values;
 }
 
 double parseNumber(const std::string& option, const std::string& text) {
@@ -94,47 +97,18 @@ int parseLink(const robots::Model& model, const std::string& name) {
       fmt::format("--link '{}': the robot has no such link; it has {}", name, names));
 }
 
-std::vector<double> parseConfiguration(const planner::Problem& problem, const std::string& text) {
-  const robots::Model& model = *problem.robot.model;
+std::vector<double> parseConfiguration(const planner::Problem& problem, const std::string& text,
+                                       const std::vector<std::string>& words) {
   std::vector<double> q = problem.start;
   if (text == "start") return q;
-  if (const auto state = findState(problem, text)) {
-    for (const auto& [variable, value] : state->values) q[at(variable)] = value;
+  if (planner::namesState(text)) {
+    for (const auto& [variable, value] : findState(problem, text, words).values)
+      q[at(variable)] = value;
     return q;
   }
-  const std::vector<std::string> parts = listed(text);
-  if (text.find('=') == std::string::npos) {
-    const std::vector<int>& planned = problem.robot.variables;
-    if (parts.size() != planned.size()) {
-      badState(text, fmt::format("is neither start or a group state, nor {} numbers, nor "
-                                 "NAME=VALUE,...{}",
-                                 planned.size(), meantState(model, text, {"start"})));
-    }
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      if (parts[i].empty())
-        badState(text, fmt::format("value {} is empty; a number for {} is expected", i + 1,
-                                   model.variables[at(planned[i])].name));
-      q[at(planned[i])] = parseNumber("--state", parts[i]);
-    }
-    return q;
-  }
-  std::vector<char> given(q.size(), 0);
-  for (const std::string& part : parts) {
-    const std::size_t equals = part.find('=');
-    if (equals == std::string::npos)
-      badState(text, fmt::format("'{}' is not NAME=VALUE of a joint's variable", part));
-    const std::string name = part.substr(0, equals);
-    const int variable = model.findVariable(name);
-    if (variable < 0) {
-      std::vector<std::string> known;
-      for (const robots::Variable& other : model.variables) known.push_back(other.name);
-      badState(text, fmt::format("the robot has no variable '{}'{}", name,
-                                 planner::didYouMean(name, known)));
-    }
-    if (given[at(variable)]) badState(text, fmt::format("gives {} twice", name));
-    given[at(variable)] = 1;
-    q[at(variable)] = parseNumber("--state", part.substr(equals + 1));
-  }
+  const planner::VariableRanges given = planner::statedRanges("--state", text, problem);
+  for (std::size_t v = 0; v < q.size(); ++v)
+    if (given[v].given) q[v] = given[v].lower;
   return q;
 }
 
