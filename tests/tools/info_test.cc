@@ -32,6 +32,16 @@ TEST_F(Info, Urdf) {
   }
 }
 
+/// As for plan.
+TEST_F(Info, ProblemsMayBeJson) {
+  write(
+      "flow.json",
+      R"({"leeway": 1, "robot": {"urdf": "arm.urdf", "srdf": "arm.srdf", "group": "arm"}, "start": [0, 0], "goal": [1, 0.5]})");
+  for (const char* call : {"info flow.json", "fk flow.json", "lint flow.json",
+                           "ik flow.json --link lower --position 0.6 0.4 0"})
+    EXPECT_NE(run(call).status, 2) << call;
+}
+
 TEST_F(Info, AShippedRobotFitsOnOneScreen) {
   for (const char* robot : {"arm6", "arm7", "dual_arm", "snake10"}) {
     const std::string file = fmt::format("{0}/robots/{1}/{1}", leeway::sourceFolder(), robot);

@@ -15,6 +15,7 @@
 #include "leeway/robots/input_error.h"
 #include "planner/yaml/yaml_reader.h"
 #include "robots/base/read_file.h"
+#include "tools/leeway/support/problem_source.h"
 #include "tools/leeway/support/terminal.h"
 
 namespace leeway::tools {
@@ -46,9 +47,7 @@ std::vector<fs::path> filesBelow(const fs::path& folder, bool (*isOf)(const fs::
 
 bool isJson(const fs::path& path) { return robots::endingOf(path.string()) == ".json"; }
 
-bool mayBeProblem(const fs::path& path) {
-  return isYaml(path) || isJson(path) || robots::endingOf(path.string()) == ".cfg";
-}
+bool mayBeProblem(const fs::path& path) { return isProblemName(path.string()); }
 
 /// Whether a file in a folder is a problem: it has the key `leeway`, or the section [problem] of a
 /// file of OMPL.app. Of a file that is no YAML, which planning will tell, a line has to begin so.

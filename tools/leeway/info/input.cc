@@ -84,12 +84,10 @@ FileKind kindOf(const std::string& file) {
       ending == ".world") {
     return FileKind::kUrdf;
   }
-  if (ending == ".yaml" || ending == ".yml" || ending == ".cfg") {
-    return FileKind::kProblem;
-  }
+  if (isProblemName(file)) return FileKind::kProblem;
   throw robots::InputError(file, 0,
                            fmt::format("unknown ending '{}'; .urdf, .xml (MuJoCo), .sdf, .world, "
-                                       ".srdf, .yaml and .cfg are accepted",
+                                       ".srdf, .yaml, .json and .cfg are accepted",
                                        ending));
 }
 

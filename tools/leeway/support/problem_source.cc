@@ -17,12 +17,18 @@
 #include "planner/base/tolerances.h"
 #include "planner/problem/read_states.h"
 #include "planner/validate/checks.h"
+#include "robots/base/read_file.h"
 #include "robots/cache/content_key.h"
 #include "robots/cache/disk_cache.h"
 #include "tools/leeway/support/terminal.h"
 #include "tools/view/base/scene_names.h"
 
 namespace leeway::tools {
+
+bool isProblemName(const std::string& file) {
+  const std::string ending = robots::endingOf(file);
+  return ending == ".yaml" || ending == ".yml" || ending == ".json" || ending == ".cfg";
+}
 
 void badUsage(const std::string& message) { throw robots::InputError("command line", 0, message); }
 

@@ -33,6 +33,9 @@ struct ProblemSource {
   robots::InputErrors* errors = nullptr;
 };
 
+/// Whether a file has the ending of a problem.
+bool isProblemName(const std::string& file);
+
 void addRobotArguments(CLI::App& app, ProblemSource& source);
 void addProblemArguments(CLI::App& app, ProblemSource& source);
 /// Adds the arguments of a problem and a path: two files, or only the path's with --robot.
