@@ -230,6 +230,7 @@ TEST_F(Clearance, AgreesWithTheCertificate) {
   EXPECT_LE(certificate["clearance_lower"], document["clearance_upper"]);
   EXPECT_EQ(document["segments"].size(), certificate["segments"].size());
   EXPECT_EQ(document["closest"]["b"], "post");
+  EXPECT_EQ(document["warnings"], json::array());
 }
 
 /// As `verify` does.
@@ -271,6 +272,10 @@ TEST_F(Clearance, DrawsTheProfile) {
 TEST_F(Clearance, PartsRefineTheProfile) {
   write("swing.csv", "time,shoulder,elbow\n0,0.2,1.5\n1,1.2,1.5\n");
   const json whole = run("clearance reach.yaml swing.csv --json").document();
+  ASSERT_EQ(whole["warnings"].size(), 2U) << whole["warnings"];
+  EXPECT_EQ(whole["warnings"][0].get<std::string>().rfind("swing.csv: the path begins 1.", 0), 0U)
+      << whole["warnings"];
+  EXPECT_EQ(whole["warnings"][1], "swing.csv: the path ends in none of the problem's goals");
   const json parts = run("clearance reach.yaml swing.csv --json --parts 5").document();
   ASSERT_EQ(parts["segments"].size(), 5u);
   EXPECT_LE(parts["clearance_lower"], whole["clearance_upper"]);

@@ -389,7 +389,6 @@ int runClearance(ClearanceArguments& arguments) {
   std::vector<std::string> warnings;
   planner::Path path = planner::readPath(path_file, problem,
                                          {.shortest = arguments.shortest, .warnings = &warnings});
-  printWarnings(warnings);
   // A path that stays where it begins has an edge without length.
   if (path.positions.size() == 1 && problem.steps.empty())
     path.positions.push_back(path.positions.front());
@@ -397,6 +396,9 @@ int runClearance(ClearanceArguments& arguments) {
     throw robots::InputError(path_file, 0,
                              "has fewer than two waypoints: there is no edge to measure");
   }
+  for (const std::string& end : strayEnds(path, problem))
+    warnings.push_back(path_file + ": " + end);
+  printWarnings(warnings);
   const std::vector<view::Stage> stages = view::stagesOf(
       problem,
       problem.steps.empty() ? std::make_shared<const planner::CompiledScene>(problem) : nullptr,
@@ -426,6 +428,7 @@ int runClearance(ClearanceArguments& arguments) {
   if (arguments.json) {
     Json document = profileJson(problem, profile);
     document["interrupted"] = interrupted();
+    document["warnings"] = warnings;
     printJson(document);
   } else {
     if (interrupted()) fmt::print("Interrupted: what is not measured yet is open.\n");

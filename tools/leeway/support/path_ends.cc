@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include "leeway/planner/configuration_space.h"
+#include "planner/verify/path_check.h"
 
 namespace leeway::tools {
 namespace {
@@ -42,6 +45,19 @@ std::vector<double> nearestInGoal(const planner::ConfigurationSpace& space,
   return q;
 }
 
+/// The goal of joints that is nearest to q, and the distance; null: none.
+std::pair<const planner::Goal*, double> nearestGoal(const planner::ConfigurationSpace& space,
+                                                    const planner::Problem& problem,
+                                                    const std::vector<double>& q) {
+  std::pair<const planner::Goal*, double> nearest{nullptr, std::numeric_limits<double>::max()};
+  for (const planner::Goal& goal : problem.goals) {
+    if (goal.ranges.size() != q.size()) continue;
+    const double off = space.distance(nearestInGoal(space, goal, q), q);
+    if (off <= nearest.second) nearest = {&goal, off};
+  }
+  return nearest;
+}
+
 }  // namespace
 
 void addShortest(CLI::App& app, bool& shortest) {
@@ -57,34 +73,37 @@ std::vector<std::string> takeNearEnds(const planner::Path& path, planner::Proble
   if (path.positions.empty() || path.positions.front().size() != size ||
       path.positions.back().size() != size)
     return warnings;
-  std::vector<double> start;
-  for (const int v : problem.robot.variables)
-    start.push_back(problem.start.at(static_cast<std::size_t>(v)));
   const std::vector<double>& first = path.positions.front();
-  if (const double off = space.distance(start, first); off > kExactEnd && off <= kNearEnd) {
+  if (const double off = space.distance(startPoint(problem), first);
+      off > kExactEnd && off <= kNearEnd) {
     warnings.push_back(
         fmt::format("the path begins {:.2g} off the start, and is taken from there", off));
     for (std::size_t i = 0; i < size; ++i)
       problem.start[static_cast<std::size_t>(problem.robot.variables[i])] = first[i];
   }
   const std::vector<double>& last = path.positions.back();
-  double least = kNearEnd;
-  const planner::Goal* nearest = nullptr;
-  for (const planner::Goal& goal : problem.goals) {
-    if (goal.ranges.size() != size) continue;
-    const double off = space.distance(nearestInGoal(space, goal, last), last);
-    if (!(off <= least)) continue;
-    least = off;
-    nearest = &goal;
-  }
-  if (nearest != nullptr && least > kExactEnd) {
+  if (const auto [goal, off] = nearestGoal(space, problem, last);
+      goal != nullptr && off > kExactEnd && off <= kNearEnd) {
     warnings.push_back(
-        fmt::format("the path ends {:.2g} off {}, and is taken to there", least, nearest->name));
-    planner::Goal moved{nearest->name, {}};
+        fmt::format("the path ends {:.2g} off {}, and is taken to there", off, goal->name));
+    planner::Goal moved{goal->name, {}};
     for (const double x : last) moved.ranges.emplace_back(x, x);
     problem.goals.push_back(std::move(moved));
   }
   return warnings;
+}
+
+std::vector<std::string> strayEnds(const planner::Path& path, const planner::Problem& problem) {
+  const planner::ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+  std::vector<std::string> messages;
+  if (const double off = space.distance(startPoint(problem), path.positions.front());
+      !(off <= kNearEnd))
+    messages.push_back(fmt::format("the path begins {:.2g} off the problem's start", off));
+  const std::vector<double>& last = path.positions.back();
+  if (problem.steps.empty() && !(nearestGoal(space, problem, last).second <= kNearEnd) &&
+      !planner::verification::isInGoal(problem, space, last))
+    messages.emplace_back("the path ends in none of the problem's goals");
+  return messages;
 }
 
 }  // namespace leeway::tools

@@ -20,4 +20,8 @@ void addShortest(CLI::App& app, bool& shortest);
 /// whose rows do not have the length of the group to the verifier.
 std::vector<std::string> takeNearEnds(const planner::Path& path, planner::Problem& problem);
 
+/// Returns a message for each end of `path` that is farther than that from the problem's start, or
+/// from all of its goals. Of a task only the start is looked at.
+std::vector<std::string> strayEnds(const planner::Path& path, const planner::Problem& problem);
+
 }  // namespace leeway::tools
