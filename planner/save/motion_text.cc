@@ -9,6 +9,7 @@
 
 #include "leeway/collision/deformable_mesh.h"
 #include "leeway/robots/input_error.h"
+#include "robots/base/fnv.h"
 
 namespace leeway::planner {
 namespace {
@@ -195,13 +196,6 @@ class MotionWriter {
   SavedFiles& files_;
 };
 
-/// FNV-1a of 64 bits.
-std::uint64_t hashOf(const std::string& text) {
-  std::uint64_t hash = 14695981039346656037U;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
-  return hash;
-}
-
 }  // namespace
 
 std::string SavedFiles::add(const std::string& owner, const std::string& ending,
@@ -212,7 +206,7 @@ std::string SavedFiles::add(const std::string& owner, const std::string& ending,
     name += (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ? c : '_';
   // Other contents have another name, so that no file of another problem is replaced.
   const std::string file =
-      fmt::format("{}_{}_{:016x}{}", files_.size() + 1, name, hashOf(content), ending);
+      fmt::format("{}_{}_{:016x}{}", files_.size() + 1, name, robots::fnv1a(content), ending);
   files_.emplace_back(file, std::move(content));
   return folder_ + "/" + file;
 }

@@ -2,10 +2,21 @@
 
 // Private to the layers above collision/: which files are read.
 
-#include <set>
+#include <cstdint>
+#include <filesystem>
+#include <map>
 #include <string>
 
 namespace leeway::robots {
+
+/// When a file was changed, and its size; those of a file that is not there are the same each time.
+struct FileStamp {
+  std::filesystem::file_time_type changed;
+  std::uintmax_t size = 0;
+  bool operator==(const FileStamp&) const = default;
+
+  static FileStamp of(const std::string& path);
+};
 
 /// While it exists, it gathers the paths of all files that its thread reads, or finds for others to
 /// read. It lacks those that a xacro or glTF file includes. A thread has one at a time.
@@ -16,13 +27,14 @@ class FilesRead {
   FilesRead(const FilesRead&) = delete;
   FilesRead& operator=(const FilesRead&) = delete;
 
-  const std::set<std::string>& paths() const { return paths_; }
-  /// Adds a file to those of this thread.
+  /// The paths, with the stamps before they were read.
+  const std::map<std::string, FileStamp>& files() const { return files_; }
+  /// Adds a file to those of this thread; before it is read.
   static void note(const std::string& path);
 
  private:
   static thread_local FilesRead* of_thread;
-  std::set<std::string> paths_;
+  std::map<std::string, FileStamp> files_;
 };
 
 }  // namespace leeway::robots

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <system_error>
 
 #include "leeway/robots/input_error.h"
 #include "robots/base/files_read.h"
@@ -46,7 +47,13 @@ FilesRead::FilesRead() { of_thread = this; }
 FilesRead::~FilesRead() { of_thread = nullptr; }
 
 void FilesRead::note(const std::string& path) {
-  if (of_thread != nullptr) of_thread->paths_.insert(path);
+  if (of_thread != nullptr) of_thread->files_.emplace(path, FileStamp::of(path));
+}
+
+FileStamp FileStamp::of(const std::string& path) {
+  std::error_code error;
+  const auto changed = std::filesystem::last_write_time(path, error);
+  return {changed, std::filesystem::file_size(path, error)};
 }
 
 std::string readBinaryFile(const std::string& path, std::string_view kind, std::size_t limit) {

@@ -402,6 +402,18 @@ TEST_F(Batch, ResumeRefusesAnotherRunsFile) {
   EXPECT_EQ(read("lines.json"), before);
 }
 
+/// A digest of other bytes than those that were planned would make --resume keep a wrong line.
+TEST_F(Batch, AFileThatChangesWhileItIsReadIsAnError) {
+  std::string text = kReach;
+  write("late.yaml", text.replace(text.find("arm.srdf"), 8, "pipe.srdf"));
+  const Answer answer = shell(
+      "mkfifo pipe.srdf; (exec 3>pipe.srdf; echo '# more' >> late.yaml; cat arm.srdf >&3) & '" +
+      leeway::commandFile() + "' batch late.yaml");
+  EXPECT_EQ(answer.status, 2);
+  EXPECT_EQ(answer.lines()[0]["error"],
+            "late.yaml: was changed while it was read; a file that stays is expected");
+}
+
 TEST_F(Batch, NoProblemIsOverwritten) {
   expectRefused("batch reach.yaml --output ./reach.yaml", {"./reach.yaml", "overwritten"});
   EXPECT_EQ(read("reach.yaml"), kReach);

@@ -170,7 +170,7 @@ planner::Problem load(const Arguments& arguments, Shared& shared, const BatchIte
   }
   add(problem.warnings);
   outcome.line["files"] = shared.robot_files;
-  outcome.line["files"].update(shared.digests.of(files.paths()));
+  outcome.line["files"].update(shared.digests.of(files));
   if (arguments.pose_goals) posesForGoals(problem, item.problem);
   return planner::placeStart(problem);
 }
@@ -504,7 +504,7 @@ void loadRobot(const Arguments& arguments, WarningLog& warnings, Shared& shared)
   if (source.robot.empty()) return;
   const robots::FilesRead files;
   shared.robot = loadRobotModel(source.robot, source.srdf, source);
-  shared.robot_files = shared.digests.of(files.paths());
+  shared.robot_files = shared.digests.of(files);
   warnings.print(shared.robot->warnings);
 }
 

@@ -5,8 +5,13 @@
 #include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
+#include "leeway/robots/input_error.h"
+#include "robots/base/fnv.h"
 #include "robots/base/read_file.h"
 
 namespace leeway::tools {
@@ -16,24 +21,20 @@ namespace fs = std::filesystem;
 std::string FileDigests::ofBytes(const std::string& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return {};
-  const fs::file_time_type changed = fs::last_write_time(path, error);
-  const std::uintmax_t size = fs::file_size(path, error);
+  const robots::FileStamp stamp = robots::FileStamp::of(path);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto known = known_.find(path);
-    if (known != known_.end() && known->second.changed == changed && known->second.size == size)
-      return known->second.digest;
+    if (known != known_.end() && known->second.stamp == stamp) return known->second.digest;
   }
   std::ifstream in(path, std::ios::binary);
-  std::uint64_t hash = 0xcbf29ce484222325U;
+  std::uint64_t sum = robots::fnv1a({});
   std::array<char, 1U << 16U> part;
   while (in.read(part.data(), part.size()) || in.gcount() > 0)
-    for (std::streamsize i = 0; i < in.gcount(); ++i)
-      hash =
-          (hash ^ static_cast<unsigned char>(part[static_cast<std::size_t>(i)])) * 0x100000001b3U;
-  std::string digest = fmt::format("{:016x}", hash);
+    sum = robots::fnv1a({part.data(), static_cast<std::size_t>(in.gcount())}, sum);
+  std::string digest = fmt::format("{:016x}", sum);
   const std::lock_guard<std::mutex> lock(mutex_);
-  known_[path] = {changed, size, digest};
+  known_[path] = {stamp, digest};
   return digest;
 }
 
@@ -49,10 +50,16 @@ std::string FileDigests::of(const std::string& path) {
   return digest;
 }
 
-Json FileDigests::of(const std::set<std::string>& paths) {
+Json FileDigests::of(const robots::FilesRead& read) {
   Json digests = Json::object();
-  for (const std::string& path : paths)
-    if (std::string digest = of(path); !digest.empty()) digests[path] = std::move(digest);
+  for (const auto& [path, stamp] : read.files()) {
+    std::string digest = of(path);
+    if (digest.empty()) continue;
+    if (robots::FileStamp::of(path) != stamp)
+      throw robots::InputError(path, 0,
+                               "was changed while it was read; a file that stays is expected");
+    digests[path] = std::move(digest);
+  }
   return digests;
 }
 

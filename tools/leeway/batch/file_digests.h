@@ -1,13 +1,10 @@
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
 #include <map>
 #include <mutex>
-#include <set>
 #include <string>
-#include <utility>
 
+#include "robots/base/files_read.h"
 #include "tools/leeway/support/json_result.h"
 
 namespace leeway::tools {
@@ -19,13 +16,13 @@ class FileDigests {
   /// forgeries), with those of the .bin files beside a .gltf. Empty if there is no such file. Reads
   /// a file again if its size or time has changed.
   std::string of(const std::string& path);
-  /// Path and digest of each that is a file.
-  Json of(const std::set<std::string>& paths);
+  /// Path and digest of each that is a file. Throws InputError for one that was changed since it
+  /// was read.
+  Json of(const robots::FilesRead& read);
 
  private:
   struct Known {
-    std::filesystem::file_time_type changed;
-    std::uintmax_t size = 0;
+    robots::FileStamp stamp;
     std::string digest;
   };
   std::string ofBytes(const std::string& path);
