@@ -368,26 +368,14 @@ void narrowMaster(const UrdfJoint& source, RobotDescription& model) {
 /// the links. Empty where one of these is.
 std::string keyOfGaps(const Model& model, const std::vector<std::string>& meshes) {
   ContentKey key("gaps");
-  addJoints(model, key);
   auto mesh = meshes.begin();
-  for (const Link& link : model.links) {
-    key.add(std::string_view("link"));
-    for (const Geometry& geometry : link.geometries) {
-      const Shape& shape = geometry.shape;
-      key.add(std::string_view("geometry"));
-      addPose(geometry.X_BG, key);
-      key.add(static_cast<double>(shape.type()));
-      // A hull is that of a mesh.
-      if (shape.type() == collision::ShapeType::kMesh ||
-          shape.type() == collision::ShapeType::kConvexHull) {
-        if (mesh == meshes.end() || mesh->empty()) return {};
-        key.add(std::string_view(*mesh++));
-        continue;
-      }
-      for (const double number : {shape.radius(), shape.halfLength()}) key.add(number);
-      for (const double number : shape.halfExtents()) key.add(number);
-    }
-  }
+  // A hull is that of a mesh.
+  const auto addMesh = [&](const Shape&) {
+    if (mesh == meshes.end() || mesh->empty()) return false;
+    key.add(std::string_view(*mesh++));
+    return true;
+  };
+  if (!addModel(model, addMesh, key)) return {};
   for (const DisabledPair& pair : model.disabled_pairs) {
     key.add(std::string_view("disabled"));
     key.add(static_cast<double>(pair.link_a));

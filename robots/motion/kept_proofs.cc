@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -26,11 +27,35 @@ void addAll(std::span<const Item> items, ContentKey& key) {
   key.add(std::as_bytes(items));
 }
 
-/// Adds what distances between shapes depend on. False for a shape that has no content of its own.
-bool addShape(const collision::Shape& shape, ContentKey& key) {
-  key.add(static_cast<double>(shape.type()));
-  for (const double number : {shape.radius(), shape.halfLength()}) key.add(number);
-  for (const double number : shape.halfExtents()) key.add(number);
+void addPose(const Pose& pose, ContentKey& key) {
+  for (const double number : pose.rotation.reshaped()) key.add(number);
+  for (const double number : pose.translation) key.add(number);
+}
+
+void addJoints(const Model& model, ContentKey& key) {
+  for (const Joint& joint : model.joints) {
+    key.add(std::string_view("joint"));
+    addPose(joint.X_PJ, key);
+    for (const double number : joint.axis) key.add(number);
+    for (const double number :
+         {static_cast<double>(joint.type), static_cast<double>(joint.parent_link),
+          static_cast<double>(joint.child_link), static_cast<double>(joint.first_variable),
+          static_cast<double>(joint.variable_count), static_cast<double>(joint.mimic),
+          joint.multiplier, joint.offset})
+      key.add(number);
+  }
+  for (const Variable& variable : model.variables) {
+    key.add(std::string_view("variable"));
+    const auto [low, high] =
+        variable.file_limits.value_or(std::pair(variable.lower, variable.upper));
+    for (const double number :
+         {static_cast<double>(variable.joint), variable.lower, variable.upper, low, high})
+      key.add(number);
+  }
+}
+
+/// Adds what distances from the surface of a mesh or hull depend on.
+void addSurface(const collision::Shape& shape, ContentKey& key) {
   if (const collision::ConvexHull* hull = shape.hull()) addAll(hull->vertices(), key);
   if (const collision::TriangleMesh* mesh = shape.mesh()) {
     addAll(mesh->vertices(), key);
@@ -39,21 +64,17 @@ bool addShape(const collision::Shape& shape, ContentKey& key) {
       key.add(static_cast<double>(mesh->isClosed(c)));
     key.add(static_cast<double>(mesh->pieces().use));
   }
-  return shape.deformable() == nullptr;
 }
 
 /// Empty: the answers are not kept.
 std::string keyOf(const Model& model, std::span<const std::pair<int, int>> pairs,
                   const char* kind) {
   ContentKey key(kind);
-  addJoints(model, key);
-  for (const Link& link : model.links) {
-    key.add(std::string_view("link"));
-    for (const Geometry& geometry : link.geometries) {
-      addPose(geometry.X_BG, key);
-      if (!addShape(geometry.shape, key)) return {};
-    }
-  }
+  const auto add = [&](const collision::Shape& shape) {
+    addSurface(shape, key);
+    return true;
+  };
+  if (!addModel(model, add, key)) return {};
   addAll(pairs, key);
   return key.finish();
 }
@@ -97,31 +118,23 @@ bool areAnswers(std::span<const std::byte> bytes, std::size_t count) {
 
 }  // namespace
 
-void addPose(const Pose& pose, ContentKey& key) {
-  for (const double number : pose.rotation.reshaped()) key.add(number);
-  for (const double number : pose.translation) key.add(number);
-}
-
-void addJoints(const Model& model, ContentKey& key) {
-  for (const Joint& joint : model.joints) {
-    key.add(std::string_view("joint"));
-    addPose(joint.X_PJ, key);
-    for (const double number : joint.axis) key.add(number);
-    for (const double number :
-         {static_cast<double>(joint.type), static_cast<double>(joint.parent_link),
-          static_cast<double>(joint.child_link), static_cast<double>(joint.first_variable),
-          static_cast<double>(joint.variable_count), static_cast<double>(joint.mimic),
-          joint.multiplier, joint.offset})
-      key.add(number);
+bool addModel(const Model& model, const std::function<bool(const collision::Shape&)>& addSurface,
+              ContentKey& key) {
+  addJoints(model, key);
+  for (const Link& link : model.links) {
+    key.add(std::string_view("link"));
+    for (const Geometry& geometry : link.geometries) {
+      const collision::Shape& shape = geometry.shape;
+      key.add(std::string_view("geometry"));
+      addPose(geometry.X_BG, key);
+      key.add(static_cast<double>(shape.type()));
+      for (const double number : {shape.radius(), shape.halfLength()}) key.add(number);
+      for (const double number : shape.halfExtents()) key.add(number);
+      const bool has_surface = shape.mesh() != nullptr || shape.hull() != nullptr;
+      if (shape.deformable() != nullptr || (has_surface && !addSurface(shape))) return false;
+    }
   }
-  for (const Variable& variable : model.variables) {
-    key.add(std::string_view("variable"));
-    const auto [low, high] =
-        variable.file_limits.value_or(std::pair(variable.lower, variable.upper));
-    for (const double number :
-         {static_cast<double>(variable.joint), variable.lower, variable.upper, low, high})
-      key.add(number);
-  }
+  return true;
 }
 
 std::vector<unsigned char> decidePairs(const Model& model,

@@ -7,14 +7,16 @@
 #include <utility>
 #include <vector>
 
+#include "leeway/collision/shape.h"
 #include "leeway/robots/model.h"
 #include "robots/cache/content_key.h"
 
 namespace leeway::robots {
 
-/// Adds the joints, the limits and the pose of each. O(joints).
-void addJoints(const Model& model, ContentKey& key);
-void addPose(const Pose& pose, ContentKey& key);
+/// Adds what answers about links depend on: joints and their limits, and the shapes of all links.
+/// `addSurface` adds that of a mesh or hull. False where it is, or where a shape deforms.
+bool addModel(const Model& model, const std::function<bool(const collision::Shape&)>& addSurface,
+              ContentKey& key);
 
 /// A question about pairs of links. Its answer is a number below kMost that depends on the model
 /// alone.
