@@ -513,10 +513,10 @@ class App {
     setTimeout(() => { button.textContent = 'Link'; }, 2000);
   }
 
-  // The step of a task that goes on at a time; where nothing moves in one, the one before it.
-  stepAt(time) {
-    const { steps } = this.data;
-    return steps.find((s) => time < s.end) ?? steps.filter((s) => s.end > s.begin).pop();
+  // The step in whose world the shown moment was measured: where two meet, the first of them.
+  stepOfMoment() {
+    const time = this.motion.times[this.moment];
+    return this.data.steps.find((s) => s.end > s.begin && time <= s.end);
   }
 
   refresh() {
@@ -582,7 +582,7 @@ class App {
     if (closest) lines.push(element('span', { className: 'soft', text: `margin ${+(closest.margin * 1e3).toFixed(3)} mm` }));
     if (closest && proven !== undefined) lines.push(element('span', { className: 'soft', id: 'proven', text: proven === null ? 'not proven here' : `proven here: at least ${millimetres(proven)} mm` }));
     if (this.compared) lines.push(...this.compared.lines(this, near.choice));
-    const step = this.stepAt(this.time);
+    const step = this.stepOfMoment();
     if (step) lines.push(element('span', { id: 'step', text: `${step.name} (${step.kind})` }));
     if (decision) {
       const word = element('span', { text: decision });
