@@ -635,14 +635,13 @@ void putChangedLast(const py::dict& margins, const py::dict& before) {
 }  // namespace
 
 void Problem::takeChanges(const std::string& except) const {
-  for (auto& [name, kept] : replaced_) {
+  for (const auto& [name, kept] : replaced_) {
     if (name == except) continue;  // it may be what is set now
-    py::object image = imageOf(kept.object);
-    if (isSameImage(image, kept.image)) continue;
-    kept.image = std::move(image);
-    throw py::value_error("'" + name +
-                          "' was changed after another had taken its place in its problem; the one "
-                          "that the problem has now, or a copy, is expected");
+    if (!isSameImage(imageOf(kept.object), kept.image))
+      throw py::value_error("'" + name +
+                            "' was changed after another had taken its place in its problem; "
+                            "change the one that the problem has now, or set '" +
+                            name + "' again to what is meant");
   }
   std::shared_ptr<planner::Problem> changed;
   for (const Setting& setting : planner::settings()) {
@@ -730,6 +729,8 @@ void Problem::set(const Setting& setting, const py::object& value) {
   } while (value_ != before);
   // An attribute that is set is another object, as in all of Python: who keeps the old one can set
   // it again.
+  for (auto& [of, kept] : replaced_)
+    if (of == replaced) kept.image = imageOf(kept.object);  // what is meant was just said
   const auto old = handed_out_.find(name);
   if (old != handed_out_.end() && !value.is(old->second.object)) {
     constexpr std::size_t kMostReplaced = 100;

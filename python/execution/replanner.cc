@@ -182,7 +182,8 @@ void defineStep(py::module_& module) {
            "For so long after the step going on, coming to rest, or standing is certified [s].");
   property(
       "lower", [](const ReplanStep& s) { return s.clearance.lower; },
-      "The clearance over the whole step is at least this [m].");
+      "The clearance over the whole step is at least this [m]. It may be below the margin of a "
+      "pair, which `certified` proves.");
   property(
       "upper", [](const ReplanStep& s) { return s.clearance.upper; },
       "The least clearance is at most this [m].");

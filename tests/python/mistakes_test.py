@@ -294,8 +294,11 @@ def test_what_was_replaced_is_not_changed_in_vain(robot):
     world, margins = problem.world, problem.margins
     problem.margins, problem.world = {("hand", "post"): 0.01}, worlds()
     margins[("link6", "post")] = 0.02
-    with pytest.raises(ValueError, match="'margins' was changed after another had taken its place"):
-        leeway.plan(problem)
+    for _ in range(2):
+        with pytest.raises(ValueError, match="'margins' was changed after another had taken its place"):
+            leeway.plan(problem)
+    problem.margins = problem.margins
+    assert leeway.plan(problem).solved
     world.add_sphere("ball", 0.1, position=(5, 0, 0))
     with pytest.raises(ValueError, match="'world' was changed after another"):
         problem.copy()
