@@ -41,7 +41,8 @@ constexpr const char* kReplanKeys =
   why                     it waits, evades or is unsafe; else empty
   certified               the step and its stop keep all margins, whatever the obstacles do until then
   clearance_lower, clearance_upper
-                          least separation over the whole step
+                          least separation over the whole step, measured: the lower bound may be
+                          below a pair's margin, which certified proves
   closest.a, closest.b    between these
   look_ahead              certified to be able to go on, or to stand, so long after the step
   path_held               what was left of the path held in the world as it was seen

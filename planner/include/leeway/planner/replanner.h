@@ -79,7 +79,7 @@ struct ReplanStep {
   /// Rows after the motion in which the robot comes to rest, should no other step be taken. Empty
   /// where it rests already.
   std::vector<TimedPoint> stop;
-  /// The least separation of checked pairs over the whole step [m]; (inf, inf) without pairs.
+  /// Bounds on the least separation over the step [m], maybe below a margin; (inf, inf): no pairs.
   Interval clearance;
   std::string closest_a, closest_b;
   /// The rest of the path is certified in the world as seen; if not, the bodies that broke it.
