@@ -25,12 +25,17 @@ std::string contactText(const EdgeCertifier& certifier, const StateCheck& check)
   if (check.pair < 0) return "its clearance could not be decided";
   const collision::Scene& scene = certifier.scene().scene();
   const collision::ScenePair& pair = scene.pairs()[at(check.pair)];
-  const bool deep = check.clearance.upper <= 0;
+  const auto [lower, upper] = check.clearance;
+  const std::string names = fmt::format("{} and {}", scene.bodies()[at(pair.body_a)].name,
+                                        scene.bodies()[at(pair.body_b)].name);
+  if (upper > 0)
+    return fmt::format("{} are too near there, {:.3f} mm apart, and more than {:g} mm is required",
+                       names, upper * 1e3, pair.margin * 1e3);
+  if (pair.margin >= 0) return fmt::format("{} collide there, {:.3f} mm deep", names, -upper * 1e3);
+  // The depth of meshes may have wide bounds.
   return fmt::format(
-      "{} and {} {} there, {:.3f} mm {}", scene.bodies()[at(pair.body_a)].name,
-      scene.bodies()[at(pair.body_b)].name, deep ? "collide" : "are too near",
-      std::abs(check.clearance.upper) * 1e3,
-      deep ? "deep" : fmt::format("apart, and more than {:g} mm is required", pair.margin * 1e3));
+      "{} are {:.3f} to {:.3f} mm deep in each other there, and less than {:g} mm is required",
+      names, -upper * 1e3, -lower * 1e3, -pair.margin * 1e3);
 }
 
 /// Whether points drawn uniformly from each region can be reached. They cannot if a position is

@@ -159,6 +159,10 @@ TEST(Plan, InvalidGoalsAmongOthersAreLeftOutWithAWarning) {
   EXPECT_EQ(result.goal, 1);
   ASSERT_EQ(result.warnings.size(), 1u);
   EXPECT_NE(result.warnings[0].find("'inside'"), std::string::npos);
+  problem.margins.common = -0.01;
+  EXPECT_NE(plan(problem).warnings.at(0).find(
+                "mm deep in each other there, and less than 10 mm is required"),
+            std::string::npos);
 }
 
 TEST(Plan, GoalRangesAreReachedByEveryKindOfPlanner) {
