@@ -36,6 +36,9 @@ inline constexpr double kGreatestLimit = 1e16;
 /// Limits of a mimic joint that narrow a range by no more than this are ignored, because dividing
 /// by a multiplier rounds [rad or m].
 inline constexpr double kSameLimit = 1e-9;
+/// A value that a file states for a mimic joint follows from its master's up to this: the digits
+/// that setup assistants write [rad or m]. A smaller one warns of rounding.
+inline constexpr double kSameStated = 1e-4;
 
 /// Up to this share of its coordinates, a polygon of a mesh file counts as planar and as not
 /// crossing itself: the departure from a plane that single precision and six digits leave. Its

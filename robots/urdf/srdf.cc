@@ -5,6 +5,7 @@
 #include "robots/urdf/srdf.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <iterator>
 #include <map>
@@ -15,6 +16,7 @@
 
 #include "leeway/robots/groups.h"
 #include "leeway/robots/text.h"
+#include "robots/base/tolerances.h"
 
 namespace leeway::robots {
 
@@ -282,6 +284,7 @@ class SrdfReader {
       return other.Attribute("group", state.group.c_str()) != nullptr;
     });
     std::map<int, int> lines;
+    std::vector<const XMLElement*> followers;
     for (const XMLElement* value = e.FirstChildElement("joint"); value != nullptr;
          value = value->NextSiblingElement("joint"))
       readOn(&wrong, [&] {
@@ -296,8 +299,27 @@ class SrdfReader {
                                  " is not in the group " + inQuotes(state.group) +
                                  "; a joint of that group would be accepted");
         addValue(*value, model_.joints[static_cast<std::size_t>(joint)], state);
+        if (model_.joints[static_cast<std::size_t>(joint)].mimic >= 0) followers.push_back(value);
       });
+    for (const XMLElement* value : followers) warnOfFollower(*value, state);
     return state;
+  }
+
+  /// Warns of a value of a joint that follows another one, unless it follows from the state's.
+  void warnOfFollower(const XMLElement& e, const GroupState& state) {
+    const auto jointAt = [&](int index) -> const Joint& {
+      return model_.joints[static_cast<std::size_t>(index)];
+    };
+    const Joint& joint = jointAt(model_.findJoint(e.Attribute("name")));
+    const Joint& master = jointAt(joint.mimic);
+    for (const auto& [variable, value] : state.values)
+      if (variable == master.first_variable &&
+          std::abs(joint.multiplier * value + joint.offset - file_.numbers(e, "value").front()) <=
+              kSameStated)
+        return;
+    file_.warn(e, "joint " + inQuotes(joint.name) + " follows " + inQuotes(master.name) +
+                      ": its value " + inQuotes(e.Attribute("value")) + " in the group state " +
+                      inQuotes(state.name) + " is left out");
   }
 
   void addValue(const XMLElement& e, const Joint& joint, GroupState& state) {

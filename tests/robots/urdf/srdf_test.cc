@@ -86,7 +86,7 @@ TEST_F(Srdf, StatesPairsAndVirtualJoint) {
 <group name="arm"><chain base_link="base" tip_link="tool"/></group>
 <group name="whole"><joint name="floor"/><group name="arm"/><link name="m2"/></group>
 <group_state name="home" group="arm"><joint name="j2" value="0.5"/><joint name="j1" value="-3"/><joint name="tool_joint" value="0"/></group_state>
-<group_state name="away" group="whole"><joint name="floor" value="1 2 0.5"/><joint name="k2" value="1"/></group_state>
+<group_state name="away" group="whole"><joint name="floor" value="1 2 0.5"/></group_state>
 <disable_collisions link1="l2" link2="l1" reason="Adjacent"/>
 <disable_collisions link1="l1" link2="l2" reason="Again"/>
 <end_effector name="hand" parent_link="tool" group="arm"/>
@@ -178,6 +178,21 @@ TEST_F(Srdf, Warnings) {
        ":3: <disable_collisions> names the link \"l1\" twice",
        ":6: the passive joint \"j1\" is in the group \"arm\"",
        ":6: the joint \"q\" in <passive_joint> is not defined"});
+}
+
+TEST_F(Srdf, AValueThatAJointDoesNotFollowHasAWarning) {
+  const auto state = [](const std::string& master, const std::string& follower) {
+    return "<group name=\"pair\"><joint name=\"k1\"/><joint name=\"k2\"/></group>\n"
+           "<group_state name=\"s\" group=\"pair\">" +
+           master + "<joint name=\"k2\" value=\"" + follower + "\"/></group_state>";
+  };
+  const std::string master = "<joint name=\"k1\" value=\"0.2\"/>";
+  expectWarnings(*load(state(master, "0.20001")), {});
+  const std::string warning =
+      ":3: joint \"k2\" follows \"k1\": its value \"0.9\" in the group "
+      "state \"s\" is left out";
+  expectWarnings(*load(state(master, "0.9")), {warning});
+  expectWarnings(*load(state("", "0.9")), {warning});
 }
 
 /// Their names mean something else where states are asked for by name.
