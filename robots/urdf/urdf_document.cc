@@ -360,6 +360,10 @@ class UrdfReader {
       file_.fail(*axis, "the axis " + inQuotes(axis->Attribute("xyz")) + " of joint " +
                             inQuotes(joint.name) +
                             " has no direction; a vector other than zero would be accepted");
+    if (joint.type == JointType::kPlanar && joint.axis / norm != Eigen::Vector3d::UnitZ())
+      file_.warn(*axis, "planar joint " + inQuotes(joint.name) + " moves in the plane normal to " +
+                            inQuotes(axis->Attribute("xyz")) +
+                            ", as URDF has it; MoveIt would take z");
   }
 
   void readLimit(const XMLElement& element, UrdfJoint& joint) {

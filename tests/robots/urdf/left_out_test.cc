@@ -333,6 +333,16 @@ TEST_F(LeftOutOfUrdf, AJointThatCannotMoveIsAWarning) {
   expectWarnings(*load(joint("\n<limit upper=\"0.5\" effort=\"1\" velocity=\"1\"/>")), {});
 }
 
+/// MoveIt takes z, whatever the file says.
+TEST_F(LeftOutOfUrdf, APlaneThatIsNotNormalToZIsAWarning) {
+  const auto planar = [](std::string text) {
+    return text.replace(text.find("revolute"), 8, "planar");
+  };
+  expectWarnings(*load(planar(joint("<axis xyz=\"0 0 2\"/>"))), {});
+  expectWarnings(*load(planar(joint("<axis xyz=\"1 0 0\"/>"))),
+                 {":4: planar joint \"j\" moves in the plane normal to \"1 0 0\""});
+}
+
 TEST_F(LeftOutOfUrdf, SoftLimitsAreNamed) {
   const auto limited = [&](const std::string& soft) {
     return load(joint(limit("effort=\"1\" velocity=\"1\"") + "\n<safety_controller " + soft +
