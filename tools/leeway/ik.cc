@@ -352,10 +352,7 @@ Verb addIk(CLI::App& command) {
   app->add_option("--starts", arguments->starts, "stop after so many starts")
       ->type_name("N")
       ->capture_default_str();
-  app->add_option("--seed", arguments->seed, "seed of the starts")
-      ->check(seedError)
-      ->type_name("N")
-      ->capture_default_str();
+  addSeed(*app, "seed of the starts", arguments->seed);
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer(
       "Examples:\n"

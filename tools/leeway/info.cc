@@ -75,15 +75,8 @@ Verb addInfo(CLI::App& command) {
       ->type_name("FILE")
       ->required();
   addRobotArguments(*app, arguments->source);
-  app->add_option("--samples", arguments->samples,
-                  "random configurations that look which links meet; 0: none")
-      ->type_name("N")
-      ->check(countFrom(0, 1'000'000'000))
-      ->capture_default_str();
-  app->add_option("--seed", arguments->seed, "seed of the samples")
-      ->check(seedError)
-      ->type_name("N")
-      ->capture_default_str();
+  addSamples(*app, "random configurations that look which links meet; 0: none", arguments->samples,
+             arguments->seed);
   app->add_flag("--all", arguments->all,
                 "print all rows, where one screen shows the first or sums");
   app->add_flag("--json", arguments->json, "print one JSON document");

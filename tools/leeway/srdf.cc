@@ -268,14 +268,7 @@ Verb addSrdf(CLI::App& command) {
   app->add_option("--output", arguments->output,
                   "write the pairs: .srdf, or .yaml with `allowed` of a problem file")
       ->type_name("FILE");
-  app->add_option("--samples", arguments->samples, "random configurations")
-      ->type_name("N")
-      ->check(countFrom(0, 1'000'000'000))
-      ->capture_default_str();
-  app->add_option("--seed", arguments->seed, "seed of the samples")
-      ->check(seedError)
-      ->type_name("N")
-      ->capture_default_str();
+  addSamples(*app, "random configurations", arguments->samples, arguments->seed);
   app->add_flag("--sampled", arguments->sampled,
                 "also leave out pairs that never touched in samples: nothing proves that they "
                 "cannot");

@@ -25,8 +25,7 @@ namespace {
 constexpr double kLeastTime = 1e-6;
 constexpr double kMostTime = 1e9;
 
-}  // namespace
-
+/// Returns the fault of a seed's text; else empty. CLI11 alone would accept -1 as the largest seed.
 std::string seedError(const std::string& text) {
   std::uint64_t seed = 0;
   const char* end = text.data() + text.size();
@@ -34,6 +33,20 @@ std::string seedError(const std::string& text) {
   return read.ec == std::errc() && read.ptr == end
              ? ""
              : fmt::format("'{}' is not a whole number from 0 to 18446744073709551615", text);
+}
+
+}  // namespace
+
+void addSeed(CLI::App& app, const char* help, std::uint64_t& seed) {
+  app.add_option("--seed", seed, help)->check(seedError)->type_name("N")->capture_default_str();
+}
+
+void addSamples(CLI::App& app, const char* help, int& samples, std::uint64_t& seed) {
+  app.add_option("--samples", samples, help)
+      ->type_name("N")
+      ->check(countFrom(0, 1'000'000'000))
+      ->capture_default_str();
+  addSeed(app, "seed of the samples", seed);
 }
 
 CLI::Validator numberFrom(double lower, double upper) {

@@ -31,8 +31,10 @@ struct PlanOverrides {
 /// interactivePlanOptions() for a plan of `problem`, with the certificate detail for its output.
 planner::PlanOptions planOptions(const PlanOverrides& overrides, const planner::Problem& problem);
 
-/// Returns the fault of a seed's text; else empty. CLI11 alone would accept -1 as the largest seed.
-std::string seedError(const std::string& text);
+/// Adds --seed of something that has a seed of its own.
+void addSeed(CLI::App& app, const char* help, std::uint64_t& seed);
+/// Adds --samples and --seed of random configurations.
+void addSamples(CLI::App& app, const char* help, int& samples, std::uint64_t& seed);
 /// Validators of option values. Unlike CLI::Range, they refuse NaN, and counts that are too large
 /// for their type.
 CLI::Validator numberFrom(double lower, double upper);
