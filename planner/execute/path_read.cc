@@ -285,6 +285,11 @@ Table readCsv(const std::string& file, std::vector<std::string>* warnings) {
     if (table.names.empty() && fields.size() == 1)
       if (std::vector<std::string> row = blankFields(line); areNumbers(row)) fields.swap(row);
     if (table.names.empty() && table.rows.empty() && !areNumbers(fields)) {
+      if (fields.size() == 1 && line.find_first_of(";\t") != std::string::npos)
+        throw InputError(file, number,
+                         fmt::format("'{}' has no comma; names or numbers with commas between "
+                                     "them are expected",
+                                     elided(line)));
       for (const std::string& field : fields) table.names.emplace_back(withoutBlanks(field));
       table.names_line = number;
       continue;

@@ -890,6 +890,10 @@ TEST_F(PathIo, MessagesOfBadFiles) {
          ": is empty; a header of joint names and rows, or rows alone, are expected");
   expect(write("b.csv", header), ": holds no waypoint; at least one is expected");
   expect(write("c.csv", header + "0,1,2,3,4,5,6\n"), ":2: a row of 7 numbers; 8 are expected");
+  for (const std::string line : {"joint1;joint2", "1;2"})
+    expect(
+        write("semicolons.csv", line + "\n1;2\n"),
+        ":1: '" + line + "' has no comma; names or numbers with commas between them are expected");
   expect(write("d.csv", header + "0,1,2,3,4,x,6,7\n"),
          ":2: 'x' stands where a finite number is expected");
   expect(write("e.csv", header + "0,1,2,3,4,nan,6,7\n"),
