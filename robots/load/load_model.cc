@@ -274,18 +274,13 @@ void appendJoint(const UrdfJoint& source, const std::vector<int>& link_position,
   model.joints.push_back(std::move(joint));
 }
 
-const UrdfJoint& jointNamed(const UrdfDocument& document, const std::string& name) {
-  return *std::find_if(document.joints.begin(), document.joints.end(),
-                       [&](const UrdfJoint& j) { return j.name == name; });
-}
-
 /// A mimic joint with a multiplier of 0, its own or of those that it follows, stands still.
 void fixStillMimics(UrdfDocument& document) {
+  const JointsByName joints = jointsByName(document);
   std::vector<std::pair<UrdfJoint*, double>> still;
   for (UrdfJoint& joint : document.joints) {
     double multiplier = 1, position = 0;
-    for (const UrdfJoint* next = &joint; next->has_mimic;
-         next = &jointNamed(document, next->mimic)) {
+    for (const UrdfJoint* next = &joint; next->has_mimic; next = joints.at(next->mimic)) {
       position += multiplier * next->offset;
       multiplier *= next->multiplier;
     }
@@ -304,15 +299,15 @@ void fixStillMimics(UrdfDocument& document) {
 }
 
 /// Follows a chain of mimics to the joint with a variable: m1 (m2 q + o2) + o1.
-void resolveMimic(const UrdfDocument& document, const UrdfJoint& source, RobotDescription& model) {
+void resolveMimic(const JointsByName& joints, const UrdfJoint& source, RobotDescription& model) {
   Joint& joint = model.joints[at(model.findJoint(source.name))];
-  const UrdfJoint* master = &jointNamed(document, source.mimic);
+  const UrdfJoint* master = joints.at(source.mimic);
   joint.multiplier = source.multiplier;
   joint.offset = source.offset;
   while (master->has_mimic) {
     joint.offset += joint.multiplier * master->offset;
     joint.multiplier *= master->multiplier;
-    master = &jointNamed(document, master->mimic);
+    master = joints.at(master->mimic);
   }
   joint.mimic = model.findJoint(master->name);
 }
@@ -519,8 +514,9 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   for (const auto& [name, treatment] : options.meshes)
     if (found_before.count(name) == 0 && noting.meshes_found->count(name) != 0)
       robot.read_with.meshes.emplace(name, treatment);
+  const JointsByName joints = jointsByName(document);
   for (const UrdfJoint& joint : document.joints)
-    if (joint.has_mimic) resolveMimic(document, joint, robot);
+    if (joint.has_mimic) resolveMimic(joints, joint, robot);
   for (std::size_t i = 0; i < order.size(); ++i) {
     const int source = order[i].second;
     const bool bounded = robot.joints[i].type == JointType::kRevolute ||

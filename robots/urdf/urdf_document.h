@@ -4,6 +4,8 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -120,6 +122,11 @@ void checkStructure(const UrdfDocument& document);
 /// Reads the document's essence with urdfdom, the reader that robot software shares. Throws
 /// InputError where urdfdom reads another robot.
 void compareWithUrdfdom(const UrdfDocument& document);
+
+/// The joints of a document by name; of two of one name the first. Valid while the document's list
+/// stays. O(joints).
+using JointsByName = std::unordered_map<std::string_view, const UrdfJoint*>;
+JointsByName jointsByName(const UrdfDocument& document);
 
 /// Lets a joint of one position stand still there.
 void lockAt(UrdfJoint& joint, double position);

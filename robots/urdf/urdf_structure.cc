@@ -14,9 +14,7 @@ namespace {
 
 class StructureCheck {
  public:
-  explicit StructureCheck(const UrdfDocument& document) : document_(document) {
-    for (const UrdfJoint& joint : document.joints) joint_names_.push_back(joint.name);
-  }
+  explicit StructureCheck(const UrdfDocument& document) : document_(document) {}
 
   void run() {
     checkParents();
@@ -90,30 +88,27 @@ class StructureCheck {
   }
 
   void checkMimics() {
-    const auto find = [&](const std::string& name) {
-      const auto found = std::find(joint_names_.begin(), joint_names_.end(), name);
-      return found == joint_names_.end()
-                 ? nullptr
-                 : &document_.joints[static_cast<std::size_t>(found - joint_names_.begin())];
-    };
+    const JointsByName joints = jointsByName(document_);
     for (const UrdfJoint& joint : document_.joints) {
       if (!joint.has_mimic) continue;
       const UrdfJoint* master = &joint;
       for (std::size_t steps = 0; master->has_mimic; ++steps) {
-        const UrdfJoint* next = find(master->mimic);
-        if (next == nullptr) {
-          const std::string nearest = suggestion(master->mimic, joint_names_);
+        const auto next = joints.find(master->mimic);
+        if (next == joints.end()) {
+          std::vector<std::string> names;
+          for (const UrdfJoint& known : document_.joints) names.push_back(known.name);
+          const std::string nearest = suggestion(master->mimic, names);
           failAt(*master, master->mimic_line,
                  "joint " + inQuotes(master->name) + " mimics " + inQuotes(master->mimic) +
                      ", which is not defined; " +
                      (nearest.empty() ? "the name of another <joint> would be accepted" : nearest));
         }
-        if (steps > document_.joints.size() || next == &joint)
+        if (steps > document_.joints.size() || next->second == &joint)
           failAt(joint, joint.mimic_line,
                  "joint " + inQuotes(joint.name) + " mimics itself" +
                      (steps == 0 ? "" : " by way of others") +
                      "; a joint that has its own position would be accepted as master");
-        master = next;
+        master = next->second;
       }
       if (master->type != JointType::kRevolute && master->type != JointType::kContinuous &&
           master->type != JointType::kPrismatic)
@@ -126,11 +121,16 @@ class StructureCheck {
   }
 
   const UrdfDocument& document_;
-  std::vector<std::string> joint_names_;
   std::vector<int> parent_joint_;  // of each link; -1: the root
 };
 
 }  // namespace
+
+JointsByName jointsByName(const UrdfDocument& document) {
+  JointsByName joints;
+  for (const UrdfJoint& joint : document.joints) joints.emplace(joint.name, &joint);
+  return joints;
+}
 
 void lockAt(UrdfJoint& joint, double position) {
   Pose moved;
