@@ -675,7 +675,7 @@ void Problem::apply(const py::dict& settings) {
   if (given("goal") && given("goals"))
     throw py::value_error("goal is given beside goals; one of them is expected");
   planner::Problem changed = **this;
-  if (given("others") && py::isinstance<py::dict>(settings["start"]))
+  if (given("others") && given("start") && py::isinstance<py::dict>(settings["start"]))
     for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(settings["start"]))
       if (py::object(settings["others"]).contains(key))
         throw py::value_error("start gives joint '" + std::string(py::str(key)) +

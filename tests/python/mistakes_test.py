@@ -256,6 +256,14 @@ def test_settings_that_change_others_change_what_was_handed_out(robot):
         problem.others = {"joint1": 0.1}
 
 
+def test_a_joint_has_its_value_once(robot):
+    start = {**dict(zip(robot.joint_names, TUCKED)), "finger_joint": 0}
+    for make in (lambda: good(robot, start=start, others={"finger_joint": 0.03}), lambda: good(robot).copy(start=start, others={"finger_joint": 0.03})):
+        with pytest.raises(ValueError, match="start gives joint 'finger_joint', which has a value in others"):
+            make()
+    assert good(robot, others={"finger_joint": 0.03}).others == {"finger_joint": 0.03}
+
+
 def elsewhere():
     world = worlds()
     world.move("post", (5, 0, 0.5))
@@ -298,7 +306,7 @@ def test_what_was_replaced_is_not_changed_in_vain(robot):
         with pytest.raises(ValueError, match="'margins' was changed after another had taken its place"):
             leeway.plan(problem)
     problem.margins = problem.margins
-    assert leeway.plan(problem).solved
+    assert leeway.plan(problem).status == "solved"
     world.add_sphere("ball", 0.1, position=(5, 0, 0))
     with pytest.raises(ValueError, match="'world' was changed after another"):
         problem.copy()
