@@ -14,7 +14,7 @@ StepCertifier::StepCertifier(std::shared_ptr<const CompiledScene> scene, Obstacl
     : scene_(std::move(scene)),
       obstacles_(obstacles),
       still_(obstacles.still()),
-      displacement_(*scene_),
+      rows_(*scene_),
       movers_(obstacles.groups()) {
   begin();
 }
@@ -78,21 +78,7 @@ const Obstacles::Placement& StepCertifier::placement(std::size_t group, double t
 
 double StepCertifier::departure(std::span<const TimedPoint> rows) {
   const auto row = [&](int k) { return std::span<const double>(rows[at(k)].position); };
-  return displacement_.fromChord(row, 0, static_cast<int>(rows.size()) - 1);
-}
-
-bool StepCertifier::edgeFree(EdgeCertifier& certifier, std::span<const TimedPoint> rows,
-                             double separation, bool is_last, Bodies& broken) {
-  EdgeRequest request = EdgeRequest::persistent();
-  request.work_limit = std::min(is_last ? request.work_limit : kGuardChordWork, left_);
-  request.separation = separation;
-  if (!(left_ > 0)) return false;
-  const std::int64_t before = certifier.statistics.work;
-  const EdgeCheck check = certifier.certify(rows.front().position, rows.back().position, request);
-  left_ -= std::max<std::int64_t>(certifier.statistics.work - before, kGuardLeastWork);
-  if (check.verdict == Verdict::kFree) return true;
-  broken = names(certifier.scene(), check.pair);
-  return false;
+  return rows_.displacement().fromChord(row, 0, static_cast<int>(rows.size()) - 1);
 }
 
 bool StepCertifier::rowsFree(EdgeCertifier& certifier, std::span<const TimedPoint> rows,
@@ -100,17 +86,12 @@ bool StepCertifier::rowsFree(EdgeCertifier& certifier, std::span<const TimedPoin
   const auto rests = [&](std::size_t i) { return rows[i].position == rows[i + 1].position; };
   while (rows.size() > 2 && rests(0)) rows = rows.subspan(1);
   while (rows.size() > 2 && rests(rows.size() - 2)) rows = rows.first(rows.size() - 1);
-  if (rows.size() <= 2) return edgeFree(certifier, rows, -kInfinity, true, broken);
-  const collision::ScenePairs& pairs = certifier.scene().scene().pairs();
-  const double off = departure(rows), margin = pairs.mostMargin();
-  const bool is_line = off <= kGuardOnLine && margin >= 0 && pairs.leastMargin() == margin;
-  if (off <= kLargestDeparture &&
-      edgeFree(certifier, rows, std::max(0.0, margin) + off, is_line, broken))
-    return true;
-  if (is_line || !(left_ > 0)) return false;  // halves say the same
-  const std::size_t middle = rows.size() / 2;
-  return rowsFree(certifier, rows.first(middle + 1), broken) &&
-         rowsFree(certifier, rows.subspan(middle), broken);
+  const auto row = [&](int k) { return std::span<const double>(rows[at(k)].position); };
+  const int last = static_cast<int>(rows.size()) - 1;
+  const RowsProof::Margins margins = RowsProof::marginsOf(certifier.scene());
+  if (rows_.until(certifier, margins, row, 0, last, true) == last) return true;
+  broken = names(certifier.scene(), rows_.failed().pair);
+  return false;
 }
 
 bool StepCertifier::isFree(std::span<const TimedPoint> motion) {
@@ -134,7 +115,8 @@ bool StepCertifier::certifyPart(std::size_t group, std::span<const TimedPoint> m
     return true;
   }
   const double middle = t0 + (t1 - t0) / 2;
-  if (depth == 0 || !(left_ > 0) || known.growth <= kLeastGrowth || !(middle > t0 && middle < t1))
+  if (depth == 0 || rows_.isSpent() || known.growth <= kLeastGrowth ||
+      !(middle > t0 && middle < t1))
     return false;
   // If the robot is not free at the middle, neither half is free.
   moving.rebind(known.middle);
@@ -147,9 +129,10 @@ bool StepCertifier::certifyPart(std::size_t group, std::span<const TimedPoint> m
 double StepCertifier::certify(std::span<const TimedPoint> motion, std::span<const double> marks,
                               std::size_t must, Bodies& broken) {
   double until = motion.front().time;
+  rows_.lengthen();
   for (Mover& mover : movers_) mover.proven.clear();
   // Not split where it fails: a shorter proof is useless.
-  if (!rowsFree(still_, motion, broken)) return until;
+  if (!rowsFree(still_, motion, broken)) return -kInfinity;
   for (std::size_t k = 0; k < marks.size(); ++k) {
     const int halvings = k < must ? kMustHalvings : kAheadHalvings;
     for (std::size_t g = 0; g < movers_.size(); ++g)
@@ -174,16 +157,19 @@ Interval StepCertifier::clearance(std::span<const TimedPoint> motion, double end
   };
   const auto ask = [&](EdgeCertifier& certifier, std::span<const TimedPoint> part, double growth,
                        double proven) {
-    for (std::size_t i = 0; i + 1 < part.size();) {
-      std::size_t last = part.size() - 1;
+    // A chord that departs too far is halved, and the next one is at most twice as long: so all
+    // departures together cost O(rows).
+    for (std::size_t i = 0, most = part.size(); i + 1 < part.size();) {
+      std::size_t last = std::min(part.size() - 1, i + most);
       double off = 0;
-      for (; last > i + 1; --last)
+      for (; last > i + 1; last = i + (last - i) / 2)
         if (off = departure(part.subspan(i, last - i + 1)); off <= kDepartureShare * tolerance)
           break;
       if (last == i + 1) off = 0;
       take(certifier.scene(),
            certifier.edgeClearance(part[i].position, part[last].position, tolerance, -kInfinity),
            growth + off, proven);
+      most = 2 * (last - i);
       i = last;
     }
   };

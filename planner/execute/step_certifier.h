@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
-#include "planner/compiled/displacement.h"
 #include "planner/execute/obstacles.h"
+#include "planner/execute/rows_proof.h"
 
 namespace leeway::planner {
 
@@ -40,12 +40,12 @@ class StepCertifier {
 
   /// Sets what the calls below may cost together, in units of collision::Work. What is not decided
   /// within it is not proven.
-  void setWork(std::int64_t work) { left_ = work; }
+  void setWork(std::int64_t work) { rows_.setWork(work); }
 
   /// Returns the last of `marks` up to which the motion is proven to keep all margins, or the
-  /// motion's beginning. `marks` are increasing times [s]; the last one is the motion's end. Halves
-  /// intervals kMustHalvings times before the first `must` marks and kAheadHalvings times after
-  /// them.
+  /// motion's beginning; -infinity if it is not proven against what stands still. `marks` are
+  /// increasing times [s]; the last one is the motion's end. Halves intervals kMustHalvings times
+  /// before the first `must` marks and kAheadHalvings times after them.
   double certify(std::span<const TimedPoint> motion, std::span<const double> marks,
                  std::size_t must, Bodies& broken);
 
@@ -72,20 +72,15 @@ class StepCertifier {
   const Obstacles::Placement& placement(std::size_t group, double t0, double t1);
   bool certifyPart(std::size_t group, std::span<const TimedPoint> motion, double t0, double t1,
                    int depth, Bodies& broken);
-  /// Whether all edges between rows are free: by one edge between the first and the last, with a
-  /// separation that covers how far they are from it, or in two halves.
   bool rowsFree(EdgeCertifier& certifier, std::span<const TimedPoint> rows, Bodies& broken);
-  bool edgeFree(EdgeCertifier& certifier, std::span<const TimedPoint> rows, double separation,
-                bool is_last, Bodies& broken);
   double departure(std::span<const TimedPoint> rows);
   static Bodies names(const CompiledScene& scene, int pair);
 
   std::shared_ptr<const CompiledScene> scene_;
   Obstacles& obstacles_;
   EdgeCertifier still_;
-  Displacement displacement_;
+  RowsProof rows_;
   std::vector<Mover> movers_;         ///< by group
-  std::int64_t left_ = 0;             ///< work
   EdgeCertifier::Statistics before_;  ///< of certifiers that were replaced
 };
 

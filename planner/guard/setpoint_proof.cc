@@ -8,11 +8,6 @@
 
 namespace leeway::planner {
 
-SetpointProof::Margins SetpointProof::marginsOf(const CompiledScene& scene) {
-  const double most = scene.scene().pairs().mostMargin();
-  return {most, scene.scene().pairs().leastMargin() == most};
-}
-
 SetpointProof::SetpointProof(const Problem& problem, const GuardOptions& options,
                              std::shared_ptr<const CompiledScene> scene)
     : scene_(std::move(scene)),
@@ -20,9 +15,8 @@ SetpointProof::SetpointProof(const Problem& problem, const GuardOptions& options
       horizon_(options.horizon),
       obstacles_(problem, scene_),
       still_(obstacles_.still()),
-      still_margins_(marginsOf(still_.scene())),
-      displacement_(*scene_),
-      growth_limit_(kGuardFirstGrowth) {
+      still_margins_(RowsProof::marginsOf(still_.scene())),
+      rows_(*scene_) {
   if (obstacles_.empty()) return;
   movers_.resize(obstacles_.groups());
   slices_.resize(at(kGuardSlices));
@@ -47,7 +41,7 @@ void SetpointProof::look(double time) {
     for (std::size_t g = 0; g < movers_.size(); ++g) {
       Mover::Where& where = movers_[g].slices[at(k)];
       where.scene = obstacles_.place(g, slice.begin, slice.end, false).grown;
-      where.margins = marginsOf(*where.scene);
+      where.margins = RowsProof::marginsOf(*where.scene);
       movers_[g].certifier->rebind(where.scene);  // makes what certifiers share, which allocates
     }
   }
@@ -55,8 +49,8 @@ void SetpointProof::look(double time) {
 }
 
 void SetpointProof::begin(std::int64_t work) {
-  left_ = work;
-  growth_limit_ = std::min(kGuardFirstGrowth, 2 * growth_limit_);  // what failed may hold again
+  rows_.setWork(work);
+  rows_.lengthen();
   before_ = sum();
   failure_ = {};
 }
@@ -76,20 +70,12 @@ EdgeCertifier::Statistics SetpointProof::statistics() const {
   return now;
 }
 
-bool SetpointProof::edgeFree(EdgeCertifier& certifier, const SetpointMotion& motion, int from,
-                             int to, double separation, std::int64_t most_work) {
-  if (isSpent()) {
-    failure_ = {GuardReason::kWork, {}, {}};
-    return false;
-  }
-  EdgeRequest request;
-  request.work_limit = std::min(most_work, left_);
-  request.separation = separation;
-  const std::int64_t before = certifier.statistics.work;
-  const EdgeCheck check = certifier.certify(motion.row(from), motion.row(to), request);
-  // Placing the robot is not counted: it takes about a microsecond.
-  left_ -= std::max<std::int64_t>(certifier.statistics.work - before, kGuardLeastWork);
-  if (check.verdict == Verdict::kFree) return true;
+int SetpointProof::untilIn(EdgeCertifier& certifier, const RowsProof::Margins& margins,
+                           const SetpointMotion& motion, int from, int to, bool all) {
+  const auto row = [&](int k) { return motion.row(k); };
+  const int reached = rows_.until(certifier, margins, row, from, to, all);
+  if (reached == to) return to;
+  const EdgeCheck& check = rows_.failed();
   failure_ = {check.verdict == Verdict::kNotFree ? GuardReason::kNotFree
               : isSpent()                        ? GuardReason::kWork
                                                  : GuardReason::kNotCertified,
@@ -101,32 +87,7 @@ bool SetpointProof::edgeFree(EdgeCertifier& certifier, const SetpointMotion& mot
     failure_.a = scene.bodies()[at(pair.body_a)].name;
     failure_.b = scene.bodies()[at(pair.body_b)].name;
   }
-  return false;
-}
-
-int SetpointProof::untilIn(EdgeCertifier& certifier, const Margins& margins,
-                           const SetpointMotion& motion, int from, int to, bool all) {
-  if (to - from <= 1) {
-    if (edgeFree(certifier, motion, from, to, -kInfinity, EdgeRequest::persistent().work_limit))
-      return to;
-    return from == to ? from - 1 : from;
-  }
-  // Only a measured start may be outside the limits, where bounds on displacements do not hold.
-  const bool is_bounded = from > 0 || scene_->space().withinLimits(motion.row(0));
-  const auto row = [&](int k) { return motion.row(k); };
-  const double growth = is_bounded ? displacement_.fromChord(row, from, to) : kInfinity;
-  if (growth <= growth_limit_) {
-    const double separation = std::max(0.0, margins.most) + growth;
-    if (edgeFree(certifier, motion, from, to, separation, kGuardChordWork)) {
-      growth_limit_ = std::min(kGuardMostGrowth, std::max(growth_limit_, 1.5 * growth));
-      return to;
-    }
-    if (isSpent() || (all && margins.are_equal && growth < kGuardOnLine)) return from;
-    if (growth > kGuardLeastGrowth) growth_limit_ = std::max(kGuardLeastGrowth, growth / 2);
-  }
-  const int middle = from + (to - from) / 2;
-  const int first = untilIn(certifier, margins, motion, from, middle, all);
-  return first < middle ? first : untilIn(certifier, margins, motion, middle, to, all);
+  return reached;
 }
 
 int SetpointProof::untilInSlice(std::size_t slice, const SetpointMotion& motion, int from, int to,

@@ -10,15 +10,13 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/guard.h"
-#include "planner/compiled/displacement.h"
 #include "planner/execute/obstacles.h"
+#include "planner/execute/rows_proof.h"
 #include "planner/guard/setpoint_motion.h"
 
 namespace leeway::planner {
 
-/// Proves that motions keep all margins. Many setpoints are proven by one edge, their chord, with a
-/// separation that covers how far they are from it; where that is not proven, by two chords.
-/// Allocates in the constructor and in look() only.
+/// Proves that motions keep all margins. Allocates in the constructor and in look() only.
 class SetpointProof {
  public:
   SetpointProof(const Problem& problem, const GuardOptions& options,
@@ -34,7 +32,7 @@ class SetpointProof {
   /// Begins a call: what it may cost.
   void begin(std::int64_t work);
   /// Takes work that was done elsewhere from what the call may cost.
-  void charge(std::int64_t work) { left_ -= work; }
+  void charge(std::int64_t work) { rows_.charge(work); }
   /// The last row up to which the motion is proven from row `from` on; at most `to`, and `from` - 1
   /// where not even that row is known to be free. Where it is less than `to`, failure() says why.
   int freeUntil(const SetpointMotion& motion, int from, int to) {
@@ -50,17 +48,11 @@ class SetpointProof {
     std::string_view a, b;
   };
   const Failure& failure() const { return failure_; }
-  bool isSpent() const { return !(left_ > 0); }
+  bool isSpent() const { return rows_.isSpent(); }
   /// Since begin(); `work` is what it was charged.
   EdgeCertifier::Statistics statistics() const;
 
  private:
-  /// The margins of a scene's pairs.
-  struct Margins {
-    double most = 0;  ///< [m]
-    bool are_equal = false;
-  };
-  static Margins marginsOf(const CompiledScene& scene);
   /// The times of a part of the horizon.
   struct Slice {
     double begin = 0, end = 0;  ///< [s]
@@ -69,7 +61,7 @@ class SetpointProof {
   struct Mover {
     struct Where {
       std::shared_ptr<const CompiledScene> scene;
-      Margins margins;
+      RowsProof::Margins margins;
     };
     std::unique_ptr<EdgeCertifier> certifier;
     std::vector<Where> slices;
@@ -77,23 +69,19 @@ class SetpointProof {
   int until(const SetpointMotion& motion, int from, int to, bool all);
   int untilAmongObstacles(const SetpointMotion& motion, int from, int to, bool all);
   int untilInSlice(std::size_t slice, const SetpointMotion& motion, int from, int to, bool all);
-  int untilIn(EdgeCertifier& certifier, const Margins& margins, const SetpointMotion& motion,
-              int from, int to, bool all);
-  bool edgeFree(EdgeCertifier& certifier, const SetpointMotion& motion, int from, int to,
-                double separation, std::int64_t most_work);
+  int untilIn(EdgeCertifier& certifier, const RowsProof::Margins& margins,
+              const SetpointMotion& motion, int from, int to, bool all);
   EdgeCertifier::Statistics sum() const;
 
   std::shared_ptr<const CompiledScene> scene_;
   double period_, horizon_;
   Obstacles obstacles_;
   EdgeCertifier still_;
-  Margins still_margins_;
+  RowsProof::Margins still_margins_;
   std::vector<Mover> movers_;  ///< by group; none without obstacles
   std::vector<Slice> slices_;
   bool is_stale_ = false;  ///< the slices do not hold
-  Displacement displacement_;
-  double growth_limit_;
-  std::int64_t left_ = 0;  ///< work
+  RowsProof rows_;
   EdgeCertifier::Statistics before_;
   Failure failure_;
 };

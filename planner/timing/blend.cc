@@ -7,7 +7,6 @@
 #include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "planner/base/tolerances.h"
-#include "planner/compiled/edge_model.h"
 #include "planner/timing/leg.h"
 
 namespace leeway::planner {
@@ -51,15 +50,13 @@ std::vector<double> blendDeparture(std::span<const double> before, std::span<con
 }
 
 BlendProof::BlendProof(const std::shared_ptr<const CompiledScene>& scene)
-    : scene_(*scene),
-      space_(scene->space()),
+    : space_(scene->space()),
       certifier_(scene->withMarginsGrown(kBlendDeviation)),
       size_(at(space_.size())),
       bend_(size_),
       point_(size_),
       next_(size_),
-      dq_(scene->model().variables.size()),
-      motion_(scene->model().joints.size()) {}
+      displacement_(*scene) {}
 
 bool BlendProof::holds(std::span<const double> corner, std::span<const double> before,
                        std::span<const double> after, const Blend& blend) {
@@ -68,7 +65,7 @@ bool BlendProof::holds(std::span<const double> corner, std::span<const double> b
   if (wraps(corner, before, after, blend)) return false;
   // The curve's second derivative is at most 2 bend_ / (1 - ramp). Over 1/n of the time the curve
   // stays within an eighth of it, over n^2, of its chord.
-  const double deviation = displacement() / (4 * (1 - blend.ramp));
+  const double deviation = displacement_.of(bend_) / (4 * (1 - blend.ramp));
   int chords = 1;
   while (chords <= kBlendChords && !(deviation / (chords * chords) <= kBlendDeviation)) chords *= 2;
   if (chords > kBlendChords) return false;
@@ -96,17 +93,6 @@ bool BlendProof::wraps(std::span<const double> corner, std::span<const double> b
     if (!(std::abs(middle) + reach < std::numbers::pi && reach < kBlendReach)) return true;
   }
   return false;
-}
-
-/// Bounds the motion of any body's points for a joint motion of bend_, as seen from any body that
-/// it is checked against [m].
-double BlendProof::displacement() {
-  expandDifference(space_, bend_, dq_);
-  robots::jointMotion(scene_.model(), dq_, motion_);
-  double most = 0;
-  for (const robots::RelativeMotion& motion : scene_.edgeModel().motions)
-    most = std::max(most, robots::speedBound(scene_.model(), motion, motion_));
-  return most;
 }
 
 }  // namespace leeway::planner

@@ -9,7 +9,7 @@
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/trajectory.h"
-#include "leeway/robots/motion_bound.h"
+#include "planner/compiled/displacement.h"
 
 namespace leeway::planner {
 
@@ -40,14 +40,12 @@ class BlendProof {
  private:
   bool wraps(std::span<const double> corner, std::span<const double> before,
              std::span<const double> after, const Blend& blend) const;
-  double displacement();
 
-  const CompiledScene& scene_;
   const ConfigurationSpace& space_;
   EdgeCertifier certifier_;
   std::size_t size_;
-  std::vector<double> bend_, point_, next_, dq_;
-  std::vector<robots::JointMotion> motion_;
+  std::vector<double> bend_, point_, next_;
+  Displacement displacement_;
 };
 
 }  // namespace leeway::planner
