@@ -816,9 +816,10 @@ constexpr int kStopWaits[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12
                               18, 20, 22, 24, 27, 30, 33, 36, 40, 44, 48, 53, 58, 64};
 constexpr double kStopTimes[] = {1, 1.15, 1.35, 1.6, 1.9, 2.3, 2.8, 3.5};
 
-/// The largest departure of rows from a chord that is tried for all of them [m]: a greater one
-/// would rarely be proven among obstacles.
-constexpr double kLargestDeparture = 0.02;
+/// Steps that are shorter share a stop for this long [s]: proofs and logs of stops cost more than
+/// the rest of such steps. A longer time stops later.
+constexpr double kStopEvery = 0.05;
+
 /// The largest share of a clearance's tolerance that a chord's departure takes.
 constexpr double kDepartureShare = 0.1;
 
@@ -830,6 +831,13 @@ constexpr double kEvasionTime = 0.4;
 
 /// Rows may exceed limits by this share: far above kGuardLimitSlack.
 constexpr double kVerifyRowLimit = 1e-5;
+/// Rounding of a log's numbers, which are written to the bit: of places that are sums of a few
+/// products, relative to 1 + their size; and of times, a start plus a product, relative to the
+/// larger of both.
+constexpr double kLogPlaceDigits = 1e-15;
+constexpr double kLogTimeDigits = 4e-16;
+/// What rounding may hide of a limit: if it could hide more, the log is undecided.
+constexpr double kLogLimitShare = 0.05;
 
 /// How far beyond its tolerance a verified pose may be [m, rad]. It covers the rounding of the
 /// verifier's own kinematics, and of angles in a file that are whole turns away.

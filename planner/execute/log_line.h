@@ -9,8 +9,8 @@
 
 namespace leeway::planner {
 
-/// The version of the documents, as of all that the command prints (docs/json.md).
-inline constexpr int kLogVersion = 1;
+/// The version of these documents (docs/json.md).
+inline constexpr int kLogVersion = 2;
 
 /// The sum of a line, of its text before the key `sum`.
 inline std::uint64_t lineSum(std::string_view text) { return robots::fnv1a(text); }

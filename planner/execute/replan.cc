@@ -11,6 +11,8 @@ const char* toString(ReplanStatus status) {
   switch (status) {
     case ReplanStatus::kReached:
       return "reached";
+    case ReplanStatus::kExposed:
+      return "exposed";
     case ReplanStatus::kUnsafe:
       return "unsafe";
     case ReplanStatus::kTimeout:

@@ -19,6 +19,7 @@
 #include "planner/execute/drive.h"
 #include "planner/execute/step_certifier.h"
 #include "planner/execute/timed_path.h"
+#include "planner/execute/tracking.h"
 #include "planner/search/goals.h"
 #include "planner/search/plan.h"
 #include "planner/timing/leg.h"
@@ -105,8 +106,8 @@ const char* toString(Decision decision) {
 
 struct Replanner::Impl {
   Impl(const Problem& given, const ReplanOptions& given_options)
-      : problem(executable(given)),
-        options((requireTolerance(given_options.clearance_tolerance, "Replanner"), given_options)),
+      : options((requireTolerance(given_options.clearance_tolerance, "Replanner"), given_options)),
+        problem(withErrors(executable(given), options.joint_errors, 0, "Replanner")),
         scene(std::make_shared<const CompiledScene>(problem)),
         obstacles(problem, scene),
         certifier(scene, obstacles),
@@ -128,10 +129,10 @@ struct Replanner::Impl {
     std::shared_ptr<const Drive> drive = nullptr;  // null: it stands
     /// Times of the drive after each period: of the step, and of the stop after it.
     std::vector<double> times = {};
-    bool follows = false;                 // it goes on at the drive's own pace after the step
+    int pace = 0;                         // of these, the first that are at the drive's own pace
     Waypoints trail = {};                 // what is left of it after a retreat; else empty
     std::vector<TimedPoint> motion = {};  // over the step and the stop, and at rest after it
-    double stop_end = 0;                  // when it rests [s]
+    double stop_end = 0;                  // when it comes to rest [s]
     double until = -kInfinity;            // proven up to [s]
   };
 
@@ -139,21 +140,27 @@ struct Replanner::Impl {
   const Execution& execution() const { return problem.execution; }
   double stepEnd() const { return execution().start + (index + 1) * execution().step; }
   double period() const { return execution().step / periods; }
+  /// The time of a row, counted from the present one. A row has the same time in each step, so that
+  /// what is left of a motion is the motion that was proven.
+  double rowTime(int row) const {
+    return execution().start + (index + row / periods) * execution().step +
+           (row % periods) * period();
+  }
   /// Proven, with the stop at its end.
   bool isProven(const Candidate& c) const { return c.until >= std::max(c.stop_end, stepEnd()); }
   bool isFullyProven(const Candidate& c) const { return isProven(c) && c.until >= marks.back(); }
   bool looksAhead() const { return marks.size() > 1; }
   bool moves() const { return !ahead.empty(); }
 
-  /// Sets the times up to which candidates are proven: the step's end and, where the obstacles'
-  /// future is known, the ends of the steps of the look-ahead. A robot that has to leave a place
-  /// needs the time of a stop for that.
-  void setMarks() {
+  /// Sets the times up to which candidates are proven: the step's end and, to look ahead, the ends
+  /// of the steps of the look-ahead. A robot that has to leave a place needs the time of a stop for
+  /// that.
+  void setMarks(bool ahead_of_step) {
     const double step_end = stepEnd(),
                  end = step_end + std::min(execution().look_ahead + reaction,
                                            kLongestLookAhead * execution().step);
     marks = {step_end};
-    if (!obstacles.arePredicted()) return;
+    if (!ahead_of_step) return;
     for (int k = 1; step_end + k * execution().step < end - execution().step / 2; ++k)
       marks.push_back(step_end + k * execution().step);
     if (end > step_end) marks.push_back(end);
@@ -185,33 +192,35 @@ struct Replanner::Impl {
     c.motion = {{now, state}};
     const int rows = std::max(periods, static_cast<int>(c.times.size()));
     for (int k = 1; k <= rows; ++k) {
-      const double time = k < periods    ? now + k * period()
-                          : k == periods ? stepEnd()
-                                         : stepEnd() + (k - periods) * period();
       if (k <= static_cast<int>(c.times.size()))
-        c.motion.push_back({time, placeOn(c.drive, c.times[at(k) - 1])});
+        c.motion.push_back({rowTime(k), placeOn(c.drive, c.times[at(k) - 1])});
       else
-        c.motion.push_back({time, c.motion.back().position});
+        c.motion.push_back({rowTime(k), c.motion.back().position});
     }
-    c.stop_end = c.motion.back().time;
-    if (c.stop_end < marks.back()) c.motion.push_back({marks.back(), c.motion.back().position});
+    c.stop_end = c.motion[c.times.size()].time;
+    if (c.motion.back().time < marks.back())
+      c.motion.push_back({marks.back(), c.motion.back().position});
   }
 
-  /// Keeps the candidate that is proven farthest; of equals, the first.
-  void consider(Candidate candidate, ReplanStep& step) {
+  /// Keeps the candidate that is proven farthest; of equals, the first. `known`: it is proven up to
+  /// there already [s].
+  void consider(Candidate candidate, ReplanStep& step, double known = -kInfinity) {
     if (candidate.drive != nullptr && candidate.times.empty()) return;  // it leads nowhere
     setMotion(candidate);
     std::vector<double> until = {stepEnd()};
-    if (candidate.stop_end > stepEnd()) until.push_back(candidate.stop_end);
+    if (candidate.stop_end > now && candidate.stop_end != stepEnd())
+      until.insert(candidate.stop_end < stepEnd() ? until.begin() : until.end(),
+                   candidate.stop_end);
     const std::size_t must = until.size();
     for (const double mark : marks)
-      if (mark > candidate.stop_end) until.push_back(mark);
-    StepCertifier::Bodies broken;
-    candidate.until = certifier.certify(candidate.motion, until, must, broken);
+      if (mark > until.back()) until.push_back(mark);
+    blocked = {};
+    candidate.until = std::max(known, certifier.certify(candidate.motion, until, must, blocked));
     if (step.broken_a.empty()) {
-      step.broken_a = broken.a;
-      step.broken_b = broken.b;
+      step.broken_a = blocked.a;
+      step.broken_b = blocked.b;
     }
+    rest_until = candidate.until;
     const auto rank = [&](const Candidate& c) { return std::min(c.until, marks.back()); };
     if (isProven(candidate) && rank(candidate) > rank(best)) best = std::move(candidate);
   }
@@ -222,12 +231,18 @@ struct Replanner::Impl {
                      ReplanStep& step) {
     const auto goes = [&](int until, const std::vector<double>& stop) {
       Candidate c{decision, on};
-      c.follows = true;
+      c.pace = until - row;
       for (int k = row + 1; k <= until; ++k) c.times.push_back(std::min(k, on->rows()));
       c.times.insert(c.times.end(), stop.begin(), stop.end());
       return c;
     };
     const int end = row + periods;
+    // Short steps share a stop.
+    const int shared =
+        periods * std::max(1, static_cast<int>(kStopEvery / execution().step + 1e-6));
+    if (shared > periods && row + shared < on->rows())
+      consider(goes(row + shared, on->stop(row + shared)), step);
+    if (isFullyProven(best)) return;
     const std::vector<double> stop = on->stop(end);
     consider(goes(end, stop), step);
     if (isFullyProven(best)) return;
@@ -243,14 +258,16 @@ struct Replanner::Impl {
     if (rest != stop) consider(goes(end, rest), step);
   }
 
-  /// Returns the motion that was proven before: the stop, or the rest of an evasion.
+  /// Returns the motion that was proven before: the stop, or the rest of an evasion; else standing.
   Candidate goingOn() const {
+    if (!moves()) return {Decision::kWait};
     Candidate c{evades ? Decision::kEvade : Decision::kWait, drive};
     c.times = ahead;
     return c;
   }
 
-  Candidate standing() const { return {Decision::kWait}; }
+  /// Up to when goingOn() was proven by a step before, whose knowledge still holds [s].
+  double provenBefore() const { return is_contradicted ? -kInfinity : proven_until; }
 
   /// Retreats along the trail, or goes to the random neighbours with the most clearance: from rest
   /// to rest.
@@ -374,14 +391,16 @@ struct Replanner::Impl {
     if (moves()) {
       // An obstacle that crosses the path farther ahead may be gone by then.
       unheld = step.path_held ? 0 : unheld + execution().step;
-      if (follows && unheld <= execution().patience)
+      if (follows && unheld <= execution().patience) {
+        if (pace >= periods && goesOnAsProven()) return;
         considerDrive(Decision::kFollow, drive, static_cast<int>(time_on_drive), step);
+      }
       if (isFullyProven(best)) return;
       if (follows)
         why = unheld <= execution().patience ? "the way ahead with a stop at its end is not proven"
                                              : "the path does not hold";
       certifier.setWork(options.work);  // kept for what there is to fall back on
-      return consider(goingOn(), step);
+      return consider(goingOn(), step, provenBefore());
     }
     unheld = 0;
     why = path.empty() ? "there is no path" : "the path does not hold";
@@ -403,10 +422,27 @@ struct Replanner::Impl {
     }
     if (isFullyProven(best)) return;
     certifier.setWork(options.work);
-    consider(standing(), step);
+    setMarks(true);  // also where their future is not known: it may have to leave
+    consider(goingOn(), step, provenBefore());
     if (isFullyProven(best)) return;
     why += ", and rest is not proven as far as it looks ahead";
+    const double standing_until = rest_until;
+    const StepCertifier::Bodies standing_blocked = blocked;
     considerEvasions(step);
+    rest_until = standing_until;
+    blocked = standing_blocked;
+  }
+
+  /// Keeps to the drive and its stop as they were proven, if what was known then still holds.
+  bool goesOnAsProven() {
+    Candidate c = goingOn();
+    c.decision = Decision::kFollow;
+    c.pace = pace;
+    setMotion(c);
+    c.until = provenBefore();
+    if (!isProven(c)) return false;
+    best = std::move(c);
+    return true;
   }
 
   void setDrive(std::shared_ptr<const Drive> on) {
@@ -418,14 +454,19 @@ struct Replanner::Impl {
 
   void take(ReplanStep& step) {
     if (!isProven(best) || !proves || is_lost) {
-      best = moves() ? goingOn() : standing();
+      best = goingOn();
       best.decision = Decision::kUnsafe;
       setMotion(best);
-      why = !proves   ? "no pair of shapes is checked"
-            : is_lost ? "a body that turns freely was measured beside its motion"
-                      : "neither a motion nor rest is proven";
+      step.exposed = proves && !is_lost && rest_until >= best.stop_end;
+      why = !proves        ? "no pair of shapes is checked"
+            : is_lost      ? "a body that turns freely was measured beside its motion"
+            : step.exposed ? fmt::format("it {}, where an obstacle may reach it{}",
+                                         moves() ? "comes to rest" : "stands", blockedText())
+                           : "neither a motion nor rest is proven";
+      if (step.exposed) best.until = rest_until;
     }
-    is_lost = false;
+    is_lost = is_contradicted = false;
+    proven_until = best.until;
     step.decision = best.decision;
     step.certified = best.decision != Decision::kUnsafe;
     step.look_ahead =
@@ -435,6 +476,8 @@ struct Replanner::Impl {
     step.stop.assign(end, std::find_if(end, best.motion.end(), [&](const TimedPoint& row) {
                        return row.time > best.stop_end;
                      }));
+    step.keeps_stop = keepsStop(step);
+    last_stop = step.stop;
     if (!step.certified) {
       step.clearance = {-kInfinity, kInfinity};
     } else {
@@ -443,11 +486,11 @@ struct Replanner::Impl {
       StepCertifier::Bodies ignored, closest;
       const double step_end = stepEnd();
       certifier.setWork(options.work);
-      // The work may end before all parts are proven again; then no clearance is known.
+      // The work may end before all parts are proven again; then the margins are known.
       const bool is_again = certifier.certify(step.motion, {&step_end, 1}, 1, ignored) >= step_end;
       step.clearance = is_again ? certifier.clearance(step.motion, step_end,
                                                       options.clearance_tolerance, closest)
-                                : collision::Interval{-kInfinity, kInfinity};
+                                : collision::Interval{leastMargin(), kInfinity};
       step.closest_a = closest.a;
       step.closest_b = closest.b;
       step.clearance_s = secondsSince(begin);
@@ -480,7 +523,8 @@ struct Replanner::Impl {
       const std::size_t passed = std::min(best.times.size(), at(periods));
       time_on_drive = best.times[passed - 1];
       ahead.assign(best.times.begin() + static_cast<std::ptrdiff_t>(passed), best.times.end());
-      follows = best.follows;
+      follows = best.pace >= periods;
+      pace = std::max(0, best.pace - periods);
     }
     first_edge_known = follows;
     if (drive == nullptr || evades) {
@@ -502,6 +546,19 @@ struct Replanner::Impl {
     }
   }
 
+  /// Whether the step's rows, and its stop, are the stop of the step before.
+  bool keepsStop(const ReplanStep& step) const {
+    return last_stop.size() == at(periods) + step.stop.size() && !step.stop.empty() &&
+           std::equal(step.motion.begin() + 1, step.motion.end(), last_stop.begin()) &&
+           std::equal(step.stop.begin(), step.stop.end(), last_stop.begin() + periods);
+  }
+
+  std::string blockedText() const {
+    return blocked.a.empty() ? "" : fmt::format(": {} and {}", blocked.a, blocked.b);
+  }
+
+  double leastMargin() const { return scene->scene().pairs().leastMargin(); }
+
   bool isReached() const { return !moves() && path.size() == 1 && inGoal(state); }
 
   ReplanStep run() {
@@ -516,7 +573,7 @@ struct Replanner::Impl {
     Clock::time_point begin = Clock::now();
     obstacles.look(now);
     certifier.begin();
-    setMarks();
+    setMarks(obstacles.arePredicted());
     step.update_s = secondsSince(begin);
     step.obstacles = obstacles.updates();
     seen = obstacles.world();
@@ -538,9 +595,10 @@ struct Replanner::Impl {
     add(step, secondsSince(start), sums);
     sums.duration = now - execution().start;
     if (proves)
-      sums.status = !step.certified ? ReplanStatus::kUnsafe
-                    : step.reached  ? ReplanStatus::kReached
-                                    : ReplanStatus::kStopped;
+      sums.status = step.exposed      ? ReplanStatus::kExposed
+                    : !step.certified ? ReplanStatus::kUnsafe
+                    : step.reached    ? ReplanStatus::kReached
+                                      : ReplanStatus::kStopped;
     return step;
   }
 
@@ -548,8 +606,10 @@ struct Replanner::Impl {
   void measure(std::span<const double> point) {
     std::vector<double> off(state.size());
     space().difference(state, point, off);
+    if (isWithin(off, options.joint_errors)) return;
     state.assign(point.begin(), point.end());
     measured = state;
+    is_contradicted = true;
     trail.push_back(state);
     first_edge_known = false;
     // One waypoint is the goal, and the robot is no longer there.
@@ -578,7 +638,10 @@ struct Replanner::Impl {
                                            : "a cloud",
                       object, time, now));
     obstacles.requireNewer(object, sight, time);
+    const bool contradicts =
+        !(obstacles.jump(object, sight, time) <= 0) || obstacles.widens(object, sight, bound);
     obstacles.set(object, sight, time, bound);
+    is_contradicted = is_contradicted || contradicts;
     ObstacleSight seen_now{object, time, {}, bound.speed, bound.turning};
     if (const auto* pose = std::get_if<robots::Pose>(&sight)) {
       seen_now.seen = *pose;
@@ -591,8 +654,8 @@ struct Replanner::Impl {
     observed.push_back(std::move(seen_now));
   }
 
-  Problem problem;
   ReplanOptions options;
+  Problem problem;  // with margins that hold for the motion as it is commanded
   std::shared_ptr<const CompiledScene> scene;
   Obstacles obstacles;
   StepCertifier certifier;
@@ -612,12 +675,18 @@ struct Replanner::Impl {
   double time_on_drive = 0;
   std::vector<double> ahead;
   bool follows = false;        // it moves at the drive's pace, in its rows
+  int pace = 0;                // of `ahead`, the first that do [count]
   bool is_lost = false;        // it was measured in a motion that cannot go on beside its drive
   bool evades = false;         // the drive leaves the path
   std::vector<double> offset;  // from the drive, where it was measured; empty: none
   double unheld = 0;           // how long the path has not held in motion [s]
   std::string why;             // it waits
+  std::vector<TimedPoint> last_stop;
   Candidate best;
+  StepCertifier::Bodies blocked;     // of the last candidate
+  double rest_until = -kInfinity;    // up to when goingOn() is proven now [s]
+  double proven_until = -kInfinity;  // and was in the step before
+  bool is_contradicted = false;      // what was known then does not hold any more
   std::vector<double> marks;
   double waited = 0;
   std::vector<ObstacleSight> observed;          // since the last step

@@ -9,6 +9,7 @@
 #include "leeway/planner/guard.h"
 #include "leeway/robots/input_error.h"
 #include "planner/base/tolerances.h"
+#include "planner/execute/tracking.h"
 #include "planner/guard/brake.h"
 #include "planner/guard/setpoint_motion.h"
 #include "planner/guard/setpoint_proof.h"
@@ -47,7 +48,6 @@ GuardOptions checked(GuardOptions options, const Problem& problem) {
          fmt::format("horizon is {} s; above 0, and at most 1e6 s is expected", options.horizon));
   expect(options.point_error >= 0 && options.point_error < kInfinity,
          fmt::format("point_error is {} m; 0 or more is expected", options.point_error));
-  if (options.joint_errors.empty()) options.joint_errors.assign(size, 0);
   const auto rows = [&](const std::vector<double>& numbers, const char* name, auto accepted,
                         const char* expected) {
     expect(numbers.size() == size, fmt::format("{} has {} numbers; {} are expected, one a planned "
@@ -57,9 +57,6 @@ GuardOptions checked(GuardOptions options, const Problem& problem) {
       expect(accepted(numbers[i]),
              fmt::format("{}[{}] is {}; {} is expected", name, i, numbers[i], expected));
   };
-  rows(
-      options.joint_errors, "joint_errors", [](double e) { return e >= 0 && e < kInfinity; },
-      "0 or more");
   if (options.limits.velocity.empty()) options.limits = motionLimits(problem);
   const auto positive = [](double x) { return x > 0 && x < kInfinity; };
   rows(options.limits.velocity, "limits.velocity", positive, "above 0");
@@ -70,22 +67,12 @@ GuardOptions checked(GuardOptions options, const Problem& problem) {
   return options;
 }
 
-/// The problem with all margins greater.
-Problem grown(Problem problem, double growth) {
-  problem.margins.common += growth;
-  for (PairMargin& m : problem.margins.pairs) m.margin += growth;
-  if (auto* length = std::get_if<MinimumLength>(&problem.objective)) length->clearance += growth;
-  return problem;
-}
-
 /// The problem whose margins hold for the robot's motion as it is commanded, and its scene.
 using Commanded = std::pair<Problem, std::shared_ptr<const CompiledScene>>;
 
-Commanded withErrors(const Problem& problem, const GuardOptions& options) {
-  const bool has_errors = options.point_error > 0 ||
-                          std::any_of(options.joint_errors.begin(), options.joint_errors.end(),
-                                      [](double e) { return e > 0; });
-  auto scene = std::make_shared<const CompiledScene>(problem);
+Commanded commandedProblem(const Problem& problem, GuardOptions& options) {
+  Problem margins = withErrors(problem, options.joint_errors, options.point_error, "Guard");
+  auto scene = std::make_shared<const CompiledScene>(margins);
   const auto refuse = [&](const std::string& message) {
     throw robots::InputError(problem.name, 0, "Guard: " + message);
   };
@@ -93,18 +80,7 @@ Commanded withErrors(const Problem& problem, const GuardOptions& options) {
     refuse("a planned joint is floating; joints with a position each are expected");
   if (const std::string why = scene->nothingChecked(); !why.empty())
     refuse("no pair is checked: " + why);
-  if (!has_errors) return {problem, scene};
-  Displacement displacement(*scene);
-  const double errors = displacement.beyondLimits(options.joint_errors) + 2 * options.point_error;
-  if (!(errors < kInfinity))
-    refuse(
-        "joint_errors are too large for a bound on how far the robot is off; less than 1 rad in "
-        "all is "
-        "expected, and 0 for what is behind a prismatic joint without limits");
-  Problem with_errors = grown(problem, errors * (1 + kGuardChordShare) + kGuardChordRounding);
-  validate(with_errors);  // a cloud may lack points that these margins reach
-  scene = std::make_shared<const CompiledScene>(with_errors);
-  return {std::move(with_errors), scene};
+  return {std::move(margins), std::move(scene)};
 }
 
 bool isFinite(std::span<const double> numbers) {
@@ -167,7 +143,7 @@ struct Guard::Impl {
   Impl(const Problem& given, const GuardOptions& given_options)
       : problem(guardable(given)),
         options(checked(given_options, problem)),
-        commanded(withErrors(problem, options)),
+        commanded(commandedProblem(problem, options)),
         scene(commanded.second),
         size(at(scene->space().size())),
         proof(commanded.first, options, scene),

@@ -25,8 +25,8 @@ using robots::InputError;
 
 constexpr std::array<std::string_view, 5> kDecisions = {"plan", "follow", "wait", "evade",
                                                         "unsafe"};
-constexpr std::array<std::string_view, 5> kStatuses = {"reached", "unsafe", "timeout", "stopped",
-                                                       "nothing_checked"};
+constexpr std::array<std::string_view, 6> kStatuses = {"reached", "exposed", "unsafe",
+                                                       "timeout", "stopped", "nothing_checked"};
 
 /// Whether a name in a log is this one. Logs are UTF-8: what is not has the replacement character.
 bool isName(const std::string& logged, const std::string& name) {
@@ -61,7 +61,10 @@ class LineReader {
     if (!line.isMap()) line.fail("the line is no JSON object; one document a line is expected");
     const YamlReader version = at("version");
     if (version.integer(0) != kLogVersion)
-      version.fail(fmt::format("version is {}; {} is expected", version.integer(0), kLogVersion));
+      version.fail(
+          fmt::format("version is {}; {}, as `leeway replan` of this version writes it, is "
+                      "expected",
+                      version.integer(0), kLogVersion));
   }
 
   bool isEnd() const { return line_.has("status"); }
@@ -93,12 +96,15 @@ class LineReader {
     step.time = at("time").number();
     step.decision = word("decision", kDecisions);
     step.certified = at("certified").boolean();
+    step.exposed = at("exposed").boolean();
     step.reached = at("reached").boolean();
     requireNames();
     step.position = row(at("position"));
     const YamlReader motion = at("motion");
     readRows(motion, step.times, step.rows);
-    readRows(at("stop"), step.stop_times, step.stop_rows);
+    const YamlReader stop = at("stop");
+    step.keeps_stop = stop.isNull();
+    if (!step.keeps_stop) readRows(stop, step.stop_times, step.stop_rows);
     if (step.rows.size() < 2)
       motion.fail(fmt::format("motion has {} rows; at least 2 are expected", step.rows.size()));
     if (const YamlReader measured = at("measured"); !measured.isNull())

@@ -36,12 +36,13 @@ struct LoggedStep {
   std::int64_t step = 0;
   double time = 0;  ///< [s]
   std::string decision;
-  bool certified = false, reached = false;
+  bool certified = false, exposed = false, reached = false;
   std::vector<double> position;
   std::vector<double> times;              ///< of the rows [s]
   std::vector<std::vector<double>> rows;  ///< at least two
   std::vector<double> stop_times;         ///< likewise of the stop after them
   std::vector<std::vector<double>> stop_rows;
+  bool keeps_stop = false;  ///< in place of these rows: what the motion leaves of the stop before
   std::optional<std::vector<double>> measured;
   std::vector<LoggedSight> observed;
   std::vector<LoggedObstacle> obstacles;

@@ -124,7 +124,8 @@ class LogVerifier {
       return refute(step, fmt::format("step {} is where step {} is expected: lines are missing, or "
                                       "not in order",
                                       step.step, index));
-    return joins(step) && keepsLimits(step) && stops(step) && observes(step) && saysWhatIs(step);
+    return joins(step) && keepsLimits(step) && observes(step) &&
+           (step.keeps_stop ? keepsStop(step) : stops(step)) && saysWhatIs(step);
   }
 
   /// The motion of a step begins where and when that of the step before ended.
@@ -197,14 +198,16 @@ class LogVerifier {
                  ? std::sqrt(v[i] * v[i] + v[i + 1] * v[i + 1] + v[i + 2] * v[i + 2])
                  : std::abs(v[i]);
     };
-    // Rounding of times and values.
+    // Of a value, and of a time at the greatest speed.
+    const double of_time =
+        kLogTimeDigits * std::max(std::abs(time), std::abs(problem_.execution.start));
     const auto roundingOf = [&](std::size_t k) {
-      return kVerifyDigits * (1 + std::abs(row[k]) + limits_[k].velocity * std::abs(time));
+      return kLogPlaceDigits * (1 + std::abs(row[k])) + limits_[k].velocity * of_time;
     };
     for (const ConfigurationSpace::Part& part : space_.parts()) {
       const std::size_t k = at(part.first);
       const double change = size(next.velocity, part), limit = limits_[k].velocity;
-      if (!(change <= limit * duration * (1 + kVerifyWaypoint) + kVerifyRounding + roundingOf(k)))
+      if (!(change <= limit * duration * (1 + kVerifyWaypoint) + 2 * roundingOf(k)))
         return refute(
             step, fmt::format("{}{} moves by {} in {} s; at most {} a second is its limit", where,
                               motion_.path.names[k], change, duration, limit));
@@ -220,8 +223,10 @@ class LogVerifier {
       for (std::size_t i = 0; i < jerk.size(); ++i)
         jerk[i] = (jerk[i] - at_row.acceleration[i]) / span;
       const auto exceeds = [&](const char* what, double value, double limit, double rounding) {
-        if (value <= limit * (1 + kVerifyRowLimit) + rounding) {
-          if (rounding <= limit / 2) return false;
+        const double most = limit * (1 + kVerifyRowLimit);
+        if (value + rounding <= most) return false;
+        if (value - rounding <= most) {
+          if (rounding <= limit * kLogLimitShare) return false;
           refuse(VerifyStatus::kUndecided, step.line,
                  fmt::format("{}{}'s {} cannot be told: rows are {:.3g} s apart at {:.6g} s, and "
                              "numbers are rounded",
@@ -259,20 +264,45 @@ class LogVerifier {
     return true;
   }
 
+  /// The step's motion and stop are the stop of the step before, which keeps the limits. The stop
+  /// is proven again unless the step knows the same of all obstacles.
+  bool keepsStop(const LoggedStep& step) {
+    bool is_kept = kept_.size() >= step.rows.size();
+    for (std::size_t i = 1; is_kept && i < step.rows.size(); ++i)
+      is_kept = kept_.row(i - 1) == step.rows[i] && kept_.time(i - 1) == step.times[i];
+    if (!is_kept)
+      return refute(step,
+                    "its stop is null: it is what the motion leaves of the stop before; the "
+                    "motion is not the beginning of that");
+    kept_.begin += step.rows.size() - 1;
+    const std::vector<Sighting>& known = motion_.known.back();
+    if (!step.observed.empty() || std::any_of(known.begin(), known.end(), [](const Sighting& s) {
+          return s.kind == Sighting::Kind::kLooked;
+        }))
+      addStop();
+    return true;
+  }
+
+  /// Adds the rest of the present stop to what is proven, with the knowledge of the present step.
+  void addStop() {
+    if (kept_.size() == 0) return;
+    if (stops_.times.empty()) add(stops_, motion_.times.front(), motion_.path.positions.front());
+    stops_.steps.push_back(kGap);
+    add(stops_, moving_.time, moving_.row);
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+      add(stops_, kept_.time(i), kept_.row(i));
+      stops_.steps.push_back(motion_.known.size() - 1);
+    }
+  }
+
   /// The stop brings the robot to rest within the limits; without one it rests. Adds its rows.
   bool stops(const LoggedStep& step) {
     constexpr const char* kWhere = "in its stop: ";
     Moving moving = moving_;
-    if (!step.stop_rows.empty()) {
-      if (stops_.times.empty()) add(stops_, motion_.times.front(), motion_.path.positions.front());
-      stops_.steps.push_back(kGap);
-      add(stops_, moving.time, moving.row);
-    }
-    for (std::size_t i = 0; i < step.stop_rows.size(); ++i) {
+    for (std::size_t i = 0; i < step.stop_rows.size(); ++i)
       if (!goOn(step, moving, step.stop_times[i], step.stop_rows[i], kWhere)) return false;
-      add(stops_, step.stop_times[i], step.stop_rows[i]);
-      stops_.steps.push_back(motion_.known.size());
-    }
+    kept_ = {&step, 0};
+    addStop();
     const double span = moving.span;
     for (int k = 0; k < 2 && span < kInfinity; ++k)
       if (!goOn(step, moving, moving.time + span, std::vector<double>(moving.row), kWhere))
@@ -376,6 +406,7 @@ class LogVerifier {
     if (step.certified == (step.decision == "unsafe"))
       return refute(step, fmt::format("certified is {} with the decision '{}'", step.certified,
                                       step.decision));
+    if (step.exposed && step.certified) return refute(step, "exposed is true, and so is certified");
     if (step.reached && !isInGoal(problem_, space_, step.rows.back()))
       return refute(step, "reached is true, and its motion ends in none of the problem's goals");
     return true;
@@ -403,10 +434,12 @@ class LogVerifier {
       return false;
     if (log_.steps.empty()) return true;
     const LoggedStep& last = log_.steps.back();
-    return differs("certified", end.certified, count("unsafe") == 0) &&
+    return differs("status: exposed", end.status == "exposed", last.exposed) &&
+           differs("certified", end.certified, count("unsafe") == 0) &&
            differs("duration", end.duration, last.times.back() - problem_.execution.start) &&
            differs("status: reached", end.status == "reached", last.reached) &&
-           differs("status: unsafe", end.status == "unsafe", last.decision == "unsafe");
+           differs("status: unsafe", end.status == "unsafe",
+                   last.decision == "unsafe" && !last.exposed);
   }
 
   /// Knowledge of an obstacle, and when it was held: while steps relied on it, or at the time of a
@@ -422,6 +455,15 @@ class LogVerifier {
   ConfigurationSpace space_;
   std::vector<StatedLimits> limits_;  ///< with the default acceleration
   TimedPath motion_, stops_;
+  /// The present stop: the rows of a step from one on.
+  struct Kept {
+    const LoggedStep* step = nullptr;
+    std::size_t begin = 0;
+    std::size_t size() const { return step == nullptr ? 0 : step->stop_rows.size() - begin; }
+    const std::vector<double>& row(std::size_t i) const { return step->stop_rows[begin + i]; }
+    double time(std::size_t i) const { return step->stop_times[begin + i]; }
+  };
+  Kept kept_;
   Moving moving_;                             ///< at the end of motion_
   std::vector<std::optional<Sighting>> own_;  ///< what the program has seen of each body
   std::vector<std::vector<Held>> held_;       ///< by obstacle, in the order of the steps

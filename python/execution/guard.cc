@@ -11,6 +11,7 @@
 #include "python/bindings/deforming.h"
 #include "python/bindings/plan.h"
 #include "python/bindings/settings.h"
+#include "python/execution/joint_errors.h"
 #include "python/execution/seen_cloud.h"
 
 namespace leeway::python {
@@ -70,12 +71,7 @@ std::unique_ptr<Guarding> makeGuard(const py::args& args, const py::kwargs& kwar
   const py::object errors = take("joint_errors");
   made->problem = problemOf("Guard", args, keywords, true);
   noMore("Guard", keywords);
-  if (!errors.is_none()) {
-    if (const Rows values = scalars(errors, "joint_errors"); values.shape.empty())
-      options.joint_errors.assign(made->size(), number(errors, "joint_errors"));
-    else
-      options.joint_errors = numbers(errors, "joint_errors", made->size());
-  }
+  options.joint_errors = jointErrors(errors, made->size());
   const std::shared_ptr<const planner::Problem> value = made->problem.value();
   made->guard = released([&] { return std::make_unique<planner::Guard>(*value, options); });
   return made;

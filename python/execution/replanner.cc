@@ -10,6 +10,7 @@
 #include "python/bindings/scene.h"
 #include "python/bindings/settings.h"
 #include "python/bindings/view.h"
+#include "python/execution/joint_errors.h"
 #include "python/execution/seen_cloud.h"
 
 namespace leeway::python {
@@ -46,11 +47,14 @@ std::unique_ptr<Execution> makeExecution(const py::args& args, const py::kwargs&
   py::dict keywords = kwargs.attr("copy")();
   auto made = std::make_unique<Execution>();
   if (keywords.contains("stop")) made->stop = keywords.attr("pop")("stop");
+  py::object errors = py::none();
+  if (keywords.contains("joint_errors")) errors = keywords.attr("pop")("joint_errors");
   made->problem = problemOf("Replanner", args, keywords, true);
   noMore("Replanner", keywords);
   requireGoal(made->problem);
   const std::shared_ptr<const planner::Problem> value = made->problem.value();
   planner::ReplanOptions options;
+  options.joint_errors = jointErrors(errors, made->size());
   options.stop = [self = made.get()] { return self->interrupt != nullptr && (*self->interrupt)(); };
   made->replanner = released([&] { return std::make_unique<planner::Replanner>(*value, options); });
   return made;
@@ -178,6 +182,9 @@ void defineStep(py::module_& module) {
            "Why it waits, evades or is unsafe, in words; '' where it goes along a path.");
   property("certified", &ReplanStep::certified,
            "The motion, and the stop after it, are proven to keep all margins at every time.");
+  property("exposed", &ReplanStep::exposed,
+           "Not certified, because an obstacle may reach the robot where it stands: the motion is "
+           "proven until it rests.");
   property("look_ahead", &ReplanStep::look_ahead,
            "For so long after the step going on, coming to rest, or standing is certified [s].");
   property(
@@ -238,7 +245,8 @@ void defineExecuted(py::module_& module) {
   const auto property = constantsOf(executed, &Executed::value);
   property(
       "status", [](const ReplanResult& r) { return toString(r.status); },
-      "'reached', 'unsafe', 'timeout', 'stopped' or 'nothing_checked'.");
+      "'reached', 'exposed' (an obstacle may reach the robot, which stands), 'unsafe', 'timeout', "
+      "'stopped' or 'nothing_checked'.");
   property(
       "trajectory", [](const ReplanResult& r) { return timedPoints(r.trajectory, r.names.size()); },
       "What was executed: (n, 1 + joints), the time [s] and the joints' values; empty for "
@@ -288,12 +296,14 @@ void defineExecuted(py::module_& module) {
 void defineReplanner(py::module_& module) {
   defineStep(module);
   defineExecuted(module);
-  const std::string init = "(robot, world=None, start=None, goal=None, *, stop=None, **settings)";
+  const std::string init =
+      "(robot, world=None, start=None, goal=None, *, joint_errors=0, stop=None, **settings)";
   auto execution = defineClass<py::class_<Execution>>(
       module, "Replanner", init,
       "Executes a problem among obstacles that move, step by step; also "
       "Replanner(problem, **settings). Each step is proven against all that the "
-      "obstacles can do in it. For one thread at a time.",
+      "obstacles can do in it. `joint_errors`: how far joints are from the motion at most [rad or "
+      "m]; a state that is set within it changes nothing. For one thread at a time.",
       makeExecution);
   define(execution, "step", "(self)",
          "Decides and takes the next step. Costs as much as planning; a signal or `stop` ends "

@@ -511,6 +511,8 @@ class Step:
     @property
     def certified(self) -> bool: ...
     @property
+    def exposed(self) -> bool: ...
+    @property
     def look_ahead(self) -> float: ...
     @property
     def lower(self) -> float: ...
@@ -537,7 +539,7 @@ class Step:
 
 class Executed:
     @property
-    def status(self) -> Literal["reached", "unsafe", "timeout", "stopped", "nothing_checked"]: ...
+    def status(self) -> Literal["reached", "exposed", "unsafe", "timeout", "stopped", "nothing_checked"]: ...
     @property
     def trajectory(self) -> _Array: ...
     @property
@@ -558,7 +560,7 @@ class Executed:
     def __bool__(self) -> bool: ...
 
 class Replanner:
-    def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, stop: _Stop = None,
+    def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, joint_errors: float | ArrayLike = 0, stop: _Stop = None,
         # Settings:
         name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
         allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,

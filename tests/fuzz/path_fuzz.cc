@@ -20,10 +20,10 @@ namespace {
 
 /// A log of the problem below, without sums.
 constexpr const char* kStep =
-    R"({"version":1,"step":0,"time":0,"decision":"plan","certified":true,"reached":true,"joint_names":["a","b"],"position":[0.01,0.5],)"
-    R"("motion":[{"time":0,"position":[0,0.5]},{"time":0.05,"position":[0.01,0.5]}],"measured":null,"observed":[],"obstacles":[{"name":"cart","seen":0,"predicted":false}])";
+    R"({"version":2,"step":0,"time":0,"decision":"plan","certified":true,"exposed":false,"reached":true,"joint_names":["a","b"],"position":[0.01,0.5],)"
+    R"("motion":[{"time":0,"position":[0,0.5]},{"time":0.05,"position":[0.01,0.5]}],"stop":[],"measured":null,"observed":[],"obstacles":[{"name":"cart","seen":0,"predicted":false}])";
 constexpr const char* kEnd =
-    R"({"version":1,"status":"reached","problem":"fuzz","certified":true,"duration":0.05,"steps":1,"plans":1,"follows":0,"waits":0,"evasions":0)";
+    R"({"version":2,"status":"reached","problem":"fuzz","certified":true,"duration":0.05,"steps":1,"plans":1,"follows":0,"waits":0,"evasions":0)";
 
 /// The lines with their sums.
 std::string summed(std::string_view text) {

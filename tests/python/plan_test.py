@@ -437,12 +437,18 @@ def test_a_guard_and_a_replanner_follow_objects_that_move(robot):
         guard.set_pose("car", (0.9, 0, 0.1), 0.4)
     with pytest.raises(ValueError):
         guard.set_vertices("cart", np.eye(3), 0.4)
-    replanner = leeway.Replanner(robot, world, "ready", turned(robot, 0.8), margin=0.01)
+    replanner = leeway.Replanner(robot, world, "ready", turned(robot, 0.8), margin=0.01, joint_errors=0.001)
     height = 0.1
     while not replanner.reached:
         replanner.set_pose("cart", (0.9, 0, height), speed_bound=0.1, turn_bound=0.1)
         height += 0.002
-        assert replanner.step().certified
+        step = replanner.step()
+        assert step.certified and not step.exposed
+        state = replanner.state
+        replanner.state = state + 0.0009
+        assert np.array_equal(replanner.state, state)
+    with pytest.raises(leeway.InputError, match="Replanner: joint_errors"):
+        leeway.Replanner(robot, world, "ready", turned(robot, 0.8), joint_errors=-1)
     world.set_motion("cart", times=[0, 2], poses=[(0.9, 0, 0.1), (0.9, 0.5, 0.1)], start=1)
     assert world.pose("cart")[1, 3] == pytest.approx(0.25)
     assert leeway.Replanner(robot, world, "ready", turned(robot, 0.8), margin=0.01, start_time=1).step().certified

@@ -32,7 +32,7 @@ constexpr std::string_view kOutputEndings[] = {".csv", kLogEnding};
 // The keys of the JSON documents, for --help. A test checks that none is missing.
 constexpr const char* kReplanKeys =
     R"(JSON, a document a step (metres, radians, seconds; null: nothing, or nothing known):
-  version                 of these documents (docs/json.md)
+  version                 of these documents, 2 (docs/json.md)
   step                    from 0
   time                    of the look at the obstacles
   decision                plan: sets out on a new path; follow: the path holds; wait: comes to rest,
@@ -40,6 +40,7 @@ constexpr const char* kReplanKeys =
                           can be certified
   why                     it waits, evades or is unsafe; else empty
   certified               the step and its stop keep all margins, whatever the obstacles do until then
+  exposed                 not certified, because an obstacle may reach the robot where it stands
   clearance_lower, clearance_upper
                           least separation over the whole step, measured: the lower bound may be
                           below a pair's margin, which certified proves
@@ -55,7 +56,8 @@ constexpr const char* kReplanKeys =
                           joints the shorter way. Limits on acceleration and jerk hold for differences
                           of that speed
   stop[]                  the rows after it, time and position, in which the robot comes to rest if no
-                          other step is taken; none where it rests
+                          other step is taken; none where it rests; null: the motion is the beginning
+                          of the stop of the step before, and the rest of that is this stop
   measured                the robot's true state, where a program has set it since the step before
   observed[]              what a program has seen since then: object, time; position, rotation (rows of
                           the matrix), with balls (x y z radius) of a cloud, or vertices; speed_bound
@@ -68,8 +70,9 @@ constexpr const char* kReplanKeys =
                           asked for; iterations of planners
   sum                     of the line's text before this key (FNV-1a, 64 bits): shows changes
 and at the end, with version:
-  status                  reached, unsafe, timeout (execution: duration), stopped (--steps),
-                          nothing_checked (no pair of shapes is: no step is taken)
+  status                  reached, exposed (an obstacle may reach the robot, which stands), unsafe,
+                          timeout (execution: duration), stopped (--steps), nothing_checked (no pair
+                          of shapes is: no step is taken)
   problem, seed           what was executed
   certified               every step was
   clearance_lower, clearance_upper
@@ -145,7 +148,9 @@ std::string verdictLine(const planner::Problem& problem, const planner::ReplanRe
   std::string words = nothing_checked ? "nothing checked" : planner::toString(result.status);
   if (!nothing_checked) words += result.certified ? ", certified" : ", not certified";
   std::string proven = "no pair of shapes is checked; `leeway info` lists them";
-  if (!nothing_checked && !result.certified)
+  if (result.status == planner::ReplanStatus::kExposed)
+    proven = "the robot stands, and an obstacle may reach it";
+  else if (!nothing_checked && !result.certified)
     proven = "the last step could not be certified";
   else if (!nothing_checked)
     proven = std::isfinite(result.clearance.lower)

@@ -17,6 +17,7 @@
 #include "planner/timing/motion_limits.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/dense_truth.h"
+#include "tests/support/input_errors.h"
 #include "tests/support/small_problems.h"
 
 namespace leeway::planner {
@@ -172,6 +173,32 @@ TEST(Replanner, KeepsLimitsOnAccelerationAndJerk) {
     }
 }
 
+/// Short steps share a stop, and a log states it once. Long ones take no longer than their rows do.
+TEST(Replanner, StepsOfAnyLength) {
+  Problem problem = test::wallProblem();
+  problem.execution.step = 0.002;
+  int stops = 0, kept = 0;
+  std::vector<TimedPoint> executed, stop;
+  replan(
+      problem, {},
+      [&](const ReplanStep& step) {
+        EXPECT_TRUE(step.certified);
+        executed.insert(executed.end(), step.motion.begin() + (executed.empty() ? 0 : 1),
+                        step.motion.end());
+        stops += step.keeps_stop ? 0 : 1;
+        kept += step.keeps_stop ? 1 : 0;
+        stop = step.stop;
+      },
+      200);
+  EXPECT_LE(stops, 12);
+  EXPECT_GE(kept, 188);
+  executed.insert(executed.end(), stop.begin(), stop.end());
+  EXPECT_LT(excess(problem, executed), 1e-5);
+  problem.execution.step = 20;
+  problem.execution.duration = 40;
+  EXPECT_EQ(replan(problem).status, ReplanStatus::kReached);
+}
+
 /// A stop leaves neither the way of its drive nor the limits, and is much shorter than the rest.
 TEST(Drive, StopsOnItsWay) {
   const Problem problem = test::wallProblem();
@@ -269,14 +296,15 @@ TEST(Replanner, EvadesWhatComesWhereItStands) {
 }
 
 TEST(Replanner, SaysWhenNothingIsCertain) {
-  // Two sheets close in on the disc from both sides, faster than it can leave.
+  // Two sheets close in on the disc, which stands, from both sides, faster than it can leave.
   Problem problem = gate({{0, {0, 0, 0}}, {20, {0, 0, 0}}});
   const Sheet s = sheet(-2, 2.5, 4);
   for (const double side : {-1.0, 1.0})
     problem.world.deforming.push_back(obstacle(side < 0 ? "left" : "right", s,
                                                {{0, {-1 + side * 0.8, 0, 0}}, {0.3, {-1, 0, 0}}}));
   const ReplanResult result = replan(problem);
-  EXPECT_EQ(result.status, ReplanStatus::kUnsafe);
+  EXPECT_EQ(result.status, ReplanStatus::kExposed);
+  EXPECT_STREQ(toString(result.status), "exposed");
   EXPECT_FALSE(result.certified);
   EXPECT_LT(result.steps, 8);
   // All steps but the last are free.
@@ -339,6 +367,42 @@ TEST(Replanner, AProgramSaysWhereTheVerticesAre) {
   EXPECT_THROW(replanner.setState(std::vector<double>{9, 0, 0}), std::invalid_argument);
 }
 
+/// All is proven for a robot that is beside its motion by a tracking error, and what is measured
+/// within that changes nothing, also where the path is at its margin.
+TEST(Replanner, ATrackingErrorIsProven) {
+  const Problem problem = test::wallProblem();
+  const double error = 0.01;
+  ReplanOptions options;
+  options.joint_errors = {error, error, 0};
+  Replanner replanner(problem, options);
+  Random random(83, 0);
+  const auto off = [&](std::vector<double> place) {
+    for (std::size_t i = 0; i < 2; ++i) place[i] += random.uniform(-error, error);
+    return place;
+  };
+  std::vector<TimedPoint> followed;
+  double nearest = kInfinity;
+  while (!replanner.reached() && replanner.time() < 12) {
+    const ReplanStep step = replanner.step();
+    ASSERT_TRUE(step.certified) << step.time << ": " << step.why;
+    ASSERT_NE(step.decision, Decision::kWait);
+    for (const TimedPoint& row : step.motion) followed.push_back({row.time, off(row.position)});
+    nearest = std::min(nearest, step.clearance.upper);
+    const std::vector<double> state(replanner.state().begin(), replanner.state().end());
+    replanner.setState(off(state));
+    EXPECT_TRUE(std::equal(state.begin(), state.end(), replanner.state().begin()));
+  }
+  EXPECT_TRUE(replanner.reached());
+  EXPECT_LT(nearest, 0.03);  // the path passes the wall as near as it may
+  EXPECT_GT(test::denseClearance(problem, followed, 0.002, 1.0), problem.margins.common);
+  const auto refused = [&](std::vector<double> errors, const char* why) {
+    options.joint_errors = std::move(errors);
+    robots::expectInputError([&] { Replanner{problem, options}; }, "test", 0, {"Replanner", why});
+  };
+  refused({0.1}, "joint_errors has 1 numbers; 3 are expected");
+  refused({0, -1, 0}, "joint_errors[1] is -1; 0 or more");
+}
+
 TEST(Replanner, VerticesWithoutASpeedBoundStopTheRobot) {
   Problem problem = gate({{0, {0, 0, 1.5}}, {1, {0, 0, 1.5}}});
   problem.world.deforming[0].motion = nullptr;
@@ -346,6 +410,9 @@ TEST(Replanner, VerticesWithoutASpeedBoundStopTheRobot) {
   const ReplanStep step = replanner.step();
   EXPECT_EQ(step.decision, Decision::kUnsafe);
   EXPECT_FALSE(step.certified);
+  EXPECT_TRUE(step.exposed);
+  EXPECT_NE(step.why.find("it stands, where an obstacle may reach it: "), std::string::npos)
+      << step.why;
   EXPECT_EQ(step.motion.front().position, step.motion.back().position);
 }
 
@@ -442,10 +509,13 @@ INSTANTIATE_TEST_SUITE_P(Files, ShippedScene,
                            return name.substr(name.find('/') + 1);
                          });
 
-/// Random sheets fly through the room; whatever is certified is free.
-TEST(Replanner, RandomSheetsNeverTouchWhatIsCertified) {
-  int steps = 0, unsafe_errors = 0, disturbed = 0, reached = 0;
-  for (int seed = 0; seed < 12; ++seed) {
+/// Random sheets fly through the room, and what is known of them is true: nothing touches a robot
+/// that moves, and where one may reach a robot that stands, the status says that. So it is where
+/// the work of a step decides little.
+TEST(Replanner, RandomSheetsNeverTouchARobotThatMoves) {
+  int steps = 0, disturbed = 0, reached = 0, exposed = 0;
+  for (int seed = 0; seed < 24; ++seed) {
+    SCOPED_TRACE(seed);
     Random random(77, static_cast<std::uint64_t>(seed));
     Problem problem = test::problemOf(test::disc(), {-1.5, 0, 0}, {1.5, 0, 0});
     problem.margins.common = 0.01;
@@ -461,22 +531,32 @@ TEST(Replanner, RandomSheetsNeverTouchWhatIsCertified) {
         keys.push_back({1.3 * key, {random.uniform(-0.8, 1.2), random.uniform(-1.2, 1.2), 0}});
       problem.world.deforming.push_back(obstacle("sheet " + std::to_string(k), s, keys));
     }
-    const ReplanResult result = replan(problem);
-    const double certified_end =
-        result.certified ? result.trajectory.back().time : (result.steps - 1) * 0.1;
-    std::vector<TimedPoint> sure = result.trajectory;
-    while (sure.size() > 1 && sure.back().time > certified_end + 1e-9) sure.pop_back();
-    const double kept = test::denseClearance(problem, sure, 0.01, 1.0);
-    unsafe_errors += kept > problem.margins.common ? 0 : 1;
-    EXPECT_GT(kept, problem.margins.common) << "seed " << seed;
+    ReplanOptions options;
+    if (seed % 4 == 3) options.work = 100'000;
+    const ReplanResult result = replan(problem, options, [&](const ReplanStep& step) {
+      std::vector<TimedPoint> moves = step.motion;
+      if (!step.certified) {
+        EXPECT_TRUE(step.exposed) << step.time << ": " << step.why;
+        EXPECT_TRUE(step.stop.empty());
+        while (moves.size() > 1 && moves[moves.size() - 2].position == moves.back().position)
+          moves.pop_back();
+      }
+      if (moves.size() > 1) {
+        EXPECT_GT(test::denseClearance(problem, moves, 0.005, 1.0), problem.margins.common)
+            << step.time;
+      }
+    });
+    EXPECT_NE(result.status, ReplanStatus::kUnsafe);
+    EXPECT_EQ(result.certified, result.status != ReplanStatus::kExposed);
     steps += result.steps;
     disturbed += result.waits + result.replans + result.evasions > 0 ? 1 : 0;
     reached += result.status == ReplanStatus::kReached ? 1 : 0;
+    exposed += result.status == ReplanStatus::kExposed ? 1 : 0;
   }
-  EXPECT_EQ(unsafe_errors, 0);
-  EXPECT_GE(disturbed, 6);
-  EXPECT_GE(reached, 6);
-  EXPECT_GT(steps, 100);
+  EXPECT_GE(disturbed, 12);
+  EXPECT_GE(reached, 12);
+  EXPECT_GE(exposed, 1);
+  EXPECT_GT(steps, 200);
 }
 
 }  // namespace

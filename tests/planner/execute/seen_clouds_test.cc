@@ -122,7 +122,7 @@ TEST_F(SeenClouds, WhatWasSeenOnceIsInTheWayAndGrows) {
   EXPECT_EQ(result.status, ReplanStatus::kReached);
   open.world.objects.back() =
       cloudObject(fence(1.5, -1.5, -1), {.speed_bound = 0.05, .turn_bound = 0, .age = 80});
-  EXPECT_EQ(replan(open).status, ReplanStatus::kUnsafe);
+  EXPECT_EQ(replan(open).status, ReplanStatus::kExposed);
 }
 
 TEST_F(SeenClouds, ACloudThatIsGoneLetsTheRobotPass) {

@@ -406,7 +406,7 @@ TEST_F(VerifyLog, WhatIsNoLineOfALogIsRefused) {
     SCOPED_TRACE(*words.begin());
     expectRefused(problem, changed, line, words);
   };
-  expectBad(3, [](Json& l) { l["version"] = 2; }, {"version is 2; 1 is expected"});
+  expectBad(3, [](Json& l) { l["version"] = 1; }, {"version is 1; 2, as `leeway replan` "});
   expectBad(3, [](Json& l) { l.erase("motion"); }, {"key 'motion' is missing"});
   expectBad(3, [](Json& l) { l["decision"] = "folow"; }, {"decision is 'folow'", "'follow'"});
   expectBad(3, [](Json& l) { l["joint_names"][1] = "disc/z"; },
@@ -517,6 +517,52 @@ TEST_F(VerifyLog, StopsAreProven) {
         }
       },
       "mm");
+}
+
+/// A stop that a step keeps is not written again, and proven again only where more is known.
+TEST_F(VerifyLog, StopsThatAreKept) {
+  Problem problem = observedGate();
+  problem.execution.step = 0.005;
+  const std::shared_ptr<const PoseMotion> still =
+      PoseMotion::keys({{0, posed(0, 2.2, 1)}, {9, posed(0, 2.2, 1.1)}});
+  problem.world.objects.back().X_WO = posed(0, 2.2, 1);
+  Lines lines = logOfObserver(problem, *still, 40);
+  const auto isKept = [&](std::size_t k) { return Json::parse(lines[k])["stop"].is_null(); };
+  std::size_t first = 0, kept = 0;
+  for (std::size_t k = 0; k + 1 < lines.size(); ++k) kept += isKept(k) ? 1u : 0u;
+  while (!isKept(first)) ++first;
+  EXPECT_GE(kept, 30u);
+  expectCertified(problem, lines);
+  const auto changed = [&](const std::function<void(Json&)>& change) {
+    Lines other = lines;
+    other[first] = forged(lines[first], change);
+    return other;
+  };
+  const int line = static_cast<int>(first) + 1;
+  expectNotProven(problem, changed([](Json& l) {
+                    Json& x = l["motion"].back()["position"][0];
+                    x = l["position"][0] = x.get<double>() + 1e-15;
+                  }),
+                  VerifyStatus::kRefuted, line, "is not the beginning of that");
+  Lines none = lines;
+  none[0] = forged(lines[0], [](Json& l) { l["stop"] = nullptr; });
+  expectNotProven(problem, none, VerifyStatus::kRefuted, 1, "is not the beginning of that");
+  // A bar that may have become faster could come into the stop.
+  expectNotProven(problem, changed([](Json& l) { l["observed"][0]["speed_bound"] = 30; }),
+                  VerifyStatus::kRefuted, line, "if it moves as its bounds allow");
+}
+
+/// Rounding of times hides little of a limit, however late it is.
+TEST_F(VerifyLog, RoundingHidesLittle) {
+  Problem problem = gate();
+  problem.execution.jerks = {{"disc/x", 30}, {"disc/y", 30}};
+  problem.execution.start = 1.7e9;
+  const Lines lines = logOf(problem);
+  expectCertified(problem, lines);
+  problem.execution.jerks = {{"disc/x", 27}, {"disc/y", 27}};
+  const VerifyResult result = verified(problem, lines);
+  EXPECT_EQ(result.status, VerifyStatus::kRefuted);
+  EXPECT_NE(result.reason.find("'s jerk is "), std::string::npos) << result.reason;
 }
 
 /// A bound that is known to be too small for the gap between looks proves nothing.

@@ -28,6 +28,8 @@ const char* toString(Decision decision);  ///< "plan", "follow", "wait", "evade"
 struct TimedPoint {
   double time = 0;  ///< [s]
   std::vector<double> position;
+
+  bool operator==(const TimedPoint&) const = default;
 };
 
 /// The cost of following one obstacle in a step.
@@ -68,6 +70,9 @@ struct ReplanStep {
   /// obstacles within their known motions or speed bounds. False only for kUnsafe, which includes
   /// that no pair is checked at all (CompiledScene::nothingChecked()).
   bool certified = false;
+  /// Not certified, because an obstacle may reach the robot where it stands: the motion is proven
+  /// until the robot rests, and the rest is proven against all that stands still.
+  bool exposed = false;
   /// Why it waits, evades, or is unsafe, in a few words; empty where it goes along a path.
   std::string why;
   /// Time after the step for which going on, coming to rest, or standing is certified [s]; at most
@@ -79,6 +84,8 @@ struct ReplanStep {
   /// Rows after the motion in which the robot comes to rest, should no other step be taken. Empty
   /// where it rests already.
   std::vector<TimedPoint> stop;
+  /// The motion and the stop are what the step before stated as its stop.
+  bool keeps_stop = false;
   /// Bounds on the least separation over the step [m], maybe below a margin; (inf, inf): no pairs.
   Interval clearance;
   std::string closest_a, closest_b;
@@ -109,6 +116,10 @@ struct ReplanOptions {
   /// microsecond): once for what the robot may do, once for its way to rest, once for the
   /// clearance. What is not proven within it is not done.
   std::int64_t work = 500'000'000;
+  /// Tracking error: how far each planned variable is from the motion at most [rad or m]; empty: 0.
+  /// All is proven for any place within it, and clearances are those of the motion. A state that
+  /// setState() is given within it (and 1e-9) changes nothing.
+  std::vector<double> joint_errors = {};
 };
 
 struct ReplanResult;
@@ -129,12 +140,15 @@ struct ReplanResult;
 ///    grown by the bound times its age;
 /// 5. follows the path if that is certified, else comes to rest by the stop of the step before. At
 ///    rest it waits if standing is certified, else evades: back along its trail, or to a random
-///    neighbour. What is not certified is never called free.
+///    neighbour. What is not certified is never called free. Where all knowledge is true, a robot
+///    that moves touches nothing: what was proven holds until what is observed contradicts it. A
+///    robot that stands can still be reached by an obstacle that it cannot evade.
 ///
 /// The motion. Rows of steps and stops are one period apart; the robot passes them in straight
 /// lines at constant speed, as position controllers interpolate. The change of that velocity over a
 /// period keeps motionLimits() on acceleration, the change of acceleration those on jerk. A stop
-/// brakes along the path, so that it is free where the path is and nothing moves.
+/// brakes along the path, so that it is free where the path is and nothing moves. Steps shorter
+/// than 50 ms share a stop for that long.
 ///
 /// Computing is assumed to fit into a step: its cost is reported, not simulated. Deterministic: the
 /// same problem, seed and iteration limit give the same steps, costs apart, unless the time limit
@@ -143,8 +157,8 @@ struct ReplanResult;
 class Replanner {
  public:
   /// Throws robots::InputError as validate() does, and for a problem without goals or with steps, a
-  /// look-ahead of more than 1,000 steps, and a bound on an obstacle's speed that its own motion
-  /// exceeds.
+  /// look-ahead of more than 1,000 steps, a bound on an obstacle's speed that its own motion
+  /// exceeds, and joint errors as a Guard does.
   explicit Replanner(const Problem& problem, const ReplanOptions& options = {});
   ~Replanner();
   Replanner(Replanner&&) noexcept;
@@ -163,12 +177,14 @@ class Replanner {
   bool reached() const;  ///< at rest in a goal, and the path is used up
   int replans() const;   ///< paths planned besides the first
   /// The steps so far, without their trajectory. The status is that of the last step: kReached,
-  /// kUnsafe, kNothingChecked or kStopped; `certified` says whether every step was.
+  /// kExposed, kUnsafe, kNothingChecked or kStopped; `certified` says whether every step was.
   ReplanResult executed() const;
 
-  /// The robot's true state now. In motion, it goes on from there with its velocity beside the path
-  /// (bodies that turn freely are taken to rest). Throws std::invalid_argument for another size,
-  /// and for numbers that are not finite or outside the limits.
+  /// The robot's true state now. Within ReplanOptions::joint_errors of the motion, that goes on.
+  /// Farther off, it goes on from there with its velocity beside the path (bodies that turn freely
+  /// are taken to rest), and is only proven where the path has room beside it. Throws
+  /// std::invalid_argument for another size, and for numbers that are not finite or outside the
+  /// limits.
   void setState(std::span<const double> point);
   /// The vertices of an obstacle as seen at `time` <= time() [s], in its frame, and a bound on
   /// their speed from then on [m/s]. Both replace its motion for good. Throws
@@ -202,12 +218,13 @@ class Replanner {
 
 enum class ReplanStatus : unsigned char {
   kReached,         ///< in a goal; ReplanResult::certified tells whether every step was
+  kExposed,         ///< an obstacle may reach the robot, which stands (ReplanStep::exposed)
   kUnsafe,          ///< at the last step nothing could be certified
   kTimeout,         ///< Execution::duration has passed
   kStopped,         ///< by the caller, or the number of steps
   kNothingChecked,  ///< no pair of shapes is checked: no step is taken
 };
-/// "reached", "unsafe", "timeout", "stopped", "nothing_checked"
+/// "reached", "exposed", "unsafe", "timeout", "stopped", "nothing_checked"
 const char* toString(ReplanStatus status);
 
 /// A whole execution.
