@@ -767,6 +767,8 @@ void takeStates(const std::string& start, const std::string& goal, Problem& prob
   const bool is_named = std::any_of(states.begin(), states.end(),
                                     [&](const auto& state) { return state.name == goal; });
   problem.goals.push_back(takeGoal("", 0, is_named ? goal : "goal", ranges, problem));
+  warnOfOthers(start, "start", problem);
+  warnOfOthers(goal, "goal", problem);
 }
 
 }  // namespace leeway::planner

@@ -480,6 +480,12 @@ VariableRanges statedRanges(const std::string& what, const std::string& text,
   return ranges;
 }
 
+void warnOfOthers(const std::string& state, const std::string& where, Problem& problem) {
+  const std::string others =
+      robots::otherValues(*problem.robot.model, state, problem.robot.variables, problem.start);
+  if (!others.empty()) problem.warnings.push_back(where + ": " + others);
+}
+
 void readStart(const YamlReader& reader, const VariableRanges& passive, Problem& problem) {
   if (givesPoses(reader, *problem.robot.model)) {
     problem.start_poses = readPoseRegions(reader, problem);
@@ -493,11 +499,17 @@ void readStart(const YamlReader& reader, const VariableRanges& passive, Problem&
                                    "is expected",
                                    variableText(*problem.robot.model, static_cast<int>(v))));
   takeStart(reader.file(), reader.line(), given, problem);
+  if (reader.isScalar())
+    warnOfOthers(reader.text(),
+                 fmt::format("{}:{}: {}", reader.file(), reader.line(), reader.where()), problem);
 }
 
 Goal readGoal(const YamlReader& reader, const std::string& name, Problem& problem) {
   if (givesPoses(reader, *problem.robot.model)) return {name, {}, readPoseRegions(reader, problem)};
   const VariableRanges given = StateReader(problem, true).read(reader);
+  if (reader.isScalar())
+    warnOfOthers(reader.text(),
+                 fmt::format("{}:{}: {}", reader.file(), reader.line(), reader.where()), problem);
   return takeGoal(reader.file(), reader.line(), reader.isScalar() ? reader.text() : name, given,
                   problem);
 }

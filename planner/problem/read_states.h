@@ -49,6 +49,10 @@ Goal takeGoal(const std::string& file, int line, const std::string& name,
 VariableRanges statedRanges(const std::string& what, const std::string& text,
                             const Problem& problem);
 
+/// Warns of values that a group state gives to joints that are not planned and stand elsewhere.
+/// `where`: who names it.
+void warnOfOthers(const std::string& state, const std::string& where, Problem& problem);
+
 /// Whether statedRanges() reads a text as the name of a state: it is not numbers, nor has a "=".
 bool namesState(const std::string& text);
 

@@ -9,6 +9,7 @@
 #include "leeway/planner/save_problem.h"
 #include "leeway/robots/cache_folder.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/named_states.h"
 #include "leeway/robots/text.h"
 #include "python/base/at.h"
 #include "python/base/define.h"
@@ -186,6 +187,11 @@ std::vector<double> statePoint(const Problem& problem, const py::object& state) 
     if (name == "goal" && !problem->goals.empty()) return placeOf(*problem, problem->goals.front());
   }
   planner::Problem at_state = *problem;
+  if (py::isinstance<py::str>(state))
+    if (const std::string others = robots::otherValues(*problem->robot.model, word(state, "state"),
+                                                       problem->robot.variables, problem->start);
+        !others.empty())
+      throw py::value_error(others + ", as others says");
   setStart(at_state, state);
   for (std::size_t v = 0; v < at_state.start.size(); ++v) {
     const std::vector<int>& planned = problem->robot.variables;

@@ -2,12 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <locale>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "collision/base/numbers.h"
 
 namespace leeway::robots {
+namespace {
+
+std::string numberText(double value) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << value;
+  return text.str();
+}
+
+}  // namespace
 
 std::vector<GroupState> namedStates(const Model& model) {
   std::vector<GroupState> states = model.group_states;
@@ -63,6 +75,32 @@ std::string stateLackFault(const Model& model, std::string_view name,
   if (count > kNamed) names += " and " + std::to_string(count - kNamed) + " more";
   return "group state '" + std::string(name) + "' lacks " + (count == 1 ? "joint " : "joints ") +
          names + "; a state with a value for " + std::string(which) + " is expected";
+}
+
+std::string otherValues(const Model& model, std::string_view name, std::span<const int> variables,
+                        std::span<const double> q) {
+  for (const GroupState& state : model.group_states) {
+    const auto gives = [&](int v) {
+      return std::any_of(state.values.begin(), state.values.end(),
+                         [v](const auto& value) { return value.first == v; });
+    };
+    if (state.name != name || !std::all_of(variables.begin(), variables.end(), gives)) continue;
+    std::string given, stands;
+    int count = 0;
+    for (const auto& [v, value] : state.values) {
+      if (value == q[at(v)] || std::find(variables.begin(), variables.end(), v) != variables.end())
+        continue;
+      given += (count == 0 ? "'" : ", '") + model.variables[at(v)].name + "' " + numberText(value);
+      stands += (count == 0 ? "" : ", ") + numberText(q[at(v)]);
+      ++count;
+    }
+    if (count == 0) return {};
+    return "group state '" + std::string(name) + "' gives " + given +
+           (count == 1 ? ", which is not planned and stands at "
+                       : ", which are not planned and stand at ") +
+           stands;
+  }
+  return {};
 }
 
 }  // namespace leeway::robots

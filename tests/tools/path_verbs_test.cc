@@ -25,6 +25,24 @@ TEST_F(Check, ARobotNeedsNoStartAndGoal) {
   expectRefused(robot, {"--start"});
 }
 
+TEST_F(Check, StatesOfMoreJointsThanArePlannedAreTold) {
+  std::string srdf = kSrdf, problem = kReach;
+  srdf.insert(srdf.find("  <group_state"),
+              "  <group name=\"first\"><joint name=\"shoulder\"/></group>\n");
+  write("first.srdf", srdf);
+  problem.replace(problem.find("arm.srdf, group: arm"), 20, "first.srdf, group: first");
+  write("first.yaml", problem);
+  const char* const others =
+      "group state 'left' gives 'elbow' 0.25, which is not planned and stands at 0";
+  Answer answer = run("check first.yaml");
+  EXPECT_NE(answer.err.find(std::string("goal: ") + others), std::string::npos) << answer.err;
+  EXPECT_EQ(answer.err.find("'right'"), std::string::npos) << answer.err;  // its elbow is at 0
+  answer = run("check first.yaml --state left");
+  EXPECT_EQ(answer.status, 2);
+  EXPECT_NE(answer.err.find(others), std::string::npos) << answer.err;
+  EXPECT_EQ(run("check first.yaml --state right").status, 0);
+}
+
 TEST_F(Check, ATaskHasAStartAndGoalsOfItsOwn) {
   std::string text = kReach;
   write("task.yaml", text.replace(text.find("goal: left"), 10, "steps: [{move: left}]"));

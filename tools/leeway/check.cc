@@ -9,6 +9,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/placed_at.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/named_states.h"
 #include "planner/constraint/constraint_proof.h"
 #include "planner/edge/why_undecided.h"
 #include "planner/execute/unchecked_json.h"
@@ -75,6 +76,10 @@ NamedState solvedGoal(const planner::Problem& problem, const planner::Goal& goal
 std::vector<double> parsePoint(const planner::Problem& problem, const std::string& text) {
   const std::vector<int>& planned = problem.robot.variables;
   const std::vector<double> q = parseConfiguration(problem, text, {"start", "goal"});
+  if (const std::string others =
+          robots::otherValues(*problem.robot.model, text, planned, problem.start);
+      !others.empty())
+    badState(text, others + ", where it would be checked");
   for (std::size_t v = 0; v < q.size() && !planner::namesState(text); ++v)
     if (q[v] != problem.start[v] &&
         std::find(planned.begin(), planned.end(), static_cast<int>(v)) == planned.end())

@@ -23,4 +23,10 @@ std::string stateLackFault(const Model& model, std::string_view state,
                            std::span<const int> variables,
                            std::string_view which = "each planned joint");
 
+/// Returns what a group state of the robot's files says of joints that are not among the planned
+/// `variables` and stand elsewhere in `q`: "group state 'home' gives 'finger' 0.4, which is not
+/// planned and stands at 0". Empty where there is nothing. O(states * variables^2).
+std::string otherValues(const Model& model, std::string_view state, std::span<const int> variables,
+                        std::span<const double> q);
+
 }  // namespace leeway::robots
