@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "collision/base/numbers.h"
+#include "leeway/planner/configuration_space.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/motion_bound.h"
 #include "planner/base/did_you_mean.h"
@@ -134,6 +135,34 @@ std::vector<Geometry> shapesToCarve(const Problem& problem, std::span<const std:
                                     std::span<const double> configuration) {
   checkRobot(problem);
   return carveShapes(problem, names, configuration);
+}
+
+PointCloud filteredScan(const Problem& problem, PointCloud scan, const std::optional<Pose>& X_WC,
+                        const ScanFilters& filters) {
+  if (!filters.carve && filters.carve_margin != 0)
+    throw std::invalid_argument("carve_margin stands without carve; both are expected");
+  if (filters.carve) {
+    checkRobot(problem);
+    if (!X_WC)
+      throw std::invalid_argument(
+          "carve stands without a pose; the pose of the cloud's frame is expected");
+    const std::span<const int> variables = problem.robot.variables;
+    if (filters.state.size() != variables.size())
+      throw std::invalid_argument(
+          fmt::format("carve stands without a state of {} numbers; where the robot was is expected",
+                      variables.size()));
+    const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+    if (const std::string fault = space.brokenLimit(filters.state); !fault.empty())
+      throw std::invalid_argument("state: " + fault + "; a state within the limits is expected");
+    std::vector<double> configuration = problem.start;
+    for (std::size_t i = 0; i < variables.size(); ++i)
+      configuration[at(variables[i])] = filters.state[i];
+    scan = carved(scan, *X_WC, shapesToCarve(problem, *filters.carve, configuration),
+                  filters.carve_margin, fmt::format("{}", fmt::join(*filters.carve, ", ")));
+  }
+  if (filters.thin) scan = thinned(scan, *filters.thin);
+  if (filters.most_balls) scan = thinnedTo(scan, *filters.most_balls);
+  return scan;
 }
 
 std::vector<Ball> reachOf(const Problem& problem) {

@@ -1,6 +1,7 @@
 #include "python/execution/seen_cloud.h"
 
 #include <cstddef>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -14,26 +15,16 @@ CloudGiven cloudGiven(const planner::Problem& problem, const CloudArguments& of,
                       std::span<const double> state) {
   CloudGiven given;
   if (!of.pose.is_none()) given.X_WO = pose(of.pose, "pose");
-  planner::PointCloud cloud = cloudOf(of.points, of.radius);
-  const std::vector<std::string> carve = namesOf(of.carve, "carve");
-  const double margin = number(of.carve_margin, "carve_margin");
-  if (carve.empty() && margin != 0)
-    throw py::value_error("carve_margin stands without carve; both are expected");
-  if (!carve.empty()) {
-    if (!given.X_WO)
-      throw py::value_error("carve stands without pose; the pose of the cloud's frame is expected");
-    if (state.empty())
-      throw py::value_error("carve stands without state; where the robot is is expected");
-    std::vector<double> configuration = problem.start;
-    for (std::size_t i = 0; i < state.size(); ++i)
-      configuration[static_cast<std::size_t>(problem.robot.variables[i])] = state[i];
-    std::string what;
-    for (const std::string& name : carve) what += (what.empty() ? "" : ", ") + name;
-    cloud = planner::carved(cloud, *given.X_WO,
-                            planner::shapesToCarve(problem, carve, configuration), margin, what);
-  }
-  if (!cloud.balls.empty()) cloud = thinnedAs(of.thin, of.most_balls, std::move(cloud));
-  given.cloud = std::make_shared<const planner::PointCloud>(std::move(cloud));
+  planner::ScanFilters filters;
+  if (std::vector<std::string> names = namesOf(of.carve, "carve"); !names.empty())
+    filters.carve = std::move(names);
+  filters.carve_margin = number(of.carve_margin, "carve_margin");
+  filters.state.assign(state.begin(), state.end());
+  if (!of.thin.is_none()) filters.thin = number(of.thin, "thin");
+  if (!of.most_balls.is_none())
+    filters.most_balls = whole<std::size_t>(of.most_balls, "most_balls");
+  given.cloud = std::make_shared<const planner::PointCloud>(
+      planner::filteredScan(problem, cloudOf(of.points, of.radius), given.X_WO, filters));
   return given;
 }
 

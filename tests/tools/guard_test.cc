@@ -345,7 +345,7 @@ TEST_F(GuardVerb, TakesCloudsAsTheyAreSeen) {
   wrong({{"balls", {{0, 0, 0, 1}, {0, 0, 0, -1}}}}, "observe.balls: ball 1 has the radius -1");
   wrong({{"balls", {{0, 0, 1e10, 1}}}}, "observe.balls: ball 0 has the coordinate");
   wrong(with({{"crop", 1}}), "observe.crop: what was cropped could come near");
-  wrong(with({{"carve", {"robot"}}}), "observe.carve stands without state");
+  wrong(with({{"carve", {"robot"}}}), "observe: carve stands without a state");
   wrong(with({{"state", {0, 0}}}), "observe.state stands without carve");
   wrong(with({{"carve", "robot"}, {"state", {0, 0}}}), "observe.carve is no list of names");
   wrong(with({{"carve", json::array()}, {"state", {0, 0}}}), "carve is empty");
@@ -359,7 +359,7 @@ TEST_F(GuardVerb, TakesCloudsAsTheyAreSeen) {
   json unplaced = with({{"carve", {"robot"}}, {"state", {0, 0}}});
   unplaced.erase("position");
   unplaced.erase("orientation");
-  wrong(unplaced, "observe.carve stands without position and orientation");
+  wrong(unplaced, "observe: carve stands without a pose");
 }
 
 TEST_F(GuardVerb, HelpExplainsEveryKey) {

@@ -297,8 +297,8 @@ class LineReader {
     }
     if (!value.contains("vertices")) {
       try {
-        line.cloud =
-            std::make_shared<const planner::PointCloud>(filtered(cloudOf(value), value, line.X_WO));
+        line.cloud = std::make_shared<const planner::PointCloud>(
+            planner::filteredScan(problem_, cloudOf(value), line.X_WO, filtersOf(value)));
       } catch (const std::invalid_argument& error) {
         throw LineFault{fmt::format("observe: {}", error.what())};
       }
@@ -343,48 +343,32 @@ class LineReader {
     return cloud;
   }
 
-  /// Applies the filters of an observation, in the order of problem files.
-  planner::PointCloud filtered(planner::PointCloud cloud, const Json& value,
-                               const std::optional<collision::Pose>& X_WC) const {
+  planner::ScanFilters filtersOf(const Json& value) const {
     for (const char* const key : {"carve_margin", "state"})
       if (value.contains(key) && !value.contains("carve"))
         throw LineFault{fmt::format("observe.{} stands without carve; both are expected", key)};
+    planner::ScanFilters filters;
     if (value.contains("carve")) {
-      if (!X_WC)
-        throw LineFault{
-            "observe.carve stands without position and orientation; the pose of the cloud's frame "
-            "is expected"};
-      if (!value.contains("state"))
-        throw LineFault{"observe.carve stands without state; where the robot was is expected"};
-      const std::vector<double> state = rowOf(value["state"], names_.size(), "observe.state");
-      const planner::ConfigurationSpace space(problem_.robot.model, problem_.robot.variables);
-      if (const std::string fault = space.brokenLimit(state); !fault.empty())
-        throw LineFault{"observe.state: " + fault + "; a state within the limits is expected"};
-      std::vector<double> configuration = problem_.start;
-      for (std::size_t i = 0; i < state.size(); ++i)
-        configuration[static_cast<std::size_t>(problem_.robot.variables[i])] = state[i];
-      std::vector<std::string> names;
+      filters.carve.emplace();
       for (const Json& name : value["carve"]) {
         if (!value["carve"].is_array() || !name.is_string())
           throw LineFault{"observe.carve is no list of names; [robot], for example, is expected"};
-        names.push_back(name.get<std::string>());
+        filters.carve->push_back(name.get<std::string>());
       }
-      const double margin = value.contains("carve_margin")
-                                ? number(value["carve_margin"], "observe.carve_margin")
-                                : 0.0;
-      cloud = planner::carved(cloud, *X_WC, planner::shapesToCarve(problem_, names, configuration),
-                              margin, fmt::format("{}", fmt::join(names, ", ")));
     }
-    if (value.contains("thin"))
-      cloud = planner::thinned(cloud, number(value["thin"], "observe.thin"));
+    if (value.contains("state"))
+      filters.state = rowOf(value["state"], names_.size(), "observe.state");
+    if (value.contains("carve_margin"))
+      filters.carve_margin = number(value["carve_margin"], "observe.carve_margin");
+    if (value.contains("thin")) filters.thin = number(value["thin"], "observe.thin");
     if (value.contains("most_balls")) {
       const Json& most = value["most_balls"];
       if (!most.is_number_unsigned())
         throw LineFault{fmt::format("observe.most_balls is {}; a whole number from 1 is expected",
                                     jsonText(most))};
-      cloud = planner::thinnedTo(cloud, most.get<std::size_t>());
+      filters.most_balls = most.get<std::size_t>();
     }
-    return cloud;
+    return filters;
   }
 
   static collision::Pose poseOf(const Json& value) {

@@ -503,6 +503,21 @@ std::vector<robots::Geometry> shapesToCarve(const Problem& problem,
                                             std::span<const std::string> names,
                                             std::span<const double> configuration = {});
 
+/// Filters of a scan that was taken while the robot moved, in the order in which they are applied.
+struct ScanFilters {
+  /// Names for shapesToCarve(): what the scan shows of these, to within carve_margin [m].
+  std::optional<std::vector<std::string>> carve = std::nullopt;
+  double carve_margin = 0;
+  std::vector<double> state = {};  ///< for carve: the planned variables when the scan was taken
+  std::optional<double> thin = std::nullopt;             ///< see thinned() [m]
+  std::optional<std::size_t> most_balls = std::nullopt;  ///< see thinnedTo()
+};
+/// Returns a scan after its filters; X_WC is the pose of its frame, which carve needs. Throws
+/// std::invalid_argument for carve without a pose or a state within the limits, for carve_margin
+/// without carve, and as carved(), thinned(), thinnedTo() and shapesToCarve() do.
+PointCloud filteredScan(const Problem& problem, PointCloud scan,
+                        const std::optional<robots::Pose>& X_WC, const ScanFilters& filters);
+
 /// Returns balls in the world that contain everything that the robot and its attached objects can
 /// reach, with planned variables within their limits and the others as at the start. Radii are
 /// infinite behind a prismatic joint without limits. O(links x joints).
