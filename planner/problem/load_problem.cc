@@ -260,8 +260,13 @@ void readBody(const YamlReader& map, const robots::LoadOptions& load, Problem& p
     object.geometries = readGeometries(map, object.name, problem.warnings, load);
     return;
   }
-  for (const std::string_view other : {"shapes", "attach"}) expectAlone("cloud", other);
+  // A saved cloud keeps its unseen space as shapes.
+  const bool is_saved = cloud->has("balls") && !cloud->has("carve");
+  if (!is_saved) expectAlone("cloud", "shapes");
+  expectAlone("cloud", "attach");
   for (const std::string_view other : shapeWords()) expectAlone("cloud", other);
+  if (map.has("shapes"))
+    object.geometries = readGeometries(map, object.name, problem.warnings, load);
   readCloud(*cloud, object, problem.warnings, load.stop);
 }
 

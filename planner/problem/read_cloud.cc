@@ -26,24 +26,20 @@ bool isOfRobot(const Problem& problem, const std::string& name) {
 /// Leaves out of the object's cloud and unseen space what `carve` names.
 PointCloud carvedOf(const YamlReader& cloud, const std::vector<std::string>& names,
                     const Problem& problem, Object& object) {
-  const YamlReader carve = *cloud.find("carve");
+  const YamlReader listed = *cloud.find("carve");
   for (const std::string& name : names)
     if (!problem.start_poses.empty() && isOfRobot(problem, name))
-      carve.fail(
+      listed.fail(
           fmt::format("{} names '{}', and the start is given by poses; a start by joint "
                       "values, which places the robot, is expected",
-                      carve.where(), name));
+                      listed.where(), name));
   const std::vector<Geometry> shapes_W = carveShapes(problem, names, {});
   std::string what;
-  for (const YamlReader& item : carve.items()) what += (what.empty() ? "" : ", ") + item.text();
+  for (const YamlReader& item : listed.items()) what += (what.empty() ? "" : ", ") + item.text();
   const auto margin = cloud.find("carve_margin");
   const double within = margin ? margin->sizeNumber() : 0;
-  PointCloud kept = carved(*object.cloud, object.X_WO, shapes_W, within, what);
-  const std::size_t before = object.geometries.size();
-  object.geometries = carvedShapes(object.geometries, object.X_WO, shapes_W, within);
-  if (const std::size_t gone = before - object.geometries.size(); gone > 0)
-    kept.filters.push_back(
-        {"carve", "parts of unseen space that touch " + what, gone, object.X_WO});
+  PointCloud kept = *object.cloud;
+  carve(kept, object.geometries, object.X_WO, shapes_W, within, what);
   return kept;
 }
 

@@ -564,14 +564,15 @@ class Writer {
     const bool is_simple = object.geometries.size() == 1 &&
                            isNear(object.geometries[0].X_BG, Pose()) &&
                            object.geometries[0].name == object.name;
-    if (object.cloud && !object.geometries.empty())
-      refuse(what + " has a cloud and shapes; files give an object one of them");
-    if (object.cloud)
+    if (object.cloud) {
       text.add("cloud", cloudText(*object.cloud, what));
-    else if (is_simple)
+      if (!object.geometries.empty())
+        text.add("shapes", shapesText(object.geometries, object.name));
+    } else if (is_simple) {
       addShape(object.geometries[0].shape, object.name, text);
-    else
+    } else {
       text.add("shapes", shapesText(object.geometries, object.name));
+    }
     if (held != nullptr) {
       MapText attach;
       attach.add("link", wordText(model_.links[at(held->link)].name));
@@ -613,7 +614,8 @@ class Writer {
     text.add("balls", listText(balls));
     std::size_t carved = 0;
     for (const CloudFilter& filter : cloud.filters)
-      if (filter.name == "carve") carved += filter.removed;
+      if (filter.name == "carve" || (filter.name == "renew" && cloud.balls.empty()))
+        carved += filter.removed;
     if (carved > 0) text.add("carved", std::to_string(carved));
     if (cloud.completeWithin() < kInfinity)
       text.add("crop", numberText(cloud.completeWithin(), what));

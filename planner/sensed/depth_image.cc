@@ -149,23 +149,22 @@ std::vector<robots::Geometry> unseenShapes(const DepthImage& image, const DepthC
   return shapes;
 }
 
-std::vector<robots::Geometry> carvedShapes(const std::vector<robots::Geometry>& shapes_C,
-                                           const robots::Pose& X_WC,
-                                           std::span<const robots::Geometry> shapes_W,
-                                           double margin) {
+void carve(PointCloud& cloud, std::vector<robots::Geometry>& unseen, const robots::Pose& X_WC,
+           std::span<const robots::Geometry> shapes_W, double margin, const std::string& what) {
+  cloud = carved(cloud, X_WC, shapes_W, margin, what);
   collision::Scratch scratch;
   collision::DistanceRequest request;
   request.depth = false;
   request.threshold = margin;
-  std::vector<robots::Geometry> kept;
-  for (const robots::Geometry& part : shapes_C)
-    if (std::none_of(shapes_W.begin(), shapes_W.end(), [&](const robots::Geometry& shape) {
-          return collision::distance(shape.shape, shape.X_BG, part.shape, X_WC * part.X_BG, request,
-                                     scratch)
-                     .distance.upper <= margin;
-        }))
-      kept.push_back(part);
-  return kept;
+  const std::size_t removed = std::erase_if(unseen, [&](const robots::Geometry& part) {
+    return std::any_of(shapes_W.begin(), shapes_W.end(), [&](const robots::Geometry& shape) {
+      return collision::distance(shape.shape, shape.X_BG, part.shape, X_WC * part.X_BG, request,
+                                 scratch)
+                 .distance.upper <= margin;
+    });
+  });
+  if (removed > 0)
+    cloud.filters.push_back({"carve", "parts of unseen space that touch " + what, removed, X_WC});
 }
 
 double depthSpread(const DepthCamera& camera) {

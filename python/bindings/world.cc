@@ -216,18 +216,23 @@ struct CloudKeywords {
   const py::object &thin, &most_balls, &carve, &carve_margin, &position, &orientation, &rpy, &color;
 };
 
-/// Adds a cloud, filtered; returns what was left out.
+/// Adds a cloud, filtered, with space that was not seen; returns what was left out.
 py::list addFiltered(World& world, const std::string& name, PointCloud cloud,
-                     const CloudKeywords& of) {
+                     const CloudKeywords& of, std::vector<collision::Geometry> unseen = {}) {
   Object object{name,    {},      pose(of.position, of.orientation, of.rpy),
                 nullptr, nullptr, colorOf(of.color)};
   const double margin = number(of.carve_margin, "carve_margin");
   const std::vector<std::string> carve = namesOf(of.carve, "carve");
   if (carve.empty() && margin != 0)
     throw py::value_error("carve_margin stands without carve; both are expected");
-  for (const std::string& shape : carve)
-    cloud = planner::carved(cloud, object.X_WO, shapesOf(world, shape), margin, shape);
-  cloud = thinnedAs(of.thin, of.most_balls, std::move(cloud));
+  for (const std::string& shape : carve) {
+    const std::vector<collision::Geometry> shapes_W = shapesOf(world, shape);
+    planner::carve(cloud, unseen, object.X_WO, shapes_W, margin, shape);
+  }
+  if (!of.thin.is_none()) cloud = planner::thinned(cloud, number(of.thin, "thin"));
+  if (!of.most_balls.is_none())
+    cloud = planner::thinnedTo(cloud, whole<std::size_t>(of.most_balls, "most_balls"));
+  object.geometries = std::move(unseen);
   py::list left_out;
   for (const planner::CloudFilter& filter : cloud.filters)
     left_out.append(py::make_tuple(filter.name, filter.what, filter.removed));
@@ -290,7 +295,8 @@ std::vector<std::uint8_t> maskOf(const py::object& mask, const planner::DepthIma
 py::list addDepthImage(World& world, const std::string& name, const py::object& depth,
                        const py::object& radius, const py::object& fx, const py::object& fy,
                        const py::object& cx, const py::object& cy, const py::object& scale,
-                       const py::object& slant, const py::object& mask, const py::object& thin,
+                       const py::object& slant, const py::object& mask, const std::string& unseen,
+                       const py::object& range, const py::object& parts, const py::object& thin,
                        const py::object& most_balls, const py::object& carve,
                        const py::object& carve_margin, const py::object& position,
                        const py::object& orientation, const py::object& rpy,
@@ -307,8 +313,22 @@ py::list addDepthImage(World& world, const std::string& name, const py::object& 
   planner::PointCloud cloud = planner::makeCloud(image, camera, number(radius, "radius"));
   if (cloud.balls.empty())
     throw py::value_error("depth: no pixel is a measurement; at least one above 0 is expected");
+  if (unseen != "free" && unseen != "occupied")
+    unknownWord("unseen", unseen, "'free' or 'occupied'");
+  std::vector<collision::Geometry> space;
+  if (unseen == "occupied") {
+    if (range.is_none())
+      throw py::value_error(
+          "unseen='occupied' stands without range; the depth [m] up to which it is occupied is "
+          "expected");
+    space = planner::unseenShapes(image, camera,
+                                  {number(range, "range"), whole<std::size_t>(parts, "parts")});
+  } else if (!range.is_none()) {
+    throw py::value_error("range stands without unseen='occupied'; both are expected");
+  }
   return addFiltered(world, name, std::move(cloud),
-                     {thin, most_balls, carve, carve_margin, position, orientation, rpy, color});
+                     {thin, most_balls, carve, carve_margin, position, orientation, rpy, color},
+                     std::move(space));
 }
 
 std::string htmlOfWorld(const World& world) {
@@ -419,7 +439,8 @@ void defineAdders(WorldClass& world) {
   define(
       world, "add_depth_image",
       "(self, name, depth, radius, *, fx, fy, cx, cy, scale=None, slant=1.0471975511965976, "
-      "mask=None, thin=None, most_balls=None, carve=(), carve_margin=0.0" +
+      "mask=None, unseen='free', range=None, parts=1000, thin=None, most_balls=None, carve=(), "
+      "carve_margin=0.0" +
           kPlace,
       std::string(
           "Adds a depth image (rows, columns) of uint16, float32 or float64 as a point cloud in "
@@ -427,8 +448,10 @@ void defineAdders(WorldClass& world) {
           "`fy`, `cx`, `cy` [pixels]: a camera without distortion. `scale` [m]: depth of a value "
           "of 1; 0.001 of whole numbers, else 1. Balls have the `radius` [m] plus a part that "
           "grows with depth, and cover flat surfaces up to `slant` [rad] from facing the "
-          "camera. Pixels that are 0, not finite, or 0 in `mask` are dropped. The rest as in "
-          "add_cloud().") +
+          "camera. Pixels that are 0, not finite, or 0 in `mask` are dropped. With `unseen` "
+          "'occupied', at most `parts` convex parts contain what the camera did not see within its "
+          "picture and the depth `range` [m]: space behind surfaces, and all that dropped pixels "
+          "look at; `carve` leaves out those that touch. The rest as in add_cloud().") +
           kPlaceDoc,
       addDepthImage);
   define(
@@ -477,15 +500,6 @@ planner::PointCloud cloudOf(const py::object& points, const py::object& radius) 
   const Rows radii = scalars(radius, "radius");
   return radii.shape.empty() ? planner::makeCloud(xyz, radii.values.at(0))
                              : planner::makeCloud(xyz, radii.values);
-}
-
-planner::PointCloud thinnedAs(const py::object& thin, const py::object& most_balls,
-                              planner::PointCloud cloud) {
-  if (!thin.is_none()) cloud = planner::thinned(cloud, number(thin, "thin"));
-  if (most_balls.is_none()) return cloud;
-  const auto most = whole<std::size_t>(most_balls, "most_balls");
-  if (most == 0) throw py::value_error("most_balls is 0; a whole number from 1 is expected");
-  return planner::thinnedTo(cloud, most);
 }
 
 std::vector<std::string> namesOf(const py::object& names, const char* name) {

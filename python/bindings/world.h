@@ -27,9 +27,6 @@ std::vector<std::string> objectNames(const planner::World& world);
 /// The balls around points (n, 3), of any strides; those that are NaN are dropped. `radius`: a
 /// number, or one a point. Perhaps without a ball.
 planner::PointCloud cloudOf(const py::object& points, const py::object& radius);
-/// A cloud with fewer balls that contain all of it, where arguments of that name are not None.
-planner::PointCloud thinnedAs(const py::object& thin, const py::object& most_balls,
-                              planner::PointCloud cloud);
 /// A list of names. Throws TypeError for a text.
 std::vector<std::string> namesOf(const py::object& names, const char* name);
 

@@ -454,6 +454,12 @@ TEST_F(CloudProblems, BadKeysNameTheirLine) {
               {"both 'cloud' and 'box'"});
   expectError(begin + "cloud: {file: scan.xyz, radius: 0.1}\n   attach: {link: ball}\n", 11,
               {"both 'cloud' and 'attach'"});
+  // Only a saved cloud has shapes, too: its unseen space.
+  const std::string shapes = "   shapes: [{sphere: {radius: 1}}]\n";
+  expectError(begin + "cloud: {file: scan.xyz, radius: 0.1}\n" + shapes, 11,
+              {"both 'cloud' and 'shapes'"});
+  expectError(begin + "cloud: {balls: [[0, 0, 0, 1]], carve: [can]}\n" + shapes, 11,
+              {"both 'cloud' and 'shapes'"});
 }
 
 TEST_F(CloudProblems, ReachContainsTheRobotWhereverItGoes) {

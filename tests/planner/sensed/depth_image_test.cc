@@ -13,7 +13,9 @@
 #include "leeway/collision/distance.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
+#include "leeway/planner/save_problem.h"
 #include "leeway/planner/verify.h"
+#include "planner/save/problem_text.h"
 #include "tests/support/folder.h"
 #include "tests/support/input_errors.h"
 #include "tests/support/png.h"
@@ -350,6 +352,9 @@ TEST_F(DepthProblems, WhatTheCameraDidNotSeeIsOccupiedIfAskedFor) {
   EXPECT_EQ(wall.cloud->filters.back().name, "carve");
   EXPECT_GT(wall.cloud->filters.back().removed, 0u);
   EXPECT_FALSE(wall.geometries.empty());
+  // Files of saved problems have the parts as shapes beside the balls.
+  saveProblem(cut, folder_.path("saved.yaml"));
+  EXPECT_EQ(problemDifference(cut, loadProblem(folder_.path("saved.yaml"))), "");
 }
 
 TEST_F(DepthProblems, KeysAreThoseOfTheLibrary) {

@@ -62,12 +62,10 @@ inline constexpr char kUnseenName[] = "unseen";
 /// for a range that is not above 0 and up to 1e9 m, and 0 parts. O(pixels log(parts)).
 std::vector<robots::Geometry> unseenShapes(const DepthImage& image, const DepthCamera& camera,
                                            const UnseenSpace& space);
-/// Returns the shapes without those that are proven to be within `margin` >= 0 [m] of `shapes_W`.
-/// O(size x shapes).
-std::vector<robots::Geometry> carvedShapes(const std::vector<robots::Geometry>& shapes_C,
-                                           const robots::Pose& X_WC,
-                                           std::span<const robots::Geometry> shapes_W,
-                                           double margin);
+/// Replaces a cloud by carved() and leaves out the parts of its unseen space that are proven to be
+/// within `margin` of `shapes_W`, which its filters count, too. O(size x shapes).
+void carve(PointCloud& cloud, std::vector<robots::Geometry>& unseen, const robots::Pose& X_WC,
+           std::span<const robots::Geometry> shapes_W, double margin, const std::string& what);
 
 /// Reads a depth image from a PNG or PGM of 16 bits, and its mask, of the same size, from one of
 /// any number of bits; an empty path means no mask. Throws robots::InputError for a damaged file,
