@@ -44,13 +44,30 @@ int SceneChange::numberToUse(const Body& like) const {
   return earlier == before.end() ? -1 : *earlier;
 }
 
-void SceneChange::remove(int body) {
+void SceneChange::requireStill(int body) const {
   const Bodies bodies = scene_.bodies();
   if (body < 0 || at(body) >= bodies.size() || bodies[at(body)].moving || scene_.isRemoved(body) ||
       std::find(removed_.begin(), removed_.end(), body) != removed_.end())
     refuse("body " + std::to_string(body) +
            " is removed; one of the scene before, which stands still and was not removed,");
+}
+
+void SceneChange::remove(int body) {
+  requireStill(body);
   removed_.push_back(body);
+}
+
+void SceneChange::removeBalls(int body, std::span<const std::int32_t> balls) {
+  requireStill(body);
+  const Body& of = scene_.bodies()[at(body)];
+  std::vector<std::int32_t>& removed = removed_balls_[body];
+  for (const std::int32_t ball : balls) {
+    if (ball < 0 || at(ball) >= of.size() - of.geometries.size())
+      refuse("ball " + std::to_string(ball) + " of '" + of.name + "' is removed; one from 0 to " +
+             std::to_string(of.size() - of.geometries.size()) + ", exclusive,");
+    removed.push_back(ball + static_cast<std::int32_t>(of.geometries.size()));
+  }
+  std::sort(removed.begin(), removed.end());
 }
 
 int SceneChange::add(Body body) {
@@ -105,7 +122,7 @@ Scene SceneChange::build() && {
 }
 
 void SceneChange::removePairs() {
-  if (removed_.empty()) return;
+  if (removed_.empty() && removed_balls_.empty()) return;
   std::sort(removed_.begin(), removed_.end());
   std::vector<int> all;
   std::merge(scene_.removed_.begin(), scene_.removed_.end(), removed_.begin(), removed_.end(),
@@ -115,16 +132,26 @@ void SceneChange::removePairs() {
   const auto isRemoved = [&](int body) {
     return std::binary_search(removed_.begin(), removed_.end(), body);
   };
+  const auto isRemovedBall = [&](int body, std::int32_t geometry) {
+    const auto of = removed_balls_.find(body);
+    return of != removed_balls_.end() &&
+           std::binary_search(of->second.begin(), of->second.end(), geometry);
+  };
   std::erase_if(pairs.listed_, [&](const ScenePair& pair) {
-    return isRemoved(pair.body_a) || isRemoved(pair.body_b);
+    return isRemoved(pair.body_a) || isRemoved(pair.body_b) ||
+           isRemovedBall(pair.body_b, pair.geometry_b);
   });
   if (pairs.places_ == 0) return;
   const int first = SceneAccess::geometryIndex(scene_, pairs.firstStill(), 0);
-  for (const int body : removed_) {
-    if (body < pairs.firstStill()) continue;
-    const std::size_t place = at(SceneAccess::geometryIndex(scene_, body, 0) - first);
-    for (std::size_t g = 0; g < scene_.bodies()[at(body)].size(); ++g) pairs.clearPlace(place + g);
-  }
+  const auto placeOf = [&](int body) {
+    return at(SceneAccess::geometryIndex(scene_, body, 0) - first);
+  };
+  for (const int body : removed_)
+    for (std::size_t g = 0; body >= pairs.firstStill() && g < scene_.bodies()[at(body)].size(); ++g)
+      pairs.clearPlace(placeOf(body) + g);
+  for (const auto& [body, balls] : removed_balls_)
+    for (std::size_t i = 0; body >= pairs.firstStill() && i < balls.size(); ++i)
+      pairs.clearPlace(placeOf(body) + at(balls[i]));
 }
 
 std::optional<double> SceneChange::marginOf(int moving, std::size_t added) const {

@@ -287,6 +287,8 @@ struct CompiledScene::NamedRules {
   std::string grasp = {};  // firstGrasp()
   /// The bodies of objects that have a motion, and where these stand at the start of the execution.
   std::map<int, robots::Pose> moving = {};
+  /// The bodies of clouds of which regions were renewed, by the object's name; see partsOf().
+  std::map<std::string, std::vector<Part>> parts = {};
 
   /// Enters the cloud of an object.
   void note(const Object& object) {
@@ -434,9 +436,31 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjects(
   return changed(added, removed);
 }
 
+std::vector<CompiledScene::Part> CompiledScene::partsOf(int body) const {
+  const auto found = rules_->parts.find(scene_.bodies()[at(body)].name);
+  return found == rules_->parts.end() ? std::vector<Part>{{body, nullptr}} : found->second;
+}
+
+std::vector<collision::Ball> CompiledScene::ballsOf(std::span<const Part> parts) const {
+  std::vector<collision::Ball> balls;
+  for (const Part& part : parts)
+    if (const auto& of = scene_.bodies()[at(part.body)].balls)
+      for (std::size_t b = 0; b < of->size(); ++b)
+        if (part.has(b)) balls.push_back((*of)[b]);
+  return balls;
+}
+
 std::shared_ptr<CompiledScene> CompiledScene::changed(std::span<const Object> added,
-                                                      std::span<const int> removed) const {
+                                                      std::span<const int> removed_first) const {
   auto changed = std::make_shared<CompiledScene>(*this);
+  std::vector<int> removed;  // with the other bodies of their objects
+  for (const int body : removed_first) {
+    if (body < 0 || at(body) >= scene_.bodies().size()) {
+      removed.push_back(body);  // refused below
+      continue;
+    }
+    for (const Part& part : partsOf(body)) removed.push_back(part.body);
+  }
   changed->pairs_token_ = std::make_shared<const int>();
   const auto changeRules = [&](const auto& change) {
     NamedRules rules = *changed->rules_;
@@ -449,6 +473,10 @@ std::shared_ptr<CompiledScene> CompiledScene::changed(std::span<const Object> ad
   for (const int body : removed)
     if (rules_->moving.count(body) != 0)
       changeRules([&](NamedRules& rules) { rules.moving.erase(body); });
+  for (const int body : removed_first)
+    if (body >= 0 && at(body) < scene_.bodies().size() &&
+        rules_->parts.count(scene_.bodies()[at(body)].name) != 0)
+      changeRules([&](NamedRules& rules) { rules.parts.erase(scene_.bodies()[at(body)].name); });
   collision::SceneChange change(std::move(changed->scene_));
   std::set<std::string> removed_names;
   for (const int body : removed) {
@@ -495,10 +523,73 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjectAt(const std::stri
   Object moved{name, before.geometries, X_WO};
   if (before.balls) {
     auto cloud = std::make_shared<PointCloud>();
-    cloud->balls = *before.balls;
+    cloud->balls = ballsOf(partsOf(body));
     moved.cloud = std::move(cloud);
   }
   return withObjects({&moved, 1}, {&body, 1});
+}
+
+std::shared_ptr<const CompiledScene> CompiledScene::withRegion(const std::string& name,
+                                                               const CloudRegion& region,
+                                                               const PointCloud& seen) const {
+  const auto refuse = [](const std::string& why) {
+    throw std::invalid_argument("CompiledScene::withRegion(): " + why);
+  };
+  const int body = findThing(name);
+  if (body < bodiesOfRobot() || !scene_.bodies()[at(body)].balls || rules_->moving.count(body) != 0)
+    refuse(fmt::format(
+        "'{}' is no cloud of the world that has balls and stands still; the name of one is "
+        "expected",
+        name));
+  if (is_variant_)
+    refuse(
+        "of a variant with other margins or pairs than the problem says; the scene that was "
+        "compiled is expected");
+  const collision::Bodies bodies = scene_.bodies();
+  Object again{name, {}, bodies[at(body)].X_WB};
+  if (!seen.balls.empty()) again.cloud = std::make_shared<const PointCloud>(seen);
+  for (const std::string& fault : {regionFault(region, seen), objectFault(again)})
+    if (!fault.empty()) refuse(fault);
+
+  auto changed = std::make_shared<CompiledScene>(*this);
+  changed->pairs_token_ = std::make_shared<const int>();
+  collision::SceneChange change(std::move(changed->scene_));
+  std::vector<Part> left;
+  for (const Part& part : partsOf(body)) {
+    const collision::Body& of = bodies[at(part.body)];
+    std::vector<std::int32_t> gone;
+    std::size_t before = 0;
+    for (std::size_t b = 0; b < of.balls->size(); ++b) {
+      if (!part.has(b)) continue;
+      ++before;
+      if (region.contains((*of.balls)[b].center)) gone.push_back(static_cast<std::int32_t>(b));
+    }
+    // One body stays, also without balls, because the object does.
+    if (gone.size() == before && part.body != body) {
+      change.remove(part.body);
+      continue;
+    }
+    left.push_back(part);
+    if (gone.empty()) continue;
+    change.removeBalls(part.body, gone);
+    auto is_gone = part.is_gone ? std::make_shared<std::vector<char>>(*part.is_gone)
+                                : std::make_shared<std::vector<char>>(of.balls->size());
+    for (const std::int32_t b : gone) (*is_gone)[at(b)] = 1;
+    left.back().is_gone = std::move(is_gone);
+  }
+  BodiesByName objects;
+  if (again.cloud) {
+    left.push_back({change.add(bodyOf(again)), nullptr});
+    objects.emplace(name, left.back().body);
+  }
+  NamedRules rules = *rules_;
+  if (isFitted(again)) rules.fitted.insert(name);
+  rules.parts[name] = std::move(left);
+  changed->rules_ = std::make_shared<const NamedRules>(std::move(rules));
+  change.setDefaultMargin(std::max(rules_->margins.common, rules_->kept));
+  if (!objects.empty()) changed->dropped_ = applyRules(objects, {name}, change);
+  changed->scene_ = std::move(change).build();
+  return changed;
 }
 
 std::shared_ptr<const std::vector<CompiledScene::Dropped>> CompiledScene::applyRules(
@@ -677,16 +768,15 @@ std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
 namespace {
 
 /// The difference between an object and a body of the world that stands at X_WB, or starts there
-/// if it moves; empty: they are equal.
+/// if it moves, with these balls; empty: they are equal.
 std::string differenceOf(const Object& object, const collision::Body& body,
-                         const robots::Pose& X_WB, bool moves) {
+                         const robots::Pose& X_WB, bool moves,
+                         std::span<const collision::Ball> known) {
   if (moves != (object.motion != nullptr)) return moves ? "moves" : "stands still";
   if (!isSamePose(object.X_WO, X_WB)) return "stands elsewhere";
   if (!areSameShapes(object.geometries, body.geometries)) return "has another shape";
   const std::span<const collision::Ball> balls =
       object.cloud ? object.cloud->balls : std::span<const collision::Ball>();
-  const std::span<const collision::Ball> known =
-      body.balls ? *body.balls : std::span<const collision::Ball>();
   const bool is_same = balls.data() == known.data() ||
                        std::equal(balls.begin(), balls.end(), known.begin(), known.end(),
                                   [](const collision::Ball& x, const collision::Ball& y) {
@@ -715,12 +805,17 @@ bool areSameWishes(const Margins& x, const Margins& y) {
 std::string CompiledScene::objectsDifference(const Problem& problem) const {
   const auto bodies = scene_.bodies();
   const std::vector<Object>& objects = problem.world.objects;
+  const auto ballsIn = [&](std::size_t b) {
+    return bodies[b].balls ? std::span<const collision::Ball>(*bodies[b].balls)
+                           : std::span<const collision::Ball>();
+  };
   int body = bodiesOfRobot();
   const int end = body + rules_->objects;
   const bool is_as_compiled = std::all_of(objects.begin(), objects.end(), [&](const Object& o) {
     if (!hasShapes(o)) return true;
-    const bool is_same = body < end && o.name == bodies[at(body)].name &&
-                         differenceOf(o, bodies[at(body)], bodies[at(body)].X_WB, false).empty();
+    const std::size_t b = at(body);
+    const bool is_same = body < end && o.name == bodies[b].name &&
+                         differenceOf(o, bodies[b], bodies[b].X_WB, false, ballsIn(b)).empty();
     ++body;
     return is_same;
   });
@@ -730,13 +825,21 @@ std::string CompiledScene::objectsDifference(const Problem& problem) const {
   for (std::size_t b = at(bodiesOfRobot()); b < bodies.size(); ++b)
     if (scene_.isRemoved(static_cast<int>(b))) --left;
   for (const Object& object : objects) {
-    if (!hasShapes(object)) continue;
+    const auto parts = rules_->parts.find(object.name);
+    const bool is_renewed = parts != rules_->parts.end();
+    if (!hasShapes(object) && !is_renewed) continue;
     const int found = findThing(object.name);
     if (found < 0) return fmt::format("the scene has no object '{}'", object.name);
     const auto moving = rules_->moving.find(found);
     const bool moves = moving != rules_->moving.end();
-    const std::string difference = differenceOf(
-        object, bodies[at(found)], moves ? moving->second : bodies[at(found)].X_WB, moves);
+    std::vector<collision::Ball> renewed;
+    if (is_renewed) {
+      renewed = ballsOf(parts->second);
+      left -= parts->second.size() - 1;
+    }
+    const std::string difference =
+        differenceOf(object, bodies[at(found)], moves ? moving->second : bodies[at(found)].X_WB,
+                     moves, is_renewed ? renewed : ballsIn(at(found)));
     if (!difference.empty()) return fmt::format("object '{}' {} there", object.name, difference);
     --left;
   }

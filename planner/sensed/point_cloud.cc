@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 
@@ -383,10 +384,48 @@ PointCloud cropped(const PointCloud& cloud, const robots::Pose& X_WC, std::span<
   return kept;
 }
 
+std::string regionFault(const CloudRegion& region, const PointCloud& seen) {
+  for (int k = 0; k < 3; ++k)
+    if (!(region.low[k] <= region.high[k]))
+      return fmt::format(
+          "the region is from {} to {} along {}; a lower and an upper bound are "
+          "expected",
+          region.low[k], region.high[k], "xyz"[k]);
+  if (!seen.crops.empty())
+    return "points were cropped from what was seen in the region; all that was seen is expected";
+  return {};
+}
+
+PointCloud renewed(const PointCloud& cloud, const CloudRegion& region, const PointCloud& seen) {
+  if (const std::string fault = regionFault(region, seen); !fault.empty())
+    throw std::invalid_argument(fault);
+  PointCloud result;
+  result.filters = cloud.filters;
+  result.crops = cloud.crops;
+  result.balls.reserve(cloud.size() + seen.size());
+  std::copy_if(cloud.balls.begin(), cloud.balls.end(), std::back_inserter(result.balls),
+               [&](const Ball& ball) { return !region.contains(ball.center); });
+  // Sums, because regions may be renewed at the rate of a sensor.
+  const auto note = [&](const CloudFilter& filter) {
+    const auto same =
+        std::find_if(result.filters.begin(), result.filters.end(), [&](const CloudFilter& f) {
+          return !f.X_WC && !filter.X_WC && f.name == filter.name && f.what == filter.what;
+        });
+    if (same == result.filters.end())
+      result.filters.push_back(filter);
+    else
+      same->removed += filter.removed;
+  };
+  note({"renew", "balls of regions that were seen again", cloud.size() - result.size()});
+  for (const CloudFilter& filter : seen.filters) note(filter);
+  result.balls.insert(result.balls.end(), seen.balls.begin(), seen.balls.end());
+  return result;
+}
+
 std::string cloudFault(const PointCloud& cloud) {
   const bool is_filtered =
       std::any_of(cloud.filters.begin(), cloud.filters.end(), [](const CloudFilter& f) {
-        return (f.name == "carve" || f.name == "crop") && f.removed > 0;
+        return (f.name == "carve" || f.name == "crop" || f.name == "renew") && f.removed > 0;
       });
   if (cloud.balls.empty() && !is_filtered) {
     std::string dropped;

@@ -9,6 +9,7 @@
 #include "python/base/define.h"
 #include "python/base/released.h"
 #include "python/bindings/settings.h"
+#include "python/bindings/world.h"
 
 namespace leeway::python {
 namespace {
@@ -193,8 +194,25 @@ Scene withObjectAt(const Scene& self, const std::string& name, const py::object&
   const collision::Pose X_WO = pose(place, "pose");
   Scene moved(self.problem, released([&] { return self.compiled->withObjectAt(name, X_WO); }));
   moved.moved = self.moved;
+  moved.renewed = self.renewed;
   moved.moved[name] = X_WO;
   return moved;
+}
+
+Scene withRegion(const Scene& self, const std::string& name, const py::object& low,
+                 const py::object& high, const py::object& points, const py::object& radius) {
+  const planner::CloudRegion region{vector3(low, "low"), vector3(high, "high")};
+  const planner::PointCloud seen = cloudOf(points, radius);
+  Scene renewed(self.problem,
+                released([&] { return self.compiled->withRegion(name, region, seen); }));
+  renewed.moved = self.moved;
+  renewed.renewed = self.renewed;
+  const auto problem = self.current();
+  for (const planner::Object& object : problem->world.objects)
+    if (object.name == name)
+      renewed.renewed[name] = std::make_shared<const planner::PointCloud>(
+          planner::renewed(*object.cloud, region, seen));
+  return renewed;
 }
 
 bool isValid(const State& state) {
@@ -333,11 +351,14 @@ Scene::Scene(Problem of, std::shared_ptr<const planner::CompiledScene> scene)
       certifiers(std::make_shared<Certifiers>(compiled)) {}
 
 std::shared_ptr<const planner::Problem> Scene::current() const {
-  if (moved.empty()) return problem.value();
+  if (moved.empty() && renewed.empty()) return problem.value();
   auto changed = std::make_shared<planner::Problem>(*problem);
-  for (planner::Object& object : changed->world.objects)
+  for (planner::Object& object : changed->world.objects) {
     if (const auto place = moved.find(object.name); place != moved.end())
       object.X_WO = place->second;
+    if (const auto cloud = renewed.find(object.name); cloud != renewed.end())
+      object.cloud = cloud->second;
+  }
   return changed;
 }
 
@@ -399,6 +420,13 @@ void defineScene(py::module_& module) {
          "thousands of moves cost as much each. Move an object of the last result, or always of "
          "the first scene.",
          withObjectAt);
+  define(scene, "with_region", "(self, name, low, high, points, radius)",
+         "The scene after a region of a cloud was seen again: balls with their centers in the box "
+         "from `low` to `high` are gone, and `points` (n, 3) [m] with "
+         "`radius` (a number, or one a point) are there, all in the cloud's frame. It costs what "
+         "the region does, plus a copy of the cloud. Start from the first scene where regions are "
+         "the same, and compile again when most of a cloud was renewed.",
+         withRegion);
   defineConstant(
       scene, "problem", [](const Scene& self) { return Problem(self.current(), true); },
       "The problem that was compiled, constant; copy() gives one to change.");

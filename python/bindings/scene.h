@@ -29,12 +29,14 @@ class Certifiers {
 struct Scene {
   Problem problem;  ///< with its objects where they were when it was compiled
   std::map<std::string, collision::Pose> moved;  ///< X_WO since then
+  /// Clouds of which regions were renewed since then.
+  std::map<std::string, std::shared_ptr<const planner::PointCloud>> renewed;
   std::shared_ptr<const planner::CompiledScene> compiled;
   std::shared_ptr<Certifiers> certifiers;
 
   explicit Scene(Problem of, std::shared_ptr<const planner::CompiledScene> scene);
   std::size_t size() const { return problem.size(); }
-  /// The problem with its objects where they are now.
+  /// The problem with its objects where and as they are now.
   std::shared_ptr<const planner::Problem> current() const;
 };
 

@@ -53,6 +53,50 @@ def test_a_cloud_is_added_to_the_world_that_a_problem_hands_out(robot):
     assert "post" not in free.problem.world
 
 
+def test_a_region_is_seen_again(robot):
+    start, goal = robot.state("ready"), robot.state("ready")
+    start[0], goal[0] = -0.8, 0.8
+    world, points = leeway.World(), wall() * (1, 0.2, 1)
+    world.add_cloud("post", points, 0.015, position=(0.5, 0, 0.5))
+    scene = leeway.Scene(robot, world, margin=0.01)
+    low, high = (-1, -1, -1), (1, 1, 0)
+    above = points[points[:, 2] > 0]
+    gone = scene.with_region("post", low, high, np.zeros((0, 3)), 0.015)
+    again = gone.with_region("post", low, high, points[points[:, 2] <= 0] + (0, 0.1, 0), 0.02)
+    assert gone.pairs < again.pairs == scene.pairs
+    for renewed in (gone, again):
+        anew = leeway.Scene(renewed.problem)
+        assert renewed.pairs == anew.pairs
+        states = start + np.random.default_rng(1).uniform(0, 1, (50, 1)) * (goal - start)
+        assert np.allclose(renewed.clearances(states), anew.clearances(states), atol=2e-6)
+        result = leeway.plan(renewed.problem, start=start, goal=goal)
+        assert result and leeway.verify(result.problem, result)
+    for wrong in (("pst", low, high, above), ("post", high, low, above), ("post", (np.nan, 0, 0), high, above), ("post", low, high, above * 1e12)):
+        with pytest.raises(ValueError):
+            scene.with_region(*wrong, 0.01)
+
+
+def test_unseen_space_is_occupied_and_saved(world, robot, tmp_path):
+    depth = np.full((12, 16), 0.5, np.float32)
+    depth[3:5, 3:5] = np.nan
+    camera = dict(fx=12, fy=12, cx=7.5, cy=5.5, position=(0.6, -0.6, 0.5), orientation=(0, -0.7071067811865476, -0.7071067811865476, 0))
+    q = robot.state("ready")
+    lowers = []
+    for more in ({}, dict(unseen="occupied", range=1.0, parts=20)):
+        seen = world.copy()
+        seen.add_depth_image("camera", depth, 0.003, **camera, **more)
+        problem = leeway.Problem(robot, seen, q, q)
+        problem.save(tmp_path / "saved.yaml")
+        loaded = leeway.load(tmp_path / "saved.yaml", cache=False)
+        checks = [leeway.check(p) for p in (problem, loaded)]
+        assert np.isclose(checks[0].lower, checks[1].lower, atol=2e-6) and checks[0].closest == checks[1].closest
+        lowers.append(checks[0].lower)
+    assert lowers[1] < lowers[0], "behind the surface there may be something"
+    for words, arguments in (("range", dict(unseen="occupied")), ("range", dict(range=1.0)), ("'occupied'", dict(unseen="maybe")), ("parts", dict(unseen="occupied", range=1.0, parts=0))):
+        with pytest.raises(ValueError, match=words):
+            world.copy().add_depth_image("camera", depth, 0.003, **camera, **arguments)
+
+
 def test_carving_leaves_out_what_touches_an_object(world):
     world.add_box("can", (0.1, 0.1, 0.1), position=(0.5, 0, 0.5))
     removed = world.add_cloud("seen", wall(), 0.01, carve=["can"], carve_margin=0.005, position=(0.5, 0, 0.5))

@@ -5,12 +5,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "collision/scene/scene_access.h"
 #include "leeway/collision/scene.h"
 #include "tests/support/allocations.h"
 #include "tests/support/sanitized.h"
@@ -203,6 +205,48 @@ TEST(SceneBalls, ChangesAddMoveAndRemoveThem) {
     fresh.setPose(0, X_WB);
     EXPECT_NEAR(clearance(balls, changed, 1e-6).clearance.upper,
                 clearance(at_once, fresh, 1e-6).clearance.upper, 2e-6);
+  }
+}
+
+/// Balls that are removed, in a body that is listed or has places, again and again.
+TEST(SceneBalls, BallsWithoutPairsAreAsIfTheyWereNotThere) {
+  Draw draw(5);
+  for (const bool in_front : {false, true}) {
+    const Scene whole = worldOfBalls(5, false, in_front);
+    const int cloud = in_front ? 0 : 2, mover = in_front ? 1 : 0;
+    std::vector<char> is_gone(90, 0);
+    Scene scene = whole;
+    for (int round = 0; round < 3; ++round) {
+      std::vector<std::int32_t> gone;
+      for (std::int32_t b = 0; b < 90; ++b)
+        if (draw.uniform(0, 1) < 0.3) gone.push_back(b);
+      for (const std::int32_t b : gone) is_gone[static_cast<std::size_t>(b)] = 1;
+      SceneChange change(std::move(scene));
+      change.removeBalls(cloud, gone);
+      scene = std::move(change).build();
+    }
+    // The same geometries in a scene that only keeps the other pairs.
+    Scene kept = whole;
+    SceneAccess::keepPairs(kept, [&](const ScenePair& pair) {
+      return pair.body_b != cloud || pair.geometry_b == 0 ||
+             is_gone[static_cast<std::size_t>(pair.geometry_b - 1)] == 0;
+    });
+    ASSERT_EQ(scene.pairs().size(), kept.pairs().size());
+    ASSERT_LT(scene.pairs().size(), whole.pairs().size());
+    Workspace of_scene(scene), of_kept(kept);
+    for (int i = 0; i < 200; ++i) {
+      const Pose X_WB = draw.pose(0.9);
+      of_scene.setPose(mover, X_WB);
+      of_kept.setPose(mover, X_WB);
+      EXPECT_EQ(decide(scene, of_scene).verdict, decide(kept, of_kept).verdict);
+      EXPECT_NEAR(clearance(scene, of_scene, 1e-6).clearance.upper,
+                  clearance(kept, of_kept, 1e-6).clearance.upper, 2e-6);
+    }
+    SceneChange change(std::move(scene));
+    for (const std::int32_t wrong : {-1, 90})
+      EXPECT_THROW(change.removeBalls(cloud, {&wrong, 1}), std::invalid_argument);
+    const std::int32_t first = 0;
+    EXPECT_THROW(change.removeBalls(mover, {&first, 1}), std::invalid_argument);
   }
 }
 

@@ -86,11 +86,8 @@ struct Counts {
   int free = 0, not_free = 0, undecided = 0, many = 0;
 };
 
-void expectSame(Random& random, const World& world, Counts& counts) {
-  const auto anew = std::make_shared<const CompiledScene>(world.problem);
-  EXPECT_EQ(pairsOf(*world.scene), pairsOf(*anew));
-  EXPECT_EQ(droppedOf(*world.scene), droppedOf(*anew));
-  counts.many += world.scene->scene().pairs().size() > 500;
+void expectSameAnswers(Random& random, const World& world,
+                       const std::shared_ptr<const CompiledScene>& anew, Counts& counts) {
   EdgeCertifier certifier(world.scene), twin(anew);
   const auto agree = [&](Verdict x, Verdict y) {
     if (x == Verdict::kUndecided || y == Verdict::kUndecided) {
@@ -118,6 +115,14 @@ void expectSame(Random& random, const World& world, Counts& counts) {
     EXPECT_LE(edge.lower, of_twin.upper);
     EXPECT_LE(of_twin.lower, edge.upper);
   }
+}
+
+void expectSame(Random& random, const World& world, Counts& counts) {
+  const auto anew = std::make_shared<const CompiledScene>(world.problem);
+  EXPECT_EQ(pairsOf(*world.scene), pairsOf(*anew));
+  EXPECT_EQ(droppedOf(*world.scene), droppedOf(*anew));
+  counts.many += world.scene->scene().pairs().size() > 500;
+  expectSameAnswers(random, world, anew, counts);
 }
 
 // Few and many objects before, and few and many added ones, repeatedly.
@@ -260,6 +265,99 @@ TEST(ChangedWorld, CloudsThatWereFittedToTheirPlaceDoNotMove) {
   Problem compiled = problem;
   compiled.world.objects.push_back(cropped);
   EXPECT_THROW(CompiledScene(compiled).withObjectAt("dust", {}), std::invalid_argument);
+}
+
+PointCloud randomCloud(Random& random, const CloudRegion& region, int count) {
+  PointCloud cloud;
+  for (int i = 0; i < count; ++i) {
+    Eigen::Vector3d center;
+    for (int k = 0; k < 3; ++k) center[k] = random.uniform(region.low[k], region.high[k]);
+    cloud.balls.push_back({center, random.uniform(0.01, 0.03)});
+  }
+  return cloud;
+}
+
+// Regions of a cloud are seen again, some twice, some empty; the twin is compiled from the cloud.
+TEST(ChangedWorld, RegionsOfACloudAreSeenAgain) {
+  Random random(72);
+  Counts counts;
+  for (int world = 0; world < casesToAsk(8); ++world) {
+    const bool is_arm = world % 3 != 2;
+    const auto model = is_arm ? testing::randomArm(random)
+                              : testing::randomFreeBody(random, robots::JointType::kFloating);
+    World now;
+    now.problem = testing::randomProblem(random, model, 3, 2);
+    if (world % 2 == 0) now.problem.margins.pairs.push_back({"robot", "seen", 0.02});
+    if (world % 4 == 1) now.problem.contacts.allowed.emplace_back("seen", model->links.back().name);
+    CloudRegion room{Eigen::Vector3d::Constant(-2), Eigen::Vector3d::Constant(2)};
+    Object seen{"seen", {}, test::at(0.1, 0, 0)};
+    seen.cloud =
+        std::make_shared<const PointCloud>(randomCloud(random, room, world % 2 == 0 ? 60 : 2000));
+    now.problem.world.objects.push_back(seen);
+    now.scene = std::make_shared<const CompiledScene>(now.problem);
+    for (int round = 0; round < 5; ++round) {
+      CloudRegion region = room;
+      region.low[round % 2] = random.uniform(-1.5, 0.5);
+      region.high[round % 2] = region.low[round % 2] + 0.8;
+      if (round == 3) region = room;  // all of it
+      const PointCloud again =
+          randomCloud(random, region, round == 1 || round == 3 ? 0 : 30 + 200 * (world % 2));
+      now.scene = now.scene->withRegion("seen", region, again);
+      Object& object = now.problem.world.objects.back();
+      object.cloud = std::make_shared<const PointCloud>(renewed(*object.cloud, region, again));
+      ASSERT_EQ(object.cloud->balls.empty(), round == 3);
+      EXPECT_EQ(now.scene->differenceFrom(now.problem), "");
+      const auto anew = std::make_shared<const CompiledScene>(now.problem);
+      EXPECT_EQ(now.scene->scene().pairs().size(), anew->scene().pairs().size());
+      if (round != 3) {
+        EXPECT_EQ(droppedOf(*now.scene), droppedOf(*anew));
+      }
+      expectSameAnswers(random, now, anew, counts);
+    }
+    Problem other = now.problem;
+    PointCloud less = *other.world.objects.back().cloud;
+    less.balls.pop_back();
+    other.world.objects.back().cloud = std::make_shared<const PointCloud>(less);
+    EXPECT_NE(now.scene->differenceFrom(other), "");
+    // Moved or removed, all of its bodies are.
+    const auto moved = now.scene->withObjectAt("seen", test::at(0, 0.3, 0));
+    now.problem.world.objects.back().X_WO = test::at(0, 0.3, 0);
+    const auto anew = [&] { return std::make_shared<const CompiledScene>(now.problem); };
+    expectSameAnswers(random, {moved, now.problem}, anew(), counts);
+    EXPECT_EQ(moved->differenceFrom(now.problem), "");
+    const std::vector<int> gone{now.scene->scene().find("seen")};
+    now.problem.world.objects.back().cloud = nullptr;  // margins still name it
+    expectSameAnswers(random, {now.scene->withObjects({}, gone), now.problem}, anew(), counts);
+  }
+  EXPECT_GT(counts.free, 100);
+  EXPECT_GT(counts.not_free, 100);
+}
+
+TEST(ChangedWorld, RefusesRegionsOfWhatIsNoCloud) {
+  Problem problem = test::wallProblem();
+  PointCloud cloud;
+  cloud.balls.push_back({{0, 0, 0}, 0.01});
+  problem.world.objects.push_back(
+      {"dust", {}, test::at(-1, 0, 0), std::make_shared<const PointCloud>(cloud)});
+  const auto scene = std::make_shared<const CompiledScene>(problem);
+  const CloudRegion region{{-1, -1, -1}, {1, 1, 1}};
+  for (const char* const name : {"moon", "disc", "upper wall"})
+    EXPECT_THROW(scene->withRegion(name, region, cloud), std::invalid_argument) << name;
+  EXPECT_THROW(scene->withMarginAtLeast(0.1)->withRegion("dust", region, cloud),
+               std::invalid_argument);
+  EXPECT_THROW(scene->withRegion("dust", {{1, 0, 0}, {0, 1, 1}}, cloud), std::invalid_argument);
+  PointCloud bad = cloud;
+  bad.balls[0].radius = -1;
+  EXPECT_THROW(scene->withRegion("dust", region, bad), std::invalid_argument);
+  PointCloud cropped = cloud;
+  cropped.crops.push_back({});
+  EXPECT_THROW(scene->withRegion("dust", region, cropped), std::invalid_argument);
+  PointCloud carved = cloud;
+  carved.filters.push_back({"carve", "balls that touch can", 1, robots::Pose()});
+  EXPECT_THROW(scene->withRegion("dust", region, carved), std::invalid_argument) << "elsewhere";
+  carved.filters.back().X_WC = test::at(-1, 0, 0);
+  EXPECT_THROW(scene->withRegion("dust", region, carved)->withObjectAt("dust", {}),
+               std::invalid_argument);
 }
 
 TEST(ChangedWorld, RefusesWhatItCannotChange) {

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <random>
 #include <set>
@@ -228,6 +230,33 @@ TEST(PointCloud, CroppingKeepsAllThatIsInReach) {
   ASSERT_EQ(thin.crops.size(), 2U);
   EXPECT_EQ(thin.crops[0].X_WC.translation, X_WC.translation);
   EXPECT_EQ(cloud.completeWithin(), INFINITY);
+}
+
+TEST(PointCloud, ARegionThatIsSeenAgainIsReplaced) {
+  const PointCloud cloud = randomCloud(4, 500, 0.4);
+  const double all = std::numeric_limits<double>::infinity();
+  const CloudRegion upper{{-all, -all, 0}, {all, all, all}};
+  PointCloud seen = randomCloud(5, 30, 0.4);
+  seen.filters.push_back({"drop", "points that are not numbers", 3});
+  PointCloud now = renewed(renewed(cloud, upper, seen), upper, seen);
+  std::vector<Ball> expected;
+  const auto isBelow = [&](const Ball& ball) { return ball.center.z() < 0; };
+  std::copy_if(cloud.balls.begin(), cloud.balls.end(), std::back_inserter(expected), isBelow);
+  const std::size_t kept = expected.size();
+  std::copy_if(seen.balls.begin(), seen.balls.end(), std::back_inserter(expected), isBelow);
+  expected.insert(expected.end(), seen.balls.begin(), seen.balls.end());
+  ASSERT_EQ(now.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_EQ(now.balls[i].center, expected[i].center);
+  ASSERT_EQ(now.filters.size(), 2U) << "sums";
+  EXPECT_EQ(now.filters[0].removed, 500 - kept + 30 - (expected.size() - kept - 30));
+  EXPECT_EQ(now.filters[1].removed, 6U);
+  now = renewed(now, {{-all, -all, -all}, {all, all, all}}, {});
+  EXPECT_EQ(cloudFault(now), "") << "nothing is there any more";
+  EXPECT_THROW((void)renewed(cloud, {{0, 0, kNaN}, {1, 1, 1}}, seen), std::invalid_argument);
+  EXPECT_THROW((void)renewed(cloud, {{0, 2, 0}, {1, 1, 1}}, seen), std::invalid_argument);
+  seen.crops.push_back({});
+  EXPECT_THROW((void)renewed(cloud, upper, seen), std::invalid_argument);
 }
 
 TEST(PointCloud, ACropCoversWhatIsInsideItsReach) {

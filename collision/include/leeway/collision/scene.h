@@ -226,6 +226,9 @@ class SceneChange {
   /// Removes the pairs of a fixed body. The body stays in bodies(), so other bodies keep their
   /// numbers, until add() uses its number again.
   void remove(int body);
+  /// Removes the pairs of some balls of a fixed body. `balls` are their places in Body::balls;
+  /// they stay there, so other geometries keep their numbers.
+  void removeBalls(int body, std::span<const std::int32_t> balls);
   /// Adds a fixed body and returns its index. That is the number of a removed body with as many
   /// geometries and balls that an earlier change had added, or else the next one, so an object that
   /// moves again and again leaves one body behind. The new body has pairs with all moving bodies.
@@ -252,11 +255,13 @@ class SceneChange {
   /// nullopt: the two may touch.
   std::optional<double> marginOf(int moving, std::size_t added) const;
   void requireNoHalfSpaces(std::size_t body) const;
+  void requireStill(int body) const;
   void removePairs();
   void addPairs(std::size_t first);
   void addPlaces(std::size_t first);
   Scene scene_;
   std::vector<int> removed_;
+  std::map<int, std::vector<std::int32_t>> removed_balls_;  // geometries by body
   std::vector<Body> bodies_;
   std::map<int, Body> used_again_;                 // bodies by the numbers of removed ones
   std::map<std::pair<int, int>, double> margins_;  // of a moving and an added body

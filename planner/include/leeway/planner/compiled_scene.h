@@ -137,6 +137,18 @@ class CompiledScene {
   std::shared_ptr<const CompiledScene> withObjectAt(const std::string& name,
                                                     const robots::Pose& X_WO) const;
 
+  /// The same world after a sensor saw a region of a cloud again: answers are those for renewed()
+  /// (point_cloud.h) of its cloud, at the cost of the region's balls and those that earlier changes
+  /// added, plus a comparison with each ball. `region` and `seen` are in the cloud's frame. `seen`
+  /// is a body of its own, with the cloud's name; removed balls stay in memory. So start from the
+  /// scene that was compiled where regions are the same, and compile again when most of a cloud was
+  /// renewed. Throws std::invalid_argument for a name that no cloud of the world has, a cloud with
+  /// a motion, what regionFault() and cloudFault() find, a `seen` that was carved at another pose,
+  /// and a variant.
+  std::shared_ptr<const CompiledScene> withRegion(const std::string& name,
+                                                  const CloudRegion& region,
+                                                  const PointCloud& seen) const;
+
   /// Whether bodies and pairs have the same numbers as in `other`. This holds for a scene and its
   /// variants with other shapes or margins.
   bool hasPairsOf(const CompiledScene& other) const { return pairs_token_ == other.pairs_token_; }
@@ -198,6 +210,16 @@ class CompiledScene {
   int findThing(const std::string& name) const;
   /// Bodies from this number on were added by changes.
   int worldEnd() const;
+  /// A body of an object; an object has more of them if regions of its cloud were renewed.
+  struct Part {
+    int body;
+    std::shared_ptr<const std::vector<char>> is_gone;  ///< of each ball; null: none is
+    bool has(std::size_t ball) const { return !is_gone || (*is_gone)[ball] == 0; }
+  };
+  /// The bodies of the object that a body is of, in the order in which their balls were seen.
+  std::vector<Part> partsOf(int body) const;
+  /// The balls that these bodies still have.
+  std::vector<collision::Ball> ballsOf(std::span<const Part> parts) const;
   std::string objectsDifference(const Problem& problem) const;
   /// Adds objects to a change that removes the given bodies; returns the new bodies by name.
   std::multimap<std::string_view, int> addTo(collision::SceneChange& change,

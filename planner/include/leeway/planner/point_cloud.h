@@ -14,7 +14,7 @@ namespace leeway::planner {
 
 /// A filter that was applied to a cloud.
 struct CloudFilter {
-  std::string name;         ///< "drop", "carve", "crop" or "thin"
+  std::string name;         ///< "drop", "carve", "crop", "thin" or "renew"
   std::string what;         ///< "points that are not numbers", "balls that touch can"
   std::size_t removed = 0;  ///< balls that are gone [count]
   /// The cloud's pose when "carve" was applied. The cloud is refused at another pose, because the
@@ -101,9 +101,26 @@ PointCloud carved(const PointCloud& cloud, const robots::Pose& X_WC,
 PointCloud cropped(const PointCloud& cloud, const robots::Pose& X_WC,
                    std::span<const PointCloud::Ball> reach_W, double distance);
 
+/// A box along the axes of a cloud's frame, its faces included. Bounds may be infinite.
+struct CloudRegion {
+  Eigen::Vector3d low, high;  ///< [m]
+  bool contains(const Eigen::Vector3d& p) const {
+    return (low.array() <= p.array()).all() && (p.array() <= high.array()).all();
+  }
+};
+/// The cloud after a sensor saw a region again: without the balls that have their centers in it,
+/// and then those of `seen`, whose filters are added. A ball of `seen` may be anywhere. `seen` may
+/// have no ball: nothing is there any more. Throws std::invalid_argument for a region with a NaN or
+/// a lower bound above the upper one, and for a cropped `seen`. O(size).
+/// CompiledScene::withRegion() does the same to a compiled cloud, at the cost of the region.
+PointCloud renewed(const PointCloud& cloud, const CloudRegion& region, const PointCloud& seen);
+/// What renewed() has to say about its arguments; empty if they are accepted.
+std::string regionFault(const CloudRegion& region, const PointCloud& seen);
+
 /// Returns a message about the first ball that is not accepted, "ball 7 has the radius -1; ...", or
 /// an empty string. Radii from 1e-9 to 1e9 m and coordinates up to 1e9 m are accepted. A cloud
-/// without a ball is accepted only if carved() or cropped() removed all that it had. O(size).
+/// without a ball is accepted only if carved(), cropped() or renewed() removed all that it had.
+/// O(size).
 std::string cloudFault(const PointCloud& cloud);
 
 /// The balls as shapes in the cloud's frame. Throws collision::InvalidShape for a radius that no
