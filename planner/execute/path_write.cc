@@ -66,7 +66,7 @@ std::vector<double> rowTimes(const std::string& file, const Problem& problem,
   if (path.positions.empty()) return {};
   const PathEdges edges = edgesOf(space, path);
   const Trajectory trajectory(std::make_shared<ConfigurationSpace>(space), edges.path.positions,
-                              motionLimits(problem));
+                              motionLimits(problem), {}, {}, edges.path.steps);
   checkTimes(file, trajectory.duration(), 0);
   std::vector<double> times = {0};
   for (std::size_t e = 0; e < edges.places.size(); ++e)

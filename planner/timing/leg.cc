@@ -77,7 +77,7 @@ bool hasRotation(const ConfigurationSpace& space) {
 std::vector<Leg> legsOf(const ConfigurationSpace& space,
                         std::span<const std::vector<double>> differences,
                         std::span<const Blend> blends, const MotionLimits& limits,
-                        std::span<const double> least_times) {
+                        std::span<const double> least_times, std::span<const int> rests) {
   std::vector<Leg> legs;
   const int edges = static_cast<int>(differences.size());
   for (int first = 0; first < edges;) {
@@ -85,7 +85,9 @@ std::vector<Leg> legsOf(const ConfigurationSpace& space,
     int along = first;  // the direction is that of the last edge with a length
     for (; leg.last < edges; ++leg.last) {
       const std::vector<double>& next = differences[at(leg.last)];
-      if (blendAt(blends, leg.last) != nullptr || !inLine(differences[at(along)], next)) break;
+      if (blendAt(blends, leg.last) != nullptr || !inLine(differences[at(along)], next) ||
+          std::binary_search(rests.begin(), rests.end(), leg.last))
+        break;
       const double length = norm(next);
       if (length > 0) along = leg.last;
       leg.length += length;

@@ -27,11 +27,11 @@ bool inLine(std::span<const double> first, std::span<const double> second);
 bool hasRotation(const ConfigurationSpace& space);
 
 /// The legs of a path with these differences of its edges. Also ends a leg at each corner of a
-/// blend. `least_times` as for Trajectory. O(edges).
+/// blend, and at the waypoints in `rests`, ascending. `least_times` as for Trajectory. O(edges).
 std::vector<Leg> legsOf(const ConfigurationSpace& space,
                         std::span<const std::vector<double>> differences,
                         std::span<const Blend> blends, const MotionLimits& limits,
-                        std::span<const double> least_times);
+                        std::span<const double> least_times, std::span<const int> rests = {});
 
 /// The fastest change from speed `from` on one leg to speed `to` on the next within the limits:
 /// its time and ramp.

@@ -24,21 +24,24 @@
 namespace leeway::planner {
 Trajectory::Trajectory(std::shared_ptr<const ConfigurationSpace> space,
                        std::vector<std::vector<double>> waypoints, const MotionLimits& limits,
-                       Cuts cuts, std::span<const double> least_times)
+                       Cuts cuts, std::span<const double> least_times,
+                       std::span<const PathStep> steps)
     : space_(std::move(space)),
       waypoints_(std::move(waypoints)),
       cuts_(std::move(cuts)),
       least_times_(least_times.begin(), least_times.end()) {
   if (waypoints_.empty()) throw std::invalid_argument("trajectory: a path without waypoints");
   space_->requirePath(waypoints_, "trajectory");
-  check(limits);
+  check(limits, steps);
   leaveOut();
   for (std::size_t i = 0; i + 1 < points_.size(); ++i) {
     differences_.emplace_back(at(space_->size()));
     space_->difference(points_[i], points_[i + 1], differences_.back());
     lengths_.push_back(norm(differences_.back()));
   }
-  const std::vector<Leg> legs = legsOf(*space_, differences_, blends_, limits, least_times_);
+  std::vector<int> rests;
+  for (const PathStep& step : steps) rests.push_back(keptIndex(step.last));
+  const std::vector<Leg> legs = legsOf(*space_, differences_, blends_, limits, least_times_, rests);
   std::vector<int> leg_of;  // each blend: the leg before it
   for (std::size_t e = 0; e + 1 < legs.size() && leg_of.size() < blends_.size(); ++e)
     if (blends_[leg_of.size()].corner == legs[e].last) leg_of.push_back(static_cast<int>(e));
@@ -47,7 +50,7 @@ Trajectory::Trajectory(std::shared_ptr<const ConfigurationSpace> space,
   timeWaypoints();
 }
 
-void Trajectory::check(const MotionLimits& limits) const {
+void Trajectory::check(const MotionLimits& limits, std::span<const PathStep> steps) const {
   requireLimits(limits, at(space_->size()));
   if (!least_times_.empty()) {
     if (least_times_.size() + 1 != waypoints_.size())
@@ -66,12 +69,22 @@ void Trajectory::check(const MotionLimits& limits) const {
                                   " is left out, which is out of order or an end");
     before = waypoint;
   }
+  const std::vector<int> cut = cutCorners();
+  before = 0;
+  for (const PathStep& step : steps) {
+    if (!(step.last >= before && at(step.last) < waypoints_.size()) ||
+        std::binary_search(cut.begin(), cut.end(), step.last))
+      throw std::invalid_argument("trajectory: a step of a task ends at waypoint " +
+                                  std::to_string(step.last) +
+                                  ", which is out of order or cut; it must rest there");
+    before = step.last;
+  }
+  before = 0;
   if (cuts_.blends.empty()) return;
   if (hasRotation(*space_))
     throw std::invalid_argument("trajectory: blends in a space with rotations");
   const bool smooth = std::any_of(limits.jerk.begin(), limits.jerk.end(),
                                   [](double jerk) { return jerk < kInfinity; });
-  before = 0;
   for (const Blend& blend : cuts_.blends) {
     if (!(blend.corner > before && at(blend.corner) + 1 < waypoints_.size() && blend.before > 0 &&
           blend.after > 0 && blend.ramp >= 0 && blend.ramp <= 0.5) ||
@@ -86,6 +99,10 @@ void Trajectory::check(const MotionLimits& limits) const {
                                   " has no ramp, but jerk is limited");
     before = blend.corner;
   }
+}
+
+int Trajectory::keptIndex(int waypoint) const {
+  return static_cast<int>(std::lower_bound(kept_.begin(), kept_.end(), waypoint) - kept_.begin());
 }
 
 /// Fills what numbers only the waypoints that are passed.
@@ -103,9 +120,7 @@ void Trajectory::leaveOut() {
     least_times_ = std::move(sums);
   }
   blends_ = cuts_.blends;
-  for (Blend& blend : blends_)
-    blend.corner = static_cast<int>(std::lower_bound(kept_.begin(), kept_.end(), blend.corner) -
-                                    kept_.begin());
+  for (Blend& blend : blends_) blend.corner = keptIndex(blend.corner);
 }
 
 /// Those left out are timed in proportion to the lengths of the edges beside them.
@@ -260,7 +275,7 @@ class TaskAdditions {
       : problem_(problem), space_(space), path_(path), limits_(limits) {}
 
   Additions run() {
-    if (path_.steps.empty() || path_.steps.size() > problem_.steps.size())
+    if (path_.steps.size() > problem_.steps.size())
       throw std::invalid_argument("trajectory: the path of a task does not have its steps");
     added_.least_times.assign(path_.positions.size() - 1, 0.0);
     added_.cuts.clearance = kInfinity;
@@ -364,8 +379,7 @@ Additions additionsTo(const Problem& problem, const ConfigurationSpace& space, c
           const auto* line = std::get_if<LineStep>(&step.action);
           return line != nullptr && std::isfinite(line->speed);
         });
-    const bool blends = problem.execution.corners == Corners::kBlend && !path.steps.empty();
-    if (!is_timed && !blends) return {};
+    if (!is_timed && problem.execution.corners != Corners::kBlend) return {};
     return TaskAdditions(problem, space, path, limits).run();
   }
   // A condition is looked at on edges.
@@ -384,9 +398,11 @@ Trajectory trajectoryOf(const Problem& problem, const Path& path) {
   const MotionLimits limits = motionLimits(problem);
   const auto space =
       std::make_shared<const ConfigurationSpace>(problem.robot.model, problem.robot.variables);
+  if (path.steps.empty() && !problem.steps.empty())
+    throw std::invalid_argument("trajectory: the path of a task does not have its steps");
   const Path edges = edgesOf(*space, path).path;
   Additions added = additionsTo(problem, *space, edges, limits);
-  return {space, edges.positions, limits, std::move(added.cuts), added.least_times};
+  return {space, edges.positions, limits, std::move(added.cuts), added.least_times, edges.steps};
 }
 
 }  // namespace leeway::planner

@@ -420,7 +420,8 @@ Timeline timelineOfPath(const planner::Problem& problem,
   // Leaves out blends, because a page shows the edges that the certificate covers.
   const planner::ConfigurationSpace& space = scene->space();
   const planner::Trajectory trajectory(std::make_shared<const planner::ConfigurationSpace>(space),
-                                       path.positions, planner::motionLimits(problem));
+                                       path.positions, planner::motionLimits(problem), {}, {},
+                                       path.steps);
   Timeline timeline;
   timeline.waypoint_times.assign(trajectory.times().begin(), trajectory.times().end());
   const std::vector<LeastPlace> places = leastPlaces(trajectory, space, edges, least);

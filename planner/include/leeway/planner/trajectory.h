@@ -129,12 +129,12 @@ Cuts certifiedCuts(const std::shared_ptr<const CompiledScene>& scene,
 
 struct Leg;  // private: consecutive edges in one line
 
-/// A path with times. It follows the certified edges themselves, and rests at each corner that is
-/// not cut, unless the edges are in line: every configuration is one of the certificate's or of a
-/// cut. Each leg is passed as fast as the limits allow: its joints move in proportion, the one
-/// nearest to its limit at that limit. A blend takes a constant multiple of the least time that its
-/// limits allow, so that the legs beside it reach its speeds. At every time joints move on cubics,
-/// between those of knots().
+/// A path with times. It follows the certified edges themselves, and rests after each step of a
+/// task and at each corner that is not cut, unless the edges are in line: every configuration is
+/// one of the certificate's or of a cut. Each leg is passed as fast as the limits allow: its joints
+/// move in proportion, the one nearest to its limit at that limit. A blend takes a constant
+/// multiple of the least time that its limits allow, so that the legs beside it reach its speeds.
+/// At every time joints move on cubics, between those of knots().
 class Trajectory {
  public:
   /// `waypoints` as in Path::positions, joined by space.interpolate(). Throws std::invalid_argument
@@ -143,10 +143,11 @@ class Trajectory {
   /// rotations, or that leave no length for coming to rest at the other end of an edge, and for
   /// waypoints left out that are out of order or are ends or corners of blends. `least_times`: of
   /// each edge, what it takes at least at a constant rate [s]; an edge that joins the waypoints
-  /// beside those left out takes their sum. O(waypoints).
+  /// beside those left out takes their sum. `steps`: those of a task's path; nothing may be cut
+  /// where one ends. O(waypoints).
   Trajectory(std::shared_ptr<const ConfigurationSpace> space,
              std::vector<std::vector<double>> waypoints, const MotionLimits& limits, Cuts cuts = {},
-             std::span<const double> least_times = {});
+             std::span<const double> least_times = {}, std::span<const PathStep> steps = {});
 
   double duration() const { return times_.back(); }  // [s]
   const ConfigurationSpace& space() const { return *space_; }
@@ -193,8 +194,9 @@ class Trajectory {
     double time;   // of the blend [s]
     std::optional<SpeedProfile> profile;
   };
-  void check(const MotionLimits& limits) const;
+  void check(const MotionLimits& limits, std::span<const PathStep> steps) const;
   void leaveOut();
+  int keptIndex(int waypoint) const;
   void checkRoom(std::span<const Leg> legs, std::span<const int> leg_of) const;
   void addPieces(std::span<const Leg> legs, std::span<const double> blend_times);
   void timeWaypoints();
@@ -224,8 +226,8 @@ class Trajectory {
 /// constraints, or the line's tolerances; between the steps of a task, with a condition, and where
 /// bodies turn freely, the motion rests. The path's edges must be certified for the problem. The
 /// waypoints are those of edgesOf() the path. Lines of a task keep the speed of their frames
-/// (LineStep::speed). Errors as edgesOf(); std::invalid_argument for the path of a task whose lines
-/// have a speed, without its steps.
+/// (LineStep::speed). Errors as edgesOf(); std::invalid_argument for the path of a task without its
+/// steps.
 Trajectory trajectoryOf(const Problem& problem, const Path& path);
 
 /// The motion as a path, which verify() proves as it is executed: its rows at knots(), with times
