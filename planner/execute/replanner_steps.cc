@@ -174,39 +174,46 @@ struct Replanner::Impl {
   // ---------------------------------------------------------------------------------------------
   // candidates
 
-  /// Where the robot is at a time of a drive. Off the drive that it is on by where it was measured.
-  std::vector<double> placeOn(const std::shared_ptr<const Drive>& on, double time) const {
+  /// Where the robot is at a time of a drive. Off the drive that it is on by where it was measured,
+  /// and never outside the limits: `is_cut` where that alters the motion.
+  std::vector<double> placeOn(const std::shared_ptr<const Drive>& on, double time,
+                              bool& is_cut) const {
     std::vector<double> place = on->at(time);
     if (offset.empty() || on != drive) return place;
     space().advance(place, offset, 1, place);
     for (const ConfigurationSpace::Part& part : space().parts())
       if (part.kind == ConfigurationSpace::Kind::kLine) {
         double& q = place[at(part.first)];
-        q = std::clamp(q, space().lower(part.first), space().upper(part.first));
+        const double inside = std::clamp(q, space().lower(part.first), space().upper(part.first));
+        is_cut = is_cut || std::abs(q - inside) > kGuardDifference * (std::abs(q) + 1);
+        q = inside;
       }
     return place;
   }
 
-  /// Sets the motion of a candidate, a row a period.
-  void setMotion(Candidate& c) const {
+  /// Sets the motion of a candidate, a row a period. Returns false if it would leave the joints'
+  /// limits, where it would have to stop at once.
+  bool setMotion(Candidate& c) const {
+    bool is_cut = false;
     c.motion = {{now, state}};
     const int rows = std::max(periods, static_cast<int>(c.times.size()));
     for (int k = 1; k <= rows; ++k) {
       if (k <= static_cast<int>(c.times.size()))
-        c.motion.push_back({rowTime(k), placeOn(c.drive, c.times[at(k) - 1])});
+        c.motion.push_back({rowTime(k), placeOn(c.drive, c.times[at(k) - 1], is_cut)});
       else
         c.motion.push_back({rowTime(k), c.motion.back().position});
     }
     c.stop_end = c.motion[c.times.size()].time;
     if (c.motion.back().time < marks.back())
       c.motion.push_back({marks.back(), c.motion.back().position});
+    return !is_cut;
   }
 
   /// Keeps the candidate that is proven farthest; of equals, the first. `known`: it is proven up to
   /// there already [s].
   void consider(Candidate candidate, ReplanStep& step, double known = -kInfinity) {
     if (candidate.drive != nullptr && candidate.times.empty()) return;  // it leads nowhere
-    setMotion(candidate);
+    if (!setMotion(candidate)) return;
     std::vector<double> until = {stepEnd()};
     if (candidate.stop_end > now && candidate.stop_end != stepEnd())
       until.insert(candidate.stop_end < stepEnd() ? until.begin() : until.end(),

@@ -403,6 +403,43 @@ TEST(Replanner, ATrackingErrorIsProven) {
   refused({0, -1, 0}, "joint_errors[1] is -1; 0 or more");
 }
 
+/// Regression: a robot that was measured ahead of its drive stopped at the joint's limit at once,
+/// at 46 m/s^2, in a step that was certified.
+TEST(Replanner, MeasuredBesideItsDriveItKeepsItsLimits) {
+  for (const double ahead : {0.2, 0.01}) {
+    Problem problem = test::problemOf(test::disc(), {0, 0, 0}, {2, 0, 0});
+    problem.world.objects.push_back(test::box("wall", {1, 1, 1}, 0, 5, 0));
+    const std::string& x = problem.robot.model->variables[0].name;
+    problem.execution.velocities[x] = 1;
+    problem.execution.accelerations[x] = 2;
+    Replanner replanner(problem);
+    std::vector<TimedPoint> rows;
+    double most = 0, last = 0;  // acceleration
+    bool certified = true;
+    for (int k = 0; k < 200 && !replanner.reached(); ++k) {
+      const ReplanStep step = replanner.step();
+      certified = certified && step.certified;
+      for (const TimedPoint& row : step.motion)
+        if (rows.empty() || row.time > rows.back().time) rows.push_back(row);
+      if (replanner.state()[0] < 1 || last > 0) continue;
+      std::vector<double> measured(replanner.state().begin(), replanner.state().end());
+      measured[0] += last = ahead;
+      replanner.setState(measured);
+      rows = {{replanner.time(), measured}};
+    }
+    EXPECT_EQ(last, ahead);
+    EXPECT_TRUE(certified);
+    EXPECT_TRUE(replanner.reached());
+    const auto velocity = [&](std::size_t i) {
+      return (rows[i].position[0] - rows[i - 1].position[0]) / (rows[i].time - rows[i - 1].time);
+    };
+    for (std::size_t i = 2; i < rows.size(); ++i)
+      most = std::max(most,
+                      std::abs(velocity(i) - velocity(i - 1)) / (rows[i].time - rows[i - 1].time));
+    EXPECT_LE(most, 2 * (1 + 1e-5));
+  }
+}
+
 TEST(Replanner, VerticesWithoutASpeedBoundStopTheRobot) {
   Problem problem = gate({{0, {0, 0, 1.5}}, {1, {0, 0, 1.5}}});
   problem.world.deforming[0].motion = nullptr;
