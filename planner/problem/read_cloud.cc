@@ -118,23 +118,49 @@ PointCloud loadFile(const YamlReader& cloud, const YamlReader& file, double radi
                         space ? &*space : nullptr, &unseen);
 }
 
-/// `balls:` of a cloud: centers and radii; none may be left where all were `carved`.
-std::shared_ptr<const PointCloud> readBalls(const YamlReader& balls,
-                                            const std::optional<YamlReader>& carved,
-                                            const robots::Stop& stop) {
-  PointCloud cloud;
-  if (carved)
-    cloud.filters.push_back({"carve", "balls, before the cloud was saved",
-                             static_cast<std::size_t>(carved->integer(1))});
-  for (const YamlReader& item : balls.items()) {
-    if (cloud.balls.size() % 1024 == 0) robots::throwIfStopped(stop, "a cloud was read");
+std::vector<PointCloud::Ball> readBallList(const YamlReader& list, const robots::Stop& stop) {
+  std::vector<PointCloud::Ball> balls;
+  for (const YamlReader& item : list.items()) {
+    if (balls.size() % 1024 == 0) robots::throwIfStopped(stop, "a cloud was read");
     const std::vector<double> v = item.numbers();
     if (v.size() != 4)
       item.fail(fmt::format("{} is a list of {}; [x, y, z, radius] in m is expected", item.where(),
                             v.size()));
-    cloud.balls.push_back({{v[0], v[1], v[2]}, v[3]});
+    balls.push_back({{v[0], v[1], v[2]}, v[3]});
   }
-  if (cloud.balls.empty() && !carved)
+  return balls;
+}
+
+/// `carved` and `cropped`: what a cloud lacked when it was saved, and for which place and robot.
+void readSavedFilters(const YamlReader& map, PointCloud& cloud, std::vector<std::string>& warnings,
+                      const robots::Stop& stop) {
+  const std::string what = "balls, before the cloud was saved";
+  const auto removed = [](const YamlReader& of, int least) {
+    return static_cast<std::size_t>(
+        of.at("removed", "how many balls the filter removed").integer(least));
+  };
+  if (const auto carved = map.find("carved")) {
+    carved->expectKeys(keysOf("carved"));
+    cloud.filters.push_back({"carve", what, removed(*carved, 1), readPose(*carved, warnings)});
+  }
+  if (const auto cropped = map.find("cropped"))
+    for (const YamlReader& crop : cropped->items()) {
+      crop.expectKeys(keysOf("cropped"));
+      cloud.filters.push_back({"crop", what, removed(crop, 0)});
+      cloud.crops.push_back({crop.at("distance", "the crop's distance [m]").sizeNumber(),
+                             readPose(crop, warnings),
+                             readBallList(crop.at("reach", "the robot's reach"), stop)});
+    }
+}
+
+/// `balls:` of a cloud. None may be left where all were carved out or cropped.
+std::shared_ptr<const PointCloud> readBalls(const YamlReader& map, const YamlReader& balls,
+                                            std::vector<std::string>& warnings,
+                                            const robots::Stop& stop) {
+  PointCloud cloud;
+  readSavedFilters(map, cloud, warnings, stop);
+  cloud.balls = readBallList(balls, stop);
+  if (cloud.balls.empty() && cloud.filters.empty())
     balls.fail(fmt::format("{} is empty; at least one ball is expected", balls.where()));
   if (const std::string fault = cloudFault(cloud); !fault.empty())
     balls.fail(fmt::format("{}: {}", balls.where(), fault));
@@ -148,18 +174,19 @@ void readCloud(const YamlReader& cloud, Object& object, std::vector<std::string>
   cloud.expectKeys(keysOf("cloud"));
   if (const auto margin = cloud.find("carve_margin"); margin && !cloud.has("carve"))
     margin->fail("key 'carve_margin' stands without 'carve'; both are expected");
-  const auto carved = cloud.find("carved");
   if (const auto balls = cloud.find("balls")) {
     for (const char* const other : {"file", "camera", "radius"})
       if (const auto beside = cloud.find(other))
         beside->fail(fmt::format("key '{}' stands beside 'balls' in {}; one of them is expected",
                                  other, cloud.where()));
     expectUnseenFree(cloud);
-    object.cloud = readBalls(*balls, carved, stop);
+    object.cloud = readBalls(cloud, *balls, warnings, stop);
     return;
   }
-  if (carved)
-    carved->fail("key 'carved' stands without 'balls'; it is what a saved cloud had carved out");
+  for (const char* const key : {"carved", "cropped"})
+    if (const auto saved = cloud.find(key))
+      saved->fail(
+          fmt::format("key '{}' stands without 'balls'; it says what a saved cloud lacks", key));
   const YamlReader file =
       cloud.at("file", "a file of points (PLY, PCD, XYZ, CSV) or a depth image (PNG, PGM)");
   const YamlReader radius = cloud.at("radius", "the radius of each point's ball [m]");
@@ -212,11 +239,12 @@ void filterCloud(const YamlReader& cloud, const std::vector<std::string>& carve,
       found->fail(fmt::format("{}: {}", found->where(), error.what()));
     }
   };
-  if (cloud.has("carved")) {
-    PointCloud placed = *object.cloud;
-    placed.filters.front().X_WC = object.X_WO;
-    keep(std::move(placed));
-  }
+  if (const auto saved = cloud.find("carved"))
+    if (const std::string fault = carveFault(*object.cloud, object.X_WO); !fault.empty())
+      saved->fail(fmt::format("{}: cloud '{}' {}", saved->where(), object.name, fault));
+  if (const auto saved = cloud.find("cropped"))
+    if (const std::string fault = cropFault(object, cropNeeds(problem)); !fault.empty())
+      saved->fail(fmt::format("{}: {}", saved->where(), fault));
   filter("carve", [&](const YamlReader&) { return carvedOf(cloud, carve, problem, object); });
   filter("crop", [&](const YamlReader& crop) {
     keep(cropped(*object.cloud, object.X_WO, robotReach(problem), crop.number()));

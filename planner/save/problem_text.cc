@@ -7,7 +7,9 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <span>
 #include <stdexcept>
+#include <string_view>
 
 #include "collision/base/numbers.h"
 #include "leeway/collision/convex_hull.h"
@@ -565,7 +567,7 @@ class Writer {
                            isNear(object.geometries[0].X_BG, Pose()) &&
                            object.geometries[0].name == object.name;
     if (object.cloud) {
-      text.add("cloud", cloudText(*object.cloud, what));
+      text.add("cloud", cloudText(*object.cloud, object.X_WO, what));
       if (!object.geometries.empty())
         text.add("shapes", shapesText(object.geometries, object.name));
     } else if (is_simple) {
@@ -605,20 +607,38 @@ class Writer {
     return text.text();
   }
 
-  static std::string cloudText(const PointCloud& cloud, const std::string& what) {
-    std::vector<std::string> balls;
-    for (const PointCloud::Ball& ball : cloud.balls)
-      balls.push_back(numbersText(
+  static std::string ballsText(std::span<const PointCloud::Ball> balls, const std::string& what) {
+    std::vector<std::string> texts;
+    for (const PointCloud::Ball& ball : balls)
+      texts.push_back(numbersText(
           std::array{ball.center.x(), ball.center.y(), ball.center.z(), ball.radius}, what));
+    return listText(texts);
+  }
+
+  /// With what was carved out and cropped, and where: the cloud holds for that place and robot.
+  static std::string cloudText(const PointCloud& cloud, const Pose& X_WC, const std::string& what) {
     MapText text;
-    text.add("balls", listText(balls));
-    std::size_t carved = 0;
-    for (const CloudFilter& filter : cloud.filters)
-      if (filter.name == "carve" || (filter.name == "renew" && cloud.balls.empty()))
-        carved += filter.removed;
-    if (carved > 0) text.add("carved", std::to_string(carved));
-    if (cloud.completeWithin() < kInfinity)
-      text.add("crop", numberText(cloud.completeWithin(), what));
+    text.add("balls", ballsText(cloud.balls, what));
+    const auto removedBy = [&](std::string_view name) {
+      std::size_t removed = 0;
+      for (const CloudFilter& filter : cloud.filters)
+        // (A region that was renewed may have left nothing.)
+        if (filter.name == name ||
+            (name == "carve" && filter.name == "renew" && cloud.balls.empty()))
+          removed += filter.removed;
+      return std::to_string(removed);
+    };
+    if (const std::string removed = removedBy("carve"); removed != "0")
+      text.add("carved", MapText().add("removed", removed).addPose(X_WC, what).text());
+    std::vector<std::string> crops;
+    for (const PointCloud::Crop& crop : cloud.crops)
+      crops.push_back(MapText()
+                          .add("removed", crops.empty() ? removedBy("crop") : "0")
+                          .add("distance", numberText(crop.distance, what))
+                          .addPose(crop.X_WC, what)
+                          .add("reach", ballsText(crop.reach_W, what))
+                          .text());
+    if (!crops.empty()) text.add("cropped", listText(crops));
     return text.text();
   }
 

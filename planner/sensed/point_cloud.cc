@@ -10,6 +10,7 @@
 #include <iterator>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "collision/base/pose_check.h"
 #include "collision/base/tolerances.h"
@@ -27,6 +28,9 @@ using Eigen::Vector3d;
 
 /// Bounds the relative rounding of a distance of two points, added to or compared with a radius.
 constexpr double kDistanceRounding = 16 * kUnitRoundoff;
+/// A crop's reach grows by this share of its distance from the world's origin. So it still covers a
+/// robot whose base was written as a quaternion and read again.
+constexpr double kReachGrowth = 1e-12;
 
 void requireSize(const char* what, double size) {
   if (size >= kSmallestSize && size <= kLargestSize) return;
@@ -366,12 +370,14 @@ PointCloud cropped(const PointCloud& cloud, const robots::Pose& X_WC, std::span<
                    double distance) {
   requireNotNegative("distance", distance);
   requirePose(X_WC);
+  std::vector<Ball> grown(reach_W.begin(), reach_W.end());
+  for (Ball& reach : grown) reach.radius += kReachGrowth * (reach.center.norm() + reach.radius);
   std::vector<char> is_removed(cloud.size(), 0);
   for (std::size_t b = 0; b < cloud.size(); ++b) {
     const Ball& ball = cloud.balls[b];
     const Vector3d center_W = X_WC * ball.center;
     const double error = placingError(X_WC, ball.center);
-    is_removed[b] = std::all_of(reach_W.begin(), reach_W.end(), [&](const Ball& reach) {
+    is_removed[b] = std::all_of(grown.begin(), grown.end(), [&](const Ball& reach) {
       return (center_W - reach.center).norm() * (1 - kDistanceRounding) - error >
              (reach.radius + ball.radius + distance) * (1 + kDistanceRounding);
     });
@@ -380,7 +386,10 @@ PointCloud cropped(const PointCloud& cloud, const robots::Pose& X_WC, std::span<
                             fmt::format("balls farther than {:.4g} m from all that the robot can "
                                         "reach",
                                         distance));
-  kept.crops.push_back({distance, X_WC, {reach_W.begin(), reach_W.end()}});
+  // Nothing is cropped within an infinite reach.
+  if (std::all_of(grown.begin(), grown.end(),
+                  [](const Ball& r) { return std::isfinite(r.radius); }))
+    kept.crops.push_back({distance, X_WC, std::move(grown)});
   return kept;
 }
 

@@ -31,8 +31,10 @@ constexpr Keys kMoving[] = {"keys",        "velocity",   "turning", "time",
                             "speed_bound", "turn_bound", "age"};
 constexpr Keys kMovingKey[] = {"time", "position", "orientation", "rpy"};
 constexpr Keys kOctree[] = {"file", "unseen"};
-constexpr Keys kCloud[] = {"file",  "camera",       "radius", "balls", "unseen",    "carved",
-                           "carve", "carve_margin", "crop",   "thin",  "most_balls"};
+constexpr Keys kCloud[] = {"file",    "camera", "radius",       "balls", "unseen", "carved",
+                           "cropped", "carve",  "carve_margin", "crop",  "thin",   "most_balls"};
+constexpr Keys kCarved[] = {"removed", "position", "orientation", "rpy"};
+constexpr Keys kCropped[] = {"removed", "distance", "position", "orientation", "rpy", "reach"};
 constexpr Keys kCamera[] = {"fx", "fy", "cx", "cy", "scale", "slant", "range", "mask", "parts"};
 constexpr Keys kHeightField[] = {"file", "step", "scale", "offset", "floor", "missing"};
 constexpr Keys kBox[] = {"size"};
@@ -99,6 +101,8 @@ const std::array kFormats = {MapFormat{"mesh_treatment", kMeshTreatment},
                              MapFormat{"moving", kMoving},
                              MapFormat{"moving_key", kMovingKey},
                              MapFormat{"cloud", kCloud},
+                             MapFormat{"carved", kCarved},
+                             MapFormat{"cropped", kCropped},
                              MapFormat{"camera", kCamera},
                              MapFormat{"octree", kOctree},
                              MapFormat{"box", kBox},
