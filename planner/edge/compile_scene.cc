@@ -283,7 +283,8 @@ struct CompiledScene::NamedRules {
   std::shared_ptr<Index> index = std::make_shared<Index>();
   /// Objects whose clouds were cropped or carved for the place where they stand.
   std::set<std::string> fitted = {};
-  bool has_crops = false;  ///< of some cloud, perhaps of one that was removed since
+  /// PointCloud::completeWithin() of all clouds, and of those that were removed since [m].
+  double complete_within = kInfinity;
   std::string grasp = {};  // firstGrasp()
   /// The bodies of objects that have a motion, and where these stand at the start of the execution.
   std::map<int, robots::Pose> moving = {};
@@ -296,7 +297,7 @@ struct CompiledScene::NamedRules {
       fitted.insert(object.name);
     else
       fitted.erase(object.name);
-    has_crops |= object.cloud && !object.cloud->crops.empty();
+    if (object.cloud) complete_within = std::min(complete_within, object.cloud->completeWithin());
   }
 };
 
@@ -366,7 +367,7 @@ const SceneLanes& CompiledScene::lanes() const {
   return *shared.lanes;
 }
 
-bool CompiledScene::needsLimits() const { return rules_->has_crops; }
+double CompiledScene::completeWithin() const { return rules_->complete_within; }
 
 int CompiledScene::findThing(const std::string& name) const {
   const auto nameOf = [this](int body) -> std::string_view {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "collision/base/rounding.h"
 #include "collision/base/sine_cosine.h"
 #include "collision/base/tolerances.h"
@@ -148,7 +149,7 @@ bool EdgeFrames::begin(std::span<const double> a, std::span<const double> b) {
   if (only_lines_ ? !takeLines(a, b) : !takeAny(a, b)) return false;
   const EdgeModel& model = scene_->edgeModel();
   if (!model.isSmooth(a_, b_, difference_)) return false;
-  if (!within_limits_ && scene_->needsLimits()) return false;
+  if (!within_limits_ && scene_->completeWithin() < kInfinity) return false;
   expandDifference(scene_->space(), difference_, dq_);
   robots::jointMotion(scene_->model(), moved_joints_, dq_, joint_motion_);
   watch_reach_ = !within_limits_ || model.reach >= kLargestReach;

@@ -145,7 +145,7 @@ double StepCertifier::certify(std::span<const TimedPoint> motion, std::span<cons
 Interval StepCertifier::clearance(std::span<const TimedPoint> motion, double end, double tolerance,
                                   Bodies& closest) {
   const ConfigurationSpace& space = scene_->space();
-  Interval least{kInfinity, kInfinity};
+  Interval least{scene_->completeWithin(), kInfinity};
   const auto take = [&](const CompiledScene& scene, const EdgeClearance& edge, double growth,
                         double proven) {
     if (edge.pair < 0) return;

@@ -288,6 +288,11 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
       segment = {std::min(segment.lower, found.lower), std::min(segment.upper, found.upper)};
     }
   }
+  // What was cropped may be this near.
+  const double most = certifier.scene().completeWithin();
+  for (Interval* clearance : {&certificate.clearance, &certificate.world.clearance})
+    clearance->lower = std::min(clearance->lower, most);
+  for (Interval& segment : certificate.segments) segment.lower = std::min(segment.lower, most);
   return certificate;
 }
 

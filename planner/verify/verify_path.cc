@@ -127,6 +127,9 @@ class Verifier {
     result_.status = VerifyStatus::kCertified;
     if (problem_.condition.accept) result_.conditions = kSampled;
     refine(segments);
+    for (const Object& object : problem_.world.objects)
+      if (object.cloud)
+        result_.clearance_lower = std::min(result_.clearance_lower, object.cloud->completeWithin());
     return result_;
   }
 

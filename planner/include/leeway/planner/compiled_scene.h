@@ -185,9 +185,10 @@ class CompiledScene {
 
   /// Data for certifying every edge; private to planner/ (planner/compiled/edge_model.h).
   const EdgeModel& edgeModel() const { return *edge_model_; }
-  /// Whether points of a cloud were cropped, which cannot be reached within the joints' limits.
-  /// Configurations outside them are then undecided.
-  bool needsLimits() const;
+  /// The least distance of all crops of clouds [m]; infinite: none. What was cropped is farther
+  /// than that from the robot within the joints' limits; configurations outside them are then
+  /// undecided.
+  double completeWithin() const;
   /// Data that the scene's certifiers share, created at the first use; private to planner/
   /// (planner/edge/edge_frames.h and edge_lanes.h). It refers to this scene. Thread-safe.
   const EdgeScene& edges() const;
