@@ -256,7 +256,7 @@ bool ConfigurationSpace::withinLimits(std::span<const double> a) const {
 
 std::string ConfigurationSpace::brokenLimit(std::span<const double> a) const {
   for (int i = 0; i < size(); ++i)
-    if (a[at(i)] < lower(i) || a[at(i)] > upper(i))
+    if (!(a[at(i)] >= lower(i) && a[at(i)] <= upper(i)))
       return fmt::format("{} = {} is outside {} to {}",
                          model_->variables[at(variables_[at(i)])].name, a[at(i)], lower(i),
                          upper(i));

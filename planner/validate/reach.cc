@@ -73,6 +73,13 @@ std::vector<Geometry> carveShapes(const Problem& problem, std::span<const std::s
                                   std::span<const double> configuration) {
   if (names.empty())
     throw std::invalid_argument("carve is empty; names of links or objects are expected");
+  if (configuration.size() == problem.robot.model->variables.size()) {
+    const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+    std::vector<double> point;
+    for (const int v : problem.robot.variables) point.push_back(configuration[at(v)]);
+    if (const std::string fault = space.brokenLimit(point); !fault.empty())
+      throw std::invalid_argument("state: " + fault + "; a state within the limits is expected");
+  }
   std::vector<Geometry> all_W;
   for (const std::string& name : names) {
     const auto refuse = [&](const char* what) {

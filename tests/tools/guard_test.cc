@@ -352,6 +352,7 @@ TEST_F(GuardVerb, TakesCloudsAsTheyAreSeen) {
   wrong(with({{"carve", {"rbot"}}, {"state", {0, 0}}}), "'rbot'; did you mean 'robot'?");
   wrong(with({{"carve", {"shelf"}}, {"state", {0, 0}}}), "'shelf', which is a cloud");
   wrong(with({{"carve", {"robot"}}, {"state", {0}}}), "observe.state is [0]");
+  wrong(with({{"carve", {"robot"}}, {"state", {9, 0}}}), "state within the limits is expected");
   wrong(with({{"carve", {"robot"}}, {"state", {0, 0}}, {"carve_margin", -1}}), "margin -1");
   wrong(with({{"thin", 0}}), "cell 0");
   wrong(with({{"most_balls", 0}}), "most_balls is 0");

@@ -11,6 +11,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
+#include "leeway/planner/save_problem.h"
 #include "leeway/planner/verify.h"
 #include "leeway/robots/placed_model.h"
 #include "tests/support/build_paths.h"
@@ -277,6 +278,80 @@ TEST_F(CloudProblems, OutsideTheLimitsACroppedCloudLeavesPlacesUndecided) {
   EXPECT_EQ(decide(without, 0.9), Verdict::kFree);
 }
 
+/// Regression: a saved crop lost the reach that it was made for, and a carved cloud its pose, so
+/// that in an edited file places were free where the scan has points.
+TEST_F(CloudProblems, SavedCloudsHoldForTheirRobotAndPlace) {
+  folder_.write("slider.urdf", R"(<robot name="s"><link name="base"/>
+<link name="car"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+<joint name="x" type="prismatic"><parent link="base"/><child link="car"/><axis xyz="1 0 0"/><limit lower="0" upper="0.5" velocity="1" effort="1"/></joint>
+</robot>)");
+  const std::string file = folder_.path("saved.yaml");
+  const auto save = [&](const std::string& filters, const std::string& points) {
+    const Problem problem = load(
+        "leeway: 1\nrobot: {urdf: slider.urdf}\nstart: [0]\ngoal: [0.5]\nobjects:\n"
+        " - {name: post, box: {size: [0.1, 0.1, 0.1]}, position: [0, 0, 2]}\n"
+        " - {name: scan, position: [0, 0.1, 0], rpy: [0.3, 0.4, 0], cloud: "
+        "{file: scan.xyz, radius: 0.02, " +
+            filters + "}}\n",
+        points);
+    saveProblem(problem, file);
+    const PointCloud &before = *problem.world.objects[1].cloud,
+                     &after = *loadProblem(file).world.objects[1].cloud;
+    EXPECT_EQ(after.size(), before.size());
+    EXPECT_EQ(after.filters.size(), 1U);
+    EXPECT_EQ(after.filters.back().removed, before.filters.back().removed);
+    EXPECT_EQ(after.completeWithin(), before.completeWithin());
+  };
+  const auto edited = [&](const std::string& old, const std::string& now) {
+    std::string text = readText(file);
+    const std::size_t place = text.find(old);
+    if (place == std::string::npos) return "no " + old + " in " + text;
+    try {
+      loadProblem(folder_.write("edited.yaml", text.replace(place, old.size(), now)));
+    } catch (const robots::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto expectRefused = [&](const std::string& old, const std::string& now,
+                                 const std::string& words) {
+    const std::string message = edited(old, now);
+    EXPECT_NE(message.find(words), std::string::npos) << message;
+    EXPECT_NE(message.find("cloud 'scan'"), std::string::npos) << message;
+    EXPECT_NE(message.find("edited.yaml:"), std::string::npos) << message;
+  };
+  const std::string wider = "bounds: {x: {range: [0, 2], widen: true}}\nstart:";
+  const auto expectHeld = [&] {
+    EXPECT_EQ(edited("0.5", "0.4"), "");
+    expectRefused("start:", wider, "reaches less far");
+    expectRefused("position: [0, 0.1, 0]", "position: [0, -0.2, 0]", "cropped");
+  };
+  save("crop: 0.1", "0.2 0.4 0\n1.2 0 0\n");
+  expectHeld();
+  save("crop: 0.1", "1.2 0 0\n");
+  expectHeld();
+  save("carve: [post]", "0 0 2\n0.5 0.9 0\n");
+  expectRefused("position: [0, 0.1, 0]", "position: [0, -0.2, 0]", "was carved");
+}
+
+/// Regression: a certificate promised a controller 330 mm where points 70 mm away were cropped.
+TEST_F(CloudProblems, CertificatesClaimNoMoreThanACropLeaves) {
+  const Problem problem =
+      load(kBall + " - {name: scan, cloud: {file: scan.xyz, radius: 0.1, crop: 0.01}}\n",
+           "0 0.6 0\n0 5 0\n");
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  const Certificate& proof = result.certificate;
+  EXPECT_TRUE(proof.certified);
+  EXPECT_EQ(proof.clearance.lower, 0.01);
+  EXPECT_EQ(proof.world.clearance.lower, 0.01);
+  for (const Interval& segment : proof.segments) EXPECT_LE(segment.lower, 0.01);
+  EXPECT_GT(proof.clearance.upper, 0.1);
+  const VerifyResult verified = verify(problem, result.path);
+  EXPECT_EQ(verified.status, VerifyStatus::kCertified);
+  EXPECT_EQ(verified.clearance_lower, 0.01);
+}
+
 TEST_F(CloudProblems, ACropThatDoesNotSufficeNamesItsLine) {
   const std::string begin =
       kBall + " - {name: can, sphere: {radius: 0.1}, position: [0, 0.9, 0]}\n";
@@ -427,6 +502,12 @@ TEST_F(CloudProblems, WhatMovesIsCarvedOutAtTheStartOnly) {
   EXPECT_THROW((void)shapesToCarve(problem, can, problem.start), std::invalid_argument);
   EXPECT_THROW((void)shapesToCarve(problem, none), std::invalid_argument);
   EXPECT_THROW((void)shapesToCarve(problem, cloud), std::invalid_argument);
+  // Beyond its limits the robot would carve out what it is not at.
+  std::vector<double> beyond = problem.start;
+  for (const double x : {2.5, kInfinity, std::nan("")}) {
+    beyond[0] = x;
+    EXPECT_THROW((void)shapesToCarve(problem, rest, beyond), std::invalid_argument) << x;
+  }
 }
 
 TEST_F(CloudProblems, BadKeysNameTheirLine) {
