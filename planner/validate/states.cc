@@ -261,6 +261,11 @@ std::string motionFault(const Object& object, double start) {
   if (!(motion.age >= 0 && std::isfinite(motion.age)))
     return fmt::format("was seen {} s before the start; a finite age from 0 s on is expected",
                        motion.age);
+  if (!motion.poses && motion.start && *motion.start != start)
+    return fmt::format(
+        "was seen {} s before {} s, and execution starts at {} s; movingObject() with that time is "
+        "expected, in Python set_motion() with start={}",
+        motion.age, *motion.start, start, start);
   if (!motion.poses) return {};
   if (motion.age != 0)
     return fmt::format("has an age, {} s, beside its poses at all times; 0 s is expected",
@@ -277,6 +282,7 @@ std::string motionFault(const Object& object, double start) {
 
 Object movingObject(Object object, const ObjectMotion& motion, double time) {
   ObjectMotion of_object = motion;
+  of_object.start = time;
   // Any motion of a cloud's points is within a bound on their speed, turning included.
   if (object.cloud && object.geometries.empty() && !motion.poses && motion.turn_bound == kInfinity)
     of_object.turn_bound = 0;

@@ -465,6 +465,11 @@ def test_a_guard_and_a_replanner_follow_objects_that_move(robot):
             world.set_motion("cart", **wrong)
     with pytest.raises(KeyError):
         world.set_motion("nothing", velocity=(0, 0, 1))
+    # A sighting at 0 s is not one at 5 s.
+    world.set_motion("cart", speed_bound=0.3, turn_bound=0)
+    for of in (leeway.Guard, leeway.Replanner):
+        with pytest.raises(ValueError, match="was seen 0 s before 0 s, and execution starts at 5 s"):
+            of(robot, world, "ready", turned(robot, 0.8), start_time=5)
 
 
 def test_a_motion_given_again_goes_on_from_where_the_object_is():

@@ -33,6 +33,9 @@ struct ObjectMotion {
   double turn_bound = std::numeric_limits<double>::infinity();
   /// How long before Execution::start it was seen at X_WO [s]; 0 with `poses`.
   double age = 0;
+  /// The Execution::start that `age` counts back from [s], which movingObject() sets; empty: that
+  /// of any problem.
+  std::optional<double> start = {};
 };
 
 /// A named body with a shape: an obstacle, or an object that a link holds.
@@ -53,10 +56,10 @@ struct Object {
   std::optional<std::array<double, 3>> color = {};
 };
 
-/// Returns the object with a motion. With `motion.poses` it stands where these have it at `time`
-/// [s], which must be the problem's Execution::start. Throws std::invalid_argument for an object
-/// without shapes, with a half-space, or with a cloud that was cropped or carved for its place, and
-/// for numbers that make no sense.
+/// Returns the object with a motion from `time` [s] on, which must be the problem's
+/// Execution::start. With `motion.poses` it stands where these have it then. Throws
+/// std::invalid_argument for an object without shapes, with a half-space, or with a cloud that was
+/// cropped or carved for its place, and for numbers that make no sense.
 Object movingObject(Object object, const ObjectMotion& motion, double time = 0);
 
 /// An object held by a link from the start. It moves with the link, and may touch only the link and
@@ -497,8 +500,8 @@ std::vector<robots::Geometry> shapesOf(const Problem& problem, const std::string
 
 /// Returns the shapes of all of these names for carved(), as shapesOf() does. Throws
 /// std::invalid_argument also for no name and for a cloud, and with a configuration, which is that
-/// of a later time than the start, for what has moved since: deforming obstacles and objects with a
-/// motion.
+/// of a later time than the start, for what has moved since (deforming obstacles and objects with a
+/// motion), and for a planned variable beyond its limits.
 std::vector<robots::Geometry> shapesToCarve(const Problem& problem,
                                             std::span<const std::string> names,
                                             std::span<const double> configuration = {});
