@@ -87,12 +87,14 @@ class ObjReader {
     const std::string_view word = words.next();
     if (isRead(word)) return word == "v" ? readVertex(words) : readFace(words);
     NotSolid& left_out = contents_.not_solid;
-    if (word == "l" || word == "p" || word == "curv") readOthers(words);
+    if (word == "l" || word == "p" || word == "curv" || word == "cdc") readOthers(words);
     if (word == "l") left_out.count(left_out.lines, place());
     if (word == "p") left_out.count(left_out.points, place());
-    if (word == "curv" || word == "curv2") left_out.count(left_out.curves, place());
-    if (word == "surf")
-      source_.failAt(place(), "a free-form surface (surf); polygons would be accepted");
+    if (word == "curv" || word == "curv2" || word == "cdc")
+      left_out.count(left_out.curves, place());
+    if (word == "surf" || word == "bzp" || word == "bsp" || word == "cdp")
+      source_.failAt(place(),
+                     "a free-form surface (" + std::string(word) + "); polygons would be accepted");
     if (word == "call" || word == "csh")
       source_.failAt(place(), shown(word) +
                                   " brings in what is not in this file; a file that holds "
@@ -110,7 +112,7 @@ class ObjReader {
         "o",   "s",        "mg",       "mtllib",     "usemtl",    "usemap", "maplib", "bevel",
         "lod", "c_interp", "d_interp", "shadow_obj", "trace_obj", "ctech",  "stech",  "cstype",
         "deg", "bmat",     "step",     "parm",       "trim",      "hole",   "scrv",   "sp",
-        "end", "con",      "bsp",      "bzp",        "cdc",       "cdp",    "res"};
+        "end", "con",      "cdc",      "res"};
     return std::find(std::begin(kKnown), std::end(kKnown), word) != std::end(kKnown);
   }
 

@@ -90,7 +90,8 @@ TEST(ReadObj, DamagedFiles) {
   refused({triangle + "f 1 2 3/x\n", ":4", {"'3/x'"}});
   refused({triangle + "f 1 2 3.5\n", ":4", {"'3.5'"}});
   refused({triangle + "f 1 2 99999999999\n", ":4", {"'99999999999'"}});
-  refused({triangle + "surf 0 1 0 1 1 2 3\n", ":4", {"free-form surface"}});
+  for (const char* const surface : {"surf 0 1 0 1 1 2 3", "bzp 1 2 3", "bsp 1 2 3", "cdp 1 2 3"})
+    refused({triangle + surface + "\n", ":4", {"free-form surface"}});
 }
 
 /// `f 1 2 34` that was cut is `f 1 2 3`.
