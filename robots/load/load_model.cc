@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
+#include <string_view>
 #include <system_error>
 #include <thread>
 #include <tuple>
@@ -533,6 +535,16 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
       variable.jerk = joint->jerk;
     }
   }
+  std::set<std::string_view> names;  // those of a planar joint a are a/x, a/y and a/theta
+  for (const Variable& variable : robot.variables)
+    if (!names.insert(variable.name).second) {
+      const int source = order[at(variable.joint)].second;
+      throw InputError(source < 0 ? urdf_path : document.joints[at(source)].file,
+                       source < 0 ? 0 : document.joints[at(source)].line,
+                       "the variable '" + variable.name +
+                           "' is there twice; joints whose variables have names of their own are "
+                           "expected");
+    }
   for (const UrdfJoint& joint : document.joints) {
     if (!joint.has_mimic) continue;
     limitMaster(joint, robot);

@@ -109,6 +109,11 @@ const BadUrdf kBad[] = {
            jointLine("k", "fixed", "c", "b")),
      5,
      {"cycle", "\"b\"", "\"c\""}},
+    {"TwoVariablesOfOneName",
+     robot("<link name=\"b\"/><link name=\"c\"/>\n" + jointLine("p", "planar", "a", "b") +
+           jointLine("p/x", "continuous", "b", "c")),
+     5,
+     {"'p/x' is there twice"}},
     {"JoinedToItself",
      robot(jointLine("j", "fixed", "a", "a")),
      3,
