@@ -195,9 +195,9 @@ std::span<const int> RobotPairs::named(const std::string& name) const {
   return found == named_.end() ? std::span<const int>() : found->second;
 }
 
-/// In margins, kRobotWord stands for all of these bodies, unless a body has that name.
+/// In margins, kRobotWord stands for all of these bodies, unless one link of several has that name.
 bool RobotPairs::areNamed(int i, int j, const std::string& a, const std::string& b) const {
-  const bool is_word = named(kRobotWord).empty();
+  const bool is_word = named(kRobotWord).empty() || model_.links.size() == 1;
   const auto isNamed = [&](int body, const std::string& word) {
     return word == name(body) || (is_word && word == kRobotWord);
   };

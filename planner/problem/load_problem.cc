@@ -310,12 +310,14 @@ void readObject(const YamlReader& map, std::unordered_set<std::string>& taken,
 
 /// The names of all links and objects, and of groups of them.
 struct KnownNames {
-  explicit KnownNames(const Problem& problem) : things(problem) {
+  explicit KnownNames(const Problem& problem)
+      : things(problem), has_one_link(problem.robot.model->links.size() == 1) {
     std::vector<std::string>& robot = groups[kRobotWord];
     robot = linkNames(*problem.robot.model);
     for (const Attachment& held : problem.robot.attachments) robot.push_back(held.object.name);
   }
   Names things;
+  bool has_one_link;
   std::map<std::string, std::vector<std::string>> groups;
 };
 
@@ -363,7 +365,8 @@ NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known, bool ta
   std::vector<std::string> sides[2];
   const auto isWorld = [](const std::string& name) { return name == kWorldWord; };
   const auto isRobot = [&](const std::string& name) {
-    return takes_words && name == kRobotWord && !known.things.isKnown(kRobotWord);
+    return takes_words && name == kRobotWord &&
+           (!known.things.isKnown(kRobotWord) || known.has_one_link);
   };
   for (std::size_t i = 0; i < 2; ++i) {
     const std::string& other = names[1 - i];
@@ -390,7 +393,7 @@ NamePairs readNamePairs(const YamlReader& pair, const KnownNames& known, bool ta
       continue;
     }
     sides[i] = group->second;
-    // A robot of one link may have a link of this name.
+    // The only link of a robot may have this name.
     if (names[i] == kRobotWord && sides[i].size() > 1 && known.things.isKnown(kRobotWord))
       items[i].fail(fmt::format(
           "{}: 'robot' is the name of a link, and stands for all links and what they hold; a "

@@ -170,15 +170,13 @@ void readDeforming(const YamlReader& entry, const robots::LoadOptions& load, Pro
       bound->fail(fmt::format("{} {}", bound->where(), *fault));
   if (const auto margin = entry.find("margin")) {
     const double value = margin->sizeNumber();
-    const std::string group = "robot and " + name.text();
-    if (!Names(problem).isKnown(kRobotWord)) {  // the word holds for what it takes hold of later
-      problem.margins.pairs.push_back({kRobotWord, name.text(), value, group});
-      return;
-    }
-    for (const robots::Link& link : problem.robot.model->links)
-      problem.margins.pairs.push_back({link.name, name.text(), value, group});
-    for (const Attachment& held : problem.robot.attachments)
-      problem.margins.pairs.push_back({held.object.name, name.text(), value, group});
+    // The word holds for what the robot takes hold of later.
+    if (Names(problem).isKnown(kRobotWord) && problem.robot.model->links.size() > 1)
+      margin->fail(fmt::format(
+          "{} is for the whole robot, and 'robot' is the name of a link; 'margins' between a group "
+          "of the links that are meant and '{}' are expected",
+          margin->where(), name.text()));
+    problem.margins.pairs.push_back({kRobotWord, name.text(), value, "robot and " + name.text()});
   }
 }
 

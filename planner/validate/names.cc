@@ -15,7 +15,8 @@ bool standsForAll(const Problem& problem, std::string_view word) {
   const robots::Model& model = *problem.robot.model;
   return std::any_of(pairs.begin(), pairs.end(),
                      [&](const PairMargin& m) { return m.a == word || m.b == word; }) &&
-         (model.findLink(word) < 0 || isBareLink(model, word));
+         (model.findLink(word) < 0 || isBareLink(model, word) ||
+          (word == kRobotWord && model.links.size() == 1));
 }
 
 /// The fault of a name that has a meaning already; empty for other names.
@@ -84,7 +85,8 @@ std::string Names::pairFault(const std::string& a, const std::string& b) const {
 std::string Names::marginFault(const std::string& a, const std::string& b) const {
   const auto isWord = [this](const std::string& side) {
     return (side == kRobotWord || side == kWorldWord) &&
-           (!isKnown(side) || isBareLink(*problem_.robot.model, side));
+           (!isKnown(side) || isBareLink(*problem_.robot.model, side) ||
+            (side == kRobotWord && problem_.robot.model->links.size() == 1));
   };
   for (const auto& [side, other] : {std::pair(a, b), std::pair(b, a)}) {
     if (!isWord(side)) continue;

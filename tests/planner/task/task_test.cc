@@ -9,11 +9,13 @@
 #include <string>
 
 #include "leeway/planner/path_io.h"
+#include "leeway/planner/trajectory.h"
 #include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/robots/kinematics.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
+#include "tests/support/input_errors.h"
 
 namespace leeway::planner {
 namespace {
@@ -73,6 +75,72 @@ void expectStraight(const Problem& problem, const Path& path) {
         << step.name;
   }
   EXPECT_GE(lines, 2);
+}
+
+/// Regression: where the joints go on in one line, the trajectory passed the place at which an
+/// object is attached at full speed.
+TEST(Task, TheRobotRestsBetweenSteps) {
+  const Folder folder;
+  folder.write("slide.urdf", R"(<robot name="s"><link name="base"/>
+<link name="car"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+<joint name="x" type="prismatic"><parent link="base"/><child link="car"/><axis xyz="1 0 0"/><limit lower="0" upper="2" velocity="1" effort="1"/></joint>
+</robot>)");
+  const Problem problem = loadProblem(
+      folder.write("task.yaml",
+                   "leeway: 1\nrobot: {urdf: slide.urdf}\nstart: [0]\nsteps:\n  - move: [0.5]\n"
+                   "  - attach: {object: can, link: car}\n  - move: [1]\nobjects:\n"
+                   "  - {name: can, position: [0.5, 0.2, 0], box: {size: [0.05, 0.05, 0.05]}}\n"
+                   "  - {name: wall, position: [5, 0, 0], box: {size: [0.1, 1, 1]}}\n"));
+  PlanResult result = planTask(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+  const Trajectory trajectory = trajectoryOf(problem, result.path);
+  const auto taken = static_cast<std::size_t>(result.path.steps[1].last);
+  std::vector<double> x(1);
+  trajectory.configuration(trajectory.times()[taken], x);
+  EXPECT_EQ(x[0], 0.5);
+  trajectory.velocity(trajectory.times()[taken], x);
+  EXPECT_EQ(x[0], 0);
+  // From rest to rest twice: half a second of each at 2 m/s^2.
+  EXPECT_NEAR(trajectory.times()[taken], 1, 1e-9);
+  EXPECT_NEAR(trajectory.duration(), 2, 1e-9);
+  writePath(folder.path("path.json"), problem, result);
+  EXPECT_NE(readText(folder.path("path.json"))
+                .find("[0.5], \"time_from_start\": {\"sec\": 1, \"nanosec\": 0}"),
+            std::string::npos);
+  // Where the steps are not known, neither is where it rests.
+  result.path.steps.clear();
+  EXPECT_THROW(trajectoryOf(problem, result.path), std::invalid_argument);
+}
+
+/// Regressions: a margin of the robot did not hold for what it took hold of where its only link is
+/// named "robot", and one of a deforming obstacle where any link is.
+TEST(Task, MarginsOfTheRobotHoldForWhatItTakesHoldOf) {
+  const Folder folder;
+  const auto planned = [&](const std::string& margin) {  // the wall is 150 mm from the can's way
+    return planTask(loadProblem(folder.write(
+                        "task.yaml",
+                        "leeway: 1\nbody: {name: robot, joint: planar, bounds: {lower: [-2, -2], "
+                        "upper: [2, 2]}, shapes: [{box: {size: [0.1, 0.1, 0.1]}}]}\n"
+                        "start: [0, 0, 0]\nsteps:\n  - attach: {object: can, link: robot}\n"
+                        "  - move: [1, 0, 0]\nobjects:\n"
+                        "  - {name: can, position: [0, 0.3, 0], box: {size: [0.05, 0.05, 0.05]}}\n"
+                        "  - {name: wall, position: [1, 0.5, 0], box: {size: [0.05, 0.05, 0.05]}}\n"
+                        "margins: [{between: [robot, wall], margin: " +
+                            margin + "}]\n")))
+        .status;
+  };
+  EXPECT_EQ(planned("0.1"), PlanStatus::kSolved);
+  EXPECT_NE(planned("0.2"), PlanStatus::kSolved);
+  folder.write("r.urdf", R"(<robot name="s"><link name="base"/>
+<link name="robot"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+<joint name="x" type="prismatic"><parent link="base"/><child link="robot"/><axis xyz="1 0 0"/><limit lower="0" upper="2" velocity="1" effort="1"/></joint>
+</robot>)");
+  const std::string file =
+      folder.write("margin.yaml",
+                   "leeway: 1\nrobot: {urdf: r.urdf}\nstart: [0]\ngoal: [1]\ndeforming:\n"
+                   "  - {name: curtain, position: [0, 3, 0], grid: {size: [1, 1], cells: [2, 2]}, "
+                   "margin: 0.1}\n");
+  robots::expectInputError([&] { loadProblem(file); }, file, 6, {"'robot' is the name of a link"});
 }
 
 class Shipped : public testing::TestWithParam<const char*> {};

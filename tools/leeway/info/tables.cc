@@ -140,7 +140,7 @@ void printRobot(const Json& robot, bool all) {
   std::vector<std::vector<std::string>> rows;
   for (const auto& variable : robot["variables"]) {
     rows.push_back({variable["name"], limitText(variable["lower"]), limitText(variable["upper"]),
-                    variable["velocity"] == 0 ? "none" : limitText(variable["velocity"])});
+                    variable["velocity"].is_null() ? "none" : limitText(variable["velocity"])});
   }
   printRows({"variable", "lower", "upper", "velocity"}, rows, {}, all);
   for (const auto& variable : robot["variables"]) {
