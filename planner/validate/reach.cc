@@ -158,9 +158,6 @@ PointCloud filteredScan(const Problem& problem, PointCloud scan, const std::opti
       throw std::invalid_argument(
           fmt::format("carve stands without a state of {} numbers; where the robot was is expected",
                       variables.size()));
-    const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
-    if (const std::string fault = space.brokenLimit(filters.state); !fault.empty())
-      throw std::invalid_argument("state: " + fault + "; a state within the limits is expected");
     std::vector<double> configuration = problem.start;
     for (std::size_t i = 0; i < variables.size(); ++i)
       configuration[at(variables[i])] = filters.state[i];
