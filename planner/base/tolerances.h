@@ -723,6 +723,8 @@ constexpr double kLeastGrowth = 1e-5;
 
 /// Maximum halvings of a step in time: a vertex at 1 m/s moves 0.2 mm in half of 0.05 s / 2^7.
 constexpr int kMustHalvings = 7;
+/// The longest part of a time that is tried at once [s], or a step: longer ones are rarely free.
+constexpr double kLongestPart = 0.4;
 /// Maximum halvings of the time ahead of a step, which is checked again when it comes.
 constexpr int kAheadHalvings = 3;
 

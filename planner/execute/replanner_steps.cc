@@ -105,12 +105,13 @@ const char* toString(Decision decision) {
 }
 
 struct Replanner::Impl {
+  using Tick = StepCertifier::Tick;
   Impl(const Problem& given, const ReplanOptions& given_options)
       : options((requireTolerance(given_options.clearance_tolerance, "Replanner"), given_options)),
         problem(withErrors(executable(given), options.joint_errors, 0, "Replanner")),
         scene(std::make_shared<const CompiledScene>(problem)),
         obstacles(problem, scene),
-        certifier(scene, obstacles),
+        certifier(scene, obstacles, problem.execution),
         proves(scene->nothingChecked().empty()),
         limits(motionLimits(problem)),
         space_of_drives(std::make_shared<const ConfigurationSpace>(problem.robot.model,
@@ -133,6 +134,7 @@ struct Replanner::Impl {
     Waypoints trail = {};                 // what is left of it after a retreat; else empty
     std::vector<TimedPoint> motion = {};  // over the step and the stop, and at rest after it
     double stop_end = 0;                  // when it comes to rest [s]
+    Tick stop_tick = 0;                   // not before that
     double until = -kInfinity;            // proven up to [s]
   };
 
@@ -148,22 +150,38 @@ struct Replanner::Impl {
   }
   /// Proven, with the stop at its end.
   bool isProven(const Candidate& c) const { return c.until >= std::max(c.stop_end, stepEnd()); }
-  bool isFullyProven(const Candidate& c) const { return isProven(c) && c.until >= marks.back(); }
+  bool isFullyProven(const Candidate& c) const { return isProven(c) && c.until >= lastMark(); }
   bool looksAhead() const { return marks.size() > 1; }
   bool moves() const { return !ahead.empty(); }
+  double lastMark() const { return certifier.timeOf(marks.back()); }
+  /// The tick of the present plus a whole number of steps.
+  Tick tickOf(int steps) const { return (index + Tick{steps}) * StepCertifier::kStepTicks; }
+  /// The first tick that is a multiple of `every` and not before a time, which is `periods_ahead`
+  /// from now.
+  Tick tickAfter(double periods_ahead, double time, Tick every) const {
+    const double ticks = periods_ahead / periods * StepCertifier::kStepTicks;
+    Tick tick = tickOf(0) + static_cast<Tick>(ticks) / every * every;
+    while (certifier.timeOf(tick) < time) tick += every;
+    return tick;
+  }
 
-  /// Sets the times up to which candidates are proven: the step's end and, to look ahead, the ends
-  /// of the steps of the look-ahead. A robot that has to leave a place needs the time of a stop for
-  /// that.
+  /// Sets the times up to which candidates are proven: the step's end and, to look ahead, times
+  /// that are farther apart the farther they are. A robot that has to leave a place comes to rest
+  /// before, and evades from rest to rest. Where only bounds are known, there is no time for the
+  /// evasion: all may come nearer, and it would evade what stands far away.
   void setMarks(bool ahead_of_step) {
-    const double step_end = stepEnd(),
-                 end = step_end + std::min(execution().look_ahead + reaction,
-                                           kLongestLookAhead * execution().step);
-    marks = {step_end};
+    const double evasion = obstacles.arePredicted() ? reaction + kEvasionTime : 0;
+    const double time =
+        std::min(execution().look_ahead + reaction + evasion, kLongestLookAhead * execution().step);
+    marks = {tickOf(1)};
     if (!ahead_of_step) return;
-    for (int k = 1; step_end + k * execution().step < end - execution().step / 2; ++k)
-      marks.push_back(step_end + k * execution().step);
-    if (end > step_end) marks.push_back(end);
+    const Tick end = tickAfter(periods + time / period(), stepEnd() + time, StepCertifier::kCoarse);
+    for (Tick t = tickOf(1); t < end;) {
+      Tick length = StepCertifier::kStepTicks;
+      while (t % (2 * length) == 0 && 4 * length <= t - tickOf(0)) length *= 2;
+      t = std::min(t + length, end);
+      marks.push_back(t);
+    }
   }
 
   bool inGoal(const std::vector<double>& point) const {
@@ -204,8 +222,10 @@ struct Replanner::Impl {
         c.motion.push_back({rowTime(k), c.motion.back().position});
     }
     c.stop_end = c.motion[c.times.size()].time;
-    if (c.motion.back().time < marks.back())
-      c.motion.push_back({marks.back(), c.motion.back().position});
+    c.stop_tick = tickAfter(static_cast<double>(c.times.size()), c.stop_end,
+                            c.stop_end <= stepEnd() ? 1 : StepCertifier::kCoarse);
+    const double last = certifier.timeOf(std::max(marks.back(), c.stop_tick));
+    if (c.motion.back().time < last) c.motion.push_back({last, c.motion.back().position});
     return !is_cut;
   }
 
@@ -214,12 +234,12 @@ struct Replanner::Impl {
   void consider(Candidate candidate, ReplanStep& step, double known = -kInfinity) {
     if (candidate.drive != nullptr && candidate.times.empty()) return;  // it leads nowhere
     if (!setMotion(candidate)) return;
-    std::vector<double> until = {stepEnd()};
-    if (candidate.stop_end > now && candidate.stop_end != stepEnd())
-      until.insert(candidate.stop_end < stepEnd() ? until.begin() : until.end(),
-                   candidate.stop_end);
+    std::vector<Tick> until = {tickOf(1)};
+    if (candidate.stop_tick > tickOf(0) && candidate.stop_tick != tickOf(1))
+      until.insert(candidate.stop_tick < tickOf(1) ? until.begin() : until.end(),
+                   candidate.stop_tick);
     const std::size_t must = until.size();
-    for (const double mark : marks)
+    for (const Tick mark : marks)
       if (mark > until.back()) until.push_back(mark);
     blocked = {};
     candidate.until = std::max(known, certifier.certify(candidate.motion, until, must, blocked));
@@ -228,7 +248,7 @@ struct Replanner::Impl {
       step.broken_b = blocked.b;
     }
     rest_until = candidate.until;
-    const auto rank = [&](const Candidate& c) { return std::min(c.until, marks.back()); };
+    const auto rank = [&](const Candidate& c) { return std::min(c.until, lastMark()); };
     if (isProven(candidate) && rank(candidate) > rank(best)) best = std::move(candidate);
   }
 
@@ -255,7 +275,7 @@ struct Replanner::Impl {
     if (isFullyProven(best)) return;
     if (looksAhead()) {
       const int later =
-          std::min(end + static_cast<int>(std::ceil((marks.back() - stepEnd()) / period())),
+          std::min(end + static_cast<int>(std::ceil((lastMark() - stepEnd()) / period())),
                    std::max(end, on->rows()));
       consider(goes(later, on->stop(later)), step);
       if (isFullyProven(best)) return;
@@ -492,9 +512,10 @@ struct Replanner::Impl {
       // clearance() uses the parts of the last proof, which may be another candidate's.
       StepCertifier::Bodies ignored, closest;
       const double step_end = stepEnd();
+      const Tick end_tick = tickOf(1);
       certifier.setWork(options.work);
       // The work may end before all parts are proven again; then the margins are known.
-      const bool is_again = certifier.certify(step.motion, {&step_end, 1}, 1, ignored) >= step_end;
+      const bool is_again = certifier.certify(step.motion, {&end_tick, 1}, 1, ignored) >= step_end;
       step.clearance = is_again ? certifier.clearance(step.motion, step_end,
                                                       options.clearance_tolerance, closest)
                                 : collision::Interval{leastMargin(), kInfinity};
@@ -579,7 +600,7 @@ struct Replanner::Impl {
     if (options.progress) options.progress("update", 0);
     Clock::time_point begin = Clock::now();
     obstacles.look(now);
-    certifier.begin();
+    certifier.begin(tickOf(0));
     setMarks(obstacles.arePredicted());
     step.update_s = secondsSince(begin);
     step.obstacles = obstacles.updates();
@@ -670,7 +691,7 @@ struct Replanner::Impl {
   MotionLimits limits;
   std::shared_ptr<const ConfigurationSpace> space_of_drives;
   int periods;      // of a step
-  double reaction;  // the longest time of a stop [s]
+  double reaction;  // the longest time of a stop [s]; an evasion takes it and kEvasionTime
   std::shared_ptr<const CompiledScene> seen;
   double now;
   std::vector<double> state;
@@ -694,7 +715,7 @@ struct Replanner::Impl {
   double rest_until = -kInfinity;    // up to when goingOn() is proven now [s]
   double proven_until = -kInfinity;  // and was in the step before
   bool is_contradicted = false;      // what was known then does not hold any more
-  std::vector<double> marks;
+  std::vector<Tick> marks;
   double waited = 0;
   std::vector<ObstacleSight> observed;          // since the last step
   std::optional<std::vector<double>> measured;  // likewise

@@ -10,19 +10,28 @@
 
 namespace leeway::planner {
 
-StepCertifier::StepCertifier(std::shared_ptr<const CompiledScene> scene, Obstacles& obstacles)
+StepCertifier::StepCertifier(std::shared_ptr<const CompiledScene> scene, Obstacles& obstacles,
+                             const Execution& execution)
     : scene_(std::move(scene)),
       obstacles_(obstacles),
+      start_(execution.start),
+      step_(execution.step),
+      longest_(
+          kStepTicks << static_cast<int>(std::log2(std::clamp(kLongestPart / step_, 1.0, 1e6)))),
       still_(obstacles.still()),
       rows_(*scene_),
       movers_(obstacles.groups()) {
-  begin();
+  begin(0);
 }
 
-void StepCertifier::begin() {
+void StepCertifier::begin(Tick now) {
+  now_ = now;
+  // Once known to the end, a motion is known so until the program observes it, which is for good.
+  const bool hold = obstacles_.arePredicted();
   for (std::size_t g = 0; g < movers_.size(); ++g) {
     Mover& mover = movers_[g];
-    mover.placements.clear();
+    std::erase_if(mover.placements,
+                  [&](const auto& entry) { return !hold || entry.first.first < now; });
     mover.proven.clear();
     const std::shared_ptr<const CompiledScene> scene = obstacles_.sceneOf(g);
     if (mover.certifier && scene->hasPairsOf(mover.certifier->scene())) continue;
@@ -67,11 +76,11 @@ bool StepCertifier::holds(const std::vector<std::vector<double>>& path, bool fir
   return true;
 }
 
-const Obstacles::Placement& StepCertifier::placement(std::size_t group, double t0, double t1) {
+const Obstacles::Placement& StepCertifier::placement(std::size_t group, Tick t0, Tick t1) {
   const auto [entry, is_new] = movers_[group].placements.try_emplace({t0, t1});
   if (is_new) {
     ++looks;
-    entry->second = obstacles_.place(group, t0, t1, true);
+    entry->second = obstacles_.place(group, timeOf(t0), timeOf(t1), true);
   }
   return entry->second;
 }
@@ -104,42 +113,48 @@ bool StepCertifier::isFree(std::span<const TimedPoint> motion) {
   return true;
 }
 
-bool StepCertifier::certifyPart(std::size_t group, std::span<const TimedPoint> motion, double t0,
-                                double t1, int depth, Bodies& broken) {
+bool StepCertifier::certifyPart(std::size_t group, std::span<const TimedPoint> motion, Tick t0,
+                                Tick t1, int depth, Bodies& broken) {
   const Obstacles::Placement& known = placement(group, t0, t1);
   const ConfigurationSpace& space = scene_->space();
   EdgeCertifier& moving = *movers_[group].certifier;
   moving.rebind(known.grown);
-  if (rowsFree(moving, partOf(space, motion, t0, t1), broken)) {
+  if (rowsFree(moving, partOf(space, motion, timeOf(t0), timeOf(t1)), broken)) {
     movers_[group].proven.emplace_back(t0, t1);
     return true;
   }
-  const double middle = t0 + (t1 - t0) / 2;
-  if (depth == 0 || rows_.isSpent() || known.growth <= kLeastGrowth ||
-      !(middle > t0 && middle < t1))
-    return false;
+  const Tick middle = t0 + (t1 - t0) / 2;
+  if (depth == 0 || rows_.isSpent() || known.growth <= kLeastGrowth || middle == t0) return false;
   // If the robot is not free at the middle, neither half is free.
   moving.rebind(known.middle);
-  if (moving.decide(partOf(space, motion, t0, middle).back().position) != Verdict::kFree)
-    return false;
+  const std::vector<TimedPoint> half = partOf(space, motion, timeOf(t0), timeOf(middle));
+  if (moving.decide(half.back().position) != Verdict::kFree) return false;
   return certifyPart(group, motion, t0, middle, depth - 1, broken) &&
          certifyPart(group, motion, middle, t1, depth - 1, broken);
 }
 
-double StepCertifier::certify(std::span<const TimedPoint> motion, std::span<const double> marks,
+double StepCertifier::certify(std::span<const TimedPoint> motion, std::span<const Tick> marks,
                               std::size_t must, Bodies& broken) {
-  double until = motion.front().time;
+  Tick until = now_;
   rows_.lengthen();
   for (Mover& mover : movers_) mover.proven.clear();
   // Not split where it fails: a shorter proof is useless.
   if (!rowsFree(still_, motion, broken)) return -kInfinity;
+  if (obstacles_.empty()) return timeOf(marks.back());
   for (std::size_t k = 0; k < marks.size(); ++k) {
     const int halvings = k < must ? kMustHalvings : kAheadHalvings;
-    for (std::size_t g = 0; g < movers_.size(); ++g)
-      if (!certifyPart(g, motion, until, marks[k], halvings, broken)) return until;
+    // Parts whose length is a power of two that divides their beginning: other candidates, and
+    // later steps, have the same.
+    for (Tick t0 = until, t1 = t0; t0 < marks[k]; t0 = t1) {
+      Tick length = longest_;
+      while (t0 % length != 0 || t0 + length > marks[k]) length /= 2;
+      t1 = t0 + length;
+      for (std::size_t g = 0; g < movers_.size(); ++g)
+        if (!certifyPart(g, motion, t0, t1, halvings, broken)) return timeOf(until);
+    }
     until = marks[k];
   }
-  return until;
+  return timeOf(until);
 }
 
 Interval StepCertifier::clearance(std::span<const TimedPoint> motion, double end, double tolerance,
@@ -178,16 +193,17 @@ Interval StepCertifier::clearance(std::span<const TimedPoint> motion, double end
   for (std::size_t g = 0; g < movers_.size(); ++g) {
     const double margin = obstacles_.sceneOf(g)->scene().pairs().leastMargin();
     for (const auto& [t0, t1] : movers_[g].proven) {
-      if (t0 >= end) continue;
+      if (timeOf(t0) >= end) continue;
       const Obstacles::Placement& known = placement(g, t0, t1);
       movers_[g].certifier->rebind(known.grown);
-      ask(*movers_[g].certifier, partOf(space, motion, t0, t1), known.growth, margin);
+      ask(*movers_[g].certifier, partOf(space, motion, timeOf(t0), timeOf(t1)), known.growth,
+          margin);
     }
   }
   return least;
 }
 
-double StepCertifier::roomAt(std::span<const double> point, double time) {
+double StepCertifier::roomAt(std::span<const double> point, Tick time) {
   double room = kInfinity;
   for (std::size_t g = 0; g < movers_.size(); ++g) {
     movers_[g].certifier->rebind(placement(g, time, time).middle);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "leeway/planner/edge_certifier.h"
+#include "planner/base/tolerances.h"
 #include "planner/execute/obstacles.h"
 #include "planner/execute/rows_proof.h"
 
@@ -20,11 +21,23 @@ namespace leeway::planner {
 /// its own certifier, so that the pairs without obstacles stay certified along a path.
 class StepCertifier {
  public:
-  StepCertifier(std::shared_ptr<const CompiledScene> scene, Obstacles& obstacles);
+  StepCertifier(std::shared_ptr<const CompiledScene> scene, Obstacles& obstacles,
+                const Execution& execution);
 
-  /// Drops all placements of obstacles, because the obstacles have been observed again. Makes new
-  /// certifiers for clouds that were replaced.
-  void begin();
+  /// A time of the execution, counted in parts of its steps. Proofs begin and end at ticks, so that
+  /// candidates and steps share the places of obstacles.
+  using Tick = std::int64_t;
+  static constexpr Tick kStepTicks = Tick{1} << kMustHalvings;
+  /// Stops and what follows them are proven up to multiples of this.
+  static constexpr Tick kCoarse = kStepTicks / 8;
+  double timeOf(Tick tick) const {
+    return start_ + static_cast<double>(tick / kStepTicks) * step_ +
+           static_cast<double>(tick % kStepTicks) * (step_ / kStepTicks);
+  }
+
+  /// Begins a step at a tick. Drops all placements of obstacles unless their motions are known:
+  /// then they hold in all steps. Makes new certifiers for clouds that were replaced.
+  void begin(Tick now);
 
   /// The names of two bodies; empty if unknown.
   struct Bodies {
@@ -42,12 +55,13 @@ class StepCertifier {
   /// within it is not proven.
   void setWork(std::int64_t work) { rows_.setWork(work); }
 
-  /// Returns the last of `marks` up to which the motion is proven to keep all margins, or the
-  /// motion's beginning; -infinity if it is not proven against what stands still. `marks` are
-  /// increasing times [s]; the last one is the motion's end. Halves intervals kMustHalvings times
-  /// before the first `must` marks and kAheadHalvings times after them.
-  double certify(std::span<const TimedPoint> motion, std::span<const double> marks,
-                 std::size_t must, Bodies& broken);
+  /// Returns the time of the last of `marks` up to which the motion, which begins with the step, is
+  /// proven to keep all margins, or the step's beginning; -infinity if it is not proven against
+  /// what stands still. `marks` increase; the motion does not end before the last one. Halves
+  /// intervals kMustHalvings times before the first `must` marks and kAheadHalvings times after
+  /// them.
+  double certify(std::span<const TimedPoint> motion, std::span<const Tick> marks, std::size_t must,
+                 Bodies& broken);
 
   /// Returns the least separation over the motion from its beginning to `end` [m]. The last call of
   /// certify() must have proven this part.
@@ -55,7 +69,7 @@ class StepCertifier {
                      Bodies& closest);
   /// Clearance of the robot at `point` from the obstacles that move at `time` [m]. Used to rank
   /// points.
-  double roomAt(std::span<const double> point, double time);
+  double roomAt(std::span<const double> point, Tick time);
 
   const CompiledScene& all() const { return *scene_; }
   EdgeCertifier::Statistics statistics() const;
@@ -65,12 +79,11 @@ class StepCertifier {
   /// A group of obstacles.
   struct Mover {
     std::unique_ptr<EdgeCertifier> certifier;
-    std::map<std::pair<double, double>, Obstacles::Placement> placements;
-    std::vector<std::pair<double, double>>
-        proven;  ///< intervals that the last certify() proved [s]
+    std::map<std::pair<Tick, Tick>, Obstacles::Placement> placements;
+    std::vector<std::pair<Tick, Tick>> proven;  ///< intervals that the last certify() proved
   };
-  const Obstacles::Placement& placement(std::size_t group, double t0, double t1);
-  bool certifyPart(std::size_t group, std::span<const TimedPoint> motion, double t0, double t1,
+  const Obstacles::Placement& placement(std::size_t group, Tick t0, Tick t1);
+  bool certifyPart(std::size_t group, std::span<const TimedPoint> motion, Tick t0, Tick t1,
                    int depth, Bodies& broken);
   bool rowsFree(EdgeCertifier& certifier, std::span<const TimedPoint> rows, Bodies& broken);
   double departure(std::span<const TimedPoint> rows);
@@ -78,6 +91,9 @@ class StepCertifier {
 
   std::shared_ptr<const CompiledScene> scene_;
   Obstacles& obstacles_;
+  double start_, step_;  ///< of the execution [s]
+  Tick longest_;         ///< part, a power of two
+  Tick now_ = 0;
   EdgeCertifier still_;
   RowsProof rows_;
   std::vector<Mover> movers_;         ///< by group
