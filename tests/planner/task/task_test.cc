@@ -114,7 +114,7 @@ TEST(Task, TheRobotRestsBetweenSteps) {
 
 /// Regressions: a margin of the robot did not hold for what it took hold of where its only link is
 /// named "robot", and one of a deforming obstacle where any link is.
-TEST(Task, MarginsOfALinkNamedRobotHoldForWhatItTakesHoldOf) {
+TEST(Task, MarginsOfALinkNamedRobotHoldForWhatItHolds) {
   const Folder folder;
   const auto planned = [&](const std::string& margin) {  // the wall is 150 mm from the can's way
     return planTask(loadProblem(folder.write(
