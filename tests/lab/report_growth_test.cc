@@ -41,11 +41,9 @@ TEST(ReportGrowth, WorldsGrowInOneThing) {
   }
   for (const std::int64_t points : {1000, 50000}) {
     const planner::Problem problem = growthProblem("points", points);
-    std::size_t made = 0;
-    for (const planner::Object& object : problem.world.objects)
-      if (object.cloud) made += object.cloud->size();
-    EXPECT_NEAR(static_cast<double>(made) / static_cast<double>(points), 1, 0.05);
-    EXPECT_EQ(problem.world.objects.size(), 18U);
+    ASSERT_EQ(problem.world.objects.size(), 1U);
+    const auto made = static_cast<double>(problem.world.objects[0].cloud->size());
+    EXPECT_NEAR(made / static_cast<double>(points), 1, 0.15);
   }
   for (const int joints : {2, 3, 7, 14}) {
     const planner::Problem problem = growthProblem("joints", joints);
@@ -100,12 +98,27 @@ TEST(ReportGrowth, ARivalWalksTheSameEdges) {
   EXPECT_EQ(growthTable(rows).rows().back().back(), "left out");
 }
 
+TEST(ReportSensed, CountsAnswersThatTheTruthRefutes) {
+  const Counting rival;  // says free, always
+  GrowthReportOptions options;
+  options.counts = {{"points", {1000}}};
+  options.edges = 40;
+  options.rounds = 1;
+  const std::vector<GrowthRow> rows = measureGrowth({&rival}, options);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].status, "solved");
+  EXPECT_EQ(rows[0].states, 2 * rows[0].edges) << "before and after a region was renewed";
+  EXPECT_EQ(rows[0].too_high + rows[0].too_low, 0);
+  EXPECT_EQ(rows[1].states, rows[1].edges);
+  EXPECT_GT(rows[1].too_high, 0) << "some edges go through a post";
+  EXPECT_EQ(rows[1].too_low, 0);
+}
+
 class ReportGrowthVerb : public CommandTest {};
 
 TEST_F(ReportGrowthVerb, WritesARowAWorldAndPictures) {
-  const Answer answer = run(
-      "report growth --boxes 20 10 --triangles 200 --joints 3 --points 300 --edges 5 --output out "
-      "--json");
+  const Answer answer =
+      run("report growth --boxes 20 10 --triangles 200 --joints 3 --edges 5 --output out --json");
   ASSERT_EQ(answer.status, 0) << answer.out << answer.err;
   const json told = answer.document();
   EXPECT_EQ(told["own_errors"], 0);
@@ -116,14 +129,32 @@ TEST_F(ReportGrowthVerb, WritesARowAWorldAndPictures) {
   std::size_t rows = 0, own = 0;
   for (; std::getline(csv, line); ++rows) own += line.find(",Leeway,solved,") != std::string::npos;
   EXPECT_EQ(rows, told["rows"]);
-  EXPECT_EQ(own, 5U);
-  if (hasPictures(told)) expectPicture(read("out/growth.svg"), 4 * 4);
+  EXPECT_EQ(own, 4U);
+  if (hasPictures(told)) expectPicture(read("out/growth.svg"), 3 * 4);
+}
+
+TEST_F(ReportGrowthVerb, SensedWritesARowACloudAndPictures) {
+  const Answer answer = run("report sensed --points 2000,1000 --edges 20 --output out --json");
+  ASSERT_EQ(answer.status, 0) << answer.out << answer.err;
+  const json told = answer.document();
+  EXPECT_EQ(told["own_errors"], 0);
+  const std::string csv = read("out/sensed.csv");
+  EXPECT_EQ(csv.substr(0, csv.find('\n')),
+            "points,engine,status,make_s,change_s,bytes,edges,edge_us,edge_median_us,plan_s,states,"
+            "too_high,too_low");
+  EXPECT_NE(csv.find("\n1000,Leeway,solved,"), std::string::npos);
+  if (told["missing"].dump().find("nanoflann") == std::string::npos) {
+    const std::size_t rival = csv.find("\n1000,nanoflann,measured,");
+    ASSERT_NE(rival, std::string::npos) << csv;
+    EXPECT_EQ(csv.substr(csv.find('\n', rival + 1) - 6, 6), "20,0,0") << "states, all right";
+  }
+  if (hasPictures(told)) expectPicture(read("out/sensed.svg"), 5);
 }
 
 TEST_F(ReportGrowthVerb, RefusesWhatItCannotUse) {
   expectRefused("report growth --boxes 2", {"--boxes", "8"});
   expectRefused("report growth --joints 1", {"--joints"});
-  expectRefused("report growth --points 10", {"--points", "100"});
+  expectRefused("report sensed --points 10", {"--points", "100"});
   expectRefused("report growth --family zebras", {"zebras", "triangles"});
 }
 

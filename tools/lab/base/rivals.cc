@@ -23,12 +23,13 @@ constexpr bool kCanPreferOwnSymbols = false;  // the sanitizer rejects such modu
 constexpr bool kCanPreferOwnSymbols = true;
 #endif
 
-constexpr std::array<Known, 5> kModules = {
+constexpr std::array<Known, 6> kModules = {
     {{"FCL", "leeway_rival_fcl.so", "libfcl-dev libccd-dev"},
      {"Bullet", "leeway_rival_bullet.so", "libbullet-dev"},
      {"Embree", "leeway_rival_embree.so", "libembree-dev"},
      {"KDL", "leeway_rival_kdl.so", "liborocos-kdl-dev", true},
-     {"NLopt", "leeway_rival_nlopt.so", "libnlopt-cxx-dev"}}};
+     {"NLopt", "leeway_rival_nlopt.so", "libnlopt-cxx-dev"},
+     {"nanoflann", "leeway_rival_nanoflann.so", "libnanoflann-dev"}}};
 
 RivalModule load(const Known& known, const std::filesystem::path& folder) {
   RivalModule module{known.library, "", nullptr};

@@ -19,7 +19,7 @@ struct Rivals {
   std::vector<std::unique_ptr<MeshEngine>> meshes;      ///< for `report deform`
   std::vector<std::unique_ptr<ContactEngine>> motions;  ///< for `report motion`
   std::vector<std::unique_ptr<IkEngine>> kinematics;    ///< for `report ik`
-  std::vector<std::unique_ptr<StateEngine>> states;     ///< for `report planning`
+  std::vector<std::unique_ptr<StateEngine>> states;     ///< for `report planning`, growth, sensed
 };
 
 /// Each rival is a module loaded at run time, so that no other target links its library. A module

@@ -24,7 +24,7 @@ constexpr std::int64_t kNearBoxes = 8;
 
 /// Joints alternately turn about the arm's length and across it. The first joint turns the arm
 /// around its foot. The combined motion of the others does not grow with their number.
-std::shared_ptr<const robots::Model> makeArm(int joints) {
+std::shared_ptr<const robots::Model> makeArm(int joints, bool touches_itself) {
   robots::RobotDescription robot;
   robot.name = "arm";
   robot.has_srdf = true;  // the pairs below are the only ones that need no check
@@ -51,7 +51,7 @@ std::shared_ptr<const robots::Model> makeArm(int joints) {
       link.geometries.push_back({Shape::capsule(radius, length / 2 - radius), X_LG, link.name});
     }
     // Neighbours touch at their joint, and links two apart touch where the arm bends.
-    for (int k = std::max(0, i - 2); k < i; ++k)
+    for (int k = touches_itself ? 0 : std::max(0, i - 2); k < i; ++k)
       robot.disabled_pairs.push_back({k, i, "neighbours"});
     robot.joints.push_back(joint);
     robot.links.push_back(link);
@@ -125,28 +125,44 @@ Shape makeRing(std::int64_t triangles) {
   return Shape::mesh(collision::TriangleMesh::make(vertices, faces));
 }
 
-/// Adds the ring as ten clouds.
-void addClouds(planner::Problem& problem, std::int64_t count) {
-  constexpr std::size_t kClouds = 10;
-  constexpr double kRadius = 0.03;  // covers the ring from 1,500 points on
-  const int around = rootOf(10 * static_cast<double>(count));
-  const std::vector<Vector3d> points = pointsOfRing(
-      around, std::max(3, static_cast<int>(std::lround(static_cast<double>(count) / around))));
-  for (std::size_t c = 0; c < kClouds; ++c) {
-    planner::Object object;
-    object.name = fmt::format("cloud_{}", c);
-    auto cloud = std::make_shared<planner::PointCloud>();
-    for (std::size_t p = points.size() * c / kClouds; p < points.size() * (c + 1) / kClouds; ++p)
-      cloud->balls.push_back({points[p], kRadius});
-    object.cloud = std::move(cloud);
-    problem.world.objects.push_back(std::move(object));
-  }
+/// Replaces the boxes of the world by one cloud of points on square grids on their faces.
+void seeBoxes(planner::Problem& problem, std::int64_t count) {
+  const auto eachFace = [&](const auto& visit) {
+    for (const planner::Object& box : problem.world.objects)
+      for (int axis = 0; axis < 3; ++axis)
+        for (const double side : {-1.0, 1.0}) {
+          const Vector3d& half = box.geometries.front().shape.halfExtents();
+          Vector3d middle = box.X_WO.translation, u = Vector3d::Zero(), v = Vector3d::Zero();
+          middle[axis] += side * half[axis];
+          u[(axis + 1) % 3] = half[(axis + 1) % 3];
+          v[(axis + 2) % 3] = half[(axis + 2) % 3];
+          visit(middle, u, v);
+        }
+  };
+  double area = 0;
+  eachFace([&](const Vector3d&, const Vector3d& u, const Vector3d& v) {
+    area += 4 * u.norm() * v.norm();
+  });
+  const double spacing = std::sqrt(area / static_cast<double>(count));
+  auto cloud = std::make_shared<planner::PointCloud>();
+  eachFace([&](const Vector3d& middle, const Vector3d& u, const Vector3d& v) {
+    const int n = std::max(1, static_cast<int>(std::lround(2 * u.norm() / spacing)));
+    const int m = std::max(1, static_cast<int>(std::lround(2 * v.norm() / spacing)));
+    for (int i = 0; i < n; ++i)
+      for (int k = 0; k < m; ++k)
+        cloud->balls.push_back(
+            {middle + ((2 * i + 1.0) / n - 1) * u + ((2 * k + 1.0) / m - 1) * v, kSeenRadius});
+  });
+  planner::Object seen;
+  seen.name = "seen";
+  seen.cloud = std::move(cloud);
+  problem.world.objects = {std::move(seen)};
 }
 
 }  // namespace
 
 const std::vector<std::string>& growthFamilies() {
-  static const std::vector<std::string> families = {"boxes", "triangles", "joints", "points"};
+  static const std::vector<std::string> families = {"boxes", "triangles", "joints"};
   return families;
 }
 
@@ -161,7 +177,8 @@ planner::Problem growthProblem(const std::string& family, std::int64_t count) {
   count = std::clamp(count, least, most);
   planner::Problem problem;
   problem.name = fmt::format("{} {}", count, family);
-  problem.robot.model = makeArm(family == "joints" ? static_cast<int>(count) : kUsualJoints);
+  problem.robot.model =
+      makeArm(family == "joints" ? static_cast<int>(count) : kUsualJoints, family == "points");
   const robots::Model& model = *problem.robot.model;
   planner::Goal goal{"goal", {}};
   problem.start = leaning(model, -1, 1.2);
@@ -172,7 +189,7 @@ planner::Problem growthProblem(const std::string& family, std::int64_t count) {
   problem.goals.push_back(std::move(goal));
   addNear(problem);
   if (family == "boxes") addFar(problem, count - kNearBoxes);
-  if (family == "points") addClouds(problem, count);
+  if (family == "points") seeBoxes(problem, count);
   if (family == "triangles") {
     planner::Object ring;
     ring.name = "ring";

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "tools/lab/growth/growth_report.h"
 #include "tools/lab/report/report.h"
@@ -6,7 +8,11 @@
 
 namespace leeway::tools {
 
-int runReportGrowth(report::GrowthReportOptions options) {
+namespace {
+
+int runGrowth(report::GrowthReportOptions& options, const char* name, const char* note,
+              report::Table (*rows_of)(const std::vector<report::GrowthRow>&),
+              report::Table (*table_of)(const std::vector<report::GrowthRow>&)) {
   RivalReport out(options);
   const auto rivals = out.rivals(&report::Rivals::states);
   std::size_t worlds = 0;
@@ -15,16 +21,32 @@ int runReportGrowth(report::GrowthReportOptions options) {
     worlds += counts.size();
   }
   options.progress = out.begin(worlds);
-  options.on_rows = out.keep("growth", report::growthRows);
+  options.on_rows = out.keep(name, rows_of);
   const std::vector<report::GrowthRow> rows = report::measureGrowth(rivals, options);
-  out.note("one pinned core; an edge: ours certified, the others in steps of 1/32 rad");
-  out.write("growth", report::growthRows(rows));
-  out.draw({"growth.svg"});
-  RivalReport::End end{{report::growthTable(rows)}};
+  out.note(note);
+  out.write(name, rows_of(rows));
+  out.draw({std::string(name) + ".svg"});
+  RivalReport::End end{{table_of(rows)}};
   for (const report::GrowthRow& row : rows)
-    if (row.engine == "Leeway") end.own_errors += row.status == "solved" ? 0 : 1;
+    if (row.engine == "Leeway")
+      end.own_errors += (row.status == "solved" ? 0 : 1) + row.too_high + row.too_low;
   end.count = rows.size();
   return out.end(end);
+}
+
+}  // namespace
+
+int runReportGrowth(report::GrowthReportOptions options) {
+  return runGrowth(options, "growth",
+                   "one pinned core; an edge: ours certified, the others in steps of 1/32 rad",
+                   report::growthRows, report::growthTable);
+}
+
+int runReportSensed(report::GrowthReportOptions options) {
+  return runGrowth(options, "sensed",
+                   "one pinned core; an edge: ours certified, the others in steps of 1/32 rad; too "
+                   "high, too low: answers about states that the distances of all balls refute",
+                   report::sensedRows, report::sensedTable);
 }
 
 }  // namespace leeway::tools

@@ -152,8 +152,7 @@ Verb addGrowth(CLI::App* app) {
   auto options = std::make_shared<report::GrowthReportOptions>();
   auto families = std::make_shared<std::vector<std::string>>();
   CLI::App* one =
-      addOne(app, "growth",
-             "worlds, edges and plans as boxes, triangles, joints and points grow, with FCL",
+      addOne(app, "growth", "worlds, edges and plans as boxes, triangles and joints grow, with FCL",
              "--family joints", *options, "of the plans");
   one->add_option("--family", *families, "only these")
       ->delimiter(',')
@@ -175,6 +174,22 @@ Verb addGrowth(CLI::App* app) {
               });
             return runReportGrowth(*options);
           }};
+}
+
+Verb addSensed(CLI::App* app) {
+  auto options = std::make_shared<report::GrowthReportOptions>();
+  options->counts = {{"points", {1000, 10000, 100000, 1000000}}};
+  CLI::App* one = addOne(app, "sensed",
+                         "clouds, edges and plans as points grow, with FCL's octree and nanoflann",
+                         "--points 1000,10000", *options, "of the plans");
+  const auto [least, most] = report::growthRange("points");
+  addNumber(one, "--points", options->counts.at("points"), least, most, "sizes of the clouds")
+      ->delimiter(',')
+      ->type_name("N ...");
+  addNumber(one, "--edges", options->edges, 1, 100'000,
+            "edges that planning asks for, whose middles are compared with the truth");
+  addSeconds(one, "--time", options->time, "limit of a plan [s]");
+  return {one, [options] { return runReportSensed(*options); }};
 }
 
 Verb addClearance(CLI::App* app) {
@@ -223,9 +238,9 @@ Verb addCases(CLI::App* app) {
 
 Verb addReport(CLI::App& command) {
   CLI::App* app = command.add_subcommand("report", "measurements of the engine");
-  const std::vector<Verb> reports = {addAccuracy(app),  addDeform(app),   addMotion(app),
-                                     addIkReport(app),  addPlanning(app), addGrowth(app),
-                                     addClearance(app), addCases(app)};
+  const std::vector<Verb> reports = {addAccuracy(app), addDeform(app),    addMotion(app),
+                                     addIkReport(app), addPlanning(app),  addGrowth(app),
+                                     addSensed(app),   addClearance(app), addCases(app)};
   app->require_subcommand(1);
   app->footer(kExample);
   return {app, [reports] {

@@ -53,9 +53,12 @@ int runReportIk(report::IkReportOptions options);
 /// Times, lengths and tails of plans, with OMPL's RRTConnect over the rivals.
 int runReportPlanning(report::PlanningReportOptions options);
 
-/// Cost of making a world, of an edge and of a plan as boxes, triangles, joints and points grow in
-/// number.
+/// Cost of making a world, of an edge and of a plan as boxes, triangles and joints grow in number.
 int runReportGrowth(report::GrowthReportOptions options);
+
+/// The same as the points of a cloud grow in number, cost of seeing a tenth of them again, and
+/// answers against the distances of all balls.
+int runReportSensed(report::GrowthReportOptions options);
 
 /// Least clearance from the world, and the integral of a hinge, against time, with OMPL's
 /// objectives over the rivals' distances.

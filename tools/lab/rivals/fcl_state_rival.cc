@@ -155,12 +155,18 @@ class FclChecker : public StateChecker {
 
   void listPairs() {
     std::set<std::size_t> asks;
-    for (const collision::ScenePair& pair : scene_.pairs()) {
+    const collision::ScenePairs& pairs = scene_.pairs();
+    for (std::size_t number = 0; number < pairs.numbers(); ++number) {
+      if (!pairs.has(number)) continue;
+      const collision::ScenePair pair = pairs[number];
       const std::size_t a = partOf(pair.body_a, pair.geometry_a);
       const std::size_t b = partOf(pair.body_b, pair.geometry_b);
+      // A body's balls are one part, and their numbers follow each other.
+      if (parts_[b].is_octree)
+        number += scene_.bodies()[static_cast<std::size_t>(pair.body_b)].size() - 1 -
+                  static_cast<std::size_t>(pair.geometry_b);
       if (!parts_[a].in_tree && !parts_[b].in_tree) {
-        // A body's balls are one part.
-        if (listed_.empty() || listed_.back() != std::pair(a, b)) listed_.emplace_back(a, b);
+        listed_.emplace_back(a, b);
         continue;
       }
       checked_.insert(keyOf(a, b));
