@@ -77,10 +77,10 @@ std::vector<int> RobotPairs::uncheckedBodies() const {
 const LinkGap* RobotPairs::linkGap(int i, int j) const {
   const Entry &a = entries_[at(i)], &b = entries_[at(j)];
   if (!a.isLink() || !b.isLink()) return nullptr;
-  const auto gap =
-      std::find_if(model_.link_gaps.begin(), model_.link_gaps.end(),
-                   [&](const LinkGap& g) { return isPair(g.link_a, g.link_b, a.link, b.link); });
-  return gap == model_.link_gaps.end() ? nullptr : &*gap;
+  const auto gap = std::find_if(link_gaps_.begin(), link_gaps_.end(), [&](const LinkGap& g) {
+    return isPair(g.link_a, g.link_b, a.link, b.link);
+  });
+  return gap == link_gaps_.end() ? nullptr : &*gap;
 }
 
 // Bodies.

@@ -77,6 +77,7 @@ class RobotPairs {
 
   const Problem& problem_;
   const robots::Model& model_;
+  const std::vector<robots::LinkGap>& link_gaps_ = model_.linkGaps();
   std::span<const robots::VariableRange> ranges_;
   std::vector<robots::Pose> poses_;
   std::vector<Entry> entries_;

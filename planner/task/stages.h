@@ -20,6 +20,9 @@ Problem worldAfter(const Problem& world, const Step& step, std::span<const doubl
 /// The world before the first step.
 Problem firstWorld(const Problem& problem);
 
+/// Why nothing is proven of a task without a step that moves.
+inline constexpr char kNothingMoves[] = "no step moves the robot";
+
 /// The text that names a step in messages: "step 3 (lift)".
 std::string stepText(const Problem& problem, std::size_t step);
 

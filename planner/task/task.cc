@@ -45,6 +45,11 @@ class TaskPlan {
       start_.push_back(problem_.start.at(at(v)));
       result_.path.names.push_back(problem_.robot.model->variables[at(v)].name);
     }
+    if (std::none_of(problem_.steps.begin(), problem_.steps.end(), movesRobot)) {
+      result_.status = PlanStatus::kNothingChecked;
+      result_.reason = kNothingMoves;
+      return std::move(result_);
+    }
     stretches_.resize(problem_.steps.size());
     const bool is_whole = solveFrom(0, firstWorld(problem_), start_);
     if (ended_ && at(ended_->end.step) != fault_step_)

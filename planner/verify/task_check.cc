@@ -11,6 +11,7 @@
 #include "planner/base/tolerances.h"
 #include "planner/task/line_way.h"
 #include "planner/task/stages.h"
+#include "planner/validate/checks.h"
 #include "planner/verify/frame_check.h"
 #include "planner/verify/pairs.h"
 #include "planner/verify/path_check.h"
@@ -103,6 +104,13 @@ class TaskCheck {
     if (std::string reason = wrongSteps(problem_, path_); !reason.empty())
       return refuted(0, std::move(reason));
     Problem world = firstWorld(problem_);
+    if (!path_.positions.empty() && !problem_.steps.empty() && !movesRobot(problem_.steps[0])) {
+      // Where the first step takes hold of something, the robot is at the start, too.
+      const ConfigurationSpace space(problem_.robot.model, problem_.robot.variables);
+      const Path begin{path_.names, {path_.positions.front()}, {}};
+      if (auto fault = findFault(world, space, begin, false))
+        return refuted(0, stepText(problem_, 0) + ": " + fault->reason);
+    }
     for (std::size_t s = 0; s < path_.steps.size(); ++s) try {
         const int last = path_.steps[s].last;
         if (const auto fault = checkStep(s, stageOf(world, problem_.steps[s]))) return *fault;
@@ -119,6 +127,11 @@ class TaskCheck {
     // This check comes last, so that the existing part of the path is known to be good.
     if (std::string reason = missing(); !reason.empty())
       return refuted(std::max(0, static_cast<int>(path_.positions.size()) - 2), std::move(reason));
+    if (std::none_of(problem_.steps.begin(), problem_.steps.end(), movesRobot)) {
+      result_.status = VerifyStatus::kNothingChecked;
+      result_.reason = kNothingMoves;
+      return result_;
+    }
     result_.status = VerifyStatus::kCertified;
     return result_;
   }

@@ -69,8 +69,12 @@ std::optional<planner::Path> motionOfTrajectory(const py::object& object) {
 py::object trajectoryObject(const Result& result, double period) {
   if (!(period > 0) || std::isinf(period))
     throw py::value_error("period is " + text(period) + "; a positive time is expected");
+  planner::Problem problem = *result.problem;
+  // A condition of plan_where() was asked on the edges: a blend may lead through what it refuses.
+  if (!result.value.certificate.conditions.empty())
+    problem.execution.corners = planner::Corners::kStop;
   planner::Trajectory made =
-      released([&] { return planner::trajectoryOf(*result.problem, result.value.path); });
+      released([&] { return planner::trajectoryOf(problem, result.value.path); });
   if (made.duration() / period > kMostRows)
     throw py::value_error("period is " + text(period) + "; the trajectory takes " +
                           text(made.duration()) + " s: more than ten million rows");

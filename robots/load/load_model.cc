@@ -556,7 +556,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   warnOfShapes(document, order, robot);
   wrong.throwFirst();
   auto model = std::make_shared<Model>(std::move(robot));
-  model->link_gaps = gapsOf(*model, meshes);
+  model->keepGaps(gapsOf(*model, meshes));
   return model;
 }
 

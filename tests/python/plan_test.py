@@ -620,6 +620,7 @@ def test_a_condition_in_python_restricts_the_search(robot, world):
     assert result and same(result, again) and leeway.verify(problem, result)
     assert result.planner == "Connect" and result.certificate.conditions == "sampled" and "condition sampled" in repr(result)
     assert leeway.plan(problem).certificate.conditions is None and "condition" not in repr(leeway.plan(problem))
+    assert len(result.path) > 2 and result.trajectory().blends == 0  # a blend would leave what was asked
     for a, b in zip(result.path, result.path[1:]):
         assert np.all(robot.interpolate(a, b, np.linspace(0, 1, 2 + int(robot.distance(a, b) / 0.05)))[:, 1] < 0.5)
     assert 2 < max(asked) <= 256

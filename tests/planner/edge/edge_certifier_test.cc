@@ -17,6 +17,7 @@
 #include "planner/edge/edge_frames.h"
 #include "robots/motion/link_gaps.h"
 #include "tests/support/allocations.h"
+#include "tests/support/build_paths.h"
 #include "tests/support/random_problem.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/small_problems.h"
@@ -395,8 +396,8 @@ TEST(EdgeCertifier, AllowedDepthIsThatOfLinksWithTables) {
       for (int i = 0; i < 12; ++i) points.push_back(random.vector(0.12));
       link.geometries.push_back({collision::Shape::convexHull(points), random.pose(0.15), ""});
     }
-    model->link_gaps = robots::provenGaps(*model);
-    tables += static_cast<int>(model->link_gaps.size());
+    model->keepGaps(robots::provenGaps(*model));
+    tables += static_cast<int>(model->linkGaps().size());
     Problem problem =
         test::problemOf(model, model->defaultConfiguration(), model->defaultConfiguration());
     for (const double margin : {-0.005, -0.02, 0.005}) {
@@ -879,6 +880,17 @@ TEST(EdgeCertifier, WhatCannotBeIsUndecided) {
   EXPECT_EQ(sliding.certify(home, home).verdict, Verdict::kFree);
   EXPECT_EQ(sliding.decide(wall), Verdict::kUndecided);
   EXPECT_EQ(sliding.certify(home, wall).verdict, Verdict::kUndecided);
+}
+
+// Regression: a copy kept the proofs about the links of the robot that it was copied from.
+TEST(EdgeCertifier, ACopyWithOtherShapesHasNoProofsOfTheOld) {
+  const auto model = robots::loadModel(sourceFolder() + "/robots/arm7/arm7.urdf",
+                                       sourceFolder() + "/robots/arm7/arm7.srdf");
+  auto copy = std::make_shared<robots::Model>(*model);
+  EXPECT_EQ(copy->linkGaps().size(), model->linkGaps().size());
+  EXPECT_FALSE(model->linkGaps().empty());
+  copy->links.back().geometries.push_back({collision::Shape::sphere(0.3), {}, "tool"});
+  EXPECT_TRUE(copy->linkGaps().empty());
 }
 
 // No ball holds a half-space. Robots that only slide bound its motion.

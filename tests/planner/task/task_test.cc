@@ -269,6 +269,39 @@ TEST(Task, MarginsOfTheRobotHoldForWhatItTakesHoldOf) {
   EXPECT_NE(statusWith("{between: [robot, wall], margin: 0.1}"), PlanStatus::kSolved);
 }
 
+/// Regressions: a path that begins elsewhere was certified where the first step takes hold of
+/// something, and a task in which nothing moves was certified inside a wall.
+TEST(Task, BeginsAtTheStartAndMoves) {
+  const Folder folder;
+  folder.write(
+      "slide.urdf",
+      "<robot name=\"slide\"><link name=\"base\"/><link name=\"car\"><collision><geometry>"
+      "<sphere radius=\"0.05\"/></geometry></collision></link><joint name=\"x\" "
+      "type=\"prismatic\"><parent link=\"base\"/><child link=\"car\"/><axis xyz=\"1 0 0\"/>"
+      "<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint></robot>");
+  const auto task = [&](const std::string& start, const std::string& move) {
+    return loadProblem(folder.write(
+        "task.yaml",
+        "leeway: 1\nrobot: {urdf: slide.urdf}\nstart: [" + start +
+            "]\nsteps: [{attach: {object: can, link: car}}" + move +
+            "]\nobjects:\n"
+            "  - {name: can, position: [0, 0.2, 0], box: {size: [0.05, 0.05, 0.05]}}\n"
+            "  - {name: wall, position: [0.5, 0, 0], box: {size: [0.1, 0.1, 0.1]}}\n"));
+  };
+  const std::string move = ", {move: [1]}";
+  const PlanResult right = planTask(task("0.7", move));
+  ASSERT_EQ(right.status, PlanStatus::kSolved);
+  EXPECT_EQ(verifyPath(task("0.7", move), right.path).status, VerifyStatus::kCertified);
+  const VerifyResult elsewhere = verifyPath(task("0", move), right.path);
+  EXPECT_EQ(elsewhere.status, VerifyStatus::kRefuted);
+  EXPECT_NE(elsewhere.reason.find("step 1 (attach): the first waypoint is not the start"),
+            std::string::npos)
+      << elsewhere.reason;
+  const PlanResult still = planTask(task("0.5", ""));
+  EXPECT_EQ(still.status, PlanStatus::kNothingChecked);
+  EXPECT_EQ(still.reason, "no step moves the robot");
+}
+
 TEST(Task, SaysWhichStepGotNoFurther) {
   const Folder folder;
   const Problem problem = loadProblem(folder.write(

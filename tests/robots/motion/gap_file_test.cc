@@ -47,11 +47,11 @@ TEST(GapFile, IsKeptForARobotOfMeshes) {
   const auto none = load(panda + ".srdf"), none_without = load("");
   options.cache = folder.path();
   for (int run = 0; run < 2; ++run) {
-    EXPECT_EQ(bytesOf(load(panda + ".srdf")->link_gaps), bytesOf(none->link_gaps));
+    EXPECT_EQ(bytesOf(load(panda + ".srdf")->linkGaps()), bytesOf(none->linkGaps()));
     // If the SRDF's pairs are missing, more is proven.
-    EXPECT_EQ(bytesOf(load("")->link_gaps), bytesOf(none_without->link_gaps));
+    EXPECT_EQ(bytesOf(load("")->linkGaps()), bytesOf(none_without->linkGaps()));
   }
-  EXPECT_NE(bytesOf(none->link_gaps), bytesOf(none_without->link_gaps));
+  EXPECT_NE(bytesOf(none->linkGaps()), bytesOf(none_without->linkGaps()));
 }
 
 TEST(GapFile, RefusesWhatQueriesCouldNotUse) {

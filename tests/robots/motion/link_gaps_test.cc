@@ -88,11 +88,11 @@ TEST(LinkGaps, AreKeptByArms) {
     const auto model = loadModel(file + ".urdf", file + ".srdf");
     Random random(2);
     int told = 0, near = 0;
-    for (const LinkGap& gap : model->link_gaps) {
+    for (const LinkGap& gap : model->linkGaps()) {
       expectKept(*model, gap, random, 400, told, near);
       if (HasFatalFailure()) return;
     }
-    EXPECT_GE(model->link_gaps.size(), 4U);
+    EXPECT_GE(model->linkGaps().size(), 4U);
     EXPECT_GT(told, 800);
     EXPECT_GT(near, 200);
   }

@@ -540,10 +540,10 @@ TEST(Urdf, OneCoreLoadsTheSame) {
     }
   }
   EXPECT_GT(meshes, 10);
-  ASSERT_EQ(many->link_gaps.size(), single->link_gaps.size());
-  for (std::size_t i = 0; i < many->link_gaps.size(); ++i) {
-    EXPECT_EQ(many->link_gaps[i].gaps, single->link_gaps[i].gaps);
-    EXPECT_EQ(many->link_gaps[i].cells, single->link_gaps[i].cells);
+  ASSERT_EQ(many->linkGaps().size(), single->linkGaps().size());
+  for (std::size_t i = 0; i < many->linkGaps().size(); ++i) {
+    EXPECT_EQ(many->linkGaps()[i].gaps, single->linkGaps()[i].gaps);
+    EXPECT_EQ(many->linkGaps()[i].cells, single->linkGaps()[i].cells);
   }
 }
 

@@ -206,8 +206,8 @@ struct RobotDescription {
 };
 
 /// A robot, constant from its first use on: what is prepared of it is kept with it. A copy may be
-/// changed before it is used. Configurations are spans of variables.size() doubles in the
-/// order of `variables`.
+/// changed before it is used; where its joints change, Model(RobotDescription) makes it anew.
+/// Configurations are spans of variables.size() doubles in the order of `variables`.
 class Model : public RobotDescription {
  public:
   /// Compiles `steps`, and adds the group "all" of every variable and link unless there is one, or
@@ -215,9 +215,12 @@ class Model : public RobotDescription {
   explicit Model(RobotDescription description);
 
   std::vector<KinematicStep> steps;  ///< one a joint
-  /// Proofs for pairs of links that stay near each other, by loadModel(). They hold for these
-  /// joints and geometries.
-  std::vector<LinkGap> link_gaps;
+  /// Takes proofs for pairs of links that stay near each other. They hold for the joints and
+  /// geometries as they are now.
+  void keepGaps(std::vector<LinkGap> gaps);
+  /// The proofs that loadModel() or keepGaps() gave; none once joints or geometries have changed.
+  /// O(joints + geometries).
+  const std::vector<LinkGap>& linkGaps() const;
 
   /// What planning has prepared of this robot.
   PreparedStore prepared;
@@ -227,6 +230,10 @@ class Model : public RobotDescription {
   /// The same within the limits of the robot's file, where withBounds() has replaced them: where
   /// links touch at rest does not depend on what a problem narrows.
   std::vector<double> fileConfiguration() const;
+
+ private:
+  std::vector<LinkGap> link_gaps_;
+  std::shared_ptr<const RobotDescription> gaps_of_;  ///< the robot of which they are
 };
 
 /// How robots and meshes are read.
