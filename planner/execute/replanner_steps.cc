@@ -233,7 +233,10 @@ struct Replanner::Impl {
   /// there already [s].
   void consider(Candidate candidate, ReplanStep& step, double known = -kInfinity) {
     if (candidate.drive != nullptr && candidate.times.empty()) return;  // it leads nowhere
-    if (!setMotion(candidate)) return;
+    if (!setMotion(candidate)) {
+      rest_until = -kInfinity;
+      return;
+    }
     std::vector<Tick> until = {tickOf(1)};
     if (candidate.stop_tick > tickOf(0) && candidate.stop_tick != tickOf(1))
       until.insert(candidate.stop_tick < tickOf(1) ? until.begin() : until.end(),
@@ -465,7 +468,7 @@ struct Replanner::Impl {
     Candidate c = goingOn();
     c.decision = Decision::kFollow;
     c.pace = pace;
-    setMotion(c);
+    if (!setMotion(c)) return false;
     c.until = provenBefore();
     if (!isProven(c)) return false;
     best = std::move(c);

@@ -21,7 +21,7 @@ Problem worldAfter(const Problem& world, const Step& step, std::span<const doubl
 Problem firstWorld(const Problem& problem);
 
 /// Why nothing is proven of a task without a step that moves.
-inline constexpr char kNothingMoves[] = "no step moves the robot";
+inline constexpr char kNoMove[] = "no step moves the robot";
 
 /// The text that names a step in messages: "step 3 (lift)".
 std::string stepText(const Problem& problem, std::size_t step);

@@ -47,7 +47,7 @@ class TaskPlan {
     }
     if (std::none_of(problem_.steps.begin(), problem_.steps.end(), movesRobot)) {
       result_.status = PlanStatus::kNothingChecked;
-      result_.reason = kNothingMoves;
+      result_.reason = kNoMove;
       return std::move(result_);
     }
     stretches_.resize(problem_.steps.size());

@@ -129,7 +129,7 @@ class TaskCheck {
       return refuted(std::max(0, static_cast<int>(path_.positions.size()) - 2), std::move(reason));
     if (std::none_of(problem_.steps.begin(), problem_.steps.end(), movesRobot)) {
       result_.status = VerifyStatus::kNothingChecked;
-      result_.reason = kNothingMoves;
+      result_.reason = kNoMove;
       return result_;
     }
     result_.status = VerifyStatus::kCertified;

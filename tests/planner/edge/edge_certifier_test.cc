@@ -17,7 +17,6 @@
 #include "planner/edge/edge_frames.h"
 #include "robots/motion/link_gaps.h"
 #include "tests/support/allocations.h"
-#include "tests/support/build_paths.h"
 #include "tests/support/random_problem.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/small_problems.h"
@@ -884,13 +883,29 @@ TEST(EdgeCertifier, WhatCannotBeIsUndecided) {
 
 // Regression: a copy kept the proofs about the links of the robot that it was copied from.
 TEST(EdgeCertifier, ACopyWithOtherShapesHasNoProofsOfTheOld) {
-  const auto model = robots::loadModel(sourceFolder() + "/robots/arm7/arm7.urdf",
-                                       sourceFolder() + "/robots/arm7/arm7.srdf");
-  auto copy = std::make_shared<robots::Model>(*model);
-  EXPECT_EQ(copy->linkGaps().size(), model->linkGaps().size());
-  EXPECT_FALSE(model->linkGaps().empty());
-  copy->links.back().geometries.push_back({collision::Shape::sphere(0.3), {}, "tool"});
-  EXPECT_TRUE(copy->linkGaps().empty());
+  Random random(8);
+  int tables = 0;
+  for (int run = 0; run < 40; ++run) {
+    const auto model = robots::testing::randomTree(random, 5);
+    for (robots::Link& link : model->links) {
+      std::vector<Eigen::Vector3d> points;
+      for (int i = 0; i < 12; ++i) points.push_back(random.vector(0.12));
+      link.geometries.push_back({collision::Shape::convexHull(points), random.pose(0.15), ""});
+    }
+    model->keepGaps(robots::provenGaps(*model));
+    tables += static_cast<int>(model->linkGaps().size());
+    robots::Model copy = *model;
+    EXPECT_EQ(copy.linkGaps().size(), model->linkGaps().size());
+    copy.links.back().geometries.push_back({collision::Shape::sphere(0.3), {}, "tool"});
+    EXPECT_TRUE(copy.linkGaps().empty());
+    copy = *model;
+    copy.links.back().geometries[0].X_BG.translation.x() += 0.1;
+    EXPECT_TRUE(copy.linkGaps().empty());
+    copy = *model;
+    copy.joints.back().X_PJ.translation.x() += 0.1;
+    EXPECT_TRUE(copy.linkGaps().empty());
+  }
+  EXPECT_GT(tables, 0);
 }
 
 // No ball holds a half-space. Robots that only slide bound its motion.

@@ -291,8 +291,8 @@ TEST(Task, BeginsAtTheStartAndMoves) {
   const std::string move = ", {move: [1]}";
   const PlanResult right = planTask(task("0.7", move));
   ASSERT_EQ(right.status, PlanStatus::kSolved);
-  EXPECT_EQ(verifyPath(task("0.7", move), right.path).status, VerifyStatus::kCertified);
-  const VerifyResult elsewhere = verifyPath(task("0", move), right.path);
+  EXPECT_EQ(verify(task("0.7", move), right.path).status, VerifyStatus::kCertified);
+  const VerifyResult elsewhere = verify(task("0", move), right.path);
   EXPECT_EQ(elsewhere.status, VerifyStatus::kRefuted);
   EXPECT_NE(elsewhere.reason.find("step 1 (attach): the first waypoint is not the start"),
             std::string::npos)
