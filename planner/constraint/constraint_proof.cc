@@ -110,7 +110,7 @@ bool ConstraintProof::holds(std::span<const double> a, std::span<const double> b
 bool ConstraintProof::isAccepted(std::span<const double> a, std::span<const double> b) {
   if (!condition_.accept) return true;
   const ConfigurationSpace& space = scene_->space();
-  const double parts = std::ceil(space.distance(a, b) / condition_.resolution);
+  const double parts = std::ceil(space.greatestChange(a, b) / condition_.resolution);
   for (double first = 0; first <= parts; first += kConditionStates) {
     const double count = std::min(parts - first + 1, kConditionStates);
     states_.resize(a.size() * static_cast<std::size_t>(count));

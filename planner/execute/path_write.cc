@@ -65,8 +65,9 @@ std::vector<double> rowTimes(const std::string& file, const Problem& problem,
                              const ConfigurationSpace& space, const Path& path) {
   if (path.positions.empty()) return {};
   const PathEdges edges = edgesOf(space, path);
-  const Trajectory trajectory(std::make_shared<ConfigurationSpace>(space), edges.path.positions,
-                              motionLimits(problem), {}, {}, edges.path.steps);
+  Problem stopping = problem;
+  stopping.execution.corners = Corners::kStop;
+  const Trajectory trajectory = trajectoryOf(stopping, path);
   checkTimes(file, trajectory.duration(), 0);
   std::vector<double> times = {0};
   for (std::size_t e = 0; e < edges.places.size(); ++e)

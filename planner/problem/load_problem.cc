@@ -144,7 +144,8 @@ std::shared_ptr<const Model> loadRobot(const YamlReader& file, const YamlReader&
   if (const auto xacro = robot.find("xacro")) {
     // Arguments of the command line come last and take precedence.
     decltype(load.xacro) arguments;
-    for (const auto& [name, value] : xacro->entries()) arguments.emplace_back(name, value.text());
+    for (const auto& [name, value] : xacro->entries())
+      arguments.emplace_back(name, value.anyText());
     load.xacro.insert(load.xacro.begin(), arguments.begin(), arguments.end());
   }
   if (const auto visual = robot.find("visual_as_collision"))

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "collision/base/greatest.h"
 #include "collision/base/numbers.h"
 #include "collision/base/sine_cosine.h"
 #include "leeway/collision/convex_hull.h"
@@ -212,18 +213,27 @@ void ConfigurationSpace::interpolate(std::span<const double> a, std::span<const 
   }
 }
 
+double ConfigurationSpace::change(const Part& part, std::span<const double> a,
+                                  std::span<const double> b) {
+  const std::size_t i = at(part.first);
+  if (part.kind == Kind::kCircle) return std::remainder(b[i] - a[i], kTwoPi);
+  if (part.kind != Kind::kRotation) return b[i] - a[i];
+  double r[3];
+  rotationDifference(&a[i], &b[i], r);
+  return rotationAngle(r);
+}
+
+double ConfigurationSpace::greatestChange(std::span<const double> a,
+                                          std::span<const double> b) const {
+  double most = 0;
+  for (const Part& part : parts_) most = collision::greatest(most, std::abs(change(part, a, b)));
+  return most;
+}
+
 double ConfigurationSpace::distance(std::span<const double> a, std::span<const double> b) const {
   double squared = 0;
   for (const Part& part : parts_) {
-    const std::size_t i = at(part.first);
-    double d = b[i] - a[i];
-    if (part.kind == Kind::kCircle) d = std::remainder(d, kTwoPi);
-    if (part.kind == Kind::kRotation) {
-      double r[3];
-      rotationDifference(&a[i], &b[i], r);
-      d = rotationAngle(r);
-    }
-    d *= part.weight;
+    const double d = part.weight * change(part, a, b);
     squared += d * d;
   }
   return std::sqrt(squared);
@@ -256,10 +266,20 @@ bool ConfigurationSpace::withinLimits(std::span<const double> a) const {
 
 std::string ConfigurationSpace::brokenLimit(std::span<const double> a) const {
   for (int i = 0; i < size(); ++i)
-    if (!(a[at(i)] >= lower(i) && a[at(i)] <= upper(i)))
+    if (!(std::isfinite(a[at(i)]) && a[at(i)] >= lower(i) && a[at(i)] <= upper(i)))
       return fmt::format("{} = {} is outside {} to {}",
                          model_->variables[at(variables_[at(i)])].name, a[at(i)], lower(i),
                          upper(i));
+  for (const Part& part : parts_) {
+    if (part.kind != Kind::kRotation) continue;
+    const std::size_t i = at(part.first);
+    const double length =
+        std::sqrt(a[i] * a[i] + a[i + 1] * a[i + 1] + a[i + 2] * a[i + 2] + a[i + 3] * a[i + 3]);
+    if (!(std::abs(length * length - 1) <= 2 * kUnitQuaternion))
+      return fmt::format(
+          "the quaternion that begins with {} has length {}; unit length is expected",
+          model_->variables[at(variables_[i])].name, length);
+  }
   return {};
 }
 

@@ -358,7 +358,7 @@ std::optional<VerifyResult> findUnaccepted(const Problem& problem, const Configu
     // A line of more than half a turn is several edges of one length.
     const int lines = space.edgesAlongLine(a, b);
     space.alongLine(a, b, 1.0 / lines, state);
-    const double parts = std::ceil(lines * space.distance(a, state) / condition.resolution);
+    const double parts = std::ceil(lines * space.greatestChange(a, state) / condition.resolution);
     for (double k = 0; k <= parts; ++k) {
       const double t = parts > 0 ? k / parts : 0;
       space.alongLine(a, b, t, state);

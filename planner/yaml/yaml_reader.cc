@@ -176,6 +176,10 @@ std::string YamlReader::text() const {
   return std::string(scalar());
 }
 
+std::string YamlReader::anyText() const {
+  return isScalar() && isEmpty() && node().is_quoted ? std::string() : text();
+}
+
 double YamlReader::number() const {
   if (!isScalar() || node().is_quoted)
     fail(fmt::format("{} is {}; a number is expected", where(), shown()));

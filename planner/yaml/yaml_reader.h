@@ -79,9 +79,10 @@ class YamlReader {
   }
 
   // Values.
-  std::string text() const;   ///< any scalar, not empty
-  double number() const;      ///< finite
-  double sizeNumber() const;  ///< finite and not negative
+  std::string text() const;     ///< any scalar, not empty
+  std::string anyText() const;  ///< any scalar; "" is empty
+  double number() const;        ///< finite
+  double sizeNumber() const;    ///< finite and not negative
   std::int64_t integer(std::int64_t lowest) const;
   std::uint64_t seed() const;  ///< a whole number, up to 2^64 - 1
   bool boolean() const;        ///< true or false

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "leeway/planner/task.h"
 #include "leeway/robots/text.h"
@@ -194,13 +195,16 @@ void defineWaypoint(py::module_& module) {
 void setSteps(planner::Problem& problem, const py::object& steps) {
   std::vector<planner::Step> made;
   std::map<std::string, int> unnamed;  // as problem files name them: "line", "line 2"
+  std::set<std::string> taken;
+  for (const py::handle item : steps.is_none() ? py::list() : py::list(steps))
+    if (py::isinstance<TaskStep>(item)) taken.insert(item.cast<const TaskStep&>().name);
   for (const py::handle item : steps.is_none() ? py::list() : py::list(steps)) {
     if (!py::isinstance<TaskStep>(item))
       throw py::type_error(std::string("steps hold a ") + Py_TYPE(item.ptr())->tp_name +
                            "; TaskSteps are expected");
     const TaskStep& given = item.cast<const TaskStep&>();
     planner::Step& step = made.emplace_back(stepOf(problem, given));
-    if (given.name.empty()) {
+    while (given.name.empty() && (step.name.empty() || taken.count(step.name) > 0)) {
       const int count = ++unnamed[kindOf(given)];
       step.name = kindOf(given) + (count == 1 ? "" : " " + std::to_string(count));
     }

@@ -117,6 +117,9 @@ def test_moves_to_values_are_saved(robot, tmp_path):
 def test_a_task_that_fails_says_where(robot, world):
     start = robot.state("ready")
     start[0] = -0.8
+    problem = leeway.Problem(robot, world, start, steps=[TaskStep.move(start), TaskStep.move("ready")])
+    problem.steps.append(TaskStep.move(start))
+    assert [step.name for step in problem.copy().steps] == ["move", "move 2", "move 3"]
     stuck = leeway.plan(robot, world, start, steps=[TaskStep.move(start), TaskStep.move("ready", name="into the post")], margin=0.01)
     assert not stuck and "step 2 (into the post)" in stuck.reason and "post" in stuck.reason
     for steps in ([TaskStep.detach("post")], [TaskStep.attach("post", "nothing")], [TaskStep.line("nothing", (0, 0, 1))], ["ready"]):

@@ -21,6 +21,12 @@ TEST_F(Ik, AllBranchesAndBackByFk) {
   }
 }
 
+TEST_F(Ik, LimitsOfOtherJointsDoNotMatter) {
+  write("limits.yaml", std::string(kReach) + "execution: {velocities: {elbow: 1}}\n");
+  const Answer answer = run("ik limits.yaml --link upper --position 0 0 0");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+}
+
 TEST_F(Ik, ClearanceAndWhatIsInTheWay) {
   const std::string question = "--link lower --position 0.5 0 0 --rpy 0 0 0 --json";
   const json blocked = run("ik reach.yaml " + question).document();

@@ -25,6 +25,17 @@ TEST_F(Check, ARobotNeedsNoStartAndGoal) {
   expectRefused(robot, {"--start"});
 }
 
+TEST_F(Check, PathsAreProvenForTheTermsTheyWerePlannedFor) {
+  ASSERT_EQ(run("plan reach.yaml --upright lower z 0.1 --output path.json").status, 0);
+  EXPECT_EQ(run("verify reach.yaml path.json --upright lower z 0.1").status, 0);
+  EXPECT_EQ(run("verify reach.yaml path.json --upright lower x 0.1").status, 1);
+  EXPECT_EQ(run("clearance reach.yaml path.json --upright lower z 0.1").status, 0);
+  write("slow.yaml", std::string(kReach) + "execution: {speed: 0.5}\n");
+  ASSERT_EQ(run("plan slow.yaml --speed 0.9 --trajectory fast.json").status, 0);
+  EXPECT_EQ(run("verify slow.yaml fast.json").status, 1);
+  EXPECT_EQ(run("verify slow.yaml fast.json --speed 0.9").status, 0);
+}
+
 TEST_F(Check, StatesOfMoreJointsThanArePlannedAreTold) {
   std::string srdf = kSrdf, problem = kReach;
   srdf.insert(srdf.find("  <group_state"),

@@ -451,6 +451,7 @@ Verb addClearance(CLI::App& command) {
       "clearance", "clearance along a path as certified intervals, with the closest pair");
   addProblemAndPathArguments(*app, arguments->source, arguments->files);
   addRunLimits(*app, arguments->limits);
+  addTerms(*app, arguments->limits);
   CLI::Option* tolerance =
       app->add_option("--tolerance", arguments->tolerance,
                       "width of the intervals [m]; by default what the shown digits need, and of "

@@ -282,6 +282,10 @@ int runIk(const IkArguments& arguments) {
   problem.start = q;
   problem.robot.variables = variables;
   problem.goals.clear();
+  problem.steps.clear();
+  for (auto* limits :
+       {&problem.execution.velocities, &problem.execution.accelerations, &problem.execution.jerks})
+    limits->clear();  // maybe of joints that are not solved
   if (!problem.constraints.empty()) {
     printWarnings({"constraints of the problem are not looked at: solutions may break them"});
     problem.constraints.clear();

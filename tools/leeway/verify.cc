@@ -149,6 +149,7 @@ Verb addVerify(CLI::App& command) {
       command.add_subcommand("verify", "prove or refute a path, independently of what planned it");
   addProblemAndPathArguments(*app, arguments->source, arguments->files);
   addRunLimits(*app, arguments->limits);
+  addTerms(*app, arguments->limits);
   app->add_option("--ends", arguments->ends,
                   "near: ends within 1e-6 of start and goal are theirs, with a warning; exact: "
                   "within 1e-9, as rounding leaves them")

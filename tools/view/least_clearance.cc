@@ -28,13 +28,19 @@ class Least {
         const std::function<bool()>& stop)
       : stages_(stages), edges_(edges), pairs_(pairs), stop_(stop) {
     whole_.clearance = {kInfinity, kInfinity};
+    if (pairs == planner::Pairs::kSelf) return;
+    for (const Stage& stage : stages)
+      if (stage.scene) complete_ = std::min(complete_, stage.scene->completeWithin());
   }
 
   planner::PathClearance refined() {
     for (const double width : kWidths) {
       pass(width);
-      if (figureOf(whole_.clearance) || !std::isfinite(whole_.clearance.upper)) break;
+      if (figureOf(whole_.clearance) || !std::isfinite(whole_.clearance.upper) ||
+          whole_.clearance.lower >= complete_)
+        break;
     }
+    whole_.clearance.lower = std::min(whole_.clearance.lower, complete_);
     return whole_;
   }
 
@@ -82,6 +88,7 @@ class Least {
   planner::Pairs pairs_;
   const std::function<bool()>& stop_;
   planner::PathClearance whole_;
+  double complete_ = kInfinity;  // farther away clouds lack what was cropped [m]
   int passes_ = 0;
 };
 

@@ -10,6 +10,7 @@
 #include "collision/base/numbers.h"
 #include "leeway/collision/triangle_mesh.h"
 #include "planner/base/arc_tangent.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {
@@ -291,6 +292,15 @@ TEST(ConfigurationSpace, LinesNeverLeaveTheirEnds) {
   }
 }
 
+// Turns of small bodies weigh little in the distance.
+TEST(ConfigurationSpace, TheGreatestChangeIsInRadiansAndMetres) {
+  const ConfigurationSpace space(test::disc(), std::vector<int>{0, 1, 2});
+  const std::vector<double> a{0, 0, 0}, turned{0.3, -0.4, 3}, moved{0.3, -0.4, 0.1};
+  EXPECT_EQ(space.greatestChange(a, turned), 3);
+  EXPECT_EQ(space.greatestChange(a, moved), 0.4);
+  EXPECT_LT(space.distance(a, turned), 1);
+}
+
 TEST(ConfigurationSpace, LimitsHoldForBoundedNumbersOnly) {
   const ConfigurationSpace space = everyKindSpace();
   std::mt19937_64 random(6);
@@ -299,6 +309,7 @@ TEST(ConfigurationSpace, LimitsHoldForBoundedNumbersOnly) {
   const auto with = [&](std::size_t i, double value) {
     auto q = good;
     q[i] = value;
+    EXPECT_EQ(space.brokenLimit(q).empty(), space.withinLimits(q)) << i << " " << value;
     return space.withinLimits(q);
   };
   EXPECT_TRUE(with(10, 2));

@@ -302,6 +302,30 @@ TEST(Task, BeginsAtTheStartAndMoves) {
   EXPECT_EQ(still.reason, "no step moves the robot");
 }
 
+/// Regression: the times of a path's file passed a line of 0.1 m/s at the joints' limits.
+TEST(Task, TimesOfAPathKeepTheSpeedOfLines) {
+  const Folder folder;
+  folder.write(
+      "slide.urdf",
+      "<robot name=\"slide\"><link name=\"base\"/><link name=\"car\"><collision><geometry>"
+      "<sphere radius=\"0.05\"/></geometry></collision></link><joint name=\"x\" "
+      "type=\"prismatic\"><parent link=\"base\"/><child link=\"car\"/><axis xyz=\"1 0 0\"/>"
+      "<limit lower=\"0\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint></robot>");
+  const Problem problem = loadProblem(
+      folder.write("task.yaml",
+                   "leeway: 1\nrobot: {urdf: slide.urdf}\nstart: [0]\n"
+                   "steps: [{line: {frame: car, by: [1, 0, 0], speed: 0.1}}]\nobjects:\n"
+                   "  - {name: wall, position: [0, 1, 0], box: {size: [0.1, 0.1, 0.1]}}\n"));
+  const PlanResult result = planTask(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved);
+  const std::string file = folder.path("path.csv");
+  writePath(file, problem, result);
+  std::ifstream rows(file);
+  std::string row, last;
+  while (std::getline(rows, row)) last = row;
+  EXPECT_GE(std::stod(last), 10) << last;
+}
+
 TEST(Task, SaysWhichStepGotNoFurther) {
   const Folder folder;
   const Problem problem = loadProblem(folder.write(

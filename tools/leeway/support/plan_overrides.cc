@@ -128,12 +128,27 @@ void addSetting(CLI::App& app, const planner::Setting& setting, PlanOverrides& o
   added->check(validatorOf(setting));
 }
 
+void addUpright(CLI::App& app, PlanOverrides& overrides) {
+  app.add_option("--upright", overrides.upright,
+                 "keep that AXIS (x, y or z, or turned round nx, ny or nz) of a frame, link or "
+                 "held object points up, "
+                 "to within RADIANS, on all of the path: a constraint")
+      ->type_name("FRAME AXIS RADIANS")
+      ->expected(3);
+}
+
 }  // namespace
 
 void addRunLimits(CLI::App& app, PlanOverrides& overrides) {
   addSetting(app, *planner::findSetting("seed"), overrides);
   addSetting(app, *planner::findSetting("time"), overrides,
              "; reading may take as long before it, and ten seconds at least");
+}
+
+void addTerms(CLI::App& app, PlanOverrides& overrides) {
+  for (const char* const name : {"keep", "speed", "acceleration_scale", "jerk_scale"})
+    addSetting(app, *planner::findSetting(name), overrides);
+  addUpright(app, overrides);
 }
 
 void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
@@ -154,12 +169,7 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
                  "so much times the length is added to that integral; 0 by default")
       ->type_name("W")
       ->check(numberFrom(0, 1e9));
-  app.add_option("--upright", overrides.upright,
-                 "keep that AXIS (x, y or z, or turned round nx, ny or nz) of a frame, link or "
-                 "held object points up, "
-                 "to within RADIANS, on all of the path: a constraint")
-      ->type_name("FRAME AXIS RADIANS")
-      ->expected(3);
+  addUpright(app, overrides);
   app.add_option("--certificate", overrides.certificate,
                  "how exactly clearance is told; every edge is proven either way. path: the "
                  "path's least, roughly (to about three tenths); full: that of each edge to 0.1 "

@@ -54,6 +54,8 @@ class ConfigurationSpace {
   /// Writes the point at t in [0, 1] of the edge from a to b; at t = 0 and 1 exactly a and b.
   void interpolate(std::span<const double> a, std::span<const double> b, double t,
                    std::span<double> result) const;
+  /// The greatest change of a variable between a and b, of an orientation its turn [rad or m].
+  double greatestChange(std::span<const double> a, std::span<const double> b) const;
   /// Weighted Euclidean length of difference(). It mixes rad and m, except for turns of whole
   /// bodies.
   double distance(std::span<const double> a, std::span<const double> b) const;
@@ -89,6 +91,9 @@ class ConfigurationSpace {
   int edgesAlongLine(std::span<const double> a, std::span<const double> b) const;
 
  private:
+  /// How far a part goes from a to b [rad or m].
+  static double change(const Part& part, std::span<const double> a, std::span<const double> b);
+
   std::shared_ptr<const robots::Model> model_;
   std::vector<int> variables_;
   std::vector<Part> parts_;

@@ -124,8 +124,8 @@ struct Condition {
   /// other, 256 rows at most. The same answer for the same states is expected. Called from several
   /// threads if Connect has several workers. Empty if the problem has no condition.
   std::function<bool(std::span<const double> states)> accept;
-  /// The states sampled on an edge, its ends included, are at most that far apart, in the space's
-  /// distance. Above 0.
+  /// From one state that is sampled on an edge, its ends included, to the next no variable changes
+  /// by more, and no orientation turns by more [rad or m]. Above 0.
   double resolution = 0.05;
 };
 
