@@ -195,10 +195,12 @@ TEST_F(RobotFiles, XacroGetsArguments) {
             std::string::npos)
       << failed.err;
   write("x.yaml",
-        "leeway: 1\nrobot: {urdf: arm.urdf.xacro, xacro: {prefix: \"\", length: 0.5, on: true}}\nstart: [0]\n"
+        "leeway: 1\nrobot: {urdf: arm.urdf.xacro, xacro: {prefix: \"\", length: 0.5, on: "
+        "true}}\nstart: [0]\n"
         "goal: [1]\n");
   const std::string arguments = root(leeway + "fk x.yaml --xacro on:=false --json");
-  EXPECT_TRUE(arguments.ends_with("arm.urdf.xacro prefix:= length:=0.5 on:=true on:=false")) << arguments;
+  EXPECT_TRUE(arguments.ends_with("arm.urdf.xacro prefix:= length:=0.5 on:=true on:=false"))
+      << arguments;
   for (const auto& [command, word] :
        {std::pair("info arm.urdf --xacro a:=1", "arm.urdf: is no xacro file"),
         std::pair("info arm.urdf.xacro --xacro a=1", "--xacro 'a=1' is not NAME:=VALUE"),
