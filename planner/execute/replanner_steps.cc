@@ -669,8 +669,10 @@ struct Replanner::Impl {
                                            : "a cloud",
                       object, time, now));
     obstacles.requireNewer(object, sight, time);
-    const bool contradicts =
-        !(obstacles.jump(object, sight, time) <= 0) || obstacles.widens(object, sight, bound);
+    // An older sight takes the place of the one that proofs rely on.
+    const bool contradicts = !(obstacles.jump(object, sight, time) <= 0) ||
+                             obstacles.widens(object, sight, bound) ||
+                             time < obstacles.seenAt(object, sight);
     obstacles.set(object, sight, time, bound);
     is_contradicted = is_contradicted || contradicts;
     ObstacleSight seen_now{object, time, {}, bound.speed, bound.turning};

@@ -675,11 +675,6 @@ void Problem::apply(const py::dict& settings) {
   if (given("goal") && given("goals"))
     throw py::value_error("goal is given beside goals; one of them is expected");
   planner::Problem changed = **this;
-  if (given("others") && given("start") && py::isinstance<py::dict>(settings["start"]))
-    for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(settings["start"]))
-      if (py::object(settings["others"]).contains(key))
-        throw py::value_error("start gives joint '" + std::string(py::str(key)) +
-                              "', which has a value in others; one of them is expected");
   // In the table's order: a planner before its parameters, frames before poses.
   for (const Setting& setting : planner::settings()) {
     const std::string name(setting.name);
@@ -687,6 +682,13 @@ void Problem::apply(const py::dict& settings) {
     setValue(setting, changed, py::reinterpret_borrow<py::object>(settings[name.c_str()]));
     replaceEnds(name, changed);
   }
+  if (given("others") && given("start"))
+    for (const auto& [key, value] : dictOf(settings["others"], "others")) {
+      const std::string joint = py::str(key);
+      if (changed.start[at(variableOf(changed, joint))] != number(value, "others"))
+        throw py::value_error("start gives joint '" + joint +
+                              "', which has a value in others; one of them is expected");
+    }
   placeStart(changed);
   handed_out_.clear();
   value_ = std::make_shared<const planner::Problem>(std::move(changed));

@@ -260,6 +260,8 @@ def test_a_joint_has_its_value_once(robot):
     start = {**dict(zip(robot.joint_names, TUCKED)), "finger_joint": 0}
     with pytest.raises(ValueError, match="start gives joint 'finger_joint', which has a value in others"):
         good(robot, start=start, others={"finger_joint": 0.03})
+    with pytest.raises(ValueError, match="start gives joint 'finger_joint', which has a value in others"):
+        good(robot, start={"arm": "ready", "hand": "open"}, others={"finger_joint": 0.01})
     assert good(robot, others={"finger_joint": 0.03}).others == {"finger_joint": 0.03}
 
 

@@ -553,6 +553,21 @@ def test_a_monitor_looks_anew_where_a_measurement_breaks_its_bounds(tmp_path):
         monitor.look(10, [1.5], [1])
 
 
+def test_an_older_sight_ends_what_newer_ones_proved(robot):
+    far = np.array([-0.9, 0, 0.5])
+    world = leeway.World()
+    world.add_sphere("ball", radius=0.05, position=far)
+    world.set_motion("ball", speed_bound=0.2, turn_bound=0)
+    replanner = leeway.Replanner(leeway.Problem(robot, world, turned(robot, -1.2), turned(robot, 1.2), margin=0.01, step=0.02))
+    for _ in range(30):
+        replanner.set_pose("ball", far, time=replanner.time, speed_bound=0.2, turn_bound=0)
+        assert replanner.step().certified
+    replanner.set_pose("ball", far, time=replanner.time - 20, speed_bound=0.2, turn_bound=0)
+    replanner.step()
+    replanner.set_pose("ball", robot.pose("hand", replanner.state)[:3, 3], speed_bound=0.2, turn_bound=0)
+    assert not replanner.step().certified
+
+
 def test_a_body_measured_twice_in_motion_is_as_lost_as_one_measured_once():
     body = leeway.Robot.free_body("b", [leeway.Shape.box([0.1, 0.1, 0.1])], lower=[-1, -1, -1], upper=[3, 1, 1])
     world = leeway.World()
