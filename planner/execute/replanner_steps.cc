@@ -259,18 +259,20 @@ struct Replanner::Impl {
   /// where the drive rests, which is free in a world at rest.
   void considerDrive(Decision decision, const std::shared_ptr<const Drive>& on, int row,
                      ReplanStep& step) {
+    const int lead = moves() ? 0 : restBefore();
     const auto goes = [&](int until, const std::vector<double>& stop) {
       Candidate c{decision, on};
-      c.pace = until - row;
+      c.pace = lead + until - row;
+      c.times.assign(at(lead), row);
       for (int k = row + 1; k <= until; ++k) c.times.push_back(std::min(k, on->rows()));
       c.times.insert(c.times.end(), stop.begin(), stop.end());
       return c;
     };
-    const int end = row + periods;
+    const int end = row + periods - lead;
     // Short steps share a stop.
     const int shared =
         periods * std::max(1, static_cast<int>(kStopEvery / execution().step + 1e-6));
-    if (shared > periods && row + shared < on->rows())
+    if (lead == 0 && shared > periods && row + shared < on->rows())
       consider(goes(row + shared, on->stop(row + shared)), step);
     if (isFullyProven(best)) return;
     const std::vector<double> stop = on->stop(end);
@@ -287,6 +289,10 @@ struct Replanner::Impl {
     std::iota(rest.begin(), rest.end(), end + 1.0);
     if (rest != stop) consider(goes(end, rest), step);
   }
+
+  /// The rows for which a robot that has just come to rest stands before it moves: from the last
+  /// row of one motion to the first of another its speed would change too fast.
+  int restBefore() const { return std::max(0, (limits.jerk.empty() ? 1 : 2) - rested); }
 
   /// Returns the motion that was proven before: the stop, or the rest of an evasion; else standing.
   Candidate goingOn() const {
@@ -305,6 +311,7 @@ struct Replanner::Impl {
     const Clock::time_point begin = Clock::now();
     const auto evasion = [&](const std::shared_ptr<const Drive>& way) {
       Candidate c{Decision::kEvade, way};
+      c.times.assign(at(restBefore()), 0);
       for (int k = 1; k <= way->rows(); ++k) c.times.push_back(k);
       return c;
     };
@@ -433,6 +440,10 @@ struct Replanner::Impl {
       return consider(goingOn(), step, provenBefore());
     }
     unheld = 0;
+    if (restBefore() >= periods) {
+      why = "it has just come to rest";
+      return consider(goingOn(), step, provenBefore());
+    }
     why = path.empty() ? "there is no path" : "the path does not hold";
     if (step.path_held) {
       why = "the way ahead with a stop at its end is not proven";
@@ -506,6 +517,11 @@ struct Replanner::Impl {
     step.stop.assign(end, std::find_if(end, best.motion.end(), [&](const TimedPoint& row) {
                        return row.time > best.stop_end;
                      }));
+    int still = 0;  // rows at its end
+    while (still < periods && step.motion[at(periods - still - 1)].position ==
+                                  step.motion[at(periods - still)].position)
+      ++still;
+    rested = std::min(still < periods ? still : rested + periods, kMostRested);
     step.keeps_stop = keepsStop(step);
     last_stop = step.stop;
     if (!step.certified) {
@@ -707,8 +723,10 @@ struct Replanner::Impl {
   std::shared_ptr<const Drive> drive;
   double time_on_drive = 0;
   std::vector<double> ahead;
-  bool follows = false;        // it moves at the drive's pace, in its rows
-  int pace = 0;                // of `ahead`, the first that do [count]
+  bool follows = false;  // it moves at the drive's pace, in its rows
+  int pace = 0;          // of `ahead`, the first that do [count]
+  static constexpr int kMostRested = 2;
+  int rested = kMostRested;    // rows for which it has stood
   bool is_lost = false;        // it was measured in a motion that cannot go on beside its drive
   bool evades = false;         // the drive leaves the path
   std::vector<double> offset;  // from the drive, where it was measured; empty: none
