@@ -568,6 +568,31 @@ def test_an_older_sight_ends_what_newer_ones_proved(robot):
     assert not replanner.step().certified
 
 
+def test_accelerations_keep_their_limits_from_one_motion_to_the_next(robot):
+    """Regression: a stop that ended with a step was followed by a new motion at once, at 4.853 rad/s^2 of joint 5."""
+    rng = np.random.default_rng(200)
+    speed, step = rng.uniform(0.05, 0.3), float(rng.choice([0.01, 0.02, 0.05]))
+    place = np.array([0.55, rng.uniform(-0.3, 0.3), rng.uniform(0.4, 1)])
+    world = leeway.World()
+    world.add_sphere("ball", radius=0.08, position=place)
+    world.set_motion("ball", speed_bound=speed, turn_bound=0)
+    replanner = leeway.Replanner(leeway.Problem(robot, world, turned(robot, -0.9), turned(robot, 0.9), margin=0.01, step=step, seed=200,
+                                                look_ahead=0.3, time=1, iterations=2000))
+    rows = []
+    for k in range(250):
+        if k and rng.random() < 0.8:
+            replanner.set_pose("ball", place, speed_bound=speed, turn_bound=0)
+        taken = replanner.step()
+        assert taken.certified
+        rows += list(taken.motion if k == 0 else taken.motion[1:])
+        away = rng.normal(size=3)
+        place = place + away / np.linalg.norm(away) * speed * step * rng.uniform(0.7, 1) * (1 - 1e-9)
+    rows = np.array(rows)
+    velocity = np.diff(rows[:, 1:], axis=0) / np.diff(rows[:, :1], axis=0)
+    acceleration = np.abs(np.diff(velocity, axis=0)) / np.diff(rows[:-1, :1], axis=0)
+    assert np.all(acceleration.max(axis=0) <= np.array([2.96706, 2.96706, 2.96706, 2.618, 4.53786, 4.53786, 4.53786]) * (1 + 1e-5))
+
+
 def test_a_body_measured_twice_in_motion_is_as_lost_as_one_measured_once():
     body = leeway.Robot.free_body("b", [leeway.Shape.box([0.1, 0.1, 0.1])], lower=[-1, -1, -1], upper=[3, 1, 1])
     world = leeway.World()
