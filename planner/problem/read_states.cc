@@ -392,7 +392,7 @@ Goal takeGoal(const std::string& file, int line, const std::string& name,
 
 namespace {
 
-/// What commas and blanks part.
+/// The words between commas and blanks.
 struct StatedWords {
   std::vector<double> numbers;  ///< those that are finite numbers
   std::size_t count = 0;

@@ -198,7 +198,7 @@ class LogVerifier {
                  ? std::sqrt(v[i] * v[i] + v[i + 1] * v[i + 1] + v[i + 2] * v[i + 2])
                  : std::abs(v[i]);
     };
-    // Of a value, and of a time at the greatest speed.
+    // Bounds the rounding of a value, and of a time at the greatest speed.
     const double of_time =
         kLogTimeDigits * std::max(std::abs(time), std::abs(problem_.execution.start));
     const auto roundingOf = [&](std::size_t k) {

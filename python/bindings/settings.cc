@@ -126,7 +126,7 @@ py::object getWishes(const planner::Problem& problem) {
       wishes[key] = entry;
       continue;
     }
-    // Of two wishes for the same pairs both count.
+    // Two wishes for the same pairs both count.
     const py::object before = wishes[key];
     py::list all = py::isinstance<py::list>(before) ? before.cast<py::list>() : py::list();
     if (all.empty()) all.append(before);
@@ -161,6 +161,8 @@ void setWishes(planner::Problem& problem, const py::object& value) {
       add(py::reinterpret_borrow<py::object>(entry));
       continue;
     }
+    if (py::len(entry) == 0)
+      throw py::value_error("wishes: an empty list; a clearance, or several, are expected");
     for (const py::handle one : py::reinterpret_borrow<py::list>(entry))
       add(py::reinterpret_borrow<py::object>(one));
   }
@@ -352,7 +354,8 @@ const OwnValue kOwnValues[] = {
          for (const py::handle item : py::list(v)) add(item);
        p.contacts.allowed = std::move(pairs);
      }},
-    {"wishes", "Mapping[Any, float | tuple[float, float]]", "Any", getWishes, setWishes},
+    {"wishes", "Mapping[Any, float | tuple[float, float] | list[float | tuple[float, float]]]",
+     "Any", getWishes, setWishes},
     {"objective", "str | Mapping[str, Any]", "str | dict[str, Any]", getObjective,
      [](P& p, V v) {
        if (py::isinstance<py::dict>(v)) {
