@@ -796,7 +796,11 @@ constexpr double kCutClearance = 1e-3;
 constexpr double kBlendShrink = 0.6;
 constexpr int kBlendTries = 7;
 
-/// The latest time of a row that is read [s], some 30,000 years: differences are exact to 0.1 ms.
+/// A crop's reach grows by this share of its distance from the world's origin. So it still covers a
+/// robot whose base was written as a quaternion and read again.
+constexpr double kCropGrowth = 1e-12;
+
+/// The latest time of a row that is read [s], about 30,000 years: differences are exact to 0.1 ms.
 constexpr double kLatestTime = 1e12;
 
 /// Quintics through the rows of a file are its cubics to within this [rad or m]; rows that depart
@@ -838,7 +842,7 @@ constexpr double kVerifyRowLimit = 1e-5;
 /// larger of both.
 constexpr double kLogPlaceDigits = 1e-15;
 constexpr double kLogTimeDigits = 4e-16;
-/// What rounding may hide of a limit: if it could hide more, the log is undecided.
+/// The share of a limit that rounding may hide. If it could hide more, the log is undecided.
 constexpr double kLogLimitShare = 0.05;
 
 /// How far beyond its tolerance a verified pose may be [m, rad]. It covers the rounding of the

@@ -167,8 +167,8 @@ struct Replanner::Impl {
 
   /// Sets the times up to which candidates are proven: the step's end and, to look ahead, times
   /// that are farther apart the farther they are. A robot that has to leave a place comes to rest
-  /// before, and evades from rest to rest. Where only bounds are known, there is no time for the
-  /// evasion: all may come nearer, and it would evade what stands far away.
+  /// before, and evades from rest to rest. With bounds on obstacles alone, the time of an evasion
+  /// is left out: any obstacle may come nearer, and the robot would evade distant ones.
   void setMarks(bool ahead_of_step) {
     const double evasion = obstacles.arePredicted() ? reaction + kEvasionTime : 0;
     const double time =
@@ -192,8 +192,9 @@ struct Replanner::Impl {
   // ---------------------------------------------------------------------------------------------
   // candidates
 
-  /// Where the robot is at a time of a drive. Off the drive that it is on by where it was measured,
-  /// and never outside the limits: `is_cut` where that alters the motion.
+  /// The robot's place at a time of a drive. On the present drive, the offset at which the robot
+  /// was measured is added. The limits are never left: `is_cut` becomes true if that changes the
+  /// motion.
   std::vector<double> placeOn(const std::shared_ptr<const Drive>& on, double time,
                               bool& is_cut) const {
     std::vector<double> place = on->at(time);
@@ -517,7 +518,7 @@ struct Replanner::Impl {
     step.stop.assign(end, std::find_if(end, best.motion.end(), [&](const TimedPoint& row) {
                        return row.time > best.stop_end;
                      }));
-    int still = 0;  // rows at its end
+    int still = 0;  // rows at the end of the step in which the robot stands
     while (still < periods && step.motion[at(periods - still - 1)].position ==
                                   step.motion[at(periods - still)].position)
       ++still;
@@ -726,7 +727,7 @@ struct Replanner::Impl {
   bool follows = false;  // it moves at the drive's pace, in its rows
   int pace = 0;          // of `ahead`, the first that do [count]
   static constexpr int kMostRested = 2;
-  int rested = kMostRested;    // rows for which it has stood
+  int rested = kMostRested;    // rows for which it has stood, up to kMostRested
   bool is_lost = false;        // it was measured in a motion that cannot go on beside its drive
   bool evades = false;         // the drive leaves the path
   std::vector<double> offset;  // from the drive, where it was measured; empty: none

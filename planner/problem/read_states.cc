@@ -486,6 +486,16 @@ void warnOfOthers(const std::string& state, const std::string& where, Problem& p
   if (!others.empty()) problem.warnings.push_back(where + ": " + others);
 }
 
+namespace {
+
+void warnOfOthers(const YamlReader& reader, Problem& problem) {
+  if (!reader.isScalar()) return;
+  warnOfOthers(reader.text(),
+               fmt::format("{}:{}: {}", reader.file(), reader.line(), reader.where()), problem);
+}
+
+}  // namespace
+
 void readStart(const YamlReader& reader, const VariableRanges& passive, Problem& problem) {
   if (givesPoses(reader, *problem.robot.model)) {
     problem.start_poses = readPoseRegions(reader, problem);
@@ -499,17 +509,13 @@ void readStart(const YamlReader& reader, const VariableRanges& passive, Problem&
                                    "is expected",
                                    variableText(*problem.robot.model, static_cast<int>(v))));
   takeStart(reader.file(), reader.line(), given, problem);
-  if (reader.isScalar())
-    warnOfOthers(reader.text(),
-                 fmt::format("{}:{}: {}", reader.file(), reader.line(), reader.where()), problem);
+  warnOfOthers(reader, problem);
 }
 
 Goal readGoal(const YamlReader& reader, const std::string& name, Problem& problem) {
   if (givesPoses(reader, *problem.robot.model)) return {name, {}, readPoseRegions(reader, problem)};
   const VariableRanges given = StateReader(problem, true).read(reader);
-  if (reader.isScalar())
-    warnOfOthers(reader.text(),
-                 fmt::format("{}:{}: {}", reader.file(), reader.line(), reader.where()), problem);
+  warnOfOthers(reader, problem);
   return takeGoal(reader.file(), reader.line(), reader.isScalar() ? reader.text() : name, given,
                   problem);
 }

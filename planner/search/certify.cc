@@ -288,7 +288,7 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
       segment = {std::min(segment.lower, found.lower), std::min(segment.upper, found.upper)};
     }
   }
-  // What was cropped may be this near.
+  // Cropped points may be this near.
   const double most = certifier.scene().completeWithin();
   for (Interval* clearance : {&certificate.clearance, &certificate.world.clearance})
     clearance->lower = std::min(clearance->lower, most);

@@ -15,6 +15,7 @@
 #include "collision/base/pose_check.h"
 #include "collision/base/tolerances.h"
 #include "leeway/collision/distance.h"
+#include "planner/base/tolerances.h"
 #include "planner/sensed/stride.h"
 
 namespace leeway::planner {
@@ -28,9 +29,6 @@ using Eigen::Vector3d;
 
 /// Bounds the relative rounding of a distance of two points, added to or compared with a radius.
 constexpr double kDistanceRounding = 16 * kUnitRoundoff;
-/// A crop's reach grows by this share of its distance from the world's origin. So it still covers a
-/// robot whose base was written as a quaternion and read again.
-constexpr double kReachGrowth = 1e-12;
 
 void requireSize(const char* what, double size) {
   if (size >= kSmallestSize && size <= kLargestSize) return;
@@ -371,7 +369,7 @@ PointCloud cropped(const PointCloud& cloud, const robots::Pose& X_WC, std::span<
   requireNotNegative("distance", distance);
   requirePose(X_WC);
   std::vector<Ball> grown(reach_W.begin(), reach_W.end());
-  for (Ball& reach : grown) reach.radius += kReachGrowth * (reach.center.norm() + reach.radius);
+  for (Ball& reach : grown) reach.radius += kCropGrowth * (reach.center.norm() + reach.radius);
   std::vector<char> is_removed(cloud.size(), 0);
   for (std::size_t b = 0; b < cloud.size(); ++b) {
     const Ball& ball = cloud.balls[b];

@@ -10,13 +10,18 @@
 namespace leeway::planner {
 namespace {
 
+/// Whether a word keeps its meaning although a link has it as its name: the link has no shape, or
+/// is the whole robot.
+bool keepsMeaning(const robots::Model& model, std::string_view word) {
+  return isBareLink(model, word) || (word == kRobotWord && model.links.size() == 1);
+}
+
 bool standsForAll(const Problem& problem, std::string_view word) {
   const auto& pairs = problem.margins.pairs;
   const robots::Model& model = *problem.robot.model;
   return std::any_of(pairs.begin(), pairs.end(),
                      [&](const PairMargin& m) { return m.a == word || m.b == word; }) &&
-         (model.findLink(word) < 0 || isBareLink(model, word) ||
-          (word == kRobotWord && model.links.size() == 1));
+         (model.findLink(word) < 0 || keepsMeaning(model, word));
 }
 
 /// The fault of a name that has a meaning already; empty for other names.
@@ -85,8 +90,7 @@ std::string Names::pairFault(const std::string& a, const std::string& b) const {
 std::string Names::marginFault(const std::string& a, const std::string& b) const {
   const auto isWord = [this](const std::string& side) {
     return (side == kRobotWord || side == kWorldWord) &&
-           (!isKnown(side) || isBareLink(*problem_.robot.model, side) ||
-            (side == kRobotWord && problem_.robot.model->links.size() == 1));
+           (!isKnown(side) || keepsMeaning(*problem_.robot.model, side));
   };
   for (const auto& [side, other] : {std::pair(a, b), std::pair(b, a)}) {
     if (!isWord(side)) continue;

@@ -110,8 +110,8 @@ inline constexpr const char* kWorldReserved =
 /// Whether the robot has a link of this name without shapes. Many URDFs have one named "world".
 bool isBareLink(const robots::Model& model, std::string_view name);
 /// Whether kRobotWord and kWorldWord stand for all bodies of their kind in the margins of a
-/// problem. They do if the margins use the word and no link with shapes has it as its name.
-/// O(pairs + links).
+/// problem. They do if the margins use the word and no link with shapes has it as its name, or that
+/// link is the whole robot. O(pairs + links).
 struct MarginWords {
   explicit MarginWords(const Problem& problem);
   bool robot, world;

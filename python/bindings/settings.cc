@@ -179,7 +179,7 @@ py::object getOthers(const planner::Problem& problem) {
   return values;
 }
 
-/// What is left out stands where a robot stands by default.
+/// Sets the joints that are not planned. Joints that are left out go to their defaults.
 void setOthers(planner::Problem& problem, const py::object& value) {
   std::vector<double> q = problem.robot.model->defaultConfiguration();
   for (const int variable : problem.robot.variables) q[at(variable)] = problem.start[at(variable)];
@@ -655,7 +655,7 @@ void Problem::takeChanges(const std::string& except) const {
     if (!changed) changed = std::make_shared<planner::Problem>(*value_);
     if (setting.name == "margins") putChangedLast(found->second.object, getMargins(*value_));
     setValue(setting, *changed, found->second.object);
-    // What was deleted is a joint's own value again.
+    // A joint whose value was deleted has its default again.
     if (setting.name == "others") refill(found->second.object, getOthers(*changed));
   }
   if (!changed) return;
@@ -735,7 +735,7 @@ void Problem::set(const Setting& setting, const py::object& value) {
   // An attribute that is set is another object, as in all of Python: who keeps the old one can set
   // it again.
   for (auto& [of, kept] : replaced_)
-    if (of == replaced) kept.image = imageOf(kept.object);  // what is meant was just said
+    if (of == replaced) kept.image = imageOf(kept.object);  // the new value replaces its changes
   const auto old = handed_out_.find(name);
   if (old != handed_out_.end() && !value.is(old->second.object)) {
     constexpr std::size_t kMostReplaced = 100;

@@ -106,8 +106,8 @@ void withObject(AnyWorld& world, const std::string& name, const Use& use) {
   unknown(name);
 }
 
-/// What set_motion()'s arguments say. They are read before the object is looked up: reading may run
-/// code in Python that changes the world.
+/// The arguments of set_motion(). They are read before the object is looked up, because reading may
+/// run code in Python that changes the world.
 struct MotionGiven {
   std::optional<std::vector<collision::PoseMotion::Key>> keys;
   bool is_steady = false;

@@ -241,7 +241,7 @@ PoseRegion PoseRegion::exact(int link, const Pose& X_LF, const Pose& X_WR, const
   PoseRegion region;
   region.link = link;
   region.X_LF = X_LF;
-  // Angles say less than a rotation: near a pitch of 90 degrees they are 1e-7 off.
+  // Angles are less exact than a rotation: near a pitch of 90 degrees they are 1e-7 off.
   region.X_WR = X_WR * X_RF;
   region.position.fill({0, 0});
   region.rpy.fill({0, 0});

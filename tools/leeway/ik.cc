@@ -64,8 +64,8 @@ robots::PoseRegion parseRegion(const IkArguments& arguments, int link) {
       badUsage(fmt::format("--quaternion: its length is {}; a rotation's is 1", norm));
     const Eigen::Matrix3d R =
         Eigen::Quaterniond(q[3] / norm, q[0] / norm, q[1] / norm, q[2] / norm).toRotationMatrix();
-    // The frame that turns back by R stands as the world does. Angles say less than a rotation:
-    // near a pitch of 90 degrees they are 1e-7 off.
+    // The link has the rotation R if a frame that is turned back by R is aligned with the world.
+    // Angles are less exact: near a pitch of 90 degrees they are 1e-7 off.
     region.X_LF.rotation = R.transpose();
     region.rpy.fill({0, 0});
     return region;

@@ -383,19 +383,25 @@ TEST(EdgeCertifier, AllowedDepthIsNotExceededInsideASolid) {
   EXPECT_LT(certifier.certify(shallow, middle, request).last_valid, 0.1);
 }
 
+/// A random tree of links with a hull each, and the proofs about pairs of them.
+std::shared_ptr<robots::Model> treeWithGaps(Random& random) {
+  const auto model = robots::testing::randomTree(random, 5);
+  for (robots::Link& link : model->links) {
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i < 12; ++i) points.push_back(random.vector(0.12));
+    link.geometries.push_back({collision::Shape::convexHull(points), random.pose(0.15), ""});
+  }
+  model->keepGaps(robots::provenGaps(*model));
+  return model;
+}
+
 // Link-gap tables prove distances, never depths. Regression: with a negative margin, pairs without
 // a proof were free at any angle.
 TEST(EdgeCertifier, AllowedDepthIsThatOfLinksWithTables) {
   Random random(8);
   int free = 0, deep = 0, tables = 0;
   for (int run = 0; run < 40; ++run) {
-    const auto model = robots::testing::randomTree(random, 5);
-    for (robots::Link& link : model->links) {
-      std::vector<Eigen::Vector3d> points;
-      for (int i = 0; i < 12; ++i) points.push_back(random.vector(0.12));
-      link.geometries.push_back({collision::Shape::convexHull(points), random.pose(0.15), ""});
-    }
-    model->keepGaps(robots::provenGaps(*model));
+    const auto model = treeWithGaps(random);
     tables += static_cast<int>(model->linkGaps().size());
     Problem problem =
         test::problemOf(model, model->defaultConfiguration(), model->defaultConfiguration());
@@ -886,13 +892,7 @@ TEST(EdgeCertifier, ACopyWithOtherShapesHasNoProofsOfTheOld) {
   Random random(8);
   int tables = 0;
   for (int run = 0; run < 40; ++run) {
-    const auto model = robots::testing::randomTree(random, 5);
-    for (robots::Link& link : model->links) {
-      std::vector<Eigen::Vector3d> points;
-      for (int i = 0; i < 12; ++i) points.push_back(random.vector(0.12));
-      link.geometries.push_back({collision::Shape::convexHull(points), random.pose(0.15), ""});
-    }
-    model->keepGaps(robots::provenGaps(*model));
+    const auto model = treeWithGaps(random);
     tables += static_cast<int>(model->linkGaps().size());
     robots::Model copy = *model;
     EXPECT_EQ(copy.linkGaps().size(), model->linkGaps().size());

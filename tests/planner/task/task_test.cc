@@ -245,19 +245,24 @@ TEST(Task, LinesOfARobotOnAFloatingVirtualJoint) {
   EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
 }
 
+/// Writes slide.urdf: a ball "car" of 5 cm that slides along x, from 0 to 2 m at up to 1 m/s.
+void writeSlide(const Folder& folder) {
+  folder.write(
+      "slide.urdf",
+      "<robot name=\"slide\"><link name=\"base\"/><link name=\"car\"><collision><geometry>"
+      "<sphere radius=\"0.05\"/></geometry></collision></link><joint name=\"x\" "
+      "type=\"prismatic\"><parent link=\"base\"/><child link=\"car\"/><axis xyz=\"1 0 0\"/>"
+      "<limit lower=\"0\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint></robot>");
+}
+
 /// A car takes hold of a can and passes a wall at 10 mm.
 TEST(Task, MarginsOfTheRobotHoldForWhatItTakesHoldOf) {
   const Folder folder;
-  folder.write(
-      "slider.urdf",
-      "<robot name=\"slider\"><link name=\"base\"/><link name=\"car\"><collision><geometry>"
-      "<sphere radius=\"0.05\"/></geometry></collision></link><joint name=\"x\" "
-      "type=\"prismatic\"><parent link=\"base\"/><child link=\"car\"/><axis xyz=\"1 0 0\"/>"
-      "<limit lower=\"0\" upper=\"0.5\" effort=\"1\" velocity=\"1\"/></joint></robot>");
+  writeSlide(folder);
   const auto statusWith = [&](const std::string& margins) {
     return solve(loadProblem(folder.write(
                      "task.yaml",
-                     "leeway: 1\nrobot: {urdf: slider.urdf}\nstart: {x: 0}\nobjects:\n"
+                     "leeway: 1\nrobot: {urdf: slide.urdf}\nstart: {x: 0}\nobjects:\n"
                      "  - {name: can, position: [0, 0.2, 0], box: {size: [0.05, 0.1, 0.05]}}\n"
                      "  - {name: wall, position: [0.25, 0.31, 0], box: {size: [0.1, 0.1, 0.1]}}\n"
                      "margins: [" +
@@ -273,12 +278,7 @@ TEST(Task, MarginsOfTheRobotHoldForWhatItTakesHoldOf) {
 /// something, and a task in which nothing moves was certified inside a wall.
 TEST(Task, BeginsAtTheStartAndMoves) {
   const Folder folder;
-  folder.write(
-      "slide.urdf",
-      "<robot name=\"slide\"><link name=\"base\"/><link name=\"car\"><collision><geometry>"
-      "<sphere radius=\"0.05\"/></geometry></collision></link><joint name=\"x\" "
-      "type=\"prismatic\"><parent link=\"base\"/><child link=\"car\"/><axis xyz=\"1 0 0\"/>"
-      "<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/></joint></robot>");
+  writeSlide(folder);
   const auto task = [&](const std::string& start, const std::string& move) {
     return loadProblem(folder.write(
         "task.yaml",
@@ -305,12 +305,7 @@ TEST(Task, BeginsAtTheStartAndMoves) {
 /// Regression: the times of a path's file passed a line of 0.1 m/s at the joints' limits.
 TEST(Task, TimesOfAPathKeepTheSpeedOfLines) {
   const Folder folder;
-  folder.write(
-      "slide.urdf",
-      "<robot name=\"slide\"><link name=\"base\"/><link name=\"car\"><collision><geometry>"
-      "<sphere radius=\"0.05\"/></geometry></collision></link><joint name=\"x\" "
-      "type=\"prismatic\"><parent link=\"base\"/><child link=\"car\"/><axis xyz=\"1 0 0\"/>"
-      "<limit lower=\"0\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint></robot>");
+  writeSlide(folder);
   const Problem problem = loadProblem(
       folder.write("task.yaml",
                    "leeway: 1\nrobot: {urdf: slide.urdf}\nstart: [0]\n"

@@ -333,7 +333,7 @@ TEST_F(LeftOutOfUrdf, AJointThatCannotMoveIsAWarning) {
   expectWarnings(*load(joint("\n<limit upper=\"0.5\" effort=\"1\" velocity=\"1\"/>")), {});
 }
 
-/// MoveIt takes z, whatever the file says.
+/// MoveIt always takes z.
 TEST_F(LeftOutOfUrdf, APlaneThatIsNotNormalToZIsAWarning) {
   const auto planar = [](std::string text) {
     return text.replace(text.find("revolute"), 8, "planar");

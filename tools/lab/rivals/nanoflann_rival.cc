@@ -1,4 +1,4 @@
-// nanoflann's tree of points, as `report sensed` asks it: whether a sphere or capsule of the robot
+// nanoflann's tree of points, for `report sensed`: whether a sphere or capsule of the robot
 // comes nearer to a point than the radius of its ball.
 
 #include <Eigen/Core>

@@ -13,8 +13,8 @@ namespace leeway::tools {
 class FileDigests {
  public:
   /// The digest of a file's bytes in hexadecimal digits (64 bits of FNV-1a: it finds changes, not
-  /// forgeries), with those of the .bin files beside a .gltf. Empty if there is no such file. Reads
-  /// a file again if its size or time has changed.
+  /// forgeries), with those of the .bin files beside a .gltf. Empty if the file does not exist.
+  /// Reads a file again if its size or time has changed.
   std::string of(const std::string& path);
   /// Path and digest of each that is a file. Throws InputError for one that was changed since it
   /// was read.

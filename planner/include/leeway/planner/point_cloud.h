@@ -114,7 +114,7 @@ struct CloudRegion {
 /// a lower bound above the upper one, and for a cropped `seen`. O(size).
 /// CompiledScene::withRegion() does the same to a compiled cloud, at the cost of the region.
 PointCloud renewed(const PointCloud& cloud, const CloudRegion& region, const PointCloud& seen);
-/// What renewed() has to say about its arguments; empty if they are accepted.
+/// Returns the fault of renewed()'s arguments; empty if they are accepted.
 std::string regionFault(const CloudRegion& region, const PointCloud& seen);
 
 /// Returns a message about the first ball that is not accepted, "ball 7 has the radius -1; ...", or

@@ -19,7 +19,7 @@ enum class Decision : unsigned char {
   kFollow,  ///< follow the path, which holds
   kWait,    ///< come to rest by the stop of the step before, or stand
   kEvade,   ///< leave the path for a place that is certified, because standing is not
-  kUnsafe,  ///< as kWait, but nothing is certified, not even standing
+  kUnsafe,  ///< as kWait, but the step is not certified (see ReplanStep::exposed)
 };
 const char* toString(Decision decision);  ///< "plan", "follow", "wait", "evade", "unsafe"
 
@@ -217,7 +217,7 @@ class Replanner {
 };
 
 enum class ReplanStatus : unsigned char {
-  kReached,         ///< in a goal; ReplanResult::certified tells whether every step was
+  kReached,         ///< in a goal; ReplanResult::certified: whether every step was certified
   kExposed,         ///< an obstacle may reach the robot, which stands (ReplanStep::exposed)
   kUnsafe,          ///< at the last step nothing could be certified
   kTimeout,         ///< Execution::duration has passed

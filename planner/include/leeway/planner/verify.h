@@ -42,8 +42,8 @@ struct VerifyResult {
 /// definition of an edge. Conservative advancement, see verify.cc. A bad path is refuted, with a
 /// reason. Of a problem with steps each one's stretch is verified in the world as the steps before
 /// have left it, and lines are proven to be straight; the path must have its steps (Path::steps).
-/// What steps mean is shared with the planner: where things are held and put down, the places that
-/// poses name, and the ways of lines.
+/// The planner and the verifier share the meaning of steps: where things are held and put down, the
+/// places that poses name, and the ways of lines.
 /// Throws robots::InputError for a problem that validate() refuses, and for one without goals and
 /// steps.
 ///

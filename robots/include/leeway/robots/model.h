@@ -206,7 +206,7 @@ struct RobotDescription {
 };
 
 /// A robot, constant from its first use on: what is prepared of it is kept with it. A copy may be
-/// changed before it is used; where its joints change, Model(RobotDescription) makes it anew.
+/// changed before it is used. If its joints change, make a new one by Model(RobotDescription).
 /// Configurations are spans of variables.size() doubles in the order of `variables`.
 class Model : public RobotDescription {
  public:
@@ -233,7 +233,7 @@ class Model : public RobotDescription {
 
  private:
   std::vector<LinkGap> link_gaps_;
-  std::shared_ptr<const RobotDescription> gaps_of_;  ///< the robot of which they are
+  std::shared_ptr<const RobotDescription> gaps_of_;  ///< the robot that they were proven for
 };
 
 /// How robots and meshes are read.
