@@ -7,6 +7,7 @@
 
 #include "collision/base/exact_predicates.h"
 #include "collision/base/numbers.h"
+#include "collision/mesh/topology/components.h"
 
 namespace leeway::collision {
 namespace {
@@ -118,6 +119,59 @@ std::vector<Triangle> crackFillers(std::span<const Vector3d> vertices,
     add(A, before, B);
   }
   return fillers;
+}
+
+std::vector<std::pair<std::int32_t, std::int32_t>> overlappingEdges(
+    std::span<const Vector3d> vertices, std::span<const Triangle> triangles) {
+  // The edges of each vertex, by a component of their direction that few of them share. Rounding
+  // changes it by less than kSame.
+  constexpr double kSame = 1e-12;
+  const Vector3d component(0.5388159060803247, 0.6180339887498949, 0.5724334022399462);
+  struct Ray {
+    double key;
+    std::int32_t end;
+  };
+  std::vector<std::pair<std::int32_t, std::int32_t>> edges;
+  for (const EdgeUse& e : sortedEdges(triangles, vertices.size()))
+    if (edges.empty() || edges.back() != std::pair(e.low, e.high))
+      edges.emplace_back(e.low, e.high);
+  std::vector<std::int32_t> begin(vertices.size() + 1, 0);
+  for (const auto& [a, b] : edges) {
+    ++begin[at(a) + 1];
+    ++begin[at(b) + 1];
+  }
+  for (std::size_t v = 0; v < vertices.size(); ++v) begin[v + 1] += begin[v];
+  std::vector<Ray> rays(at(begin.back()));
+  std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
+  for (const auto& [a, b] : edges) {
+    const Vector3d way = vertices[at(b)] - vertices[at(a)];
+    const double key = component.dot(way) / way.stableNorm();
+    rays[at(next[at(a)]++)] = {key, b};
+    rays[at(next[at(b)]++)] = {-key, a};
+  }
+  std::vector<std::pair<std::int32_t, std::int32_t>> found;
+  auto work = static_cast<std::int64_t>(rays.size()) * kSeamWork;
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    const std::span<Ray> own(rays.data() + begin[v], rays.data() + begin[v + 1]);
+    std::sort(own.begin(), own.end(), [](const Ray& l, const Ray& r) {
+      return l.key != r.key ? l.key < r.key : l.end < r.end;
+    });
+    const Vector3d& from = vertices[v];
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      for (std::size_t k = i + 1; k < own.size() && own[k].key - own[i].key <= kSame; ++k) {
+        if (--work < 0) return found;
+        const Vector3d a = vertices[at(own[i].end)] - from, b = vertices[at(own[k].end)] - from;
+        if (!(a.dot(b) > 0) || !collinear(from, vertices[at(own[i].end)], vertices[at(own[k].end)]))
+          continue;
+        const auto w = static_cast<std::int32_t>(v);
+        found.push_back(
+            std::minmax(w, a.squaredNorm() < b.squaredNorm() ? own[k].end : own[i].end));
+      }
+    }
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
 }
 
 }  // namespace leeway::collision

@@ -19,4 +19,12 @@ std::vector<std::array<std::int32_t, 3>> crackFillers(
     std::span<const Eigen::Vector3d> vertices,
     std::span<const std::pair<std::int32_t, std::int32_t>> seams, double distance);
 
+/// Returns the edges (low, high) that run over a shorter edge from one of their ends. Two chains of
+/// edges along one line have such an edge where they part, so that triangles on a chain whose edges
+/// two solids share would be taken for one surface. Exact; O(k log k) for k edges if few edges of a
+/// vertex have nearly the same direction.
+std::vector<std::pair<std::int32_t, std::int32_t>> overlappingEdges(
+    std::span<const Eigen::Vector3d> vertices,
+    std::span<const std::array<std::int32_t, 3>> triangles);
+
 }  // namespace leeway::collision

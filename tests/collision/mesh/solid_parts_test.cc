@@ -198,6 +198,50 @@ TEST(SolidParts, WeldClosesWhatNoiseHasOpened) {
   EXPECT_GT(count.inside, 5 * unions);
 }
 
+/// Two boxes share an edge whose other facets are cut at its middle, so that exactly two triangles
+/// use the edge and each of its halves. They were taken for one surface that winds about the
+/// smaller box twice, in opposite directions: a ball within both boxes was certified.
+TEST(SolidParts, SolidsThatShareACutEdgeAreNoOneSurface) {
+  for (int cuts = 1; cuts <= 3; ++cuts) {
+    for (int turned = 0; turned < 8; ++turned) {
+      TriangleSoup soup;
+      for (const double size : {1.0, 2.0}) {
+        const Solid solid = box({0, 0, 0}, {size, size, 4});
+        for (std::size_t f = 0; f < solid.facets.size(); ++f) {
+          std::vector<Vector3d> polygon;
+          for (std::size_t k = 0; k < 4; ++k) {
+            const Vector3d &a = solid.corners[static_cast<std::size_t>(solid.facets[f][k])],
+                           &b =
+                               solid
+                                   .corners[static_cast<std::size_t>(solid.facets[f][(k + 1) % 4])];
+            polygon.push_back(a);
+            if (f != 4 || a.head<2>() != Eigen::Vector2d::Zero() ||
+                b.head<2>() != Eigen::Vector2d::Zero())
+              continue;
+            for (int c = 1; c <= cuts; ++c) polygon.push_back(a + c / 4.0 * (b - a));
+          }
+          // A fan from the first cut has no flat triangle.
+          const auto cut = std::find_if(polygon.begin(), polygon.end(),
+                                        [](const Vector3d& p) { return p.z() > 0 && p.z() < 4; });
+          if (cut != polygon.end()) std::rotate(polygon.begin(), cut, polygon.end());
+          const bool turn =
+              (turned & (size > 1 ? 1 : 2)) != 0 ? (turned & 4) == 0 || f != 2 : false;
+          for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
+            const auto v = static_cast<std::int32_t>(soup.vertices.size());
+            soup.vertices.insert(soup.vertices.end(), {polygon[0], polygon[k], polygon[k + 1]});
+            soup.triangles.push_back({v, turn ? v + 2 : v + 1, turn ? v + 1 : v + 2});
+          }
+        }
+      }
+      const auto mesh = TriangleMesh::make(soup.vertices, soup.triangles, {.decompose = false});
+      EXPECT_EQ(mesh->openEdgeCount(), 0U) << cuts << ' ' << turned;
+      EXPECT_TRUE(isInside(*mesh, {0.5, 0.5, 0.7})) << cuts << ' ' << turned;
+      EXPECT_TRUE(isInside(*mesh, {1.5, 0.5, 0.7})) << cuts << ' ' << turned;
+      EXPECT_FALSE(isInside(*mesh, {2.5, 0.5, 0.7})) << cuts << ' ' << turned;
+    }
+  }
+}
+
 /// A weld as large as facets folded the surface onto itself and lost the inside: a unit cube
 /// without its lid, welded by 2 m, did not even count as open.
 TEST(SolidParts, AWeldThatIsNotSmallAgainstTheFacetsIsRefused) {
