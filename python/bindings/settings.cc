@@ -143,6 +143,8 @@ void setWishes(planner::Problem& problem, const py::object& value) {
   for (const auto& [key, entry] : dictOf(value, "wishes")) {
     const NamePairs pairs = namePairs(problem, key, "wishes");
     const auto named = names.find(pairs);
+    // Not `key` within add(): C++20 as of clang 14 cannot capture what a structured binding names.
+    const std::string name = named == names.end() ? textOf(key) : named->second;
     const auto add = [&](py::object given) {
       planner::Wish wish;
       if (py::isinstance<py::tuple>(given)) {
@@ -154,7 +156,7 @@ void setWishes(planner::Problem& problem, const py::object& value) {
       }
       wish.clearance = number(given, "wishes: a clearance");
       wish.pairs = pairs;
-      wish.name = named == names.end() ? textOf(key) : named->second;
+      wish.name = name;
       wishes.push_back(std::move(wish));
     };
     if (!py::isinstance<py::list>(entry)) {
