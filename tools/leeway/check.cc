@@ -302,9 +302,10 @@ std::string stateText(const CheckedState& checked) {
 
 int runCheck(const CheckArguments& arguments) {
   planner::Problem problem = arguments.states.empty()
-                                 ? loadProblem(arguments.source, arguments.limits.timeLimit())
-                                 : loadProblemOrRobot(arguments.source);
-  apply(arguments.limits, problem);
+                                 ? loadProblem(arguments.source, arguments.limits)
+                                 : loadProblemOrRobot(arguments.source, [&](planner::Problem& p) {
+                                     apply(arguments.limits, p);
+                                   });
   const std::vector<NamedState> states = collectStates(problem, arguments.states);
   planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
   printWarnings(certifier.scene().warnings());

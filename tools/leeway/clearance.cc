@@ -384,8 +384,7 @@ int runClearance(ClearanceArguments& arguments) {
   std::vector<std::string> inputs = filesOf(arguments.source);
   inputs.push_back(path_file);
   expectApart(std::array{arguments.svg, arguments.csv, arguments.view.file}, inputs);
-  planner::Problem problem = loadProblem(arguments.source, arguments.limits.timeLimit());
-  apply(arguments.limits, problem);
+  planner::Problem problem = loadProblem(arguments.source, arguments.limits);
   std::vector<std::string> warnings;
   planner::Path path = planner::readPath(path_file, problem,
                                          {.shortest = arguments.shortest, .warnings = &warnings});

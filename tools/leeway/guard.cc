@@ -589,9 +589,8 @@ class Session {
 
 int runGuard(const GuardArguments& arguments) {
   const planner::Problem problem = [&] {
-    planner::Problem loaded = loadProblem(arguments.source, arguments.limits.timeLimit());
+    planner::Problem loaded = loadProblem(arguments.source, arguments.limits);
     refuseSteps(loaded, "guard");
-    apply(arguments.limits, loaded);
     return loaded;
   }();
   std::vector<std::string> names;

@@ -335,8 +335,7 @@ int runPlan(const PlanArguments& arguments) {
   expectApart(std::array{arguments.output, arguments.trajectory, arguments.view.file},
               filesOf(arguments.source));
   const auto start = std::chrono::steady_clock::now();
-  planner::Problem problem = loadProblem(arguments.source, arguments.overrides.timeLimit());
-  apply(arguments.overrides, problem);
+  planner::Problem problem = loadProblem(arguments.source, arguments.overrides);
   const double load_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 

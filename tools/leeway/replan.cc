@@ -257,9 +257,8 @@ int runReplan(const ReplanArguments& arguments) {
   view::expectPage(arguments.view);
   expectApart(std::array{arguments.output, arguments.view.file}, filesOf(arguments.source));
   const auto start = std::chrono::steady_clock::now();
-  planner::Problem problem = loadProblem(arguments.source, arguments.overrides.timeLimit());
+  planner::Problem problem = loadProblem(arguments.source, arguments.overrides);
   refuseSteps(problem, "replan");
-  apply(arguments.overrides, problem);
   const double load_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   warnOfProblem(problem, arguments.source.problem);

@@ -106,8 +106,7 @@ int runVerify(VerifyArguments& arguments) {
   }
   // A proof uses no results of earlier runs.
   arguments.source.no_cache = true;
-  planner::Problem problem = loadProblem(arguments.source, arguments.limits.timeLimit());
-  apply(arguments.limits, problem);
+  planner::Problem problem = loadProblem(arguments.source, arguments.limits);
   if (is_log) refuseSteps(problem, "verify --log");
   planner::PlanOptions options = interactivePlanOptions(arguments.limits.timeLimit());
   // People see the clearance with two decimals. JSON has the bound that proving the margins gives.

@@ -71,8 +71,7 @@ int runView(ViewArguments& arguments) {
   inputs.push_back(arguments.compare);
   expectApart(std::array{arguments.svg, only_picture ? std::string() : arguments.page.file},
               inputs);
-  planner::Problem problem = loadProblem(arguments.source, arguments.overrides.timeLimit());
-  apply(arguments.overrides, problem);
+  planner::Problem problem = loadProblem(arguments.source, arguments.overrides);
   std::vector<std::string> warnings;
   const planner::PathReading reading{.shortest = arguments.shortest, .warnings = &warnings};
   view::Subject subject = path_file.empty()

@@ -172,6 +172,7 @@ planner::Problem load(const Arguments& arguments, Shared& shared, const BatchIte
   outcome.line["files"] = shared.robot_files;
   outcome.line["files"].update(shared.digests.of(files));
   if (arguments.pose_goals) posesForGoals(problem, item.problem);
+  apply(arguments.overrides, problem);
   return planner::placeStart(problem);
 }
 
@@ -219,7 +220,6 @@ planner::PlanResult planRepeatedly(const planner::Problem& problem,
 Json solve(const Arguments& arguments, Shared& shared, const BatchItem& item, Outcome& outcome) {
   const auto start = Clock::now();
   planner::Problem problem = load(arguments, shared, item, outcome);
-  apply(arguments.overrides, problem);
   const double load_s = secondsSince(start);
   outcome.time_limit = problem.limits.time;
   planner::PlanOptions options = planOptions(arguments.overrides, problem);

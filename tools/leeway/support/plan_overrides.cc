@@ -349,4 +349,9 @@ void apply(const PlanOverrides& overrides, planner::Problem& problem) {
     expectImproves(improve->second, problem);
 }
 
+planner::Problem loadProblem(const ProblemSource& source, const PlanOverrides& overrides) {
+  return loadProblem(source, overrides.timeLimit(),
+                     [&](planner::Problem& problem) { apply(overrides, problem); });
+}
+
 }  // namespace leeway::tools

@@ -12,6 +12,7 @@
 #include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
 #include "tools/leeway/support/json_result.h"
+#include "tools/leeway/support/problem_source.h"
 
 namespace leeway::tools {
 
@@ -49,5 +50,7 @@ void addTerms(CLI::App& app, PlanOverrides& overrides);
 void addPlanOverrides(CLI::App& app, PlanOverrides& overrides);
 
 void apply(const PlanOverrides& overrides, planner::Problem& problem);
+/// loadProblem() with these settings.
+planner::Problem loadProblem(const ProblemSource& source, const PlanOverrides& overrides);
 
 }  // namespace leeway::tools

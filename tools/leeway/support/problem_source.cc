@@ -398,7 +398,8 @@ planner::Problem readProblem(const ProblemSource& source) {
 
 }  // namespace
 
-planner::Problem loadProblem(const ProblemSource& given, std::optional<double> time_limit) {
+planner::Problem loadProblem(const ProblemSource& given, std::optional<double> time_limit,
+                             const Change& change) {
   ProblemSource source = given;
   planner::Problem problem;
   {
@@ -412,6 +413,7 @@ planner::Problem loadProblem(const ProblemSource& given, std::optional<double> t
     }
   }
   robots::throwIfStopped(interrupted, "the problem was read");  // after the last call of stop()
+  if (change) change(problem);
   return planner::placeStart(problem, interrupted);
 }
 
@@ -422,14 +424,15 @@ void refuseSteps(const planner::Problem& problem, const char* verb) {
         problem.name));
 }
 
-planner::Problem loadProblemOrRobot(const ProblemSource& source) {
+planner::Problem loadProblemOrRobot(const ProblemSource& source, const Change& change) {
   if (source.robot.empty() ||
       !(source.problem + source.start + source.goal + source.scene + source.request).empty()) {
-    return loadProblem(source);
+    return loadProblem(source, {}, change);
   }
   planner::Problem problem = problemOfRobot(source);
   if (!source.allowed.empty()) planner::allowTouching(problem, source.stop);
   printWarnings(problem.warnings);
+  if (change) change(problem);
   return problem;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -44,14 +45,17 @@ void addProblemAndPathArguments(CLI::App& app, ProblemSource& source,
 /// Prints the loader's warnings to stderr; those about left-out entries of the robot once: a cache
 /// folder remembers them, and a later command says in one line how many there are. Throws
 /// robots::InputError, and robots::Stopped for an interrupt or at the end of `time_limit` [s]
-/// (InterruptibleReading).
-planner::Problem loadProblem(const ProblemSource& source, std::optional<double> time_limit = {});
+/// (InterruptibleReading). `change`: applied before a start of poses is placed, because constraints
+/// bind it.
+using Change = std::function<void(planner::Problem&)>;
+planner::Problem loadProblem(const ProblemSource& source, std::optional<double> time_limit = {},
+                             const Change& change = {});
 /// For verbs that handle a single world: throws robots::InputError for a problem with steps.
 void refuseSteps(const planner::Problem& problem, const char* verb);
 /// Loads a robot alone as a problem without start, goal and world, and other sources as
 /// loadProblem() does. The robot's problem plans the variables of --group, or all of them.
 /// Variables without a given value have their defaults.
-planner::Problem loadProblemOrRobot(const ProblemSource& source);
+planner::Problem loadProblemOrRobot(const ProblemSource& source, const Change& change = {});
 robots::LoadOptions loadOptions(const ProblemSource& source);
 /// Loads the robot of these files, with the limits that the source names. Throws
 /// robots::InputError, robots::Stopped.
