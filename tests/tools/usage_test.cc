@@ -40,6 +40,9 @@ TEST_F(Usage, WrongUseIsStatus2) {
   expectRefused("clearance reach.yaml path.json --parts 0", {"--parts: 0", "1 to 100000"});
   expectRefused("clearance reach.yaml path.json --tolerance nan", {"--tolerance: nan"});
   expectRefused("plan reach.yaml --fast", {"leeway plan", "--fast"});
+  for (const char* verb : {"verify", "clearance", "view"})
+    expectRefused(std::string(verb) + " reach.yaml path.json --fast 3",
+                  {"there is no option '--fast'"});
   expectRefused("plan reach.yaml --seed many", {"--seed"});
   expectRefused("plan reach.yaml --seed -1", {"--seed", "'-1'"});
   expectRefused("plan reach.yaml --seed 18446744073709551616", {"18446744073709551616"});

@@ -51,6 +51,7 @@ std::string suggestion(const CLI::App& app, const std::string& word) {
 std::string unexpectedWord(const CLI::App* verb, const std::vector<std::string>& words) {
   if (verb == nullptr) return words.empty() ? "" : words.front();
   for (const std::string& word : words) {
+    if (word == "--") return {};  // the words behind it are values
     if (word.starts_with("--") &&
         verb->get_option_no_throw(word.substr(0, word.find('='))) == nullptr)
       return word;
@@ -77,7 +78,9 @@ int reportUsage(const CLI::App& app, const CLI::ParseError& error,
   const std::string word = unexpectedWord(verb, words);
   if (words.empty()) what = "a verb is needed, as plan or check";
   if (!word.empty()) {
-    if (verb == nullptr) what = fmt::format("there is no verb '{}'", word);
+    // CLI11 may report what the unknown option has caused: more files than the verb takes.
+    what = verb == nullptr ? fmt::format("there is no verb '{}'", word)
+                           : fmt::format("there is no option '{}'", word.substr(0, word.find('=')));
     what += suggestion(verb == nullptr ? app : *verb, word);
   }
   reportError(fmt::format("{}: {}; `{} --help` shows what is accepted", where, what, where), json);
