@@ -65,6 +65,7 @@ class TaskPlan {
     result_.plan_s = secondsSince(begin_);
     if (is_whole || is_part) finish(is_whole ? PlanStatus::kSolved : PlanStatus::kPartial);
     if (is_whole) return std::move(result_);
+    addWarnings(failed_warnings_);
     if (ended_) result_.line_end = std::move(ended_->end);
     if (result_.status != PlanStatus::kInvalidStart && result_.reason.empty())
       result_.reason = fault_;
@@ -81,7 +82,8 @@ class TaskPlan {
     Problem stage;  ///< with names and the configuration at its beginning
     Waypoints points;
     LineDeparture departure;
-    std::vector<double> places;  ///< of the points of a line
+    std::vector<double> places;              ///< of the points of a line
+    std::vector<std::string> warnings = {};  ///< of its move
   };
 
   /// A line that ends early: of all lines of the farthest step, the longest one.
@@ -101,6 +103,26 @@ class TaskPlan {
   bool isDecided() const {
     return result_.status == PlanStatus::kInvalidStart ||
            result_.status == PlanStatus::kNothingChecked;
+  }
+
+  /// Adds those that the result does not have.
+  void addWarnings(const std::vector<std::string>& warnings) {
+    for (const std::string& warning : warnings)
+      if (std::find(result_.warnings.begin(), result_.warnings.end(), warning) ==
+          result_.warnings.end())
+        result_.warnings.push_back(warning);
+  }
+
+  /// The warnings of a step's own search. Those of loaders and scenes are added elsewhere.
+  std::vector<std::string> ownWarnings(std::size_t step, const CompiledScene& scene,
+                                       const std::vector<std::string>& warnings) const {
+    std::vector<std::string> others = loaderWarnings(problem_), own;
+    const std::vector<std::string> of_scene = scene.warnings();
+    others.insert(others.end(), of_scene.begin(), of_scene.end());
+    for (const std::string& warning : warnings)
+      if (std::find(others.begin(), others.end(), warning) == others.end())
+        own.push_back(stepText(problem_, step) + ": " + warning);
+    return own;
   }
 
   /// Remembers why the farthest step failed.
@@ -220,6 +242,7 @@ class TaskPlan {
       if (why.empty() && points.closest.pair >= 0)
         why = "its goal is in collision: " + pairText(*scene, points.closest.pair);
       fail(step, why.empty() ? "no valid joint values were found for its goal" : why);
+      keepFailed(ownWarnings(step, *scene, points.warnings));
       count(certifier);
       return false;
     }
@@ -330,6 +353,7 @@ class TaskPlan {
     result_.distance_queries += planned.distance_queries;
     result_.undecided_edges += planned.undecided_edges;
     result_.deterministic = planned.deterministic;
+    std::vector<std::string> warnings = ownWarnings(step, *scene, planned.warnings);
     if (planned.status != PlanStatus::kSolved) {
       if (planned.status == PlanStatus::kInvalidStart && step == 0) {
         result_.status = planned.status;
@@ -350,8 +374,10 @@ class TaskPlan {
           why += ": " + planned.offending_a + " and " + planned.offending_b;
       }
       fail(step, why);
+      keepFailed(warnings);
       return false;
     }
+    stretches_[step].warnings = std::move(warnings);
     stretches_[step].stage = std::move(stage);
     stretches_[step].points = std::move(planned.path.positions);
     stretches_[step].departure = {};
@@ -402,6 +428,14 @@ class TaskPlan {
       whole.kept = std::nullopt;
   }
 
+  /// Remembers the warnings of a search that has failed. They are told if the task has.
+  void keepFailed(const std::vector<std::string>& warnings) {
+    for (const std::string& warning : warnings)
+      if (std::find(failed_warnings_.begin(), failed_warnings_.end(), warning) ==
+          failed_warnings_.end())
+        failed_warnings_.push_back(warning);
+  }
+
   /// Joins the stretches to one path with one certificate.
   void finish(PlanStatus status) {
     const Clock::time_point begin = Clock::now();
@@ -441,6 +475,7 @@ class TaskPlan {
     }
     const std::vector<std::string> loaded = loaderWarnings(problem_);
     result_.warnings.insert(result_.warnings.begin(), loaded.begin(), loaded.end());
+    for (const Stretch& stretch : stretches_) addWarnings(stretch.warnings);
     whole.unchecked = countUnchecked(std::vector(dropped.begin(), dropped.end()));
     result_.certify_s = secondsSince(begin);
     if (!whole.certified) {
@@ -465,6 +500,7 @@ class TaskPlan {
   int tries_ = 0;
   std::size_t fault_step_ = 0;
   std::string fault_;
+  std::vector<std::string> failed_warnings_;
   std::optional<Ended> ended_;
   bool takes_part_ = false;  ///< accept the part of a line that ended_ remembers
   PlanResult result_;
