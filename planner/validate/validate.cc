@@ -114,6 +114,9 @@ std::string deformingFault(const DeformingObstacle& obstacle, const Execution& e
           : nullptr;
   if (snapshot == nullptr || &snapshot->mesh() != obstacle.mesh.get())
     return "has no snapshot of its mesh; see makeDeformingObstacle()";
+  if (obstacle.object.motion)
+    return "has a rigid motion, which deforming obstacles do not follow; positions of its vertices "
+           "at times are expected";
   if (snapshot->time() != execution.start)
     return fmt::format("is as it is at {} s; execution starts at {} s; the same time is expected",
                        snapshot->time(), execution.start);

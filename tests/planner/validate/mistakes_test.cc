@@ -401,6 +401,11 @@ std::vector<Mistake> deformingMistakes() {
          p.world.deforming = {deforming("cloth")};
          p.world.deforming[0].mesh = cloth();
        }},
+      {"deforming_with_a_rigid_motion",
+       [](P& p) {
+         p.world.deforming = {deforming("cloth")};
+         p.world.deforming[0].object.motion = std::make_shared<const ObjectMotion>();
+       }},
       {"deforming_of_no_speed",
        [](P& p) {
          p.world.deforming = {deforming("cloth")};
