@@ -577,13 +577,17 @@ void readStartAndGoals(const YamlReader& file, Problem& problem) {
     readStart(file.at("start", "a group state, a list of values or a map by joint"), passive,
               problem);
   });
-  for (const auto& [key, read] : {std::pair("steps", &readSteps), {"waypoints", &readWay}}) {
+  for (const std::string key : {"steps", "waypoints"}) {
     const auto task = file.find(key);
     if (!task) continue;
     for (const std::string_view other : {"goal", "goals", "waypoints"})
       if (other != key && file.has(other))
         task->fail(fmt::format("key '{}' stands beside '{}'; one of them is expected", key, other));
-    return read(*task, problem);
+    if (key == "waypoints") return readWay(*task, problem);
+    KnownNames known(problem);
+    if (const auto groups = file.find("groups")) readGroups(*groups, known);
+    return readSteps(
+        *task, [&](const YamlReader& pair) { return readNamePairs(pair, known).pairs; }, problem);
   }
   const auto goal = file.find("goal"), goals = file.find("goals");
   if (goal.has_value() == goals.has_value())

@@ -201,19 +201,6 @@ AttachStep readAttach(const YamlReader& reader) {
   return attach;
 }
 
-void readAllowed(const YamlReader& reader, const Names& names, Step& step) {
-  for (const YamlReader& pair : reader.items()) {
-    const std::vector<YamlReader> items = pair.items();
-    if (items.size() != 2)
-      pair.fail(fmt::format("{} is no pair; two different names of links or objects are expected",
-                            pair.where()));
-    step.allowed.emplace_back(items[0].text(), items[1].text());
-    const auto& [a, b] = step.allowed.back();
-    if (const std::string fault = names.pairFault(a, b); !fault.empty())
-      pair.fail(fmt::format("{}: {}", pair.where(), fault));
-  }
-}
-
 }  // namespace
 
 void readWay(const YamlReader& reader, Problem& problem) {
@@ -246,11 +233,10 @@ LineStep loadWaypoints(const std::string& file, const std::string& frame,
   return line;
 }
 
-void readSteps(const YamlReader& reader, Problem& problem) {
+void readSteps(const YamlReader& reader, const ReadPair& readPair, Problem& problem) {
   // The world before each step, as far as names go: objects are attached where they are at the
   // start.
   Problem world = problem;
-  const Names names(problem);
   std::map<std::string, int> named;  // the number of steps that have only a default name
   bool is_first = true;              // that moves
   for (const YamlReader& map : reader.items()) {
@@ -274,7 +260,9 @@ void readSteps(const YamlReader& reader, Problem& problem) {
       if (other.name == step.name)
         name.value_or(map).fail(fmt::format(
             "two steps are named '{}'; a name of its own is expected for each", step.name));
-    if (const auto allowed = map.find("allowed")) readAllowed(*allowed, names, step);
+    if (const auto allowed = map.find("allowed"))
+      for (const YamlReader& pair : allowed->items())
+        for (auto& names : readPair(pair)) step.allowed.push_back(std::move(names));
     const YamlReader value = map.at(action, "what it does");
     if (action == "move") {
       step.action = readMove(value, step.name, world);

@@ -2,6 +2,7 @@
 
 #include <tinyxml2.h>
 
+#include "tests/support/build_paths.h"
 #include "tests/support/command.h"
 
 namespace leeway::tools::testing {
@@ -23,6 +24,31 @@ TEST_F(Check, ARobotNeedsNoStartAndGoal) {
   expectRefused(robot + "--state left --group leg", {"leg", "arm"});
   expectRefused(robot + "--state start", {"'start'", "--start"});
   expectRefused(robot, {"--start"});
+}
+
+TEST_F(Check, AStartOfAPoseKeepsTheConstraintsOfTheCommandLine) {
+  const std::string arm = leeway::sourceFolder() + "/robots/arm7/arm7";
+  write("up.yaml", "leeway: 1\nrobot: {urdf: " + arm + ".urdf, srdf: " + arm +
+                       ".srdf, group: arm}\njoints: {finger_joint: 0.034}\n"
+                       "start: {pose: {frame: hand, position: [0.5, 0, 0.5]}}\n"
+                       "goal: {pose: {frame: hand, position: [0.4, 0.3, 0.5]}}\nseed: 1\n");
+  const Answer answer = run("plan up.yaml --upright hand nz 0.2");
+  EXPECT_EQ(answer.status, 0) << answer.out << answer.err;
+}
+
+TEST_F(Check, TasksTellTheWarningsOfTheirMovesAndTakeGroups) {
+  std::string text = kReach;
+  text.replace(text.find("goal: left"), 10,
+               "groups: {links: [upper, lower]}\n"
+               "steps: [{move: left, allowed: [[links, post]]}]\n"
+               "margins: [{between: [upper, lower], wish: 0.1}]");
+  write("task.yaml", text);
+  const Answer answer = run("plan task.yaml --json");
+  EXPECT_EQ(answer.status, 0) << answer.out << answer.err;
+  EXPECT_NE(answer.document()["warnings"].dump().find(
+                "step 1 (move): wish of 0.1 m between upper and lower: none of its pairs"),
+            std::string::npos)
+      << answer.out;
 }
 
 TEST_F(Check, PathsAreProvenForTheTermsTheyWerePlannedFor) {
