@@ -187,6 +187,13 @@ class SdfReader {
     // The links of static models are joined to the world.
     made.parent = linkOf(parent);
     made.child = linkOf(child);
+    const auto [first, is_only] = joint_above_.emplace(made.child, &f);
+    if (!is_only)
+      f.file->fail(*f.element, "link " + inQuotes(document_.links[at(made.child)].name) +
+                                   " has two parents, through joint " +
+                                   inQuotes(jointName(*first->second)) + " (" +
+                                   lineOf(first->second->element->GetLineNum()) + ") and joint " +
+                                   inQuotes(made.name) + "; one would be accepted");
     if (made.type != JointType::kFixed) readAxis(f, index, made);
     const Pose X_JC = models_.frames.relative(index, child);
     const bool turns = made.type == JointType::kRevolute || made.type == JointType::kContinuous;
@@ -434,7 +441,8 @@ class SdfReader {
   std::map<int, int> links_;      // of the document, by frame or kWorld
   std::vector<UrdfJoint> fixed_;  // names are made unique in the end
   std::set<std::string> link_names_ = {"world"}, joint_names_;
-  int still_ = 0;  // joints that move links of static models
+  std::map<int, const SdfFrame*> joint_above_;  // by link of the document
+  int still_ = 0;                               // joints that move links of static models
 };
 
 }  // namespace

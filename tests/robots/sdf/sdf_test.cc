@@ -177,6 +177,24 @@ TEST(Sdf, WorldIsALinkWhereSomethingIsJoinedToIt) {
   EXPECT_EQ(robot->joints[1].type, JointType::kContinuous);
 }
 
+TEST(Sdf, TwoParentsAreToldByTheNamesOfTheFile) {
+  const std::string two =
+      "<link name=\"a\"/><link name=\"b\"><pose>1 0 0 0 0 0</pose></link><link name=\"c\"/>"
+      "<joint name=\"ab\" type=\"revolute\"><pose>0 1 0 0 0 0</pose><parent>a</parent>"
+      "<child>b</child><axis><xyz>0 0 1</xyz></axis></joint>"
+      "<joint name=\"cb\" type=\"revolute\"><pose>0 1 0 0 0 0</pose><parent>c</parent>"
+      "<child>b</child><axis><xyz>0 0 1</xyz></axis></joint>";
+  try {
+    load(sdf(two));
+    FAIL();
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("link 'b' has two parents, through joint 'ab' ("), std::string::npos)
+        << what;
+    EXPECT_NE(what.find(") and joint 'cb'"), std::string::npos) << what;
+  }
+}
+
 TEST(Sdf, StaticModelsStandStill) {
   const auto robot = load(sdf(
       "<static>true</static><link name=\"a\"/><link name=\"b\"><pose>1 0 0 0 0 0</pose></link>" +
