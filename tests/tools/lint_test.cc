@@ -55,6 +55,30 @@ TEST_F(Lint, AMarginWithoutEffectIsToldByEveryVerb) {
   EXPECT_EQ(run("check whole.yaml --state start").err, "");
 }
 
+TEST_F(Lint, LooksAtConstraints) {
+  const std::string keep =
+      "constraints: [{name: ahead, frame: lower, axis: [1, 0, 0], direction: [0, 1, 0], "
+      "angle: 0.1}]\n";
+  write("tilted.yaml", std::string(kReach) + keep);
+  const Answer lint = run("lint tilted.yaml"), plan = run("plan tilted.yaml --json");
+  EXPECT_EQ(lint.status, 1);
+  EXPECT_NE(lint.out.find("start: " + plan.document()["reason"].get<std::string>()),
+            std::string::npos)
+      << lint.out << plan.out;
+}
+
+TEST_F(Lint, ControlCharactersOfNamesDoNotReachTheTerminal) {
+  std::string text = kReach;
+  text.replace(text.find("{name: post, position: [0.85, 0, 0]"), 35,
+               "{name: \"a\\e[31mb\", position: [0.6, -0.6, 0]");
+  write("escape.yaml", text + "margin: 1\n");
+  for (const char* verb : {"lint escape.yaml", "check escape.yaml"}) {
+    const Answer answer = run(verb);
+    EXPECT_EQ((answer.out + answer.err).find('\x1b'), std::string::npos) << verb;
+    EXPECT_NE((answer.out + answer.err).find("a\\x1b[31mb"), std::string::npos) << verb;
+  }
+}
+
 TEST_F(Lint, TellsEveryErrorOfAFile) {
   std::string urdf = kUrdf;
   urdf.replace(urdf.find("size=\"0.4"), 9, "size=\"none");

@@ -10,7 +10,10 @@
 #include <utility>
 
 #include "leeway/planner/edge_certifier.h"
+#include "leeway/planner/plan.h"
 #include "leeway/robots/input_error.h"
+#include "planner/constraint/constraint_proof.h"
+#include "planner/search/goal_sampler.h"
 #include "robots/base/read_file.h"
 #include "tools/leeway/info/input.h"
 #include "tools/leeway/support/exit_status.h"
@@ -104,17 +107,34 @@ void lintWishes(const planner::Problem& problem, const planner::CompiledScene& s
                                 wish.clearance, wish.name)});
 }
 
-/// Reports faults that only the compiled scene shows: a start or goal that breaks margins, wishes
-/// without effect.
-void lintScene(const planner::Problem& problem, const std::string& file, Findings& findings) {
+/// Reports goals of ranges or poses in which no point keeps the constraints.
+void lintConstrainedGoals(planner::EdgeCertifier& certifier, planner::Problem problem,
+                          const std::string& file, Findings& findings) {
+  const auto isPoint = [](const planner::Goal& goal) {
+    return goal.poses.empty() && std::all_of(goal.ranges.begin(), goal.ranges.end(),
+                                             [](const auto& r) { return r.first == r.second; });
+  };
+  std::erase_if(problem.goals, isPoint);
+  planner::GoalSampler sampler(certifier, problem, problem.seed);
+  for (const std::string& warning : sampler.first(interrupted).warnings)
+    findings.add({file, 0, false, warning});
+}
+
+/// Reports faults that only the compiled scene shows: a start or goal that breaks margins or
+/// constraints, wishes without effect.
+void lintScene(const planner::Problem& given, const std::string& file, Findings& findings) {
+  const planner::Problem problem = planner::placeStart(given, interrupted);
   planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
   lintWishes(problem, certifier.scene(), file, findings);
   if (const std::string nothing = certifier.scene().nothingChecked(); !nothing.empty())
     findings.add({file, 0, false, "nothing is checked: " + nothing});
   for (const std::string& warning : certifier.scene().warnings())
     findings.add({file, 0, false, warning});
+  planner::ConstraintProof constraints(certifier.scene(), problem);
   const auto look = [&](const std::string& name, const std::vector<double>& point) {
     constexpr double kTolerance = 1e-6;
+    if (const std::string fault = constraints.fault(point); !fault.empty())
+      findings.add({file, 0, false, name + ": " + fault});
     const planner::StateCheck check = certifier.tooNear(point, kTolerance);
     if (check.verdict == planner::Verdict::kFree) return;
     const PairNames pair = pairNames(certifier.scene(), check.pair);
@@ -135,6 +155,7 @@ void lintScene(const planner::Problem& problem, const std::string& file, Finding
     // A single point does not represent a range.
     if (point.size() == start.size()) look(goal.name, point);
   }
+  if (!problem.constraints.empty()) lintConstrainedGoals(certifier, problem, file, findings);
 }
 
 /// The name requestNNNN.yaml for sceneNNNN.yaml.
@@ -246,7 +267,8 @@ int runLint(const LintArguments& arguments) {
       const std::string text = fmt::format("{}{}: {}: {}\n", finding.file,
                                            finding.line > 0 ? fmt::format(":{}", finding.line) : "",
                                            finding.error ? "error" : "warning", finding.message);
-      fmt::print("{}", is_terminal ? wrapped(text) : text);  // editors read one line each
+      fmt::print("{}",
+                 is_terminal ? wrapped(text) : printable(text));  // editors read one line each
     }
   }
   return list.empty() ? kYes : kNo;

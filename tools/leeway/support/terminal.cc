@@ -14,6 +14,7 @@
 #include <ctime>
 #include <limits>
 #include <set>
+#include <span>
 #include <sstream>
 #include <string_view>
 
@@ -71,6 +72,39 @@ std::size_t lengthOf(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) >> 6) != 2; }));
 }
+
+/// Returns a text with its control characters as \\xNN, because names in files may contain those
+/// that terminals obey. `kept`: sequences that stay.
+std::string escaped(const std::string& text, std::span<const std::string_view> kept) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::string_view rest = std::string_view(text).substr(i);
+    const auto found = std::find_if(kept.begin(), kept.end(), [&](std::string_view sequence) {
+      return rest.starts_with(sequence);
+    });
+    const auto byte = static_cast<unsigned char>(text[i]);
+    // C1 controls are two bytes in UTF-8.
+    const bool is_c1 = byte == 0xC2 && rest.size() > 1 &&
+                       static_cast<unsigned char>(rest[1]) >= 0x80 &&
+                       static_cast<unsigned char>(rest[1]) < 0xA0;
+    if (found != kept.end()) {
+      result += *found;
+      i += found->size() - 1;
+    } else if (is_c1) {
+      result += fmt::format("\\x{:02x}", static_cast<unsigned char>(rest[1]));
+      ++i;
+    } else if (byte < 0x20 || byte == 0x7F) {
+      result += fmt::format("\\x{:02x}", byte);
+    } else {
+      result += text[i];
+    }
+  }
+  return result;
+}
+
+constexpr std::string_view kGood = "\x1b[1;32m", kBad = "\x1b[1;31m", kPlain = "\x1b[0m";
+/// What texts of several lines have: these, and the colours of verdictText().
+constexpr std::string_view kOfTexts[] = {"\n", kGood, kBad, kPlain};
 
 std::string formatDuration(double seconds) {
   if (seconds < 100) return fmt::format("{:.0f} s", seconds);
@@ -141,7 +175,7 @@ void showProgress(const std::string& text) {
   std::size_t width = 79;
   if (ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 1)
     width = window.ws_col - 1;
-  fmt::print(stderr, "\r\x1b[K{:.{}}", text, width);
+  fmt::print(stderr, "\r\x1b[K{:.{}}", escaped(text, {}), width);
   std::fflush(stderr);
   progress_shown = true;
 }
@@ -156,7 +190,7 @@ void endProgress() {
 void printMessage(const std::string& text) {
   endProgress();
   static const bool is_terminal = isatty(STDERR_FILENO) == 1;
-  fmt::print(stderr, "{}\n", is_terminal ? wrapped(text) : text);
+  fmt::print(stderr, "{}\n", is_terminal ? wrapped(text) : printable(text));
 }
 
 double UnitProgress::elapsed() const {
@@ -241,8 +275,10 @@ std::string broken(const std::string& text, std::size_t indent, const std::strin
 
 }  // namespace
 
+std::string printable(const std::string& text) { return escaped(text, kOfTexts); }
+
 std::string wrapped(const std::string& text, std::size_t indent) {
-  return broken(text, indent, "");
+  return broken(printable(text), indent, "");
 }
 
 namespace {
@@ -285,7 +321,7 @@ std::string wrappedHelp(const std::string& help) {
 std::string verdictText(const std::string& words, bool good) {
   const char* no_colour = std::getenv("NO_COLOR");
   const bool colours = isatty(STDOUT_FILENO) == 1 && (no_colour == nullptr || no_colour[0] == '\0');
-  return colours ? fmt::format("\x1b[{}m{}\x1b[0m", good ? "1;32" : "1;31", words) : words;
+  return colours ? fmt::format("{}{}{}", good ? kGood : kBad, words, kPlain) : words;
 }
 
 namespace {
@@ -296,6 +332,8 @@ class Table {
   Table(const std::vector<std::string>& heading, const std::vector<std::vector<std::string>>& rows,
         const std::vector<std::size_t>& left)
       : heading_(heading), rows_(rows), left_(left) {
+    for (auto& row : rows_)
+      for (std::string& cell : row) cell = escaped(cell, {});
     for (std::size_t c = 0; c < heading.size(); ++c) {
       std::size_t width = lengthOf(heading[c]);
       for (const auto& row : rows) width = std::max(width, lengthOf(row[c]));
@@ -383,7 +421,7 @@ class Table {
   }
 
   const std::vector<std::string>& heading_;
-  const std::vector<std::vector<std::string>>& rows_;
+  std::vector<std::vector<std::string>> rows_;
   const std::vector<std::size_t>& left_;
   std::vector<std::size_t> widths_;
   std::size_t indent_ = 0;  ///< of further lines of the last column; 0 if it does not wrap

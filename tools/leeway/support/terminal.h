@@ -68,6 +68,9 @@ class UnitProgress {
 
 /// The width of text for an 80-column terminal.
 inline constexpr std::size_t kColumns = 80;
+/// Returns a text with control characters as \xNN, because names in files may contain those that
+/// terminals obey. Newlines and the colours of verdictText() stay.
+std::string printable(const std::string& text);
 /// Breaks the lines of prose at spaces, but not before a unit, so that they fit kColumns. Further
 /// lines of a broken line begin with `indent` blanks. Keeps longer words whole.
 std::string wrapped(const std::string& text, std::size_t indent = 0);
