@@ -189,9 +189,9 @@ TEST(Sdf, TwoParentsAreToldByTheNamesOfTheFile) {
     FAIL();
   } catch (const InputError& error) {
     const std::string what = error.what();
-    EXPECT_NE(what.find("link 'b' has two parents, through joint 'ab' ("), std::string::npos)
+    EXPECT_NE(what.find("link \"b\" has two parents, through joint \"ab\" ("), std::string::npos)
         << what;
-    EXPECT_NE(what.find(") and joint 'cb'"), std::string::npos) << what;
+    EXPECT_NE(what.find(") and joint \"cb\""), std::string::npos) << what;
   }
 }
 
