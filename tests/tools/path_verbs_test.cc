@@ -40,8 +40,10 @@ TEST_F(Check, TasksTellTheWarningsOfTheirMovesAndTakeGroups) {
   std::string text = kReach;
   text.replace(text.find("goal: left"), 10,
                "groups: {links: [upper, lower]}\n"
-               "steps: [{move: left, allowed: [[links, post]]}]\n"
+               "steps: [{move: left, allowed: [[links, rim]]}]\n"
                "margins: [{between: [upper, lower], wish: 0.1}]");
+  text.insert(text.find("limits:"),
+              "  - {name: rim, position: [0, 0, 5], sphere: {radius: 0.1}}\n");
   write("task.yaml", text);
   const Answer answer = run("plan task.yaml --json");
   EXPECT_EQ(answer.status, 0) << answer.out << answer.err;
