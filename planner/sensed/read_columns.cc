@@ -8,6 +8,7 @@
 #include "leeway/robots/text.h"
 #include "planner/sensed/cloud_source.h"
 #include "robots/mesh/mesh_source.h"
+#include "robots/mesh/scan.h"
 
 namespace leeway::planner {
 namespace {
@@ -72,7 +73,8 @@ void eachRow(const CloudSource& source, const std::function<void(const ColumnRow
     if (shown.starts_with('#') || shown.starts_with("//")) continue;
     const auto tabs = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\t'));
     const bool is_row_of_tabs = separator == '\t' && tabs + 1 == width;
-    if (shown.empty() && !is_row_of_tabs) continue;
+    const bool is_blank = std::all_of(shown.begin(), shown.end(), robots::isBlank);
+    if (is_blank && !is_row_of_tabs) continue;
     if (width == 0) separator = separatorOf(text);
     const ColumnRow row{line, cellsOf(text, separator)};
     if (width == 0) width = row.cells.size();

@@ -194,6 +194,17 @@ TEST_F(HeightFiles, MissingHeightsAreNamedOrFilled) {
   EXPECT_NE(warnings_[0].find("2 heights are missing and taken as -7 m"), std::string::npos);
 }
 
+/// A line of a form feed alone was a row without columns.
+TEST_F(HeightFiles, LinesOfWhiteSpaceAreNoRows) {
+  const HeightField one = load("one.csv", "\n\f\r2\n", {});
+  EXPECT_EQ(one.columns * one.rows, 1U);
+  EXPECT_EQ(one.heights, std::vector<double>{2});
+  const HeightField four = load("four.csv", "\v\n1,2\n\f\r\n3,4\n", {});
+  EXPECT_EQ(four.columns, 2U);
+  EXPECT_EQ(four.rows, 2U);
+  EXPECT_EQ(four.heights, (std::vector<double>{1, 2, 3, 4}));
+}
+
 TEST_F(HeightFiles, BadFilesNameTheLine) {
   expectError("a.csv", "1,2\n3,4,5\n", 2, {"3 columns; 2"});
   expectError("a.csv", "1,2\n3,x\n", 2, {"'x'"});
