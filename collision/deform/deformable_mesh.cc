@@ -6,6 +6,7 @@
 
 #include "collision/deform/snapshot.h"
 #include "collision/mesh/topology/components.h"
+#include "collision/mesh/topology/cracks.h"
 #include "collision/shapes/size_limits.h"
 
 namespace leeway::collision {
@@ -92,6 +93,20 @@ std::shared_ptr<const DeformableMesh> DeformableMesh::make(std::span<const Vecto
   mesh->triangles_.assign(triangles.begin(), triangles.end());
   MeshComponents components = findComponents(rest, mesh->triangles_);
   if (!solid) components.leaveOpen();
+  // Solids that share a cut edge need triangles without area, which the mesh cannot have: its
+  // vertices leave the edge as they move.
+  std::vector<Triangle> tied = mesh->triangles_;
+  addOverlapFillers(rest, tied);
+  if (solid && tied.size() > triangles.size()) {
+    const MeshComponents of_tied = findComponents(rest, tied);
+    std::size_t needed = 0;
+    for (std::size_t i = triangles.size(); i < tied.size(); ++i)
+      needed += of_tied.closes(i) ? 1U : 0U;
+    if (needed > 0) {
+      components.leaveOpen();
+      components.open_edges = needed;
+    }
+  }
   mesh->triangle_component_ = std::move(components.component);
   mesh->component_closed_ = std::move(components.closed);
   mesh->winding_weight_ = std::move(components.weight);

@@ -135,34 +135,27 @@ MeshComponents closeCracks(std::span<const Vector3d> vertices, std::vector<Trian
                            double weld) {
   constexpr int kRounds = 8;
   const std::size_t given = triangles.size();
-  std::set<Triangle> added;
-  const auto fill = [&](const auto& seams, double distance) {
-    for (const Triangle& filler : crackFillers(vertices, seams, distance)) {
-      Triangle corners = filler;
-      std::sort(corners.begin(), corners.end());
-      if (added.insert(corners).second) triangles.push_back(filler);
-    }
-  };
-  // Before any patch is joined, because an edge that two triangles share may belong to two solids:
-  // then the triangles along its parts are of both, too.
-  fill(overlappingEdges(vertices, triangles), 0);
+  addOverlapFillers(vertices, triangles);  // before any triangles are joined to patches
   MeshComponents components = findComponents(vertices, triangles);
   if (weld > 0 && components.open_edges > 0) {
     requireSmallWeld(vertices, triangles, components, weld);
     components = findComponents(vertices, triangles, weld);
   }
+  std::set<Triangle> added;
   for (int round = 0; round < kRounds && components.open_edges > 0; ++round) {
     const std::size_t before = triangles.size();
-    fill(components.seams, weld);
+    for (const Triangle& filler : crackFillers(vertices, components.seams, weld)) {
+      Triangle corners = filler;
+      std::sort(corners.begin(), corners.end());
+      if (added.insert(corners).second) triangles.push_back(filler);
+    }
     if (triangles.size() == before) break;
     components = findComponents(vertices, triangles, weld);
   }
   // Removes those that close nothing.
   std::size_t kept = given;
   for (std::size_t i = given; i < triangles.size(); ++i) {
-    const bool closes = components.closed[at(components.component[i])] != 0 &&
-                        (components.weight.empty() || components.weight[i] != 0);
-    if (closes) triangles[kept++] = triangles[i];
+    if (components.closes(i)) triangles[kept++] = triangles[i];
   }
   if (kept == triangles.size()) return components;
   triangles.resize(kept);

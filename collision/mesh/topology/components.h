@@ -38,6 +38,11 @@ struct MeshComponents {
   /// these edges. There it could be closed, see crackFillers().
   std::vector<std::pair<std::int32_t, std::int32_t>> seams;
 
+  /// Whether a triangle counts for the inside of a solid.
+  bool closes(std::size_t triangle) const {
+    return closed[static_cast<std::size_t>(component[triangle])] != 0 &&
+           (weight.empty() || weight[triangle] != 0);
+  }
   /// Makes all components surfaces, for meshes that are meant as surfaces.
   void leaveOpen() {
     closed.assign(closed.size(), 0);

@@ -8,6 +8,7 @@
 #include "collision/base/exact_predicates.h"
 #include "collision/base/numbers.h"
 #include "collision/mesh/topology/components.h"
+#include "leeway/collision/invalid_shape.h"
 
 namespace leeway::collision {
 namespace {
@@ -57,6 +58,138 @@ class Vertices {
   Eigen::Index axis_ = 0;
   std::int64_t work_;
 };
+
+// The edges that leave each vertex, sorted by a component of their direction that few of them
+// share.
+class Rays {
+ public:
+  Rays(std::span<const Vector3d> vertices, std::span<const Triangle> triangles)
+      : vertices_(vertices), begin_(vertices.size() + 1, 0) {
+    std::vector<std::pair<std::int32_t, std::int32_t>> edges;
+    for (const EdgeUse& e : sortedEdges(triangles, vertices.size()))
+      if (edges.empty() || edges.back() != std::pair(e.low, e.high))
+        edges.emplace_back(e.low, e.high);
+    for (const auto& [a, b] : edges) {
+      ++begin_[at(a) + 1];
+      ++begin_[at(b) + 1];
+    }
+    for (std::size_t v = 0; v < vertices.size(); ++v) begin_[v + 1] += begin_[v];
+    rays_.resize(at(begin_.back()));
+    std::vector<std::int32_t> next(begin_.begin(), begin_.end() - 1);
+    for (const auto& [a, b] : edges) {
+      rays_[at(next[at(a)]++)] = {keyOf(a, b), b};
+      rays_[at(next[at(b)]++)] = {keyOf(b, a), a};
+    }
+    for (std::size_t v = 0; v < vertices.size(); ++v)
+      std::sort(rays_.begin() + begin_[v], rays_.begin() + begin_[v + 1],
+                [](const Ray& l, const Ray& r) {
+                  return l.key != r.key ? l.key < r.key : l.end < r.end;
+                });
+  }
+
+  // Calls visit(ends) for the edges of a vertex that have one direction, shortest first, if there
+  // are several.
+  template <class Visit>
+  void forEachLine(std::int32_t v, const Visit& visit) {
+    const std::int32_t end = begin_[at(v) + 1];
+    seen_.assign(at(end - begin_[at(v)]), 0);
+    for (std::int32_t i = begin_[at(v)]; i < end; ++i) {
+      if (seen_[at(i - begin_[at(v)])] != 0) continue;
+      line_.assign(1, rays_[at(i)].end);
+      for (std::int32_t k = i + 1; k < end && rays_[at(k)].key - rays_[at(i)].key <= kSame; ++k) {
+        if (!isSame(v, rays_[at(i)].end, rays_[at(k)].end)) continue;
+        seen_[at(k - begin_[at(v)])] = 1;
+        line_.push_back(rays_[at(k)].end);
+      }
+      if (line_.size() < 2) continue;
+      std::sort(line_.begin(), line_.end(), [&](std::int32_t a, std::int32_t b) {
+        return length(v, a) != length(v, b) ? length(v, a) < length(v, b) : a < b;
+      });
+      visit(std::span<const std::int32_t>(line_));
+    }
+  }
+
+  // The nearest end of an edge from v that lies between v and `end`, or `end` if there is none.
+  std::int32_t nextTowards(std::int32_t v, std::int32_t end) {
+    const double key = keyOf(v, end);
+    std::int32_t nearest = end;
+    const auto own = rays_.begin() + begin_[at(v)], own_end = rays_.begin() + begin_[at(v) + 1];
+    for (auto r = std::lower_bound(own, own_end, key - kSame,
+                                   [](const Ray&ray, double least) { return ray.key < least; });
+         r != own_end && r->key <= key + kSame; ++r)
+      if (length(v, r->end) < length(v, nearest) && isSame(v, end, r->end)) nearest = r->end;
+    return nearest;
+  }
+
+ private:
+  struct Ray {
+    double key;
+    std::int32_t end;
+  };
+  // More than rounding changes a key.
+  static constexpr double kSame = 1e-12;
+
+  double keyOf(std::int32_t from, std::int32_t to) const {
+    const Vector3d way = vertices_[at(to)] - vertices_[at(from)];
+    return Vector3d(0.5388159060803247, 0.6180339887498949, 0.5724334022399462).dot(way) /
+           way.stableNorm();
+  }
+  double length(std::int32_t a, std::int32_t b) const {
+    return (vertices_[at(b)] - vertices_[at(a)]).stableNorm();
+  }
+  // Whether the ways from v to a and to b have exactly the same direction.
+  bool isSame(std::int32_t v, std::int32_t a, std::int32_t b) {
+    if (--work_ < 0)
+      throw InvalidShape("mesh: too many edges of a vertex have nearly the same direction");
+    const Vector3d &from = vertices_[at(v)], &p = vertices_[at(a)], &q = vertices_[at(b)];
+    return ((p - from).array() * (q - from).array() >= 0).all() && collinear(from, p, q);
+  }
+
+  std::span<const Vector3d> vertices_;
+  std::vector<std::int32_t> begin_;  // of each vertex, in rays_
+  std::vector<Ray> rays_;
+  std::vector<std::uint8_t> seen_;
+  std::vector<std::int32_t> line_;
+  std::int64_t work_ = kCrackWork;
+};
+
+// The triangles of one round of addOverlapFillers(), without those that are there.
+std::vector<Triangle> overlapFillers(std::span<const Vector3d> vertices,
+                                     std::span<const Triangle> triangles) {
+  Rays rays(vertices, triangles);
+  std::vector<Triangle> fillers;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const auto v = static_cast<std::int32_t>(i);
+    rays.forEachLine(v, [&](std::span<const std::int32_t> ends) {
+      for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
+        std::int32_t before = ends[k];
+        while (before != ends[k + 1]) {
+          const std::int32_t next = rays.nextTowards(before, ends[k + 1]);
+          fillers.push_back({v, before, next});
+          before = next;
+        }
+      }
+    });
+  }
+  if (fillers.empty()) return fillers;
+  const auto sorted = [](Triangle t) {
+    std::sort(t.begin(), t.end());
+    return t;
+  };
+  for (Triangle& t : fillers) t = sorted(t);
+  std::sort(fillers.begin(), fillers.end());
+  fillers.erase(std::unique(fillers.begin(), fillers.end()), fillers.end());
+  std::vector<std::uint8_t> is_there(fillers.size(), 0);
+  for (const Triangle& t : triangles) {
+    const auto found = std::lower_bound(fillers.begin(), fillers.end(), sorted(t));
+    if (found != fillers.end() && *found == sorted(t))
+      is_there[static_cast<std::size_t>(found - fillers.begin())] = 1;
+  }
+  std::vector<Triangle> missing;
+  for (std::size_t i = 0; i < fillers.size(); ++i)
+    if (is_there[i] == 0) missing.push_back(fillers[i]);
+  return missing;
+}
 
 }  // namespace
 
@@ -121,57 +254,13 @@ std::vector<Triangle> crackFillers(std::span<const Vector3d> vertices,
   return fillers;
 }
 
-std::vector<std::pair<std::int32_t, std::int32_t>> overlappingEdges(
-    std::span<const Vector3d> vertices, std::span<const Triangle> triangles) {
-  // The edges of each vertex, by a component of their direction that few of them share. Rounding
-  // changes it by less than kSame.
-  constexpr double kSame = 1e-12;
-  const Vector3d component(0.5388159060803247, 0.6180339887498949, 0.5724334022399462);
-  struct Ray {
-    double key;
-    std::int32_t end;
-  };
-  std::vector<std::pair<std::int32_t, std::int32_t>> edges;
-  for (const EdgeUse& e : sortedEdges(triangles, vertices.size()))
-    if (edges.empty() || edges.back() != std::pair(e.low, e.high))
-      edges.emplace_back(e.low, e.high);
-  std::vector<std::int32_t> begin(vertices.size() + 1, 0);
-  for (const auto& [a, b] : edges) {
-    ++begin[at(a) + 1];
-    ++begin[at(b) + 1];
+void addOverlapFillers(std::span<const Vector3d> vertices, std::vector<Triangle>& triangles) {
+  // The edges of new triangles may overlap, too.
+  for (;;) {
+    const std::vector<Triangle> fillers = overlapFillers(vertices, triangles);
+    if (fillers.empty()) return;
+    triangles.insert(triangles.end(), fillers.begin(), fillers.end());
   }
-  for (std::size_t v = 0; v < vertices.size(); ++v) begin[v + 1] += begin[v];
-  std::vector<Ray> rays(at(begin.back()));
-  std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
-  for (const auto& [a, b] : edges) {
-    const Vector3d way = vertices[at(b)] - vertices[at(a)];
-    const double key = component.dot(way) / way.stableNorm();
-    rays[at(next[at(a)]++)] = {key, b};
-    rays[at(next[at(b)]++)] = {-key, a};
-  }
-  std::vector<std::pair<std::int32_t, std::int32_t>> found;
-  auto work = static_cast<std::int64_t>(rays.size()) * kSeamWork;
-  for (std::size_t v = 0; v < vertices.size(); ++v) {
-    const std::span<Ray> own(rays.data() + begin[v], rays.data() + begin[v + 1]);
-    std::sort(own.begin(), own.end(), [](const Ray& l, const Ray& r) {
-      return l.key != r.key ? l.key < r.key : l.end < r.end;
-    });
-    const Vector3d& from = vertices[v];
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      for (std::size_t k = i + 1; k < own.size() && own[k].key - own[i].key <= kSame; ++k) {
-        if (--work < 0) return found;
-        const Vector3d a = vertices[at(own[i].end)] - from, b = vertices[at(own[k].end)] - from;
-        if (!(a.dot(b) > 0) || !collinear(from, vertices[at(own[i].end)], vertices[at(own[k].end)]))
-          continue;
-        const auto w = static_cast<std::int32_t>(v);
-        found.push_back(
-            std::minmax(w, a.squaredNorm() < b.squaredNorm() ? own[k].end : own[i].end));
-      }
-    }
-  }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  return found;
 }
 
 }  // namespace leeway::collision

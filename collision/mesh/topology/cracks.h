@@ -19,12 +19,12 @@ std::vector<std::array<std::int32_t, 3>> crackFillers(
     std::span<const Eigen::Vector3d> vertices,
     std::span<const std::pair<std::int32_t, std::int32_t>> seams, double distance);
 
-/// Returns the edges (low, high) that run over a shorter edge from one of their ends. Two chains of
-/// edges along one line have such an edge where they part, so that triangles on a chain whose edges
-/// two solids share would be taken for one surface. Exact; O(k log k) for k edges if few edges of a
-/// vertex have nearly the same direction.
-std::vector<std::pair<std::int32_t, std::int32_t>> overlappingEdges(
-    std::span<const Eigen::Vector3d> vertices,
-    std::span<const std::array<std::int32_t, 3>> triangles);
+/// Adds triangles without area that tie an edge to shorter edges along it, where both leave one
+/// vertex in exactly the same direction. An edge that two triangles share may belong to two solids,
+/// if other triangles of theirs use its parts: without such a triangle they would be taken for one
+/// surface, whose winding number about the inside of both is 0. O(k log k) for k edges if few edges
+/// of a vertex have nearly the same direction; throws InvalidShape if very many have.
+void addOverlapFillers(std::span<const Eigen::Vector3d> vertices,
+                       std::vector<std::array<std::int32_t, 3>>& triangles);
 
 }  // namespace leeway::collision
