@@ -10,10 +10,11 @@
 
 namespace leeway::planner {
 
-/// Reads `steps:` of a problem file, after start, objects and frames. Fails for names that do not
-/// exist when their step begins, and for steps that contradict those before them. `readPair` reads
-/// two names in `allowed`, of groups as well.
+/// Reads an entry of `allowed`: returns the pairs of names of its links, objects or groups.
 using ReadPair = std::function<std::vector<std::pair<std::string, std::string>>(const YamlReader&)>;
+
+/// Reads `steps:` of a problem file, after start, objects and frames. Fails for names that do not
+/// exist when their step begins, and for steps that contradict those before them.
 void readSteps(const YamlReader& reader, const ReadPair& readPair, Problem& problem);
 
 /// Reads `waypoints:` of a problem file: a task of one line.

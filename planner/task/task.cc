@@ -65,7 +65,7 @@ class TaskPlan {
     result_.plan_s = secondsSince(begin_);
     if (is_whole || is_part) finish(is_whole ? PlanStatus::kSolved : PlanStatus::kPartial);
     if (is_whole) return std::move(result_);
-    addWarnings(failed_warnings_);
+    addTo(result_.warnings, failed_warnings_);
     if (ended_) result_.line_end = std::move(ended_->end);
     if (result_.status != PlanStatus::kInvalidStart && result_.reason.empty())
       result_.reason = fault_;
@@ -105,12 +105,10 @@ class TaskPlan {
            result_.status == PlanStatus::kNothingChecked;
   }
 
-  /// Adds those that the result does not have.
-  void addWarnings(const std::vector<std::string>& warnings) {
+  /// Adds the warnings that `all` does not contain.
+  static void addTo(std::vector<std::string>& all, const std::vector<std::string>& warnings) {
     for (const std::string& warning : warnings)
-      if (std::find(result_.warnings.begin(), result_.warnings.end(), warning) ==
-          result_.warnings.end())
-        result_.warnings.push_back(warning);
+      if (std::find(all.begin(), all.end(), warning) == all.end()) all.push_back(warning);
   }
 
   /// The warnings of a step's own search. Those of loaders and scenes are added elsewhere.
@@ -242,7 +240,7 @@ class TaskPlan {
       if (why.empty() && points.closest.pair >= 0)
         why = "its goal is in collision: " + pairText(*scene, points.closest.pair);
       fail(step, why.empty() ? "no valid joint values were found for its goal" : why);
-      keepFailed(ownWarnings(step, *scene, points.warnings));
+      addTo(failed_warnings_, ownWarnings(step, *scene, points.warnings));
       count(certifier);
       return false;
     }
@@ -374,7 +372,7 @@ class TaskPlan {
           why += ": " + planned.offending_a + " and " + planned.offending_b;
       }
       fail(step, why);
-      keepFailed(warnings);
+      addTo(failed_warnings_, warnings);
       return false;
     }
     stretches_[step].warnings = std::move(warnings);
@@ -428,14 +426,6 @@ class TaskPlan {
       whole.kept = std::nullopt;
   }
 
-  /// Remembers the warnings of a search that has failed. They are told if the task has.
-  void keepFailed(const std::vector<std::string>& warnings) {
-    for (const std::string& warning : warnings)
-      if (std::find(failed_warnings_.begin(), failed_warnings_.end(), warning) ==
-          failed_warnings_.end())
-        failed_warnings_.push_back(warning);
-  }
-
   /// Joins the stretches to one path with one certificate.
   void finish(PlanStatus status) {
     const Clock::time_point begin = Clock::now();
@@ -475,7 +465,7 @@ class TaskPlan {
     }
     const std::vector<std::string> loaded = loaderWarnings(problem_);
     result_.warnings.insert(result_.warnings.begin(), loaded.begin(), loaded.end());
-    for (const Stretch& stretch : stretches_) addWarnings(stretch.warnings);
+    for (const Stretch& stretch : stretches_) addTo(result_.warnings, stretch.warnings);
     whole.unchecked = countUnchecked(std::vector(dropped.begin(), dropped.end()));
     result_.certify_s = secondsSince(begin);
     if (!whole.certified) {
@@ -500,7 +490,7 @@ class TaskPlan {
   int tries_ = 0;
   std::size_t fault_step_ = 0;
   std::string fault_;
-  std::vector<std::string> failed_warnings_;
+  std::vector<std::string> failed_warnings_;  ///< of searches; reported if the task fails
   std::optional<Ended> ended_;
   bool takes_part_ = false;  ///< accept the part of a line that ended_ remembers
   PlanResult result_;

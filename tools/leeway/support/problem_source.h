@@ -42,12 +42,15 @@ void addProblemArguments(CLI::App& app, ProblemSource& source);
 /// Adds the arguments of a problem and a path: two files, or only the path's with --robot.
 void addProblemAndPathArguments(CLI::App& app, ProblemSource& source,
                                 std::vector<std::string>& files);
+
+/// A change of a problem that was read.
+using Change = std::function<void(planner::Problem&)>;
+
 /// Prints the loader's warnings to stderr; those about left-out entries of the robot once: a cache
 /// folder remembers them, and a later command says in one line how many there are. Throws
 /// robots::InputError, and robots::Stopped for an interrupt or at the end of `time_limit` [s]
-/// (InterruptibleReading). `change`: applied before a start of poses is placed, because constraints
-/// bind it.
-using Change = std::function<void(planner::Problem&)>;
+/// (InterruptibleReading). `change` is made before a start of poses is placed, which must keep the
+/// constraints.
 planner::Problem loadProblem(const ProblemSource& source, std::optional<double> time_limit = {},
                              const Change& change = {});
 /// For verbs that handle a single world: throws robots::InputError for a problem with steps.

@@ -73,7 +73,7 @@ std::size_t lengthOf(const std::string& text) {
       text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) >> 6) != 2; }));
 }
 
-/// Returns a text with its control characters as \\xNN, because names in files may contain those
+/// Returns a text with its control characters as \xNN, because names in files may contain those
 /// that terminals obey. `kept`: sequences that stay.
 std::string escaped(const std::string& text, std::span<const std::string_view> kept) {
   std::string result;
@@ -103,7 +103,7 @@ std::string escaped(const std::string& text, std::span<const std::string_view> k
 }
 
 constexpr std::string_view kGood = "\x1b[1;32m", kBad = "\x1b[1;31m", kPlain = "\x1b[0m";
-/// What texts of several lines have: these, and the colours of verdictText().
+/// printable() keeps newlines and the colours of verdictText().
 constexpr std::string_view kOfTexts[] = {"\n", kGood, kBad, kPlain};
 
 std::string formatDuration(double seconds) {
