@@ -150,8 +150,8 @@ void turnAlongCurve(Cells& cells, unsigned bits) {
   }
   for (unsigned bit = bits - 1; bit > 0; --bit)
     for (std::size_t i = 0; i < kCells; ++i) turned[i] ^= ((1U << bit) - 1) & maskOf(last[i], bit);
-  for (int k = 0; k < 3; ++k)
-    for (std::size_t i = 0; i < kCells; ++i) cells.at[k][i] ^= turned[i];
+  for (auto& of_axis : cells.at)
+    for (std::size_t i = 0; i < kCells; ++i) of_axis[i] ^= turned[i];
 }
 
 // Sorts by the bits from `low` to `high`, which are not above 64; equal ones keep their order.
@@ -198,7 +198,7 @@ void sortAlongCurve(std::span<const Box> boxes, std::span<std::int32_t> order) {
     turnAlongCurve(block, of_axis);
     for (std::size_t i = 0; i < count; ++i) {
       std::uint64_t key = 0;
-      for (int k = 0; k < 3; ++k) key = key << 1U | spread(block.at[k][i]);
+      for (const auto& along : block.at) key = key << 1U | spread(along[i]);
       keys[begin + i] = key << of_number | static_cast<std::uint64_t>(order[begin + i]);
     }
   }

@@ -51,7 +51,8 @@ struct SweepScratch {
 
  private:
   union Room {
-    Room() {}
+    Room() : none() {}
+    char none;
     Stretches stretches;
   };
   static_assert(std::is_trivially_destructible_v<Stretches>);

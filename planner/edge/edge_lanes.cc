@@ -130,8 +130,7 @@ void SceneLanes::addPlaced(const CompiledScene& scene, const EdgeScene& edges) {
 void SceneLanes::addPairs(const EdgeScene& edges, std::span<const RobotLanes::Piece> lane_pieces) {
   const std::span<const EdgePair> listed = edges.pairs.listed();
   sweep.reservePairs(listed.size());
-  for (std::size_t p = 0; p < listed.size(); ++p) {
-    const EdgePair& pair = listed[p];
+  for (const EdgePair& pair : listed) {
     const bool world_a = edges.pieces.listed()[at(pair.a)].link < 0,
                world_b = edges.pieces.listed()[at(pair.b)].link < 0;
     if (!world_a && !world_b) {

@@ -145,7 +145,7 @@ struct Obstacles::Rigid : Followed {
         extent(extentOf(object)),
         present(object.X_WO),
         future(object.X_WO) {
-    speed_bound = pointSpeed({object.motion->speed_bound, object.motion->turn_bound});
+    speed_bound = Rigid::pointSpeed({object.motion->speed_bound, object.motion->turn_bound});
   }
 
   bool hasMotion() const override { return poses != nullptr; }

@@ -145,8 +145,8 @@ struct Replanner::Impl {
   /// The time of a row, counted from the present one. A row has the same time in each step, so that
   /// what is left of a motion is the motion that was proven.
   double rowTime(int row) const {
-    return execution().start + (index + row / periods) * execution().step +
-           (row % periods) * period();
+    const int whole_step = index + row / periods;
+    return execution().start + whole_step * execution().step + (row % periods) * period();
   }
   /// Proven, with the stop at its end.
   bool isProven(const Candidate& c) const { return c.until >= std::max(c.stop_end, stepEnd()); }

@@ -145,12 +145,11 @@ double StepCertifier::certify(std::span<const TimedPoint> motion, std::span<cons
     const int halvings = k < must ? kMustHalvings : kAheadHalvings;
     // Parts whose length is a power of two that divides their beginning: other candidates, and
     // later steps, have the same.
-    for (Tick t0 = until, t1 = t0; t0 < marks[k]; t0 = t1) {
-      Tick length = longest_;
+    for (Tick length = 0, t0 = until; t0 < marks[k]; t0 += length) {
+      length = longest_;
       while (t0 % length != 0 || t0 + length > marks[k]) length /= 2;
-      t1 = t0 + length;
       for (std::size_t g = 0; g < movers_.size(); ++g)
-        if (!certifyPart(g, motion, t0, t1, halvings, broken)) return timeOf(until);
+        if (!certifyPart(g, motion, t0, t0 + length, halvings, broken)) return timeOf(until);
     }
     until = marks[k];
   }

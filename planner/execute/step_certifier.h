@@ -31,7 +31,8 @@ class StepCertifier {
   /// Stops and what follows them are proven up to multiples of this.
   static constexpr Tick kCoarse = kStepTicks / 8;
   double timeOf(Tick tick) const {
-    return start_ + static_cast<double>(tick / kStepTicks) * step_ +
+    const Tick whole_step = tick / kStepTicks;
+    return start_ + static_cast<double>(whole_step) * step_ +
            static_cast<double>(tick % kStepTicks) * (step_ / kStepTicks);
   }
 

@@ -64,6 +64,7 @@ int Brake::stop(std::span<const double> place, std::span<const double> velocity,
 int Brake::stopOnLine(std::span<const double> place, std::span<const double> velocity,
                       std::span<double> rows, double first) const {
   const std::size_t n = place.size();
+  if (n == 0) return 0;
   double rate = kInfinity;  // the share of its velocity that the robot loses in a second
   for (std::size_t i = 0; i < n; ++i)
     if (velocity[i] != 0) rate = std::min(rate, limits_.acceleration[i] / std::abs(velocity[i]));
@@ -83,7 +84,9 @@ int Brake::stopOnLine(std::span<const double> place, std::span<const double> vel
 int Brake::stopEach(std::span<const double> place, std::span<const double> velocity,
                     std::span<const double> acceleration, std::span<double> rows,
                     double first) const {
-  const std::size_t n = place.size(), most = rows.size() / n;
+  const std::size_t n = place.size();
+  if (n == 0) return 0;
+  const std::size_t most = rows.size() / n;
   std::size_t count = 0;
   for (std::size_t i = 0; i < n; ++i) {
     Braking joint{velocity[i], acceleration[i]};

@@ -17,6 +17,10 @@ namespace leeway::planner {
 /// proven, the measure compares, and the move is kept or discarded. Derived classes define the
 /// moves and the measure. The path's ends never change.
 class PathImprover {
+ public:
+  PathImprover(const PathImprover&) = delete;
+  PathImprover& operator=(const PathImprover&) = delete;
+
  protected:
   using Point = std::vector<double>;
 
@@ -34,8 +38,6 @@ class PathImprover {
         path_(path),
         stop_(stop),
         turn_(turn) {}
-  PathImprover(const PathImprover&) = delete;
-  PathImprover& operator=(const PathImprover&) = delete;
   virtual ~PathImprover() = default;
 
   /// Takes the move if it may gain, its edges are proven, and it gains; returns whether it does.

@@ -264,7 +264,7 @@ class PcdPoints {
         if (axes_[axis] == f) offsets[axis] = point;
       if (fields_[f].name != "_") point += fields_[f].bytes();
     }
-    if (size % point != 0 || size / point != points_)
+    if (point == 0 || size % point != 0 || size / point != points_)
       source_.fail({0, byte() + 4}, fmt::format("the data has {} bytes; {} points of {} bytes are "
                                                 "expected",
                                                 size, points_, point));

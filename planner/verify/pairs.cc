@@ -253,8 +253,7 @@ Pairs collectPairs(const Problem& problem, const std::vector<Body>& bodies) {
       }
     }
   }
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    has_world = has_world || (bodies[b].link < 0 && bodies[b].hasShape());
+  for (const auto& body : bodies) has_world = has_world || (body.link < 0 && body.hasShape());
   if (!can_move)
     pairs.nothing_checked = kNothingMoves;
   else if (!is_checked && has_world)

@@ -282,7 +282,7 @@ class GltfReader {
     if (!uri.exists() && !(is_binary_ && number == 0))
       fail(uri, "the name of a file, or data in base64,");
     const std::span<const std::byte> bytes =
-        loaded ? std::as_bytes(std::span(loaded->data(), loaded->size())) : binary_;
+        loaded ? std::as_bytes(std::span<const char>(*loaded)) : binary_;
     const Entry length = member(given, "byteLength");
     const std::size_t size = whole(length);
     if (size > bytes.size())

@@ -251,18 +251,19 @@ class SdfReader {
                             " has no direction; a vector other than zero would be accepted");
     }
     // Up to SDF 1.4 axes are in the model's frame, in 1.5 and 1.6 there is a flag for it.
+    const XMLElement& where = xyz == nullptr ? *axis : *xyz;
     const char* given = xyz == nullptr ? nullptr : xyz->Attribute("expressed_in");
     std::string in = given == nullptr ? "" : given;
     if (minor <= 6 && flagIn(file, *axis, "use_parent_model_frame", minor <= 4)) {
       if (!in.empty())
-        file.fail(*xyz, "expressed_in is " + inQuotes(in) +
-                            ", and the axis is in the model's frame" +
-                            (minor <= 4 ? ", as this version of SDF has it" : "") +
-                            "; one of them would be accepted");
+        file.fail(where, "expressed_in is " + inQuotes(in) +
+                             ", and the axis is in the model's frame" +
+                             (minor <= 4 ? ", as this version of SDF has it" : "") +
+                             "; one of them would be accepted");
       in = "__model__";
     }
     if (!in.empty()) {
-      const int other = models_.frames.find(f.scope.whole(in), file, xyz == nullptr ? *axis : *xyz);
+      const int other = models_.frames.find(f.scope.whole(in), file, where);
       joint.axis = models_.frames.relative(index, other).rotation * joint.axis;
     }
     setLimits(file, *axis, file.onlyChild(*axis, "limit"), joint);
@@ -293,7 +294,8 @@ class SdfReader {
   static void setLimits(XmlFile& file, const XMLElement& at, const XMLElement* limit,
                         UrdfJoint& joint) {
     joint.has_limit = true;
-    joint.limit_line = (limit == nullptr ? at : *limit).GetLineNum();
+    const XMLElement& where = limit == nullptr ? at : *limit;
+    joint.limit_line = where.GetLineNum();
     joint.lower = -kInfinity;
     joint.upper = kInfinity;
     joint.velocity = kInfinity;
@@ -320,13 +322,13 @@ class SdfReader {
       return;
     }
     if (joint.lower > joint.upper)
-      file.fail(*limit, "the lower limit " + inQuotes(textIn(file, *limit, "lower")) +
-                            " of joint " + inQuotes(joint.name) + " is above the upper limit " +
-                            inQuotes(textIn(file, *limit, "upper")) +
-                            "; lower at most upper would be accepted");
+      file.fail(where, "the lower limit " + inQuotes(textIn(file, where, "lower")) + " of joint " +
+                           inQuotes(joint.name) + " is above the upper limit " +
+                           inQuotes(textIn(file, where, "upper")) +
+                           "; lower at most upper would be accepted");
     if (joint.lower == joint.upper)
-      file.warn(*limit, "joint " + inQuotes(joint.name) +
-                            " cannot move: its lower and upper limits are equal");
+      file.warn(where, "joint " + inQuotes(joint.name) +
+                           " cannot move: its lower and upper limits are equal");
   }
 
   void readMimic(int index) {

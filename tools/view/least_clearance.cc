@@ -11,6 +11,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "tools/view/base/figures.h"
 #include "tools/view/base/scene_names.h"
+#include "tools/view/timeline.h"
 
 namespace leeway::tools::view {
 namespace {

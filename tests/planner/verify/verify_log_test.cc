@@ -412,7 +412,7 @@ TEST_F(VerifyLog, WhatIsNoLineOfALogIsRefused) {
   expectBad(3, [](Json& l) { l["joint_names"][1] = "disc/z"; },
             {"'disc/z'", "'disc/y' is expected"});
   expectBad(3, [](Json& l) { l["joint_names"].erase(1); }, {"2 joints are named; 3"});
-  expectBad(3, [](Json& l) { l["motion"] = {Json(l["motion"][0])}; },
+  expectBad(3, [](Json& l) { l["motion"] = Json::array({l["motion"][0]}); },
             {"motion has ", "at least 2"});
   expectBad(3, [](Json& l) { l["motion"][0]["position"].erase(1); }, {"2 numbers; 3"});
   expectBad(3, [](Json& l) { l["motion"][1]["position"][0] = "a"; }, {"a number is expected"});
@@ -729,12 +729,15 @@ TEST_F(VerifyLog, RandomExecutionsAreProvenAndTheirClearanceHolds) {
   for (int seed = 0; seed < 10; ++seed) {
     SCOPED_TRACE(seed);
     Random random(81, static_cast<std::uint64_t>(seed));
+    const auto randomPose = [&](double angle) {
+      const double y = random.uniform(-1.2, 1.2), x = random.uniform(-0.9, 1.2);
+      return posed(x, y, angle);
+    };
     const auto randomKeys = [&] {
       std::vector<PoseMotion::Key> keys;
       double angle = random.uniform(-3, 3);
       for (int key = 0; key < 5; ++key) {
-        keys.push_back(
-            {1.2 * key, posed(random.uniform(-0.9, 1.2), random.uniform(-1.2, 1.2), angle)});
+        keys.push_back({1.2 * key, randomPose(angle)});
         angle += random.uniform(-2.5, 2.5);
       }
       return PoseMotion::keys(keys);
@@ -747,10 +750,10 @@ TEST_F(VerifyLog, RandomExecutionsAreProvenAndTheirClearanceHolds) {
     if (seed % 3 == 2) problem.execution.foresight = Foresight::kSpeedBound;
     problem.world.objects.push_back(bar("keys", {.poses = randomKeys()}));
     problem.world.objects.push_back(
-        bar("steady", {.poses = PoseMotion::steady(
-                           {0, posed(random.uniform(-0.9, 1.2), random.uniform(-1.2, 1.2), 0)},
-                           {random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), 0},
-                           {0, 0, random.uniform(-1, 1)})}));
+        bar("steady",
+            {.poses = PoseMotion::steady({0, randomPose(0)},
+                                         {random.uniform(-0.4, 0.4), random.uniform(-0.4, 0.4), 0},
+                                         {0, 0, random.uniform(-1, 1)})}));
     const std::shared_ptr<const PoseMotion> unknown = randomKeys();
     Problem truth = problem;
     truth.world.objects.push_back(bar("bar", {.poses = unknown}));

@@ -67,7 +67,7 @@ Json sizeJson(const collision::Shape& shape) {
   switch (shape.type()) {
     case ShapeType::kBox:
     case ShapeType::kEllipsoid: {
-      const Eigen::Vector3d half = shape.halfExtents();
+      const Eigen::Vector3d& half = shape.halfExtents();
       return {2 * half.x(), 2 * half.y(), 2 * half.z()};
     }
     case ShapeType::kSphere:

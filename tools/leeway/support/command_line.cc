@@ -46,15 +46,21 @@ std::string suggestion(const CLI::App& app, const std::string& word) {
   return nearest == nullptr ? "" : fmt::format(" (did you mean {}?)", *nearest);
 }
 
+/// Whether a verb, or what was chosen below it (the family of a report), has an option.
+bool hasOption(const CLI::App& verb, const std::string& name) {
+  const auto chosen = verb.get_subcommands();
+  return verb.get_option_no_throw(name) != nullptr ||
+         std::any_of(chosen.begin(), chosen.end(),
+                     [&](const CLI::App* below) { return hasOption(*below, name); });
+}
+
 /// The first unexpected word: a word in the place of the verb that is not a verb, or an option that
 /// the verb does not have. Empty if there is neither.
 std::string unexpectedWord(const CLI::App* verb, const std::vector<std::string>& words) {
   if (verb == nullptr) return words.empty() ? "" : words.front();
   for (const std::string& word : words) {
     if (word == "--") return {};  // the words behind it are values
-    if (word.starts_with("--") &&
-        verb->get_option_no_throw(word.substr(0, word.find('='))) == nullptr)
-      return word;
+    if (word.starts_with("--") && !hasOption(*verb, word.substr(0, word.find('=')))) return word;
   }
   return {};
 }

@@ -227,12 +227,11 @@ double offendingMargin(const planner::Problem& problem, const planner::PlanResul
   const auto isOf = [&](int body, const std::string& name) {
     return bodies[static_cast<std::size_t>(body)].name == name;
   };
-  const auto& pairs = scene.scene().pairs();
-  for (auto at = pairs.begin(); at != pairs.end(); ++at) {
-    const auto [a, b] = std::pair((*at).body_a, (*at).body_b);
+  for (const auto& pair : scene.scene().pairs()) {
+    const auto [a, b] = std::pair(pair.body_a, pair.body_b);
     if ((isOf(a, result.offending_a) && isOf(b, result.offending_b)) ||
         (isOf(b, result.offending_a) && isOf(a, result.offending_b)))
-      return (*at).margin;
+      return pair.margin;
   }
   return problem.margins.common;  // of an object that a step attaches
 }
