@@ -20,11 +20,14 @@ struct TimedPath {
   Path path;
   std::vector<double> times;       ///< of the rows [s]
   std::vector<std::size_t> steps;  ///< the step of each edge, or kGap
+  /// Edges on which the robot stands and obstacles that move may reach it, increasing.
+  std::vector<std::size_t> exposed;
   std::vector<MovingBody> bodies;
   std::vector<std::vector<Sighting>> known;  ///< in each step, of each body
 };
 
-/// Proves that a motion keeps all margins. The path has no fault that findFault() finds.
+/// Proves that a motion keeps all margins; on its exposed edges, those of pairs without an obstacle
+/// that moves. The path has no fault that findFault() finds.
 VerifyResult verifyTimed(const Problem& problem, TimedPath& motion, const PlanOptions& options,
                          const ClearanceWish& wish);
 

@@ -70,7 +70,14 @@ class LogVerifier {
         result_ = std::move(stops);
       }
     }
-    if (result_.status == VerifyStatus::kCertified && !log_.end) {
+    if (result_.status == VerifyStatus::kCertified && exposed_ != nullptr) {
+      refuse(VerifyStatus::kExposed, exposed_->line,
+             "the robot stands where an obstacle that moves may reach it, or comes to rest there; "
+             "all else is proven");
+      result_.t0 = exposed_->times.front();
+      result_.t1 = exposed_->times.back();
+    }
+    if (isProven() && !log_.end) {
       const int line = log_.steps.back().line;
       refuse(
           VerifyStatus::kUndecided, line,
@@ -81,6 +88,10 @@ class LogVerifier {
   }
 
  private:
+  bool isProven() const {
+    return result_.status == VerifyStatus::kCertified || result_.status == VerifyStatus::kExposed;
+  }
+
   VerifyResult proven(TimedPath& motion, const PlanOptions& options, const ClearanceWish& wish) {
     VerifyResult result;
     if (const auto fault = findFault(problem_, space_, motion.path, false)) {
@@ -124,8 +135,8 @@ class LogVerifier {
       return refute(step, fmt::format("step {} is where step {} is expected: lines are missing, or "
                                       "not in order",
                                       step.step, index));
-    return joins(step) && keepsLimits(step) && observes(step) &&
-           (step.keeps_stop ? keepsStop(step) : stops(step)) && saysWhatIs(step);
+    return joins(step) && (!step.exposed || goesOnAsKept(step)) && keepsLimits(step) &&
+           observes(step) && (step.keeps_stop ? keepsStop(step) : stops(step)) && saysWhatIs(step);
   }
 
   /// The motion of a step begins where and when that of the step before ended.
@@ -160,6 +171,27 @@ class LogVerifier {
     if (step.position != step.rows.back())
       return refute(step, fmt::format("position is not where its motion ends{}",
                                       offText(step.position, step.rows.back())));
+    return true;
+  }
+
+  /// An exposed step does what was left to do: it goes through the stop of the step before, and
+  /// stands behind it.
+  bool goesOnAsKept(const LoggedStep& step) {
+    for (std::size_t i = 1; i < step.rows.size(); ++i) {
+      const bool stands = kept_.size() < i;
+      const std::vector<double>& expected = stands ? step.rows[i - 1] : kept_.row(i - 1);
+      if (step.rows[i] != expected)
+        return refute(step,
+                      fmt::format("exposed is true, and its motion is not what the stop of the "
+                                  "step before leaves{}",
+                                  offText(step.rows[i], expected)));
+      if (!stands && step.times[i] != kept_.time(i - 1))
+        return refute(step,
+                      fmt::format("exposed is true, and its motion is at {} s where the stop of "
+                                  "the step before is at {} s",
+                                  numberText(step.times[i]), numberText(kept_.time(i - 1))));
+    }
+    if (exposed_ == nullptr) exposed_ = &step;
     return true;
   }
 
@@ -258,6 +290,8 @@ class LogVerifier {
     }
     for (std::size_t i = 1; i < step.rows.size(); ++i) {
       if (!goOn(step, moving_, step.times[i], step.rows[i])) return false;
+      if (step.exposed && step.rows[i] == step.rows[i - 1])
+        motion_.exposed.push_back(motion_.steps.size());
       add(motion_, step.times[i], step.rows[i]);
       motion_.steps.push_back(index);
     }
@@ -407,6 +441,7 @@ class LogVerifier {
       return refute(step, fmt::format("certified is {} with the decision '{}'", step.certified,
                                       step.decision));
     if (step.exposed && step.certified) return refute(step, "exposed is true, and so is certified");
+    if (step.exposed && own_.empty()) return refute(step, "exposed is true, and no obstacle moves");
     if (step.reached && !isInGoal(problem_, space_, step.rows.back()))
       return refute(step, "reached is true, and its motion ends in none of the problem's goals");
     return true;
@@ -464,6 +499,7 @@ class LogVerifier {
     double time(std::size_t i) const { return step->stop_times[begin + i]; }
   };
   Kept kept_;
+  const LoggedStep* exposed_ = nullptr;       ///< the first such step
   Moving moving_;                             ///< at the end of motion_
   std::vector<std::optional<Sighting>> own_;  ///< what the program has seen of each body
   std::vector<std::vector<Held>> held_;       ///< by obstacle, in the order of the steps

@@ -267,6 +267,7 @@ const char* statusName(planner::VerifyStatus status) {
   return status == planner::VerifyStatus::kCertified        ? "certified"
          : status == planner::VerifyStatus::kRefuted        ? "refuted"
          : status == planner::VerifyStatus::kNothingChecked ? "nothing_checked"
+         : status == planner::VerifyStatus::kExposed        ? "exposed"
                                                             : "undecided";
 }
 
@@ -276,14 +277,16 @@ void defineVerification(py::module_& module) {
                                   "The outcome of an independent proof. True if certified.");
   defineConstant(
       result, "status", [](const VerifyResult& self) { return statusName(self.status); },
-      "'certified', 'refuted', 'undecided' or 'nothing_checked': no pair of shapes is checked.");
+      "'certified', 'refuted', 'undecided', 'nothing_checked': no pair of shapes is checked; of a "
+      "log "
+      "also 'exposed': obstacles may reach the robot where it stands, and all else is proven.");
   result.def_readonly("lower", &VerifyResult::clearance_lower,
                       "Every point of a certified path keeps at least this [m]; inf where nothing "
                       "is near.");
   result.def_readonly("edge", &VerifyResult::segment,
                       "The edge that fails or is undecided; -1: none.");
   result.def_readonly("line", &VerifyResult::line,
-                      "The line of a log that fails or is undecided; 0: none.");
+                      "The line of a log that fails or is not proven; 0: none.");
   defineConstant(
       result, "t", [](const VerifyResult& self) { return py::make_tuple(self.t0, self.t1); },
       "The part of that edge, in [0, 1]; of a log: times [s].");

@@ -162,6 +162,23 @@ TEST_F(Replan, TheLogIsProven) {
   EXPECT_EQ(hit.document()["where"]["b"], "sheet");
 }
 
+TEST_F(Replan, ALogThatIsExposedIsNotCertified) {
+  write("exposed.yaml",
+        std::string(kGate) +
+            "objects:\n  - {name: cart, position: [3, 0, 0], box: {size: [0.1, 0.1, "
+            "0.1]}, moving: {speed_bound: 500, turn_bound: 0}}\n");
+  EXPECT_EQ(run("replan exposed.yaml --text --output run.jsonl").status, 1);
+  const Answer answer = run("verify exposed.yaml --log run.jsonl --json");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_EQ(answer.document()["status"], "exposed");
+  EXPECT_EQ(answer.document()["where"]["line"], 1);
+  EXPECT_TRUE(answer.document()["clearance_lower"].is_null());
+  const Answer text = run("verify exposed.yaml --log run.jsonl");
+  EXPECT_NE(text.flat().find("exposed: line 1 between 0 s and 0.05 s: the robot stands where"),
+            std::string::npos)
+      << text.out;
+}
+
 TEST_F(Replan, LogsNeedAProblemAndNothingElse) {
   EXPECT_EQ(run("replan gate.yaml --steps 2 --json --output run.jsonl").status, 1);
   expectRefused("verify gate.yaml run.jsonl --log run.jsonl", {"with --log, a problem file alone"});

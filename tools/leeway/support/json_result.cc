@@ -237,6 +237,8 @@ const char* toString(planner::VerifyStatus status) {
       return "refuted";
     case planner::VerifyStatus::kNothingChecked:
       return "nothing_checked";
+    case planner::VerifyStatus::kExposed:
+      return "exposed";
     case planner::VerifyStatus::kUndecided:
       break;
   }

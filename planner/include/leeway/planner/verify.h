@@ -14,13 +14,16 @@ enum class VerifyStatus : unsigned char {
   kRefuted,
   kUndecided,
   kNothingChecked,  ///< no pair of shapes is checked: nothing is proven
+  /// Of a log: obstacles that move may reach the robot where it stands (ReplanStep::exposed); all
+  /// else is proven.
+  kExposed,
 };
 
 /// The outcome of an independent proof.
 struct VerifyResult {
   VerifyStatus status = VerifyStatus::kUndecided;
   int segment = -1;       ///< edge that fails or is undecided; -1: none, or a log
-  int line = 0;           ///< of a log, from 1, that fails or is undecided; 0: none
+  int line = 0;           ///< of a log, from 1, that fails or is not proven; 0: none
   double t0 = 0, t1 = 0;  ///< part of that edge, in [0, 1]; of a log: times [s]
   std::string a, b;       ///< bodies that are too near
   /// Lower bound of a certified path's clearance [m]; infinite without pairs. Rounding apart, it
@@ -60,7 +63,9 @@ VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions&
 /// obstacles did within their motions, or within the bounds that were stated when they were seen,
 /// and that its stop would have, by what was known in that step; that no
 /// obstacle was seen farther away than its bound allowed while a step relied on it; and that the
-/// robot is in a goal where the log says so. Costs, reasons and clearances in the log are not
+/// robot is in a goal where the log says so. Of steps that say `exposed`, it proves that the robot
+/// goes through the stop of the step before, as above, and then stands, free of itself and of all
+/// that stands still; the result then is kExposed. Costs, reasons and clearances in the log are not
 /// used; clearances are proven again. What was observed is taken from the log.
 ///
 /// Independent of Replanner as verify() is: rigid obstacles move by the verifier's own kinematics.
