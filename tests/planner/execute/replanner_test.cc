@@ -540,7 +540,7 @@ TEST_P(ShippedScene, IsExecutedAndNeedsReplanning) {
 
 INSTANTIATE_TEST_SUITE_P(Files, ShippedScene,
                          testing::Values("deforming/curtain", "deforming/heap", "deforming/figure",
-                                         "moving/conveyor"),
+                                         "moving/conveyor", "moving/walker"),
                          [](const auto& scene) {
                            const std::string name = scene.param;
                            return name.substr(name.find('/') + 1);
