@@ -143,7 +143,34 @@ TEST_F(GuardVerb, WrongLinesStopTheRobotAndTheNextAreRead) {
   const Answer nan = guard("reach.yaml", "nan,0\n");
   EXPECT_EQ(nan.status, 0);
   EXPECT_EQ(nan.document()["reason"], "invalid");
-  EXPECT_EQ(nan.document()["message"], "a setpoint is not a finite number");
+  EXPECT_EQ(nan.document()["message"],
+            "setpoints[0] has nan for 'shoulder'; a finite number is expected");
+  const Answer later = guard("reach.yaml", "-1,0,-1,-inf\n");
+  EXPECT_EQ(later.document()["message"],
+            "setpoints[1] has -inf for 'elbow'; a finite number is expected");
+}
+
+/// A first line with anything that begins like a number has no names, and the next lines are read.
+TEST_F(GuardVerb, AFirstLineOfNumbersIsNoHeader) {
+  const std::pair<const char*, const char*> wrong[] = {
+      {"1e400,0", "'1e400' is out of range; 0, or a size from 2.2e-308 to 1.8e+308, is expected"},
+      {"-1,1e-400", "'1e-400' is out of range"},
+      {"-1e400,nan", "'-1e400' is out of range"},
+      {"-1,0x1", "'0x1' is no number; one such as -0.5 or 1e-3 is expected"},
+      {"+1,0", "'+1' is no number"},
+      {"-1 0,0", "'-1 0' is no number"},
+      {",0", "'' is no number"},
+      {"elbow,0", "'elbow' is no number"}};
+  for (const auto& [text, message] : wrong) {
+    const Answer answer = guard("reach.yaml", std::string(text) + ",-1,0\n-1,0\n");
+    EXPECT_EQ(answer.status, 2) << text;
+    EXPECT_EQ(answer.err.rfind("standard input:1: ", 0), 0u) << answer.err;
+    EXPECT_NE(answer.err.find(message), std::string::npos) << answer.err;
+    const std::vector<json> lines = answer.lines();
+    ASSERT_EQ(lines.size(), 2u) << text;
+    EXPECT_EQ(lines[0]["passed"], 0);
+    EXPECT_EQ(lines[1]["passed"], 1);
+  }
 }
 
 TEST_F(GuardVerb, ARobotThatIsNotCertifiedIsStatus1) {

@@ -8,9 +8,11 @@
 #include <cmath>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string_view>
 
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/robots/input_error.h"
@@ -119,8 +121,8 @@ class LineReader {
       const std::size_t end = field.find_last_not_of(" \t\r\"");
       field = begin == std::string::npos ? "" : field.substr(begin, end - begin + 1);
     }
-    if (is_first && std::any_of(fields.begin(), fields.end(),
-                                [](const std::string& field) { return !numberOf(field); })) {
+    if (is_first && std::none_of(fields.begin(), fields.end(),
+                                 [&](const std::string& field) { return isLikeNumber(field); })) {
       is_header_bad_ = true;
       takeHeader(fields);
       is_header_bad_ = false;
@@ -136,11 +138,26 @@ class LineReader {
   const std::vector<std::string>& names() const { return names_; }
 
  private:
-  static std::optional<double> numberOf(const std::string& text) {
+  /// Whether a field of a first line belongs to numbers, right or not, and not to names.
+  bool isLikeNumber(const std::string& field) const {
+    double value = 0;
+    if (std::from_chars(field.data(), field.data() + field.size(), value).ec ==
+        std::errc::invalid_argument)
+      return !field.empty() && std::string_view("+-.").find(field[0]) != std::string_view::npos;
+    return std::find(names_.begin(), names_.end(), field) == names_.end();
+  }
+
+  /// Throws LineFault.
+  static double numberOf(const std::string& text) {
     double value = 0;
     const char* const end = text.data() + text.size();
     const auto [rest, error] = std::from_chars(text.data(), end, value);
-    if (error != std::errc() || rest != end || text.empty()) return std::nullopt;
+    if (rest != end || error == std::errc::invalid_argument)
+      throw LineFault{fmt::format("'{}' is no number; one such as -0.5 or 1e-3 is expected", text)};
+    if (error != std::errc())
+      throw LineFault{
+          fmt::format("'{}' is out of range; 0, or a size from {:.2g} to {:.2g}, is expected", text,
+                      std::numeric_limits<double>::min(), std::numeric_limits<double>::max())};
     return value;
   }
 
@@ -169,11 +186,8 @@ class LineReader {
           fmt::format("{} numbers; {}, or a multiple of that, are expected", fields.size(), n)};
     Line line;
     line.setpoints.resize(fields.size());
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-      const std::optional<double> value = numberOf(fields[i]);
-      if (!value) throw LineFault{fmt::format("'{}' is no number", fields[i])};
-      line.setpoints[i / n * n + order_[i % n]] = *value;
-    }
+    for (std::size_t i = 0; i < fields.size(); ++i)
+      line.setpoints[i / n * n + order_[i % n]] = numberOf(fields[i]);
     return line;
   }
 
@@ -520,10 +534,11 @@ class Session {
   /// finite are a fault of the policy, not of the line.
   std::string refusalOf(const Line& line) {
     if (guard_.answer().reason != planner::GuardReason::kInvalid) return {};
-    const auto is_finite = [](double x) { return std::isfinite(x); };
-    if (!std::all_of(line.setpoints.begin(), line.setpoints.end(), is_finite))
-      return "a setpoint is not a finite number";
-    const std::size_t setpoints = line.setpoints.size() / reader_.names().size();
+    const std::size_t n = reader_.names().size(), setpoints = line.setpoints.size() / n;
+    for (std::size_t i = 0; i < line.setpoints.size(); ++i)
+      if (const double x = line.setpoints[i]; !std::isfinite(x))
+        return fmt::format("setpoints[{}] has {} for '{}'; a finite number is expected", i / n, x,
+                           reader_.names()[i % n]);
     std::string message = fmt::format(
         "time is {} s; seconds that do not go back, and near which numbers are at most 0.001 "
         "periods apart, are expected",
