@@ -626,6 +626,7 @@ struct Replanner::Impl {
     step.obstacles = obstacles.updates();
     seen = obstacles.world();
     begin = Clock::now();
+    certifier.setWork(options.work);
     StepCertifier::Bodies broken;
     step.path_held = !path.empty() && certifier.holds(path, first_edge_known, broken);
     step.broken_a = broken.a;

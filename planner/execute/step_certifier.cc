@@ -54,6 +54,14 @@ StepCertifier::Bodies StepCertifier::names(const CompiledScene& scene, int pair)
           scene.scene().bodies()[static_cast<std::size_t>(p.body_b)].name};
 }
 
+template <class Row>
+bool StepCertifier::allFree(EdgeCertifier& certifier, const Row& row, int last, Bodies& broken) {
+  const RowsProof::Margins margins = RowsProof::marginsOf(certifier.scene());
+  if (rows_.until(certifier, margins, row, 0, last, true) == last) return true;
+  broken = names(certifier.scene(), rows_.failed().pair);
+  return false;
+}
+
 bool StepCertifier::holds(const std::vector<std::vector<double>>& path, bool first_edge_known,
                           Bodies& broken) {
   if (!first_edge_known && path.size() > 1) {
@@ -63,15 +71,12 @@ bool StepCertifier::holds(const std::vector<std::vector<double>>& path, bool fir
       return false;
     }
   }
-  for (std::size_t g = 0; g < movers_.size(); ++g) {
-    EdgeCertifier& moving = *movers_[g].certifier;
-    moving.rebind(obstacles_.seenIn(g));
-    for (std::size_t i = 1; i < path.size(); ++i) {
-      const EdgeCheck check = moving.certify(path[i - 1], path[i], EdgeRequest::persistent());
-      if (check.verdict == Verdict::kFree) continue;
-      broken = names(moving.scene(), check.pair);
-      return false;
-    }
+  const auto row = [&](int k) { return std::span<const double>(path[at(k)]); };
+  const int last = static_cast<int>(path.size()) - 1;
+  rows_.lengthen();
+  for (std::size_t g = 0; g < movers_.size() && last > 0; ++g) {
+    movers_[g].certifier->rebind(obstacles_.seenIn(g));
+    if (!allFree(*movers_[g].certifier, row, last, broken)) return false;
   }
   return true;
 }
@@ -96,11 +101,7 @@ bool StepCertifier::rowsFree(EdgeCertifier& certifier, std::span<const TimedPoin
   while (rows.size() > 2 && rests(0)) rows = rows.subspan(1);
   while (rows.size() > 2 && rests(rows.size() - 2)) rows = rows.first(rows.size() - 1);
   const auto row = [&](int k) { return std::span<const double>(rows[at(k)].position); };
-  const int last = static_cast<int>(rows.size()) - 1;
-  const RowsProof::Margins margins = RowsProof::marginsOf(certifier.scene());
-  if (rows_.until(certifier, margins, row, 0, last, true) == last) return true;
-  broken = names(certifier.scene(), rows_.failed().pair);
-  return false;
+  return allFree(certifier, row, static_cast<int>(rows.size()) - 1, broken);
 }
 
 bool StepCertifier::isFree(std::span<const TimedPoint> motion) {

@@ -52,8 +52,8 @@ class StepCertifier {
   /// True when the motion is certified in the world as last seen.
   bool isFree(std::span<const TimedPoint> motion);
 
-  /// Sets what the calls below may cost together, in units of collision::Work. What is not decided
-  /// within it is not proven.
+  /// Sets what proofs from now on may cost together, in units of collision::Work. What is not
+  /// decided within it is not proven.
   void setWork(std::int64_t work) { rows_.setWork(work); }
 
   /// Returns the time of the last of `marks` up to which the motion, which begins with the step, is
@@ -86,6 +86,9 @@ class StepCertifier {
   const Obstacles::Placement& placement(std::size_t group, Tick t0, Tick t1);
   bool certifyPart(std::size_t group, std::span<const TimedPoint> motion, Tick t0, Tick t1,
                    int depth, Bodies& broken);
+  /// Whether the motion from row 0 to row `last` is free.
+  template <class Row>
+  bool allFree(EdgeCertifier& certifier, const Row& row, int last, Bodies& broken);
   bool rowsFree(EdgeCertifier& certifier, std::span<const TimedPoint> rows, Bodies& broken);
   double departure(std::span<const TimedPoint> rows);
   static Bodies names(const CompiledScene& scene, int pair);

@@ -113,7 +113,7 @@ struct ReplanOptions {
   /// Width of ReplanStep::clearance [m], to which the obstacles' motion within the step is added.
   double clearance_tolerance = 1e-3;
   /// The cost that proofs of a step may have, in units of collision::Work (about a thousand a
-  /// microsecond): once for what the robot may do, once for its way to rest, once for the
+  /// microsecond): once each for the path, what the robot may do, its way to rest, and the
   /// clearance. What is not proven within it is not done.
   std::int64_t work = 500'000'000;
   /// Tracking error: how far each planned variable is from the motion at most [rad or m]; empty: 0.
