@@ -246,7 +246,8 @@ struct Replanner::Impl {
     for (const Tick mark : marks)
       if (mark > until.back()) until.push_back(mark);
     blocked = {};
-    candidate.until = std::max(known, certifier.certify(candidate.motion, until, must, blocked));
+    candidate.until =
+        std::max(known, certifier.certify(candidate.motion, until, must, blocked, known));
     if (step.broken_a.empty()) {
       step.broken_a = blocked.a;
       step.broken_b = blocked.b;

@@ -135,7 +135,7 @@ bool StepCertifier::certifyPart(std::size_t group, std::span<const TimedPoint> m
 }
 
 double StepCertifier::certify(std::span<const TimedPoint> motion, std::span<const Tick> marks,
-                              std::size_t must, Bodies& broken) {
+                              std::size_t must, Bodies& broken, double known) {
   Tick until = now_;
   rows_.lengthen();
   for (Mover& mover : movers_) mover.proven.clear();
@@ -149,7 +149,7 @@ double StepCertifier::certify(std::span<const TimedPoint> motion, std::span<cons
     for (Tick length = 0, t0 = until; t0 < marks[k]; t0 += length) {
       length = longest_;
       while (t0 % length != 0 || t0 + length > marks[k]) length /= 2;
-      for (std::size_t g = 0; g < movers_.size(); ++g)
+      for (std::size_t g = 0; g < movers_.size() && timeOf(t0 + length) > known; ++g)
         if (!certifyPart(g, motion, t0, t0 + length, halvings, broken)) return timeOf(until);
     }
     until = marks[k];

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "collision/base/numbers.h"
 #include "leeway/planner/edge_certifier.h"
 #include "planner/base/tolerances.h"
 #include "planner/execute/obstacles.h"
@@ -60,9 +61,9 @@ class StepCertifier {
   /// proven to keep all margins, or the step's beginning; -infinity if it is not proven against
   /// what stands still. `marks` increase; the motion does not end before the last one. Halves
   /// intervals kMustHalvings times before the first `must` marks and kAheadHalvings times after
-  /// them.
+  /// them. `known`: a step before has proven it against what moves up to there [s].
   double certify(std::span<const TimedPoint> motion, std::span<const Tick> marks, std::size_t must,
-                 Bodies& broken);
+                 Bodies& broken, double known = -kInfinity);
 
   /// Returns the least separation over the motion from its beginning to `end` [m]. The last call of
   /// certify() must have proven this part.

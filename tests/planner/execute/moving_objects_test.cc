@@ -19,6 +19,7 @@
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
 #include "planner/execute/obstacles.h"
+#include "planner/execute/step_certifier.h"
 #include "tests/support/dense_truth.h"
 #include "tests/support/folder.h"
 #include "tests/support/input_errors.h"
@@ -116,6 +117,39 @@ TEST(MovingObjects, TheGrowthIsThatOfTheFarthestPoint) {
   obstacles.set("gate", test::at(0.1, 0, 0), 2, {0, 0});
   EXPECT_EQ(growth(2, 50), 0);
   EXPECT_EQ(obstacles.place(0, 2, 50, false).growth, 0);
+}
+
+/// The bar crosses the robot's place from 1 s to 2 s.
+TEST(MovingObjects, WhatAStepBeforeHasProvenIsNotProvenAgain) {
+  const Problem problem =
+      gate(through({{0, posed(-1, -2, 0)}, {1, posed(-1, 0.5, 0)}, {2, posed(-1, 2.9, 0)}}));
+  const auto scene = std::make_shared<const CompiledScene>(problem);
+  Obstacles obstacles(problem, scene);
+  obstacles.look(0);
+  StepCertifier certifier(scene, obstacles, problem.execution);
+  certifier.setWork(1'000'000'000);
+  certifier.begin(0);
+  const std::vector<TimedPoint> stands = {{0, problem.start}, {9, problem.start}};
+  using Tick = StepCertifier::Tick;
+  const auto provenUntil = [&](double until, double known, std::uint64_t& edges) {
+    const Tick steps = std::llround(until / problem.execution.step);
+    const std::vector<Tick> marks = {StepCertifier::kStepTicks, steps * StepCertifier::kStepTicks};
+    StepCertifier::Bodies broken;
+    const std::uint64_t before = certifier.statistics().edges;
+    const double proven = certifier.certify(stands, marks, 1, broken, known);
+    edges = certifier.statistics().edges - before;
+    return proven;
+  };
+  std::uint64_t all = 0, rest = 0, none = 0;
+  EXPECT_NEAR(provenUntil(0.8, -kInfinity, all), 0.8, 1e-9);
+  EXPECT_NEAR(provenUntil(0.8, 0.4, rest), 0.8, 1e-9);
+  EXPECT_NEAR(provenUntil(0.8, 0.8 + 1e-9, none), 0.8, 1e-9);
+  EXPECT_LT(rest, all);
+  EXPECT_EQ(none, 1u);  // against what stands still
+  // It is proven beyond what is known, and no farther than where the bar comes.
+  EXPECT_NEAR(provenUntil(4, 0.4, all), problem.execution.step, 1e-9);
+  EXPECT_NEAR(provenUntil(4, 1.5, all), problem.execution.step, 1e-9);
+  EXPECT_NEAR(provenUntil(4, 3, all), 4, 1e-9);
 }
 
 TEST(MovingObjects, JumpsAreWhatTheBoundDoesNotAllow) {
