@@ -213,7 +213,11 @@ class TaskCheck {
     unchecked_.insert(pairs.unchecked.begin(), pairs.unchecked.end());
     if (result.status == VerifyStatus::kCertified) {
       result_.clearance_lower = std::min(result_.clearance_lower, result.clearance_lower);
-      result_.clearance_upper = std::min(result_.clearance_upper, result.clearance_upper);
+      if (result.clearance_upper < result_.clearance_upper) {
+        result_.clearance_upper = result.clearance_upper;
+        result_.closest_a = std::move(result.closest_a);
+        result_.closest_b = std::move(result.closest_b);
+      }
       return std::nullopt;
     }
     if (result.segment >= 0) result.segment += path_.steps[s].first;

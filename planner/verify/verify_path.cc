@@ -130,6 +130,10 @@ class Verifier {
     for (const Object& object : problem_.world.objects)
       if (object.cloud)
         result_.clearance_lower = std::min(result_.clearance_lower, object.cloud->completeWithin());
+    if (closest_ != nullptr) {
+      result_.closest_a = bodies_[closest_->a].name;
+      result_.closest_b = bodies_[closest_->b].name;
+    }
     return result_;
   }
 
@@ -350,10 +354,12 @@ class Verifier {
     double upper() const { return distance.upper + (slack - grown) - nearer; }
   };
 
-  /// Records that a pair of shapes is as near as the look found.
-  void met(const Look& look) {
-    if (look.status != DistanceStatus::kInvalid)
-      result_.clearance_upper = std::min(result_.clearance_upper, look.distance.upper + look.slack);
+  /// Records that a pair of bodies is as near as the look found.
+  void met(const Look& look, const BodyPair& bodies) {
+    const double upper = look.distance.upper + look.slack;
+    if (look.status == DistanceStatus::kInvalid || !(upper < result_.clearance_upper)) return;
+    result_.clearance_upper = upper;
+    closest_ = &bodies;
   }
 
   /// The poses of the links at t. Kept, because all pairs of an edge are looked at in its middle
@@ -485,7 +491,7 @@ class Verifier {
       const double t = span.begin + (span.end - span.begin) / 2;
       const double half = std::max(t - span.begin, span.end - t);
       const Look found = look(pair, t, half);
-      met(found);
+      met(found, *pair.bodies);
       const double floor = floorOf(pair);
       if (found.status == DistanceStatus::kInvalid) {
         leaveOpen(segment, span, &pair, "no distance can be had, or no bound of the motion");
@@ -580,7 +586,7 @@ class Verifier {
     const double half = std::max(t - span.begin, span.end - t);
     const Look found = look(shapes, t, half);
     const bool is_ball = pair.cloud->isBall(node);
-    if (is_ball) met(found);
+    if (is_ball) met(found, *pair.bodies);
     if (found.status == DistanceStatus::kInvalid) {
       leaveOpen(segment, span, &shapes, "no distance can be had, or no bound of the motion");
       return PartAnswer::kUndecided;
@@ -656,6 +662,7 @@ class Verifier {
   collision::Work cost_;       // of the distances
   collision::Scratch scratch_;
   VerifyResult result_;
+  const BodyPair* closest_ = nullptr;  ///< of result_.clearance_upper
   std::optional<VerifyResult> refuted_, undecided_;
   std::vector<Pose> X_WL_;    // at placed_at_
   double width_ = kInfinity;  ///< finite while refining [m]

@@ -120,7 +120,7 @@ TEST_F(Replan, TheLogIsProven) {
   EXPECT_TRUE(proven.document()["where"].is_null());
   const Answer text = run("verify gate.yaml --log run.jsonl");
   EXPECT_EQ(text.status, 0);
-  EXPECT_NE(text.flat().find("certified: all steps of run.jsonl, least clearance"),
+  EXPECT_NE(text.flat().find("certified, all steps of run.jsonl, least clearance"),
             std::string::npos)
       << text.out;
   EXPECT_NE(text.flat().find("the obstacles moved within what is known of them"),

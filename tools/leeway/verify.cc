@@ -39,19 +39,27 @@ struct Proven {
 };
 
 /// The result for people. The first line has the verdict.
-std::string resultText(const Proven& proven, const planner::VerifyResult& result) {
+std::string resultText(const planner::Problem& problem, const Proven& proven,
+                       const planner::VerifyResult& result) {
   const bool certified = result.status == planner::VerifyStatus::kCertified;
   std::string text =
+      problem.name + ": " +
       verdictText(result.status == planner::VerifyStatus::kNothingChecked ? "nothing checked"
                                                                           : toString(result.status),
                   certified);
   if (certified) {
     const planner::Interval clearance{result.clearance_lower, result.clearance_upper};
-    return fmt::format("{}: {}, {}{}\n{}.\n", text, proven.parts,
-                       std::isfinite(clearance.lower)
-                           ? "least clearance " + clearanceText(clearance)
-                           : "there is nothing else that it could touch",
-                       proven.obstacles, planner::toString(result.unchecked));
+    text +=
+        fmt::format(", {}, {}{}\n", proven.parts,
+                    std::isfinite(clearance.lower) ? "least clearance " + clearanceText(clearance)
+                                                   : "there is nothing else that it could touch",
+                    proven.obstacles);
+    if (!result.closest_a.empty())
+      text += fmt::format("Nearest: {} and {}.\n", result.closest_a, result.closest_b);
+    text += planner::toString(result.unchecked) + ".\n";
+    for (const planner::Constraint& constraint : problem.constraints)
+      text += fmt::format("Constraint '{}' holds everywhere, proven.\n", constraint.name);
+    return text;
   }
   if (result.status == planner::VerifyStatus::kNothingChecked)
     return fmt::format("{}: {}\n", text, result.reason);
@@ -135,7 +143,7 @@ int runVerify(VerifyArguments& arguments) {
     document["interrupted"] = interrupted();
     printJson(document);
   } else {
-    fmt::print("{}", wrapped(resultText(proven, result)));
+    fmt::print("{}", wrapped(resultText(problem, proven, result)));
   }
   return result.status == planner::VerifyStatus::kCertified ? kYes : kNo;
 }

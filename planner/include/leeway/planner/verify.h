@@ -32,6 +32,7 @@ struct VerifyResult {
   /// The least distance that the proof of a certified path met [m]; infinite where it needed
   /// none.
   double clearance_upper = std::numeric_limits<double>::infinity();
+  std::string closest_a, closest_b;  ///< bodies with that distance; empty: it needed none
   std::string reason;  ///< in words; also a waypoint outside limits, a wrong start or goal
   std::vector<UncheckedPairs> unchecked;  ///< pairs that were not looked at; of a task in some step
   std::string conditions;                 ///< of a certified path, as Certificate::conditions
