@@ -189,6 +189,8 @@ TEST_F(OnTerminal, HelpFits) {
   for (const char* verb : {"", "plan", "check", "verify", "clearance", "replan", "guard", "batch",
                            "info", "lint", "srdf", "ik", "fk", "view", "manual"}) {
     const Answer help = run(std::string(verb) + " --help");
+    for (const char* raw : {"x)]", "auto:{auto}"})
+      EXPECT_EQ(help.out.find(raw), std::string::npos) << verb << ": " << raw;
     std::istringstream in(help.out);
     for (std::string line; std::getline(in, line);) {
       // A single word may fit no line.
@@ -248,6 +250,25 @@ TEST_F(Shipped, AllVerbsShowOneFigureAndOnePair) {
     };
     EXPECT_EQ(nearest(measured), nearest(planned)) << file;
     EXPECT_EQ(nearest(seen), nearest(planned)) << file;
+    EXPECT_EQ(verified.out.substr(0, verified.out.find(',')),
+              planned.out.substr(0, planned.out.find(',')))
+        << "name and verdict";
+    EXPECT_EQ(verified.out.find("Constraint '") == std::string::npos,
+              planned.out.find("Constraint '") == std::string::npos)
+        << file << verified.out;
+    // No row of a table is below the least clearance, and its own row shows it.
+    static const std::regex bound(">= ([0-9.]+)"),
+        place("Nearest to [^:]*: .*?, ([0-9.]+ mm), edge ([0-9]+) at");
+    for (std::sregex_iterator row(planned.out.begin(), planned.out.end(), bound), end; row != end;
+         ++row)
+      EXPECT_GE(std::stod((*row)[1]), std::stod(figure)) << file << "\n" << planned.out;
+    const std::string sentences = measured.flat();
+    for (std::sregex_iterator found(sentences.begin(), sentences.end(), place), end; found != end;
+         ++found)
+      EXPECT_TRUE(std::regex_search(
+          measured.out, std::regex("\n" + (*found)[2].str() + " .*" + (*found)[1].str())))
+          << file << found->str() << "\n"
+          << measured.out;
     // The pairs that are not checked, of a task in some step.
     const auto unchecked = [](const Answer& answer) {
       static const std::regex words("[0-9]+ pairs? (is|are) not checked: [^.]*");
@@ -269,6 +290,32 @@ TEST_F(Shipped, AllVerbsShowOneFigureAndOnePair) {
     EXPECT_LE(std::stod(figure) / 1e3, whole["clearance_upper"].get<double>() + 5.1e-6) << file;
   }
   EXPECT_GE(solved, 15);
+}
+
+TEST_F(Shipped, VerifyNamesTheNearestPairAndViewTheLengthOfThePlan) {
+  const Answer planned = run("plan reach.yaml --output path.json");
+  EXPECT_NE(run("verify reach.yaml path.json").out.find("\nNearest: lower and post.\n"),
+            std::string::npos)
+      << run("verify reach.yaml path.json").out;
+  const std::string text = planned.flat(), words = text.substr(text.find("length "));
+  const std::string length = words.substr(0, words.find(". "));
+  EXPECT_NE(run("view reach.yaml").flat().find(length), std::string::npos) << length;
+}
+
+TEST_F(Shipped, NotesOfCloudsComeOnce) {
+  const Answer answer =
+      run("view '" + leeway::sourceFolder() + "/problems/sensed/shelf.yaml' --svg shelf.svg");
+  const std::string text = answer.err + answer.flat(), note = "space that was not seen";
+  EXPECT_EQ(text.find(note), text.rfind(note)) << text;
+  EXPECT_NE(text.find(note), std::string::npos) << text;
+}
+
+TEST_F(Shipped, ExecutionsSayWhereTheyAreNearest) {
+  const Answer answer = run("view '" + leeway::sourceFolder() + "/problems/moving/conveyor.yaml'");
+  EXPECT_TRUE(std::regex_search(
+      answer.flat(), std::regex("Nearest: [a-z0-9_]+ and [a-z0-9_]+, .* mm, in the step from "
+                                "[0-9.]+ s on\\.")))
+      << answer.out;
 }
 
 TEST_F(Shipped, PlansAmongMovingObstaclesSayForWhichMoment) {

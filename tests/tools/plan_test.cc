@@ -1,4 +1,5 @@
 #include <limits>
+#include <regex>
 
 #include "leeway/planner/settings.h"
 #include "tests/support/command.h"
@@ -349,6 +350,11 @@ TEST_F(Plan, NoPathWithinTheLimitsIsStatus1) {
   for (const char* words :
        {"Most edges were blocked by: ", " and wall (", "Start and goal came within "})
     EXPECT_NE(told.find(words), std::string::npos) << told;
+  EXPECT_TRUE(std::regex_search(
+      run("plan wall.yaml --time 0.2").flat(),
+      std::regex("of each other \\(distance of configurations\\), most of it in '[a-z]+': "
+                 "[0-9.]+ rad from -?[0-9.]+ rad on\\.")))
+      << told;
 }
 
 TEST_F(Plan, LimitsOfJointsFromFilesAndOptions) {

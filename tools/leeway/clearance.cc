@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/edge_certifier.h"
@@ -35,6 +36,7 @@
 namespace leeway::tools {
 namespace {
 
+constexpr double kJsonTolerance = 1e-4;  // [m]
 constexpr std::string_view kPictureEndings[] = {".svg"};
 constexpr std::string_view kTableEndings[] = {".csv"};
 
@@ -42,7 +44,7 @@ struct ClearanceArguments {
   ProblemSource source;
   PlanOverrides limits;
   std::vector<std::string> files;
-  double tolerance = 1e-4;
+  std::optional<double> tolerance;  ///< [m]; not given: what the shown digits need
   int parts = 1;
   bool shortest = false;
   std::string svg, csv;
@@ -107,9 +109,9 @@ double leastMargin(const planner::CompiledScene& scene) {
   return scene.scene().pairs().leastMargin();
 }
 
-/// Measures part `part` of `parts` of a segment.
+/// Measures part `part` of `parts` of a segment, with the first of the widths that gives a figure.
 Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, int segment, int part,
-                int parts, double tolerance) {
+                int parts, std::span<const double> widths) {
   const auto& space = certifier.scene().space();
   const auto& a = path.positions[static_cast<std::size_t>(segment)];
   const auto& b = path.positions[static_cast<std::size_t>(segment) + 1];
@@ -124,8 +126,17 @@ Stretch measure(planner::EdgeCertifier& certifier, const planner::Path& path, in
   stretch.keeps_margins = certifier.certify(from, to, planner::EdgeRequest::persistent()).verdict ==
                           planner::Verdict::kFree;
   const auto measured = [&](planner::Pairs pairs) {
-    const planner::EdgeClearance found =
-        certifier.edgeClearance(from, to, {.tolerance = tolerance, .pairs = pairs});
+    planner::EdgeClearance found;
+    for (const double width : widths) {
+      const planner::EdgeClearance finer =
+          certifier.edgeClearance(from, to,
+                                  {.tolerance = width,
+                                   .work_limit = width == widths.front() ? 0 : view::kFigureWork,
+                                   .pairs = pairs});
+      if (width == widths.front() || finer.clearance.width() < found.clearance.width())
+        found = finer;
+      if (figureOf(found.clearance) || !std::isfinite(found.clearance.upper)) break;
+    }
     Near near{found.clearance, stretch.t0 + found.t * (stretch.t1 - stretch.t0), found.closest,
               pairNames(certifier.scene(), found.pair)};
     if (stretch.keeps_margins) {
@@ -159,6 +170,10 @@ std::string whyNotCertified(const planner::CompiledScene& scene, const planner::
 Profile measure(const std::vector<view::Stage>& stages, const planner::Path& path,
                 const ClearanceArguments& arguments, const planner::PlanOptions& options) {
   Profile profile;
+  const double given = arguments.tolerance.value_or(kJsonTolerance);
+  const std::span<const double> widths = arguments.json || arguments.tolerance
+                                             ? std::span(&given, 1)
+                                             : std::span<const double>(view::kFigureWidths);
   UnitProgress progress(path.positions.size() - 1);
   for (const view::Stage& stage : stages) {
     if (stage.last == stage.first) continue;  // an object is attached or detached
@@ -180,7 +195,7 @@ Profile measure(const std::vector<view::Stage>& stages, const planner::Path& pat
           profile.certified = false;
           return profile;
         }
-        Stretch stretch = measure(certifier, path, segment, part, parts, arguments.tolerance);
+        Stretch stretch = measure(certifier, path, segment, part, parts, widths);
         stretch.step = stage.name;
         const auto index = static_cast<int>(profile.stretches.size());
         profile.all.add(stretch.all, index);
@@ -306,6 +321,18 @@ planner::PathClearance placed(const Profile& profile, const Whole& whole, Near S
   placed.closest_segment = stretch.segment;
   placed.closest_t = (stretch.*near).t;
   return placed;
+}
+
+/// Gives the rows what is proven of the whole path: each keeps its least clearance, and the row at
+/// its place has no more.
+void narrowRows(const planner::PathClearance& least, Near Stretch::*near, Profile& profile) {
+  for (Stretch& stretch : profile.stretches) {
+    planner::Interval& row = (stretch.*near).clearance;
+    row.lower = std::max(row.lower, least.clearance.lower);
+    if (stretch.segment == least.closest_segment && stretch.t0 <= least.closest_t &&
+        least.closest_t <= stretch.t1)
+      row.upper = std::min(row.upper, least.clearance.upper);
+  }
 }
 
 /// One row for each stretch, for the world and for the robot itself. Parts of edges have their t.
@@ -435,6 +462,8 @@ int runClearance(ClearanceArguments& arguments) {
     view::narrow(least, placed(profile, profile.all, &Stretch::all),
                  placed(profile, profile.world, &Stretch::world),
                  placed(profile, profile.self, &Stretch::self));
+    narrowRows(least.world, &Stretch::world, profile);
+    narrowRows(least.self, &Stretch::self, profile);
     const bool parts = std::any_of(profile.stretches.begin(), profile.stretches.end(),
                                    [](const Stretch& s) { return s.t1 - s.t0 < 1; });
     printText(problem, profile, least, parts);
@@ -451,12 +480,11 @@ Verb addClearance(CLI::App& command) {
   addProblemAndPathArguments(*app, arguments->source, arguments->files);
   addRunLimits(*app, arguments->limits);
   addTerms(*app, arguments->limits);
-  CLI::Option* tolerance =
-      app->add_option("--tolerance", arguments->tolerance,
-                      "width of the intervals [m]; by default what the shown digits need, and of "
-                      "--json 1e-4")
-          ->type_name("METRES")
-          ->check(numberFrom(1e-12, 1e9));
+  app->add_option("--tolerance", arguments->tolerance,
+                  "width of the intervals [m]; by default what the shown digits need, and of "
+                  "--json 1e-4")
+      ->type_name("METRES")
+      ->check(numberFrom(1e-12, 1e9));
   app->add_option("--parts", arguments->parts, "stretches that every edge is cut into")
       ->type_name("N")
       ->check(countFrom(1, 100000))
@@ -471,11 +499,7 @@ Verb addClearance(CLI::App& command) {
       "Example:\n"
       "  leeway plan problems/shelf/reach.yaml --output path.json && leeway clearance "
       "problems/shelf/reach.yaml path.json --parts 4");
-  return {app, [arguments, tolerance] {
-            if (!arguments->json && tolerance->count() == 0)
-              arguments->tolerance = view::kMomentTolerance;
-            return runClearance(*arguments);
-          }};
+  return {app, [arguments] { return runClearance(*arguments); }};
 }
 
 }  // namespace leeway::tools

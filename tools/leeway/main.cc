@@ -39,10 +39,10 @@ int startReport(char** argv) {
   const std::string program =
       std::filesystem::read_symlink("/proc/self/exe", error).replace_filename("leeway-report");
   ::execv(program.c_str(), argv);
-  printMessage(fmt::format(
+  printMessage(wrapped(fmt::format(
       "leeway report: {}: {}; reports are built by `tools/setup && cmake --preset release && cmake "
       "--build build --target reports`",
-      program, std::strerror(errno)));
+      program, std::strerror(errno))));
   return kBadInput;
 }
 

@@ -51,8 +51,13 @@ constexpr std::string_view kTrajectoryEndings[] = {".yaml", ".json", ".csv"};
 
 double millimetres(double metres) { return metres * 1e3; }
 
-/// The proven clearance of an edge or a step: a lower bound.
-std::string keptText(double lower) {
+/// The proven clearance of an edge or a step: a lower bound, or the least clearance of the path
+/// where `lower` is no better.
+std::string keptText(double lower, const planner::Interval& least) {
+  if (const auto figure = figureOf(least);
+      figure && !(std::floor(lower * 1e5) / 100 > std::stod(*figure)))
+    return *figure;
+  lower = std::max(lower, least.lower);
   return std::isfinite(lower) ? ">= " + formatLower(millimetres(lower), 2)
          : lower > 0          ? "nothing near"
                               : "not known";
@@ -60,7 +65,7 @@ std::string keptText(double lower) {
 
 /// The waypoints as a table. Columns have the names of joints if they then fit side by side, else
 /// q1, q2, ... with a key above the table.
-std::string pathTable(const planner::PlanResult& result) {
+std::string pathTable(const planner::PlanResult& result, const planner::Interval& least) {
   const auto& names = result.path.names;
   std::size_t width = 0;
   for (const std::string& name : names) width += std::max<std::size_t>(name.size(), 7) + 2;
@@ -76,7 +81,7 @@ std::string pathTable(const planner::PlanResult& result) {
     std::vector<std::string> row = {fmt::format("{}", i)};
     for (const double position : result.path.positions[i]) row.push_back(formatNear(position, 4));
     row.push_back(i < result.certificate.segments.size()
-                      ? keptText(result.certificate.segments[i].lower)
+                      ? keptText(result.certificate.segments[i].lower, least)
                       : "");
     rows.push_back(row);
   }
@@ -84,7 +89,8 @@ std::string pathTable(const planner::PlanResult& result) {
 }
 
 /// The steps of a task, with what each one does and what is proven for it.
-std::string stepTable(const planner::Problem& problem, const planner::PlanResult& result) {
+std::string stepTable(const planner::Problem& problem, const planner::PlanResult& result,
+                      const planner::Interval& whole) {
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < result.path.steps.size(); ++i) {
     const planner::PathStep& step = result.path.steps[i];
@@ -92,7 +98,7 @@ std::string stepTable(const planner::Problem& problem, const planner::PlanResult
     double least = std::numeric_limits<double>::infinity();
     for (int edge = step.first; edge < step.last; ++edge)
       least = std::min(least, result.certificate.segments[static_cast<std::size_t>(edge)].lower);
-    if (step.first < step.last) clearance = keptText(least);
+    if (step.first < step.last) clearance = keptText(least, whole);
     if (std::holds_alternative<planner::LineStep>(problem.steps[i].action))
       departure = fmt::format("<= {} mm, {} mrad", formatUpper(millimetres(step.deviation), 2),
                               formatUpper(step.turn * 1e3, 2));
@@ -239,8 +245,8 @@ std::string solvedText(const planner::Problem& problem, const planner::PlanResul
                                           certificate.certified && !is_part);
   std::string text = wrapped(fmt::format("{}: {}, {}{}\n", problem.name, verdict,
                                          view::leastText(least), obstaclesText(problem))) +
-                     "\n" + pathTable(result) + "\n";
-  if (!result.path.steps.empty()) text += stepTable(problem, result) + "\n";
+                     "\n" + pathTable(result, least.all.clearance) + "\n";
+  if (!result.path.steps.empty()) text += stepTable(problem, result, least.all.clearance) + "\n";
   const std::string part =
       is_part ? fmt::format("{}: {}.\n",
                             certificate.certified ? "Only a part of it, which is certified"
@@ -249,10 +255,9 @@ std::string solvedText(const planner::Problem& problem, const planner::PlanResul
               : "";
   return text + wrapped(part + view::nearestText(least) + planner::toString(certificate.unchecked) +
                         ".\n" + constraintsText(problem, result.certificate.constraints) +
-                        (is_part ? "Planned with " : "Solved with ") + methodText(result) +
-                        fmt::format(": {}, length {:.4f}.\n",
-                                    counted(certificate.segments.size(), "edge"), result.length) +
-                        costText(problem, result) + durationText(trajectory));
+                        (is_part ? "Planned with " : "Solved with ") + methodText(result) + ": " +
+                        view::lengthText(result) + ".\n" + costText(problem, result) +
+                        durationText(trajectory));
 }
 
 /// The reason for a plan without a path.

@@ -53,6 +53,7 @@ view::Subject solve(const planner::Problem& problem, const ViewArguments& argume
 }
 
 int runView(ViewArguments& arguments) {
+  arguments.source.notes_clouds = false;
   std::string path_file;
   if (arguments.files.size() == 2 ||
       (arguments.files.size() == 1 && !arguments.source.robot.empty()))

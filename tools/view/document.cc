@@ -502,15 +502,8 @@ class Document {
     Json joints = Json::array();
     for (int i = 0; i < space.size(); ++i) {
       const robots::Variable& v = model_.variables[at(space.variables()[at(i)])];
-      const robots::JointType type = model_.joints[at(v.joint)].type;
-      const bool turns = type == robots::JointType::kRevolute ||
-                         type == robots::JointType::kContinuous || v.name.ends_with("/theta");
-      const bool pure =
-          v.name.find("/q") != std::string::npos && type == robots::JointType::kFloating;
       joints.push_back({{"name", v.name},
-                        {"unit", pure    ? ""
-                                 : turns ? "rad"
-                                         : "m"},
+                        {"unit", unitOf(model_, space.variables()[at(i)])},
                         {"lower", jsonNumber(space.lower(i))},
                         {"upper", jsonNumber(space.upper(i))}});
     }

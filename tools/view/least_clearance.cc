@@ -16,10 +16,6 @@
 namespace leeway::tools::view {
 namespace {
 
-/// Widths of intervals, tried in turn [m]. After the last one, a value between two figures is shown
-/// as the lower one.
-constexpr double kWidths[] = {2e-6, 1e-7, 5e-9};
-constexpr std::int64_t kEdgeWork = 1'000'000'000;    // of one edge: about a second
 constexpr std::int64_t kWholeWork = 10'000'000'000;  // of the path, in each pass
 
 /// The least clearance of a path for some pairs, refined in passes.
@@ -35,7 +31,7 @@ class Least {
   }
 
   planner::PathClearance refined() {
-    for (const double width : kWidths) {
+    for (const double width : kFigureWidths) {
       pass(width);
       if (figureOf(whole_.clearance) || !std::isfinite(whole_.clearance.upper) ||
           whole_.clearance.lower >= complete_)
@@ -55,7 +51,7 @@ class Least {
       for (int i = stage.first; i < stage.last; ++i) {
         const double known = whole_.clearance.upper;
         planner::ClearanceRequest request{
-            .tolerance = width, .work_limit = kEdgeWork, .pairs = pairs_};
+            .tolerance = width, .work_limit = kFigureWork, .pairs = pairs_};
         if (std::isfinite(known)) request.wanted = known;
         planner::EdgeClearance found;
         if ((stop_ && stop_()) || certifier.statistics.work > kWholeWork)
@@ -135,6 +131,11 @@ std::string nearestText(const LeastClearance& least) {
                           nearest->closest_segment, nearest->closest_t);
   }
   return text;
+}
+
+std::string lengthText(const planner::PlanResult& result) {
+  return fmt::format("{}, length {:.4f}", counted(result.certificate.segments.size(), "edge"),
+                     result.length);
 }
 
 std::string leastText(const LeastClearance& least) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -14,6 +15,11 @@ namespace leeway::tools::view {
 struct LeastClearance {
   planner::PathClearance all, world, self;
 };
+
+/// Widths of intervals, tried in turn until both ends round to the same figure [m]. After the last
+/// one, a value between two figures is shown as the lower one.
+inline constexpr double kFigureWidths[] = {2e-6, 1e-7, 5e-9};
+inline constexpr std::int64_t kFigureWork = 1'000'000'000;  ///< of one edge: about a second
 
 /// Refines the least clearances until both ends of each interval round to the same figure
 /// (figureOf() in base/figures.h), within a work limit of about ten seconds. `stages`: those of
@@ -34,6 +40,8 @@ void narrow(LeastClearance& least, const planner::PathClearance& all,
 
 /// Sentences, one per line: where the path is nearest to the world and to itself.
 std::string nearestText(const LeastClearance& least);
+/// The edges of a plan's path and its length: "5 edges, length 3.6338".
+std::string lengthText(const planner::PlanResult& result);
 /// The clearance for the first line of text: "least clearance 10.57 mm", or that nothing is near.
 std::string leastText(const LeastClearance& least);
 

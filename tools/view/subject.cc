@@ -229,9 +229,8 @@ Subject subjectOfPlan(const planner::Problem& problem, const std::string& source
       subject.verdict = "only a part of the line";
       subject.notes.insert(subject.notes.begin(), result.reason + ".");
     }
-    subject.notes.push_back(fmt::format(
-        "{} with {}, seed {}: {}, length {:.3f}.", is_part ? "Planned" : "Solved", result.planner,
-        result.seed, counted(result.certificate.segments.size(), "edge"), result.length));
+    subject.notes.push_back(fmt::format("{} with {}, seed {}: {}.", is_part ? "Planned" : "Solved",
+                                        result.planner, result.seed, lengthText(result)));
     return subject;
   }
   Subject subject = begin(problem, source);
@@ -291,11 +290,21 @@ Subject subjectOfExecution(const planner::Problem& problem, const std::string& s
   if (status == planner::ReplanStatus::kNothingChecked)
     noteNothingChecked(subject.scene->nothingChecked(), subject);
   double lower = kInfinity;
-  for (const planner::ReplanStep& step : steps) lower = std::min(lower, step.clearance.lower);
+  const planner::ReplanStep* nearest = nullptr;
+  for (const planner::ReplanStep& step : steps) {
+    lower = std::min(lower, step.clearance.lower);
+    if (!step.closest_a.empty() &&
+        (nearest == nullptr || step.clearance.upper < nearest->clearance.upper))
+      nearest = &step;
+  }
   if (certified && std::isfinite(lower))
     subject.notes.push_back(
         fmt::format("Every step is proven to keep at least {} mm while the obstacles move.",
                     formatLower(lower * 1e3, 2)));
+  if (nearest != nullptr)
+    subject.notes.push_back(fmt::format("Nearest: {} and {}, {}, in the step from {:.2f} s on.",
+                                        nearest->closest_a, nearest->closest_b,
+                                        clearanceText(nearest->clearance), nearest->time));
   noteClouds(subject);
   noteEnds(subject);
   return subject;

@@ -139,6 +139,12 @@ class HelpFormatter : public CLI::Formatter {
                         CLI::AppFormatMode mode) const override {
     return wrappedHelp(CLI::Formatter::make_help(app, std::move(name), mode));
   }
+  /// "[files...]", where CLI11 has "[files(0x)]".
+  std::string make_option_usage(const CLI::Option* option) const override {
+    if (option->get_expected_max() < 2) return CLI::Formatter::make_option_usage(option);
+    const std::string name = make_option_name(option, true) + "...";
+    return option->get_required() ? name : "[" + name + "]";
+  }
 };
 
 using AddVerbs = std::function<std::vector<Verb>(CLI::App&)>;

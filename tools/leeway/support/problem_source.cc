@@ -257,7 +257,7 @@ void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
   app.add_option("--allowed", source.allowed,
                  "auto: links that touch with all joints at zero, or at the nearest limit, may "
                  "touch; a warning names them")
-      ->check(CLI::IsMember({"auto"}))
+      ->check(CLI::IsMember({"auto"}).description(""))
       ->type_name("auto");
   app.add_option("--scene", source.scene, "MoveIt planning scene, YAML or .scene")
       ->type_name("FILE");
@@ -387,7 +387,7 @@ planner::Problem readProblem(const ProblemSource& source) {
   }
   if (!source.allowed.empty()) planner::allowTouching(problem, source.stop);
   printWarnings(problem.warnings);
-  if (!isQuiet())
+  if (!isQuiet() && source.notes_clouds)
     for (const std::string& note : cloudNotes(problem)) printMessage("note: " + note);
   if (!source.waypoints.empty())
     takeWaypoints(source, problem);

@@ -100,6 +100,16 @@ std::string blockedText(std::span<const planner::BlockedPair> blocked) {
   return text.empty() ? "" : fmt::format("Most edges were blocked by: {}.\n", text);
 }
 
+const char* unitOf(const robots::Model& model, int variable) {
+  const robots::Variable& v = model.variables[static_cast<std::size_t>(variable)];
+  const robots::JointType type = model.joints[static_cast<std::size_t>(v.joint)].type;
+  if (type == robots::JointType::kFloating && v.name.find("/q") != std::string::npos) return "";
+  return type == robots::JointType::kRevolute || type == robots::JointType::kContinuous ||
+                 v.name.ends_with("/theta")
+             ? "rad"
+             : "m";
+}
+
 std::string hindranceText(const planner::Problem& problem, const planner::PlanResult& result) {
   std::string text;
   const auto nameOf = [&](std::size_t i) -> const std::string& {
@@ -112,8 +122,10 @@ std::string hindranceText(const planner::Problem& problem, const planner::PlanRe
     for (std::size_t i = 0; i < gap.from.size(); ++i)
       if (std::abs(gap.to[i] - gap.from[i]) > std::abs(gap.to[most] - gap.from[most])) most = i;
     text += fmt::format(
-        "Start and goal came within {:.3g} of each other, most of it in '{}': {:.3g} and {:.3g}.\n",
-        gap.distance, nameOf(most), gap.from[most], gap.to[most]);
+        "Start and goal came within {:.3f} of each other (distance of configurations), most of it "
+        "in '{}': {:.3f} {unit} from {:.3f} {unit} on.\n",
+        gap.distance, nameOf(most), std::abs(gap.to[most] - gap.from[most]), gap.from[most],
+        fmt::arg("unit", unitOf(*problem.robot.model, problem.robot.variables[most])));
   }
   for (const std::string& name : result.long_turns)
     text += fmt::format("The limits of '{}' bar the shorter turn to the goal.\n", name);

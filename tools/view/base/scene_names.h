@@ -31,6 +31,9 @@ std::vector<std::string> cloudNotes(const planner::Problem& problem);
 std::string constraintsText(const planner::Problem& problem,
                             const std::vector<planner::ConstraintResult>& results);
 
+/// The unit of a variable: "rad", "m", or nothing for a number of a quaternion.
+const char* unitOf(const robots::Model& model, int variable);
+
 /// The pairs that blocked most edges of a search: a line; empty if none did.
 std::string blockedText(std::span<const planner::BlockedPair> blocked);
 /// How near to a goal a search came, and limits that bar the shorter turn: a line for each; empty
