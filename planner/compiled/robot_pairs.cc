@@ -176,6 +176,13 @@ void RobotPairs::dropTouching(const robots::Stop& stop) {
     const bool is_proven = std::find(always.begin(), always.end(), touching[k]) != always.end();
     const Unchecked why = is_proven ? Unchecked::kTouchAlways : Unchecked::kTouchSampled;
     drop(bodies[k].first, bodies[k].second, {why, toString(why)});
+    if (std::count(model_.asked_pairs.begin(), model_.asked_pairs.end(),
+                   std::pair<int, int>(std::minmax(touching[k].first, touching[k].second))) > 0)
+      warnings_.push_back(
+          fmt::format("links '{}' and '{}' are not checked although the robot's file has a <pair> "
+                      "of them: they "
+                      "are {}",
+                      name(bodies[k].first), name(bodies[k].second), toString(why)));
   }
 }
 

@@ -83,18 +83,21 @@ class Writer {
     if (model_.urdf_file.empty()) return writeBody();
     const robots::ReadWith& with = model_.read_with;
     robots::LoadOptions load;
-    load.packages = with.packages;
+    for (const auto& [name, folder] : with.packages)
+      load.packages.emplace_back(name, model_.placeOf(folder));
     load.xacro = with.xacro;
     load.kinematics_only = true;
     load.stop = stop_;
-    const auto plain = robots::loadModel(model_.urdf_file, model_.srdf_file, load);
+    const auto plain =
+        robots::loadModel(model_.placeOf(model_.urdf_file), model_.placeOf(model_.srdf_file), load);
     if (plain->variables.size() != model_.variables.size() ||
         plain->joints.size() != model_.joints.size())
       refuse("robot.model has other joints than its file " + model_.urdf_file +
              "; a robot as loadModel() made it is expected");
     MapText robot;
-    robot.add("urdf", wordText(name_of_(model_.urdf_file)));
-    if (!model_.srdf_file.empty()) robot.add("srdf", wordText(name_of_(model_.srdf_file)));
+    robot.add("urdf", wordText(name_of_(model_.placeOf(model_.urdf_file))));
+    if (!model_.srdf_file.empty())
+      robot.add("srdf", wordText(name_of_(model_.placeOf(model_.srdf_file))));
     robot.add("group", groupText(*plain));
     if (!with.packages.empty()) {
       MapText packages;

@@ -391,6 +391,7 @@ void addPairs(const UrdfDocument& document, const std::vector<int>& link_positio
     robot.disabled_pairs.push_back({a, b, pair.reason, pair.is_of_mjcf});
   }
   for (const auto& [a, b] : document.enabled_pairs) robot.enabled_pairs.push_back(placed(a, b));
+  for (const auto& [a, b] : document.asked_pairs) robot.asked_pairs.push_back(placed(a, b));
 }
 
 /// The document's states, with the values of the joints that have variables.
@@ -483,6 +484,8 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   robot.name = document.name;
   robot.urdf_file = urdf_path;
   robot.srdf_file = srdf_path;
+  std::error_code no_folder;  // it may be gone
+  robot.folder = std::filesystem::current_path(no_folder).string();
   robot.cache = options.cache;
   robot.warnings = document.warnings;
   const std::vector<std::pair<int, int>> order = treeOrder(document);

@@ -17,12 +17,13 @@ VisualShapes loadVisualShapes(const RobotDescription& robot, const Stop& stop) {
     return result;
   }
   LoadOptions options;
-  options.packages = robot.read_with.packages;
+  for (const auto& [name, folder] : robot.read_with.packages)
+    options.packages.emplace_back(name, robot.placeOf(folder));
   options.xacro = robot.read_with.xacro;
   options.visual_as_collision = robot.read_with.visual_as_collision;
   options.kinematics_only = true;  // a collision mesh that is missing does not matter here
   options.stop = stop;
-  XmlFile file(robot.urdf_file, "URDF", options);
+  XmlFile file(robot.placeOf(robot.urdf_file), "URDF", options);
   const UrdfDocument document = readDocument(file, options, true);
   result.left_out = document.unread_visuals;
   for (const UrdfLink& link : document.links) {

@@ -102,6 +102,7 @@ class ContactReader {
       return;
     }
     const int link_a = body(a).link, link_b = body(b).link;
+    if (is_paired) document_.asked_pairs.emplace_back(link_a, link_b);
     if (parents_[at(link_a)] == link_b || parents_[at(link_b)] == link_a)
       document_.enabled_pairs.emplace_back(link_a, link_b);
   }

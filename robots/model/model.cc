@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <utility>
 
@@ -129,6 +130,10 @@ std::string RobotDescription::whyStateLeftOut(std::string_view state,
       return "; it is left out: " + entry.why;
   }
   return "";
+}
+
+std::string RobotDescription::placeOf(const std::string& file) const {
+  return file.empty() || folder.empty() ? file : (std::filesystem::path(folder) / file).string();
 }
 
 void RobotDescription::expectMeshes() const {

@@ -98,6 +98,7 @@ struct UrdfDocument {
   std::vector<std::string> unread_visuals;   ///< why they are left out, each with file and line
   std::vector<DisabledPair> disabled_pairs;  ///< by an MJCF or SDF; of links as here
   std::vector<std::pair<int, int>> enabled_pairs;  ///< neighbours that are checked all the same
+  std::vector<std::pair<int, int>> asked_pairs;    ///< that an MJCF checks by a <pair>
   std::vector<UrdfState> states;                   ///< the keys of an MJCF file
   /// The XML that bears on motion and collision, in the words of plain URDF 1.0: capsules are
   /// cylinders in it, Drake's ellipsoids boxes of their half axes.

@@ -67,6 +67,26 @@ TEST_F(Lint, LooksAtConstraints) {
       << lint.out << plan.out;
 }
 
+TEST_F(Lint, LooksForGoalsInWhichConstraintsHold) {
+  std::string text = kReach;
+  const std::size_t at = text.find("goal: ");
+  text.erase(at, text.find('\n', at) + 1 - at);
+  const auto lint = [&](const std::string& goal, double angle) {
+    write("held.yaml", text + goal +
+                           "constraints: [{name: ahead, frame: lower, axis: [1, 0, 0], direction: "
+                           "[0, 0, 1], angle: " +
+                           std::to_string(angle) + "}]\n");
+    const std::string out = run("lint held.yaml").out;
+    return out.find("goal") == std::string::npos ? std::string() : out;
+  };
+  for (const char* goal : {"goal: {shoulder: [1.2, 1.4], elbow: [1, 1.2]}\n",
+                           "goal: {pose: {frame: lower, position: [0.4, 0.3, 0]}}\n"}) {
+    EXPECT_NE(lint(goal, 0.05).find("ahead"), std::string::npos)
+        << goal << run("lint held.yaml").out;
+    EXPECT_EQ(lint(goal, 3.1), "") << goal;
+  }
+}
+
 TEST_F(Lint, ControlCharactersOfNamesDoNotReachTheTerminal) {
   std::string text = kReach;
   text.replace(text.find("{name: post, position: [0.85, 0, 0]"), 35,

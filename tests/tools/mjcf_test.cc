@@ -57,6 +57,25 @@ TEST_F(Mjcf, PlansAsItsUrdfDoes) {
   EXPECT_EQ(run("plan --robot arm.xml --group all --start right --goal left").status, 0);
 }
 
+/// Nothing could be planned for a pair that always touches, so it is left out, and named.
+TEST_F(Mjcf, PairsThatAlwaysTouchAreNamed) {
+  std::string text = kMjcf;
+  const std::string geom = "<geom type=\"box\" size=\"0.2 0.02 0.02\" pos=\"0.25 0 0\"/>";
+  for (const char* named :
+       {"<geom name=\"g\" type=\"box\" size=\"0.3 0.02 0.02\" pos=\"0.25 0 0\"/>",
+        "<geom name=\"h\" type=\"box\" size=\"0.3 0.02 0.02\" pos=\"0.25 0 0\"/>"})
+    text.replace(text.find(geom), geom.size(), named);
+  text.replace(text.find("  <keyframe>"), 0,
+               "  <contact><pair geom1=\"g\" geom2=\"h\"/></contact>\n");
+  write("always.xml", text);
+  const Answer answer = run("plan --robot always.xml --group all --start right --goal left");
+  EXPECT_EQ(answer.status, 0) << answer.err;
+  EXPECT_NE(answer.err.find("links 'upper' and 'lower' are not checked although the robot's file "
+                            "has a <pair> of them: they are touching"),
+            std::string::npos)
+      << answer.err;
+}
+
 TEST_F(Mjcf, CollidesWithItsFloor) {
   std::string text = kMjcf;
   text.replace(text.find("axis=\"0 0 1\""), 12, "axis=\"0 1 0\"");

@@ -342,6 +342,7 @@ TEST(Mjcf, PairsOfContactCollideInAnyCase) {
   EXPECT_EQ(robot->links[2].geometries.size(), 1u);
   EXPECT_TRUE(robot->disabled_pairs.empty());
   EXPECT_TRUE(isEnabled(*robot, "a", "b"));
+  EXPECT_EQ(robot->asked_pairs.size(), 1u);
 }
 
 TEST(Mjcf, ParentsCollideWhereTheFileSaysSo) {

@@ -183,10 +183,14 @@ struct RobotDescription {
   /// Pairs that are checked though they are neighbours, the lower link first (SRDF:
   /// enable_collisions).
   std::vector<std::pair<int, int>> enabled_pairs;
+  /// Pairs that an MJCF checks by a <pair>. A warning names those that are not checked all the
+  /// same.
+  std::vector<std::pair<int, int>> asked_pairs;
   std::vector<LeftOut> left_out;  ///< of the SRDF; each is in `warnings`, too
   bool has_srdf = false;
   bool lacks_meshes = false;          ///< read with kinematics_only, and the URDF has some
   std::string urdf_file, srdf_file;   ///< as given to loadModel(); empty for a free body
+  std::string folder;                 ///< the working folder of loadModel()
   ReadWith read_with;                 ///< how loadModel() read them
   std::string cache;                  ///< LoadOptions::cache, for proofs about its links
   std::vector<std::string> warnings;  ///< of the loaders, each with file and line
@@ -203,6 +207,8 @@ struct RobotDescription {
   std::string whyStateLeftOut(std::string_view state, std::span<const int> planned) const;
   /// Throws InputError if lacks_meshes: without its meshes a robot's collisions cannot be checked.
   void expectMeshes() const;
+  /// The place of a file that was given to loadModel(), whatever the working folder is now.
+  std::string placeOf(const std::string& file) const;
 };
 
 /// A robot, constant from its first use on: what is prepared of it is kept with it. A copy may be
