@@ -41,6 +41,7 @@ struct Table {
   std::optional<std::size_t> time_column;
   std::string interpolation;  ///< as the certificate names it; may be empty
   int interpolation_line = 0;
+  int accelerations_line = 0;  ///< of the first accelerations without velocities; 0: none
   std::vector<PathStep> steps;
 };
 
@@ -111,6 +112,15 @@ bool hasVelocities(const YamlReader& rows) {
     const auto velocities = item.isMap() ? item.find("velocities") : std::nullopt;
     return velocities && !velocities->isNull() && !velocities->items().empty();
   });
+}
+
+/// The line of the first accelerations of rows; 0: none has any.
+int accelerationsLine(const YamlReader& rows) {
+  for (const YamlReader& item : rows.items()) {
+    const auto given = item.isMap() ? item.find("accelerations") : std::nullopt;
+    if (given && !given->isNull() && !given->items().empty()) return given->line();
+  }
+  return 0;
 }
 
 /// Reads the velocities of rows, between which the motion is cubic.
@@ -186,6 +196,7 @@ Table readTrajectory(const YamlReader& file, const YamlReader* outer = nullptr) 
   const std::string& given = table.interpolation;
   const bool may_be = given.empty() || given == kJointLinear || given == kPlaneGeodesic;
   if (!plain && (given == kCubic || (may_be && hasVelocities(rows)))) readVelocities(rows, table);
+  if (!plain && !hasVelocities(rows)) table.accelerations_line = accelerationsLine(rows);
   if (const auto steps = source.find("steps"))
     for (const YamlReader& step : steps->items()) {
       step.expectKeys(kStepKeys);
@@ -318,7 +329,8 @@ void takeTimes(const Problem& problem, Table& table) {
     if (*table.time_column < row.values.size()) row.time = row.values[*table.time_column];
 }
 
-/// Takes the velocities of a CSV file that has them.
+/// Takes the velocities of a CSV file that has them. A column with the name of a joint is that
+/// joint's, as where joints are called "a" and "a.velocity".
 void takeVelocities(const std::string& file, const Problem& problem, Table& table,
                     std::vector<std::string>* warnings) {
   const auto column = [&](const std::string& name) {
@@ -326,12 +338,21 @@ void takeVelocities(const std::string& file, const Problem& problem, Table& tabl
     while (i < table.names.size() && (table.names[i] != name || i == table.time_column)) ++i;
     return i;
   };
+  const auto rateColumn = [&](const std::string& name, std::string_view ending) {
+    const std::string of = name + std::string(ending);
+    return problem.robot.model->findVariable(of) < 0 ? column(of) : table.names.size();
+  };
   std::vector<std::pair<std::size_t, std::size_t>> columns;  // of a position and its velocity
   for (const std::string& name : plannedNames(problem))
-    columns.emplace_back(column(name), column(name + std::string(kVelocityEnding)));
+    columns.emplace_back(column(name), rateColumn(name, kVelocityEnding));
   const std::size_t count = table.names.size();
-  if (std::all_of(columns.begin(), columns.end(), [&](const auto& c) { return c.second == count; }))
+  if (std::all_of(columns.begin(), columns.end(),
+                  [&](const auto& c) { return c.second == count; })) {
+    for (const std::string& name : plannedNames(problem))
+      if (rateColumn(name, kAccelerationEnding) < count)
+        table.accelerations_line = table.names_line;
     return;
+  }
   if (hasRotation(ConfigurationSpace(problem.robot.model, problem.robot.variables))) {
     if (warnings != nullptr)
       warnings->push_back(
@@ -350,7 +371,7 @@ void takeVelocities(const std::string& file, const Problem& problem, Table& tabl
   require(table.time_column.has_value(), std::string(kTimeColumn));
   for (const std::string& name : plannedNames(problem)) {
     const std::string velocity = name + std::string(kVelocityEnding);
-    require(column(velocity) < count, velocity);
+    require(rateColumn(name, kVelocityEnding) < count, velocity);
     if (column(name) == count) return;  // told below
   }
   if (!std::all_of(table.rows.begin(), table.rows.end(),
@@ -565,6 +586,11 @@ Path matched(const std::string& file, const Table& table, const Problem& problem
   if (table.cubic && !options.cubics && options.warnings != nullptr)
     options.warnings->push_back(
         file + ": lines join its rows here, and cubics in its motion, which 'verify' proves");
+  if (table.accelerations_line > 0 && options.warnings != nullptr)
+    options.warnings->push_back(
+        fmt::format("{}:{}: accelerations without velocities are not read; straight motions join "
+                    "the rows",
+                    file, table.accelerations_line));
   const bool cubic = table.cubic && options.cubics;
   if (table.rows.empty()) throw InputError(file, 0, "holds no waypoint; at least one is expected");
   std::vector<std::vector<double>> accelerations;

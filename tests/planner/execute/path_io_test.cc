@@ -847,6 +847,48 @@ TEST_F(PathIo, AccelerationsThatCubicsDoNotHaveAreNamed) {
   EXPECT_NE(warnings[0].find("0.69 rad or m at 'joint2'"), std::string::npos) << warnings[0];
 }
 
+TEST_F(PathIo, AccelerationsWithoutVelocitiesAreTold) {
+  const Problem problem = armProblem();
+  const std::string names = "joint1,joint2,joint3,joint4,joint5,joint6,joint7";
+  const auto told = [&](const std::string& name, const std::string& text) {
+    std::vector<std::string> warnings;
+    readPath(write(name, text), problem, {.warnings = &warnings});
+    return warnings;
+  };
+  const auto json = [&](const std::string& second) {
+    const std::string zeros = "{\"positions\": [0, 0, 0, -1, 0, 1, 0]";
+    return R"({"joint_names": ["joint1", "joint2", "joint3", "joint4", "joint5", "joint6",
+"joint7"], "points": [)" +
+           zeros + "},\n" + zeros + second + "}]}";
+  };
+  const std::vector<std::string> warnings =
+      told("a.json", json(R"(, "accelerations": [0, 1, 0, 0, 0, 0, 0])"));
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("a.json:3: accelerations without velocities are not read"),
+            std::string::npos)
+      << warnings[0];
+  EXPECT_TRUE(told("b.json", json(R"(, "accelerations": [])")).empty());
+  EXPECT_EQ(told("c.csv", "time," + names + ",joint2.acceleration\n0,0,0,0,-1,0,1,0,2\n").size(),
+            1U);
+}
+
+/// A column with a joint's name is that joint's, although it also names another one's velocity.
+TEST_F(PathIo, AJointMayBeCalledVelocity) {
+  const std::string joint = R"(<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>)";
+  const std::string urdf = write("v.urdf",
+                                 R"(<robot name="v"><link name="x"/><link name="y"/><link name="z"/>
+<joint name="a" type="revolute"><parent link="x"/><child link="y"/>)" +
+                                     joint +
+                                     R"(<joint name="a.velocity" type="revolute"><parent link="y"/>
+<child link="z"/>)" + joint + "</robot>");
+  const Problem problem =
+      problemFromStates(robots::loadModel(urdf, ""), "all", "0.5 0.25", "-0.5 0");
+  const Path path = readPath(write("v.csv", "time,a,a.velocity\n0,0.5,0.25\n1,-0.5,0\n"), problem,
+                             {.cubics = true});
+  EXPECT_EQ(path.positions, (std::vector<std::vector<double>>{{0.5, 0.25}, {-0.5, 0}}));
+  EXPECT_TRUE(path.velocities.empty());
+}
+
 /// Recorded states have the joints that follow others, and logs have comments.
 TEST_F(PathIo, ColumnsOfFollowersAreCheckedAndCommentsPassedOver) {
   const std::string robot =
