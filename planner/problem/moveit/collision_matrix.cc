@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "collision/base/numbers.h"
 #include "planner/problem/moveit/fields.h"
@@ -108,6 +112,22 @@ const std::string& matrixName(const Model& model, const Matrix& matrix, int link
   }
 }
 
+/// Names the first pair whose two entries differ: it is checked, as are all others of that kind.
+void warnOfContradictions(const Matrix& matrix,
+                          const std::function<void(const std::string&)>& warn) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t a = 0; a < matrix.names.size(); ++a)
+    for (std::size_t b = a + 1; b < matrix.names.size(); ++b)
+      if (matrix.allowed[a][b] != matrix.allowed[b][a]) pairs.emplace_back(a, b);
+  if (pairs.empty()) return;
+  const std::string more =
+      pairs.size() > 1 ? fmt::format(", as of {} more", pairs.size() - 1) : std::string();
+  warn(
+      fmt::format("the matrix has both true and false for '{}' and '{}'{}: what it contradicts "
+                  "is checked; a symmetric matrix is expected",
+                  matrix.names[pairs.front().first], matrix.names[pairs.front().second], more));
+}
+
 /// Allows pairs by the matrix. Pairs that are not in the matrix follow the SRDF.
 void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
   const Model& model = *problem.robot.model;
@@ -119,6 +139,7 @@ void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
   const auto allow = [&](const std::string& a, const std::string& b) {
     problem.contacts.allowed.emplace_back(a, b);
   };
+  warnOfContradictions(matrix, warn);
   std::map<std::string, Entry> bodies, known;  // `known`: those in the matrix
   for (const Object& object : problem.world.objects)
     bodies.emplace(object.name, matrix.entry(object.name));

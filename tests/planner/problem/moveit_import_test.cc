@@ -253,6 +253,14 @@ TEST_F(MoveitImport, FalseInTheMatrixOutweighsTheSrdf) {
   const Problem half =
       load(replaced(matrix, "[[false, false]", "[[false, true]") + kObjects, kRequest);
   EXPECT_EQ(half.contacts.allowed, problem.contacts.allowed);
+  const auto isTold = [](const Problem& of) {
+    return std::any_of(of.warnings.begin(), of.warnings.end(), [](const std::string& warning) {
+      return warning.find("the matrix has both true and false for 'left' and 'right': ") !=
+             std::string::npos;
+    });
+  };
+  EXPECT_TRUE(isTold(half));
+  EXPECT_FALSE(isTold(problem));
 }
 
 /// Pairs that the matrix does not hold go by the defaults of their names, both of which must allow.
