@@ -115,6 +115,7 @@ StateCheck EdgeCertifier::clearance(std::span<const double> point, double tolera
   statistics.distance_queries += impl.workspace.statistics.exact - before;
   check.verdict = result.verdict;
   check.clearance = result.clearance;
+  check.clearance.lower = std::min(check.clearance.lower, impl.scene->completeWithin());
   check.pair = result.pair;
   check.closest = result.closest;
   return check;

@@ -525,7 +525,14 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjectAt(const std::stri
   if (before.balls) {
     auto cloud = std::make_shared<PointCloud>();
     cloud->balls = ballsOf(partsOf(body));
+    const bool is_empty = cloud->balls.empty();
+    if (is_empty) cloud->balls = *before.balls;  // for the body that stays without balls
     moved.cloud = std::move(cloud);
+    if (is_empty)
+      return withObjects({&moved, 1}, {&body, 1})
+          ->withRegion(
+              name, {Eigen::Vector3d::Constant(-kInfinity), Eigen::Vector3d::Constant(kInfinity)},
+              {});
   }
   return withObjects({&moved, 1}, {&body, 1});
 }

@@ -283,8 +283,13 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   ++statistics.edges;
   Impl& impl = *impl_;
   Impl::ClearanceSearch search(impl, request);
+  // What was cropped from clouds may be this near.
+  const double most = request.pairs == Pairs::kSelf ? kInfinity : impl.scene->completeWithin();
   const Impl::Asking asking(impl, request.pairs, -kInfinity);
-  if (impl.leastMargin() == kInfinity) return search.best;  // there are no such pairs
+  if (impl.leastMargin() == kInfinity) {  // there are no such pairs
+    search.best.clearance.lower = most;
+    return search.best;
+  }
   impl.startWork(request.work_limit > 0 ? request.work_limit : kClearanceWork);
   impl.queries.count = 0;
   const int start = impl.frames.begin(a, b) ? impl.frames.place(0) : -1;
@@ -301,7 +306,7 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
     search.searchWithoutSweeps(start, end);
   }
   statistics.work += impl.work.done;
-  search.best.clearance.lower = search.lowerEnd();
+  search.best.clearance.lower = std::min(search.lowerEnd(), most);
   return search.best;
 }
 

@@ -267,6 +267,22 @@ TEST(ChangedWorld, CloudsThatWereFittedToTheirPlaceDoNotMove) {
   EXPECT_THROW(CompiledScene(compiled).withObjectAt("dust", {}), std::invalid_argument);
 }
 
+/// A cloud of which nothing is left is still an object, at its new place, too.
+TEST(ChangedWorld, EmptiedCloudsMove) {
+  PointCloud cloud;
+  cloud.balls.push_back({{0, 0, 0}, 0.01});
+  Problem problem = test::wallProblem();
+  problem.world.objects.push_back(
+      {"dust", {}, test::at(-1, 0, 0), std::make_shared<const PointCloud>(cloud)});
+  const CloudRegion around{{-1, -1, -1}, {1, 1, 1}};
+  const auto emptied =
+      std::make_shared<const CompiledScene>(problem)->withRegion("dust", around, {});
+  const auto moved = emptied->withObjectAt("dust", test::at(-1, 0.5, 0));
+  EXPECT_EQ(moved->scene().pairs().size(), emptied->scene().pairs().size());
+  problem.world.objects.back().X_WO = test::at(-1, 0.5, 0);
+  EXPECT_EQ(moved->withRegion("dust", around, cloud)->differenceFrom(problem), "");
+}
+
 PointCloud randomCloud(Random& random, const CloudRegion& region, int count) {
   PointCloud cloud;
   for (int i = 0; i < count; ++i) {

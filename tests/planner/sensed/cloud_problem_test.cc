@@ -351,6 +351,20 @@ TEST_F(CloudProblems, CertificatesClaimNoMoreThanACropLeaves) {
   const VerifyResult verified = verify(problem, result.path);
   EXPECT_EQ(verified.status, VerifyStatus::kCertified);
   EXPECT_EQ(verified.clearance_lower, 0.01);
+  // Nor do single places and edges, also where nothing was left.
+  Problem empty = problem;
+  auto nothing = std::make_shared<PointCloud>(*problem.world.objects[0].cloud);
+  nothing->balls.clear();
+  empty.world.objects[0].cloud = nothing;
+  for (const Problem* of : {&problem, static_cast<const Problem*>(&empty)}) {
+    EdgeCertifier certifier(std::make_shared<const CompiledScene>(*of));
+    const std::vector<double>&a = result.path.positions[0], &b = result.path.positions[1];
+    EXPECT_LE(certifier.clearance(a, 1e-4).clearance.lower, 0.01);
+    EXPECT_LE(certifier.tooNear(a, 1e-4).clearance.lower, 0.01);
+    for (const Pairs pairs : {Pairs::kAll, Pairs::kWorld})
+      EXPECT_LE(certifier.edgeClearance(a, b, {.pairs = pairs}).clearance.lower, 0.01);
+    EXPECT_GT(certifier.edgeClearance(a, b, {.pairs = Pairs::kSelf}).clearance.lower, 1);
+  }
 }
 
 TEST_F(CloudProblems, ACropThatDoesNotSufficeNamesItsLine) {
