@@ -227,8 +227,12 @@ void defineProblem(py::module_& module) {
         planner::validate(*made);
         return made;
       });
-  defineStatic(problem, "load", "(file, *, packages=None, cache=True)",
-               "Reads a problem file (YAML). Raises InputError with file and line.", load);
+  defineStatic(
+      problem, "load", "(file, *, packages=None, cache=True)",
+      "Reads a problem file (YAML). Raises InputError with file and line. A start that is given "
+      "by poses becomes joint values at once: what is set later, as constraints, does not "
+      "move it.",
+      load);
   defineStatic(problem, "load_moveit", "(robot, scene, request, *, meshes=None)",
                "Reads a MoveIt planning scene and a motion plan request (YAML), as "
                "MotionBenchMaker writes them. meshes: {object: {'solid': ..., 'weld': ...}}, as "

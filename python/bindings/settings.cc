@@ -741,7 +741,8 @@ void Problem::set(const Setting& setting, const py::object& value) {
   const auto old = handed_out_.find(name);
   if (old != handed_out_.end() && !value.is(old->second.object)) {
     constexpr std::size_t kMostReplaced = 100;
-    if (replaced_.size() == kMostReplaced) replaced_.erase(replaced_.begin());
+    if (replaced_.size() >= kMostReplaced)  // those that nothing else refers to cannot change
+      std::erase_if(replaced_, [](const auto& of) { return of.second.object.ref_count() == 1; });
     replaced_.emplace_back(name, old->second);
     handed_out_.erase(old);
   }

@@ -321,10 +321,13 @@ py::list addDepthImage(World& world, const std::string& name, const py::object& 
       throw py::value_error(
           "unseen='occupied' stands without range; the depth [m] up to which it is occupied is "
           "expected");
-    space = planner::unseenShapes(image, camera,
-                                  {number(range, "range"), whole<std::size_t>(parts, "parts")});
-  } else if (!range.is_none()) {
-    throw py::value_error("range stands without unseen='occupied'; both are expected");
+    space = planner::unseenShapes(
+        image, camera,
+        {number(range, "range"),
+         parts.is_none() ? planner::UnseenSpace().most_parts : whole<std::size_t>(parts, "parts")});
+  } else if (!range.is_none() || !parts.is_none()) {
+    throw py::value_error((range.is_none() ? "parts" : "range") +
+                          std::string(" stands without unseen='occupied'; both are expected"));
   }
   return addFiltered(world, name, std::move(cloud),
                      {thin, most_balls, carve, carve_margin, position, orientation, rpy, color},
@@ -439,7 +442,7 @@ void defineAdders(WorldClass& world) {
   define(
       world, "add_depth_image",
       "(self, name, depth, radius, *, fx, fy, cx, cy, scale=None, slant=1.0471975511965976, "
-      "mask=None, unseen='free', range=None, parts=1000, thin=None, most_balls=None, carve=(), "
+      "mask=None, unseen='free', range=None, parts=None, thin=None, most_balls=None, carve=(), "
       "carve_margin=0.0" +
           kPlace,
       std::string(
@@ -449,7 +452,8 @@ void defineAdders(WorldClass& world) {
           "of 1; 0.001 of whole numbers, else 1. Balls have the `radius` [m] plus a part that "
           "grows with depth, and cover flat surfaces up to `slant` [rad] from facing the "
           "camera. Pixels that are 0, not finite, or 0 in `mask` are dropped. With `unseen` "
-          "'occupied', at most `parts` convex parts contain what the camera did not see within its "
+          "'occupied', at most `parts` (1000) convex parts contain what the camera did not see "
+          "within its "
           "picture and the depth `range` [m]: space behind surfaces, and all that dropped pixels "
           "look at; `carve` leaves out those that touch. The rest as in add_cloud().") +
           kPlaceDoc,

@@ -74,6 +74,8 @@ def test_a_region_is_seen_again(robot):
     for wrong in (("pst", low, high, above), ("post", high, low, above), ("post", (np.nan, 0, 0), high, above), ("post", low, high, above * 1e12)):
         with pytest.raises(ValueError):
             scene.with_region(*wrong, 0.01)
+    with pytest.raises(ValueError, match="^low"):
+        scene.with_region("post", (-np.inf, -1, -1), high, above, 0.01)
 
 
 def test_unseen_space_is_occupied_and_saved(world, robot, tmp_path):
@@ -92,7 +94,7 @@ def test_unseen_space_is_occupied_and_saved(world, robot, tmp_path):
         assert np.isclose(checks[0].lower, checks[1].lower, atol=2e-6) and checks[0].closest == checks[1].closest
         lowers.append(checks[0].lower)
     assert lowers[1] < lowers[0], "behind the surface there may be something"
-    for words, arguments in (("range", dict(unseen="occupied")), ("range", dict(range=1.0)), ("'occupied'", dict(unseen="maybe")), ("parts", dict(unseen="occupied", range=1.0, parts=0))):
+    for words, arguments in (("range", dict(unseen="occupied")), ("range", dict(range=1.0)), ("parts stands without unseen", dict(parts=20)), ("'occupied'", dict(unseen="maybe")), ("parts", dict(unseen="occupied", range=1.0, parts=0))):
         with pytest.raises(ValueError, match=words):
             world.copy().add_depth_image("camera", depth, 0.003, **camera, **arguments)
 

@@ -298,6 +298,16 @@ def test_what_was_replaced_can_be_put_back(robot, name):
     assert getattr(problem, name) is kept
 
 
+def test_all_that_was_replaced_and_kept_is_watched(robot):
+    problem = good(robot)
+    first = problem.start
+    for _ in range(150):
+        problem.start = problem.start.copy()
+    first[0] += 0.1
+    with pytest.raises(ValueError, match="'start' was changed after another had taken its place"):
+        leeway.plan(problem)
+
+
 def test_what_was_replaced_is_not_changed_in_vain(robot):
     problem = good(robot)
     world, margins = problem.world, problem.margins

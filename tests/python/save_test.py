@@ -60,6 +60,14 @@ def test_poses_steps_and_held_objects_come_back(robot, tmp_path):
         again(leeway.load(ROOT / f"problems/{name}.yaml", cache=False), tmp_path)
 
 
+def test_files_stay_the_same_in_another_working_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    problem = leeway.load("problems/shelf/reach.yaml", cache=False)
+    monkeypatch.chdir(tmp_path)
+    again(problem, tmp_path)
+    leeway.plan(problem).view(tmp_path / "page.html", visual=True)
+
+
 def test_what_files_cannot_say_is_refused(robot, tmp_path):
     world = leeway.World()
     world.add_box("tray", (0.2, 0.2, 0.02), position=(0.6, -0.2, 0.3))
