@@ -11,7 +11,6 @@
 #include "leeway/planner/edge_certifier.h"
 #include "tools/view/base/figures.h"
 #include "tools/view/base/scene_names.h"
-#include "tools/view/timeline.h"
 
 namespace leeway::tools::view {
 namespace {

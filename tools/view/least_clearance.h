@@ -10,6 +10,9 @@
 
 namespace leeway::tools::view {
 
+/// Width of the intervals of single moments [m].
+inline constexpr double kMomentTolerance = 1e-6;
+
 /// The least clearances of a path as people see them: of all pairs, of the pairs with the world,
 /// and of the robot with itself.
 struct LeastClearance {

@@ -77,9 +77,6 @@ struct Timeline {
   std::vector<double> waypoint_times;  // [s]
 };
 
-/// Width of the intervals of moments [m].
-inline constexpr double kMomentTolerance = 1e-6;
-
 /// The path at the velocities of the problem's execution, at rest in each waypoint, among the
 /// obstacles as they are at the start of the execution. Has about 250 moments, one for each
 /// waypoint, and those of `least`; fewer if a scene has very many pairs. Each stretch of a task is
