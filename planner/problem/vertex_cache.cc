@@ -80,10 +80,8 @@ void requireScale(const char* format, double scale) {
 }
 
 void readPositions(Words& words, double scale, CacheMotion& motion) {
-  for (Eigen::Vector3f& p : motion.positions) {
-    for (int k = 0; k < 3; ++k)
-      p[k] = static_cast<float>(scale * static_cast<double>(words.number()));
-  }
+  for (Eigen::Vector3d& p : motion.positions)
+    for (int k = 0; k < 3; ++k) p[k] = scale * static_cast<double>(words.number());
 }
 
 void makeRoom(std::int32_t frames, std::int32_t vertices, CacheMotion& motion) {

@@ -168,8 +168,8 @@ class MotionWriter {
     add(static_cast<std::uint32_t>(motion.times.size()));
     add(static_cast<std::uint32_t>(motion.vertex_count));
     for (const double time : motion.times) add(std::bit_cast<std::uint32_t>(float(time)));
-    for (const Eigen::Vector3f& p : motion.positions)
-      for (int k = 0; k < 3; ++k) add(std::bit_cast<std::uint32_t>(p[k]));
+    for (const Eigen::Vector3d& p : motion.positions)
+      for (int k = 0; k < 3; ++k) add(std::bit_cast<std::uint32_t>(float(p[k])));
     const std::string file = files_.add(name_ + " motion", ".mdd", std::move(bytes));
     return MapText().add("cache", MapText().add("file", wordText(file)).text()).text();
   }

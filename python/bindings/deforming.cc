@@ -116,7 +116,7 @@ Motion cache(const py::object& times, const py::object& positions) {
                           std::to_string(motion.times.size()) + " times");
   motion.vertex_count = static_cast<int>(frames.shape[1]);
   for (std::size_t i = 0; i < frames.count(); ++i)
-    motion.positions.push_back(Eigen::Vector3d::Map(frames.row(i).data()).cast<float>());
+    motion.positions.push_back(Eigen::Vector3d::Map(frames.row(i).data()));
   return {VertexMotion::cache(std::move(motion))};
 }
 

@@ -18,13 +18,13 @@ void check(const char* format, collision::CacheMotion cache) {
   const auto vertices = static_cast<std::size_t>(cache.vertex_count);
   if (cache.positions.size() != cache.times.size() * vertices)
     fuzz::fail("%s: %zu positions", format, cache.positions.size());
-  const std::vector<Eigen::Vector3f> given = cache.positions;
+  const std::vector<Eigen::Vector3d> given = cache.positions;
   const auto motion = collision::VertexMotion::cache(std::move(cache));
   std::vector<Eigen::Vector3d> positions(vertices);
   for (std::size_t f = 0; f < motion->keyTimes().size(); ++f) {
     motion->evaluate(motion->keyTimes()[f], positions);
     for (std::size_t v = 0; v < vertices; ++v) {
-      if (positions[v] != given[f * vertices + v].cast<double>())
+      if (positions[v] != given[f * vertices + v])
         fuzz::fail("%s: frame %zu is not met", format, f);
     }
   }

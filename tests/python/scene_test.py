@@ -111,6 +111,13 @@ def test_what_a_mesh_file_leaves_out_is_told(tmp_path):
         leeway.Shape.mesh(file)
 
 
+def test_motions_of_programs_keep_doubles():
+    far = np.array([[4000000.04, 0.1, 0], [4000000.04, 1.1, 0], [4000000.04, 0.1, 1 / 3]])
+    motion = leeway.Motion.cache([0, 1.3], np.stack([far, far + 0.1]))
+    np.testing.assert_array_equal(motion.at(0), far)
+    np.testing.assert_array_equal(motion.at(1.3), far + 0.1)
+
+
 def test_deforming_meshes():
     x, y = np.meshgrid(np.linspace(0, 1, 11), np.linspace(0, 1, 11))
     rest = np.column_stack([x.ravel(), y.ravel(), np.zeros(121)])

@@ -238,8 +238,7 @@ inline std::shared_ptr<const VertexMotion> cacheOf(const RestMesh& mesh, oracle:
   motion.vertex_count = static_cast<int>(mesh.vertices.size());
   for (int frame = 0; frame < 8; ++frame) {
     motion.times.push_back(0.4 * frame + 0.1 * random.uniform(0, 1));
-    for (const Vector3d& v : bumped(mesh, 1, 0.05 * sine(frame)))
-      motion.positions.push_back(v.cast<float>());
+    for (const Vector3d& v : bumped(mesh, 1, 0.05 * sine(frame))) motion.positions.push_back(v);
   }
   return VertexMotion::cache(std::move(motion));
 }

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <limits>
 
+#include "collision/base/rounding.h"
+
 namespace leeway::collision {
 
-// Minimum and maximum of stored floats are exact, so nothing is rounded here.
 CachedBounds::CachedBounds(const CachedVertices& motion, const DeformTree& tree, std::int32_t nodes)
     : frames_(motion.frameCount()),
       rows_(3 * frames_ * static_cast<std::size_t>(nodes)),
@@ -24,7 +25,7 @@ CachedBounds::CachedBounds(const CachedVertices& motion, const DeformTree& tree,
         const AxisRow* const of_child =
             known ? &rows_[3 * (static_cast<std::size_t>(child) * frames_ + f)] : nullptr;
         const int children = known ? children_[static_cast<std::size_t>(child)] : 0;
-        const Eigen::Vector3f* const frame = motion.frame(f);
+        const Eigen::Vector3d* const frame = motion.frame(f);
         for (int k = 0; k < 3; ++k) {
           float low = std::numeric_limits<float>::infinity(), high = -low;
           for (int i = 0; i < children; ++i) {
@@ -33,8 +34,8 @@ CachedBounds::CachedBounds(const CachedVertices& motion, const DeformTree& tree,
           }
           if (!known) {
             for (const std::int32_t v : below) {
-              low = std::min(low, frame[v][k]);
-              high = std::max(high, frame[v][k]);
+              low = std::min(low, floatBelow(frame[v][k]));
+              high = std::max(high, floatAbove(frame[v][k]));
             }
           }
           rows[k].low[column] = low;
@@ -45,8 +46,8 @@ CachedBounds::CachedBounds(const CachedVertices& motion, const DeformTree& tree,
   }
 }
 
-// Products and sums are rounded like those of CachedVertices::vertices(), and rounding is
-// monotonic, so no evaluated vertex is outside its box.
+// The ends of boxes are rounded outwards. Products and sums are rounded like those of
+// CachedVertices::vertices(), and rounding is monotonic, so no evaluated vertex is outside its box.
 void CachedBounds::bound(std::int32_t node, std::span<const double> parameters,
                          WideBox& box) const {
   constexpr std::uint8_t kAllAxes[] = {7, 7};

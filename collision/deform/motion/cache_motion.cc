@@ -23,8 +23,7 @@ CachedVertices::CachedVertices(CacheMotion motion)
     : VertexMotion(kCacheKind, motion.vertex_count, 2, motion.times),
       track_(std::move(motion.times), Interpolation::kLinear),
       positions_(std::move(motion.positions)) {
-  for (const Eigen::Vector3f& p : positions_)
-    size_ = std::max(size_, static_cast<double>(p.cwiseAbs().maxCoeff()));
+  for (const Vector3d& p : positions_) size_ = std::max(size_, p.cwiseAbs().maxCoeff());
   measureSegments();
 }
 
@@ -36,16 +35,15 @@ void CachedVertices::parameters(double time, std::span<double> out) const {
 
 void CachedVertices::vertices(std::span<const double> parameters, int first,
                               std::span<Vector3d> out) const {
-  const Eigen::Vector3f* from = frame(static_cast<std::size_t>(parameters[0])) + first;
+  const Vector3d* from = frame(static_cast<std::size_t>(parameters[0])) + first;
   if (!(parameters[1] > 0)) {
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = from[i].cast<double>();
+    std::copy_n(from, out.size(), out.begin());
     return;
   }
   const double s = parameters[1], r = 1 - s;
-  const Eigen::Vector3f* to = from + vertexCount();
+  const Vector3d* to = from + vertexCount();
   for (std::size_t i = 0; i < out.size(); ++i) {
-    for (int k = 0; k < 3; ++k)
-      out[i][k] = r * static_cast<double>(from[i][k]) + s * static_cast<double>(to[i][k]);
+    for (int k = 0; k < 3; ++k) out[i][k] = r * from[i][k] + s * to[i][k];
   }
 }
 
@@ -67,8 +65,7 @@ void CachedVertices::measureSegments() {
   for (std::size_t i = 0; i < track_.segments(); ++i) {
     double longest_squared = 0;
     for (std::ptrdiff_t v = 0; v < vertexCount(); ++v) {
-      const Vector3d from = frame(i)[v].cast<double>(), to = frame(i + 1)[v].cast<double>();
-      longest_squared = std::max(longest_squared, squaredLength(to - from));
+      longest_squared = std::max(longest_squared, squaredLength(frame(i + 1)[v] - frame(i)[v]));
     }
     // A difference is off by one unit, relative.
     speeds_.push_back(roundedUp(std::sqrt(longest_squared) * track_.rate(i), 16));
@@ -85,11 +82,11 @@ std::shared_ptr<const VertexMotion> VertexMotion::cache(CacheMotion motion) {
                "positions (" + std::to_string(motion.times.size()) + " frames of " +
                    std::to_string(count) + " vertices)");
   for (std::size_t i = 0; i < motion.positions.size(); ++i) {
-    if ((motion.positions[i].array().abs() <= static_cast<float>(kLargestMotion)).all()) continue;
+    if ((motion.positions[i].array().abs() <= kLargestMotion).all()) continue;
     for (int k = 0; k < 3; ++k) {
       requireUsable(kCacheKind,
                     "frame " + std::to_string(i / count) + ", vertex " + std::to_string(i % count),
-                    static_cast<double>(motion.positions[i][k]));
+                    motion.positions[i][k]);
     }
   }
   return std::make_shared<CachedVertices>(std::move(motion));

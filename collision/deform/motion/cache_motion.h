@@ -28,7 +28,7 @@ class CachedVertices final : public VertexMotion {
   }
 
   std::size_t frameCount() const { return track_.times().size(); }
-  const Eigen::Vector3f* frame(std::size_t i) const {
+  const Eigen::Vector3d* frame(std::size_t i) const {
     return positions_.data() + i * static_cast<std::size_t>(vertexCount());
   }
 
@@ -36,7 +36,7 @@ class CachedVertices final : public VertexMotion {
   void measureSegments();
 
   KeyTrack track_;
-  std::vector<Eigen::Vector3f> positions_;
+  std::vector<Eigen::Vector3d> positions_;
   double size_ = 0;             // largest |coordinate| [m]
   std::vector<double> speeds_;  // one for each segment
 };

@@ -124,8 +124,7 @@ std::shared_ptr<const VertexMotion> cacheOf(const motion_cases::RestMesh& mesh, 
   for (int frame = 0; frame < 5; ++frame) {
     motion.times.push_back(frame == 0 ? 0 : motion.times.back() + random.logUniform(1e-3, 10));
     const Vector3d offset = motion_cases::randomVector(random, far);
-    for (const Vector3d& v : mesh.vertices)
-      motion.positions.push_back((v * size + offset).cast<float>());
+    for (const Vector3d& v : mesh.vertices) motion.positions.emplace_back(v * size + offset);
   }
   return VertexMotion::cache(std::move(motion));
 }

@@ -18,20 +18,21 @@ std::span<const std::byte> bytesOf(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
-void expectPositions(const CacheMotion& motion, int frames, int vertices, float scale) {
+void expectPositions(const CacheMotion& motion, int frames, int vertices, double scale) {
   ASSERT_EQ(motion.vertex_count, vertices);
   ASSERT_EQ(motion.positions.size(), static_cast<std::size_t>(frames * vertices));
   std::size_t i = 0;
   for (int f = 0; f < frames; ++f) {
     for (int v = 0; v < vertices; ++v, ++i)
-      for (int k = 0; k < 3; ++k) EXPECT_EQ(motion.positions[i][k], scale * coordinate(f, v, k));
+      for (int k = 0; k < 3; ++k)
+        EXPECT_EQ(motion.positions[i][k], scale * double(coordinate(f, v, k)));
   }
 }
 
 TEST(VertexCache, ReadsPc2) {
-  const CacheMotion motion = parsePc2(bytesOf(pc2(3, 4)), 10, 2);
+  const CacheMotion motion = parsePc2(bytesOf(pc2(3, 4)), 10, 0.001);
   EXPECT_EQ(motion.times, (std::vector<double>{0.2, 0.25, 0.3}));
-  expectPositions(motion, 3, 4, 2);
+  expectPositions(motion, 3, 4, 0.001);
   EXPECT_EQ(collision::VertexMotion::cache(motion)->vertexCount(), 4);
 }
 

@@ -185,7 +185,7 @@ DeformScene cache(int triangles, Random& random) {
   for (int i = 0; i <= kFramesPerSecond; ++i) {
     motion.times.push_back(static_cast<double>(i) / kFramesPerSecond);
     recorded.vertices(motion.times.back(), frame);
-    for (const Vector3d& v : frame) motion.positions.push_back(v.cast<float>());
+    motion.positions.insert(motion.positions.end(), frame.begin(), frame.end());
   }
   return withMotion("cache", {std::move(recorded.spec.rest), std::move(recorded.spec.triangles)},
                     VertexMotion::cache(std::move(motion)));

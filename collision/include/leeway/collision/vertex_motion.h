@@ -149,7 +149,7 @@ struct ReducedMotion {
 struct CacheMotion {
   int vertex_count = 0;
   std::vector<double> times;               // [s], one for each frame
-  std::vector<Eigen::Vector3f> positions;  // [m], frame by frame
+  std::vector<Eigen::Vector3d> positions;  // [m], frame by frame
 };
 
 /// The definition of a motion; nothing for kOwn.
