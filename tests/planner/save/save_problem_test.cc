@@ -190,8 +190,7 @@ TEST(SaveProblem, KeepsWhatDeforms) {
   skinned.keys = {{0, {{}, {{0.5, 0, 0}, {0, 0, 0, 1}}}},
                   {1, {{}, {{0.5, 0, 0.2}, {0, 0.6, 0, 0.8}}}}};
   collision::CacheMotion cache{4, {0, 0.5}, {}};
-  for (int i = 0; i < 8; ++i)
-    cache.positions.emplace_back(0.5, 0.25, 0.125 * i);
+  for (int i = 0; i < 8; ++i) cache.positions.emplace_back(0.5, 0.25, 0.125 * i);
   const std::vector<std::shared_ptr<const VertexMotion>> motions = {nullptr,
                                                                     VertexMotion::waves(waves),
                                                                     VertexMotion::lattice(lattice),
