@@ -182,13 +182,28 @@ TEST_F(View, DrawsHalfSpacesThatAreSeenEdgeOn) {
   EXPECT_EQ(planes, 2) << "from the front and from the right, not from above";
 }
 
+/// The outline of the first part that is drawn in this role.
+std::string firstRobot(const std::string& svg, const std::string& role) {
+  const std::size_t at = svg.find(" d=", svg.find("<path class=\"" + role));
+  return svg.substr(at, svg.find('/', at) - at);
+}
+
 TEST_F(View, DrawsAFailure) {
   write("inside.yaml", kInvalidStart);
   const Answer answer = run("view inside.yaml --svg inside.svg");
   EXPECT_EQ(answer.status, 1) << answer.err;
   for (const char* word : {"start not valid", "lower and post", "70.00 mm deep", "way out"})
     EXPECT_NE(answer.out.find(word), std::string::npos) << word << "\n" << answer.out;
-  EXPECT_NE(read("inside.svg").find("start not valid"), std::string::npos);
+  const std::string svg = read("inside.svg");
+  EXPECT_NE(svg.find("start not valid"), std::string::npos);
+  for (const char* undrawn : {">trail<", ">on the way<"})
+    EXPECT_EQ(svg.find(undrawn), std::string::npos) << undrawn;
+  // With an invalid goal, the start is still the start.
+  std::string text = kReach;
+  text.replace(text.find("goal: left"), 10, "goal: {shoulder: 0, elbow: 0}");
+  write("goal.yaml", text);
+  ASSERT_EQ(run("view goal.yaml --svg goal.svg").status, 1);
+  EXPECT_NE(firstRobot(read("goal.svg"), "start"), firstRobot(read("goal.svg"), "goal"));
 }
 
 /// "certified" covers the start and the goal, as it does for verify.

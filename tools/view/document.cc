@@ -449,6 +449,9 @@ class Document {
     document["shown"] = subject_.shown;
     document["widest"] =
         std::holds_alternative<planner::MaximumClearance>(subject_.problem.objective);
+    // Objectives other than length are refused with them.
+    document["constrained"] =
+        !subject_.problem.constraints.empty() || subject_.problem.condition.accept != nullptr;
     addPairs(document);
     // The clearance from the world that the objective length keeps.
     const auto* length = std::get_if<planner::MinimumLength>(&subject_.problem.objective);
@@ -520,7 +523,7 @@ class Document {
       PoseColumns poses, frames;
       for (const Pose& X_WF : end.frames) frames.add(X_WF);
       Json bodies = Json::array();
-      if (end.unreachable) {
+      if (end.unreachable()) {
         for (const auto& [body, X_WB] : end.placed) {
           bodies.push_back(body);
           poses.add(X_WB);
@@ -532,13 +535,13 @@ class Document {
           poses.add(poseOf(body));
         }
       }
-      const bool valid = !end.unreachable && end.check.verdict == planner::Verdict::kFree;
       ends.push_back({{"name", end.name},
-                      {"valid", valid},
-                      {"closest", end.unreachable ? Json()
-                                                  : nearestJson({end.check.clearance, end.closest,
-                                                                 end.check.closest.point_a,
-                                                                 end.check.closest.point_b})},
+                      {"valid", end.isValid()},
+                      {"fault", end.fault},
+                      {"closest", end.unreachable() ? Json()
+                                                    : nearestJson({end.check.clearance, end.closest,
+                                                                   end.check.closest.point_a,
+                                                                   end.check.closest.point_b})},
                       {"way_out", jsonVector(end.way_out)},
                       {"bodies", bodies},
                       {"poses", poses.pack(pack_)},

@@ -123,8 +123,10 @@ std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem&
       planner::Problem at_goal;
       try {
         at_goal = planner::placedAt(problem, goal.poses, "goal '" + goal.name + "'");
-      } catch (const robots::InputError&) {
-        end.unreachable = true;  // the plan reports the reason
+      } catch (const robots::InputError& error) {
+        // Without the file, which is the problem's.
+        const std::string text = error.what();
+        end.fault = text.substr(std::min(text.size() - 1, text.find("goal '" + goal.name + "'")));
         for (std::size_t i = 0; i < goal.poses.size(); ++i) {
           const robots::PoseRegion& region = goal.poses[i];
           const std::string& link = shown.model().links[at(region.link)].name;
@@ -140,7 +142,7 @@ std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem&
   }
   planner::EdgeCertifier certifier(scene);
   for (End& end : ends) {
-    if (end.unreachable) continue;
+    if (end.unreachable()) continue;
     end.check = certifier.tooNear(end.position, kEndTolerance);
     end.closest = pairOf(end.check, *scene, shown);
     end.placed = placedObjects(problem, shown, first, end.position);

@@ -23,9 +23,11 @@ struct End {
   std::vector<std::pair<int, collision::Pose>> placed = {};  ///< see Moment::placed
   /// For a goal of poses: the frames in the middle of their regions, X_WF.
   std::vector<collision::Pose> frames = {};
-  /// No configuration was found. `placed` has the places that the links should have, and `position`
-  /// is empty.
-  bool unreachable = false;
+  /// Why no configuration was found; empty if one was. `placed` has the places that the links
+  /// should have, and `position` is empty.
+  std::string fault = {};
+  bool unreachable() const { return !fault.empty(); }
+  bool isValid() const { return fault.empty() && check.verdict == planner::Verdict::kFree; }
 };
 
 /// Returns the start, then all goals; for poses, a configuration if one is found. `scene` belongs

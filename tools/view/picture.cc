@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/kinematics.h"
 #include "tools/view/base/output_file.h"
 #include "tools/view/display_mesh.h"
@@ -147,9 +150,17 @@ class Picture {
 
   void placeAll() {
     const std::vector<Moment>& moments = subject_.timeline.moments;
-    start_ = place(moments.front());
-    const bool still = moments.size() < 2;
-    goal_ = still && subject_.ends.size() > 1 ? place(subject_.ends[1]) : place(moments.back());
+    const bool still = moments.size() < 2, has_motion = !still || !subject_.stages.empty();
+    start_ = has_motion ? place(moments.front()) : place(subject_.ends.front());
+    if (has_motion) {
+      goal_ = place(moments.back());
+    } else if (const End* goal = shownGoal(); goal != nullptr && !goal->unreachable()) {
+      goal_ = place(*goal);
+    } else if (goal != nullptr && !goal->placed.empty()) {
+      goal_ = start_;
+      placed_ = goal->placed;
+      for (const auto& [body, X_WB] : placed_) goal_[at(body)] = X_WB;
+    }
     for (int g = 1; g <= kGhosts && !still; ++g)
       ghosts_.push_back(
           place(moments[moments.size() * static_cast<std::size_t>(g) / (kGhosts + 1)]));
@@ -166,8 +177,16 @@ class Picture {
                        (part.X_BG * part.center));
     }
   }
+  /// If nothing moves: the goal that is not valid, else the first one; null without goals.
+  const End* shownGoal() const {
+    const End* goal = nullptr;
+    for (const End& end : std::span(subject_.ends).subspan(1))
+      if (goal == nullptr || end.name == subject_.shown) goal = &end;
+    return goal;
+  }
   std::vector<const std::vector<Pose>*> allPoses() const {
-    std::vector<const std::vector<Pose>*> all = {&start_, &goal_};
+    std::vector<const std::vector<Pose>*> all = {&start_};
+    if (!goal_.empty()) all.push_back(&goal_);
     for (const std::vector<Pose>& ghost : ghosts_) all.push_back(&ghost);
     return all;
   }
@@ -251,7 +270,7 @@ class Picture {
     for (const std::size_t i : order) writePart(parts_[i], start_, "world", 0.5);
     for (const std::vector<Pose>& ghost : ghosts_) writeRobot(ghost, "robot", 0.22);
     // The start is drawn over the goal, because mixed colours would look like neither.
-    writeRobot(goal_, "goal", 0.9);
+    if (!goal_.empty()) writeRobot(goal_, "goal", 0.9);
     writeRobot(start_, "start", 0.95);
     writeTrail();
     writeNearest();
@@ -290,13 +309,15 @@ class Picture {
         "y=\"{3:.1f}\" font-size=\"10\">{4:g} m</text>\n",
         left, height - 4, length * scale_, height - 7, length);
   }
-  /// Draws the legend to the right of the title.
+  /// Draws a legend of what is drawn to the right of the title.
   void writeLegend() {
     double right = 3 * kPanel + 3 * kGap;
-    for (const auto& [style, words] :
-         {std::pair("near-fill", "nearest pair"), std::pair("trail-fill", "trail"),
-          std::pair("robot", "on the way"), std::pair("goal", "goal"),
-          std::pair("start", "start")}) {
+    for (const auto& [style, words, is_drawn] :
+         {std::tuple("near-fill", "nearest pair", nearest() != nullptr),
+          std::tuple("trail-fill", "trail", trail_.size() > 1),
+          std::tuple("robot", "on the way", !ghosts_.empty()),
+          std::tuple("goal", "goal", !goal_.empty()), std::tuple("start", "start", true)}) {
+      if (!is_drawn) continue;
       right -= 6.2 * static_cast<double>(std::string_view(words).size()) + 26;
       out_ += fmt::format(
           "<rect class=\"{0}\" x=\"{1:.1f}\" y=\"17\" width=\"10\" height=\"10\"/>\n<text "
@@ -304,10 +325,16 @@ class Picture {
           style, right, right + 14, words);
     }
   }
+  /// Whether the place of a moving body at the goal is known.
+  bool isPlaced(int body) const {
+    return placed_.empty() || std::any_of(placed_.begin(), placed_.end(),
+                                          [&](const auto& of) { return of.first == body; });
+  }
   void writeRobot(const std::vector<Pose>& poses, const char* style, double opacity) {
     out_ += fmt::format("<g opacity=\"{}\">\n", opacity);
     for (const Part& part : parts_)
-      if (moves(part)) writePart(part, poses, style, 1);
+      if (moves(part) && (&poses != &goal_ || isPlaced(part.body)))
+        writePart(part, poses, style, 1);
     out_ += "</g>\n";
   }
 
@@ -355,17 +382,21 @@ class Picture {
     out_ += "\"/>\n";
   }
 
-  /// Draws the nearest pair of the whole motion, or of an end that is not valid.
-  void writeNearest() {
-    const planner::StateCheck* nearest = nullptr;
+  /// The nearest pair of the whole motion, or of an end that is not valid.
+  const planner::StateCheck* nearest() const {
+    const planner::StateCheck* found = nullptr;
     for (const Moment& m : subject_.timeline.moments)
       if (m.check.pair >= 0 &&
-          (nearest == nullptr || m.check.clearance.upper < nearest->clearance.upper))
-        nearest = &m.check;
+          (found == nullptr || m.check.clearance.upper < found->clearance.upper))
+        found = &m.check;
     for (const End& end : subject_.ends)
-      if (end.check.pair >= 0 && end.check.verdict != planner::Verdict::kFree) nearest = &end.check;
-    if (nearest == nullptr) return;
-    const Vector2d a = onPage(nearest->closest.point_a), b = onPage(nearest->closest.point_b);
+      if (end.check.pair >= 0 && end.check.verdict != planner::Verdict::kFree) found = &end.check;
+    return found;
+  }
+  void writeNearest() {
+    const planner::StateCheck* pair = nearest();
+    if (pair == nullptr) return;
+    const Vector2d a = onPage(pair->closest.point_a), b = onPage(pair->closest.point_b);
     out_ += fmt::format(
         "<line class=\"near\" stroke-width=\"2\" x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" "
         "y2=\"{:.1f}\"/>\n<circle class=\"near\" r=\"5\" cx=\"{:.1f}\" cy=\"{:.1f}\"/>\n",
@@ -376,8 +407,9 @@ class Picture {
   std::vector<Part> parts_;
   std::vector<collision::Shape> shapes_;
   std::vector<std::size_t> world_;
-  std::vector<Pose> planes_;  ///< of half-spaces, X_WP
-  std::vector<Pose> start_, goal_;
+  std::vector<Pose> planes_;                  ///< of half-spaces, X_WP
+  std::vector<Pose> start_, goal_;            ///< no goal: empty
+  std::vector<std::pair<int, Pose>> placed_;  ///< all that is known of an unreachable goal
   std::vector<std::vector<Pose>> ghosts_;
   std::vector<Vector3d> trail_;
   std::ptrdiff_t tip_ = -1;

@@ -53,6 +53,18 @@ Subject begin(const planner::Problem& problem, const std::string& source) {
   return subject;
 }
 
+/// Drops the warnings of the first step's scene that do not hold in the scenes of all steps, as for
+/// a margin of an object that is held first.
+void keepCommonWarnings(Subject& subject) {
+  for (const Stage& stage : subject.stages) {
+    if (!stage.scene) continue;
+    const std::vector<std::string> of_stage = stage.scene->warnings();
+    for (const std::string& warning : subject.first_scene->warnings())
+      if (std::find(of_stage.begin(), of_stage.end(), warning) == of_stage.end())
+        std::erase(subject.warnings, withoutFolders(warning));
+  }
+}
+
 std::string endNote(const Subject& subject, const End& end) {
   const PairNames names = pairNames(*subject.first_scene, end.check.pair);
   const planner::Interval& clearance = end.check.clearance;
@@ -72,7 +84,7 @@ std::string endNote(const Subject& subject, const End& end) {
 /// The start and the goals.
 void noteEnds(Subject& subject) {
   for (const End& end : subject.ends) {
-    if (end.unreachable)
+    if (end.unreachable())
       subject.notes.push_back(
           fmt::format("No configuration was found for {}: its pose is drawn.", end.name));
     if (end.check.verdict != planner::Verdict::kFree && end.check.pair >= 0)
@@ -181,6 +193,7 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
   const planner::PathEdges edges = planner::edgesOf(subject.scene->space(), given);
   const planner::Path& path = edges.path;
   subject.stages = stagesOf(problem, subject.scene, path);
+  keepCommonWarnings(subject);
   subject.least = leastClearance(subject.stages, edges, stop);
   if (certificate != nullptr)
     narrow(subject.least, *certificate, certificate->world, certificate->self);
@@ -239,7 +252,7 @@ Subject subjectOfPlan(const planner::Problem& problem, const std::string& source
   const End* shown = &subject.ends.front();
   if (result.status == planner::PlanStatus::kInvalidGoal)
     for (auto end = subject.ends.rbegin(); end != subject.ends.rend(); ++end)
-      if (!end->unreachable && end->check.verdict != planner::Verdict::kFree) shown = &*end;
+      if (!end->unreachable() && !end->isValid()) shown = &*end;
   subject.shown = shown->name;
   subject.timeline = timelineOfState(problem, subject.scene, first, shown->position);
   if (result.status == planner::PlanStatus::kNothingChecked)
