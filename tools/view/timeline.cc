@@ -383,9 +383,20 @@ void findLeast(Timeline& timeline) {
   }
 }
 
+/// Raises the bounds of stretches to those of the whole path, which are narrower in places.
+void raiseBounds(const LeastClearance& least, Timeline& timeline) {
+  for (std::size_t m = 0; m < timeline.stretches.size(); ++m) {
+    double& world = timeline.world_stretches[m].lower;
+    double& self = timeline.self_stretches[m].lower;
+    world = std::max(world, least.world.clearance.lower);
+    self = std::max(self, least.self.clearance.lower);
+    timeline.stretches[m].lower = std::min(world, self);
+  }
+}
+
 /// Adds the pairs of bodies that come nearest, among those that are the nearest of a body at a
-/// moment.
-void addPairs(const std::vector<Stage>& stages, const CompiledScene& shown, Timeline& timeline) {
+/// moment, without their distances.
+void choosePairs(Timeline& timeline) {
   constexpr std::size_t kPairs = 12;
   std::map<std::pair<int, int>, double> least;
   for (const Moment& moment : timeline.moments)
@@ -400,6 +411,11 @@ void addPairs(const std::vector<Stage>& stages, const CompiledScene& shown, Time
   order.resize(std::min(order.size(), kPairs));
   for (const auto& [distance, pair] : order)
     timeline.pairs.push_back({{pair.first, pair.second}, {}, {}, {}});
+}
+
+/// Adds these pairs of a path.
+void addPairs(const std::vector<Stage>& stages, const CompiledScene& shown, Timeline& timeline) {
+  choosePairs(timeline);
   std::size_t m = 0;
   for (const Stage& stage : stages) {
     if (!stage.scene) continue;
@@ -407,6 +423,18 @@ void addPairs(const std::vector<Stage>& stages, const CompiledScene& shown, Time
     for (; m < timeline.moments.size() && timeline.moments[m].stage == &stage - stages.data(); ++m)
       for (PairCurve& curve : timeline.pairs)
         bodies.measure(timeline.moments[m].position, shown, curve);
+  }
+}
+
+/// Adds the same pairs of an execution, with the obstacles where they were.
+void addPairs(const planner::Problem& problem, const std::shared_ptr<const CompiledScene>& scene,
+              Timeline& timeline) {
+  choosePairs(timeline);
+  Obstacles obstacles(problem, scene);
+  BodyClearances bodies(scene, 1);
+  for (const Moment& moment : timeline.moments) {
+    if (auto now = obstacles.sceneAt(moment.time)) bodies.rebind(now);
+    for (PairCurve& curve : timeline.pairs) bodies.measure(moment.position, *scene, curve);
   }
 }
 
@@ -463,6 +491,7 @@ Timeline timelineOfPath(const planner::Problem& problem,
   keepLeast(timeline);
   findLeast(timeline);
   keepPlaces(places, *scene, timeline);
+  raiseBounds(least, timeline);
   addPairs(stages, *scene, timeline);
   return timeline;
 }
@@ -503,6 +532,7 @@ Timeline timelineOfSteps(const planner::Problem& problem,
     timeline.stretches.pop_back();
   keepLeast(timeline);
   findLeast(timeline);
+  addPairs(problem, scene, timeline);
   return timeline;
 }
 
