@@ -1,4 +1,5 @@
 // Pictures and videos of the scene with what is known at the time.
+import { lengthText } from './measures.js';
 import { colours } from './theme.js';
 import { element } from './words.js';
 
@@ -22,7 +23,7 @@ export class Recorder {
   }
   // The scene and its texts on another canvas.
   draw(picture) {
-    const { stage, data, nearestText } = this.app;
+    const { stage, data, nearestText, motion, controls, scaleBar } = this.app;
     const { canvas } = stage;
     stage.renderNow();
     const ratio = canvas.width / canvas.clientWidth;
@@ -31,10 +32,26 @@ export class Recorder {
     c.setTransform(1, 0, 0, 1, 0, 0);
     c.drawImage(canvas, 0, 0);
     c.scale(ratio, ratio);
-    c.fillStyle = colours().ink;
     c.textBaseline = 'top';
-    const lines = [`${data.name}: ${data.verdict}`, ...Array.from(nearestText.children, (line) => line.textContent)];
-    lines.forEach((line, i) => { c.font = `${i === 0 ? 600 : 400} 14px system-ui, sans-serif`; c.fillText(line, 12, 12 + 20 * i); });
+    const time = motion.duration > 0 ? [controls.clock.textContent] : [];
+    const lines = [`${data.name}: ${data.verdict}`, ...time, ...Array.from(nearestText.children, (line) => line.textContent)];
+    const font = (i) => { c.font = `${i === 0 ? 600 : 400} 14px system-ui, sans-serif`; };
+    const widths = lines.map((line, i) => { font(i); return c.measureText(line).width; });
+    // The scene behind texts is dimmed, as on the page.
+    const ground = (...box) => { c.globalAlpha = 0.85; c.fillStyle = colours().page; c.fillRect(...box); c.globalAlpha = 1; c.fillStyle = colours().ink; };
+    ground(6, 6, Math.max(...widths) + 12, 20 * lines.length + 8);
+    lines.forEach((line, i) => { font(i); c.fillText(line, 12, 12 + 20 * i); });
+    const { length, pixels } = scaleBar.measure();
+    const bottom = canvas.clientHeight - 12;
+    font(1);
+    const wide = c.measureText(lengthText(length)).width;
+    ground(6, bottom - 18, pixels + wide + 20, 24);
+    c.strokeStyle = colours().ink;
+    c.lineWidth = 1.5;
+    c.beginPath();
+    [[12, bottom - 6], [12, bottom], [12 + pixels, bottom], [12 + pixels, bottom - 6]].forEach((point) => c.lineTo(...point));
+    c.stroke();
+    c.fillText(lengthText(length), 18 + pixels, bottom - 12);
   }
   savePicture() {
     if (!this.app.stage) return;
