@@ -1,5 +1,5 @@
 // The part of the page's address behind #: a time, a choice, the selected body and a camera, so that a link shows what someone saw.
-//   #t=1.25&choice=self&body=can&camera=X,Y,Z,TX,TY,TZ,NEAR,FAR
+//   #t=1.25&choice=self&body=can&camera=X,Y,Z,TX,TY,TZ,NEAR,FAR,ANGLE
 
 const digits = (x) => `${+x.toPrecision(7)}`;
 
@@ -29,7 +29,8 @@ export class Address {
     const body = app.data.bodies.indexOf(parts.get('body') ?? '');
     if (body >= 0) app.select(body);
     const view = (parts.get('camera') ?? '').split(',').map(Number);
-    if (view.length === 8 && view.every(Number.isFinite)) app.stage?.setView(view);
+    if ((view.length === 8 || view.length === 9) && view.every(Number.isFinite)) app.stage?.setView(view);
+    app.showGap();
   }
   // Soon, and once for many changes: browsers limit how often.
   changed() {

@@ -8,14 +8,17 @@ import { colours } from './theme.js';
 export class NearestLine {
   constructor(stage) {
     this.stage = stage;
-    const material = new MeshBasicMaterial({ color: colours().nearest, depthTest: false, transparent: true });
-    this.material = material;
-    this.tube = new Mesh(new CylinderGeometry(1, 1, 1, 12), material);
-    this.ends = [0, 1].map(() => new Mesh(new SphereGeometry(1, 16, 12), material));
+    // A light edge parts it from bodies in collision, which are red, too.
     this.group = new Group();
-    this.group.add(this.tube, ...this.ends);
-    this.group.renderOrder = 10;
-    [this.tube, ...this.ends].forEach((m) => { m.renderOrder = 10; m.frustumCulled = false; });
+    const [edge, line] = [colours().edge, colours().nearest].map((color, order) => {
+      const material = new MeshBasicMaterial({ color, depthTest: false, transparent: true });
+      const tube = new Mesh(new CylinderGeometry(1, 1, 1, 12), material);
+      const ends = [0, 1].map(() => new Mesh(new SphereGeometry(1, 16, 12), material));
+      [tube, ...ends].forEach((m) => { m.renderOrder = 10 + order; m.frustumCulled = false; });
+      this.group.add(tube, ...ends);
+      return { material, tube, ends };
+    });
+    Object.assign(this, line, { edge });
     this.points = null;
   }
   set(a, b) {
@@ -29,15 +32,19 @@ export class NearestLine {
     const [a, b] = this.points;
     this.material.color.set(colours().nearest);
     // From near by, thinner than the gap; from afar a mark of where it is.
-    const away = this.stage.camera.position.distanceTo(a);
+    const away = this.stage.camera.position.distanceTo(a) * this.stage.spread;
     const gap = a.distanceTo(b);
     const size = gap > 0.03 * away ? Math.min(away * 0.0022, gap * 0.06) : away * 0.0022;
-    this.tube.position.addVectors(a, b).multiplyScalar(0.5);
     const along = b.clone().sub(a);
     const length = along.length();
-    this.tube.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), length > 0 ? along.divideScalar(length) : new Vector3(0, 1, 0));
-    this.tube.scale.set(size, length, size);
-    [a, b].forEach((p, i) => { this.ends[i].position.copy(p); this.ends[i].scale.setScalar(2.6 * size); });
+    if (length > 0) along.divideScalar(length);
+    else along.set(0, 1, 0);
+    for (const [{ tube, ends }, wider] of [[this, 0], [this.edge, 0.7 * size]]) {
+      tube.position.addVectors(a, b).multiplyScalar(0.5);
+      tube.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), along);
+      tube.scale.set(size + wider, length, size + wider);
+      [a, b].forEach((p, i) => { ends[i].position.copy(p); ends[i].scale.setScalar(2.6 * size + wider); });
+    }
   }
 }
 
@@ -136,7 +143,7 @@ export class Arrow {
     this.group = wayOut(from, way);
   }
   update() {
-    this.group.scale.setScalar(0.12 * this.stage.camera.position.distanceTo(this.group.position));
+    this.group.scale.setScalar(0.12 * this.stage.spread * this.stage.camera.position.distanceTo(this.group.position));
   }
 }
 

@@ -9,7 +9,7 @@ import { Labels, ScaleBar, lengthText, squareFor, worldGrid } from './measures.j
 import { Motion, Poses } from './motion.js';
 import { Nearness } from './nearness.js';
 import { Panel } from './panel.js';
-import { picks } from './picking.js';
+import { bodyOfHit, picks } from './picking.js';
 import { ClearancePlot, JointPlot, decisionColour } from './plot.js';
 import { Recorder } from './recorder.js';
 import { Parts, kRanks } from './shapes.js';
@@ -19,7 +19,7 @@ import { Swept } from './swept.js';
 import { colours, onThemeChange } from './theme.js';
 import { unpack } from './unpack.js';
 import { Visual } from './visual.js';
-import { distanceText, element, millimetres } from './words.js';
+import { distanceText, element, provenText } from './words.js';
 
 const kGhosts = 7; // copies of the robot along the path
 const kNear = 2; // things that lie within so many times the robot's reach are in the first view
@@ -51,6 +51,7 @@ class App {
     this.marked = new Set(); // bodies that were chosen in a list
     this.links = new Set(this.data.links);
     this.deforming = [];
+    this.seeThrough = []; // instances of bodies that would cover the gap
     this.given = new Map(this.data.colors.map(([body, colour]) => [body, `#${colour.map((share) => Math.round(255 * share).toString(16).padStart(2, '0')).join('')}`]));
     this.compared = this.data.compared ? new Compared(page, this.data) : null;
     this.visual = this.data.visual ? new Visual(page) : null;
@@ -70,7 +71,7 @@ class App {
     this.view.append(element('div', { id: 'looks' },
       button('look-least', 'Least', 'where the room is least (M)', () => this.seekLeast()),
       button('look-gap', 'Gap', 'look at the gap (G)', () => this.lookAtGap()),
-      button('look-all', 'All', 'see all of it (F)', () => this.stage?.frame(this.box)),
+      button('look-all', 'All', 'see all of it (F)', () => this.lookAtAll()),
       button('save', 'PNG', 'save a picture (P)', () => this.recorder.savePicture()),
       button('record', 'Video', 'save a video of the motion (V)', () => this.recorder.toggle()),
       button('link', 'Link', 'copy a link to this time and view; open it beside this file', () => this.copyLink())));
@@ -104,7 +105,7 @@ class App {
     this.seek(this.time);
     this.address = new Address(this);
     this.address.restore();
-    this.stage?.controls.addEventListener('end', () => this.address.changed());
+    this.stage?.controls.addEventListener('end', () => { this.showGap(); this.address.changed(); });
   }
 
   // Small bodies before large ones: what lies on a table in its plane is seen.
@@ -202,13 +203,13 @@ class App {
       layer('visual shapes of the robot (not what is proven)', true, (on) => {
         this.visual.show(on);
         // Checked shapes stay in sight around them.
-        for (const m of checked) Object.assign(m.material, { transparent: on, opacity: on ? 0.3 : 1, depthWrite: !on, needsUpdate: true });
+        for (const m of checked) this.fade(m, on);
       });
     }
     if (shapes.length + this.planes.length > 0) {
       layer(this.planes.length > 0 ? `world (planes: a square is ${lengthText(this.planeSquare())})` : 'world', true, show([...shapes, ...this.planes]));
       layer('see through the world', false, (on) => {
-        for (const m of shapes) Object.assign(m.material, { transparent: on, opacity: on ? 0.3 : 1, depthWrite: !on, needsUpdate: true });
+        for (const m of shapes) this.fade(m, on);
       });
     }
     layer('nearest pair', true, (on) => { this.showNearest = on; });
@@ -427,6 +428,7 @@ class App {
     this.selected = body;
     this.panel.select(body);
     this.paint();
+    this.address?.changed();
   }
 
   // Colours anew.
@@ -471,6 +473,7 @@ class App {
     const { motion } = time > this.motion.begin + this.motion.duration && this.compared ? this.compared : this;
     this.time = motion.times[motion.momentNear(time)];
     this.refresh();
+    if (this.stage?.looksAtGap && !this.stage.many) this.showGap();
     this.address?.changed();
   }
   // Where the choice is least: with the choice that the page begins with, the certificate's place and value.
@@ -484,6 +487,7 @@ class App {
     this.near.choice = choice;
     this.plots.forEach((plot) => plot.choose?.());
     this.refresh();
+    this.address?.changed();
   }
   changeScale() {
     const [clearance] = this.plots;
@@ -499,7 +503,41 @@ class App {
     if (!this.stage || !closest) return;
     const [a, b] = [[closest.a, closest.point_a], [closest.b, closest.point_b]].map(([body, point]) => this.motion.toWorld(body, point));
     this.stage.lookBetween(a, b, this.targets());
+    this.showGap();
     this.nearest.update();
+    this.address.changed();
+  }
+  // From a direction, or from where it looked before.
+  lookAtAll(direction) {
+    this.stage?.frame(this.box, direction);
+    this.showGap();
+    this.address.changed();
+  }
+  // While the camera looks at the gap, bodies outside the pair that cover it are see-through.
+  showGap() {
+    const closest = this.near.at(this.moment);
+    if (!this.stage) return;
+    if (!this.stage.looksAtGap || !closest) return this.hide([]);
+    const [a, b] = [[closest.a, closest.point_a], [closest.b, closest.point_b]].map(([body, point]) => this.motion.toWorld(body, point));
+    const targets = [...this.targets(), ...this.seeThrough.map((i) => i.mesh)];
+    this.hide([...this.stage.hiding(a, b, targets, bodyOfHit)].filter((body) => body >= 0 && body !== closest.a && body !== closest.b));
+  }
+  // Draws bodies see-through.
+  hide(bodies) {
+    const { parts, stage } = this;
+    if (bodies.length === parts.hidden.size && bodies.every((body) => parts.hidden.has(body))) return;
+    parts.hidden = new Set(bodies);
+    if (this.visual) this.visual.parts.hidden = new Set(this.visual.data.bodies.flatMap((body, link) => (parts.hidden.has(body) ? [link] : [])));
+    this.seeThrough.forEach((i) => { stage.scene.remove(i.mesh); i.mesh.dispose(); });
+    const list = [...Array(parts.count).keys()].filter((part) => parts.hidden.has(parts.body[part]) && !this.deformable.has(parts.body[part]));
+    this.seeThrough = parts.instances(list, (part) => this.colourOf(part), { opacity: 0.2, rankOf: (part) => this.rankOf(part), always: true });
+    this.seeThrough.forEach((i) => stage.scene.add(i.mesh));
+    for (const d of this.deforming) this.fade(d.mesh, parts.hidden.has(d.body));
+    for (const group of [this.groups.base, this.groups.world]) group.forEach((i) => i.place(this.motion.matrices));
+    this.placeScene();
+  }
+  fade(mesh, on) {
+    Object.assign(mesh.material, { transparent: on, opacity: on ? 0.3 : 1, depthWrite: !on, needsUpdate: true });
   }
   async copyLink() {
     this.address.write();
@@ -530,7 +568,7 @@ class App {
   }
   placeScene() {
     const { matrices } = this.motion;
-    for (const i of [...this.groups.robot, ...this.groups.driven]) i.place(matrices);
+    for (const i of [...this.groups.robot, ...this.groups.driven, ...this.seeThrough]) i.place(matrices);
     this.paintBodies();
     this.outlines.forEach((outline) => outline.place(matrices, this.isHeld(outline.body)));
     this.compared?.setTime(this.time);
@@ -560,7 +598,7 @@ class App {
     const said = JSON.stringify([[...this.colliding], held, this.selected, [...this.marked], colours().page]);
     if (said === this.painted) return;
     this.painted = said;
-    for (const group of Object.values(this.groups)) for (const i of group) i.paint();
+    for (const i of [...Object.values(this.groups).flat(), ...this.seeThrough]) i.paint();
     for (const d of this.deforming) d.mesh.material.color.set(this.colourOfBody(d.body));
   }
   showDistance() {
@@ -580,7 +618,7 @@ class App {
       lines.push(element('span', { className: 'soft', id: 'other', text: `${still ? '' : 'now, '}${name}${beside}` }));
     }
     if (closest) lines.push(element('span', { className: 'soft', text: `margin ${+(closest.margin * 1e3).toFixed(3)} mm` }));
-    if (closest && proven !== undefined) lines.push(element('span', { className: 'soft', id: 'proven', text: proven === null ? 'not proven here' : `proven here: at least ${millimetres(proven)} mm` }));
+    if (closest && proven !== undefined) lines.push(element('span', { className: 'soft', id: 'proven', text: proven === null ? 'not proven here' : `proven here${near.hasOwnBound() ? '' : ', of all pairs'}: ${provenText(proven, closest)}` }));
     if (this.compared) lines.push(...this.compared.lines(this, near.choice));
     const step = this.stepOfMoment();
     if (step) lines.push(element('span', { id: 'step', text: `${step.name} (${step.kind})` }));

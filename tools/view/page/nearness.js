@@ -28,6 +28,10 @@ export class Nearness {
     const { world, self } = this.data;
     return self[moment] && !(world[moment]?.upper <= self[moment].upper) ? self[moment] : world[moment];
   }
+  // Whether the bounds are those of the choice, not of all pairs.
+  hasOwnBound(choice = this.choice) {
+    return this.data.proven[choice]?.length > 0;
+  }
   // Proven on the stretch behind a moment [m]; null: nothing, undefined: a pair alone has no proof of its own.
   proven(stretch, choice = this.choice) {
     if (choice !== 'world' && choice !== 'self') return undefined;

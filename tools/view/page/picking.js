@@ -17,7 +17,10 @@ export function picks(stage, targets, found) {
 
 function bodyAt(ray, targets) {
   const hit = ray.intersectObjects(targets.filter((t) => t.visible), false)[0];
-  if (!hit) return -1;
+  return hit ? bodyOfHit(hit) : -1;
+}
+
+export function bodyOfHit(hit) {
   const { instances, body, bodyOf } = hit.object.userData;
   if (!instances) return body;
   const { part } = instances.entries[hit.instanceId];

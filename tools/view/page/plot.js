@@ -1,8 +1,8 @@
 // The plots below the scene: clearance and joints over time, and the line that shows where one is.
 import { colours, joints as jointColours, onThemeChange } from './theme.js';
-import { distanceText, millimetres } from './words.js';
+import { distanceText, provenText } from './words.js';
 
-const kLeft = 46, kRight = 10, kTitle = 24, kRow = 14, kBottom = 20;
+const kLeft = 46, kRight = 10, kTitle = 24, kRow = 14, kBottom = 20, kNameRows = 4;
 
 // About `count` round numbers between two ends.
 function ticks(low, high, count) {
@@ -252,7 +252,7 @@ export class ClearancePlot extends Plot {
     if (this.other[near.choice]) all.push([text(this.app.compared.label, this.app.compared.at(motion.times[moment], near.choice)), this.colours.compared]);
     if (!this.groups[near.choice]) all.unshift([text('chosen', near.at(moment)), this.colourOf(near.choice)]);
     const proven = near.provenAt(moment);
-    if (near.at(moment) && proven !== undefined) all.push([proven === null ? 'not proven' : `proven at least ${millimetres(proven)} mm`, this.colours.proven]);
+    if (near.at(moment) && proven !== undefined) all.push([proven === null ? 'not proven' : `proven${near.hasOwnBound() ? '' : ' of all pairs'} ${provenText(proven, near.at(moment))}`, this.colours.proven]);
     return all;
   }
   // Where the steps of a task begin. A name stands where its stretch has room for it.
@@ -365,10 +365,28 @@ export class JointPlot extends Plot {
       return high > low ? [low, high] : [low - 1, low + 1];
     });
   }
+  // Where names stand, from the right: [name, joint, right end, row]. Names that do not fit into kNameRows rows have no place.
+  placeNames() {
+    const { c, app } = this;
+    const rows = [[]];
+    let x = this.width - kRight;
+    app.data.joints.forEach(({ name }, j) => {
+      const width = c.measureText(name).width + 9;
+      if (x - width < (rows.length === 1 ? 150 : 0) && rows[rows.length - 1].length > 0) { rows.push([]); x = this.width - kRight; }
+      rows[rows.length - 1].push([name, j, width]);
+      x -= width;
+    });
+    this.placed = rows.length > kNameRows ? [] : rows.flatMap((row, r) => {
+      let right = this.width - kRight;
+      return row.reverse().map(([name, j, width]) => { right -= width; return [name, j, right + width, r]; });
+    });
+    this.top = kTitle + kRow * (this.placed.length > 0 ? rows.length - 1 : 0);
+  }
   paint() {
     if (this.canvas.clientWidth === 0) return;
     this.begin();
     const { c, app } = this;
+    this.placeNames();
     this.axes('joints, between their limits', (v) => (v === 0 ? 'lower' : v === 1 ? 'upper' : ''));
     const n = app.data.joints.length;
     c.lineWidth = 1.4;
@@ -385,14 +403,9 @@ export class JointPlot extends Plot {
     const { c, app } = this;
     c.textAlign = 'right';
     c.textBaseline = 'top';
-    let x = this.width - kRight;
-    const shown = app.data.joints.map((joint, j) => [joint.name, j]).reverse();
-    const width = shown.reduce((sum, [name]) => sum + c.measureText(name).width + 9, 0);
-    if (x - width < 150) return;
-    for (const [name, j] of shown) {
+    for (const [name, j, x, row] of this.placed) {
       c.fillStyle = jointColours[j % jointColours.length];
-      c.fillText(name, x, 2);
-      x -= c.measureText(name).width + 9;
+      c.fillText(name, x, 2 + kRow * row);
     }
   }
   // The joint whose line is nearest to the pointer.

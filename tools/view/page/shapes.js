@@ -56,6 +56,7 @@ export class Parts {
     this.poses = new Poses(array(parts.pose));
     this.names = new Map(parts.names);
     this.page = page;
+    this.hidden = new Set(); // bodies that are not drawn
     this.geometries = new Map();
   }
   sizeOf(i) {
@@ -99,8 +100,9 @@ export class Parts {
 
 // All instances of one geometry in a group of parts.
 class Instances {
-  constructor(parts, key, entries, colourOf, { opacity = 1, rankOf = () => 0 } = {}) {
+  constructor(parts, key, entries, colourOf, { opacity = 1, rankOf = () => 0, always = false } = {}) {
     this.parts = parts;
+    this.always = always; // also bodies that are hidden
     this.entries = entries;
     this.colourOf = colourOf;
     const material = new MeshLambertMaterial({ flatShading: typeof key !== 'string', side: typeof key === 'string' ? 0 : DoubleSide });
@@ -121,10 +123,10 @@ class Instances {
     this.paint();
   }
   place(matrices) {
-    const world = new Matrix4();
+    const [world, nowhere] = [new Matrix4(), new Matrix4().makeScale(0, 0, 0)];
     this.entries.forEach(({ part, local }, i) => {
       const body = matrices.get(this.parts.body[part]);
-      this.mesh.setMatrixAt(i, body ? world.multiplyMatrices(body, local) : local);
+      this.mesh.setMatrixAt(i, !this.always && this.parts.hidden.has(this.parts.body[part]) ? nowhere : body ? world.multiplyMatrices(body, local) : local);
     });
     this.mesh.instanceMatrix.needsUpdate = true;
     this.mesh.boundingSphere = null;

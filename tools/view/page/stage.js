@@ -1,11 +1,14 @@
 // The 3D view: camera, lights, ground; draws when something has changed, and only then.
-import { AmbientLight, Box3, Color, DirectionalLight, HemisphereLight, PerspectiveCamera, Raycaster, Scene, Vector3, WebGLRenderer } from 'three';
+import { AmbientLight, Box3, Color, DirectionalLight, DoubleSide, HemisphereLight, PerspectiveCamera, Raycaster, Scene, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { grid } from './measures.js';
 import { colours, onThemeChange } from './theme.js';
 
 export const kMany = 20000; // parts that a machine without a graphics card draws in a blink
 const kFilled = 0.94; // of the view by what is framed
+const kAngle = 40; // of the view, in degrees
+const kGapAngle = 5; // at a gap: nearly parallel rays, so that surfaces before and behind it do not cover it
+const tangent = (degrees) => Math.tan((degrees * Math.PI) / 360);
 
 export class Stage {
   // Throws where the browser has no WebGL 2. `many`: so much to draw that edges are not smoothed.
@@ -18,7 +21,7 @@ export class Stage {
     this.canvas.setAttribute('aria-label', 'The scene. Drag to turn, right button or two fingers to move, wheel or pinch to zoom, click for what it is.');
     place.append(this.canvas);
     this.scene = new Scene();
-    this.camera = new PerspectiveCamera(40, 1, 0.01, 1000);
+    this.camera = new PerspectiveCamera(kAngle, 1, 0.01, 1000);
     this.camera.up.set(0, 0, 1);
     this.light = new DirectionalLight(0xffffff, 1.6);
     this.scene.add(this.camera, new HemisphereLight(0xffffff, 0x8a8a90, 1.3), new AmbientLight(0xffffff, 0.35));
@@ -73,7 +76,8 @@ export class Stage {
     const from = (direction ?? this.camera.position.clone().sub(this.controls.target)).clone().normalize();
     const right = new Vector3().crossVectors(this.camera.up, from).normalize();
     const up = new Vector3().crossVectors(from, right);
-    const tall = Math.tan((this.camera.fov * Math.PI) / 360) * kFilled;
+    this.camera.fov = kAngle;
+    const tall = tangent(kAngle) * kFilled;
     const wide = tall * this.camera.aspect;
     let distance = 0.02;
     for (const x of [box.min.x, box.max.x]) for (const y of [box.min.y, box.max.y]) for (const z of [box.min.z, box.max.z]) {
@@ -90,6 +94,14 @@ export class Stage {
     this.draw();
   }
 
+  get looksAtGap() {
+    return this.camera.fov < kAngle;
+  }
+  // How large the view is at a distance, relative to that of the usual angle.
+  get spread() {
+    return tangent(this.camera.fov) / tangent(kAngle);
+  }
+
   // Looks at the middle of two points, across the line between them, from where least is in the way. What is nearer than the points is cut away.
   lookBetween(a, b, targets) {
     const middle = a.clone().add(b).multiplyScalar(0.5);
@@ -97,7 +109,10 @@ export class Stage {
     const along = a.distanceTo(b) > 0 ? b.clone().sub(a).normalize() : new Vector3(0, 0, 1);
     const side = new Vector3().crossVectors(along, Math.abs(along.z) < 0.9 ? this.camera.up : new Vector3(1, 0, 0)).normalize();
     const other = new Vector3().crossVectors(along, side);
-    const away = Math.min(Math.max(7 * gap, 0.03), 0.6);
+    // Of the usual angle; the camera is farther away.
+    const away = Math.max(Math.min(Math.max(7 * gap, 0.03), 0.6), 2 * gap);
+    this.camera.fov = kGapAngle;
+    const distance = away / this.spread;
     const ray = new Raycaster();
     let best = -1;
     let from = side;
@@ -110,23 +125,45 @@ export class Stage {
       const worth = free * (1 + 0.2 * way.z);
       if (worth > best) [best, from] = [worth, way];
     }
-    this.camera.near = Math.min(0.5 * away, Math.max(away - best, away / 200));
+    this.camera.near = Math.min(distance - 0.5 * away, Math.max(distance - best, distance / 200));
     this.camera.far = 1e4 * away;
-    this.camera.position.copy(middle).addScaledVector(from, away);
+    this.camera.position.copy(middle).addScaledVector(from, distance);
     this.camera.updateProjectionMatrix();
     this.controls.target.copy(middle);
     this.controls.update();
     this.draw();
   }
 
-  // Where the camera is, what it looks at, and what it cuts away: eight numbers.
+  // The bodies that hide two points and what is around them from the camera, from inside as well.
+  hiding(a, b, targets, bodyOf) {
+    const { camera } = this;
+    const middle = a.clone().add(b).multiplyScalar(0.5);
+    const size = 0.5 * camera.position.distanceTo(middle) * tangent(camera.fov);
+    camera.updateMatrixWorld();
+    const [right, up] = [0, 1].map((k) => new Vector3().setFromMatrixColumn(camera.matrixWorld, k).multiplyScalar(size));
+    const ray = new Raycaster();
+    const bodies = new Set();
+    const sides = targets.map((t) => t.material.side);
+    targets.forEach((t) => { t.material.side = DoubleSide; });
+    for (const x of [-1, 0, 1]) for (const y of [-1, 0, 1]) {
+      const from = middle.clone().addScaledVector(right, x).addScaledVector(up, y);
+      const way = camera.position.clone().sub(from);
+      ray.set(from, way.clone().normalize());
+      ray.far = way.length() - camera.near;
+      for (const hit of ray.intersectObjects(targets.filter((t) => t.visible), false)) bodies.add(bodyOf(hit));
+    }
+    targets.forEach((t, i) => { t.material.side = sides[i]; });
+    return bodies;
+  }
+
+  // Where the camera is, what it looks at, what it cuts away, and its angle: nine numbers.
   view() {
     const { camera, controls } = this;
-    return [...camera.position.toArray(), ...controls.target.toArray(), camera.near, camera.far];
+    return [...camera.position.toArray(), ...controls.target.toArray(), camera.near, camera.far, camera.fov];
   }
-  setView([x, y, z, tx, ty, tz, near, far]) {
-    if (!(near > 0 && far > near)) return;
-    Object.assign(this.camera, { near, far });
+  setView([x, y, z, tx, ty, tz, near, far, fov = kAngle]) {
+    if (!(near > 0 && far > near && fov > 0 && fov <= kAngle)) return;
+    Object.assign(this.camera, { near, far, fov });
     this.camera.position.set(x, y, z);
     this.camera.updateProjectionMatrix();
     this.controls.target.set(tx, ty, tz);

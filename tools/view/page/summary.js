@@ -2,6 +2,8 @@
 import { Vector3 } from 'three';
 import { distanceText } from './words.js';
 
+const kEnds = 3; // that are not valid and are named
+
 // The place of the choice that the page begins with; null: nothing is near.
 function tightest(app) {
   const choice = app.near.certificate;
@@ -10,12 +12,15 @@ function tightest(app) {
   return near && { moment, near, choice };
 }
 
-function endText(app) {
-  const { data } = app;
-  const end = data.ends.find(({ name, valid }) => name === data.shown && !valid);
-  if (!end?.closest) return '';
-  const { closest } = end;
-  return `${end.name}: ${data.bodies[closest.a]} and ${data.bodies[closest.b]}, ${distanceText(closest)}${closest.upper > 0 ? ', nearer than the margin' : ''}`;
+// Why the start or a goal is not valid.
+function endText({ data }, { name, fault, closest }) {
+  if (fault) return fault;
+  return `${name}: ${data.bodies[closest.a]} and ${data.bodies[closest.b]}, ${distanceText(closest)}${closest.upper > 0 ? ', nearer than the margin' : ''}`;
+}
+// Of the start and the first goals that are not valid.
+function endsText(app) {
+  const invalid = app.data.ends.filter(({ valid, fault, closest }) => !valid && (fault || closest));
+  return [...invalid.slice(0, kEnds).map((end) => endText(app, end)), ...(invalid.length > kEnds ? [`${invalid.length - kEnds} more are not valid`] : [])].join('; ');
 }
 
 function searchText({ verdict, blocked: [most] }) {
@@ -25,7 +30,7 @@ function searchText({ verdict, blocked: [most] }) {
 
 export function headline(app) {
   const { data, motion } = app;
-  if (motion.duration === 0) return endText(app) || searchText(data);
+  if (motion.duration === 0) return searchText(data) || (data.good ? '' : endsText(app));
   const place = tightest(app);
   const executed = data.decisions.length > 0;
   // An execution that was stopped, or whose time is up, is proven as far as it went.
@@ -34,6 +39,10 @@ export function headline(app) {
   const proven = `${isProven ? '' : 'not '}proven ${where}`;
   if (!place) return `${proven}; nothing else is near`;
   const { near, moment } = place;
+  if (near.upper <= near.margin && !data.good) {
+    const ends = executed ? '' : endsText(app);
+    return `refuted: ${data.bodies[near.a]} and ${data.bodies[near.b]}, ${distanceText(near)} (margin ${+(near.margin * 1e3).toFixed(3)} mm), at ${motion.times[moment].toFixed(2)} s${ends ? `; ${ends}` : ''}`;
+  }
   const what = data.good && !executed ? 'least clearance' : 'nearest where it was measured';
   return `${proven}; ${what} ${distanceText(near)} (margin ${+(near.margin * 1e3).toFixed(3)} mm): ${data.bodies[near.a]} and ${data.bodies[near.b]}, at ${motion.times[moment].toFixed(2)} s`;
 }
@@ -68,7 +77,9 @@ export function advice(app) {
   const { data, motion } = app;
   const { near, choice } = tightest(app) ?? {};
   if (!near || motion.duration === 0 || data.decisions.length > 0) return null;
-  const option = data.widest || data.steps.length > 0 ? '' : choice === 'self' ? 'objective: {clearance: {of: all}}' : '--objective clearance';
+  const [start, ...goals] = data.ends;
+  const canPlan = start.valid && (goals.length === 0 || goals.some(({ valid }) => valid)) && !data.constrained;
+  const option = data.widest || data.steps.length > 0 || !canPlan ? '' : choice === 'self' ? 'objective: {clearance: {of: all}}' : '--objective clearance';
   const found = remedy(app);
   const arrow = found && app.stage ? ` (the arrow at ${motion.times[found.moment].toFixed(2)} s)` : '';
   const move = found ? `move ${data.bodies[found.object]} along ${directionText(found.way)} of the world${arrow}` : '';

@@ -16,6 +16,12 @@ export function figure({ lower, upper }) {
   return lower === null ? `at most ${up} mm` : `between ${millimetres(lower)} and ${up} mm`;
 }
 
+// A bound that is proven around a moment. If it is the lower end of what was measured there, both have the same figure.
+export function provenText(bound, closest) {
+  if (closest.lower !== null && bound >= closest.lower) return distanceText(closest);
+  return bound < 0 ? `at most ${(Math.ceil(-bound * 1e5) / 100).toFixed(2)} mm deep` : `at least ${millimetres(bound)} mm`;
+}
+
 export function distanceText(closest) {
   if (!closest) return 'nothing near';
   if (closest.upper !== null && closest.upper <= 0) return `${figure({ lower: -closest.upper, upper: closest.lower === null ? null : -closest.lower })} deep`;
