@@ -198,6 +198,12 @@ TEST_F(View, DrawsAFailure) {
   EXPECT_NE(svg.find("start not valid"), std::string::npos);
   for (const char* undrawn : {">trail<", ">on the way<"})
     EXPECT_EQ(svg.find(undrawn), std::string::npos) << undrawn;
+  // As check does, the note names all pairs.
+  write("two.yaml", std::string(kInvalidStart) +
+                        "  - {name: pillar, position: [0.3, 0, 0], box: {size: [0.1, 0.1, 1]}}\n");
+  const Answer two = run("view two.yaml --svg two.svg");
+  for (const char* word : {"pairs that are too near: ", "and pillar", "and post"})
+    EXPECT_NE(two.flat().find(word), std::string::npos) << word << "\n" << two.out;
   // With an invalid goal, the start is still the start.
   std::string text = kReach;
   text.replace(text.find("goal: left"), 10, "goal: {shoulder: 0, elbow: 0}");

@@ -13,6 +13,7 @@
 #include "planner/validate/checks.h"
 #include "planner/verify/path_check.h"
 #include "tools/view/base/figures.h"
+#include "tools/view/base/pairs_too_near.h"
 #include "tools/view/base/scene_names.h"
 
 namespace leeway::tools::view {
@@ -75,6 +76,9 @@ std::string endNote(const Subject& subject, const End& end) {
           : fmt::format("{} is too near: {} and {}, {} apart; more than {:g} mm is required.",
                         end.name, names.a, names.b, clearanceText(clearance),
                         end.closest.margin * 1e3);
+  const std::vector<PairNames> pairs = pairsTooNear(*subject.first_scene, end.position, names);
+  if (pairs.size() > 1)
+    text += fmt::format(" All {} pairs that are too near: {}.", pairs.size(), pairsText(pairs));
   if (end.way_out.norm() > 0)
     text += fmt::format(" The arrow shows a way out for {} alone: {} mm.", names.a,
                         formatUpper(end.way_out.norm() * 1e3, 1));

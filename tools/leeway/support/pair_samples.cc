@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <set>
 #include <utility>
 
 #include "leeway/collision/distance.h"
@@ -59,28 +58,6 @@ void samplePoint(const planner::ConfigurationSpace& space, Random& random,
   }
 }
 
-/// The distance of a pair with the links at X_WL [m].
-collision::Interval distanceOf(const planner::CompiledScene& scene,
-                               const collision::ScenePair& pair, std::span<const robots::Pose> X_WL,
-                               const collision::DistanceRequest& request,
-                               collision::Scratch& scratch) {
-  const auto bodies = scene.scene().bodies();
-  const auto geometry = [&](int body, int index) {
-    return bodies[static_cast<std::size_t>(body)].geometry(static_cast<std::size_t>(index));
-  };
-  const auto place = [&](int body, const robots::Geometry& of) {
-    const int link = scene.bodyLink(body);
-    return (link >= 0 ? X_WL[static_cast<std::size_t>(link)]
-                      : bodies[static_cast<std::size_t>(body)].X_WB) *
-           of.X_BG;
-  };
-  const robots::Geometry a = geometry(pair.body_a, pair.geometry_a),
-                         b = geometry(pair.body_b, pair.geometry_b);
-  return collision::distance(a.shape, place(pair.body_a, a), b.shape, place(pair.body_b, b),
-                             request, scratch)
-      .distance;
-}
-
 /// The variables that are not planned and have limits.
 std::vector<int> limitedPassive(const planner::CompiledScene& scene) {
   const std::span<const int> planned = scene.space().variables();
@@ -102,25 +79,6 @@ bool touches(const planner::CompiledScene& scene, const collision::ScenePair& pa
   request.depth = false;
   request.threshold = 0;
   return !(distanceOf(scene, pair, X_WL, request, scratch).lower > 0);
-}
-
-/// Whether a pair is proven to keep its margin with the links at X_WL.
-bool keepsMargin(const planner::CompiledScene& scene, const collision::ScenePair& pair,
-                 std::span<const robots::Pose> X_WL, collision::Scratch& scratch) {
-  collision::DistanceRequest request;
-  request.depth = pair.margin < 0;
-  request.threshold = pair.margin;
-  return distanceOf(scene, pair, X_WL, request, scratch).lower > pair.margin;
-}
-
-/// The poses of the links at a point of the space.
-std::vector<robots::Pose> linksAt(const planner::CompiledScene& scene,
-                                  std::span<const double> point) {
-  std::vector<double> q(scene.model().variables.size());
-  scene.expand(point, q);
-  std::vector<robots::Pose> X_WL(scene.model().links.size());
-  robots::forwardKinematics(scene.model(), q, X_WL);
-  return X_WL;
 }
 
 }  // namespace
@@ -181,24 +139,6 @@ std::string allowHint(const planner::Problem& problem, const std::vector<PairNam
          ".\nIf they may touch, add them to `allowed` or an SRDF; `leeway srdf` proposes one.\n";
 }
 
-std::vector<PairNames> pairsTooNear(const planner::CompiledScene& scene,
-                                    std::span<const double> point, const PairNames& known) {
-  const std::vector<robots::Pose> X_WL = linksAt(scene, point);
-  collision::Scratch scratch;
-  std::vector<PairNames> near = {known};
-  std::set<std::pair<int, int>> found;
-  const auto& pairs = scene.scene().pairs();
-  for (auto at = pairs.begin(); at != pairs.end(); ++at) {
-    const collision::ScenePair pair = *at;
-    if (found.count({pair.body_a, pair.body_b}) != 0 || keepsMargin(scene, pair, X_WL, scratch))
-      continue;
-    found.emplace(pair.body_a, pair.body_b);
-    const PairNames names = pairNames(scene, static_cast<int>(at.number()));
-    if (std::minmax(names.a, names.b) != std::minmax(known.a, known.b)) near.push_back(names);
-  }
-  return near;
-}
-
 PairNames overlappingPair(const planner::CompiledScene& scene, std::span<const double> point) {
   const std::vector<robots::Pose> X_WL = linksAt(scene, point);
   collision::Scratch scratch;
@@ -234,13 +174,6 @@ double offendingMargin(const planner::Problem& problem, const planner::PlanResul
       return pair.margin;
   }
   return problem.margins.common;  // of an object that a step attaches
-}
-
-std::string pairsText(const std::vector<PairNames>& pairs) {
-  std::string text;
-  for (const PairNames& pair : pairs)
-    text += (text.empty() ? "" : "; ") + pair.a + " and " + pair.b;
-  return text;
 }
 
 }  // namespace leeway::tools

@@ -7,7 +7,7 @@
 
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/plan.h"
-#include "tools/view/base/scene_names.h"
+#include "tools/view/base/pairs_too_near.h"
 
 namespace leeway::tools {
 
@@ -33,24 +33,16 @@ inline constexpr double kNearlyAlways = 0.95;
 /// Returns advice about those of `pairs` that touch nearly always; empty without such pairs.
 std::string allowHint(const planner::Problem& problem, const std::vector<PairNames>& pairs);
 
-/// All pairs of bodies that are not proven to keep their margin at a point of the space, each once.
-/// `known`, which an earlier query found, comes first. One distance query per pair of geometries.
-std::vector<PairNames> pairsTooNear(const planner::CompiledScene& scene,
-                                    std::span<const double> point, const PairNames& known);
-
 /// A pair of bodies that is proven to overlap at a point of the space, regardless of its margin;
 /// empty names if none is. The cost is that of pairsTooNear() without depths.
 PairNames overlappingPair(const planner::CompiledScene& scene, std::span<const double> point);
 
-/// The same at the start that a plan has refused. For another state, returns the pair that the plan
-/// names; empty if it names none.
+/// As pairsTooNear() at the start that a plan has refused. For another state, returns the pair that
+/// the plan names; empty if it names none.
 std::vector<PairNames> pairsTooNear(const planner::Problem& problem,
                                     const planner::PlanResult& result);
 
 /// The margin that is required of the pair that a plan names as too near at its start or goal [m].
 double offendingMargin(const planner::Problem& problem, const planner::PlanResult& result);
-
-/// The text "a and b; c and d" with all pairs.
-std::string pairsText(const std::vector<PairNames>& pairs);
 
 }  // namespace leeway::tools
