@@ -101,6 +101,7 @@ export class Search {
     this.ofStart = page.array(of_start);
     this.lines.geometry.setIndex(new BufferAttribute(edges, 1));
     this.paint();
+    this.lines.renderOrder = 1; // over the see-through robot at the start and goal
     this.lines.frustumCulled = false;
   }
   // Nodes that hang from the start have its colour, the others the goal's.

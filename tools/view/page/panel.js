@@ -73,9 +73,11 @@ export class Panel {
       if (moment < 0 && !other) continue;
       rows.push([what, moment < 0 ? 'nothing near' : distanceText(app.near.at(moment, choice)), other ? distanceText(other.near) : 'nothing near']);
     }
-    const mark = element('th', { text: compared.label });
+    // Names of files break after their signs.
+    const name = (label) => element('th', {}, ...label.split(/(?<=[._-])/).flatMap((part) => [part, element('wbr')]));
+    const mark = name(compared.label);
     mark.classList.add('compared');
-    return [element('table', { id: 'compared' }, element('thead', {}, element('tr', {}, element('th', {}), element('th', { text: compared.mine }), mark)),
+    return [element('table', { id: 'compared' }, element('thead', {}, element('tr', {}, element('th', {}), name(compared.mine), mark)),
       element('tbody', {}, ...rows.map(([what, a, b]) => element('tr', {}, element('td', { text: what }), element('td', { text: a }), element('td', { text: b })))))];
   }
 
