@@ -55,19 +55,14 @@ ReplanResult replan(const Problem& problem, const ReplanOptions& options,
 void writeTrajectory(const std::string& file, const Problem& problem,
                      std::span<const TimedPoint> trajectory) {
   validate(problem);
-  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
   std::string text = "time";
   for (const int v : problem.robot.variables)
     text += "," + problem.robot.model->variables[static_cast<std::size_t>(v)].name;
   text += "\n";
-  std::vector<double> row, previous;
   for (const TimedPoint& point : trajectory) {
-    row = point.position;
-    if (!previous.empty()) space.unwrap(previous, row);
     text += fmt::format("{:.17g}", point.time);
-    for (const double x : row) text += fmt::format(",{:.17g}", x);
+    for (const double x : point.position) text += fmt::format(",{:.17g}", x);
     text += "\n";
-    previous = row;
   }
   writeFileWhole(file, text);
 }

@@ -210,8 +210,8 @@ struct Replanner::Impl {
     return place;
   }
 
-  /// Sets the motion of a candidate, a row a period. Returns false if it would leave the joints'
-  /// limits, where it would have to stop at once.
+  /// Sets the motion of a candidate, a row a period, which continues straight from the state.
+  /// Returns false if it would leave the joints' limits, where it would have to stop at once.
   bool setMotion(Candidate& c) const {
     bool is_cut = false;
     c.motion = {{now, state}};
@@ -221,6 +221,7 @@ struct Replanner::Impl {
         c.motion.push_back({rowTime(k), placeOn(c.drive, c.times[at(k) - 1], is_cut)});
       else
         c.motion.push_back({rowTime(k), c.motion.back().position});
+      space().unwrap(c.motion[at(k) - 1].position, c.motion.back().position);
     }
     c.stop_end = c.motion[c.times.size()].time;
     c.stop_tick = tickAfter(static_cast<double>(c.times.size()), c.stop_end,
@@ -584,6 +585,7 @@ struct Replanner::Impl {
       // It is not quite where the path ends.
       if (path.size() == 1 && !offset.empty()) path.push_back(drive->at(drive->rows()));
     }
+    path = unwrapped(space(), std::move(path));
     if (moves()) return;
     // At rest it drives on from a row in which the drive rests; else by another one.
     const bool rests_on_it = drive != nullptr && !evades && offset.empty() &&
@@ -657,7 +659,8 @@ struct Replanner::Impl {
     std::vector<double> off(state.size());
     space().difference(state, point, off);
     if (isWithin(off, options.joint_errors)) return;
-    state.assign(point.begin(), point.end());
+    const std::vector<double> before = std::exchange(state, {point.begin(), point.end()});
+    space().unwrap(before, state);
     measured = state;
     is_contradicted = true;
     trail.push_back(state);

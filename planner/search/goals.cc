@@ -29,7 +29,9 @@ double nearestOnCircle(const Range& range, double x) {
   if (range.second - range.first >= kTwoPi) return x;
   const double below = std::remainder(x - range.first, kTwoPi);
   const double above = std::remainder(x - range.second, kTwoPi);
-  if (below == 0 || above == 0) return x;
+  // Whole turns are rounded where they are added.
+  const double rounding = 2 * std::numeric_limits<double>::epsilon() * std::abs(x);
+  if (std::abs(below) <= rounding || std::abs(above) <= rounding) return x;
   // x is in the range if a turn upwards from the lower end reaches it before the upper end.
   const double from_lower = below < 0 ? below + kTwoPi : below;
   if (from_lower < range.second - range.first) return x;

@@ -285,8 +285,13 @@ std::string ConfigurationSpace::brokenLimit(std::span<const double> a) const {
 
 void ConfigurationSpace::unwrap(std::span<const double> previous, std::span<double> next) const {
   for (const Part& part : parts_) {
-    if (part.kind != Kind::kCircle) continue;
     const std::size_t i = at(part.first);
+    if (part.kind == Kind::kRotation && previous[i] * next[i] + previous[i + 1] * next[i + 1] +
+                                                previous[i + 2] * next[i + 2] +
+                                                previous[i + 3] * next[i + 3] <
+                                            0)
+      for (std::size_t k = i; k < i + 4; ++k) next[k] = -next[k];
+    if (part.kind != Kind::kCircle) continue;
     // Exactly half a turn rounds to zero turns either way, so unwrapped points stay unchanged.
     const double turns = std::nearbyint((previous[i] - next[i]) / kTwoPi);
     if (turns != 0) next[i] += turns * kTwoPi;

@@ -20,14 +20,14 @@ SpeedChange::State share(const Blend& blend, double t) {
 
 }  // namespace
 
-void blendPoint(const ConfigurationSpace& space, std::span<const double> corner,
-                std::span<const double> before, std::span<const double> after, const Blend& blend,
-                double t, std::span<double> result) {
+void blendPoint(std::span<const double> corner, std::span<const double> before,
+                std::span<const double> after, const Blend& blend, double t,
+                std::span<double> result) {
   const double a = 2 * blend.before * share(blend, 1 - t).way / norm(before);
   const double b = 2 * blend.after * share(blend, t).way / norm(after);
   // Each number of the result depends only on the same number of the inputs, without rotations.
-  for (std::size_t i = 0; i < corner.size(); ++i) result[i] = b * after[i] - a * before[i];
-  space.advance(corner, result, 1, result);
+  for (std::size_t i = 0; i < corner.size(); ++i)
+    result[i] = corner[i] + (b * after[i] - a * before[i]);
 }
 
 void blendDerivative(std::span<const double> before, std::span<const double> after,
@@ -70,7 +70,7 @@ bool BlendProof::holds(std::span<const double> corner, std::span<const double> b
   while (chords <= kBlendChords && !(deviation / (chords * chords) <= kBlendDeviation)) chords *= 2;
   if (chords > kBlendChords) return false;
   for (int k = 0; k <= chords; ++k) {
-    blendPoint(space_, corner, before, after, blend, static_cast<double>(k) / chords, next_);
+    blendPoint(corner, before, after, blend, static_cast<double>(k) / chords, next_);
     if (!space_.withinLimits(next_)) return false;
     if (k > 0 &&
         certifier_.certify(point_, next_, EdgeRequest::persistent()).verdict != Verdict::kFree)

@@ -14,9 +14,9 @@
 namespace leeway::planner {
 
 /// The point of a blend at t in [0, 1] of its time.
-void blendPoint(const ConfigurationSpace& space, std::span<const double> corner,
-                std::span<const double> before, std::span<const double> after, const Blend& blend,
-                double t, std::span<double> result);
+void blendPoint(std::span<const double> corner, std::span<const double> before,
+                std::span<const double> after, const Blend& blend, double t,
+                std::span<double> result);
 
 /// Its derivative with respect to t, or its second one.
 void blendDerivative(std::span<const double> before, std::span<const double> after,

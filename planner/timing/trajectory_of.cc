@@ -33,10 +33,11 @@ Trajectory::Trajectory(std::shared_ptr<const ConfigurationSpace> space,
   if (waypoints_.empty()) throw std::invalid_argument("trajectory: a path without waypoints");
   space_->requirePath(waypoints_, "trajectory");
   check(limits, steps);
+  waypoints_ = unwrapped(*space_, std::move(waypoints_));
   leaveOut();
   for (std::size_t i = 0; i + 1 < points_.size(); ++i) {
     differences_.emplace_back(at(space_->size()));
-    space_->difference(points_[i], points_[i + 1], differences_.back());
+    space_->lineDifference(points_[i], points_[i + 1], differences_.back());
     lengths_.push_back(norm(differences_.back()));
   }
   std::vector<int> rests;
@@ -112,6 +113,7 @@ void Trajectory::leaveOut() {
     kept_.push_back(i);
     points_.push_back(waypoints_[at(i)]);
   }
+  points_ = unwrapped(*space_, std::move(points_));
   if (!least_times_.empty()) {  // those of an edge in place of several take their sum
     std::vector<double> sums;
     for (std::size_t k = 0; k + 1 < kept_.size(); ++k)

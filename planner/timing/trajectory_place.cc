@@ -90,10 +90,10 @@ void Trajectory::configuration(double time, std::span<double> q) const {
   }
   const Place p = placeInside(time);
   if (p.blend >= 0)
-    blendPoint(*space_, points_[at(p.edge) + 1], differences_[at(p.edge)],
-               differences_[at(p.edge) + 1], blends_[at(p.blend)], p.t, q);
+    blendPoint(points_[at(p.edge) + 1], differences_[at(p.edge)], differences_[at(p.edge) + 1],
+               blends_[at(p.blend)], p.t, q);
   else
-    space_->interpolate(points_[at(p.edge)], points_[at(p.edge) + 1], p.t, q);
+    space_->alongLine(points_[at(p.edge)], points_[at(p.edge) + 1], p.t, q);
 }
 
 void Trajectory::derivative(double time, bool second, std::span<double> result) const {

@@ -91,20 +91,13 @@ Samples sample(const Trajectory& trajectory, double period) {
     trajectory.acceleration(after, acceleration);
     for (const ConfigurationSpace::Part& part : space.parts())
       if (part.kind == ConfigurationSpace::Kind::kRotation) {
-        double* q = &position[at(part.first)];
-        // q and -q are the same orientation, and waypoints may have either.
-        if (!samples.positions.empty()) {
-          const double* last = &samples.positions.back()[at(part.first)];
-          if (q[0] * last[0] + q[1] * last[1] + q[2] * last[2] + q[3] * last[3] < 0)
-            for (int k = 0; k < 4; ++k) q[k] = -q[k];
-        }
-        quaternionRates(q, &velocity[at(part.first)], &acceleration[at(part.first)]);
+        const std::size_t i = at(part.first);
+        quaternionRates(&position[i], &velocity[i], &acceleration[i]);
       }
     samples.positions.push_back(std::move(position));
     samples.velocities.push_back(std::move(velocity));
     samples.accelerations.push_back(std::move(acceleration));
   }
-  samples.positions = unwrapped(space, std::move(samples.positions));
   return samples;
 }
 

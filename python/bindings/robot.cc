@@ -367,20 +367,26 @@ void defineRobot(py::module_& module) {
          poses);
   define(robot, "pose", "(self, link, q)",
          "The pose of one link in the world: (..., 4, 4) for q of shape (..., joints).", linkPose);
-  define(robot, "interpolate", "(self, a, b, t)",
-         "The points at t in [0, 1] of the edge from a to b, as paths and certificates mean it "
-         "(continuous joints go the shorter way): (joints,) for a number, (n, joints) for (n,).",
-         [](const Robot& self, const py::object& a, const py::object& b, const py::object& t) {
-           const std::vector<double> from = numbers(a, "a", self.size());
-           const std::vector<double> to = numbers(b, "b", self.size());
-           Rows times = scalars(t, "t");
-           std::vector<double> result(times.values.size() * self.size());
-           for (std::size_t i = 0; i < times.values.size(); ++i)
-             self.space->interpolate(from, to, times.values[i],
-                                     {&result[i * self.size()], self.size()});
-           times.shape.push_back(static_cast<py::ssize_t>(self.size()));
-           return array(std::move(result), times.shape);
-         });
+  define(
+      robot, "interpolate", "(self, a, b, t)",
+      "The points at t in [0, 1] of the edge from a to b, as paths and certificates mean it "
+      "(continuous joints go the shorter way, and straight: from 3 to -3 up to 3.28): (joints,) "
+      "for a number, (n, joints) for (n,). Raises ValueError for t outside [0, 1].",
+      [](const Robot& self, const py::object& a, const py::object& b, const py::object& t) {
+        const std::vector<double> from = numbers(a, "a", self.size());
+        std::vector<double> to = numbers(b, "b", self.size());
+        self.space->unwrap(from, to);
+        Rows times = scalars(t, "t");
+        for (const double time : times.values)
+          if (!(time >= 0 && time <= 1))
+            throw py::value_error("t is " + std::string(py::str(py::float_(time))) +
+                                  "; 0 to 1 is expected");
+        std::vector<double> result(times.values.size() * self.size());
+        for (std::size_t i = 0; i < times.values.size(); ++i)
+          self.space->alongLine(from, to, times.values[i], {&result[i * self.size()], self.size()});
+        times.shape.push_back(static_cast<py::ssize_t>(self.size()));
+        return array(std::move(result), times.shape);
+      });
   define(robot, "distance", "(self, a, b)",
          "Length of the edge from a to b, the measure of paths: Euclidean over the joints [rad and "
          "m].",

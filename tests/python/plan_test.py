@@ -750,6 +750,19 @@ def test_rows_are_straight_lines(tmp_path):
     assert leeway.verify(problem, result) and leeway.verify(problem, result.path)
 
 
+def test_motions_continue_straight(tmp_path):
+    """Regression: places were wrapped to [-pi, pi), so that a controller would turn the long way."""
+    robot, world = spin(tmp_path), leeway.World()
+    world.add_box("o", size=(0.1, 0.1, 0.1), position=(0.9, 0, 0))
+    problem = leeway.Problem(robot, world, [2.5], [-2.5])
+    trajectory = leeway.plan(problem).trajectory()
+    times = np.linspace(0, trajectory.duration, 200)
+    for rows in (trajectory.positions, trajectory.position(times), robot.interpolate([2.5], [-2.5], times / times[-1]),
+                 leeway.replan(problem).trajectory[:, 1:]):
+        assert np.abs(np.diff(rows, axis=0)).max() < 0.2 and rows[-1] == pytest.approx(2 * np.pi - 2.5)
+        assert leeway.verify(problem, rows)
+
+
 def test_nothing_near_is_said_so(tmp_path):
     robot, world = spin(tmp_path), leeway.World()
     alone = leeway.plan(robot, None, [3.0], [-3.0])

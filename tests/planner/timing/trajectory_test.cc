@@ -6,14 +6,17 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <random>
 
 #include "collision/base/numbers.h"
+#include "collision/base/sine_cosine.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
 #include "leeway/planner/verify.h"
 #include "tests/support/allocations.h"
 #include "tests/support/build_paths.h"
+#include "tests/support/small_problems.h"
 
 namespace leeway::planner {
 namespace {
@@ -614,6 +617,39 @@ TEST_F(TrajectoryTest, LeavesOutWaypointsNearTheLine) {
 /// A world without obstacles, and several limits on jerk.
 /// The verifier certifies the rows of every motion that we make, whatever the limits are: those of
 /// all joints or of one, small and large, with jerk or without.
+/// Regression: places were wrapped to [-pi, pi), and took either sign of a quaternion.
+TEST(Trajectory, ContinuesStraightThroughWholeTurns) {
+  for (const bool turns_freely : {false, true}) {
+    const auto model = turns_freely ? test::flyingBox() : test::disc();
+    std::vector<int> variables(model->variables.size());
+    std::iota(variables.begin(), variables.end(), 0);
+    const auto space = std::make_shared<ConfigurationSpace>(model, variables);
+    const std::vector<std::vector<double>> path =
+        turns_freely ? std::vector<std::vector<double>>{{0, 0, 0, 0, 0, 0, 1},
+                                                        {0.5, 0, 0, 0, 0, -0.8, -0.6},
+                                                        {0.5, 0.5, 0, 0, 0, 1, 0}}
+                     : std::vector<std::vector<double>>{{0, 0, 2.5}, {1, 0, -2.5}, {1, 1, -0.3}};
+    Cuts cuts;
+    if (!turns_freely) cuts.blends = {{1, 0.5, 0.5}};
+    const Trajectory trajectory(space, path, defaultMotionLimits(*space), cuts);
+    std::vector<double> before(variables.size()), q = before, rate = before;
+    trajectory.configuration(0, before);
+    const double step = trajectory.duration() / 2000;
+    for (int k = 1; k <= 2000; ++k) {
+      trajectory.configuration(k * step, q);
+      trajectory.velocity((k - 0.5) * step, rate);
+      for (std::size_t i = 0; i < q.size(); ++i)
+        ASSERT_NEAR(q[i] - before[i], turns_freely && i > 2 ? 0 : rate[i] * step, 0.01) << k;
+      before = q;
+    }
+    trajectory.configuration(trajectory.duration(), q);
+    EXPECT_EQ(q, trajectory.waypoints().back());
+    if (!turns_freely) {
+      EXPECT_NEAR(q[2], collision::kTwoPi - 0.3, 1e-12);
+    }
+  }
+}
+
 TEST(Trajectory, RowsKeepAllLimits) {
   Problem problem = loadProblem(sourceFolder() + "/problems/shelf/reach.yaml");
   const PlanResult result = plan(problem);

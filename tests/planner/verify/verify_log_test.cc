@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "collision/base/numbers.h"
+#include "collision/base/sine_cosine.h"
 #include "leeway/planner/replanner.h"
 #include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
@@ -218,6 +219,48 @@ TEST_F(VerifyLog, BodiesThatTurnFreelyAreProven) {
   problem.world.objects.push_back(test::box("block", {0.05, 0.2, 0.2}, 0, 0, 0));
   problem.limits.iterations = 2000;
   expectCertified(problem, logOf(problem));
+}
+
+/// Regression: angles were wrapped to [-pi, pi), and orientations changed their sign, in the middle
+/// of a motion. Logs that were written so are still read.
+TEST_F(VerifyLog, MotionsContinueStraightFromRowToRow) {
+  Problem up = gate(), down = gate();
+  up.start[2] = 2.5;
+  up.goals = {test::pointGoal("goal", {1, 1.2, -2.5})};
+  down.start[2] = -7;
+  down.goals = {test::pointGoal("goal", {1, 1.2, -2.7986666666666666})};  // less 2 pi: rounded
+  Problem free = test::problemOf(test::flyingBox(), {-0.5, 0, 0, 0, 0, 0, 1},
+                                 {0.5, 0.2, 0.1, 0, 0, -0.8, -0.6});
+  for (const Problem* problem : {&up, &down, &free}) {
+    Lines lines;
+    std::vector<double> last;
+    const auto follow = [&](std::vector<double>& from, const TimedPoint& row) {
+      for (std::size_t i = 0; i < from.size(); ++i) EXPECT_NEAR(row.position[i], from[i], 0.2);
+      from = row.position;
+    };
+    const ReplanResult result = replan(*problem, {}, [&](const ReplanStep& step) {
+      for (const TimedPoint& row : step.motion) follow(last, row);
+      std::vector<double> stopping = last;
+      for (const TimedPoint& row : step.stop) follow(stopping, row);
+      lines.push_back(logLine(*problem, step));
+    });
+    EXPECT_EQ(result.status, ReplanStatus::kReached);
+    lines.push_back(logLine(*problem, result));
+    expectCertified(*problem, lines);
+    if (problem == &free) continue;
+    EXPECT_GT(std::abs(last[2]), 3.2);
+    for (std::string& line : lines)
+      line = forged(line, [](Json& document) {
+        const auto wrap = [](Json& row) {
+          row["position"][2] = std::remainder(row["position"][2].get<double>(), collision::kTwoPi);
+        };
+        if (document.contains("position")) wrap(document);
+        for (const char* key : {"motion", "stop"})
+          if (document.contains(key) && document[key].is_array())
+            for (Json& row : document[key]) wrap(row);
+      });
+    expectCertified(*problem, lines);
+  }
 }
 
 TEST_F(VerifyLog, WhatAProgramObservesIsProven) {

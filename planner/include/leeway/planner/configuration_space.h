@@ -67,9 +67,9 @@ class ConfigurationSpace {
   /// The first variable that is outside its limits, in words: "joint2 = 3 is outside -1 to 1";
   /// empty: none is.
   std::string brokenLimit(std::span<const double> a) const;
-  /// Adds whole turns to the circles of `next` so that each is at most half a turn from `previous`;
-  /// circles that already are keep their bits. Paths are stored and written in this form, so that a
-  /// controller without circles goes the same way.
+  /// Adds whole turns to the circles of `next` so that each is at most half a turn from `previous`,
+  /// and takes the sign of quaternions that is nearer; what already is keeps its bits. Paths and
+  /// motions are stored and written in this form: a controller without circles goes the same way.
   void unwrap(std::span<const double> previous, std::span<double> next) const;
 
   /// The name of this interpolation: kSpaceGeodesic where orientations turn, kPlaneGeodesic with
@@ -100,8 +100,8 @@ class ConfigurationSpace {
   std::vector<double> lower_, upper_;
 };
 
-/// Returns the rows with whole turns added to circles, so that each goes the shorter way from row
-/// to row: ConfigurationSpace::unwrap().
+/// Returns the rows such that each continues straight from the row before:
+/// ConfigurationSpace::unwrap().
 std::vector<std::vector<double>> unwrapped(const ConfigurationSpace& space,
                                            std::vector<std::vector<double>> rows);
 

@@ -180,11 +180,11 @@ class Replanner {
   /// kExposed, kUnsafe, kNothingChecked or kStopped; `certified` says whether every step was.
   ReplanResult executed() const;
 
-  /// The robot's true state now. Within ReplanOptions::joint_errors of the motion, that goes on.
-  /// Farther off, it goes on from there with its velocity beside the path (bodies that turn freely
-  /// are taken to rest), and is only proven where the path has room beside it. Throws
-  /// std::invalid_argument for another size, and for numbers that are not finite or outside the
-  /// limits.
+  /// The robot's true state now; continuous joints need not count their turns. Within
+  /// ReplanOptions::joint_errors of the motion, that goes on. Farther off, it goes on from there
+  /// with its velocity beside the path (bodies that turn freely are taken to rest), and is only
+  /// proven where the path has room beside it. Throws std::invalid_argument for another size, and
+  /// for numbers that are not finite or outside the limits.
   void setState(std::span<const double> point);
   /// The vertices of an obstacle as seen at `time` <= time() [s], in its frame, and a bound on
   /// their speed from then on [m/s]. Both replace its motion for good. Throws

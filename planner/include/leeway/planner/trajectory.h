@@ -134,7 +134,7 @@ struct Leg;  // private: consecutive edges in one line
 /// one of the certificate's or of a cut. Each leg is passed as fast as the limits allow: its joints
 /// move in proportion, the one nearest to its limit at that limit. A blend takes a constant
 /// multiple of the least time that its limits allow, so that the legs beside it reach its speeds.
-/// At every time joints move on cubics, between those of knots().
+/// At every time joints move on cubics, between those of knots(). Its places are unwrapped().
 class Trajectory {
  public:
   /// `waypoints` as in Path::positions, joined by space.interpolate(). Throws std::invalid_argument
@@ -231,8 +231,8 @@ class Trajectory {
 Trajectory trajectoryOf(const Problem& problem, const Path& path);
 
 /// The motion as a path, which verify() proves as it is executed: its rows at knots(), with times
-/// and velocities (Path::times). Circles are unwrapped. Throws std::invalid_argument for a space
-/// with rotations. O(knots).
+/// and velocities (Path::times). Throws std::invalid_argument for a space with rotations.
+/// O(knots).
 Path motionOf(const Trajectory& trajectory);
 
 }  // namespace leeway::planner
