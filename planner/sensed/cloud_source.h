@@ -76,6 +76,9 @@ std::size_t readCount(const CloudSource& source, std::string_view word, std::str
 struct ColumnRow {
   std::size_t line;
   std::vector<std::string_view> cells;
+  /// The words of the last comment before the first row, if they are as many as its columns: they
+  /// may name them.
+  std::vector<std::string_view> names = {};
 };
 /// Calls visit() for each line that is not blank and no comment. Blanks, tabs, commas or semicolons
 /// part the columns, as in the first line. Only between tabs, commas and semicolons are there empty
@@ -86,7 +89,8 @@ void eachRow(const CloudSource& source, const std::function<void(const ColumnRow
 // The readers. Each adds all points of its file, or throws.
 void readPly(const CloudSource& source, std::vector<std::string>& warnings, PointSink& sink);
 void readPcd(const CloudSource& source, std::vector<std::string>& warnings, PointSink& sink);
-/// Numbers in columns, parted by blanks, commas or semicolons; a first line may name the columns.
+/// Numbers in columns, parted by blanks, commas or semicolons; a first line, or the last comment
+/// before the first row, may name the columns.
 void readColumns(const CloudSource& source, PointSink& sink);
 
 /// Decompresses LZF data (Marc Lehmann's liblzf) of exactly `size` bytes; nothing for data that is

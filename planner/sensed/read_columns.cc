@@ -29,26 +29,40 @@ std::vector<std::string_view> cellsOf(std::string_view line, char separator) {
   return cells;
 }
 
-/// The columns of x, y and z by name, or the first three where the line has numbers.
-std::array<std::size_t, 3> findColumns(const CloudSource& source,
-                                       const std::vector<std::string_view>& cells, std::size_t line,
+bool isAxis(std::string_view cell, std::size_t axis) {
+  return cell.size() == 1 && (cell[0] == "xyz"[axis] || cell[0] == "XYZ"[axis]);
+}
+
+/// The columns that a comment above the rows names x, y and z, once each; else the first three.
+std::array<std::size_t, 3> columnsOfComment(const std::vector<std::string_view>& names) {
+  std::array<std::size_t, 3> columns{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto is_it = [&](std::string_view name) { return isAxis(name, axis); };
+    if (std::count_if(names.begin(), names.end(), is_it) != 1) return {0, 1, 2};
+    columns[axis] =
+        static_cast<std::size_t>(std::find_if(names.begin(), names.end(), is_it) - names.begin());
+  }
+  return columns;
+}
+
+/// The columns of x, y and z by name, or those of the comment where the line has numbers.
+std::array<std::size_t, 3> findColumns(const CloudSource& source, const ColumnRow& row,
                                        bool& is_header) {
+  const std::vector<std::string_view>& cells = row.cells;
   is_header = std::none_of(cells.begin(), cells.end(), [](std::string_view cell) {
     return robots::parseNumber(cell).has_value();
   });
-  if (!is_header) return {0, 1, 2};
+  if (!is_header) return columnsOfComment(row.names);
   std::array<std::size_t, 3> columns{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const char small = "xyz"[axis], large = "XYZ"[axis];
-    const auto isAxis = [&](std::string_view cell) {
-      return cell.size() == 1 && (cell[0] == small || cell[0] == large);
-    };
-    const auto found = std::find_if(cells.begin(), cells.end(), isAxis);
-    if (std::count_if(cells.begin(), cells.end(), isAxis) > 1)
-      source.fail({line, 0},
+    const char small = "xyz"[axis];
+    const auto is_it = [axis](std::string_view cell) { return isAxis(cell, axis); };
+    const auto found = std::find_if(cells.begin(), cells.end(), is_it);
+    if (std::count_if(cells.begin(), cells.end(), is_it) > 1)
+      source.fail({row.line, 0},
                   fmt::format("two columns are named '{}'; one of each is expected", small));
     if (found == cells.end())
-      source.fail({line, 0},
+      source.fail({row.line, 0},
                   fmt::format("begins with {}, and no column is named '{}'; numbers, or the names "
                               "of columns with x, y and z, are expected",
                               robots::shown(cells.empty() ? std::string_view() : cells[0]), small));
@@ -67,17 +81,25 @@ void eachRow(const CloudSource& source, const std::function<void(const ColumnRow
                 "a byte of value 0, which no text has; a text with numbers in columns is expected");
   std::size_t width = 0;
   char separator = ' ';
+  std::string_view comment;
   for (std::size_t line = 1; !rest.empty(); ++line) {
     source.pause(line);
     const std::string_view text = takeLine(rest), shown = withoutBlanks(text);
-    if (shown.starts_with('#') || shown.starts_with("//")) continue;
+    if (shown.starts_with('#') || shown.starts_with("//")) {
+      comment = shown.substr(std::min(shown.find_first_not_of("#/"), shown.size()));
+      continue;
+    }
     const auto tabs = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\t'));
     const bool is_row_of_tabs = separator == '\t' && tabs + 1 == width;
     const bool is_blank = std::all_of(shown.begin(), shown.end(), robots::isBlank);
     if (is_blank && !is_row_of_tabs) continue;
     if (width == 0) separator = separatorOf(text);
-    const ColumnRow row{line, cellsOf(text, separator)};
-    if (width == 0) width = row.cells.size();
+    ColumnRow row{line, cellsOf(text, separator)};
+    if (width == 0) {
+      width = row.cells.size();
+      row.names = cellsOf(comment, separatorOf(comment));
+      if (row.names.size() != width) row.names.clear();
+    }
     if (row.cells.size() != width)
       source.fail({line, 0}, fmt::format("the line has {} columns; {}, as the first, are expected",
                                          row.cells.size(), width));
@@ -91,7 +113,7 @@ void readColumns(const CloudSource& source, PointSink& sink) {
   eachRow(source, [&](const ColumnRow& row) {
     if (std::exchange(is_first, false)) {
       bool is_header = false;
-      columns = findColumns(source, row.cells, row.line, is_header);
+      columns = findColumns(source, row, is_header);
       if (row.cells.size() < 3)
         source.fail({row.line, 0}, fmt::format("the line has {} of x, y and z; all three are "
                                                "expected",

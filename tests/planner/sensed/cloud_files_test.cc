@@ -113,6 +113,14 @@ const std::string kPlyText = "2 1 2 0.5\n1 128 2 3\n-0.5 128 .25 8\n0 128 0 1.02
 TEST_F(CloudFiles, EveryFormReadsTheSame) {
   expectThree("a.xyz", "1 2 3\n-0.5\t0.25  8\n\n0 0 1024\n");
   expectThree("a.txt", "# x y z i\r\n1 2 3 7\r\n-0.5 0.25 8 7\r\n0 0 1024 7\r\n");
+  // Regression: names in a comment were ignored, and the columns taken as x, y and z.
+  expectThree("d.txt", "# x y z\n# z y x\n3 2 1\n8 0.25 -0.5\n1024 0 0\n");
+  expectThree("e.txt", "//Z Y Intensity X\n\n3 2 9 1\n8 .25 9 -.5\n1024 0 9 0\n");
+  expectThree("d.csv", "# z, y, x\n3,2,1\n8,0.25,-0.5\n1024,0,0\n");
+  expectThree("f.txt", "# z y x\n# by hand\n1 2 3\n# z y x\n-0.5 0.25 8\n0 0 1024\n");
+  expectThree("g.txt", "# z y x w\n1 2 3\n-0.5 0.25 8\n0 0 1024\n");
+  expectThree("h.txt", "# z y z\n1 2 3\n-0.5 0.25 8\n0 0 1024\n");
+  expectThree("i.txt", "# x y z\nz y x\n3 2 1\n8 0.25 -0.5\n1024 0 0\n");
   expectThree("a.csv", "1,2,3\n-0.5, 0.25 ,8\n0,0,1024\n");
   expectThree("b.csv", "\xEF\xBB\xBF\"id\";Z;X;Y\n1;3;1;2\n2;8;-0.5;0.25\n3;1024;0;0\n");
   expectThree("a.ply", ply("ascii") + kPlyText);

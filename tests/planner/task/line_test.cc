@@ -530,6 +530,7 @@ TEST(Line, FilesOfPoses) {
                                             "qx,qy,qz,qw,x,y,z\n1,0,0,0,0.45,0,0.4\r\n# note\n0.6,"
                                             "0.8,0,0,0.45,0.1,0.4\n"},
         {"plain.csv", rows},
+        {"comment.csv", "# qw qx qy qz z y x\n0 1 0 0 0.4 0 0.45\n0 0.6 0.8 0 0.4 0.1 0.45\n"},
         {"list.json", list},
         {"list.yaml", list},
         {"map.yaml", "{frame: tool, poses: list.json}"}}) {
