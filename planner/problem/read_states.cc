@@ -22,6 +22,7 @@
 #include "planner/problem/read_shapes.h"
 #include "planner/validate/checks.h"
 #include "planner/validate/format_keys.h"
+#include "planner/validate/passive_warning.h"
 
 namespace leeway::planner {
 namespace {
@@ -306,7 +307,8 @@ void checkPlanned(const std::string& file, int line, const std::string& what,
   }
 }
 
-/// Sets the values of problem.start that are given. Throws for one outside the problem's bounds.
+/// Sets the values of problem.start that are given. Throws for one outside the problem's bounds,
+/// and warns of one outside the robot's own.
 void takeValues(const std::string& file, int line, const std::string& what,
                 const VariableRanges& given, Problem& problem) {
   for (std::size_t v = 0; v < given.size(); ++v) {
@@ -314,6 +316,9 @@ void takeValues(const std::string& file, int line, const std::string& what,
     if (const auto fault = boundsFault(*problem.robot.model, static_cast<int>(v), given[v].lower))
       throw InputError(file, given[v].line > 0 ? given[v].line : line, what + " has " + *fault);
     problem.start[v] = given[v].lower;
+    if (const auto off = passiveWarning(problem, static_cast<int>(v)); off && !file.empty())
+      problem.warnings.push_back(fmt::format("{}:{}: {} has {}", file,
+                                             given[v].line > 0 ? given[v].line : line, what, *off));
   }
 }
 

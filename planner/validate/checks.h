@@ -22,7 +22,7 @@ struct Fault {
   std::string message, key, name;
 };
 
-/// Returns the warnings of the loaders of a robot and of its problem. O(warnings).
+/// Returns the warnings of a robot's and its problem's loaders, and passiveWarning()s beside them.
 std::vector<std::string> loaderWarnings(const Problem& problem);
 
 /// The numbers that a setting accepts, in words: "zero or more".

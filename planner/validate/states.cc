@@ -13,6 +13,7 @@
 #include "planner/base/largest_value.h"
 #include "planner/base/tolerances.h"
 #include "planner/validate/checks.h"
+#include "planner/validate/passive_warning.h"
 #include "robots/inverse/region.h"
 
 namespace leeway::planner {
@@ -128,7 +129,24 @@ bool hasFollower(const Model& model, int variable) {
 std::vector<std::string> loaderWarnings(const Problem& problem) {
   std::vector<std::string> warnings = problem.robot.model->warnings;
   warnings.insert(warnings.end(), problem.warnings.begin(), problem.warnings.end());
+  for (std::size_t v = 0; v < problem.start.size(); ++v) {
+    const auto off = passiveWarning(problem, static_cast<int>(v));
+    const auto is_it = [&](const std::string& w) { return w.ends_with(*off); };  // says where
+    if (off && std::none_of(warnings.begin(), warnings.end(), is_it))
+      warnings.push_back("start has " + *off);
+  }
   return warnings;
+}
+
+std::optional<std::string> passiveWarning(const Problem& problem, int v) {
+  const robots::Variable& variable = problem.robot.model->variables[at(v)];
+  const double value = problem.start[at(v)];
+  const std::vector<int>& planned = problem.robot.variables;
+  if ((value >= variable.lower && value <= variable.upper) ||
+      std::find(planned.begin(), planned.end(), v) != planned.end())
+    return std::nullopt;
+  return fmt::format("{} at {}, outside its limits of {} to {}; it is not planned and stays there",
+                     variableText(*problem.robot.model, v), value, variable.lower, variable.upper);
 }
 
 std::optional<std::string> startFault(const Problem& problem) {

@@ -250,3 +250,25 @@ def test_unsolved_says_what_was_in_the_way(tmp_path):
     assert result.long_turns == ["turn"]
     wide = leeway.Robot(file, bounds={"turn": {"range": (-6, 6), "widen": True}})
     assert leeway.plan(wide, world, [-2], [2 - 2 * np.pi]) and leeway.plan(wide, world, [-2], [-1]).gap is None
+
+
+def test_joints_that_stand_outside_their_limits(tmp_path):
+    """They are not planned: a warning says so."""
+    (tmp_path / "r.urdf").write_text(
+        '<robot name="r"><link name="a"/>'
+        + "".join(
+            f'<link name="{name}"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>'
+            f'<joint name="{name}" type="revolute"><parent link="a"/><child link="{name}"/><axis xyz="0 0 1"/>'
+            '<limit lower="-0.5" upper="0.5" velocity="1" effort="1"/></joint>'
+            for name in "jk"
+        )
+        + "</robot>"
+    )
+    robot = leeway.Robot(tmp_path / "r.urdf").with_group("j")
+    problem = leeway.Problem(robot, None, [0.0], [0.3], joints={"k": 0.9})
+    off = "joint 'k' at 0.9, outside its limits of -0.5 to 0.5; it is not planned and stays there"
+    assert f"start has {off}" in leeway.plan(problem).warnings
+    problem.save(tmp_path / "p.yaml")
+    loaded = leeway.load(tmp_path / "p.yaml", cache=False)
+    assert [w for w in leeway.plan(loaded).warnings if "outside" in w][0].endswith(f": joints has {off}")
+    assert len([w for w in leeway.plan(loaded).warnings if "outside" in w]) == 1

@@ -4,11 +4,13 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/plan.h"
 #include "leeway/planner/problem.h"
 #include "leeway/planner/verify.h"
+#include "planner/validate/checks.h"
 #include "tests/support/folder.h"
 #include "tests/support/input_errors.h"
 
@@ -126,6 +128,15 @@ TEST(Bounds, HoldForJointsThatAreNotPlanned) {
   EXPECT_EQ(accepts(with("[0]", "joints: {drive: 4}\nbounds: {drive: [3, 5]}\n")), 4);
   EXPECT_EQ(accepts(with("[0]", "bounds: {drive: [3, 5]}\n")), 3) << "the nearest to zero";
   EXPECT_EQ(accepts(with("[0]", "joints: {drive: -9001}\n")), -9001) << "the robot's own limits";
+  Problem beyond = loadProblem(folder.path("good.yaml"));
+  const std::string off =
+      "joint 'drive' at -9001, outside its limits of -9000 to 90000; it is not planned and stays "
+      "there";
+  EXPECT_EQ(beyond.warnings,
+            std::vector<std::string>{folder.path("good.yaml") + ":5: joints has " + off});
+  EXPECT_EQ(loaderWarnings(beyond), beyond.warnings);
+  beyond.warnings.clear();
+  EXPECT_EQ(loaderWarnings(beyond), std::vector<std::string>{"start has " + off});
   const std::string bound = ", outside its limits; 3 to 5 is expected, because of bounds.drive";
   expectFault(folder, with("[0]", "joints: {drive: 6}\nbounds: {drive: [3, 5]}\n"), 5,
               "joints has joint 'drive' at 6" + bound);
