@@ -167,7 +167,16 @@ class MotionWriter {
     };
     add(static_cast<std::uint32_t>(motion.times.size()));
     add(static_cast<std::uint32_t>(motion.vertex_count));
-    for (const double time : motion.times) add(std::bit_cast<std::uint32_t>(float(time)));
+    for (const double time : motion.times) {
+      if (const double kept = double{float(time)}; kept != time)
+        throw robots::InputError(
+            "", 0,
+            fmt::format(
+                "{} has a frame at {} s, which its file would have at {} s; times of single "
+                "precision are expected, such as the latter",
+                what_, time, kept));
+      add(std::bit_cast<std::uint32_t>(float(time)));
+    }
     for (const Eigen::Vector3d& p : motion.positions)
       for (int k = 0; k < 3; ++k) add(std::bit_cast<std::uint32_t>(float(p[k])));
     const std::string file = files_.add(name_ + " motion", ".mdd", std::move(bytes));
