@@ -111,6 +111,11 @@ class DaeReader {
     index(root);
     Matrix unit = Matrix::Identity();
     unit.diagonal().head<3>().setConstant(unitOf(root));
+    if (other_unit_ != nullptr)
+      contents_.notes.push_back(
+          {placeOf(*other_unit_), "<unit> in the <asset> of " +
+                                      tagOf(*other_unit_->Parent()->Parent()->ToElement()) +
+                                      " is left out; that of <COLLADA> is taken for all"});
     const XMLElement& scene = visualScene(root);
     checkChildren(scene, kInScene);
     visitChildren(scene, unit);
@@ -184,6 +189,10 @@ class DaeReader {
       const std::string key = std::string(element.Name()) + '#' + id;
       if (!by_id_.try_emplace(key, &element).second) again_.try_emplace(key, &element);
     }
+    const XMLElement* const unit = element.FirstChildElement("unit");
+    if (unit != nullptr && std::strcmp(element.Name(), "asset") == 0 &&
+        element.Parent() != document_.RootElement() && other_unit_ == nullptr)
+      other_unit_ = unit;
     eachChild(element, [&](const XMLElement& child) { index(child); });
   }
 
@@ -746,6 +755,7 @@ class DaeReader {
   const MeshSource& source_;
   tinyxml2::XMLDocument document_;
   std::unordered_map<std::string, const XMLElement*> by_id_, again_;  // again_: a second one
+  const XMLElement* other_unit_ = nullptr;  // the first that is not the document's
   std::map<const XMLElement*, std::size_t> meshes_;
   std::vector<const XMLElement*> path_;
   int nodes_ = 0;

@@ -142,6 +142,12 @@ TEST(ReadDae, UnitsCountTheUpAxisDoesNot) {
     EXPECT_EQ(contents.notes[0].text.find(note), 0U) << contents.notes[0].text;
     EXPECT_EQ(contents.notes[0].place.text(), ":1");
   }
+  // Regression: the unit of a part was ignored in silence.
+  std::string parts = dae(kTriangle, node("<asset><unit meter=\"0.5\"/></asset>" + kInstance));
+  const MeshContents contents = readAs(readDae, parts);
+  ASSERT_EQ(contents.notes.size(), 1U);
+  EXPECT_EQ(contents.notes[0].text,
+            "<unit> in the <asset> of <node> is left out; that of <COLLADA> is taken for all");
   for (const char* up : {"X_UP", "Y_UP", "Z_UP"})
     EXPECT_EQ(placed("", p, std::string("<up_axis>") + up + "</up_axis>"), p) << up;
 }
