@@ -55,6 +55,21 @@ TEST_F(Lint, AMarginWithoutEffectIsToldByEveryVerb) {
   EXPECT_EQ(run("check whole.yaml --state start").err, "");
 }
 
+TEST_F(Lint, LimitsThatLookLikeDegreesAreOdd) {
+  const std::string robot =
+      "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"><collision><geometry><sphere "
+      "radius=\"0.1\"/></geometry></collision></link><joint name=\"j\" type=\"revolute\"><parent "
+      "link=\"a\"/><child link=\"b\"/><axis xyz=\"0 0 1\"/><limit upper=\"6.3\" velocity=\"1\" "
+      "effort=\"1\" lower=\"";
+  write("turns.urdf", robot + "-12.566370614359172\"/></joint></robot>");
+  write("degrees.urdf", robot + "-180\"/></joint></robot>");
+  const Answer answer = run("lint turns.urdf degrees.urdf");
+  EXPECT_EQ(answer.status, 1);
+  EXPECT_EQ(answer.out,
+            "degrees.urdf: warning: joint 'j' has limits of -180 to 6.3 rad, more than two turns: "
+            "they look like degrees; radians are expected\n2 files, 1 finding\n");
+}
+
 TEST_F(Lint, LooksAtConstraints) {
   const std::string keep =
       "constraints: [{name: ahead, frame: lower, axis: [1, 0, 0], direction: [0, 1, 0], "

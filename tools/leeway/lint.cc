@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <set>
 #include <utility>
 
@@ -88,6 +90,21 @@ class Findings {
 
   std::vector<Finding> list_;
 };
+
+/// Reports limits of joints that turn by so much that they may be degrees.
+void lintLimits(const robots::Model& model, const std::string& file, Findings& findings) {
+  constexpr double kMost = 4 * std::numbers::pi;  // two turns either way [rad]
+  for (const robots::Variable& v : model.variables) {
+    const double far = std::max(std::abs(v.lower), std::abs(v.upper));
+    if (model.joints[static_cast<std::size_t>(v.joint)].type != robots::JointType::kRevolute ||
+        !(far > kMost + 1e-9 && std::isfinite(far)))
+      continue;
+    findings.add({file, 0, false,
+                  fmt::format("joint '{}' has limits of {} to {} rad, more than two turns: they "
+                              "look like degrees; radians are expected",
+                              v.name, v.lower, v.upper)});
+  }
+}
 
 /// Reports wishes for pairs that may touch, because these cost nothing.
 void lintWishes(const planner::Problem& problem, const planner::CompiledScene& scene,
@@ -188,6 +205,7 @@ void read(const std::string& file, const ProblemSource& source, Findings& findin
     findings.addWarnings(problem.robot.model->warnings, file);
   }
   findings.addWarnings(problem.warnings, file);
+  lintLimits(*problem.robot.model, file, findings);
   if (kind == info::FileKind::kProblem) lintScene(problem, file, findings);
 }
 
