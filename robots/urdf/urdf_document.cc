@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <locale>
 #include <map>
 #include <sstream>
 #include <string_view>
@@ -17,6 +18,7 @@
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/text.h"
 #include "robots/base/tolerances.h"
+#include "robots/urdf/rotation.h"
 #include "robots/urdf/xml_reader.h"
 
 namespace leeway::robots {
@@ -74,7 +76,7 @@ class UrdfReader {
     static const std::map<std::string_view, std::vector<std::string>> kAttributes = {
         {"visual", {"name"}},
         {"inertial", {}},
-        {"origin", {"xyz", "rpy"}},
+        {"origin", {"xyz", "rpy", "quat_xyzw"}},
         {"geometry", {}},
         {"box", {"size"}},
         {"sphere", {"radius"}},
@@ -116,10 +118,11 @@ class UrdfReader {
     Pose pose;
     if (const XMLElement* origin = file_.onlyChild(parent, "origin")) {
       for (const tinyxml2::XMLAttribute* a = origin->FirstAttribute(); a != nullptr; a = a->Next())
-        if (std::string_view(a->Name()).starts_with("quat"))  // of URDF 1.1
+        if (std::string_view(a->Name()).starts_with("quat") &&
+            a->Name() != std::string_view("quat_xyzw"))
           file_.fail(*origin, "<origin> has the attribute " + inQuotes(a->Name()) +
-                                  ", which is not read; known are: xyz, rpy");
-      file_.expectAttributes(*origin, {"xyz", "rpy"});
+                                  ", which is not read; known are: xyz, rpy, quat_xyzw");
+      file_.expectAttributes(*origin, {"xyz", "rpy", "quat_xyzw"});
       if (const auto position = file_.vector(*origin, "xyz")) {
         if (!(position->cwiseAbs().maxCoeff() <= kFarthestOrigin))
           file_.fail(*origin, "xyz of <origin> is " + inQuotes(origin->Attribute("xyz")) +
@@ -132,9 +135,24 @@ class UrdfReader {
                                   "; numbers from -1e9 to 1e9 [rad] would be accepted");
         pose.rotation = rollPitchYaw(*angles);
       }
+      if (origin->Attribute("quat_xyzw") != nullptr) pose.rotation = quaternionOf(*origin);
     }
     if (xyz != nullptr) *xyz = pose.translation;
     return pose;
+  }
+
+  /// The rotation of quat_xyzw, of URDF 1.1.
+  Eigen::Matrix3d quaternionOf(const XMLElement& origin) {
+    if (origin.Attribute("rpy") != nullptr)
+      file_.fail(origin, "<origin> has both rpy and quat_xyzw; one would be accepted");
+    const std::vector<double> q = file_.numbers(origin, "quat_xyzw");
+    double most = 0;
+    for (const double x : q) most = std::max(most, std::abs(x));
+    if (q.size() != 4 || !(most >= 1 / kFarthestOrigin && most <= kFarthestOrigin))
+      file_.fail(origin, "quat_xyzw of <origin> is " + inQuotes(origin.Attribute("quat_xyzw")) +
+                             "; four numbers x y z w that are not all 0, from -1e9 to 1e9, would "
+                             "be accepted");
+    return rotationOf({q[3], q[0], q[1], q[2]});
   }
 
   void readLink(const XMLElement& element) {
@@ -541,12 +559,29 @@ class UrdfReader {
     if (std::isinf(joint.velocity)) limit->SetAttribute("velocity", "0");
   }
 
+  /// Writes a quaternion as rpy. Where roll and yaw are about one axis, roll takes what yaw leaves.
+  void fillAngles(XMLElement& parent) {
+    XMLElement* origin = parent.FirstChildElement("origin");
+    if (origin == nullptr || origin->Attribute("quat_xyzw") == nullptr) return;
+    const Eigen::Matrix3d R = quaternionOf(*origin);
+    const double yaw = std::atan2(R(1, 0), R(0, 0)), c = std::cos(yaw), s = std::sin(yaw);
+    const double roll = std::atan2(s * R(0, 2) - c * R(1, 2), c * R(1, 1) - s * R(0, 1));
+    const double pitch = std::atan2(-R(2, 0), c * R(0, 0) + s * R(1, 0));
+    origin->DeleteAttribute("quat_xyzw");
+    std::ostringstream text;
+    text.imbue(std::locale::classic());
+    text.precision(17);
+    text << roll << ' ' << pitch << ' ' << yaw;
+    origin->SetAttribute("rpy", text.str().c_str());
+  }
+
   void keepShapes(XMLElement& link) {
     const bool visual = link.FirstChildElement("collision") == nullptr && takes_visuals_;
     keepOnly(link, {visual ? "visual" : "collision"});
     for (XMLElement* c = link.FirstChildElement(); c != nullptr; c = c->NextSiblingElement()) {
       c->SetName("collision");
       keepOnly(*c, {"origin", "geometry"});
+      fillAngles(*c);
       XMLElement& geometry = *c->FirstChildElement("geometry");
       XMLElement* shape = geometry.FirstChildElement();
       while (!isShape(*shape)) shape = shape->NextSiblingElement();
@@ -565,7 +600,7 @@ class UrdfReader {
   std::string essence() {
     XMLElement& robot = *file_.document().RootElement();
     keepOnly(robot, {"link", "joint"});
-    // Versions after 1.0 add capsules, which are read, and quaternions, which are refused.
+    // Versions after 1.0 add capsules and quaternions, which urdfdom may not know.
     if (const char* version = robot.Attribute("version");
         version != nullptr && std::string_view(version).starts_with("1."))
       robot.DeleteAttribute("version");
@@ -576,6 +611,7 @@ class UrdfReader {
     for (XMLElement* e = robot.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
       if (std::string_view(e->Name()) == "joint") {
         keepOnly(*e, {"origin", "parent", "child", "axis", "limit", "mimic"});
+        fillAngles(*e);
         fillLimit(*e, *joint++);
       } else {
         keepShapes(*e);

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -189,6 +191,33 @@ TEST_F(LeftOutOfUrdf, CapsulesAreRead) {
                    {"<capsule> has no length"});
   EXPECT_NO_THROW(loadModel(
       folder_.write("v.urdf", "<robot name=\"r\" version=\"1.2\"><link name=\"a\"/></robot>"), ""));
+}
+
+/// Quaternions of URDF 1.1, of any length; roll and yaw may be about one axis.
+TEST_F(LeftOutOfUrdf, QuaternionsAreRead) {
+  for (const Eigen::Vector4d& q :
+       {Eigen::Vector4d(0.1, -0.4, 0.7, 0.3), Eigen::Vector4d(0, 0, 0, -2),
+        Eigen::Vector4d(0.5, 0.5, 0.5, -0.5), Eigen::Vector4d(0.3, 0.6, -0.3, 0.6),
+        Eigen::Vector4d(0.3, 0.6, -0.3, 0.6 + 1e-9), Eigen::Vector4d(1e-9, 0.3, -0.3, 0.3)}) {
+    std::ostringstream text;
+    text.precision(17);
+    text << "<origin quat_xyzw=\"" << q.transpose() << "\"/>";
+    const auto model = loadModel(
+        folder_.write("q.urdf",
+                      "<robot name=\"r\" version=\"1.1\"><link name=\"a\"/><link name=\"b\">"
+                      "<collision>" +
+                          text.str() +
+                          "<geometry><sphere radius=\"1\"/></geometry>"
+                          "</collision></link><joint name=\"j\" type=\"fixed\"><parent link=\"a\"/>"
+                          "<child link=\"b\"/>" +
+                          text.str() + "</joint></robot>"),
+        "");
+    expectWarnings(*model, {});
+    const Eigen::Matrix3d expected =
+        Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized().toRotationMatrix();
+    EXPECT_LT((model->joints[1].X_PJ.rotation - expected).norm(), 1e-14) << text.str();
+    EXPECT_LT((model->links[1].geometries.at(0).X_LG.rotation - expected).norm(), 1e-14);
+  }
 }
 
 TEST_F(LeftOutOfUrdf, ShapesOfDrakeAreRead) {

@@ -178,7 +178,22 @@ const BadUrdf kBad[] = {
      robot("<link name=\"b\"/>\n" +
            jointLine("j", "fixed", "a", "b", "\n<origin xyz=\"0 0 0\" quat=\"0 0 0 1\"/>")),
      5,
-     {"\"quat\"", "xyz, rpy"}},
+     {"\"quat\"", "xyz, rpy, quat_xyzw"}},
+    {"ZeroQuaternion",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "fixed", "a", "b", "\n<origin quat_xyzw=\"0 0 0 0\"/>")),
+     5,
+     {"quat_xyzw of <origin> is \"0 0 0 0\"", "four numbers x y z w that are not all 0"}},
+    {"ThreeNumbersOfAQuaternion",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "fixed", "a", "b", "\n<origin quat_xyzw=\"0 0 1\"/>")),
+     5,
+     {"quat_xyzw of <origin> is \"0 0 1\"", "four numbers"}},
+    {"AnglesBesideAQuaternion",
+     robot("<link name=\"b\"/>\n" +
+           jointLine("j", "fixed", "a", "b", "\n<origin rpy=\"0 0 1\" quat_xyzw=\"0 0 0 1\"/>")),
+     5,
+     {"both rpy and quat_xyzw"}},
     {"UnknownMimicMaster",
      robot("<link name=\"b\"/>\n" +
            jointLine("elbow", "continuous", "a", "b", "\n<mimic joint=\"elbo\"/>")),
