@@ -1,6 +1,7 @@
 #include "python/bindings/robot.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 
 #include "leeway/planner/problem.h"
@@ -59,8 +60,13 @@ robots::LoadOptions loadOptions(const py::object& packages, const py::object& me
   robots::LoadOptions options;
   options.meshes = treatments(meshes);
   if (!packages.is_none())
-    for (const auto& [name, folder] : py::dict(packages))
+    for (const auto& [name, folder] : py::dict(packages)) {
       options.packages.emplace_back(py::str(name), py::str(folder));
+      const auto& [package, directory] = options.packages.back();
+      if (!std::filesystem::is_directory(directory))
+        throw py::value_error("package '" + package + "' has no folder '" + directory +
+                              "'; an existing folder is expected");
+    }
   if (cache) options.cache = robots::cacheFolder();
   return options;
 }

@@ -252,6 +252,18 @@ def test_unsolved_says_what_was_in_the_way(tmp_path):
     assert leeway.plan(wide, world, [-2], [2 - 2 * np.pi]) and leeway.plan(wide, world, [-2], [-1]).gap is None
 
 
+def test_packages_exist(tmp_path):
+    with pytest.raises(ValueError, match="package 'a' has no folder '/nothere'; an existing folder is expected"):
+        leeway.Robot("robots/arm7/arm7.urdf", packages={"a": "/nothere"})
+    assert leeway.Robot("robots/arm7/arm7.urdf", packages={"a": tmp_path})
+
+
+def test_interpolation_ends_at_the_ends(robot):
+    for t in (1.5, -1e-9, float("nan"), [0.5, 2]):
+        with pytest.raises(ValueError, match="t is .*; 0 to 1 is expected|finite"):
+            robot.interpolate(robot.state("ready") if "ready" in robot.states else np.zeros(7), np.zeros(7), t)
+
+
 def test_joints_that_stand_outside_their_limits(tmp_path):
     """They are not planned: a warning says so."""
     (tmp_path / "r.urdf").write_text(
