@@ -39,6 +39,9 @@ TEST_F(Usage, WrongUseIsStatus2) {
   expectRefused("plan reach.yaml --trajectory t.csv --period nan", {"--period: nan", "2e-05"});
   expectRefused("clearance reach.yaml path.json --parts 0", {"--parts: 0", "1 to 100000"});
   expectRefused("clearance reach.yaml path.json --tolerance nan", {"--tolerance: nan"});
+  expectRefused("plan reach.yaml --start 0.2", {"names its robot, start and goal itself; leave "
+                                                "--start out"});
+  expectRefused("plan reach.yaml --chain lower upper", {"itself; leave --chain out"});
   expectRefused("plan reach.yaml --fast", {"leeway plan", "--fast"});
   for (const char* verb : {"verify", "clearance", "view"})
     expectRefused(std::string(verb) + " reach.yaml path.json --fast 3",

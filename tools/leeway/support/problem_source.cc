@@ -369,15 +369,21 @@ planner::Problem readProblem(const ProblemSource& source) {
         "a problem file is needed, or --robot with --group, --start and --goal, or --robot with "
         "--scene and --request");
   }
-  if (!source.problem.empty() &&
-      (!(source.robot + source.srdf + source.joint_limits + source.scene + source.request +
-         source.start + source.goal)
-            .empty() ||
-       saysPlanned(source) || !source.bounds.empty() || !source.widen.empty())) {
-    badUsage(fmt::format(
-        "{} names its robot, start and goal itself; leave the other problem options out",
-        source.problem));
-  }
+  const std::pair<const char*, bool> others[] = {{"--robot", !source.robot.empty()},
+                                                 {"--srdf", !source.srdf.empty()},
+                                                 {"--joint-limits", !source.joint_limits.empty()},
+                                                 {"--bounds", !source.bounds.empty()},
+                                                 {"--widen", !source.widen.empty()},
+                                                 {"--group", !source.group.empty()},
+                                                 {"--chain", !source.chain.empty()},
+                                                 {"--start", !source.start.empty()},
+                                                 {"--goal", !source.goal.empty()},
+                                                 {"--scene", !source.scene.empty()},
+                                                 {"--request", !source.request.empty()}};
+  for (const auto& [option, is_given] : others)
+    if (is_given && !source.problem.empty())
+      badUsage(fmt::format("{} names its robot, start and goal itself; leave {} out",
+                           source.problem, option));
   planner::Problem problem;
   if (source.problem.empty()) {
     problem = loadFromRobot(source);
