@@ -216,7 +216,7 @@ TEST_F(LeftOutOfUrdf, QuaternionsAreRead) {
     const Eigen::Matrix3d expected =
         Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized().toRotationMatrix();
     EXPECT_LT((model->joints[1].X_PJ.rotation - expected).norm(), 1e-14) << text.str();
-    EXPECT_LT((model->links[1].geometries.at(0).X_LG.rotation - expected).norm(), 1e-14);
+    EXPECT_LT((model->links[1].geometries.at(0).X_BG.rotation - expected).norm(), 1e-14);
   }
 }
 
