@@ -277,7 +277,7 @@ def test_joints_that_stand_outside_their_limits(tmp_path):
         + "</robot>"
     )
     robot = leeway.Robot(tmp_path / "r.urdf").with_group("j")
-    problem = leeway.Problem(robot, None, [0.0], [0.3], joints={"k": 0.9})
+    problem = leeway.Problem(robot, None, [0.0], [0.3], others={"k": 0.9})
     off = "joint 'k' at 0.9, outside its limits of -0.5 to 0.5; it is not planned and stays there"
     assert f"start has {off}" in leeway.plan(problem).warnings
     problem.save(tmp_path / "p.yaml")

@@ -66,8 +66,8 @@ TEST_F(Lint, LimitsThatLookLikeDegreesAreOdd) {
   const Answer answer = run("lint turns.urdf degrees.urdf");
   EXPECT_EQ(answer.status, 1);
   EXPECT_EQ(answer.out,
-            "degrees.urdf: warning: joint 'j' has limits of -180 to 6.3 rad, more than two turns: "
-            "they look like degrees; radians are expected\n2 files, 1 finding\n");
+            "2 files, 1 finding\ndegrees.urdf: warning: joint 'j' has limits of -180 to 6.3 rad, "
+            "more than two turns: they look like degrees; radians are expected\n");
 }
 
 TEST_F(Lint, LooksAtConstraints) {

@@ -386,7 +386,7 @@ TEST_F(Plan, LimitsOfJointsFromFilesAndOptions) {
   expectRefused(info + " --bounds shouldre -1 1", {"did you mean 'shoulder'"});
   expectRefused(info + " --bounds shoulder -1 1 --bounds shoulder 0 1", {"names 'shoulder' twice"});
   expectRefused(info + " --widen shoulder", {"--widen shoulder stands without its bounds"});
-  expectRefused("plan reach.yaml --bounds shoulder -1 1", {"reach.yaml", "leave the other"});
+  expectRefused("plan reach.yaml --bounds shoulder -1 1", {"reach.yaml", "leave --bounds out"});
   // A path is verified within the same limits.
   const std::string robot =
       "--robot arm.urdf --srdf arm.srdf --group arm --start right --goal left";
