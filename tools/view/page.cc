@@ -71,7 +71,6 @@ void write(const std::string& file, const Subject& subject, const Subject* compa
     if (options.warnings != nullptr)
       options.warnings->insert(options.warnings->end(), visuals->left_out.begin(),
                                visuals->left_out.end());
-    if (visuals->shapes.empty()) visuals.reset();
   }
   robots::throwIfStopped(stop.callback(), "measuring what the page shows");
   planner::writeFileWhole(

@@ -54,7 +54,9 @@ class App {
     this.seeThrough = []; // instances of bodies that would cover the gap
     this.given = new Map(this.data.colors.map(([body, colour]) => [body, `#${colour.map((share) => Math.round(255 * share).toString(16).padStart(2, '0')).join('')}`]));
     this.compared = this.data.compared ? new Compared(page, this.data) : null;
-    this.visual = this.data.visual ? new Visual(page) : null;
+    const visual = this.data.visual ? new Visual(page) : null;
+    this.visualNote = visual?.text();
+    this.visual = visual?.parts.count > 0 ? visual : null;
     this.end = Math.max(this.motion.begin + this.motion.duration, this.compared?.end ?? -Infinity);
     this.deformable = new Set(this.data.frames.map((f) => f.body));
     for (let i = 0; i < this.parts.count; ++i) if (this.parts.kind[i] === 'deformable') this.deformable.add(this.parts.body[i]);

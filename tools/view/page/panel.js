@@ -35,7 +35,7 @@ export class Panel {
     const error = data.triangles > 0 ? `; meshes are shown to within ${(data.mesh_error * 1e3).toPrecision(2)} mm` : '';
     const steps = data.steps.map((step) => element('button', { className: 'link', text: `${step.begin.toFixed(2)} s: ${step.name} (${step.kind})`, onclick: () => { this.app.pause(); this.app.seek(step.begin); } }));
     const widen = advice(this.app);
-    const drawn = this.app.visual ? [element('p', { id: 'visual-note', text: this.app.visual.text() })] : [];
+    const drawn = this.app.visualNote ? [element('p', { id: 'visual-note', text: this.app.visualNote })] : [];
     return [...this.least(), ...(widen ? [element('p', { id: 'advice' }, widen[0], element('span', { className: 'whole', text: widen[1] }), '.')] : []), ...this.compared(), ...notes, ...this.blocked(), ...drawn, ...steps, element('p', { className: 'soft', text: `${(data.source || data.name).replaceAll('/', '/\u200b')}: ${count}${error}.` })];
   }
 
