@@ -178,6 +178,27 @@ std::shared_ptr<const VertexMotion> readMorph(const YamlReader& morph, const Ver
   return VertexMotion::morph(std::move(result));
 }
 
+/// A cache whose frames are targets, which have double precision.
+std::shared_ptr<const VertexMotion> readFrames(const YamlReader& cache, const Vertices& rest,
+                                               const robots::LoadOptions& load) {
+  cache.expectKeys(keysOf("cache"));
+  for (const char* key : {"file", "scale", "start", "rate"})
+    if (const auto other = cache.find(key))
+      other->fail(fmt::format("{} goes without 'frames' only", other->where()));
+  collision::CacheMotion result{static_cast<int>(rest.size()), {}, {}};
+  const YamlReader times = cache.at("times", "a number a frame [s]");
+  result.times = times.numbers();
+  const std::vector<YamlReader> frames = cache.at("frames", "a list of targets").items();
+  if (frames.size() != result.times.size())
+    times.fail(fmt::format("{} has {} numbers; one for each of the {} frames is expected",
+                           times.where(), result.times.size(), frames.size()));
+  for (const YamlReader& frame : frames) {
+    const Vertices vertices = readTarget(frame, rest, load);
+    result.positions.insert(result.positions.end(), vertices.begin(), vertices.end());
+  }
+  return VertexMotion::cache(std::move(result));
+}
+
 std::shared_ptr<const VertexMotion> readReduced(const YamlReader& reduced, const Vertices& rest,
                                                 const robots::LoadOptions& load) {
   reduced.expectKeys(keysOf("reduced"));
@@ -213,7 +234,8 @@ std::shared_ptr<const VertexMotion> readWord(std::string_view word, const YamlRe
   if (word == "lattice") return readLattice(value, rest);
   if (word == "morph") return readMorph(value, rest, load);
   if (word == "skinned") return readSkinned(value, rest, warnings);
-  if (word == "cache") return readCache(value, rest);
+  if (word == "cache")
+    return value.find("frames") ? readFrames(value, rest, load) : readCache(value, rest);
   return readReduced(value, rest, load);
 }
 

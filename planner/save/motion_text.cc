@@ -160,30 +160,41 @@ class MotionWriter {
   }
 
   std::string operator()(const collision::CacheMotion& motion) const {
-    std::string bytes;  // MDD, see vertex_cache.h
+    const auto isSingle = [](double x) { return double{static_cast<float>(x)} == x; };
+    MapText text;
+    if (std::all_of(motion.times.begin(), motion.times.end(), isSingle) &&
+        std::all_of(motion.positions.begin(), motion.positions.end(), [&](const auto& p) {
+          return isSingle(p[0]) && isSingle(p[1]) && isSingle(p[2]);
+        })) {
+      text.add("file", wordText(files_.add(name_ + " motion", ".mdd", mdd(motion))));
+    } else {
+      std::vector<Vertices> frames;
+      for (auto at = motion.positions.begin(); at != motion.positions.end();
+           at += motion.vertex_count)
+        frames.emplace_back(at, at + motion.vertex_count);
+      text.add("times", numbersText(motion.times, what_)).add("frames", targets(frames));
+    }
+    return MapText().add("cache", text.text()).text();
+  }
+
+ private:
+  /// See vertex_cache.h.
+  static std::string mdd(const collision::CacheMotion& motion) {
+    std::string bytes;
     const auto add = [&](std::uint32_t word) {
       for (int shift = 24; shift >= 0; shift -= 8)
         bytes.push_back(static_cast<char>((word >> static_cast<unsigned>(shift)) & 0xffU));
     };
+    const auto addNumber = [&](double x) {
+      add(std::bit_cast<std::uint32_t>(static_cast<float>(x)));
+    };
     add(static_cast<std::uint32_t>(motion.times.size()));
     add(static_cast<std::uint32_t>(motion.vertex_count));
-    for (const double time : motion.times) {
-      if (const double kept = double{float(time)}; kept != time)
-        throw robots::InputError(
-            "", 0,
-            fmt::format(
-                "{} has a frame at {} s, which its file would have at {} s; times of single "
-                "precision are expected, such as the latter",
-                what_, time, kept));
-      add(std::bit_cast<std::uint32_t>(float(time)));
-    }
+    for (const double time : motion.times) addNumber(time);
     for (const Eigen::Vector3d& p : motion.positions)
-      for (int k = 0; k < 3; ++k) add(std::bit_cast<std::uint32_t>(float(p[k])));
-    const std::string file = files_.add(name_ + " motion", ".mdd", std::move(bytes));
-    return MapText().add("cache", MapText().add("file", wordText(file)).text()).text();
+      for (int k = 0; k < 3; ++k) addNumber(p[k]);
+    return bytes;
   }
-
- private:
   std::string number(double value) const { return numberText(value, what_); }
   std::string vector(const Eigen::Vector3d& v) const { return vectorText(v, what_); }
   static std::string named(const char* word, MapText& text, Interpolation interpolation) {

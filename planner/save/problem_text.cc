@@ -102,7 +102,7 @@ class Writer {
     if (!with.packages.empty()) {
       MapText packages;
       for (const auto& [name, folder] : with.packages)
-        packages.add(wordText(name), wordText(name_of_(folder)));
+        packages.add(wordText(name), wordText(name_of_(model_.placeOf(folder))));
       robot.add("packages", packages.text());
     }
     if (!with.xacro.empty()) {

@@ -472,7 +472,7 @@ class LogVerifier {
     return differs("status: exposed", end.status == "exposed", last.exposed) &&
            differs("certified", end.certified, count("unsafe") == 0) &&
            differs("duration", end.duration, last.times.back() - problem_.execution.start) &&
-           differs("status: reached", end.status == "reached", last.reached) &&
+           differs("status: reached", end.status == "reached", last.reached && last.certified) &&
            differs("status: unsafe", end.status == "unsafe",
                    last.decision == "unsafe" && !last.exposed);
   }

@@ -36,7 +36,8 @@ VisualShapes loadVisualShapes(const RobotDescription& robot, const Stop& stop) {
                            "the robot was read before it had link " + inQuotes(link.name));
         VisualShape shape{number, visual.X_LG, {}, {}};
         const auto meshOf = [&](const Eigen::Vector3d& scale) {
-          const std::string& from = visual.mesh_from.empty() ? robot.urdf_file : visual.mesh_from;
+          const std::string from =
+              robot.placeOf(visual.mesh_from.empty() ? robot.urdf_file : visual.mesh_from);
           return importTriangles(resolveMesh(visual.mesh_file, from, visual.line, options), scale,
                                  visual.file, visual.line, stop);
         };

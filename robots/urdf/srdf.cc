@@ -454,7 +454,7 @@ std::string parentFrame(const RobotDescription& robot, const Stop& stop) {
   LoadOptions options;
   options.xacro = robot.read_with.xacro;
   options.stop = stop;
-  const XmlFile srdf(robot.srdf_file, "SRDF", options);
+  const XmlFile srdf(robot.placeOf(robot.srdf_file), "SRDF", options);
   const std::string& name = robot.joints[static_cast<std::size_t>(root)].name;
   for (const XMLElement* e = srdf.root().FirstChildElement("virtual_joint"); e != nullptr;
        e = e->NextSiblingElement("virtual_joint"))

@@ -936,6 +936,38 @@ TEST_F(VerifyLog, ItsOwnPosesAgreeWithTheMotions) {
   }
 }
 
+/// Regression: "status: reached is false; by the lines before it is true".
+TEST_F(VerifyLog, AnExposedStepMayEndInTheGoal) {
+  Problem problem = gate();
+  problem.execution.step = 0.3;
+  problem.world.objects.push_back(bar("bar", {.speed_bound = 0.1, .turn_bound = 0}));
+  const robots::Pose far = posed(8, 8, 0);
+  problem.world.objects.back().X_WO = far;
+  const auto run = [&](int fast_step, double fast, Lines& lines) {
+    Replanner replanner(problem);
+    ReplanStep step;
+    int k = 0;
+    for (; k < 100 && !replanner.reached(); ++k) {
+      replanner.setPose("bar", far, replanner.time(), k == fast_step ? fast : 0.1, 0);
+      step = replanner.step();
+      lines.push_back(logLine(problem, step));
+    }
+    lines.push_back(logLine(problem, replanner.executed()));
+    return std::pair(k, step.exposed && step.reached);
+  };
+  Lines lines;
+  const int steps = run(-1, 0, lines).first;
+  bool found = false;
+  for (int at = steps - 2; at < steps && !found; ++at)
+    for (double fast = 2; fast < 200 && !found; fast *= 1.1) {
+      lines.clear();
+      found = run(at, fast, lines).second;
+    }
+  ASSERT_TRUE(found);
+  const VerifyResult result = verified(problem, lines);
+  EXPECT_EQ(result.status, VerifyStatus::kExposed) << result.line << ": " << result.reason;
+}
+
 /// The slow twin: random bars, one known by keys, one by its velocity, one that the program sees.
 TEST_F(VerifyLog, RandomExecutionsAreProvenAndTheirClearanceHolds) {
   int steps = 0, certified = 0, exposed = 0;

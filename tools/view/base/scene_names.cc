@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leeway/planner/configuration_space.h"
 #include "leeway/planner/depth_image.h"
 #include "planner/validate/checks.h"
 #include "tools/view/base/figures.h"
@@ -118,14 +119,19 @@ std::string hindranceText(const planner::Problem& problem, const planner::PlanRe
   };
   const planner::SearchGap& gap = result.gap;
   if (!gap.from.empty()) {
+    const planner::ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+    std::vector<double> to = gap.to;
+    space.unwrap(gap.from, to);
     std::size_t most = 0;
-    for (std::size_t i = 0; i < gap.from.size(); ++i)
-      if (std::abs(gap.to[i] - gap.from[i]) > std::abs(gap.to[most] - gap.from[most])) most = i;
+    for (std::size_t i = 0; i < to.size(); ++i)
+      if (std::abs(to[i] - gap.from[i]) > std::abs(to[most] - gap.from[most])) most = i;
+    // Coordinates of a quaternion have no unit, and tell a reader nothing.
+    const std::string unit = unitOf(*problem.robot.model, problem.robot.variables[most]);
     text += fmt::format(
         "Start and goal came within {:.3f} of each other (distance of configurations), most of it "
-        "in '{}': {:.3f} {unit} from {:.3f} {unit} on.\n",
-        gap.distance, nameOf(most), std::abs(gap.to[most] - gap.from[most]), gap.from[most],
-        fmt::arg("unit", unitOf(*problem.robot.model, problem.robot.variables[most])));
+        "in '{}'{}.\n",
+        gap.distance, nameOf(most),
+        unit.empty() ? "" : fmt::format(" ({:.3f} {})", std::abs(to[most] - gap.from[most]), unit));
   }
   for (const std::string& name : result.long_turns)
     text += fmt::format("The limits of '{}' bar the shorter turn to the goal.\n", name);
