@@ -76,6 +76,7 @@ class LogVerifier {
              "all else is proven");
       result_.t0 = exposed_->times.front();
       result_.t1 = exposed_->times.back();
+      result_.clearance_lower = 0;  // pairs were left out
     }
     if (isProven() && !log_.end) {
       const int line = log_.steps.back().line;

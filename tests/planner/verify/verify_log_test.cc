@@ -966,6 +966,7 @@ TEST_F(VerifyLog, AnExposedStepMayEndInTheGoal) {
   ASSERT_TRUE(found);
   const VerifyResult result = verified(problem, lines);
   EXPECT_EQ(result.status, VerifyStatus::kExposed) << result.line << ": " << result.reason;
+  EXPECT_EQ(result.clearance_lower, 0);
 }
 
 /// The slow twin: random bars, one known by keys, one by its velocity, one that the program sees.
