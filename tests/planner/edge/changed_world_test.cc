@@ -345,8 +345,8 @@ TEST(ChangedWorld, RegionsOfACloudAreSeenAgain) {
     now.problem.world.objects.back().cloud = nullptr;  // margins still name it
     expectSameAnswers(random, {now.scene->withObjects({}, gone), now.problem}, anew(), counts);
   }
-  EXPECT_GT(counts.free, 100);
-  EXPECT_GT(counts.not_free, 100);
+  EXPECT_GT(counts.free, 12 * casesToAsk(8));
+  EXPECT_GT(counts.not_free, 12 * casesToAsk(8));
 }
 
 TEST(ChangedWorld, RefusesRegionsOfWhatIsNoCloud) {
