@@ -51,7 +51,7 @@ struct SweepScratch {
 
  private:
   union Room {
-    Room() : none() {}
+    Room() : none() {}  // constructs no stretches
     char none;
     Stretches stretches;
   };

@@ -180,8 +180,7 @@ void RobotPairs::dropTouching(const robots::Stop& stop) {
                    std::pair<int, int>(std::minmax(touching[k].first, touching[k].second))) > 0)
       warnings_.push_back(
           fmt::format("links '{}' and '{}' are not checked although the robot's file has a <pair> "
-                      "of them: they "
-                      "are {}",
+                      "of them: they are {}",
                       name(bodies[k].first), name(bodies[k].second), toString(why)));
   }
 }

@@ -526,7 +526,8 @@ std::shared_ptr<const CompiledScene> CompiledScene::withObjectAt(const std::stri
     auto cloud = std::make_shared<PointCloud>();
     cloud->balls = ballsOf(partsOf(body));
     const bool is_empty = cloud->balls.empty();
-    if (is_empty) cloud->balls = *before.balls;  // for the body that stays without balls
+    // No cloud is made of no balls: it moves with those that it had, and loses them there.
+    if (is_empty) cloud->balls = *before.balls;
     moved.cloud = std::move(cloud);
     if (is_empty)
       return withObjects({&moved, 1}, {&body, 1})

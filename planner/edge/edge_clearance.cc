@@ -283,7 +283,7 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   ++statistics.edges;
   Impl& impl = *impl_;
   Impl::ClearanceSearch search(impl, request);
-  // What was cropped from clouds may be this near.
+  // Points that were cropped from clouds may be this near.
   const double most = request.pairs == Pairs::kSelf ? kInfinity : impl.scene->completeWithin();
   const Impl::Asking asking(impl, request.pairs, -kInfinity);
   if (impl.leastMargin() == kInfinity) {  // there are no such pairs

@@ -38,6 +38,8 @@ std::vector<char> fileBytes(const YamlReader& file, const std::string& path) {
 
 std::shared_ptr<const VertexMotion> readCache(const YamlReader& cache, const Vertices& rest) {
   cache.expectKeys(keysOf("cache"));
+  if (const auto times = cache.find("times"))
+    times->fail(fmt::format("{} goes with 'frames' only", times->where()));
   const YamlReader file = cache.at("file", "a PC2 or MDD file");
   const std::string path = resolvedPath(file);
   const std::string ending = robots::endingOf(path);

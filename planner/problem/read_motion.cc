@@ -182,15 +182,17 @@ std::shared_ptr<const VertexMotion> readMorph(const YamlReader& morph, const Ver
 std::shared_ptr<const VertexMotion> readFrames(const YamlReader& cache, const Vertices& rest,
                                                const robots::LoadOptions& load) {
   cache.expectKeys(keysOf("cache"));
-  for (const char* key : {"file", "scale", "start", "rate"})
+  if (cache.find("file"))
+    cache.fail(fmt::format("{} has both 'file' and 'frames'; one is expected", cache.where()));
+  for (const char* key : {"scale", "start", "rate"})
     if (const auto other = cache.find(key))
-      other->fail(fmt::format("{} goes without 'frames' only", other->where()));
+      other->fail(fmt::format("{} goes with 'file' only", other->where()));
   collision::CacheMotion result{static_cast<int>(rest.size()), {}, {}};
   const YamlReader times = cache.at("times", "a number a frame [s]");
   result.times = times.numbers();
   const std::vector<YamlReader> frames = cache.at("frames", "a list of targets").items();
   if (frames.size() != result.times.size())
-    times.fail(fmt::format("{} has {} numbers; one for each of the {} frames is expected",
+    times.fail(fmt::format("{} has {} numbers; as many as 'frames', {}, are expected",
                            times.where(), result.times.size(), frames.size()));
   for (const YamlReader& frame : frames) {
     const Vertices vertices = readTarget(frame, rest, load);

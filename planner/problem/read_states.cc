@@ -22,7 +22,6 @@
 #include "planner/problem/read_shapes.h"
 #include "planner/validate/checks.h"
 #include "planner/validate/format_keys.h"
-#include "planner/validate/passive_warning.h"
 
 namespace leeway::planner {
 namespace {

@@ -76,8 +76,8 @@ std::size_t readCount(const CloudSource& source, std::string_view word, std::str
 struct ColumnRow {
   std::size_t line;
   std::vector<std::string_view> cells;
-  /// The words of the last comment before the first row, if they are as many as its columns: they
-  /// may name them.
+  /// The words of the last comment before the first row, which may name the columns; empty if it
+  /// has another number of words than the row has columns.
   std::vector<std::string_view> names = {};
 };
 /// Calls visit() for each line that is not blank and no comment. Blanks, tabs, commas or semicolons

@@ -57,7 +57,7 @@ class LineSearch {
         way_(wayFrom(scene_, world, line, start)),
         frame_(scene_, way_.link, way_.X_LF) {
     options_.starts = 1;
-    // Of frame_: NOLINTNEXTLINE(clang-analyzer-optin.cplusplus.UninitializedObject)
+    // A false find: NOLINTNEXTLINE(clang-analyzer-optin.cplusplus.UninitializedObject)
     options_.prove = false;
   }
 

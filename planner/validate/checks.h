@@ -22,8 +22,12 @@ struct Fault {
   std::string message, key, name;
 };
 
-/// Returns the warnings of a robot's and its problem's loaders, and passiveWarning()s beside them.
+/// Returns the warnings of the loaders of a robot and of its problem, and those of passiveWarning()
+/// that loaders have not given. O(warnings * variables).
 std::vector<std::string> loaderWarnings(const Problem& problem);
+/// Returns a warning if a variable is not planned and its start is outside the robot's own limits.
+/// Readers of problem files add file and line. O(planned variables).
+std::optional<std::string> passiveWarning(const Problem& problem, int variable);
 
 /// The numbers that a setting accepts, in words: "zero or more".
 std::string expectedNumber(const Setting& setting);

@@ -13,7 +13,6 @@
 #include "planner/base/largest_value.h"
 #include "planner/base/tolerances.h"
 #include "planner/validate/checks.h"
-#include "planner/validate/passive_warning.h"
 #include "robots/inverse/region.h"
 
 namespace leeway::planner {
@@ -131,7 +130,7 @@ std::vector<std::string> loaderWarnings(const Problem& problem) {
   warnings.insert(warnings.end(), problem.warnings.begin(), problem.warnings.end());
   for (std::size_t v = 0; v < problem.start.size(); ++v) {
     const auto off = passiveWarning(problem, static_cast<int>(v));
-    const auto is_it = [&](const std::string& w) { return w.ends_with(*off); };  // says where
+    const auto is_it = [&](const std::string& w) { return w.ends_with(*off); };  // with its line
     if (off && std::none_of(warnings.begin(), warnings.end(), is_it))
       warnings.push_back("start has " + *off);
   }

@@ -278,8 +278,7 @@ void defineVerification(py::module_& module) {
   defineConstant(
       result, "status", [](const VerifyResult& self) { return statusName(self.status); },
       "'certified', 'refuted', 'undecided', 'nothing_checked': no pair of shapes is checked; of a "
-      "log "
-      "also 'exposed': obstacles may reach the robot where it stands, and all else is proven.");
+      "log also 'exposed': obstacles may reach the robot where it stands, and all else is proven.");
   result.def_readonly("lower", &VerifyResult::clearance_lower,
                       "Every point of a certified path keeps at least this [m]; inf where nothing "
                       "is near.");

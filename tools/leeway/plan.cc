@@ -51,8 +51,8 @@ constexpr std::string_view kTrajectoryEndings[] = {".yaml", ".json", ".csv"};
 
 double millimetres(double metres) { return metres * 1e3; }
 
-/// The proven clearance of an edge or a step: a lower bound, or the least clearance of the path
-/// where `lower` is no better.
+/// The proven clearance of an edge or a step: its lower bound, or the path's least clearance if
+/// that is higher.
 std::string keptText(double lower, const planner::Interval& least) {
   if (const auto figure = figureOf(least);
       figure && !(std::floor(lower * 1e5) / 100 > std::stod(*figure)))

@@ -124,9 +124,10 @@ std::vector<End> endsOf(const planner::Problem& problem, const planner::Problem&
       try {
         at_goal = planner::placedAt(problem, goal.poses, "goal '" + goal.name + "'");
       } catch (const robots::InputError& error) {
-        // Without the file, which is the problem's.
+        // The page names the problem; the file before the goal's name says nothing more.
         const std::string text = error.what();
-        end.fault = text.substr(std::min(text.size() - 1, text.find("goal '" + goal.name + "'")));
+        const std::size_t begin = text.find("goal '" + goal.name + "'");
+        end.fault = begin == std::string::npos ? text : text.substr(begin);
         for (std::size_t i = 0; i < goal.poses.size(); ++i) {
           const robots::PoseRegion& region = goal.poses[i];
           const std::string& link = shown.model().links[at(region.link)].name;

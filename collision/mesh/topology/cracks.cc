@@ -115,7 +115,7 @@ class Rays {
     std::int32_t nearest = end;
     const auto own = rays_.begin() + begin_[at(v)], own_end = rays_.begin() + begin_[at(v) + 1];
     for (auto r = std::lower_bound(own, own_end, key - kSame,
-                                   [](const Ray&ray, double least) { return ray.key < least; });
+                                   [](const auto&ray, double least) { return ray.key < least; });
          r != own_end && r->key <= key + kSame; ++r)
       if (length(v, r->end) < length(v, nearest) && isSame(v, end, r->end)) nearest = r->end;
     return nearest;

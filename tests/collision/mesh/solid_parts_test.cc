@@ -257,7 +257,7 @@ TEST(SolidParts, SolidsThatShareACutEdgeAreNoOneSurface) {
       const auto deformable = DeformableMesh::make(soup.vertices, soup.triangles);
       EXPECT_EQ(deformable->openEdgeCount() > 0, first != second);
       EXPECT_EQ(deformable->closedComponentCount() == 0, first != second);
-      // Beside a fine mesh, where a search through all vertices would be cut off.
+      // A fine mesh beside them would cut off a search through all vertices.
       Random random(1);
       if (turned == 0)
         append(soup, ballSoup(80, 80, 4, 0, random), {Eigen::Matrix3d::Identity(), {9, 9, 0}});

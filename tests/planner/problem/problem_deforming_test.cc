@@ -257,6 +257,16 @@ TEST_F(ProblemDeforming, CachesOfAnimationTools) {
                 "broken.mdd': cache: key 1: time 0");
   expectRefused(head + "      cache: {file: nowhere.pc2}\n", 14, "cannot be read");
   expectRefused(head + "      cache: {file: cloth.abc}\n", 14, ".pc2 or .mdd is expected");
+  expectRefused(head + "      cache: {file: cloth.mdd, times: [0]}\n", 14,
+                "deforming[0].motion.cache.times goes with 'frames' only");
+  expectRefused(head + "      cache: {file: cloth.mdd, times: [0], frames: [{}]}\n", 14,
+                "deforming[0].motion.cache has both 'file' and 'frames'; one is expected");
+  expectRefused(head + "      cache: {times: [0], frames: [{}], rate: 5}\n", 14,
+                "deforming[0].motion.cache.rate goes with 'file' only");
+  expectRefused(
+      head + "      cache: {times: [0, 1], frames: [{}]}\n", 14,
+      "deforming[0].motion.cache.times has 2 numbers; as many as 'frames', 1, are expected");
+  expectRefused(head + "      cache: {frames: [{}]}\n", 14, "key 'times' is missing");
   fs::create_directories(folder_.path("folder.pc2"));
   expectRefused(head + "      cache: {file: folder.pc2}\n", 14, "cannot be read");
   expectRefused(

@@ -351,7 +351,7 @@ TEST_F(CloudProblems, CertificatesClaimNoMoreThanACropLeaves) {
   const VerifyResult verified = verify(problem, result.path);
   EXPECT_EQ(verified.status, VerifyStatus::kCertified);
   EXPECT_EQ(verified.clearance_lower, 0.01);
-  // Nor do single places and edges, also where nothing was left.
+  // Single places and edges claim no more either, also if no ball is left.
   Problem empty = problem;
   auto nothing = std::make_shared<PointCloud>(*problem.world.objects[0].cloud);
   nothing->balls.clear();

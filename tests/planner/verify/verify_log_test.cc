@@ -675,7 +675,7 @@ TEST_F(VerifyLog, ExposedExcusesNothingElse) {
         x = x.get<double>() - 1e-5;
       },
       "is not what the stop of the step before leaves: disc/x is ");
-  // Nor does it make a motion exempt.
+  // A motion that is exposed must be proven, too.
   std::size_t moving = 6;
   while (Json::parse(lines[moving])["decision"] != "follow" ||
          Json::parse(lines[moving])["stop"].size() < 4)
@@ -745,7 +745,7 @@ TEST_F(VerifyLog, ExposedStepsThatMoveAreProven) {
   EXPECT_EQ(hit.b, "bar");
 }
 
-/// What stands still, and a world in which nothing moves, exposes nobody.
+/// A robot is exposed only to obstacles that move.
 TEST_F(VerifyLog, ExposedIsOnlyToWhatMoves) {
   Problem problem = observedGate();
   problem.world.objects.back() = bar("bar", {.speed_bound = kInfinity, .turn_bound = 0});

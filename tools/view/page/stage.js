@@ -109,7 +109,7 @@ export class Stage {
     const along = a.distanceTo(b) > 0 ? b.clone().sub(a).normalize() : new Vector3(0, 0, 1);
     const side = new Vector3().crossVectors(along, Math.abs(along.z) < 0.9 ? this.camera.up : new Vector3(1, 0, 0)).normalize();
     const other = new Vector3().crossVectors(along, side);
-    // Of the usual angle; the camera is farther away.
+    // How far away the camera would be with the usual angle.
     const away = Math.max(Math.min(Math.max(7 * gap, 0.03), 0.6), 2 * gap);
     this.camera.fov = kGapAngle;
     const distance = away / this.spread;

@@ -17,7 +17,7 @@ function endText({ data }, { name, fault, closest }) {
   if (fault) return fault;
   return `${name}: ${data.bodies[closest.a]} and ${data.bodies[closest.b]}, ${distanceText(closest)}${closest.upper > 0 ? ', nearer than the margin' : ''}`;
 }
-// Of the start and the first goals that are not valid.
+// Names the start and the first goals that are not valid.
 function endsText(app) {
   const invalid = app.data.ends.filter(({ valid, fault, closest }) => !valid && (fault || closest));
   return [...invalid.slice(0, kEnds).map((end) => endText(app, end)), ...(invalid.length > kEnds ? [`${invalid.length - kEnds} more are not valid`] : [])].join('; ');

@@ -14,8 +14,8 @@ enum class VerifyStatus : unsigned char {
   kRefuted,
   kUndecided,
   kNothingChecked,  ///< no pair of shapes is checked: nothing is proven
-  /// Of a log: obstacles that move may reach the robot where it stands (ReplanStep::exposed); all
-  /// else is proven.
+  /// A log's robot stands where obstacles that move may reach it (ReplanStep::exposed); all else is
+  /// proven.
   kExposed,
 };
 
@@ -64,10 +64,10 @@ VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions&
 /// obstacles did within their motions, or within the bounds that were stated when they were seen,
 /// and that its stop would have, by what was known in that step; that no
 /// obstacle was seen farther away than its bound allowed while a step relied on it; and that the
-/// robot is in a goal where the log says so. Of steps that say `exposed`, it proves that the robot
-/// goes through the stop of the step before, as above, and then stands, free of itself and of all
-/// that stands still; the result then is kExposed. Costs, reasons and clearances in the log are not
-/// used; clearances are proven again. What was observed is taken from the log.
+/// robot is in a goal where the log says so. In a step that says `exposed`, the robot must go
+/// through the stop of the step before, which is proven as above, and then stand, free of itself
+/// and of all that stands still; the result then is kExposed. Costs, reasons and clearances in the
+/// log are not used; clearances are proven again. What was observed is taken from the log.
 ///
 /// Independent of Replanner as verify() is: rigid obstacles move by the verifier's own kinematics.
 /// Shared are collision::distance(), the interpolation, and the vertices and speed bounds of

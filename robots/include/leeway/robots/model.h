@@ -183,8 +183,8 @@ struct RobotDescription {
   /// Pairs that are checked though they are neighbours, the lower link first (SRDF:
   /// enable_collisions).
   std::vector<std::pair<int, int>> enabled_pairs;
-  /// Pairs that an MJCF checks by a <pair>. A warning names those that are not checked all the
-  /// same.
+  /// Pairs that an MJCF file names in a <pair>, the lower link first. A warning names those that
+  /// are not checked.
   std::vector<std::pair<int, int>> asked_pairs;
   std::vector<LeftOut> left_out;  ///< of the SRDF; each is in `warnings`, too
   bool has_srdf = false;
@@ -207,7 +207,8 @@ struct RobotDescription {
   std::string whyStateLeftOut(std::string_view state, std::span<const int> planned) const;
   /// Throws InputError if lacks_meshes: without its meshes a robot's collisions cannot be checked.
   void expectMeshes() const;
-  /// The place of a file that was given to loadModel(), whatever the working folder is now.
+  /// Returns the path of a file or folder that was given to loadModel(). It does not depend on the
+  /// present working folder.
   std::string placeOf(const std::string& file) const;
 };
 
