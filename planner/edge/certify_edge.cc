@@ -170,8 +170,8 @@ EdgeCheck EdgeCertifier::certify(std::span<const double> a, std::span<const doub
   Impl& impl = *impl_;
   impl.startWork(request.work_limit > 0 ? request.work_limit : impl.defaultWork());
   impl.queries.least_interval = request.smallest_interval;
-  const Impl::Asking asking(impl, Pairs::kAll, request.separation);
-  const bool begins = impl.frames.begin(a, b);
+  const Impl::Asking asking(impl, {.beyond = request.beyond});
+  const bool begins = request.beyond >= 0 && request.beyond < kInfinity && impl.frames.begin(a, b);
   EdgeCheck check = begins ? impl.decideEdge() : EdgeCheck();
   if (check.verdict == Verdict::kUndecided) ++statistics.undecided_edges;
   if (check.verdict == Verdict::kFree)
@@ -213,11 +213,10 @@ PairVerdict EdgeCertifier::Impl::certifyByLanes() {
   contacts.begin();
 
   // 1. Balls swept to capsules; planes and points that decided a pair before.
-  if (const auto contact = lanes.sweep(frames, asked.pairs, asked.separation); contact.id >= 0)
-    return contactAt(contact);
+  if (const auto contact = lanes.sweep(frames, asked); contact.id >= 0) return contactAt(contact);
   if (lanes.isFull()) return undecided;
   // 2. Gaps between two links, proven by the angles of two joints.
-  lanes.closeGaps(frames, asked.separation);
+  lanes.closeGaps(frames, asked);
   if (lanes.open().empty()) return free;
   // 3. Contacts of pairs that are likely to have one.
   if (const auto verdict = contacts.searchLikely(whole)) return *verdict;

@@ -83,12 +83,13 @@ struct EdgeCertifier::Impl {
 
   // The question; by default, of certify(), that all pairs keep their margins.
 
-  /// While it lives, only some pairs are checked, and pairs with a smaller margin must keep a
-  /// separation [m].
+  /// While it lives, another question is asked.
   class Asking;
   double leastMargin() const { return frames.edges().leastMargin(asked.pairs); }
-  /// How far the required separation is above the least margin [m].
-  double beyondMargins() const { return std::max(0.0, asked.separation - leastMargin()); }
+  /// How far above its margin any pair's separation must be at most [m].
+  double beyondMargins() const {
+    return std::max(0.0, asked.separation - leastMargin()) + asked.beyond;
+  }
 
   // One configuration (edge_state.cc).
 
@@ -161,8 +162,8 @@ struct EdgeCertifier::Impl {
 
 class EdgeCertifier::Impl::Asking {
  public:
-  Asking(Impl& impl, Pairs pairs, double separation) : impl_(impl) {
-    impl.asked = {pairs, separation};
+  Asking(Impl& impl, const Asked& asked) : impl_(impl) {
+    impl.asked = asked;
     impl.lanes.demandBeyond(impl.beyondMargins());
   }
   Asking(const Asking&) = delete;

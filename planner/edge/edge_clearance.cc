@@ -74,8 +74,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
   void searchNearPairs(int slot) {
     if (!impl_.lanes.begin(impl_.frames)) return;
     const double beyond = std::max(0.0, kRoughFirst - impl_.leastMargin());
-    if (impl_.lanes.sweepBeyond(impl_.frames, impl_.asked.pairs, beyond).id >= 0 ||
-        impl_.lanes.isFull())
+    if (impl_.lanes.sweepBeyond(impl_.frames, impl_.asked, beyond).id >= 0 || impl_.lanes.isFull())
       return;
     impl_.asked_pairs.clear();
     impl_.near_pairs.clear();
@@ -118,7 +117,7 @@ class EdgeCertifier::Impl::ClearanceSearch {
   /// EdgeLanes::sweepBeyond() for the pairs in question, then planes if pairs stay open. False if a
   /// contact is found or more pairs are near than there is room for.
   bool sweepBeyond(double beyond) {
-    return impl_.lanes.sweepBeyond(impl_.frames, impl_.asked.pairs, beyond).id < 0 &&
+    return impl_.lanes.sweepBeyond(impl_.frames, impl_.asked, beyond).id < 0 &&
            impl_.lanes.searchPlanes().id < 0 && !impl_.lanes.isFull();
   }
 
@@ -285,7 +284,7 @@ EdgeClearance EdgeCertifier::edgeClearance(std::span<const double> a, std::span<
   Impl::ClearanceSearch search(impl, request);
   // Points that were cropped from clouds may be this near.
   const double most = request.pairs == Pairs::kSelf ? kInfinity : impl.scene->completeWithin();
-  const Impl::Asking asking(impl, request.pairs, -kInfinity);
+  const Impl::Asking asking(impl, {.pairs = request.pairs});
   if (impl.leastMargin() == kInfinity) {  // there are no such pairs
     search.best.clearance.lower = most;
     return search.best;
@@ -314,7 +313,7 @@ EdgeClearance EdgeCertifier::nearest(std::span<const double> point, Pairs pairs,
   ++statistics.states;
   Impl& impl = *impl_;
   Impl::ClearanceSearch search(impl, {.tolerance = kRoughClearance});
-  const Impl::Asking asking(impl, pairs, -kInfinity);
+  const Impl::Asking asking(impl, {.pairs = pairs});
   if (impl.leastMargin() == kInfinity) return search.best;  // there are no such pairs
   search.best.clearance = {-kInfinity, known};
   impl.startWork(kRoughWork);
@@ -330,7 +329,7 @@ EdgeClearance EdgeCertifier::roughClearance(std::span<const double> a, std::span
   ++statistics.edges;
   Impl& impl = *impl_;
   Impl::ClearanceSearch search(impl, {.tolerance = kRoughClearance});
-  const Impl::Asking asking(impl, pairs, -kInfinity);
+  const Impl::Asking asking(impl, {.pairs = pairs});
   if (impl.leastMargin() == kInfinity) return search.best;  // there are no such pairs
   impl.startWork(kRoughWork);
   EdgeClearance& best = search.best;
@@ -359,7 +358,7 @@ EdgeClearance EdgeCertifier::proveClearance(std::span<const double> a, std::span
   Impl& impl = *impl_;
   Impl::ClearanceSearch search(impl, {.tolerance = request.tolerance});
   EdgeClearance& best = search.best;
-  const Impl::Asking asking(impl, request.pairs, request.wanted);
+  const Impl::Asking asking(impl, {request.pairs, request.wanted});
   if (impl.leastMargin() == kInfinity) return best;  // there are no such pairs
   best.clearance.lower = -kInfinity;
   impl.startWork(request.work_limit > 0 ? request.work_limit : impl.defaultWork());

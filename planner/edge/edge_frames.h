@@ -3,6 +3,7 @@
 // Private to planner/: the pairs that are checked along an edge, and the edge's configurations,
 // each placed once.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -68,6 +69,21 @@ struct EdgePair {
   bool is_reversed;  ///< a is the scene's second body
   bool by_surfaces;  ///< swept by collision::sweepMesh(); its margin is not negative
   int gap = -1;      ///< index into EdgeModel::gaps; -1: no proof by joint angles
+};
+
+/// The question about an edge's pairs.
+struct Asked {
+  Pairs pairs = Pairs::kAll;       ///< all others are ignored
+  double separation = -kInfinity;  ///< required of pairs with a smaller margin [m]
+  double beyond = 0;               ///< required in addition to either [m]
+
+  bool has(const EdgePair& pair) const {
+    return pairs == Pairs::kAll || pair.is_self == (pairs == Pairs::kSelf);
+  }
+  /// The value that a pair's separation must exceed [m].
+  double thresholdOf(const EdgePair& pair) const {
+    return std::max(pair.threshold, separation + pair.rounding) + beyond;
+  }
 };
 
 /// The pairs of a scene. First come the pairs that the scene lists, ordered by their first piece

@@ -289,30 +289,31 @@ std::uint8_t kindsOf(Pairs asked) {
 /// EdgeFrames::keepsGap() over the whole edge.
 class GapProofs final : public LaneSweep::Proofs {
  public:
-  GapProofs(const EdgeFrames& frames, double demanded, double beyond)
-      : frames_(frames), demanded_(demanded), beyond_(beyond) {}
+  GapProofs(const EdgeFrames& frames, const Asked& asked, double beyond)
+      : frames_(frames), asked_(asked), beyond_(beyond) {}
   bool keeps(int id) const override {
     const EdgePair& pair = frames_.pairs().listed()[at(id)];  // only listed pairs have proofs
-    const double threshold = std::max(pair.threshold, demanded_ + pair.rounding) + beyond_;
-    return frames_.keepsGap(pair, threshold, 0, 1);
+    return frames_.keepsGap(pair, asked_.thresholdOf(pair) + beyond_, 0, 1);
   }
 
  private:
   const EdgeFrames& frames_;
-  double demanded_, beyond_;
+  const Asked& asked_;
+  double beyond_;
 };
 
 }  // namespace
 
-LaneSweep::Contact EdgeLanes::sweep(const EdgeFrames& frames, Pairs asked, double demanded) {
+LaneSweep::Contact EdgeLanes::sweep(const EdgeFrames& frames, const Asked& asked) {
   placeFrames(kMiddles, lane_frames_);
   const LaneSweep::Contact again =
-      lanes_.sweep.meetAgain(lane_frames_, slack_, scratch_, kindsOf(asked));
+      lanes_.sweep.meetAgain(lane_frames_, slack_, scratch_, kindsOf(asked.pairs));
   if (again.id >= 0) return again;
   beginPass(frames, kMiddles);
   demandInPass(beyond_);
-  const GapProofs proofs(frames, demanded, 0);
-  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, scratch_, {kindsOf(asked), &proofs});
+  const GapProofs proofs(frames, asked, 0);
+  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, scratch_,
+                          {kindsOf(asked.pairs), &proofs});
 }
 
 /// Growth is a distance that must be kept in addition to the threshold. So is `beyond`.
@@ -322,15 +323,17 @@ void EdgeLanes::demandInPass(double beyond) {
   for (float& growth : pass_growth_) growth = (growth + wider) * (1 + 0x1p-22F);  // rounded up
 }
 
-LaneSweep::Contact EdgeLanes::sweepBeyond(const EdgeFrames& frames, Pairs asked, double beyond) {
+LaneSweep::Contact EdgeLanes::sweepBeyond(const EdgeFrames& frames, const Asked& asked,
+                                          double beyond) {
   placeFrames(kMiddles, lane_frames_);
   beginPass(frames, kMiddles);
   demandInPass(beyond);
-  const GapProofs proofs(frames, -std::numeric_limits<double>::infinity(), beyond);
-  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, scratch_, {kindsOf(asked), &proofs});
+  const GapProofs proofs(frames, asked, beyond);
+  return lanes_.sweep.run(lane_frames_, pass_growth_, slack_, scratch_,
+                          {kindsOf(asked.pairs), &proofs});
 }
 
-void EdgeLanes::closeGaps(const EdgeFrames& frames, double demanded) {
+void EdgeLanes::closeGaps(const EdgeFrames& frames, const Asked& asked) {
   constexpr double kShare = 1.0 / collision::kLanes;
   bool closes = false;
   closed_.clear();
@@ -341,8 +344,8 @@ void EdgeLanes::closeGaps(const EdgeFrames& frames, double demanded) {
     if (pair.gap < 0) continue;
     for (int interval = 0; interval < collision::kLanes; ++interval)
       if ((open.intervals >> interval & 1U) != 0 &&
-          frames.keepsGap(pair, std::max(pair.threshold, demanded + pair.rounding),
-                          interval * kShare, (interval + 1) * kShare))
+          frames.keepsGap(pair, asked.thresholdOf(pair), interval * kShare,
+                          (interval + 1) * kShare))
         closed_.back() |= 1U << interval;
     closes = closes || closed_.back() != 0;
   }

@@ -56,17 +56,18 @@ class EdgeLanes {
   void demandBeyond(double beyond) { beyond_ = beyond; }
 
   /// Checks all intervals [k, k + 1] / kLanes of the pairs in question. It uses balls, the proofs
-  /// of EdgeFrames::keepsGap() over the whole edge for thresholds of at least `demanded` plus
-  /// rounding [m], and the planes and points that decided a pair last. `frames` must be as in
-  /// begin(). See LaneSweep::run().
-  collision::LaneSweep::Contact sweep(const EdgeFrames& frames, Pairs asked, double demanded);
+  /// of EdgeFrames::keepsGap() over the whole edge, and the planes and points that decided a pair
+  /// last. `frames` must be as in begin(). See LaneSweep::run().
+  collision::LaneSweep::Contact sweep(const EdgeFrames& frames, const Asked& asked);
   /// Runs after a sweep() without contact. Closes the intervals in which EdgeFrames::keepsGap()
-  /// holds for thresholds of at least `demanded` plus rounding [m].
-  void closeGaps(const EdgeFrames& frames, double demanded);
+  /// holds.
+  void closeGaps(const EdgeFrames& frames, const Asked& asked);
   /// Runs after a sweep() without contact. Searches planes for the pairs that it left open.
   collision::LaneSweep::Contact searchPlanes();
-  /// As sweep(), for separations above each pair's threshold plus `beyond` >= 0 [m].
-  collision::LaneSweep::Contact sweepBeyond(const EdgeFrames& frames, Pairs asked, double beyond);
+  /// As sweep(), for separations above each pair's threshold plus `beyond` >= 0 [m], in place of
+  /// what demandBeyond() set.
+  collision::LaneSweep::Contact sweepBeyond(const EdgeFrames& frames, const Asked& asked,
+                                            double beyond);
 
   /// Parts of the edge, one in each lane: from + [0, width]. Each `from` is a multiple of `width`,
   /// which is a power of two of at least 2^-16.

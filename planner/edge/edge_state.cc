@@ -26,9 +26,9 @@ EdgeCertifier::Impl::Near EdgeCertifier::Impl::nearPairs(int slot, double reach)
 
 std::optional<Verdict> EdgeCertifier::Impl::decideByLanes() {
   if (!lanes.begin(frames)) return std::nullopt;
-  if (lanes.sweep(frames, asked.pairs, asked.separation).id >= 0) return Verdict::kNotFree;
+  if (lanes.sweep(frames, asked).id >= 0) return Verdict::kNotFree;
   if (lanes.isFull()) return std::nullopt;
-  lanes.closeGaps(frames, asked.separation);
+  lanes.closeGaps(frames, asked);
   if (!lanes.open().empty() && lanes.searchPlanes().id >= 0) return Verdict::kNotFree;
   if (lanes.open().empty()) return Verdict::kFree;
   return std::nullopt;

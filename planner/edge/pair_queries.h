@@ -20,20 +20,6 @@
 
 namespace leeway::planner {
 
-/// The question about an edge's pairs.
-struct Asked {
-  Pairs pairs = Pairs::kAll;       ///< all others are ignored
-  double separation = -kInfinity;  ///< required of pairs with a smaller margin [m]
-
-  bool has(const EdgePair& pair) const {
-    return pairs == Pairs::kAll || pair.is_self == (pairs == Pairs::kSelf);
-  }
-  /// The value that a pair's separation must exceed [m].
-  double thresholdOf(const EdgePair& pair) const {
-    return std::max(pair.threshold, separation + pair.rounding);
-  }
-};
-
 /// Data about a pair from earlier edges. It steers which queries are tried, but proves nothing.
 struct PairMemory {
   /// Growth up to which a sweep is tried [m]: a failure lowers it, a success raises it.

@@ -2,20 +2,15 @@
 
 namespace leeway::planner {
 
-RowsProof::Margins RowsProof::marginsOf(const CompiledScene& scene) {
-  const double most = scene.scene().pairs().mostMargin();
-  return {most, most >= 0 && scene.scene().pairs().leastMargin() == most};
-}
-
 bool RowsProof::edgeFree(EdgeCertifier& certifier, std::span<const double> a,
-                         std::span<const double> b, double separation, std::int64_t most_work) {
+                         std::span<const double> b, double beyond, std::int64_t most_work) {
   if (isSpent()) {
     failed_ = {};
     return false;
   }
   EdgeRequest request = EdgeRequest::persistent();
   request.work_limit = std::min(most_work > 0 ? most_work : request.work_limit, left_);
-  request.separation = separation;
+  request.beyond = beyond;
   const std::int64_t before = certifier.statistics.work;
   const EdgeCheck check = certifier.certify(a, b, request);
   // Placing the robot is not counted: it takes about a microsecond.

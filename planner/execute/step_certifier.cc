@@ -56,8 +56,7 @@ StepCertifier::Bodies StepCertifier::names(const CompiledScene& scene, int pair)
 
 template <class Row>
 bool StepCertifier::allFree(EdgeCertifier& certifier, const Row& row, int last, Bodies& broken) {
-  const RowsProof::Margins margins = RowsProof::marginsOf(certifier.scene());
-  if (rows_.until(certifier, margins, row, 0, last, true) == last) return true;
+  if (rows_.until(certifier, row, 0, last, true) == last) return true;
   broken = names(certifier.scene(), rows_.failed().pair);
   return false;
 }

@@ -648,12 +648,15 @@ TEST(EdgeCertifier, ClearanceHoldsTheDenseMinimum) {
   EXPECT_LE(wide, (apart + overlapping) / 50);
 }
 
-TEST(EdgeCertifier, ASeparationIsKeptAlongTheEdge) {
+TEST(EdgeCertifier, WhatIsAskedBeyondMarginsIsKeptAlongTheEdge) {
   Random random(19);
   int free = 0, near = 0, cautious = 0;
   for (const Kind kind : {Kind::kArm, Kind::kFree, Kind::kPlanar, Kind::kTree})
     for (int p = 0; p < 12; ++p) {
-      const auto compiled = std::make_shared<const CompiledScene>(problemOf(random, kind));
+      Problem problem = problemOf(random, kind);
+      const double margins[] = {0, 0.02, -0.02}, margin = margins[p % 3];
+      problem.margins.common = margin;
+      const auto compiled = std::make_shared<const CompiledScene>(problem);
       // By lanes, and by bisection.
       EdgeCertifier certifier(compiled), rebound(compiled);
       rebound.rebind(compiled->withMarginAtLeast(-kInfinity));
@@ -663,23 +666,31 @@ TEST(EdgeCertifier, ASeparationIsKeptAlongTheEdge) {
         std::vector<double> b(a.size());
         compiled->space().interpolate(a, randomPoint(random, *compiled), random.uniform(0.01, 0.2),
                                       b);
-        const double dense = twin.along(a, b, 40, true), separation = random.uniform(0, 0.1);
+        const double dense = twin.along(a, b, 40, true), beyond = random.uniform(0, 0.1);
         for (EdgeCertifier* const asked : {&certifier, &rebound}) {
           EdgeRequest request = EdgeRequest::persistent();
-          request.separation = separation;
+          request.beyond = beyond;
           if (asked->certify(a, b, request).verdict == Verdict::kFree) {
             ++free;
-            EXPECT_GT(dense, separation - 1e-9) << replay(a, b);
+            EXPECT_GT(dense, margin + beyond - 1e-9) << replay(a, b);
           } else {
             ++near;
-            cautious += dense > separation + 0.02 && dense < kInfinity ? 1 : 0;
+            cautious += dense > margin + beyond + 0.02 && dense < kInfinity ? 1 : 0;
           }
-          // The separation belongs to one request; the next one does not have it.
+          // That belongs to one request; the next one does not have it.
           const Verdict plain = asked->certify(a, b, EdgeRequest::persistent()).verdict;
-          EXPECT_TRUE(plain != Verdict::kFree || dense > -1e-9) << replay(a, b);
+          EXPECT_TRUE(plain != Verdict::kFree || dense > margin - 1e-9) << replay(a, b);
         }
       }
     }
+  const auto compiled = std::make_shared<const CompiledScene>(problemOf(random, Kind::kArm));
+  const std::vector<double> a = randomPoint(random, *compiled);
+  EdgeCertifier certifier(compiled);
+  for (const double wrong : {-1e-9, -kInfinity, kInfinity, std::nan("")}) {
+    EdgeRequest request;
+    request.beyond = wrong;
+    EXPECT_EQ(certifier.certify(a, a, request).verdict, Verdict::kUndecided) << wrong;
+  }
   EXPECT_GT(free, 60);
   EXPECT_GT(near, 60);
   EXPECT_LE(cautious, near / 10);

@@ -112,7 +112,7 @@ void check(Random& random, const Problem& problem, int edges, Count& count) {
     scene->space().interpolate(a, randomPlanned(random, *scene), random.uniform(0.02, 1), b);
     if (!frames.begin(a, b) || !lanes.begin(frames)) continue;
     ++count.edges;
-    LaneSweep::Contact contact = lanes.sweep(frames, Pairs::kAll, -kInfinity);
+    LaneSweep::Contact contact = lanes.sweep(frames, Asked());
     if (contact.id < 0) {
       for (const LaneSweep::Open& o : lanes.open())
         for (int look = 0; look < 3; ++look)
@@ -310,7 +310,7 @@ void expectTheSameOnEveryInstructionSet(const Problem& problem, Random& random) 
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
       scene->space().interpolate(points[i], points[i + 1], 0.2, b);
       ASSERT_TRUE(frames.begin(points[i], b) && lanes.begin(frames));
-      LaneSweep::Contact contact = lanes.sweep(frames, Pairs::kAll, -kInfinity);
+      LaneSweep::Contact contact = lanes.sweep(frames, Asked());
       if (contact.id < 0) contact = lanes.searchPlanes();
       result.push_back(static_cast<std::uint32_t>(contact.id));
       result.push_back(static_cast<std::uint32_t>(contact.interval));

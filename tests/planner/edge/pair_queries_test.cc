@@ -50,6 +50,7 @@ TEST(PairQueries, AnswersHoldAtEveryConfiguration) {
       *q = {random.uniform(-1.5, 1.5), random.uniform(-1.5, 1.5), random.uniform(-3, 3)};
     ASSERT_TRUE(frames.begin(a, b));
     asked.separation = k % 4 == 0 ? 0.1 : -kInfinity;
+    asked.beyond = k % 3 == 0 ? 0.05 : 0;
     const double h = 1.0 / (1 << k % 5), t0 = h * (k % (1 << k % 5));
     const EdgeInterval interval{frames.place(t0), frames.place(t0 + h), t0, h, 0, 0, 0};
     queries.startInterval();
@@ -61,7 +62,7 @@ TEST(PairQueries, AnswersHoldAtEveryConfiguration) {
       const PairState state = queries.sweep(interval, static_cast<int>(p), t);
       if (state == PairState::kFree) {
         ++free;
-        more += asked.separation > 0;
+        more += asked.separation > 0 || asked.beyond > 0;
         for (int i = 0; i <= 16; ++i)
           EXPECT_GT(distanceAt(frames, pair, t0 + h * i / 16).upper, least) << k << " " << p;
       } else if (state == PairState::kNotFree) {

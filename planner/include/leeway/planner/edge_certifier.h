@@ -52,8 +52,9 @@ struct EdgeRequest {
   /// microsecond; beyond that, the edge is undecided. 0: about 100 us, or half a millisecond for a
   /// body that flies freely among triangles. `last_valid` may cost the same again.
   std::int64_t work_limit = 0;
-  /// Every pair keeps that where its margin is less [m]: so an edge also proves what stays near it.
-  double separation = -std::numeric_limits<double>::infinity();
+  /// Every pair keeps its margin and that >= 0 [m]: so an edge also proves what stays near it. Any
+  /// other number leaves the edge undecided.
+  double beyond = 0;
 
   /// A hundred times the default work: for proofs that no other edge can replace.
   static EdgeRequest persistent();
