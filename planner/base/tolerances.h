@@ -758,6 +758,12 @@ constexpr double kGuardOnLine = 1e-9;
 constexpr std::int64_t kGuardChordWork = 50'000;
 constexpr std::int64_t kGuardLeastWork = 1'000;
 
+/// Bounds by which one derivative of a polynomial is proven to keep its limit, at most, parts in
+/// which its curvature is bounded, and the work of one bound [units of Work].
+constexpr int kGuardPolynomialSteps = 200;
+constexpr int kGuardPolynomialParts = 16;
+constexpr std::int64_t kGuardPolynomialWork = 50;
+
 /// Parts of the horizon for which it is bounded where obstacles are [count].
 constexpr int kGuardSlices = 16;
 

@@ -148,7 +148,7 @@ struct Guard::Impl {
         size(at(scene->space().size())),
         proof(commanded.first, options, scene),
         brake(options.limits, options.period),
-        known(size, at(options.most_setpoints + brake.mostRows())),
+        known(size, at(options.most_setpoints + brake.mostRows()), GuardRequest::kMostTerms),
         next(known),
         velocity(size),
         acceleration(size) {
@@ -169,7 +169,7 @@ struct Guard::Impl {
   void beginOn(double time) {
     next.time = time;
     next.since = 0;
-    next.rows = next.passed = 0;
+    next.rows = next.passed = next.curved = 0;
     const double periods =
         std::min((time - known.time) / options.period, static_cast<double>(known.rows + 1));
     const double same = sameTime(time, options.period) / options.period;
@@ -179,6 +179,8 @@ struct Guard::Impl {
     const bool rests = whole > known.rows || (whole == known.rows && between);
     const int row = std::min(whole, known.rows);
     const int to = between && !rests ? row + 1 : row;
+    if (between && to <= known.curved)
+      return beginOnCurve(known.curveTime(periods, options.period));
     for (std::size_t i = 0; i < size; ++i) {
       const double p = known.row(row)[i];
       next.row(0)[i] = to > row ? p + (known.row(to)[i] - p) * share : p;
@@ -196,6 +198,28 @@ struct Guard::Impl {
     } else if (!rests && to == 0) {
       next.since = known.since;
     }
+  }
+
+  void beginOnCurve(double t) {
+    for (std::size_t i = 0; i < size; ++i) {
+      next.row(0)[i] = placeOn(known.curve, i, t);
+      next.velocity[i] = known.curve.at(i, 1, t);
+      next.acceleration[i] = known.curve.at(i, 2, t);
+    }
+  }
+
+  /// A variable's place on a polynomial that keeps the limits, without what rounding adds.
+  double placeOn(const Polynomials& curve, std::size_t i, double t) const {
+    const double q = curve.at(i, 0, t);
+    const auto variable = static_cast<int>(i);
+    return isCircle(variable)
+               ? q
+               : std::clamp(q, scene->space().lower(variable), scene->space().upper(variable));
+  }
+
+  /// Each part of the space is one variable, because no joint is floating.
+  bool isCircle(int variable) const {
+    return scene->space().parts()[at(variable)].kind == ConfigurationSpace::Kind::kCircle;
   }
 
   bool takesTime(double time) const {
@@ -244,6 +268,85 @@ struct Guard::Impl {
       if (!keepsLimits(k)) return k - 1;
     }
     return count;
+  }
+
+  /// Whether the request's polynomials make sense where `next` begins.
+  bool arePolynomials(const GuardRequest& request) const {
+    const std::size_t given = request.polynomials.size(), terms = given / size;
+    const double periods = request.duration / options.period;
+    if (given % size != 0 || terms > at(GuardRequest::kMostTerms) || !isFinite(request.polynomials))
+      return false;
+    if (!(periods >= 0.5 && periods <= options.most_setpoints + 0.5) ||
+        !(std::abs(periods - std::round(periods)) <= kGuardSameTime))
+      return false;
+    for (std::size_t i = 0; i < size; ++i)
+      if (!(std::abs(request.polynomials[i * terms] - next.row(0)[i]) <= kVerifyWaypoint))
+        return false;
+    return true;
+  }
+
+  /// Takes polynomials into `next` as far as they keep the limits; returns for how many periods.
+  int takePolynomials(const GuardRequest& request) {
+    const double T = options.period;
+    const int count = static_cast<int>(std::round(request.duration / T));
+    next.curve.set(request.polynomials);
+    next.curve_begin = 0;
+    next.curved = 0;
+    double until = count * T;
+    for (std::size_t i = 0; i < size && until > 0; ++i) until = keepsLimits(i, until);
+    next.curved = until < count * T ? static_cast<int>(until / T) : count;
+    for (int k = 1; k <= next.curved; ++k)
+      for (std::size_t i = 0; i < size; ++i) next.row(k)[i] = placeOn(next.curve, i, k * T);
+    for (std::size_t i = 0; i < size; ++i) {
+      double most = 0;
+      for (int part = 0; part < kGuardPolynomialParts; ++part)
+        most = std::max(most, next.curve.most(i, 2, until * part / kGuardPolynomialParts,
+                                              until * (part + 1) / kGuardPolynomialParts));
+      next.bend[i] = (most * T * T / 8 + std::abs(next.curve.at(i, 0, 0) - next.row(0)[i]) +
+                      next.curve.rounding(i, 0, until)) *
+                     (1 + kGuardChordShare);
+    }
+    proof.charge(static_cast<std::int64_t>(size) * kGuardPolynomialParts * kGuardPolynomialWork);
+    return next.curved;
+  }
+
+  /// The time in [0, `until`] up to which the polynomial of a variable keeps its limits.
+  double keepsLimits(std::size_t i, double until) {
+    const auto variable = static_cast<int>(i);
+    const double T = options.period, dt = next.timeTo(1, T);
+    const double rounding = kGuardDifference * (std::abs(next.row(0)[i]) + 1) / T;
+    const double first = next.curve.at(i, 1, 0), bends = next.curve.at(i, 2, 0);
+    if (!keeps(MotionLimit::kAcceleration, variable, (first - next.velocity[i]) / dt,
+               options.limits.acceleration[i], rounding * 4 / dt) ||
+        !keeps(MotionLimit::kJerk, variable, (bends - next.acceleration[i]) / dt,
+               options.limits.jerk[i], rounding * 16 / (dt * dt)))
+      return 0;
+    const bool is_circle = isCircle(variable);
+    // A circle that turns farther in a period would go the other way.
+    const double fastest = is_circle ? kLongestLineTurn / T : kInfinity;
+    const double most[] = {kInfinity, std::min(options.limits.velocity[i], fastest),
+                           options.limits.acceleration[i], options.limits.jerk[i]};
+    constexpr MotionLimit kLimits[] = {MotionLimit::kPosition, MotionLimit::kVelocity,
+                                       MotionLimit::kAcceleration, MotionLimit::kJerk};
+    for (int order = 0; order < 4; ++order) {
+      if (order == 0 ? is_circle : !(most[order] < kInfinity)) continue;
+      const double high = order == 0 ? scene->space().upper(variable) : most[order];
+      const double low = order == 0 ? scene->space().lower(variable) : -most[order];
+      const double slack =
+          (order == 0 ? 0 : kGuardLimitSlack * high) + next.curve.rounding(i, order, until);
+      int steps = kGuardPolynomialSteps;
+      const double kept =
+          next.curve.keepsUntil({i, order, low - slack, high + slack}, 0, until, steps);
+      proof.charge((kGuardPolynomialSteps - steps + 1) * kGuardPolynomialWork);
+      if (!(kept < until)) continue;
+      const double here = next.curve.at(i, order, kept);
+      const double there = next.curve.at(i, order, std::min(until, kept + T));
+      const double value =
+          std::max(here - high, low - here) > std::max(there - high, low - there) ? here : there;
+      setLimit(kLimits[order], variable, value, value > high - (high - low) / 2 ? high : low);
+      until = kept;
+    }
+    return until;
   }
 
   bool keepsLimits(int k) {
@@ -314,6 +417,7 @@ struct Guard::Impl {
     const int stop = brake.stop(next.row(k), velocity, acceleration, next.from(k + 1),
                                 next.timeTo(k + 1, options.period));
     next.passed = k;
+    next.curved = std::min(next.curved, k);
     next.rows = k + std::max(0, stop);
     return stop >= 0;
   }
@@ -372,9 +476,11 @@ struct Guard::Impl {
   /// stop is proven.
   bool prove(const GuardRequest& request) {
     const std::size_t given = request.setpoints.size();
+    const bool curves = !request.polynomials.empty();
     int count = 0;
     if (!begin(request) || given % size != 0 || given / size > at(options.most_setpoints) ||
-        !isFinite(request.setpoints)) {
+        !isFinite(request.setpoints) ||
+        (curves ? given > 0 || !arePolynomials(request) : request.duration != 0)) {
       fail(GuardReason::kInvalid);
       if (is_lost) return false;
     } else if (is_lost) {  // where the robot is, and whether it is at rest, is not known
@@ -383,7 +489,7 @@ struct Guard::Impl {
     } else if (!jumped.empty()) {
       fail(GuardReason::kJumped, false, jumped.front());
     } else {
-      count = takeSetpoints(request.setpoints);
+      count = curves ? takePolynomials(request) : takeSetpoints(request.setpoints);
       if (count > 0) {
         const int free = std::max(0, proof.freeUntil(next, 0, count));
         if (free < count) failAsProof(false);
@@ -409,6 +515,9 @@ struct Guard::Impl {
     for (int k = row; k <= known.rows; ++k)
       std::copy(known.row(k).begin(), known.row(k).end(), next.row(k - row).begin());
     next.since = row == 0 ? known.since : 0;
+    next.curve = known.curve;
+    next.curve_begin = known.curveTime(row, options.period);
+    next.curved = std::max(0, known.curved - row);
     next.time = periods >= known.rows ? time : known.time + row * options.period;
     next.rows = known.rows - row;
     next.passed = 0;
@@ -432,6 +541,7 @@ struct Guard::Impl {
     has_begun = true;
     answer.passed = known.passed;
     answer.motion = known.setpoints();
+    answer.on_polynomials = known.curved;
     answer.start = known.row(0);
     answer.time = known.time;
     const EdgeCertifier::Statistics spent = proof.statistics();

@@ -10,6 +10,7 @@
 
 #include "collision/base/numbers.h"
 #include "planner/base/tolerances.h"
+#include "planner/guard/polynomials.h"
 
 namespace leeway::planner {
 
@@ -26,11 +27,17 @@ inline double sameTime(double time, double period) {
 }
 
 /// A start and the setpoints after it, one row a period. From row to row joints go in straight
-/// lines at constant speed; after the last one the robot rests. Allocates in the constructor only.
+/// lines at constant speed, but to the first ones on polynomials; after the last one the robot
+/// rests. Allocates in the constructor only.
 struct SetpointMotion {
-  /// `most`: setpoints that there is room for [count].
-  SetpointMotion(std::size_t variables, std::size_t most)
-      : size(variables), values((most + 1) * size), velocity(size), acceleration(size) {}
+  /// `most`: setpoints that there is room for [count]; `terms`: coefficients of a polynomial.
+  SetpointMotion(std::size_t variables, std::size_t most, std::size_t terms)
+      : size(variables),
+        values((most + 1) * size),
+        velocity(size),
+        acceleration(size),
+        curve(variables, terms),
+        bend(size) {}
 
   /// Rest at a place from `when` on [s].
   void reset(std::span<const double> place, double when) {
@@ -39,7 +46,7 @@ struct SetpointMotion {
     std::fill(acceleration.begin(), acceleration.end(), 0);
     time = when;
     since = 0;
-    rows = passed = 0;
+    rows = passed = curved = 0;
   }
 
   /// Row 0 is the start.
@@ -49,14 +56,20 @@ struct SetpointMotion {
   std::span<double> from(int i) { return std::span<double>(values).subspan(at(i) * size); }
   std::span<const double> setpoints() const { return {values.data() + size, at(rows) * size}; }
 
-  /// Velocity and acceleration on the way to row k; at the start, where k is 0.
+  /// Velocity and acceleration on the way to row k, on a polynomial at that row; at the start,
+  /// where k is 0.
   double velocityTo(int k, std::size_t i, double period) const {
-    return k == 0 ? velocity[i] : (row(k)[i] - row(k - 1)[i]) / period;
+    if (k == 0) return velocity[i];
+    if (k <= curved) return curve.at(i, 1, curveTime(k, period));
+    return (row(k)[i] - row(k - 1)[i]) / period;
   }
   double accelerationTo(int k, std::size_t i, double period) const {
-    return k == 0 ? acceleration[i]
-                  : (velocityTo(k, i, period) - velocityTo(k - 1, i, period)) / timeTo(k, period);
+    if (k == 0) return acceleration[i];
+    if (k <= curved) return curve.at(i, 2, curveTime(k, period));
+    return (velocityTo(k, i, period) - velocityTo(k - 1, i, period)) / timeTo(k, period);
   }
+  /// The time of the polynomials so many periods after the start.
+  double curveTime(double periods, double period) const { return curve_begin + periods * period; }
   /// The time in which the velocity before row k - 1 becomes that after it.
   double timeTo(int k, double period) const { return k == 1 && since > 0 ? since : period; }
 
@@ -69,6 +82,11 @@ struct SetpointMotion {
   double since = 0;
   int rows = 0;    ///< setpoints
   int passed = 0;  ///< those before the stop
+
+  int curved = 0;            ///< the first ones, between which the robot follows `curve`
+  Polynomials curve;         ///< of use where `curved` is not 0
+  double curve_begin = 0;    ///< its time at the start [s]
+  std::vector<double> bend;  ///< how far it is from the straight lines at most [rad or m]
 };
 
 }  // namespace leeway::planner

@@ -15,7 +15,6 @@ SetpointProof::SetpointProof(const Problem& problem, const GuardOptions& options
       horizon_(options.horizon),
       obstacles_(problem, scene_),
       still_(obstacles_.still()),
-      still_margins_(RowsProof::marginsOf(still_.scene())),
       rows_(*scene_) {
   if (obstacles_.empty()) return;
   movers_.resize(obstacles_.groups());
@@ -39,10 +38,9 @@ void SetpointProof::look(double time) {
     const double share = (k + 1.0) / kGuardSlices;
     slice.end = time + horizon_ * share * share;  // near ones are short: less is grown in them
     for (std::size_t g = 0; g < movers_.size(); ++g) {
-      Mover::Where& where = movers_[g].slices[at(k)];
-      where.scene = obstacles_.place(g, slice.begin, slice.end, false).grown;
-      where.margins = RowsProof::marginsOf(*where.scene);
-      movers_[g].certifier->rebind(where.scene);  // makes what certifiers share, which allocates
+      std::shared_ptr<const CompiledScene>& where = movers_[g].slices[at(k)];
+      where = obstacles_.place(g, slice.begin, slice.end, false).grown;
+      movers_[g].certifier->rebind(where);  // makes what certifiers share, which allocates
     }
   }
   is_stale_ = false;
@@ -70,15 +68,16 @@ EdgeCertifier::Statistics SetpointProof::statistics() const {
   return now;
 }
 
-int SetpointProof::untilIn(EdgeCertifier& certifier, const RowsProof::Margins& margins,
-                           const SetpointMotion& motion, int from, int to, bool all) {
+int SetpointProof::untilIn(EdgeCertifier& certifier, const SetpointMotion& motion, int from, int to,
+                           bool all) {
   const auto row = [&](int k) { return motion.row(k); };
-  const int reached = rows_.until(certifier, margins, row, from, to, all);
+  const int reached = rows_.until(certifier, row, from, to, all, bend_);
   if (reached == to) return to;
   const EdgeCheck& check = rows_.failed();
-  failure_ = {check.verdict == Verdict::kNotFree ? GuardReason::kNotFree
-              : isSpent()                        ? GuardReason::kWork
-                                                 : GuardReason::kNotCertified,
+  // What is near a polynomial is not free, but the polynomial may be.
+  failure_ = {check.verdict == Verdict::kNotFree && !(bend_ > 0) ? GuardReason::kNotFree
+              : isSpent()                                        ? GuardReason::kWork
+                                                                 : GuardReason::kNotCertified,
               {},
               {}};
   if (check.pair >= 0) {
@@ -95,9 +94,8 @@ int SetpointProof::untilInSlice(std::size_t slice, const SetpointMotion& motion,
   int last = to;
   Failure of_last;
   for (Mover& mover : movers_) {
-    const Mover::Where& where = mover.slices[slice];
-    mover.certifier->rebind(where.scene);
-    const int reached = untilIn(*mover.certifier, where.margins, motion, from, last, all);
+    mover.certifier->rebind(mover.slices[slice]);
+    const int reached = untilIn(*mover.certifier, motion, from, last, all);
     if (reached >= last) continue;
     of_last = failure_;
     last = reached;
@@ -134,7 +132,7 @@ int SetpointProof::untilAmongObstacles(const SetpointMotion& motion, int from, i
 }
 
 int SetpointProof::until(const SetpointMotion& motion, int from, int to, bool all) {
-  int reached = untilIn(still_, still_margins_, motion, from, to, all);
+  int reached = untilIn(still_, motion, from, to, all);
   if (!movers_.empty() && reached >= from && (reached == to || !all)) {
     const Failure of_still = failure_;
     const int among = untilAmongObstacles(motion, from, reached, all);

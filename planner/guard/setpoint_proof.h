@@ -36,10 +36,12 @@ class SetpointProof {
   /// The last row up to which the motion is proven from row `from` on; at most `to`, and `from` - 1
   /// where not even that row is known to be free. Where it is less than `to`, failure() says why.
   int freeUntil(const SetpointMotion& motion, int from, int to) {
+    bend_ = motion.curved > from ? rows_.displacement().of(motion.bend) : 0;
     return until(motion, from, to, false);
   }
-  /// Whether all of it is proven. If it is not, failure() says why.
+  /// Whether all of it is proven, which is on no polynomial. If it is not, failure() says why.
   bool isFree(const SetpointMotion& motion, int from, int to) {
+    bend_ = 0;
     return until(motion, from, to, true) == to;
   }
 
@@ -59,29 +61,24 @@ class SetpointProof {
   };
   /// A group of obstacles, and where they can be in each slice.
   struct Mover {
-    struct Where {
-      std::shared_ptr<const CompiledScene> scene;
-      RowsProof::Margins margins;
-    };
     std::unique_ptr<EdgeCertifier> certifier;
-    std::vector<Where> slices;
+    std::vector<std::shared_ptr<const CompiledScene>> slices;
   };
   int until(const SetpointMotion& motion, int from, int to, bool all);
   int untilAmongObstacles(const SetpointMotion& motion, int from, int to, bool all);
   int untilInSlice(std::size_t slice, const SetpointMotion& motion, int from, int to, bool all);
-  int untilIn(EdgeCertifier& certifier, const RowsProof::Margins& margins,
-              const SetpointMotion& motion, int from, int to, bool all);
+  int untilIn(EdgeCertifier& certifier, const SetpointMotion& motion, int from, int to, bool all);
   EdgeCertifier::Statistics sum() const;
 
   std::shared_ptr<const CompiledScene> scene_;
   double period_, horizon_;
   Obstacles obstacles_;
   EdgeCertifier still_;
-  RowsProof::Margins still_margins_;
   std::vector<Mover> movers_;  ///< by group; none without obstacles
   std::vector<Slice> slices_;
   bool is_stale_ = false;  ///< the slices do not hold
   RowsProof rows_;
+  double bend_ = 0;  ///< how far points are from where straight lines place them, at most [m]
   EdgeCertifier::Statistics before_;
   Failure failure_;
 };

@@ -88,15 +88,35 @@ std::vector<double> given(const py::object& value, const char* name, std::size_t
   return rows(value, name, columns, axes).values;
 }
 
+/// Coefficients of polynomials, one row a planned variable; see given().
+std::vector<double> coefficients(const py::object& value, std::size_t variables) {
+  const py::array array = py::array::ensure(value);
+  if (!array || array.ndim() != 2 || array.shape(0) != static_cast<py::ssize_t>(variables))
+    throw py::value_error(
+        "polynomials: an array of shape (" + std::to_string(variables) +
+        ", terms) is expected, the coefficients of 1, t, t^2, ... for each planned variable");
+  return given(value, "polynomials", static_cast<std::size_t>(array.shape(1)), 2);
+}
+
 Answer check(Guarding& self, const py::object& setpoints, const py::object& position,
-             const py::object& velocity, const py::object& time) {
+             const py::object& velocity, const py::object& time, const py::object& polynomials,
+             const py::object& duration) {
   const Busy busy(self.busy, kBusyGuard);
   const std::vector<double> points = given(setpoints, "setpoints", self.size(), 2);
   const std::vector<double> place = given(position, "position", self.size(), 1);
   const std::vector<double> rate = given(velocity, "velocity", self.size(), 1);
-  planner::GuardRequest request{
-      .setpoints = points, .position = place, .velocity = rate, .time = std::nullopt};
+  if (polynomials.is_none() != duration.is_none() ||
+      (!polynomials.is_none() && !setpoints.is_none()))
+    throw py::value_error("setpoints, or polynomials with their duration, are expected");
+  std::vector<double> curves;
+  if (!polynomials.is_none()) curves = coefficients(polynomials, self.size());
+  planner::GuardRequest request{.setpoints = points,
+                                .polynomials = curves,
+                                .position = place,
+                                .velocity = rate,
+                                .time = std::nullopt};
   if (!time.is_none()) request.time = number(time, "time");
+  if (!duration.is_none()) request.duration = number(duration, "duration");
   released([&] { self.guard->check(request); });
   return copyOf(self.guard->answer(), self.problem);
 }
@@ -177,6 +197,8 @@ void defineAnswer(py::module_& module) {
            "How many setpoints, from the first on, may be executed.");
   property("certified", &planner::GuardAnswer::certified,
            "`motion` is proven: what passed, and the stop after it.");
+  property("on_polynomials", &planner::GuardAnswer::on_polynomials,
+           "To so many of the first rows of `motion` the robot follows polynomials.");
   property("time", &planner::GuardAnswer::time, "When `motion` begins [s].");
   property("goes_on", &planner::GuardAnswer::goes_on,
            "`motion` is what was left of the last answer's: no new stop is proven.");
@@ -249,10 +271,14 @@ void defineGuard(py::module_& module) {
       "are off at most; `work`: what a call may cost; `horizon`: for how long after look() "
       "obstacles are bounded [s]. For one thread at a time.",
       makeGuard);
-  define(guard, "check", "(self, setpoints=None, position=None, velocity=None, time=None)",
+  define(guard, "check",
+         "(self, setpoints=None, position=None, velocity=None, time=None, *, polynomials=None, "
+         "duration=None)",
          "What passes of setpoints (n, joints), and the stop after it. `position`, `velocity`: "
          "(joints,), where the robot was measured (default: on the last answer's motion). `time` "
-         "[s]: default next_time. Without setpoints it stops.",
+         "[s]: default next_time. Without setpoints it stops. In place of setpoints: `polynomials` "
+         "(joints, terms), the coefficients of 1, t, t^2, ... with t from when the motion begins "
+         "to `duration`, a whole number of periods [s].",
          check);
   define(guard, "set_vertices", "(self, name, vertices, time, speed_bound=None)",
          "The vertices of a deforming obstacle (n, 3) [m] as seen at `time` [s]; none is faster "

@@ -311,6 +311,28 @@ def test_replanner_follows_vertices_from_numpy(robot, tmp_path):
         leeway.verify_log(problem, file)
 
 
+def test_a_guard_passes_polynomials(robot, world):
+    start = turned(robot, -0.8)
+    guard = leeway.Guard(robot, world, start, margin=0.01, accelerations=2, most_setpoints=200)
+    terms = np.zeros((7, 3))
+    terms[:, 0] = start
+    terms[0, 2] = 0.5  # from rest, 1 rad/s^2
+    answer = guard.check(polynomials=terms, duration=0.5)
+    assert answer and answer.passed == 25 == answer.on_polynomials
+    assert answer.motion[24, 0] == pytest.approx(start[0] + 0.125)
+    terms[0] = start[0] + 0.125, 0.5, 0
+    answer = guard.check(polynomials=terms, duration=4)
+    assert 10 < answer.passed < 200 and answer.certified and "post" in answer.pair and answer.in_stop
+    elsewhere = guard.check(polynomials=terms, duration=0.5)
+    assert elsewhere.reason == "invalid" and elsewhere.certified
+    terms[0, 0] = np.nan
+    assert guard.check(polynomials=terms, duration=0.5).reason == "invalid"
+    for wrong in (dict(polynomials=terms), dict(duration=1), dict(polynomials=terms[:6], duration=1), dict(polynomials=start, duration=1),
+                  dict(setpoints=[start], polynomials=terms, duration=1)):
+        with pytest.raises(ValueError, match="polynomials"):
+            guard.check(**wrong)
+
+
 def test_a_guard_passes_what_has_room_to_stop(robot, world):
     start = turned(robot, -0.8)
     guard = leeway.Guard(robot, world, start, margin=0.01, accelerations=2, joint_errors=0.001, most_setpoints=200)

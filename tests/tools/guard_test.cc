@@ -73,6 +73,40 @@ TEST_F(GuardVerb, SaysWhatIsInTheWay) {
   EXPECT_LT(far["passed"], line["passed"]);
 }
 
+TEST_F(GuardVerb, ReadsPolynomials) {
+  // The shoulder turns by t^2 / 2 for half a second; then the request says where it begins wrongly.
+  const std::string first = R"({"polynomials": [[-1, 0, 0.5], [0, 0, 0]], "duration": 0.5})";
+  const std::string next = R"({"polynomials": [[-0.875, 0.5], [0, 0]], "duration": 0.1})";
+  const std::vector<json> lines = guard("reach.yaml", first + "\n" + next + "\n").lines();
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0]["setpoints"], 25);
+  EXPECT_EQ(lines[0]["passed"], 25);
+  EXPECT_EQ(lines[0]["on_polynomials"], 25);
+  EXPECT_NEAR(lines[0]["motion"][24][0].get<double>(), -0.875, 1e-12);
+  EXPECT_EQ(lines[1]["passed"], 5);
+  EXPECT_EQ(lines[1]["reason"], "passed");
+
+  const std::pair<const char*, const char*> faults[] = {
+      {R"("polynomials": [[-1, 0], [0, 0]])", "'duration' is missing"},
+      {R"("duration": 1)", "'polynomials' is missing"},
+      {R"("polynomials": [[-1, 0]], "duration": 0.1)", "a list of 2 lists"},
+      {R"("polynomials": [[-1, 0], [0]], "duration": 0.1)", "polynomials[1]"},
+      {R"("polynomials": [[], []], "duration": 0.1)", "a list of 2 lists"},
+      {R"("polynomials": [[-1], [0]], "duration": 0.1, "setpoints": [])", "one of them"},
+      {R"("polynomials": [[-1], [0]], "duration": 0.11)", "duration is 0.11 s; a whole number"},
+      {R"("polynomials": [[-1], [0]], "duration": 2)", "100 setpoints; at most 64"},
+      {R"("polynomials": [[-0.9], [0]], "duration": 0.1)", "'shoulder' begins at -0.9; -1"},
+      {R"("polynomials": [[-1,0,0,0,0,0,0,0,0],[0,0,0,0,0,0,0,0,0]], "duration": 0.1)",
+       "9 coefficients; at most 8"}};
+  for (const auto& [text, message] : faults) {
+    const Answer answer = guard("reach.yaml", "{" + std::string(text) + "}\n" + first + "\n");
+    EXPECT_EQ(answer.status, 2) << text;
+    EXPECT_NE(answer.err.find(message), std::string::npos) << text << answer.err;
+    ASSERT_EQ(answer.lines().size(), 2u) << text;
+    EXPECT_EQ(answer.lines()[1]["passed"], 25) << text;
+  }
+}
+
 TEST_F(GuardVerb, ReadsRowsOfNumbers) {
   // The second row has two setpoints; the header has the joints in another order.
   const Answer answer =

@@ -41,7 +41,9 @@ constexpr const char* kGuardKeys =
   1.0,0.2,...             a setpoint for each planned joint, in the order of the group, or in that
                           of a first line with their names; more numbers: the setpoints after it
   [[...], [...]]          setpoints, one a period
-  {...}                   keys: setpoints; position, velocity: of the robot, measured; time
+  {...}                   keys: setpoints; position, velocity: of the robot, measured; time;
+                          polynomials and duration, in place of setpoints: the coefficients of
+                          1, t, t^2, ... for each planned joint, t from 0 to a whole number of periods
   {"observe": {...}}      keys: object, vertices, time, speed_bound: a deforming obstacle was seen;
                           object, position, orientation (x y z w), time, speed_bound, turn_bound:
                           an object with a motion (`moving`) was seen;
@@ -52,13 +54,14 @@ constexpr const char* kGuardKeys =
                           of links, objects at rest, or robot), with position and
                           orientation, state (of the robot then) and carve_margin:
                           points of these are left out
-Empty lines, and lines that begin with #, are left out. Without a time the robot
-has gone through what passed of the request before, and at least one period.
+Empty lines, and lines that begin with #, are left out. Without a time, the robot
+is assumed to have executed all setpoints that passed of the last request, and at
+least one period. Chunks that overlap need a time.
 JSON, a document a line (metres, radians, seconds; null: nothing, or nothing known):
   version                 of these documents (docs/json.md)
   line, seed              of the input, from 1; of the problem
   time                    when `motion` begins
-  passed, setpoints       how many setpoints passed, of how many
+  passed, setpoints       how many setpoints passed, of how many; periods of polynomials
   certified               `motion` is proven: what passed, and the stop after it
   reason                  passed; or why the next setpoint did not: limit, not_free, not_certified,
                           work, stale, jumped, invalid
@@ -68,6 +71,7 @@ JSON, a document a line (metres, radians, seconds; null: nothing, or nothing kno
                           this limit would be broken: position, velocity, acceleration or jerk
   goes_on                 `motion` is what was left of the one before
   start, motion           where it begins; setpoints, one a period, of what passed and of the stop
+  on_polynomials          to so many of these the robot follows polynomials
   counts                  edges, distance_queries and work that the answer took
   observation             the answer to a line that observes: taken, jumped, invalid, late
   cloud                   that it showed (docs/json.md: one of `clouds`)
@@ -84,7 +88,8 @@ struct GuardArguments {
 
 /// A request as a line has it.
 struct Line {
-  std::vector<double> setpoints, position, velocity;
+  std::vector<double> setpoints, polynomials, position, velocity;
+  double duration = 0;  ///< of the polynomials
   std::optional<double> time;
   bool is_observation = false;
   std::string object;  ///< of an observation
@@ -181,6 +186,7 @@ class LineReader {
 
   Line fromFields(const std::vector<std::string>& fields) const {
     const std::size_t n = names_.size();
+    for (const std::string& field : fields) numberOf(field);
     if (fields.size() % n != 0)
       throw LineFault{
           fmt::format("{} numbers; {}, or a multiple of that, are expected", fields.size(), n)};
@@ -261,12 +267,28 @@ class LineReader {
       expectKeys(value, {"observe"});
       return observationOf(value["observe"]);
     }
-    expectKeys(value, {"setpoints", "position", "velocity", "time", "observe"});
+    expectKeys(value,
+               {"setpoints", "polynomials", "duration", "position", "velocity", "time", "observe"});
     if (value.contains("setpoints")) line.setpoints = rowsOf(value["setpoints"], n, "setpoints");
     if (value.contains("position")) line.position = rowOf(value["position"], n, "position");
     if (value.contains("velocity")) line.velocity = rowOf(value["velocity"], n, "velocity");
     if (value.contains("time")) line.time = number(value["time"], "time");
+    if (value.contains("polynomials") || value.contains("duration")) takePolynomials(value, line);
     return line;
+  }
+
+  void takePolynomials(const Json& value, Line& line) const {
+    for (const char* const key : {"polynomials", "duration"})
+      if (!value.contains(key)) throw LineFault{fmt::format("'{}' is missing", key)};
+    if (value.contains("setpoints"))
+      throw LineFault{"setpoints and polynomials are given; one of them is expected"};
+    const Json& rows = value["polynomials"];
+    if (!rows.is_array() || rows.size() != names_.size() || !rows[0].is_array() || rows[0].empty())
+      throw LineFault{
+          fmt::format("polynomials is {}; a list of {} lists of coefficients is expected",
+                      jsonText(rows).substr(0, 60), names_.size())};
+    line.polynomials = rowsOf(rows, rows[0].size(), "polynomials");
+    line.duration = number(value["duration"], "duration");
   }
 
   /// The keys that an observation has.
@@ -428,6 +450,7 @@ Json answerJson(const planner::GuardAnswer& answer, const std::vector<std::strin
           {"goes_on", answer.goes_on},
           {"start", rowJson(answer.start)},
           {"motion", motion},
+          {"on_polynomials", answer.on_polynomials},
           {"counts",
            {{"edges", answer.edges},
             {"distance_queries", answer.distance_queries},
@@ -506,7 +529,7 @@ class Session {
         document["cloud"] = line->cloud ? cloudJson({line->object, {}, {}, line->cloud}) : Json();
         return tell({});
       }
-      setpoints = line->setpoints.size() / reader_.names().size();
+      setpoints = setpointsOf(*line);
       check(*line);
       message = refusalOf(*line);
     } catch (const LineFault& fault) {
@@ -530,11 +553,42 @@ class Session {
     printMessage(fmt::format("{}:{}: {}", kStandardInput, number_, message));
   }
 
+  /// How many setpoints a line has, or periods of polynomials.
+  std::size_t setpointsOf(const Line& line) const {
+    if (line.polynomials.empty()) return line.setpoints.size() / reader_.names().size();
+    const double periods = line.duration / guard_.options().period;
+    return periods >= 0 && periods <= 1e9 ? static_cast<std::size_t>(std::round(periods)) : 0;
+  }
+
+  /// What is wrong with polynomials that the guard refused; empty: nothing.
+  std::string faultOfPolynomials(const Line& line) const {
+    const std::size_t n = reader_.names().size(), terms = line.polynomials.size() / n;
+    if (terms > static_cast<std::size_t>(planner::GuardRequest::kMostTerms))
+      return fmt::format("polynomials have {} coefficients; at most {} are expected", terms,
+                         planner::GuardRequest::kMostTerms);
+    for (std::size_t i = 0; i < n * terms; ++i)
+      if (!std::isfinite(line.polynomials[i]))
+        return fmt::format("polynomials have {} for '{}'; a finite number is expected",
+                           line.polynomials[i], reader_.names()[i / terms]);
+    const double period = guard_.options().period, periods = line.duration / period;
+    if (!(periods >= 0.5) || !(std::abs(periods - std::round(periods)) <= planner::kGuardSameTime))
+      return fmt::format("duration is {} s; a whole number of periods of {} s is expected",
+                         line.duration, period);
+    const std::span<const double> start = guard_.answer().start;
+    for (std::size_t i = 0; i < n; ++i)
+      if (!(std::abs(line.polynomials[i * terms] - start[i]) <= planner::kVerifyWaypoint))
+        return fmt::format(
+            "the polynomial of '{}' begins at {}; {}, where the motion does, is "
+            "expected",
+            reader_.names()[i], line.polynomials[i * terms], start[i]);
+    return {};
+  }
+
   /// Why the guard refused a line whose sizes are right; empty if it did not. Numbers that are not
   /// finite are a fault of the policy, not of the line.
   std::string refusalOf(const Line& line) {
     if (guard_.answer().reason != planner::GuardReason::kInvalid) return {};
-    const std::size_t n = reader_.names().size(), setpoints = line.setpoints.size() / n;
+    const std::size_t n = reader_.names().size(), setpoints = setpointsOf(line);
     for (std::size_t i = 0; i < line.setpoints.size(); ++i)
       if (const double x = line.setpoints[i]; !std::isfinite(x))
         return fmt::format("setpoints[{}] has {} for '{}'; a finite number is expected", i / n, x,
@@ -543,6 +597,8 @@ class Session {
         "time is {} s; seconds that do not go back, and near which numbers are at most 0.001 "
         "periods apart, are expected",
         line.time.value_or(guard_.nextTime()));
+    if (!line.polynomials.empty())
+      if (const std::string fault = faultOfPolynomials(line); !fault.empty()) message = fault;
     if (setpoints > static_cast<std::size_t>(most_setpoints_))
       message = fmt::format("{} setpoints; at most {} (--most-setpoints) are expected", setpoints,
                             most_setpoints_);
@@ -565,6 +621,8 @@ class Session {
   void check(const Line& line) {
     if (const std::string fault = look(line.time); !fault.empty()) throw LineFault{fault};
     guard_.check({.setpoints = line.setpoints,
+                  .polynomials = line.polynomials,
+                  .duration = line.duration,
                   .position = line.position,
                   .velocity = line.velocity,
                   .time = line.time});
@@ -604,7 +662,9 @@ class Session {
 
 int runGuard(const GuardArguments& arguments) {
   const planner::Problem problem = [&] {
-    planner::Problem loaded = loadProblem(arguments.source, arguments.limits);
+    ProblemSource source = arguments.source;
+    source.needs_goal = false;
+    planner::Problem loaded = loadProblem(source, arguments.limits);
     refuseSteps(loaded, "guard");
     return loaded;
   }();
@@ -625,7 +685,8 @@ int runGuard(const GuardArguments& arguments) {
 Verb addGuard(CLI::App& command) {
   auto arguments = std::make_shared<GuardArguments>();
   CLI::App* app = command.add_subcommand(
-      "guard", "let those setpoints pass that are proven free, with a stop after them");
+      "guard",
+      "pass on the setpoints of a policy that are proven free, with a proven stop after them");
   addProblemArguments(*app, arguments->source);
   addRunLimits(*app, arguments->limits);
   planner::GuardOptions& options = arguments->options;
@@ -642,13 +703,13 @@ Verb addGuard(CLI::App& command) {
       ->type_name("M")
       ->check(numberFrom(0, 1e3))
       ->capture_default_str();
-  app->add_option("--most-setpoints", options.most_setpoints, "of one line")
+  app->add_option("--most-setpoints", options.most_setpoints, "most setpoints of one line")
       ->type_name("N")
       ->check(countFrom(1, planner::GuardOptions::kMostSetpoints))
       ->capture_default_str();
   app->add_option("--work", options.work,
-                  "what one answer may cost, about a thousand a microsecond; what is not decided "
-                  "within it does not pass")
+                  "work limit of one answer, about 1,000 per microsecond; setpoints that are not "
+                  "proven within it do not pass")
       ->type_name("N")
       ->check(countFrom(1))
       ->capture_default_str();
@@ -657,7 +718,7 @@ Verb addGuard(CLI::App& command) {
       ->type_name("S")
       ->check(numberFrom(1e-3, 1e6))
       ->capture_default_str();
-  app->add_flag("--json", arguments->json, "answers are JSON in any case");
+  app->add_flag("--json", arguments->json, "no effect: answers are always JSON");
   app->footer(std::string(kGuardKeys) +
               "\nA line that is wrong stops the robot, and the next ones are read. Exit status 0: "
               "every answer was certified; 1: one was not; 2: a line was wrong.\n"

@@ -337,6 +337,266 @@ TEST_P(ShippedProblems, NorWithLimitsOnJerk) {
   EXPECT_GT(done.whole, 0);
 }
 
+/// The value or a derivative of a polynomial, by powers.
+double valueOf(std::span<const double> coefficients, int order, double t) {
+  double sum = 0;
+  for (std::size_t k = static_cast<std::size_t>(order); k < coefficients.size(); ++k) {
+    double term = coefficients[k] * std::pow(t, static_cast<double>(k) - order);
+    for (int i = 0; i < order; ++i) term *= static_cast<double>(k) - i;
+    sum += term;
+  }
+  return sum;
+}
+
+/// A motion of polynomials of degree 5 from a state to rest at a place [all in one vector].
+std::vector<double> quintics(std::span<const double> p, std::span<const double> v,
+                             std::span<const double> a, std::span<const double> to, double time) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const double T = time, d = to[i] - p[i];
+    all.insert(all.end(),
+               {p[i], v[i], a[i] / 2, (20 * d - 12 * v[i] * T - 3 * a[i] * T * T) / (2 * T * T * T),
+                (-30 * d + 16 * v[i] * T + 3 * a[i] * T * T) / (2 * std::pow(T, 4)),
+                (12 * d - 6 * v[i] * T - a[i] * T * T) / (2 * std::pow(T, 5))});
+  }
+  return all;
+}
+
+/// Runs a policy of polynomials behind a guard, with calls in the middle of periods, too.
+Executed executePolynomials(const Problem& problem, const GuardOptions& options, std::uint64_t seed,
+                            int chunks) {
+  Guard guard(problem, options);
+  Truth truth(problem);
+  Random random(seed, 3);
+  const double T = guard.options().period;
+  const MotionLimits& limits = guard.options().limits;
+  std::vector<double> p = startPoint(problem), v(p.size()), a(p.size());
+  const std::size_t n = p.size();
+  std::vector<double> point(n), to(n);
+  double time = 0;
+  Executed done;
+  for (int c = 0; c < chunks; ++c) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const double low = std::max(truth.space().lower(static_cast<int>(i)), p[i] - 0.4);
+      const double high = std::min(truth.space().upper(static_cast<int>(i)), p[i] + 0.4);
+      to[i] = random.uniform(low, high);
+    }
+    const int count = 10 + static_cast<int>(random.uniform(0, 50));
+    const std::vector<double> chunk = quintics(p, v, a, to, count * T);
+    const GuardAnswer& answer =
+        guard.check({.polynomials = chunk, .duration = count * T, .time = time});
+    EXPECT_NE(answer.reason, GuardReason::kInvalid) << c;
+    EXPECT_EQ(answer.on_polynomials, answer.goes_on ? answer.on_polynomials : answer.passed);
+    ++done.chunks;
+    done.whole += answer.passed == count ? 1 : 0;
+    done.none += answer.passed == 0 ? 1 : 0;
+    const auto of = [&](std::size_t i) { return std::span<const double>(chunk).subspan(6 * i, 6); };
+    for (int k = 0; k < answer.passed * 20; ++k) {
+      const double t = k * T / 20;
+      for (std::size_t i = 0; i < n; ++i) {
+        point[i] = valueOf(of(i), 0, t);
+        EXPECT_LE(std::abs(valueOf(of(i), 1, t)), limits.velocity[i] * (1 + 1e-5));
+        EXPECT_LE(std::abs(valueOf(of(i), 2, t)), limits.acceleration[i] * (1 + 1e-5));
+        EXPECT_LE(std::abs(valueOf(of(i), 3, t)), limits.jerk[i] * (1 + 1e-5));
+        EXPECT_GE(point[i], truth.space().lower(static_cast<int>(i)) - 1e-9);
+        EXPECT_LE(point[i], truth.space().upper(static_cast<int>(i)) + 1e-9);
+      }
+      done.touched += k % 4 == 0 && truth.touches(point) ? 1 : 0;
+    }
+    const auto passed = static_cast<std::size_t>(answer.passed);
+    for (std::size_t k = 1; k <= passed; ++k)
+      for (std::size_t i = 0; i < n; ++i)
+        EXPECT_NEAR(answer.motion[(k - 1) * n + i], valueOf(of(i), 0, static_cast<double>(k) * T),
+                    1e-9);
+    const std::size_t rows = answer.motion.size() / n;
+    const auto rowOf = [&](std::size_t k) {
+      return k == 0 ? answer.start : answer.motion.subspan((k - 1) * n, n);
+    };
+    done.touched += truth.touches(rowOf(passed), answer.motion.subspan(passed * n), 0.1) ? 1 : 0;
+    if (passed > 0) {  // the stop keeps limits from the polynomials' last velocity on
+      const double s = static_cast<double>(passed) * T;
+      for (std::size_t i = 0; i < n; ++i) {
+        double speed = valueOf(of(i), 1, s);
+        for (std::size_t k = passed + 1; k <= rows + 1; ++k) {
+          const double now = k <= rows ? (rowOf(k)[i] - rowOf(k - 1)[i]) / T : 0;
+          EXPECT_LE(std::abs(now - speed) / T, limits.acceleration[i] * (1 + 1e-5) + 1e-9);
+          speed = now;
+        }
+      }
+    }
+    if (testing::Test::HasFailure()) return done;
+    if (passed > 1) {  // the next polynomials begin on these
+      const double s = (static_cast<double>(passed) - (c % 2 == 0 ? 0.5 : 0)) * T;
+      time = answer.time + s;
+      for (std::size_t i = 0; i < n; ++i) {
+        p[i] = valueOf(of(i), 0, s);
+        v[i] = valueOf(of(i), 1, s);
+        a[i] = valueOf(of(i), 2, s);
+      }
+    } else {  // the robot stops
+      time = answer.time + (static_cast<double>(rows) + 2) * T;
+      p.assign(rowOf(rows).begin(), rowOf(rows).end());
+      v.assign(n, 0);
+      a.assign(n, 0);
+    }
+  }
+  return done;
+}
+
+TEST_P(ShippedProblems, NothingTouchesOnPolynomialsThatPass) {
+  Problem problem = loadProblem(leeway::sourceFolder() + "/problems/" + std::string(GetParam()));
+  const Executed done = executePolynomials(problem, {}, 11, 40);
+  EXPECT_EQ(done.touched, 0);
+  EXPECT_GT(done.whole, 0);
+  EXPECT_LT(done.none, done.chunks);
+  RecordProperty("whole", done.whole);
+  RecordProperty("none", done.none);
+}
+
+/// The disc of the wall problem on one polynomial in x, from x = -1, y = -1.
+std::vector<double> alongX(const std::vector<double>& terms) {
+  std::vector<double> all(3 * terms.size());
+  std::copy(terms.begin(), terms.end(), all.begin());
+  all[terms.size()] = -1;
+  return all;
+}
+
+TEST(Guard, PolynomialsPassAsFarAsThereIsRoomToStop) {
+  Problem problem = test::wallProblem();
+  problem.execution.velocities = {{"disc/x", 1}};
+  problem.execution.accelerations = {{"disc/x", 2}};
+  Guard guard(problem);
+  // Speeds up as the setpoints of PassesWhatHasRoomToStop: x = -1 + t^2, to 0.8 m/s.
+  const std::vector<double> faster = alongX({-1, 0, 1});
+  const GuardAnswer& first = guard.check({.polynomials = faster, .duration = 0.4});
+  ASSERT_EQ(first.passed, 20);
+  EXPECT_EQ(first.on_polynomials, 20);
+  const std::vector<double> on = alongX({-0.84, 0.8});
+  const GuardAnswer& answer = guard.check({.polynomials = on, .duration = 1.2});
+  EXPECT_TRUE(answer.certified);
+  EXPECT_EQ(answer.reason, GuardReason::kNotFree);
+  EXPECT_TRUE(answer.in_stop);
+  EXPECT_EQ(answer.b, "lower wall");
+  const double last = answer.motion[3 * (static_cast<std::size_t>(answer.passed) - 1)];
+  EXPECT_GT(last, -0.34);
+  EXPECT_LT(last, -0.30);
+  // What comes too late goes on where the polynomial does.
+  const GuardAnswer& bad =
+      guard.check({.setpoints = std::vector<double>{kNan}, .time = answer.time + 5 * 0.02});
+  EXPECT_EQ(bad.reason, GuardReason::kInvalid);
+  EXPECT_NEAR(bad.start[0], -0.84 + 0.8 * 0.1, 1e-12);
+  EXPECT_TRUE(bad.certified);
+}
+
+TEST(Guard, WhatIsLeftOfPolynomialsIsTold) {
+  Problem problem = test::wallProblem();
+  problem.execution.velocities = {{"disc/x", 1}};
+  problem.execution.accelerations = {{"disc/x", 2}};
+  GuardOptions options;
+  Guard guard(problem, options);
+  const std::vector<double> there = alongX({-1, 0, 1, -1. / 3});
+  EXPECT_EQ(guard.check({.polynomials = there, .duration = 1}).passed, 50);
+  const std::vector<double> motion(guard.answer().motion.begin(), guard.answer().motion.end());
+  // A robot that is faster than any stop that there is room for: none is proven.
+  problem.execution.accelerations = {{"disc/x", 2}};
+  options.work = 1;
+  Guard poor(problem, options);
+  const GuardAnswer& none = poor.check({.polynomials = there, .duration = 1});
+  EXPECT_EQ(none.passed, 0);
+  EXPECT_EQ(none.reason, GuardReason::kWork);
+  EXPECT_EQ(none.on_polynomials, 0);
+  const GuardAnswer& late = guard.check({.time = 30 * 0.02});
+  EXPECT_NEAR(late.start[0], valueOf(std::span(there).first(4), 0, 0.6), 1e-12);
+  EXPECT_EQ(late.on_polynomials, 0);
+}
+
+TEST(Guard, PolynomialsKeepTheLimitsAtEveryTime) {
+  Problem problem = test::wallProblem();
+  problem.execution.velocities = {{"disc/x", 1}, {"disc/y", 1}};
+  problem.execution.accelerations = {{"disc/x", 2}, {"disc/y", 2}};
+  problem.execution.jerks = {{"disc/y", 50}};
+  const auto ask = [&](const std::vector<double>& terms, double duration) {
+    Guard guard(problem);
+    return guard.check({.polynomials = alongX(terms), .duration = duration});
+  };
+  // x = -1 - c (t^2 / 2 - t^3 / 3): its speed has its peak c / 4 at t = 1/2.
+  const auto bump = [](double c) { return std::vector<double>{-1, 0, -c / 2, c / 3}; };
+  EXPECT_EQ(ask(bump(2), 1).passed, 50);  // starts with all of the acceleration
+  GuardAnswer answer = ask(bump(2.001), 1);
+  EXPECT_EQ(answer.passed, 0);
+  EXPECT_EQ(answer.limit, MotionLimit::kAcceleration);
+  EXPECT_EQ(answer.allowed, -2);
+  problem.execution.velocities = {{"disc/x", 0.25}, {"disc/y", 1}};
+  EXPECT_EQ(ask(bump(1), 1).passed, 50);  // the limit is touched at one time
+  answer = ask(bump(1.001), 1);
+  EXPECT_EQ(answer.reason, GuardReason::kLimit);
+  EXPECT_EQ(answer.limit, MotionLimit::kVelocity);
+  EXPECT_EQ(answer.variable, 0);
+  EXPECT_EQ(answer.allowed, -0.25);
+  EXPECT_LT(answer.value, -0.25);
+  EXPECT_GE(answer.passed, 23);  // it is reached at 0.484 s
+  EXPECT_LE(answer.passed, 24);
+  // A limit on the position that is left between two whole periods, and regained at the next.
+  problem.execution.velocities = {{"disc/x", 1}, {"disc/y", 1}};
+  const std::vector<double> edge = {-1.9995, -1, 0}, slow = {-0.1, 0, 0};
+  Guard guard(problem);
+  answer = guard.check({.polynomials = alongX({-1.9995, -0.1, 1}),
+                        .duration = 0.1,
+                        .position = edge,
+                        .velocity = slow});
+  EXPECT_EQ(answer.passed, 0);
+  EXPECT_EQ(answer.limit, MotionLimit::kPosition);
+  EXPECT_EQ(answer.allowed, -2);
+  // Where they begin, acceleration is the change of velocity over a period.
+  EXPECT_EQ(ask({-1, -0.04}, 0.1).passed, 5);
+  answer = ask({-1, -0.05}, 0.1);
+  EXPECT_EQ(answer.limit, MotionLimit::kAcceleration);
+  EXPECT_NEAR(answer.value, -2.5, 1e-9);
+}
+
+TEST(Guard, PolynomialsThatMakeNoSenseStopTheRobot) {
+  const Problem problem = test::wallProblem();
+  const std::vector<double> good = alongX({-1, 0, 0.1}), setpoints = {-1, -1, 0};
+  const std::vector<double> elsewhere = alongX({-0.999, 0, 0.1}), nan = alongX({-1, kNan});
+  const std::vector<double> odd(4, 0), many = alongX({-1, 0, 0, 0, 0, 0, 0, 0, 0});
+  const GuardRequest requests[] = {{.polynomials = good},
+                                   {.duration = 0.1},
+                                   {.polynomials = good, .duration = -0.1},
+                                   {.polynomials = good, .duration = kNan},
+                                   {.polynomials = good, .duration = 0.11},
+                                   {.polynomials = good, .duration = 65 * 0.02},
+                                   {.polynomials = good, .duration = kInfinite},
+                                   {.polynomials = good, .duration = 0.001},
+                                   {.setpoints = setpoints, .polynomials = good, .duration = 0.1},
+                                   {.polynomials = elsewhere, .duration = 0.1},
+                                   {.polynomials = nan, .duration = 0.1},
+                                   {.polynomials = odd, .duration = 0.1},
+                                   {.polynomials = many, .duration = 0.1}};
+  int i = 0;
+  for (const GuardRequest& request : requests) {
+    Guard guard(problem);
+    const GuardAnswer& answer = guard.check(request);
+    EXPECT_EQ(answer.reason, GuardReason::kInvalid) << i;
+    EXPECT_EQ(answer.passed, 0) << i;
+    EXPECT_TRUE(answer.certified) << i;
+    EXPECT_EQ(guard.check({.polynomials = good, .duration = 0.1}).passed, 5) << i++;
+  }
+}
+
+TEST(Guard, PolynomialsAllocateNothing) {
+  const Problem problem = loadProblem(leeway::sourceFolder() + "/problems/shelf/reach.yaml");
+  Guard guard(problem);
+  const std::vector<double> start = startPoint(problem), rest(start.size());
+  std::vector<double> to = start;
+  for (double& q : to) q += 0.05;
+  const std::vector<double> chunk = quintics(start, rest, rest, to, 1);
+  const std::size_t before = collision::testing::allocationCount();
+  guard.check({.polynomials = chunk, .duration = 1});
+  guard.check({.time = 0.51});
+  guard.check({.polynomials = chunk, .duration = 1});
+  EXPECT_EQ(collision::testing::allocationCount(), before);
+}
+
 INSTANTIATE_TEST_SUITE_P(Guard, ShippedProblems,
                          testing::Values("shelf/reach.yaml", "dual_arm/swap.yaml", "bin/pick.yaml",
                                          "snake/clutter.yaml", "table/posts.yaml",

@@ -44,7 +44,8 @@ enum class GuardReason : unsigned char {
   kStale,         ///< obstacles that move were seen too long ago
   kJumped,        ///< an obstacle was seen farther away than its speed bound allows
   kInvalid,       ///< the request: another size, too many setpoints, numbers that are not finite, a
-                  ///< time before the last one, or one so large that doubles near it are coarse
+                  ///< time before the last one, or one so large that doubles near it are coarse;
+                  ///< polynomials of another duration, or that begin elsewhere
 };
 /// "passed", "limit", "not_free", "not_certified", "work", "stale", "jumped", "invalid"
 const char* toString(GuardReason reason);
@@ -52,10 +53,18 @@ const char* toString(GuardReason reason);
 enum class MotionLimit : unsigned char { kPosition, kVelocity, kAcceleration, kJerk };
 const char* toString(MotionLimit limit);  ///< "position", "velocity", "acceleration", "jerk"
 
-/// Where the robot is, and where it should go.
+/// Where the robot is, and where it should go: by setpoints, or on polynomials.
 struct GuardRequest {
   /// Rows of one value a planned variable in group order, one row a period [rad or m].
   std::span<const double> setpoints = {};
+  /// One polynomial a planned variable, in group order: where the robot is t seconds after the
+  /// motion begins. The coefficients of 1, t, t^2, ... of the first variable, then of the next
+  /// ones, as many for each, and at most kMostTerms [rad/s^k or m/s^k]. At t = 0 they are within
+  /// 1e-9 of where the motion begins (GuardAnswer::start).
+  std::span<const double> polynomials = {};
+  double duration =
+      0;  ///< of the polynomials: a whole number of periods, at most most_setpoints [s]
+  static constexpr int kMostTerms = 8;
   /// Where the robot was measured. Within GuardOptions::joint_errors (and 1e-9) of the motion of
   /// the last answer, that motion goes on from where it is; farther off, and in the first call, the
   /// next motion begins here. Empty: on that motion; in the first call, the problem's start.
@@ -71,13 +80,18 @@ struct GuardRequest {
 
 /// The answer of Guard::check(). Spans and names hold until the next call.
 struct GuardAnswer {
-  int passed = 0;  ///< the first setpoints that may be executed [count]
+  /// The first setpoints that may be executed; the first periods of polynomials [count].
+  int passed = 0;
   /// `motion` is proven. False where not even a stop is, and from then on, until one is again.
   bool certified = false;
   /// The setpoints that passed, then those of the stop; one row a period, from `time` + period on.
   /// Empty: stay where you are. Where nothing passes, the stop is one from the present state, or
   /// what is left of the last answer's motion. After the last row the robot rests.
   std::span<const double> motion;
+  /// The first rows of `motion`, to which the robot follows polynomials: those of this request, or,
+  /// where the motion goes on, what is left of those before [count]. To all others, and in the
+  /// stop, it goes in straight lines.
+  int on_polynomials = 0;
   double time = 0;                ///< of the call [s]
   std::span<const double> start;  ///< where the motion begins
   bool goes_on = false;  ///< the motion is what is left of the last answer's: no new stop is proven
@@ -114,7 +128,11 @@ const char* toString(Observation observation);  ///< "taken", "jumped", "invalid
 /// acceleration. If a call comes within a period, the acceleration limit applies to the time since
 /// that period began. A stop is further setpoints. Without
 /// limits on jerk it goes on along the line of the last two setpoints and brakes as hard as the
-/// limits allow; with them each joint brakes for itself.
+/// limits allow; with them each joint brakes for itself. Polynomials keep the limits by their
+/// derivatives, at every time; where they begin, and where a stop begins, velocity and acceleration
+/// may change as from setpoint to setpoint. Straight lines between their places at whole periods
+/// are proven with margins that grow by T^2 / 8 times their greatest second derivative: what is
+/// nearer than that does not pass (kNotCertified).
 ///
 /// Guarantees, if the robot follows the answer's motion to within the tracking error of the
 /// options:
