@@ -536,6 +536,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
       Variable& variable = robot.variables[at(robot.joints[i].first_variable + k)];
       variable.acceleration = joint->acceleration;
       variable.jerk = joint->jerk;
+      if (!joint->rest.empty()) variable.rest = joint->rest[at(k)];
     }
   }
   std::set<std::string_view> names;  // those of a planar joint a are a/x, a/y and a/theta

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "collision/base/numbers.h"
 #include "leeway/robots/text.h"
 #include "robots/base/read_on.h"
 #include "robots/mjcf/mjcf_bodies.h"
@@ -104,11 +105,9 @@ class MjcfReader {
            joint.type == JointType::kPrismatic;
   }
 
-  double restOf(const UrdfJoint& joint) const {
-    const auto index = static_cast<int>(&joint - document_.joints.data());
-    for (const MjcfPosition& position : tree_.positions)
-      if (position.joint == index) return position.rest.front();
-    return 0;
+  const std::vector<double>& restOf(int joint) const { return document_.joints[at(joint)].rest; }
+  static double restOf(const UrdfJoint& joint) {
+    return joint.rest.empty() ? 0 : joint.rest.front();
   }
 
   /// q1 - rest1 = c0 + c1 (q2 - rest2) + ...: a mimic joint where that is a line.
@@ -167,7 +166,7 @@ class MjcfReader {
     std::vector<double> qpos;
     if (e.Attribute("qpos") != nullptr) qpos = file_.of(e).numbers(e, "qpos");
     std::size_t count = 0;
-    for (const MjcfPosition& position : tree_.positions) count += position.rest.size();
+    for (const int joint : tree_.positions) count += restOf(joint).size();
     if (!qpos.empty() && qpos.size() != count)
       return warn(e, "key " + inQuotes(name) + " is left out: qpos has " +
                          std::to_string(qpos.size()) + " numbers; " + std::to_string(count) +
@@ -189,19 +188,18 @@ class MjcfReader {
     UrdfState state;
     state.name = name;
     auto next = qpos.begin();
-    for (const MjcfPosition& position : tree_.positions) {
-      std::vector<double> values = position.rest;
+    for (const int joint : tree_.positions) {
+      std::vector<double> values = restOf(joint);
       if (!qpos.empty()) {
         std::copy_n(next, values.size(), values.begin());
         next += static_cast<std::ptrdiff_t>(values.size());
+        // Ours is x y z w.
+        if (values.size() == 7) std::rotate(values.begin() + 3, values.begin() + 4, values.end());
       }
-      if (values.size() == 7) {  // ours is x y z w
-        std::rotate(values.begin() + 3, values.begin() + 4, values.end());
-        if (!(Eigen::Vector4d(values.data() + 3).norm() > 1e-12))
-          return warn(
-              e, "key " + inQuotes(name) + " is left out: the quaternion of a free joint is zero");
-      }
-      state.values.emplace_back(position.joint, std::move(values));
+      if (values.size() == 7 && !(Eigen::Vector4d(values.data() + 3).norm() > 1e-12))
+        return warn(
+            e, "key " + inQuotes(name) + " is left out: the quaternion of a free joint is zero");
+      state.values.emplace_back(joint, std::move(values));
     }
     document_.states.push_back(std::move(state));
   }
@@ -217,6 +215,12 @@ class MjcfReader {
       text += (text.empty() ? "" : ", ") + std::to_string(count) + ' ' + plural(what, count);
     if (!text.empty())
       document_.warnings.push_back(document_.path + ": planning does not use " + text);
+    if (const auto count = static_cast<int>(document_.links.front().collisions.size()); count > 0)
+      document_.warnings.push_back(document_.path + ": " + std::to_string(count) + ' ' +
+                                   plural("geom", count) +
+                                   " of <worldbody> count as a part of the robot, its link "
+                                   "'world': clearance from the world, "
+                                   "which --keep and objectives ask for, does not include them");
   }
 
   static std::string plural(const std::string& what, int count) {

@@ -229,9 +229,9 @@ class BodyReader {
       if (moved.type == JointType::kFloating) made.X_PJ = Pose();
       nameJoint(*joints[i].first, index, joints.size(), i, joint);
       if (!is_body) part_links_.emplace_back(next, joint);
-      std::vector<double> rest = {moved.rest};
-      if (moved.type == JointType::kFloating) rest = qposOf(X_PB);
-      tree_.positions.push_back({joint, std::move(rest)});
+      document_.joints[at(joint)].rest = {moved.rest};
+      if (moved.type == JointType::kFloating) document_.joints[at(joint)].rest = variablesOf(X_PB);
+      tree_.positions.push_back(joint);
       link = next;
       X_LB = moved.X_JB;
     }
@@ -244,10 +244,10 @@ class BodyReader {
     tree_.bodies[at(index)].link = link;
   }
 
-  static std::vector<double> qposOf(const Pose& X) {
+  static std::vector<double> variablesOf(const Pose& X) {
     const Eigen::Quaterniond q(X.rotation);
     const Eigen::Vector3d& p = X.translation;
-    return {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()};
+    return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
   }
 
   struct Moved {

@@ -22,15 +22,9 @@ struct MjcfBody {
   std::set<std::string> geoms;  ///< the names of its geoms
 };
 
-/// The positions of a joint in MuJoCo's qpos, at rest.
-struct MjcfPosition {
-  int joint = -1;  ///< of the document
-  std::vector<double> rest;
-};
-
 struct MjcfBodies {
-  std::vector<MjcfBody> bodies;         ///< in MuJoCo's order: parents first, depth first
-  std::vector<MjcfPosition> positions;  ///< in the order of qpos
+  std::vector<MjcfBody> bodies;  ///< in MuJoCo's order: parents first, depth first
+  std::vector<int> positions;    ///< the joints of the document in the order of MuJoCo's qpos
   std::map<std::string, int> by_name;
   std::map<std::string, int> left_out;  ///< numbers of elements, by kind
 };

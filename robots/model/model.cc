@@ -157,18 +157,15 @@ Model::Model(RobotDescription description) : RobotDescription(std::move(descript
 
 namespace {
 
-/// All zeros, or the nearest values within limitsOf(variable); floating: identity.
+/// All at rest, or at the nearest values within limitsOf(variable).
 template <class LimitsOf>
 std::vector<double> restWithin(const Model& model, const LimitsOf& limitsOf) {
   std::vector<double> q;
   q.reserve(model.variables.size());
   for (const Variable& variable : model.variables) {
     const auto [lower, upper] = limitsOf(variable);
-    q.push_back(std::clamp(0.0, lower, upper));
+    q.push_back(std::clamp(variable.rest, lower, upper));
   }
-  for (const Joint& joint : model.joints)
-    if (joint.type == JointType::kFloating)
-      q[static_cast<std::size_t>(joint.first_variable) + 6] = 1;
   return q;
 }
 

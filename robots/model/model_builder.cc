@@ -34,6 +34,7 @@ void appendVariables(RobotDescription& robot, int joint_index, const Eigen::Vect
         {joint.name + (joint.variable_count == 3 ? kPlanarNames[i] : kFloatingNames[i]),
          joint_index, i < bounded ? lower(i) : -kInfinity, i < bounded ? upper(i) : kInfinity,
          velocity});
+  if (joint.type == JointType::kFloating) robot.variables.back().rest = 1;
 }
 
 std::shared_ptr<const Model> freeBody(const std::string& name, std::vector<Geometry> geometries,

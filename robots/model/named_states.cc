@@ -29,6 +29,11 @@ std::vector<GroupState> namedStates(const Model& model) {
                        [&](const GroupState& state) { return state.name == name; });
   };
   std::vector<double> q = model.defaultConfiguration();
+  for (std::size_t v = 0; v < q.size(); ++v) {
+    const Variable& variable = model.variables[v];
+    if (model.joints[at(variable.joint)].type != JointType::kFloating)
+      q[v] = std::clamp(0.0, variable.lower, variable.upper);
+  }
   const auto add = [&](const char* name) {
     if (isTaken(name) || q.empty()) return;
     GroupState state{name, "all", {}};

@@ -79,6 +79,7 @@ struct UrdfJoint {
   std::string mimic;
   int mimic_line = 0;
   double multiplier = 1, offset = 0;
+  std::vector<double> rest;  ///< Variable::rest of its variables; empty: zeros
 };
 
 /// A named configuration.

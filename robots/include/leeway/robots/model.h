@@ -71,6 +71,9 @@ struct Variable {
   double jerk = std::numeric_limits<double>::infinity();          ///< [rad/s^3 or m/s^3]
   /// The limits of the robot's file, where withBounds() has replaced them: touchRange().
   std::optional<std::pair<double, double>> file_limits = {};
+  /// Where the robot's file places it: in MJCF files qpos0, in others 0; 1 for the last number of a
+  /// quaternion.
+  double rest = 0;
 
   /// Returns the range in which it is decided whether links touch wherever their joint stands [rad
   /// or m]: lower and upper, and at least the file's limits. Narrower limits must not make a pair
@@ -232,7 +235,8 @@ class Model : public RobotDescription {
   /// What planning has prepared of this robot.
   PreparedStore prepared;
 
-  /// All zeros, or the nearest value inside the limits; floating: identity.
+  /// Each variable at rest, or the nearest value inside the limits. Joints of MJCF files rest where
+  /// these place them (qpos0), all others at zero.
   std::vector<double> defaultConfiguration() const;
   /// The same within the limits of the robot's file, where withBounds() has replaced them: where
   /// links touch at rest does not depend on what a problem narrows.

@@ -10,9 +10,9 @@
 namespace leeway::robots {
 
 /// Returns the robot's group states, and two of the group "all" that every robot has, unless a
-/// group state or one that is left out has their name: "zero" is defaultConfiguration(), "middle"
-/// has every variable with finite limits in the middle of them and is "zero" elsewhere. O(states *
-/// variables).
+/// group state or one that is left out has their name: "zero" has all variables at zero, or at the
+/// nearest limit, and floating joints at rest (defaultConfiguration()); "middle" has every variable
+/// with finite limits in the middle of them and is "zero" elsewhere. O(states * variables).
 std::vector<GroupState> namedStates(const Model& model);
 
 /// Returns the fault of a state as values of all `variables`: "group state 'home' lacks joints 'a'
