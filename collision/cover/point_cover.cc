@@ -39,27 +39,31 @@ void addBox(const Vector3d& half, std::vector<Vector3d>& points) {
 class VertexChoice {
  public:
   VertexChoice(std::span<const Vector3d> vertices, std::size_t most)
-      : vertices_(vertices), most_(most), distance_(vertices.size()) {
+      : vertices_(vertices), most_(most) {
     for (int axis = 0; axis < 3; ++axis) {
       choose(farthest(Vector3d::Unit(axis)));
       choose(farthest(-Vector3d::Unit(axis)));
     }
-    for (std::size_t v = 0; v < vertices.size(); ++v) distance_[v] = distanceOf(v);
+    for (std::size_t v = 0; v < vertices.size(); ++v) farthest_.push_back({distanceOf(v), v});
+    std::make_heap(farthest_.begin(), farthest_.end());
   }
 
   PointCover run() {
     // Distances from the hull only shrink as it grows, so only the farthest is computed again.
     double farthest = 0;
     while (true) {
-      const auto v = static_cast<std::size_t>(std::max_element(distance_.begin(), distance_.end()) -
-                                              distance_.begin());
-      farthest = distance_[v];
+      farthest = farthest_.front().distance;
       if (farthest <= kPointCoverRadius) break;
-      distance_[v] = distanceOf(v);
-      if (distance_[v] < farthest) continue;
-      if (chosen_.size() >= most_) break;
-      choose(v);
-      distance_[v] = 0;
+      std::pop_heap(farthest_.begin(), farthest_.end());
+      Far& last = farthest_.back();
+      last.distance = distanceOf(last.vertex);
+      const bool is_farthest = last.distance >= farthest;
+      if (is_farthest && chosen_.size() >= most_) break;
+      if (is_farthest) {
+        choose(last.vertex);
+        last.distance = 0;
+      }
+      std::push_heap(farthest_.begin(), farthest_.end());
     }
     PointCover cover;
     cover.points = chosen_;
@@ -68,6 +72,16 @@ class VertexChoice {
   }
 
  private:
+  /// A vertex, and an upper bound on its distance from the hull of those chosen [m].
+  struct Far {
+    double distance;
+    std::size_t vertex;
+    /// Of vertices as far, the first one counts as farthest.
+    bool operator<(const Far& other) const {
+      return distance != other.distance ? distance < other.distance : vertex > other.vertex;
+    }
+  };
+
   std::size_t farthest(const Vector3d& direction) const {
     std::size_t best = 0;
     for (std::size_t v = 1; v < vertices_.size(); ++v)
@@ -95,8 +109,7 @@ class VertexChoice {
 
   std::span<const Vector3d> vertices_;
   std::size_t most_;
-  std::vector<double>
-      distance_;  // upper bound on each vertex's distance from the hull of those chosen [m]
+  std::vector<Far> farthest_;  // a heap of all vertices
   std::vector<Vector3d> chosen_;
   Scratch scratch_;
 };
