@@ -480,9 +480,9 @@ Verb addClearance(CLI::App& command) {
   addProblemAndPathArguments(*app, arguments->source, arguments->files);
   addRunLimits(*app, arguments->limits);
   addTerms(*app, arguments->limits);
-  app->add_option("--tolerance", arguments->tolerance,
-                  "width of the intervals [m]; by default what the shown digits need, and of "
-                  "--json 1e-4")
+  app->add_option(
+         "--tolerance", arguments->tolerance,
+         "width of the intervals [m]; default: enough for the digits shown; with --json 1e-4")
       ->type_name("METRES")
       ->check(numberFrom(1e-12, 1e9));
   app->add_option("--parts", arguments->parts, "stretches that every edge is cut into")

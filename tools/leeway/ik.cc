@@ -345,15 +345,16 @@ Verb addIk(CLI::App& command) {
       ->type_name("STATE")
       ->capture_default_str();
   app->add_option("--order", arguments->order,
-                  "nearest to the state, or most clearance; free solutions stand first. Clearance "
-                  "needs the robot's meshes; without them, nearest ones are not checked")
+                  "nearest: nearest to the state first; clearance: greatest clearance first. Free "
+                  "solutions come first. clearance needs the robot's meshes; without them, nearest "
+                  "does not check collisions")
       ->type_name("nearest|clearance")
       ->check(CLI::IsMember({"nearest", "clearance"}))
       ->capture_default_str();
-  app->add_option("--solutions", arguments->solutions, "stop after so many")
+  app->add_option("--solutions", arguments->solutions, "stop after N solutions")
       ->type_name("N")
       ->capture_default_str();
-  app->add_option("--starts", arguments->starts, "stop after so many starts")
+  app->add_option("--starts", arguments->starts, "stop after N starts")
       ->type_name("N")
       ->capture_default_str();
   addSeed(*app, "seed of the starts", arguments->seed);

@@ -69,16 +69,16 @@ int runInfo(const InfoArguments& arguments) {
 
 Verb addInfo(CLI::App& command) {
   auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* app =
-      command.add_subcommand("info", "what a URDF, SRDF or problem holds and what is kept of it");
+  CLI::App* app = command.add_subcommand(
+      "info", "list what a URDF, SRDF or problem contains, and which pairs are checked");
   app->add_option("file", arguments->file, "URDF (or MJCF, SDF), SRDF or problem file")
       ->type_name("FILE")
       ->required();
   addRobotArguments(*app, arguments->source);
-  addSamples(*app, "random configurations that look which links meet; 0: none", arguments->samples,
-             arguments->seed);
-  app->add_flag("--all", arguments->all,
-                "print all rows, where one screen shows the first or sums");
+  addSamples(*app,
+             "number of random configurations in which contacts of links are counted; 0: none",
+             arguments->samples, arguments->seed);
+  app->add_flag("--all", arguments->all, "print all rows, not only the first or the sums");
   app->add_flag("--json", arguments->json, "print one JSON document");
   app->footer("Example:\n  leeway info problems/shelf/reach.yaml");
   return {app, [arguments] { return runInfo(*arguments); }};

@@ -296,7 +296,8 @@ int runLint(const LintArguments& arguments) {
 
 Verb addLint(CLI::App& command) {
   auto arguments = std::make_shared<LintArguments>();
-  CLI::App* app = command.add_subcommand("lint", "what is wrong or odd in files, by file and line");
+  CLI::App* app =
+      command.add_subcommand("lint", "list errors and warnings of files, by file and line");
   app->add_option(
          "files", arguments->files,
          "URDF (or MJCF, SDF), SRDF and problem files, MoveIt's .scene; with --robot MoveIt scenes "
@@ -304,16 +305,15 @@ Verb addLint(CLI::App& command) {
       ->type_name("FILE")
       ->required();
   addRobotArguments(*app, arguments->source);
-  auto* format = app->add_option("--format", arguments->format, "of the answer")
+  auto* format = app->add_option("--format", arguments->format, "format of the answer")
                      ->check(CLI::IsMember({"text", "json", "sarif"}))
                      ->capture_default_str();
   app->add_flag("--json", arguments->json, "as --format json")->excludes(format);
   app->footer(
-      "All errors of a file are told, up to a hundred, but for those that others hide: broken "
-      "syntax ends reading, an SRDF is read once its URDF is right, and names once what bears them "
-      "is. Exit status 0: nothing found, 1: something.\n\n"
-      "Example:\n"
-      "  leeway lint robots/arm7/arm7.urdf problems/shelf/reach.yaml");
+      "Up to a hundred errors of each file are listed. Some errors hide others: broken syntax ends "
+      "reading; an SRDF is read only if its URDF has no errors; names are checked only if the "
+      "elements that have them are right. Exit status 0: nothing found, 1: "
+      "something.\n\nExample:\n  leeway lint robots/arm7/arm7.urdf problems/shelf/reach.yaml");
   return {app, [arguments] { return runLint(*arguments); }};
 }
 

@@ -45,7 +45,7 @@ constexpr const char* kReplanKeys =
                           least separation over the whole step, measured: the lower bound may be
                           below a pair's margin, which certified proves
   closest.a, closest.b    between these
-  look_ahead              certified to be able to go on, or to stand, so long after the step
+  look_ahead              time after the step for which going on, or standing, is certified
   path_held               what was left of the path held in the world as it was seen
   broken.a, broken.b      else these were in the way
   remaining_s             that the rest of the path takes
@@ -296,7 +296,7 @@ Verb addReplan(CLI::App& command) {
       command.add_subcommand("replan", "execute a problem step by step while its obstacles move");
   addProblemArguments(*app, arguments->source);
   addPlanOverrides(*app, arguments->overrides);
-  app->add_option("--steps", arguments->steps, "at most so many steps; 0: until it ends")
+  app->add_option("--steps", arguments->steps, "most steps; 0: until the execution ends")
       ->type_name("N")
       ->check(countFrom(0, 1'000'000'000));
   app->add_option("--output", arguments->output,
@@ -310,8 +310,8 @@ Verb addReplan(CLI::App& command) {
   app->add_flag("--text", arguments->text, "print a table");
   app->footer(
       std::string(kReplanKeys) +
-      "\nLimits are those of every planning. Exit status 0: in a goal, every step certified.\n"
-      "Example:\n  leeway replan problems/deforming/curtain.yaml --text");
+      "\nThe limits (--time, --iterations) apply to each planning. Exit status 0: in a goal, every "
+      "step certified.\nExample:\n  leeway replan problems/deforming/curtain.yaml --text");
   return {app, [arguments] { return runReplan(*arguments); }};
 }
 

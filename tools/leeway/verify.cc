@@ -158,8 +158,8 @@ Verb addVerify(CLI::App& command) {
   addRunLimits(*app, arguments->limits);
   addTerms(*app, arguments->limits);
   app->add_option("--ends", arguments->ends,
-                  "near: ends within 1e-6 of start and goal are theirs, with a warning; exact: "
-                  "within 1e-9, as rounding leaves them")
+                  "near: the path may begin and end within 1e-6 of start and goal, with a warning; "
+                  "exact: within 1e-9")
       ->check(CLI::IsMember({"near", "exact"}))
       ->capture_default_str();
   addShortest(*app, arguments->shortest);

@@ -114,7 +114,7 @@ int runView(ViewArguments& arguments) {
 Verb addView(CLI::App& command) {
   auto arguments = std::make_shared<ViewArguments>();
   CLI::App* app = command.add_subcommand(
-      "view", "one HTML page: the plan, the room that it leaves, or why there is none");
+      "view", "write an HTML page that shows the plan and its clearance, or why there is no plan");
   addProblemAndPathArguments(*app, arguments->source, arguments->files);
   app->get_option("files")->expected(0, 2)->description(
       "problem file (not with --robot) and path file; without a path the problem is planned, or "

@@ -611,7 +611,7 @@ Verb addBatch(CLI::App& command) {
       ->type_name("N")
       ->check(countFrom(1, 1000000));
   app->add_option("--jobs", arguments->jobs,
-                  "solve N problems at a time; the output is that of one job, but for times")
+                  "solve N problems at a time; except for times, the output is that of one job")
       ->type_name("N")
       ->check(countFrom(1, 1024));
   addRobotArguments(*app, arguments->source);
@@ -637,12 +637,10 @@ Verb addBatch(CLI::App& command) {
   app->add_flag("--verify", arguments->verify,
                 "add the independent verifier's answer to each line");
   app->footer(
-      "A line is what `plan --json` prints, with `problem`, the file's path, before it; bad input "
-      "is a line too, and the rest goes on.\n\n"
-      "Examples:\n"
-      "  leeway batch problems/shelf --time 1 --verify --output lines.json\n"
-      "  leeway batch problems/shelf --time 1 --shard 1/2\n"
-      "  leeway batch problems/shelf --jobs 2");
+      "A line is what `plan --json` prints, with `problem`, the file's path, before it; Bad input "
+      "also gives a line, and the run continues.\n\nExamples:\n  leeway batch problems/shelf "
+      "--time 1 --verify --output lines.json\n  leeway batch problems/shelf --time 1 --shard 1/2\n "
+      " leeway batch problems/shelf --jobs 2");
   return {app, [arguments] { return run(*arguments); }};
 }
 

@@ -117,7 +117,8 @@ bool hasVerb(const CLI::App& app, const std::string& name) {
 /// Adds --quiet to every verb.
 void addQuiet(CLI::App& app) {
   for (CLI::App* verb : app.get_subcommands({})) {
-    verb->add_flag_callback("--quiet", setQuiet, "errors alone on stderr: no warnings or progress");
+    verb->add_flag_callback("--quiet", setQuiet,
+                            "print only errors on stderr, no warnings or progress");
     addQuiet(*verb);
   }
 }
@@ -155,7 +156,7 @@ int run(std::vector<std::string> words, bool json, const AddVerbs& add_verbs) {
   app.set_version_flag("--version", std::string("leeway ") + LEEWAY_VERSION);
   app.require_subcommand(1);
   const std::vector<Verb> verbs = add_verbs(app);
-  CLI::App* help = app.add_subcommand(kHelp, "what a verb accepts, as `leeway VERB --help`");
+  CLI::App* help = app.add_subcommand(kHelp, "show the options of a verb, as `leeway VERB --help`");
   help->add_option("verb", "whose help")->type_name("VERB");
   help->footer("Example:\n  leeway help plan");
   refuseEmptyValues(app);

@@ -130,9 +130,8 @@ void addSetting(CLI::App& app, const planner::Setting& setting, PlanOverrides& o
 
 void addUpright(CLI::App& app, PlanOverrides& overrides) {
   app.add_option("--upright", overrides.upright,
-                 "keep that AXIS (x, y or z, or turned round nx, ny or nz) of a frame, link or "
-                 "held object points up, "
-                 "to within RADIANS, on all of the path: a constraint")
+                 "constraint: on the whole path, AXIS (x, y, z, or the opposite nx, ny, nz) of a "
+                 "frame, link or held object points up to within RADIANS")
       ->type_name("FRAME AXIS RADIANS")
       ->expected(3);
 }
@@ -157,23 +156,23 @@ void addPlanOverrides(CLI::App& app, PlanOverrides& overrides) {
     if (!setting.option.empty() && setting.name != "seed" && setting.name != "time")
       addSetting(app, setting, overrides);
   app.add_option("--hinge", overrides.hinge,
-                 "the path of the least integral of 1 - d / M over its length, where its clearance "
-                 "d from the world is below M [m]")
+                 "minimise the integral of 1 - d / M over the part of the path whose clearance d "
+                 "from the world is below M [m]")
       ->type_name("M")
       ->check(numberFrom(1e-9, 1e9));
   app.add_option("--inverse", overrides.inverse,
-                 "the same of M / d, and at most 1, wherever the world is")
+                 "minimise the integral of M / d, limited to 1, over the whole path")
       ->type_name("M")
       ->check(numberFrom(1e-9, 1e9));
   app.add_option("--length-weight", overrides.length_weight,
-                 "so much times the length is added to that integral; 0 by default")
+                 "weight of the path's length in addition to --hinge or --inverse; 0 by default")
       ->type_name("W")
       ->check(numberFrom(0, 1e9));
   addUpright(app, overrides);
-  app.add_option("--certificate", overrides.certificate,
-                 "how exactly clearance is told; every edge is proven either way. path: the "
-                 "path's least, roughly (to about three tenths); full: that of each edge to 0.1 "
-                 "mm, which may take longer")
+  app.add_option(
+         "--certificate", overrides.certificate,
+         "accuracy of the clearance; every edge is proven in both cases. path: the least clearance "
+         "of the path, to 30 %; full: that of each edge, to 0.1 mm, which may take longer")
       ->check(CLI::IsMember({"path", "full"}));
 }
 
