@@ -465,7 +465,8 @@ void readPairMargin(const YamlReader& entry, const KnownNames& known, Problem& p
 
 /// Reads `auto` in `allowed`.
 void readAuto(const YamlReader& word, const robots::Stop& stop, Problem& problem) {
-  allowTouching(problem, stop);
+  // Without meshes nothing can be checked.
+  if (!problem.robot.model->lacks_meshes) allowTouching(problem, stop);
   std::string& warning = problem.warnings.back();
   warning = fmt::format("{}:{}: {}", word.file(), word.line(), warning);
 }
@@ -568,7 +569,7 @@ void readPlanner(const YamlReader& file, Problem& problem) {
   section("limits", readLimits);
 }
 
-void readStartAndGoals(const YamlReader& file, Problem& problem) {
+void readStartAndGoals(const YamlReader& file, bool needs_goal, Problem& problem) {
   VariableRanges passive;
   file.readOn([&] {
     if (const auto joints = file.find("joints")) passive = readPassiveJoints(*joints, problem);
@@ -590,6 +591,7 @@ void readStartAndGoals(const YamlReader& file, Problem& problem) {
         *task, [&](const YamlReader& pair) { return readNamePairs(pair, known).pairs; }, problem);
   }
   const auto goal = file.find("goal"), goals = file.find("goals");
+  if (!goal && !goals && !needs_goal) return;
   if (goal.has_value() == goals.has_value())
     file.fail(fmt::format("the file has {}; one of them is expected",
                           goal ? "both 'goal' and 'goals'" : "neither 'goal' nor 'goals'"));
@@ -721,7 +723,7 @@ Problem loadProblem(const std::string& yaml_path, const ProblemOptions& given) {
   if (has_robot) {
     // Poses may be relative to anything that was read before.
     file.readOn([&] {
-      if (!moveit) readStartAndGoals(file, problem);
+      if (!moveit) readStartAndGoals(file, options.needs_goal, problem);
     });
     file.readOn([&] { readPairs(file, padding, options.load.stop, problem); });
   }

@@ -342,8 +342,9 @@ void takeGroups(const std::string& file, int line, std::span<const std::string> 
   for (const std::string& name : names)
     if (!robots::isGroup(model, name)) {
       std::vector<std::string> known = groupNames(model);
+      // A joint is suggested for what is nearly its name only where no group is.
       const std::vector<std::string> joints = jointNames(model);
-      known.insert(known.end(), joints.begin(), joints.end());
+      if (known.size() < 2) known.insert(known.end(), joints.begin(), joints.end());
       throw InputError(file, line,
                        fmt::format("robot '{}' has no group or joint '{}'{}", model.name, name,
                                    didYouMean(model, "group", name, known)));

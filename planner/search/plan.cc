@@ -103,7 +103,7 @@ class Plan {
         throw robots::InputError(
             problem_.name, 0,
             "variable '" + variableName(part.first) +
-                "' has no limits; a range to plan in is expected, under 'bounds'");
+                "' has no limits; a range to plan in is expected, under 'bounds' or with --bounds");
     start_ = startPoint(problem_);
   }
 
@@ -527,6 +527,7 @@ PlanResult plan(const Problem& problem, const PlanOptions& options) {
   std::shared_ptr<const CompiledScene> scene;
   try {
     scene = std::make_shared<const CompiledScene>(problem, stop);
+    scene->lanes();  // what certifiers share: seconds for a new robot with large hulls
   } catch (const robots::Stopped&) {
     PlanResult result;
     result.status = PlanStatus::kNotCompiled;

@@ -167,8 +167,10 @@ std::optional<std::string> constraintsFault(const Problem& problem) {
       problem.constraints.empty() ? "there is a condition" : "there are constraints";
   if (!problem.steps.empty())
     return what + " beside steps, which do not keep them; goals are expected";
-  if (!std::holds_alternative<MinimumLength>(problem.objective) || asksForCost(problem))
-    return what + ", and another objective than length; length without wishes is expected";
+  if (!std::holds_alternative<MinimumLength>(problem.objective))
+    return what + ", and another objective than length, which is expected";
+  if (asksForCost(problem))
+    return what + ", and wishes, which do not keep them; margins without a wish are expected";
   if (findPlanner(problem.planner.name) != findPlanner("Connect"))
     return fmt::format("{}, which planner '{}' does not keep; Connect is expected", what,
                        problem.planner.name);

@@ -390,9 +390,9 @@ Verb addPlan(CLI::App& command) {
                   "write the path with times, velocities and accelerations within the limits of "
                   "`execution:`; the ending chooses the format: .yaml .json .csv")
       ->type_name("FILE");
-  app->add_option("--period", arguments->period,
-                  "rows of the trajectory every so many seconds besides those where its "
-                  "acceleration changes")
+  app->add_option(
+         "--period", arguments->period,
+         "add a row of the trajectory every S seconds to those where the acceleration changes")
       ->type_name("S")
       ->check(numberFrom(2e-5, 1e6))
       ->needs("--trajectory");

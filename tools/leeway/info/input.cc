@@ -96,6 +96,10 @@ planner::Problem loadFile(const std::string& file, FileKind kind, ProblemSource 
   if (!fs::exists(file, error)) {
     throw robots::InputError(file, 0, "there is no such file");
   }
+  if (kind == FileKind::kUrdf && !source.robot.empty())
+    badUsage(fmt::format("{} and --robot {} are two robots; one is expected", file, source.robot));
+  if (kind == FileKind::kSrdf && !source.srdf.empty())
+    badUsage(fmt::format("{} and --srdf {} are two SRDFs; one is expected", file, source.srdf));
   switch (kind) {
     case FileKind::kUrdf:
       return robotProblem(file, source.srdf, source);

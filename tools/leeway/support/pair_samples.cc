@@ -8,6 +8,7 @@
 
 #include "leeway/collision/distance.h"
 #include "leeway/robots/kinematics.h"
+#include "leeway/robots/motion_bound.h"
 #include "leeway/robots/stopped.h"
 #include "tools/leeway/support/terminal.h"
 
@@ -134,9 +135,23 @@ std::string allowHint(const planner::Problem& problem, const std::vector<PairNam
                     [&](const PairNames& pair) { return pair.a == names.a && pair.b == names.b; }))
       nearly_always.push_back(names);
   }
-  if (nearly_always.empty()) return {};
-  return "Too near in nearly all random configurations: " + pairsText(nearly_always) +
-         ".\nIf they may touch, add them to `allowed` or an SRDF; `leeway srdf` proposes one.\n";
+  if (!nearly_always.empty())
+    return "Too near in nearly all random configurations: " + pairsText(nearly_always) +
+           ".\nIf they may touch, add them to `allowed` or an SRDF; `leeway srdf` proposes one.\n";
+  const std::vector<robots::Link>& links = scene.model().links;
+  std::vector<PairNames> at_rest;
+  for (const auto& [a, b] : robots::touchingAtRest(scene.model(), interrupted)) {
+    const std::string &name = links[static_cast<std::size_t>(a)].name,
+                      &other = links[static_cast<std::size_t>(b)].name;
+    if (std::any_of(pairs.begin(), pairs.end(), [&](const PairNames& pair) {
+          return (pair.a == name && pair.b == other) || (pair.a == other && pair.b == name);
+        }))
+      at_rest.push_back({name, other});
+  }
+  if (at_rest.empty()) return {};
+  return "They touch with all joints at zero as well: " + pairsText(at_rest) +
+         ".\nIf they may touch, wherever the joints are: --allowed auto, or `allowed: auto` in a "
+         "file; `leeway srdf` proposes which pairs need no check.\n";
 }
 
 PairNames overlappingPair(const planner::CompiledScene& scene, std::span<const double> point) {

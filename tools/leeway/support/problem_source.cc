@@ -118,14 +118,17 @@ planner::Problem loadFromRobot(const ProblemSource& source) {
     return planner::loadMoveit(loadRobot(source), source.scene, source.request,
                                {.load = loadOptions(source)});
   }
-  if (!saysPlanned(source) || source.start.empty() || (source.goal.empty() && !pose)) {
-    badUsage(
-        "beside --robot either --group or --chain, --start and --goal (or --goal-pose, "
-        "or --waypoints) are needed, "
-        "or --scene and --request");
+  saysPlanned(source);
+  const bool needs_goal = source.needs_goal && source.goal.empty() && !pose;
+  if (source.start.empty() || needs_goal) {
+    badUsage(fmt::format(
+        "--robot without {}{}{} (or --scene and --request); without --group or "
+        "--chain all joints are planned",
+        source.start.empty() ? "--start" : "", source.start.empty() && needs_goal ? " and " : "",
+        needs_goal ? "--goal, --goal-pose or --waypoints" : ""));
   }
   planner::Problem problem = problemOfRobot(source);
-  planner::takeStates(source.start, pose ? source.start : source.goal, problem);
+  planner::takeStates(source.start, source.goal.empty() ? source.start : source.goal, problem);
   planner::validate(problem);
   return problem;
 }
@@ -213,9 +216,9 @@ void addRobotArguments(CLI::App& app, ProblemSource& source) {
                  "argument of xacro, where the robot's file ends in .xacro; may be repeated")
       ->type_name("NAME:=VALUE");
   app.add_flag("--visual-as-collision", source.visual_as_collision,
-               "the <visual> shapes of links without <collision> stand in for it");
+               "use the <visual> shapes of links that have no <collision>");
   app.add_flag("--no-cache", source.no_cache,
-               "neither take meshes from the cache folder ($LEEWAY_CACHE_DIR) nor keep them there");
+               "do not read or write the cache folder ($LEEWAY_CACHE_DIR)");
 }
 
 namespace {
@@ -223,17 +226,18 @@ namespace {
 void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
   addRobotArguments(app, source);
   app.add_option("--group", source.group,
-                 "what is planned: a group of the SRDF, a joint, or several of these: LEFT,RIGHT")
+                 "with --robot: what is planned: all, a group of the SRDF, a joint, or several of "
+                 "these: LEFT,RIGHT")
       ->type_name("NAME");
   app.add_option("--chain", source.chain,
                  "in place of --group: the joints between two links are planned")
       ->type_name("BASE TIP")
       ->expected(2);
   app.add_option("--start", source.start,
-                 "group state to start from, or a value for each planned joint: \"0 -1.5 0\"; of "
-                 "each group: \"LEFT=up, RIGHT=0 -1.5 0\"")
+                 "with --robot: the start, a group state (also zero, middle), or a value for each "
+                 "planned joint: \"0 -1.5 0\"; of several groups: \"LEFT=up, RIGHT=0 -1.5 0\"")
       ->type_name("STATE");
-  app.add_option("--goal", source.goal, "group state to reach, or values as of --start")
+  app.add_option("--goal", source.goal, "with --robot: the goal, in the forms of --start")
       ->type_name("STATE");
   app.add_option(
          "--goal-pose", source.goal_pose,
@@ -366,8 +370,8 @@ namespace {
 planner::Problem readProblem(const ProblemSource& source) {
   if (source.problem.empty() && source.robot.empty()) {
     badUsage(
-        "a problem file is needed, or --robot with --group, --start and --goal, or --robot with "
-        "--scene and --request");
+        "a problem file is needed, or --robot with --start and --goal, or --robot with --scene "
+        "and --request");
   }
   const std::pair<const char*, bool> others[] = {{"--robot", !source.robot.empty()},
                                                  {"--srdf", !source.srdf.empty()},
@@ -388,7 +392,8 @@ planner::Problem readProblem(const ProblemSource& source) {
   if (source.problem.empty()) {
     problem = loadFromRobot(source);
   } else {
-    problem = planner::loadProblem(source.problem, {.load = loadOptions(source)});
+    problem = planner::loadProblem(source.problem,
+                                   {.load = loadOptions(source), .needs_goal = source.needs_goal});
     printRobotWarnings(*problem.robot.model, source);
   }
   if (!source.allowed.empty()) planner::allowTouching(problem, source.stop);

@@ -23,6 +23,7 @@ struct ProblemSource {
   std::string waypoints, frame;        ///< a file of poses, and the frame that follows them
   std::vector<std::string> goal_pose;  ///< FRAME x y z qx qy qz qw; several hold at once
   std::vector<std::string> chain;      ///< BASE, TIP: the links of a chain, instead of `group`
+  bool needs_goal = true;              ///< and a command line as well
   bool notes_clouds = true;            ///< prints cloudNotes(); not if the answer has them
   std::string allowed;                 ///< "auto": planner::allowTouching()
   std::vector<std::string> packages;   ///< NAME=DIR

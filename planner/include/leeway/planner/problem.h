@@ -433,6 +433,8 @@ struct ProblemOptions {
   /// Options of robots and meshes. `stop` also ends reading of everything else, and `errors`
   /// collects all errors.
   robots::LoadOptions load;
+  /// Whether a file must have a goal, steps or waypoints.
+  bool needs_goal = true;
 };
 
 /// Reads the project's own YAML (problems/README.md, problems/schema.json). Throws
