@@ -681,6 +681,8 @@ constexpr double kLeastConstraintTolerance = 1e-6;
 
 /// The least length of an axis or direction. The digits of a shorter one are rounding.
 constexpr double kLeastAxis = 1e-6;
+/// And the greatest: squares of longer ones could overflow.
+constexpr double kMostAxis = 1e6;
 
 /// Share of its tolerance that a constraint or a line may use on a path. The rest lets the
 /// verifier's first-order bounds prove the same.

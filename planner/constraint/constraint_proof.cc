@@ -168,7 +168,7 @@ std::string ConstraintProof::fault(std::span<const double> point) {
           constraint.name, constraint.frame, what, off, unit, kConstraintShare * tolerance, unit,
           100 * kConstraintShare);
     };
-    if (keepsPlace(constraint) &&
+    if (constraint.turn == Constraint::Turn::kAny ||
         !(error.position <= kConstraintShare * constraint.position_tolerance))
       return text("off where it may be by", error.position, "m", constraint.position_tolerance);
     return text("turned by", std::min(angleOf(constraint, error), std::numbers::pi), "rad",
@@ -185,11 +185,13 @@ std::optional<std::vector<ConstraintResult>> ConstraintProof::prove(
     return std::nullopt;
   };
   for (Part& part : parts_) part.worst = {part.constraint.name, 0, 0};
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+  if (points.empty()) return fail(0, "the path has no row");
+  for (std::size_t i = 0; i == 0 || i + 1 < points.size(); ++i) {
+    const std::vector<double>&a = points[i], &b = points[std::min(i + 1, points.size() - 1)];
     for (Part& part : parts_)
-      if (!holds(part, points[i], points[i + 1]))
+      if (!holds(part, a, b))
         return fail(i, fmt::format("constraint '{}' is not proven to hold", part.constraint.name));
-    if (!isAccepted(points[i], points[i + 1])) return fail(i, "the condition does not hold");
+    if (!isAccepted(a, b)) return fail(i, "the condition does not hold");
   }
   for (const Part& part : parts_) results.push_back(part.worst);
   return results;

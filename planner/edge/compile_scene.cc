@@ -710,7 +710,12 @@ std::shared_ptr<const CompiledScene> CompiledScene::withShapes(
   }
   changed->scene_.setPoses(poses);
   for (const Replacement& r : shapes) {
-    if (r.growth <= 0) continue;  // NaN grows, too: such a pair is never free
+    if (r.growth < 0)
+      throw std::invalid_argument(
+          fmt::format("CompiledScene::withShapes(): the growth of body {} is {}; at least 0 m is "
+                      "expected",
+                      r.body, r.growth));
+    if (r.growth == 0) continue;  // NaN grows, too: such a pair is never free
     changed->is_variant_ = true;
     for (std::size_t g = 0; g < bodies[at(r.body)].size(); ++g)
       changed->scene_.growMargins(r.body, static_cast<int>(g), r.growth);
@@ -758,6 +763,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
     const std::function<bool(const collision::ScenePair&)>& keep) const {
   auto reduced = variant();
   reduced->pairs_token_ = std::make_shared<const int>();
+  reduced->lacks_pairs_ = true;
   auto model = std::make_shared<EdgeModel>(*edge_model_);
   model->pairs.clear();
   // keep() is called once per pair. If a second call gave another answer, pairs would get the
@@ -792,14 +798,6 @@ std::string differenceOf(const Object& object, const collision::Body& body,
                                     return x.radius == y.radius && x.center == y.center;
                                   });
   return is_same ? "" : "has another cloud";
-}
-
-bool areSameMargins(const Margins& x, const Margins& y) {
-  return x.common == y.common &&
-         std::equal(x.pairs.begin(), x.pairs.end(), y.pairs.begin(), y.pairs.end(),
-                    [](const PairMargin& m, const PairMargin& n) {
-                      return m.a == n.a && m.b == n.b && m.margin == n.margin;
-                    });
 }
 
 bool areSameWishes(const Margins& x, const Margins& y) {
@@ -883,11 +881,23 @@ std::string CompiledScene::differenceFrom(const Problem& problem) const {
   if ((!deforming.empty() || !rules_->moving.empty()) &&
       problem.execution.start != rules_->execution_start)
     return differs("execution.start");
+  for (const Constraint& constraint : problem.constraints) {
+    const auto object =
+        std::find_if(problem.world.objects.begin(), problem.world.objects.end(),
+                     [&](const Object& o) { return o.name == constraint.relative_to; });
+    const int body = findThing(constraint.relative_to);
+    if (object != problem.world.objects.end() && hasShapes(*object) &&
+        (body < 0 || !isSamePose(object->X_WO, scene_.bodies()[at(body)].X_WB)))
+      return fmt::format(
+          "object '{}', which constraint '{}' is relative to, stands elsewhere there", object->name,
+          constraint.name);
+  }
   return objectsDifference(problem);
 }
 
 void CompiledScene::requireProblem(const Problem& problem) const {
-  const std::string difference = differenceFrom(problem);
+  const std::string difference =
+      lacks_pairs_ ? "it has some of the pairs only (withPairs())" : differenceFrom(problem);
   if (!difference.empty())
     throw robots::InputError(
         problem.name, 0,

@@ -15,7 +15,10 @@ namespace ob = ompl::base;
 
 OmplMotionValidator::OmplMotionValidator(const ob::SpaceInformationPtr& space_information,
                                          std::shared_ptr<CertifierPool> pool)
-    : MotionValidator(space_information), pool_(std::move(pool)) {}
+    : MotionValidator(space_information), pool_(std::move(pool)) {
+  if (!pool_) throw std::invalid_argument("OmplMotionValidator: certifiers are expected");
+  pool_->requireSpace(space_information, "OmplMotionValidator");
+}
 
 bool OmplMotionValidator::count(const EdgeCheck& check, CertifierPool::Slot& slot) const {
   const bool valid = check.verdict == Verdict::kFree;

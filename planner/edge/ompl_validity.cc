@@ -1,5 +1,8 @@
 #include "leeway/planner/ompl_validity.h"
 
+#include <stdexcept>
+#include <string>
+
 #include "leeway/planner/ompl_state_space.h"
 #include "planner/edge/ompl_point.h"
 
@@ -35,9 +38,31 @@ std::unordered_map<int, std::uint64_t> CertifierPool::blocked() const {
   return sum;
 }
 
+void CertifierPool::requireSpace(const ompl::base::SpaceInformationPtr& space_information,
+                                 const char* call) const {
+  const auto* space = dynamic_cast<const OmplStateSpace*>(space_information->getStateSpace().get());
+  if (space != nullptr && &space->space() != &scene_->space())
+    throw std::invalid_argument(std::string(call) +
+                                ": the certifiers are of another scene; those of the scene whose "
+                                "space this is are expected");
+}
+
+namespace {
+
+std::shared_ptr<CertifierPool> requiredPool(std::shared_ptr<CertifierPool> pool,
+                                            const ompl::base::SpaceInformationPtr& information) {
+  if (!pool) throw std::invalid_argument("OmplValidityChecker: certifiers are expected");
+  pool->requireSpace(information, "OmplValidityChecker");
+  return pool;
+}
+
+}  // namespace
+
 OmplValidityChecker::OmplValidityChecker(const ompl::base::SpaceInformationPtr& space_information,
                                          std::shared_ptr<CertifierPool> pool, double tolerance)
-    : StateValidityChecker(space_information), pool_(std::move(pool)), tolerance_(tolerance) {
+    : StateValidityChecker(space_information),
+      pool_(requiredPool(std::move(pool), space_information)),
+      tolerance_(tolerance) {
   specs_.clearanceComputationType = ompl::base::StateValidityCheckerSpecs::BOUNDED_APPROXIMATE;
 }
 

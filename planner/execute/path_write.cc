@@ -267,6 +267,11 @@ void requireResultOf(const Problem& problem, const PlanResult& result) {
     throw std::invalid_argument(
         "the path's columns are not the problem's planned variables; a result of this problem is "
         "expected");
+  if (result.certificate.certified && !areSameMargins(result.margins, problem.margins))
+    throw std::invalid_argument(fmt::format(
+        "the result is certified for other margins (PlanResult::margins, {} m) than the problem's "
+        "({} m); a result of this problem is expected",
+        result.margins.common, problem.margins.common));
 }
 
 }  // namespace
@@ -301,6 +306,13 @@ void writeTrajectory(const std::string& file, const Problem& problem, const Plan
         fmt::format("the ending '{}' names no format of trajectories; .json, .yaml or .csv is "
                     "expected",
                     ending));
+  const ConfigurationSpace space(problem.robot.model, problem.robot.variables);
+  const Waypoints along = unwrapped(space, edgesOf(space, result.path).path.positions);
+  if (!std::equal(along.begin(), along.end(), trajectory.waypoints().begin(),
+                  trajectory.waypoints().end()))
+    throw std::invalid_argument(
+        "the trajectory passes other waypoints than the result's path; trajectoryOf() that path is "
+        "expected");
   checkTimes(file, trajectory.duration(), period);
   const Samples samples = sample(trajectory, period);
   const std::vector<std::string>& names = result.path.names;

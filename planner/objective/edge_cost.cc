@@ -254,7 +254,7 @@ EdgeCost EdgeCertifier::edgeCost(std::span<const double> a, std::span<const doub
   ++statistics.edges;
   Impl& impl = *impl_;
   impl.startWork(request.work_limit > 0 ? request.work_limit : kCostWork);
-  if (!impl.frames.begin(a, b)) return {};
+  if (!(request.nearness.distance > 0) || !impl.frames.begin(a, b)) return {};
   const EdgeCost cost = Impl::CostSearch(impl, request).run();
   statistics.work += impl.work.done;
   return cost;

@@ -161,6 +161,17 @@ bool isAsLong(const ConfigurationSpace& space, const std::vector<double>& row) {
   return row.size() == at(space.size());
 }
 
+/// The names of a path, if it has some, are those of its columns.
+void requireNames(const ConfigurationSpace& space, const Path& path) {
+  if (path.names.empty()) return;
+  std::vector<std::string> names;
+  for (const int v : space.variables()) names.push_back(space.model().variables[at(v)].name);
+  if (path.names != names)
+    throw std::invalid_argument(
+        fmt::format("a path with columns {}; {}, the planned variables, are expected",
+                    fmt::join(path.names, ", "), fmt::join(names, ", ")));
+}
+
 bool haveEdges(const ConfigurationSpace& space, const Waypoints& rows) {
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (!isAsLong(space, rows[i]) || (i > 0 && space.edgesAlongLine(rows[i - 1], rows[i]) == 0))
@@ -173,6 +184,13 @@ bool haveEdges(const ConfigurationSpace& space, const Waypoints& rows) {
 PathEdges edgesOf(const ConfigurationSpace& space, const Path& path) {
   if (!path.times.empty())
     throw std::invalid_argument("a path with times, which moves on cubics: lines are expected");
+  requireNames(space, path);
+  for (const PathStep& step : path.steps)
+    if (step.first < 0 || step.last < step.first || at(step.last) >= path.positions.size())
+      throw std::invalid_argument(fmt::format(
+          "a path of {} rows whose step '{}' goes from row {} to row {}: rows of the path are "
+          "expected",
+          path.positions.size(), step.name, step.first, step.last));
   PathEdges edges{{path.names, {}, path.steps}, {}};
   Waypoints& points = edges.path.positions;
   std::vector<int> place;  // the index of each row among the points
@@ -299,11 +317,16 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
 std::optional<std::vector<ConstraintResult>> proveConstraints(const CompiledScene& scene,
                                                               const Problem& problem,
                                                               const Path& path) {
+  scene.requireProblem(problem);
   return ConstraintProof(scene, problem).prove(edgesOf(scene.space(), path).path.positions);
 }
 
 std::string brokenConstraint(const CompiledScene& scene, const Problem& problem,
                              std::span<const double> point) {
+  scene.requireProblem(problem);
+  if (point.size() != at(scene.space().size()))
+    return fmt::format("the point has {} numbers; {} are expected", point.size(),
+                       scene.space().size());
   return ConstraintProof(scene, problem).fault(point);
 }
 

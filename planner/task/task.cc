@@ -39,6 +39,7 @@ class TaskPlan {
   PlanResult run() {
     if (problem_.steps.empty()) refuse("there are no steps; at least one is expected");
     result_.seed = problem_.seed;
+    result_.margins = problem_.margins;
     result_.planner = problem_.planner.name;
     result_.warnings = loaderWarnings(problem_);
     for (const int v : problem_.robot.variables) {

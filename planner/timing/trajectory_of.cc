@@ -31,6 +31,7 @@ Trajectory::Trajectory(std::shared_ptr<const ConfigurationSpace> space,
       cuts_(std::move(cuts)),
       least_times_(least_times.begin(), least_times.end()) {
   if (waypoints_.empty()) throw std::invalid_argument("trajectory: a path without waypoints");
+  if (!space_) throw std::invalid_argument("trajectory: a space is expected");
   space_->requirePath(waypoints_, "trajectory");
   check(limits, steps);
   waypoints_ = unwrapped(*space_, std::move(waypoints_));

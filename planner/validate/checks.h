@@ -97,6 +97,8 @@ std::string objectFault(const Object& object);
 /// Returns the largest separation that affects margins, wishes or the objective [m]; infinite for a
 /// cost that is inverse to the distance.
 double mostMargin(const Problem& problem);
+/// Whether the margins of all pairs are the same, named in the same order.
+bool areSameMargins(const Margins& x, const Margins& y);
 /// The clearance that the objective length keeps from the world, as a margin of these pairs [m];
 /// -infinity: none.
 double keptClearance(const Problem& problem);

@@ -130,8 +130,9 @@ std::optional<Fault> constraintFault(const Problem& problem, const Constraint& c
   if (constraint.turn == Turn::kAxis)
     for (const auto& [key, v] :
          {std::pair("axis", &constraint.axis), {"direction", &constraint.direction}})
-      if (!v->allFinite() || !(v->norm() >= kLeastAxis))
-        return fault(key, fmt::format("is {}; a direction is expected", vectorText(*v)));
+      if (!(v->norm() >= kLeastAxis && v->norm() <= kMostAxis))
+        return fault(key, fmt::format("is {}; a direction is expected, of length {} to {}",
+                                      vectorText(*v), kLeastAxis, kMostAxis));
   if (constraint.turn == Turn::kFixed)
     if (const std::string wrong = poseFault({constraint.rotation, Eigen::Vector3d::Zero()});
         !wrong.empty())

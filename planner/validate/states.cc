@@ -323,6 +323,14 @@ std::optional<double> obstaclesAt(const Problem& problem) {
   return problem.execution.start;
 }
 
+bool areSameMargins(const Margins& x, const Margins& y) {
+  return x.common == y.common &&
+         std::equal(x.pairs.begin(), x.pairs.end(), y.pairs.begin(), y.pairs.end(),
+                    [](const PairMargin& m, const PairMargin& n) {
+                      return m.a == n.a && m.b == n.b && m.margin == n.margin;
+                    });
+}
+
 double mostMargin(const Problem& problem) {
   double most = problem.margins.common;
   for (const PairMargin& m : problem.margins.pairs) most = std::max(most, m.margin);
@@ -385,7 +393,15 @@ std::string cropFault(const Object& object, const CropNeeds& needs) {
 
 std::vector<double> startPoint(const Problem& problem) {
   std::vector<double> point;
-  for (const int v : problem.robot.variables) point.push_back(problem.start[at(v)]);
+  for (const int v : problem.robot.variables) {
+    if (v < 0 || at(v) >= problem.start.size())
+      throw robots::InputError(
+          problem.name, 0,
+          fmt::format("start has {} values, without one for planned variable {}; one for each "
+                      "variable of the model is expected",
+                      problem.start.size(), v));
+    point.push_back(problem.start[at(v)]);
+  }
   return point;
 }
 

@@ -182,6 +182,7 @@ class TaskCheck {
       stage.goals = {{asked.name, {}, {goal}}};
       if (auto fault = checkStretch(s, stage, stretch)) return fault;
       FrameCheck check(stage, way.link, way.X_LF);
+      check.limit(kVerifyPairWork, options_.stop);
       for (std::size_t i = 0; i + 1 < stretch.positions.size(); ++i) {
         double t = 0;
         const VerifyStatus status = check.check(

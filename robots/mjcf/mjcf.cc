@@ -217,8 +217,9 @@ class MjcfReader {
       document_.warnings.push_back(document_.path + ": planning does not use " + text);
     if (const auto count = static_cast<int>(document_.links.front().collisions.size()); count > 0)
       document_.warnings.push_back(document_.path + ": " + std::to_string(count) + ' ' +
-                                   plural("geom", count) +
-                                   " of <worldbody> count as a part of the robot, its link "
+                                   plural("geom", count) + " of <worldbody> " +
+                                   (count == 1 ? "counts" : "count") +
+                                   " as a part of the robot, its link "
                                    "'world': clearance from the world, "
                                    "which --keep and objectives ask for, does not include them");
   }

@@ -48,8 +48,8 @@ void addJoints(const Model& model, ContentKey& key) {
     key.add(std::string_view("variable"));
     const auto [low, high] =
         variable.file_limits.value_or(std::pair(variable.lower, variable.upper));
-    for (const double number :
-         {static_cast<double>(variable.joint), variable.lower, variable.upper, low, high})
+    for (const double number : {static_cast<double>(variable.joint), variable.lower, variable.upper,
+                                low, high, variable.rest})
       key.add(number);
   }
 }

@@ -107,6 +107,14 @@ TEST_F(GuardVerb, ReadsPolynomials) {
   }
 }
 
+TEST_F(GuardVerb, NeedsNoGoal) {
+  std::string text = read("reach.yaml");
+  text = std::regex_replace(text, std::regex("\ngoal:[^\n]*"), "");
+  write("no_goal.yaml", text);
+  EXPECT_EQ(run("plan no_goal.yaml").status, 2);
+  EXPECT_EQ(guard("no_goal.yaml", "-1,0\n").document()["passed"], 1);
+}
+
 TEST_F(GuardVerb, ReadsRowsOfNumbers) {
   // The second row has two setpoints; the header has the joints in another order.
   const Answer answer =

@@ -83,7 +83,7 @@ TEST_F(Replan, HelpTellsEveryKey) {
   const std::string help = run("replan --help").out;
   const std::size_t begin = help.find("JSON, a document a step"),
                     middle = help.find("and at the end, with version:", begin),
-                    end = help.find("Limits", middle);
+                    end = help.find("The limits", middle);
   ASSERT_TRUE(begin < middle && middle < end && end < help.size()) << help;
   const auto told = [](const std::string& text, const std::string& key) {
     return std::regex_search(text, std::regex("\\b" + key + "\\b"));

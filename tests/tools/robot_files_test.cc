@@ -211,6 +211,16 @@ TEST_F(RobotFiles, XacroGetsArguments) {
   }
 }
 
+TEST_F(RobotFiles, AllJointsArePlannedUnlessSomeAreNamed) {
+  write("one.urdf", kOneJoint);
+  const Answer answer = run("plan --robot one.urdf --start 0 --goal 1 --json");
+  EXPECT_NE(answer.status, 2) << answer.err;
+  expectRefused("plan --robot one.urdf --start 0", {"--robot without --goal, --goal-pose"});
+  expectRefused("plan --robot one.urdf --goal 1", {"--robot without --start (or"});
+  expectRefused("plan --robot one.urdf", {"--robot without --start and --goal, --goal-pose"});
+  expectRefused("fk one.urdf --robot one.urdf", {"are two robots; one is expected"});
+}
+
 TEST_F(RobotFiles, AChainIsPlannedBetweenJointValues) {
   write("arm.urdf", replaced(kUrdf, "<link name=\"base\"/>",
                              "<link name=\"base\"><collision><origin xyz=\"-0.8 0 0\"/><geometry>"
@@ -323,6 +333,10 @@ TEST_F(RobotFiles, AutoAllowsWhatTouchesAtRest) {
       << refused.out;
   EXPECT_NE(refused.out.find(
                 "Too near in nearly all random configurations: hub and base.\nIf they may touch"),
+            std::string::npos)
+      << refused.out;
+  EXPECT_NE(refused.out.find("They touch with all joints at zero as well: hub and base; rest and "
+                             "base.\nIf they may touch, wherever the joints are: --allowed auto"),
             std::string::npos)
       << refused.out;
   const json offending = run(plan + "--json").document()["offending"];

@@ -495,19 +495,44 @@ TEST(Guard, WhatIsLeftOfPolynomialsIsTold) {
   GuardOptions options;
   Guard guard(problem, options);
   const std::vector<double> there = alongX({-1, 0, 1, -1. / 3});
-  EXPECT_EQ(guard.check({.polynomials = there, .duration = 1}).passed, 50);
-  const std::vector<double> motion(guard.answer().motion.begin(), guard.answer().motion.end());
-  // A robot that is faster than any stop that there is room for: none is proven.
-  problem.execution.accelerations = {{"disc/x", 2}};
-  options.work = 1;
+  EXPECT_EQ(guard.check({.polynomials = there, .duration = 0.8}).passed, 40);
+  options.work = 1;  // nothing is proven
   Guard poor(problem, options);
-  const GuardAnswer& none = poor.check({.polynomials = there, .duration = 1});
+  const GuardAnswer& none = poor.check({.polynomials = there, .duration = 0.8});
   EXPECT_EQ(none.passed, 0);
   EXPECT_EQ(none.reason, GuardReason::kWork);
   EXPECT_EQ(none.on_polynomials, 0);
   const GuardAnswer& late = guard.check({.time = 30 * 0.02});
   EXPECT_NEAR(late.start[0], valueOf(std::span(there).first(4), 0, 0.6), 1e-12);
-  EXPECT_EQ(late.on_polynomials, 0);
+  EXPECT_EQ(late.on_polynomials, 0);  // it stops
+  // Polynomials that turn aside 0.3 mm before the wall, which a stop along their velocity does not.
+  problem.execution.velocities = {{"disc/x", 1}, {"disc/y", 1}};
+  problem.execution.accelerations = {{"disc/x", 2}, {"disc/y", 2}};
+  options.work = GuardOptions().work;
+  Guard near(problem, options);
+  const std::vector<double> start = {-0.99297, -0.5, 0};
+  const std::vector<double> faster = {-0.99297, 0, 1, 0, -0.5, 0, -1, 0, 0, 0, 0, 0};
+  const std::vector<double> on = {-0.83297, 0.8, -0.66, -0.8, 0, 0};
+  const std::vector<double> aside = {-0.57697, 0.8, 0, -1 / 2.4, -0.916, -0.8, 0, 0, 0, 0, 0, 0};
+  const auto x = [&](double t) { return valueOf(std::span(aside).first(4), 0, t); };
+  ASSERT_EQ(near.check({.polynomials = faster, .duration = 0.4, .position = start}).passed, 20);
+  ASSERT_EQ(near.check({.polynomials = on, .duration = 0.32}).passed, 16);
+  ASSERT_EQ(near.check({.polynomials = aside, .duration = 0.8}).passed, 40);
+  const double begin = near.answer().time;
+  const GuardAnswer& left = near.check({.time = begin + 37 * 0.02});
+  EXPECT_TRUE(left.goes_on);
+  EXPECT_TRUE(left.certified);
+  EXPECT_EQ(left.on_polynomials, 3);
+  EXPECT_NEAR(left.start[0], x(0.74), 1e-12);
+  EXPECT_NEAR(left.motion[6], x(0.8), 1e-12);
+  // Between two periods it goes on from the one before.
+  const GuardAnswer& later = near.check({.time = begin + 38.5 * 0.02});
+  EXPECT_TRUE(later.goes_on);
+  EXPECT_EQ(later.on_polynomials, 2);
+  EXPECT_NEAR(later.start[0], x(0.76), 1e-12);
+  const GuardAnswer& end = near.check({.time = begin + 41 * 0.02});
+  EXPECT_TRUE(end.certified);
+  EXPECT_EQ(end.on_polynomials, 0);
 }
 
 TEST(Guard, PolynomialsKeepTheLimitsAtEveryTime) {

@@ -114,7 +114,7 @@ TEST(ShippedProblems, CoverWhatTheReadmePromises) {
 }
 
 /// Examples of problems/README.md, in order: a whole file, a goal of poses, constraints, a body, a
-/// deforming obstacle, MoveIt's files, a point cloud.
+/// deforming obstacle, MoveIt's files, a point cloud, objects that move.
 std::vector<std::string> readmeExamples() {
   std::ifstream stream(kProblems + "/README.md");
   std::vector<std::string> examples;
@@ -144,7 +144,7 @@ TEST(ShippedProblems, ExamplesOfTheReadmeLoad) {
     std::filesystem::copy_file(kProblems + "/moveit/" + name,
                                folder / "problems" / "example" / name);
   const std::vector<std::string> examples = readmeExamples();
-  EXPECT_EQ(examples.size(), 10U);
+  EXPECT_EQ(examples.size(), 11U);
   for (std::string example : examples) {
     if (example.rfind("leeway:", 0) != 0) example = "leeway: 1\n" + example;
     const std::string file = (folder / "problems" / "example" / "problem.yaml").string();

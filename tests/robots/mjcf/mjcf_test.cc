@@ -10,6 +10,7 @@
 #include "leeway/collision/convex_hull.h"
 #include "leeway/robots/kinematics.h"
 #include "leeway/robots/model.h"
+#include "leeway/robots/named_states.h"
 #include "tests/support/folder.h"
 #include "tests/support/input_errors.h"
 
@@ -196,6 +197,29 @@ TEST(Mjcf, KeysAreStates) {
   EXPECT_EQ(value(rest, "extend"), 0.05);
   EXPECT_EQ(value(rest, "cube/x"), 1);
   EXPECT_DOUBLE_EQ(value(rest, "cube/qx"), std::sqrt(0.5));
+}
+
+TEST(Mjcf, JointsRestWhereTheFileHasThem) {
+  const auto robot = load(kArm);
+  EXPECT_EQ(robot->defaultConfiguration(), stateOf(*robot, "qpos0"));
+  const std::vector<GroupState> states = namedStates(*robot);
+  const auto zero = std::find_if(states.begin(), states.end(),
+                                 [](const GroupState& state) { return state.name == "zero"; });
+  ASSERT_NE(zero, states.end());
+  for (const auto& [v, value] : zero->values) {
+    const std::string& name = robot->variables[static_cast<std::size_t>(v)].name;
+    const double rest = robot->defaultConfiguration()[static_cast<std::size_t>(v)];
+    EXPECT_EQ(value, name.starts_with("cube/") ? rest : 0) << name;
+  }
+  // A floor in <worldbody> is a part of the robot, which is told.
+  const auto said = [](const Model& model, const char* words) {
+    return std::any_of(model.warnings.begin(), model.warnings.end(),
+                       [&](const std::string& w) { return w.find(words) != std::string::npos; });
+  };
+  const char* const body = R"(<body name="a"><joint name="j"/><geom size="0.1"/></body>)";
+  EXPECT_FALSE(said(*load(model(body)), "of <worldbody>"));
+  EXPECT_TRUE(said(*load(model(std::string(R"(<geom type="plane" size="0 0 1"/>)") + body)),
+                   ": 1 geom of <worldbody> counts as a part of the robot"));
 }
 
 TEST(Mjcf, FramesPlaceWhatIsInThem) {

@@ -135,21 +135,20 @@ std::string allowHint(const planner::Problem& problem, const std::vector<PairNam
                     [&](const PairNames& pair) { return pair.a == names.a && pair.b == names.b; }))
       nearly_always.push_back(names);
   }
+  std::string hint;
   if (!nearly_always.empty())
-    return "Too near in nearly all random configurations: " + pairsText(nearly_always) +
+    hint = "Too near in nearly all random configurations: " + pairsText(nearly_always) +
            ".\nIf they may touch, add them to `allowed` or an SRDF; `leeway srdf` proposes one.\n";
   const std::vector<robots::Link>& links = scene.model().links;
   std::vector<PairNames> at_rest;
-  for (const auto& [a, b] : robots::touchingAtRest(scene.model(), interrupted)) {
-    const std::string &name = links[static_cast<std::size_t>(a)].name,
-                      &other = links[static_cast<std::size_t>(b)].name;
-    if (std::any_of(pairs.begin(), pairs.end(), [&](const PairNames& pair) {
-          return (pair.a == name && pair.b == other) || (pair.a == other && pair.b == name);
-        }))
-      at_rest.push_back({name, other});
+  for (const auto& [first, second] : robots::touchingAtRest(scene.model(), interrupted)) {
+    const std::string& a = links[static_cast<std::size_t>(first)].name;
+    const std::string& b = links[static_cast<std::size_t>(second)].name;
+    for (const PairNames& pair : pairs)
+      if ((pair.a == a && pair.b == b) || (pair.a == b && pair.b == a)) at_rest.push_back(pair);
   }
-  if (at_rest.empty()) return {};
-  return "They touch with all joints at zero as well: " + pairsText(at_rest) +
+  if (at_rest.empty()) return hint;
+  return hint + "They touch with all joints at zero as well: " + pairsText(at_rest) +
          ".\nIf they may touch, wherever the joints are: --allowed auto, or `allowed: auto` in a "
          "file; `leeway srdf` proposes which pairs need no check.\n";
 }

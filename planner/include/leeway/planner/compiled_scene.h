@@ -246,7 +246,8 @@ class CompiledScene {
   std::shared_ptr<const std::vector<Dropped>> dropped_;
   std::shared_ptr<const std::vector<std::string>> warnings_;  // null: none
   std::shared_ptr<const NamedRules> rules_;
-  bool is_variant_ = false;  // with other margins or pairs than the rules
+  bool is_variant_ = false;   // with other margins or pairs than the rules
+  bool lacks_pairs_ = false;  // withPairs()
   std::shared_ptr<const int> pairs_token_ = std::make_shared<const int>();  // see hasPairsOf()
   std::shared_ptr<const EdgeModel> edge_model_;
   OwnShared shared_;

@@ -31,6 +31,10 @@ class CertifierPool {
 
   explicit CertifierPool(std::shared_ptr<const CompiledScene> scene);
   const CompiledScene& scene() const { return *scene_; }
+  /// Throws std::invalid_argument unless the states of an OMPL space are those of the scene.
+  /// `call` begins the message.
+  void requireSpace(const ompl::base::SpaceInformationPtr& space_information,
+                    const char* call) const;
   /// The calling thread's certifier. Allocates at a thread's first call.
   Slot& local();
   /// Sums over all threads. Call it only while no thread uses a certifier.
@@ -49,7 +53,8 @@ class CertifierPool {
 /// A state is valid if it is within the limits and proven to keep the scene's margins. clearance()
 /// is a lower bound on the signed distance of the checked pairs [m], at most `tolerance` below it
 /// (declared as OMPL's BOUNDED_APPROXIMATE), or infinity if no pair is checked. States are those of
-/// OmplStateSpace. Thread-safe.
+/// OmplStateSpace. Thread-safe. The constructor throws std::invalid_argument for a pool of another
+/// space, and without one.
 class OmplValidityChecker : public ompl::base::StateValidityChecker {
  public:
   OmplValidityChecker(const ompl::base::SpaceInformationPtr& space_information,

@@ -31,7 +31,8 @@ Path readPath(const std::string& file, const Problem& problem, const PathReading
 /// written as they are: those of plan() have continuous joints unwrapped. A path has no times:
 /// those written are of a trajectory within the problem's limits (motionLimits()) that stops at
 /// every corner; the certificate does not depend on them. Throws robots::InputError, also as
-/// validate(); std::invalid_argument for a result of other variables than the problem plans.
+/// validate(); std::invalid_argument for a result of other variables than the problem plans, or
+/// that is certified for other margins.
 void writePath(const std::string& file, const Problem& problem, const PlanResult& result);
 
 /// Writes a timed motion along the result's path, whole or not at all. .json and .yaml have the
@@ -43,8 +44,9 @@ void writePath(const std::string& file, const Problem& problem, const PlanResult
 ///
 /// The certificate in the file is that of the motion. With blended corners, the lower bound of its
 /// clearance is at most the least margin. If a blend cuts off the closest place of the path, the
-/// clearance has no upper bound. Throws robots::InputError, also for more than 2^31 s, a million
-/// periods, and a period below 20 us.
+/// clearance has no upper bound. Throws std::invalid_argument as writePath(), and for a trajectory
+/// over other waypoints than those of edgesOf() the result's path; robots::InputError, also for
+/// more than 2^31 s, a million periods, and a period below 20 us.
 void writeTrajectory(const std::string& file, const Problem& problem, const PlanResult& result,
                      const Trajectory& trajectory, double period = 0);
 

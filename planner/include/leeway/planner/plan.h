@@ -83,8 +83,9 @@ struct PathEdges {
   std::vector<Place> places;  ///< one per edge
 };
 /// Returns the edges along a path's lines. Throws std::invalid_argument for a path with times, for
-/// rows whose length is not that of the space, and for continuous joints beyond 1000 rad that turn
-/// by more than half a turn. O(edges).
+/// columns with other names than the space's variables, steps without rows, rows whose length is
+/// not that of the space, and for continuous joints beyond 1000 rad that turn by more than half a
+/// turn. O(edges).
 PathEdges edgesOf(const ConfigurationSpace& space, const Path& path);
 
 /// The clearance of a whole path for some pairs, and the place where it is least.
@@ -172,6 +173,7 @@ struct PlanResult {
   Interval cost{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   std::vector<WishResult> wishes;  ///< one per wish, in their order; empty unless solved
   Certificate certificate;
+  Margins margins;       ///< those of the problem, which the certificate is for
   StateCheck offending;  ///< for an invalid start or goal: pair, depth, place
   std::string offending_a, offending_b;
   /// The fault in words for an invalid goal of poses without a configuration, a task that failed,
