@@ -39,11 +39,14 @@ int main(int argc, char** argv) {
   CLI::App app("What a guard's answers cost.");
   leeway::bench::ProblemFiles files;
   int chunks = 1000, setpoints = 50;
+  bool polynomials = false;
   double period = 0.02, noise = 0.08;
   std::uint64_t seed = 1;
   files.addTo(app)->required();
   app.add_option("--chunks", chunks, "of each problem")->capture_default_str();
   app.add_option("--setpoints", setpoints)->capture_default_str();
+  app.add_flag("--polynomials", polynomials,
+               "one a joint, in place of setpoints, over as many periods");
   app.add_option("--period", period)->capture_default_str();
   app.add_option("--noise", noise, "of velocities, as a share of their limits")
       ->capture_default_str();
@@ -63,14 +66,20 @@ int main(int argc, char** argv) {
       leeway::bench::NoisyPolicy policy(guard.options(), planned.path.positions, noise, seed);
       leeway::bench::GuardedRun run(guard, policy, planned.path.positions.front());
       for (int c = 0; c < chunks; ++c) {
-        const std::vector<double> chunk = run.next(setpoints);
+        const std::vector<double> chunk = run.next(polynomials ? setpoints / 2 : setpoints);
+        const leeway::bench::RestingQuintics curves(run.place(), run.velocity(), chunk, period);
+        const GuardRequest request = polynomials
+                                         ? GuardRequest{.polynomials = curves.coefficients,
+                                                        .duration = curves.duration,
+                                                        .time = run.time()}
+                                         : GuardRequest{.setpoints = chunk, .time = run.time()};
         if (!problem.world.deforming.empty()) guard.look(run.time());
         const double begin = leeway::bench::cpuNanoseconds();
-        const GuardAnswer& answer = guard.check({.setpoints = chunk, .time = run.time()});
+        const GuardAnswer& answer = guard.check(request);
         const double us = (leeway::bench::cpuNanoseconds() - begin) / 1e3;
         all.push_back(us);
         all_edges += static_cast<double>(answer.edges);
-        if (answer.passed == setpoints) {
+        if (answer.reason == GuardReason::kPassed) {
           whole.push_back(us);
           whole_edges += static_cast<double>(answer.edges);
         }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "leeway/planner/guard.h"
@@ -86,6 +87,38 @@ class NoisyPolicy {
   std::vector<double> drift_;
   double way_ = 0;  // of the target: edge and share of it
   bool forth_ = true;
+};
+
+/// A motion of polynomials, one a variable, from a place and velocity to rest.
+struct RestingQuintics {
+  /// `setpoints`: rows, of which the last is where the motion comes to rest, after twice their
+  /// time.
+  RestingQuintics(std::span<const double> place, std::span<const double> velocity,
+                  std::span<const double> setpoints, double period)
+      : size(place.size()), duration(2 * period * static_cast<double>(setpoints.size() / size)) {
+    const double T = duration;
+    for (std::size_t i = 0; i < size; ++i) {
+      const double v = velocity[i], d = setpoints[setpoints.size() - size + i] - place[i];
+      coefficients.insert(coefficients.end(), {place[i], v, 0, (10 * d - 6 * v * T) / (T * T * T),
+                                               (-15 * d + 8 * v * T) / (T * T * T * T),
+                                               (6 * d - 3 * v * T) / (T * T * T * T * T)});
+    }
+  }
+  /// Rows of the places at multiples of `step`, from the first to that at `end`.
+  std::vector<double> rows(double step, double end) const {
+    std::vector<double> places;
+    for (double t = step; t <= end + step / 2; t += step)
+      for (std::size_t i = 0; i < size; ++i) {
+        double sum = 0;
+        for (std::size_t k = 6; k-- > 0;) sum = sum * t + coefficients[6 * i + k];
+        places.push_back(sum);
+      }
+    return places;
+  }
+
+  std::size_t size;
+  double duration;  ///< [s]
+  std::vector<double> coefficients;
 };
 
 /// A robot that executes what a guard lets pass of a policy's chunks.

@@ -1,5 +1,7 @@
 // guard_check: what a Guard lets pass of a noisy policy, looked at with FCL.
 //   guard_check --robot R.urdf --srdf R.srdf SCENE.yaml...     MoveIt scenes with requests
+// With --polynomials each chunk is one polynomial a joint, which comes to rest where a chunk of
+// setpoints ends.
 // Each scene is planned; a policy goes to and fro along the path with noise, in chunks, and the
 // robot executes what the guard lets pass. FCL looks at every millisecond of all that passed and of
 // the stop after it, and of what the policy wanted. Counts, over all scenes:
@@ -28,13 +30,15 @@ namespace {
 
 using namespace leeway::planner;
 
+constexpr double kLook = 1e-3;  // [s]
+
 /// Looks at motions through setpoints.
 class Looks {
  public:
   Looks(leeway::dense::DenseWorld& world, std::vector<std::string> names, double period)
       : world_(world),
         names_(std::move(names)),
-        count_(std::max(1, static_cast<int>(std::ceil(period / 1e-3)))) {}
+        count_(std::max(1, static_cast<int>(std::ceil(period / kLook)))) {}
 
   bool collides(std::span<const double> start, std::span<const double> rows) {
     const std::size_t n = start.size();
@@ -77,12 +81,14 @@ int main(int argc, char** argv) {
   std::string robot, srdf;
   std::vector<std::string> files;
   int chunks = 200, setpoints = 50;
+  bool polynomials = false;
   double period = 0.02, noise = 0.08, least = 0.95;
   std::uint64_t seed = 1;
   app.add_option("--robot", robot)->required();
   app.add_option("--srdf", srdf)->required();
   app.add_option("--chunks", chunks, "of each scene")->capture_default_str();
   app.add_option("--setpoints", setpoints, "of a chunk, at most")->capture_default_str();
+  app.add_flag("--polynomials", polynomials, "in place of setpoints");
   app.add_option("--period", period, "[s]")->capture_default_str();
   app.add_option("--noise", noise, "of velocities, as a share of their limits")
       ->capture_default_str();
@@ -102,7 +108,7 @@ int main(int argc, char** argv) {
       if (planned.status != PlanStatus::kSolved) continue;
       auto world = first ? std::make_unique<leeway::dense::DenseWorld>(*first, file, request)
                          : std::make_unique<leeway::dense::DenseWorld>(model, file, request);
-      Looks looks(*world, planned.path.names, period);
+      Looks looks(*world, planned.path.names, period), fine(*world, planned.path.names, kLook);
       GuardOptions options;
       options.period = period;
       options.most_setpoints = setpoints;
@@ -111,20 +117,35 @@ int main(int argc, char** argv) {
       leeway::bench::NoisyPolicy policy(guard.options(), planned.path.positions, noise, seed);
       leeway::bench::GuardedRun run(guard, policy, planned.path.positions.front());
       for (int c = 0; c < chunks; ++c) {
-        const std::vector<double> chunk = run.next(setpoints - c % (setpoints / 2));
-        const GuardAnswer& answer = guard.check({.setpoints = chunk, .time = run.time()});
+        const int most = polynomials ? setpoints / 2 : setpoints;
+        const std::vector<double> chunk = run.next(most - c % (most / 2));
+        const leeway::bench::RestingQuintics curves(run.place(), run.velocity(), chunk, period);
+        const GuardAnswer& answer =
+            guard.check(polynomials ? GuardRequest{.polynomials = curves.coefficients,
+                                                   .duration = curves.duration,
+                                                   .time = run.time()}
+                                    : GuardRequest{.setpoints = chunk, .time = run.time()});
         ++sum.chunks;
         sum.uncertified += answer.certified ? 0 : 1;
-        const bool touches = looks.collides(answer.start, answer.motion);
+        const auto on = static_cast<std::size_t>(polynomials ? answer.passed : 0) * curves.size;
+        const bool touches =
+            fine.collides(answer.start,
+                          curves.rows(kLook, polynomials ? answer.passed * period : 0)) ||
+            looks.collides(
+                on > 0 ? answer.motion.subspan(on - curves.size, curves.size) : answer.start,
+                answer.motion.subspan(on));
         if (touches && answer.certified) {
           ++sum.contacts;
           fmt::print("contact: {} chunk {}\n", file, c);
         }
         const bool is_whole = answer.reason == GuardReason::kPassed;
-        const bool collides = looks.collides(run.place(), chunk);
+        const bool collides = polynomials
+                                  ? fine.collides(run.place(), curves.rows(kLook, curves.duration))
+                                  : looks.collides(run.place(), chunk);
         const bool is_safe =
-            !collides && !looks.collides(std::span<const double>(chunk).last(run.place().size()),
-                                         stopAfter(brake, period, run.place(), chunk));
+            !collides &&
+            (polynomials || !looks.collides(std::span<const double>(chunk).last(curves.size),
+                                            stopAfter(brake, period, run.place(), chunk)));
         sum.collide += collides ? 1 : 0;
         sum.safe += is_safe ? 1 : 0;
         sum.whole += is_whole ? 1 : 0;
