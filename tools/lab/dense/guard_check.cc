@@ -7,8 +7,8 @@
 // the stop after it, and of what the policy wanted. Counts, over all scenes:
 //   contacts       of what the guard let pass, or of its stops: must be 0
 //   collide        chunks that would collide if they were executed as they are
-//   safe           chunks that do not, nor does the stop after them; and how many of these pass
-//                  whole
+//   safe           chunks that do not, and stay within the joints' limits, with the stop after
+//                  them; and how many of these pass whole
 // Exit status 1 after a contact, and where fewer than --least of the safe chunks pass whole.
 
 #include <fmt/format.h>
@@ -72,6 +72,13 @@ std::vector<double> stopAfter(const Brake& brake, double period, std::span<const
   std::vector<double> stop(static_cast<std::size_t>(brake.mostRows()) * n);
   stop.resize(static_cast<std::size_t>(std::max(0, brake.stop(last, velocity, rest, stop))) * n);
   return stop;
+}
+
+bool staysWithin(const ConfigurationSpace& space, std::span<const double> rows) {
+  const auto n = static_cast<std::size_t>(space.size());
+  for (std::size_t k = 0; k < rows.size(); k += n)
+    if (!space.withinLimits(rows.subspan(k, n))) return false;
+  return true;
 }
 
 }  // namespace
@@ -142,10 +149,12 @@ int main(int argc, char** argv) {
         const bool collides = polynomials
                                   ? fine.collides(run.place(), curves.rows(kLook, curves.duration))
                                   : looks.collides(run.place(), chunk);
+        const std::vector<double> stop =
+            polynomials ? std::vector<double>() : stopAfter(brake, period, run.place(), chunk);
         const bool is_safe =
-            !collides &&
-            (polynomials || !looks.collides(std::span<const double>(chunk).last(curves.size),
-                                            stopAfter(brake, period, run.place(), chunk)));
+            !collides && staysWithin(guard.scene()->space(), chunk) &&
+            staysWithin(guard.scene()->space(), stop) &&
+            !looks.collides(std::span<const double>(chunk).last(curves.size), stop);
         sum.collide += collides ? 1 : 0;
         sum.safe += is_safe ? 1 : 0;
         sum.whole += is_whole ? 1 : 0;
