@@ -262,11 +262,12 @@ void requireResultOf(const Problem& problem, const PlanResult& result) {
     is_same = result.path.names[i] ==
               problem.robot.model->variables[static_cast<std::size_t>(variables[i])].name;
   for (const std::vector<double>& row : result.path.positions)
-    is_same = is_same && row.size() == variables.size();
+    is_same = is_same && row.size() == variables.size() &&
+              std::all_of(row.begin(), row.end(), [](double x) { return std::isfinite(x); });
   if (!is_same)
     throw std::invalid_argument(
-        "the path's columns are not the problem's planned variables; a result of this problem is "
-        "expected");
+        "the path's columns are not the problem's planned variables, or a number is not finite; a "
+        "result of this problem is expected");
   if (result.certificate.certified && !areSameMargins(result.margins, problem.margins))
     throw std::invalid_argument(fmt::format(
         "the result is certified for other margins (PlanResult::margins, {} m) than the problem's "

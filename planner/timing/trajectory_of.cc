@@ -33,6 +33,11 @@ Trajectory::Trajectory(std::shared_ptr<const ConfigurationSpace> space,
   if (waypoints_.empty()) throw std::invalid_argument("trajectory: a path without waypoints");
   if (!space_) throw std::invalid_argument("trajectory: a space is expected");
   space_->requirePath(waypoints_, "trajectory");
+  for (const std::vector<double>& row : waypoints_)
+    for (const double x : row)
+      if (!std::isfinite(x))
+        throw std::invalid_argument("trajectory: a waypoint with " + std::to_string(x) +
+                                    "; finite numbers are expected");
   check(limits, steps);
   waypoints_ = unwrapped(*space_, std::move(waypoints_));
   leaveOut();

@@ -114,6 +114,12 @@ TEST(OtherQuestions, FilesSayCertifiedOnlyOfWhatIsInThem) {
   EXPECT_THROW(writeTrajectory(folder.path("p.json"), problem, result, trajectory),
                invalid_argument);
   EXPECT_THROW(Trajectory(nullptr, others, motionLimits(problem)), invalid_argument);
+  PlanResult bad = result;
+  bad.path.positions[1][0] = others[1][0] = std::nan("");
+  EXPECT_THROW(Trajectory(space, others, motionLimits(problem)), invalid_argument);
+  problem.margins = result.margins;
+  EXPECT_NO_THROW(writePath(folder.path("p.json"), problem, result));
+  EXPECT_THROW(writePath(folder.path("p.json"), problem, bad), invalid_argument);
 }
 
 TEST(OtherQuestions, AScenePartIsNotTheProblem) {
