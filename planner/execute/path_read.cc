@@ -267,7 +267,6 @@ std::vector<std::pair<int, std::string>> readLines(const std::string& file,
     std::string line = text.substr(begin, end - begin);
     begin = end + 1;
     ++number;
-    if (!line.empty() && line.back() == '\r') line.pop_back();
     const std::string_view text_of = withoutBlanks(line);
     if (!text_of.empty() && text_of.front() != '#') lines.emplace_back(number, std::move(line));
   }

@@ -46,13 +46,6 @@ void PointSink::add(const double (&p)[3], CloudPlace place) {
   points_.emplace_back(p[0], p[1], p[2]);
 }
 
-std::string_view takeLine(std::string_view& rest) {
-  const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
-  const std::string_view line = rest.substr(0, end);
-  rest.remove_prefix(std::min(rest.size(), end + (rest.substr(end, 2) == "\r\n" ? 2 : 1)));
-  return line;
-}
-
 double loadNumber(const char* from, robots::NumberType type, std::endian order) {
   return robots::loadNumber(reinterpret_cast<const std::byte*>(from), type, order);
 }

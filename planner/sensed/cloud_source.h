@@ -60,9 +60,6 @@ class PointSink {
   std::size_t dropped_ = 0, last_line_ = 0;
 };
 
-/// The next line of `rest`, without its end (LF, CR LF or CR), which is taken from `rest`.
-std::string_view takeLine(std::string_view& rest);
-
 /// Reads type.size bytes.
 double loadNumber(const char* from, robots::NumberType type, std::endian order);
 

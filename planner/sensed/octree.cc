@@ -198,7 +198,7 @@ Header readHeader(const CloudSource& source, bool binary) {
   std::optional<std::string> id;
   std::set<std::string_view> keys;
   for (std::size_t line = 1;; ++line) {
-    const std::vector<std::string_view> words = wordsOf(takeLine(rest));
+    const std::vector<std::string_view> words = wordsOf(robots::takeLine(rest));
     if (!words.empty() && words[0] == "data") break;
     if (rest.empty())
       source.fail({line, 0},

@@ -7,6 +7,7 @@
 
 #include "leeway/robots/text.h"
 #include "planner/sensed/cloud_source.h"
+#include "robots/base/read_file.h"
 #include "robots/mesh/mesh_source.h"
 #include "robots/mesh/scan.h"
 
@@ -84,7 +85,7 @@ void eachRow(const CloudSource& source, const std::function<void(const ColumnRow
   std::string_view comment;
   for (std::size_t line = 1; !rest.empty(); ++line) {
     source.pause(line);
-    const std::string_view text = takeLine(rest), shown = withoutBlanks(text);
+    const std::string_view text = robots::takeLine(rest), shown = withoutBlanks(text);
     if (shown.starts_with('#') || shown.starts_with("//")) {
       comment = shown.substr(std::min(shown.find_first_not_of("#/"), shown.size()));
       continue;

@@ -6,6 +6,7 @@
 
 #include "leeway/robots/text.h"
 #include "planner/sensed/cloud_source.h"
+#include "robots/base/read_file.h"
 #include "robots/mesh/mesh_source.h"
 
 // The format: https://pointclouds.org/documentation/tutorials/pcd_file_format.html
@@ -68,7 +69,7 @@ class PcdPoints {
                                                  "POINTS",  "DATA"};
     while (!rest_.empty()) {
       ++line_;
-      std::vector<std::string_view> words = wordsOf(takeLine(rest_));
+      std::vector<std::string_view> words = wordsOf(robots::takeLine(rest_));
       if (words.empty() || words[0].starts_with('#')) continue;
       const std::string_view key = words[0] == "COLUMNS" ? "FIELDS" : words[0];
       if (std::find(std::begin(kKeys), std::end(kKeys), key) == std::end(kKeys))
@@ -188,7 +189,7 @@ class PcdPoints {
         fail(line_ + 1,
              fmt::format("the file ends after {} of {} points; all are expected", i, points_));
       ++line_;
-      const std::vector<std::string_view> words = wordsOf(takeLine(rest_));
+      const std::vector<std::string_view> words = wordsOf(robots::takeLine(rest_));
       double p[3] = {0, 0, 0};
       std::size_t at = 0;
       for (std::size_t f = 0; f < fields_.size(); ++f) {
@@ -203,7 +204,7 @@ class PcdPoints {
     }
     while (!rest_.empty()) {
       ++line_;
-      if (!wordsOf(takeLine(rest_)).empty())
+      if (!wordsOf(robots::takeLine(rest_)).empty())
         fail(line_,
              fmt::format("more than {} points; as many as POINTS says are expected", points_));
     }

@@ -5,6 +5,7 @@
 
 #include "leeway/robots/text.h"
 #include "planner/sensed/cloud_source.h"
+#include "robots/base/read_file.h"
 #include "robots/mesh/mesh_source.h"
 
 namespace leeway::planner {
@@ -59,7 +60,7 @@ class PlyPoints {
 
   std::string_view nextLine() {
     ++line_;
-    return takeLine(rest_);
+    return robots::takeLine(rest_);
   }
 
   void readHeader() {

@@ -262,7 +262,6 @@ Log readLog(const std::string& file, const Problem& problem) {
     std::string line = text.substr(begin, end - begin);
     begin = end + 1;
     ++number;
-    if (line.ends_with('\r')) line.pop_back();
     if (log.end)
       throw InputError(file, number,
                        fmt::format("the line follows the end of the execution, line {}; none is "

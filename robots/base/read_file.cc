@@ -104,6 +104,15 @@ std::string endingOf(const std::string& path) {
   return ending;
 }
 
+std::string_view takeLine(std::string_view& rest) {
+  const auto end =
+      std::find_if(rest.begin(), rest.end(), [](char c) { return c == '\n' || c == '\r'; });
+  const std::string_view line = rest.substr(0, static_cast<std::size_t>(end - rest.begin()));
+  rest.remove_prefix(line.size());
+  rest.remove_prefix(rest.starts_with("\r\n") ? 2 : rest.empty() ? 0 : 1);
+  return line;
+}
+
 bool lastLineEnds(std::string_view text) {
   const std::size_t last = text.find_last_not_of(" \t");
   return last == std::string_view::npos || text[last] == '\n' || text[last] == '\r';
@@ -119,6 +128,14 @@ std::string readTextFile(const std::string& path, std::string_view kind, std::si
             std::to_string(1 +
                            std::count(text.begin(), text.begin() + static_cast<long>(zero), '\n')) +
             " holds a byte of value 0; " + std::string(kind) + " is expected");
+  // Some programs take a lone carriage return for the end of a line, others for a blank.
+  std::size_t size = std::min(text.find('\r'), text.size());
+  for (std::size_t i = size; i < text.size(); ++i)
+    if (text[i] != '\r')
+      text[size++] = text[i];
+    else if (i + 1 == text.size() || text[i + 1] != '\n')
+      text[size++] = '\n';
+  text.resize(size);
   return text;
 }
 

@@ -11,10 +11,7 @@ namespace {
 
 class ObjReader {
  public:
-  explicit ObjReader(const MeshSource& source)
-      : source_(source),
-        text_(source.text()),
-        line_end_(text_.find('\n') == std::string_view::npos ? '\r' : '\n') {}
+  explicit ObjReader(const MeshSource& source) : source_(source), rest_(source.text()) {}
 
   MeshContents run() {
     while (nextStatement()) readStatement();
@@ -42,8 +39,7 @@ class ObjReader {
  private:
   /// A file that was cut in `f 1 2 34` may end in `f 1 2 3`.
   void noteOpenEnd() {
-    const bool is_comment = text_.find('#', std::min(last_line_, text_.size())) != text_.npos;
-    if (!is_comment && !lastLineEnds(text_))
+    if (last_line_.find('#') == last_line_.npos && !lastLineEnds(source_.text()))
       contents_.notes.push_back({FilePlace::line(lines_read_), std::string(kLastLineOpen)});
   }
 
@@ -51,16 +47,16 @@ class ObjReader {
   /// lines that continue it are included. (Comments, names and paths may end with a backslash by
   /// chance.)
   bool nextStatement() {
-    if (at_ >= text_.size()) return false;
+    if (rest_.empty()) return false;
     if (++statements_ % MeshSource::kLinesBetweenStops == 0) source_.pause();
-    statement_ = takeLine();
+    statement_ = nextLine();
     line_ = lines_read_;
     if (!statement_.ends_with('\\') || !isRead(Words(statement_).next())) return true;
     joined_.clear();
-    while (statement_.ends_with('\\') && at_ < text_.size()) {
+    while (statement_.ends_with('\\') && !rest_.empty()) {
       joined_ += statement_.substr(0, statement_.size() - 1);
       joined_ += ' ';
-      statement_ = takeLine();
+      statement_ = nextLine();
     }
     joined_ += statement_;
     statement_ = joined_;
@@ -69,15 +65,10 @@ class ObjReader {
 
   static bool isRead(std::string_view word) { return word == "v" || word == "f" || word == "fo"; }
 
-  std::string_view takeLine() {
-    const std::size_t end = std::min(text_.find(line_end_, at_), text_.size());
-    std::string_view line = text_.substr(at_, end - at_);
-    last_line_ = at_;
-    at_ = end + 1;
+  std::string_view nextLine() {
+    last_line_ = takeLine(rest_);
     ++lines_read_;
-    line = line.substr(0, line.find('#'));
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    return line;
+    return last_line_.substr(0, last_line_.find('#'));
   }
 
   FilePlace place() const { return FilePlace::line(line_); }
@@ -185,10 +176,9 @@ class ObjReader {
   }
 
   const MeshSource& source_;
-  std::string_view text_, statement_;
+  std::string_view rest_, last_line_, statement_;
   std::string joined_;
-  char line_end_;
-  std::size_t at_ = 0, last_line_ = 0, statements_ = 0;
+  std::size_t statements_ = 0;
   std::int64_t lines_read_ = 0, line_ = 0;
   FileMesh mesh_;
   MeshContents contents_;

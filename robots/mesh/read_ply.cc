@@ -41,19 +41,13 @@ class Body {
   /// text file.
   Body(const MeshSource& source, std::string_view text, std::int64_t line,
        std::optional<std::endian> order)
-      : source_(source),
-        rest_(text),
-        line_(line - 1),
-        line_end_(text.find('\n') == std::string_view::npos ? '\r' : '\n'),
-        order_(order) {}
+      : source_(source), rest_(text), line_(line - 1), order_(order) {}
 
   void beginElement() {
     if (order_) return;
     do {
       if (rest_.empty()) failAtEnd();
-      const std::size_t end = std::min(rest_.find(line_end_), rest_.size());
-      words_ = Words(rest_.substr(0, end), ++line_);
-      rest_.remove_prefix(std::min(end + 1, rest_.size()));
+      words_ = Words(takeLine(rest_), ++line_);
     } while (words_.atEnd());
   }
 
@@ -114,7 +108,6 @@ class Body {
   const MeshSource& source_;
   std::string_view rest_;
   std::int64_t line_;
-  char line_end_;
   std::optional<std::endian> order_;
   Words words_{""};
   std::string_view word_;
@@ -126,11 +119,11 @@ const std::vector<std::string> kHeaderWords = {"format",  "comment",  "obj_info"
 
 class PlyReader {
  public:
-  explicit PlyReader(const MeshSource& source) : source_(source), text_(source.text()) {}
+  explicit PlyReader(const MeshSource& source) : source_(source), rest_(source.text()) {}
 
   MeshContents run() {
     readHeader();
-    Body body(source_, text_.substr(at_), line_ + 1, order_);
+    Body body(source_, rest_, line_ + 1, order_);
     for (const Element& element : elements_) {
       if (element.name == "vertex") {
         readVertices(element, body);
@@ -150,7 +143,7 @@ class PlyReader {
       }
     }
     body.finish();
-    if (!order_ && !lastLineEnds(text_))
+    if (!order_ && !lastLineEnds(source_.text()))
       contents_.notes.push_back({body.place(), std::string(kLastLineOpen)});
     const auto count = static_cast<std::int32_t>(mesh_.vertices.size());
     for (const FileMesh::Face& face : mesh_.faces)
@@ -175,22 +168,15 @@ class PlyReader {
 
   /// The next line of the header, without its end; the body begins after it.
   Words nextLine() {
-    if (at_ >= text_.size())
+    if (rest_.empty())
       source_.failAt(place(), "the file ends within its header; end_header would be accepted");
-    // A lone carriage return also ends a line, because the following data may be binary and begin
-    // with any byte.
-    const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
-    const std::string_view line = text_.substr(at_, end - at_);
-    at_ = end + 1;
-    if (text_.substr(end, 2) == "\r\n") ++at_;
-    at_ = std::min(at_, text_.size());
-    return Words(line, ++line_);
+    return Words(takeLine(rest_), ++line_);
   }
 
   void readHeader() {
     if (nextLine().next() != "ply")
-      source_.failAt(place(),
-                     "begins with " + shown(Words(text_).next()) + "; \"ply\" would be accepted");
+      source_.failAt(place(), "begins with " + shown(Words(source_.text()).next()) +
+                                  "; \"ply\" would be accepted");
     bool has_format = false;
     for (;;) {
       Words words = nextLine();
@@ -368,8 +354,7 @@ class PlyReader {
   }
 
   const MeshSource& source_;
-  std::string_view text_;
-  std::size_t at_ = 0;
+  std::string_view rest_;
   std::int64_t line_ = 0;
   std::optional<std::endian> order_;
   std::vector<Element> elements_;

@@ -30,10 +30,10 @@ class TextStl {
   FileMesh run() {
     next();  // solid
     do {
-      words_.restOfLine();  // its name
+      skipName();
       while (isWord(next(), "facet")) readFacet();
       expectEnd("solid", "facet or endsolid");
-      words_.restOfLine();
+      skipName();
     } while (isWord(next(), "solid"));
     if (!word_.empty()) fail("solid, or the file's end,");
     return std::move(mesh_);
@@ -55,6 +55,13 @@ class TextStl {
     if (isWord(word_, "end" + kind)) return;
     if (!isWord(word_, "end")) fail(accepted);
     expect(kind);
+  }
+
+  /// Skips the name of a solid, to the end of its line. A facet there would be lost.
+  void skipName() {
+    Words name(words_.restOfLine(), words_.line());
+    while (!(word_ = name.next()).empty())
+      if (isWord(word_, "vertex")) fail("a new line after the name of a solid");
   }
 
   /// Reads from after `facet` to `endfacet`. The text for the normal is ignored, because it may be

@@ -28,16 +28,14 @@ constexpr bool isBlank(char c) {
 /// The words of a text, one after the other, with their lines.
 class Words {
  public:
-  /// Lines end with a line feed or, in a text without any, with a carriage return.
+  /// Lines end with LF, CRLF or CR.
   explicit Words(std::string_view text, std::int64_t line = 1)
-      : at_(text.data()),
-        end_(text.data() + text.size()),
-        line_end_(text.find('\n') == std::string_view::npos ? '\r' : '\n'),
-        line_(line) {}
+      : at_(text.data()), end_(text.data() + text.size()), line_(line) {}
 
   /// The next word; empty at the end.
   std::string_view next() {
-    while (at_ != end_ && isBlank(*at_)) line_ += *at_++ == line_end_ ? 1 : 0;
+    for (; at_ != end_ && isBlank(*at_); ++at_)
+      if (*at_ == '\n' || (*at_ == '\r' && (at_ + 1 == end_ || at_[1] != '\n'))) ++line_;
     const char* const begin = at_;
     while (at_ != end_ && !isBlank(*at_)) ++at_;
     return {begin, static_cast<std::size_t>(at_ - begin)};
@@ -45,7 +43,7 @@ class Words {
   /// The rest of the line after the last word.
   std::string_view restOfLine() {
     const char* const begin = at_;
-    at_ = std::find(at_, end_, line_end_);
+    at_ = std::find_if(at_, end_, [](char c) { return c == '\n' || c == '\r'; });
     return {begin, static_cast<std::size_t>(at_ - begin)};
   }
   /// Whether only blanks are left.
@@ -57,7 +55,6 @@ class Words {
  private:
   const char* at_;
   const char* end_;
-  char line_end_;
   std::int64_t line_;
 };
 

@@ -728,6 +728,15 @@ TEST_F(PathIo, ColumnsAreMatchedByName) {
   EXPECT_EQ(path.positions[1], (std::vector<double>{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}));
 }
 
+/// Regression: a row behind a lone carriage return was part of the comment before it.
+TEST_F(PathIo, LinesEndInSeveralWays) {
+  const Path path =
+      readPath(write("a.csv", "# detour\r7,1,2,3,4,5,6\r\n1,2,3,4,5,6,7\r\r# end\r1,1,1,1,1,1,1\n"),
+               armProblem());
+  ASSERT_EQ(path.positions.size(), 3U);
+  EXPECT_EQ(path.positions[0], (std::vector<double>{7, 1, 2, 3, 4, 5, 6}));
+}
+
 /// As other planners write them: in the group's order, with commas or blanks.
 TEST_F(PathIo, BareRowsAreRead) {
   const Problem problem = armProblem();

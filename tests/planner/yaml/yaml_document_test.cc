@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "leeway/robots/input_error.h"
+#include "planner/yaml/yaml_reader.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
 
@@ -87,6 +88,17 @@ TEST(YamlDocument, AgreesWithYamlCppOnOddOnes) {
         "|\n two\n lines\n", "!tag a: !tag\n", "a: 1\na: 2\n", "{a, b: , c}",
         "%YAML 1.2\n---\na: 1\n...\n"})
     expectSame(text);
+}
+
+/// Regression: yaml-cpp takes a lone carriage return for a blank; what stood behind it was part of
+/// the comment before it.
+TEST(YamlReader, ALoneCarriageReturnEndsALine) {
+  const Folder folder;
+  const std::string file = folder.write("a.yaml", "a: 1 # here\rb: [1, 2]\r\nc: 'd\re'\n");
+  const YamlReader root = YamlReader::load(file);
+  EXPECT_EQ(root.entries().size(), 3U);
+  EXPECT_EQ(root.at("b", "").line(), 2);
+  EXPECT_EQ(root.at("c", "").text(), "d e");  // as YAML folds lines
 }
 
 /// Random nested lists and maps in flow style.

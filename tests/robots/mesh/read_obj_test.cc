@@ -42,6 +42,12 @@ TEST(ReadObj, FacesInAllTheirForms) {
                 .meshes[0]
                 .faces.size(),
             1U);
+  // Regression: what stood behind a lone carriage return was part of a comment or a name.
+  const MeshContents mixed =
+      readAs(readObj, "# by hand\rv 9 9 9\r\n" + square + "g two\rf 2 3 4\r\rf 2 3 4 5\n# end\n");
+  ASSERT_EQ(mixed.meshes[0].faces.size(), 2U);
+  EXPECT_EQ(cornersOf(mixed.meshes[0], 1), (Corners{1, 2, 3, 4}));
+  EXPECT_EQ(mixed.meshes[0].faces[1].place.text(), ":10");
   // Negative numbers count from the last vertex so far.
   const MeshContents contents =
       readAs(readObj, square + "f -4 -3 -2\nv 5 5 5\nf -5 -3 -1\nf 1 2 5\n");

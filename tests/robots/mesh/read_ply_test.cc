@@ -36,6 +36,9 @@ TEST(ReadPly, Text) {
   for (std::size_t i = other.find('\n'); i != std::string::npos; i = other.find('\n', i + 2))
     other.replace(i, 1, "\r\n");
   expectSquare(readAs(readPly, other));
+  for (std::size_t i = 0; (i = other.find("\r\n", i)) != std::string::npos; i += 3)
+    other.replace(i, 2, "\r");  // every second or third
+  expectSquare(readAs(readPly, other));
 }
 
 TEST(ReadPly, OrdersAndPropertiesOfAllKinds) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "tests/support/mesh_texts.h"
@@ -42,6 +43,30 @@ TEST(ReadStl, TextInAllItsForms) {
       readAs(readStl,
              "solid x\rfacet\router loop\rvertex 0 0 0\rvertex 1.5 0 0\rvertex 0 1e-3 7\rendloop\r"
              "endfacet\rendsolid x\r"));
+}
+
+/// Regression: what stood behind a lone carriage return was part of a name.
+TEST(ReadStl, LinesEndInSeveralWaysInOneFile) {
+  std::string mac = "solid a\n" + kFacet + "endsolid a\n";
+  std::replace(mac.begin(), mac.end(), '\n', '\r');
+  const std::string unix = "solid b\n" + kFacet + "endsolid b\n";
+  for (const std::string& text :
+       {mac + unix, unix + mac, "solid\r\n" + kFacet + "endsolid\r" + mac}) {
+    const FileMesh mesh = readAs(readStl, text).meshes.at(0);
+    ASSERT_EQ(mesh.faces.size(), 2U);
+    EXPECT_EQ(mesh.faces[1].place.text(), ":11");
+  }
+}
+
+/// Regression: a solid on the line of another's end was part of its name.
+TEST(ReadStl, FacetsOnTheLineOfANameAreRefused) {
+  std::string line = kFacet;
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  const std::string accepted = "'vertex'; a new line after the name of a solid would be accepted";
+  expectRefused(
+      readStl,
+      {"solid a\n" + kFacet + "endsolid a solid b " + line + "endsolid b\n", ":9", {accepted}});
+  expectRefused(readStl, {"solid a " + line + "\n" + kFacet + "endsolid a\n", ":1", {accepted}});
 }
 
 TEST(ReadStl, SeveralSolidsAndPolygons) {
