@@ -259,7 +259,8 @@ Interpolation readInterpolation(const YamlReader& map) {
 
 robots::IndexedMesh readVertices(const YamlReader& map, const robots::LoadOptions& load) {
   const YamlReader file = map.at("file", "an OBJ file");
-  const std::string path = meshPath(file, load);
+  std::vector<std::string> warnings;
+  const std::string path = meshPath(file, load, warnings);
   if (!std::filesystem::is_regular_file(path))
     file.fail(fmt::format("{} names '{}', which does not exist; an existing file is expected",
                           file.where(), path));
@@ -269,7 +270,9 @@ robots::IndexedMesh readVertices(const YamlReader& map, const robots::LoadOption
         fmt::format("{} has the ending '{}'; an OBJ is expected, whose vertices have numbers "
                     "that a motion can go by",
                     file.where(), ending));
-  return robots::importIndexed(path, readScale(map), file.file(), file.line());
+  robots::IndexedMesh mesh = robots::importIndexed(path, readScale(map), file.file(), file.line());
+  mesh.warnings.insert(mesh.warnings.begin(), warnings.begin(), warnings.end());
+  return mesh;
 }
 
 std::shared_ptr<const VertexMotion> readMotion(const YamlReader& motion,

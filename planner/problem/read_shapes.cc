@@ -36,7 +36,7 @@ std::string listed(std::span<const std::string_view> words) {
 Shape readMesh(const YamlReader& mesh, const std::string& owner, std::vector<std::string>& warnings,
                const robots::LoadOptions& load) {
   const YamlReader file = mesh.at("file", "a mesh file (STL, OBJ, PLY, DAE, glTF)");
-  const Shape shape = robots::loadMesh(meshPath(file, load), readScale(mesh), file.file(),
+  const Shape shape = robots::loadMesh(meshPath(file, load, warnings), readScale(mesh), file.file(),
                                        file.line(), load, &warnings);
   return robots::treatedMesh(shape, {owner, file.text()}, load);
 }
@@ -280,9 +280,10 @@ std::string resolvedPath(const YamlReader& reader) {
   return found;
 }
 
-std::string meshPath(const YamlReader& reader, const robots::LoadOptions& load) {
+std::string meshPath(const YamlReader& reader, const robots::LoadOptions& load,
+                     std::vector<std::string>& warnings) {
   if (reader.isEmpty() || !isUri(reader.text())) return resolvedPath(reader);
-  return robots::resolveMesh(reader.text(), reader.file(), reader.line(), load);
+  return robots::resolveMesh(reader.text(), reader.file(), reader.line(), load, &warnings);
 }
 
 }  // namespace leeway::planner

@@ -78,6 +78,7 @@ std::string resolvedPath(const YamlReader& reader);
 
 /// The path of a mesh file: as resolvedPath(), or what a URI such as package://NAME/PATH stands for
 /// (robots::resolveMesh()). Packages are searched from the YAML file's folder up.
-std::string meshPath(const YamlReader& reader, const robots::LoadOptions& load);
+std::string meshPath(const YamlReader& reader, const robots::LoadOptions& load,
+                     std::vector<std::string>& warnings);
 
 }  // namespace leeway::planner

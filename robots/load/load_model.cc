@@ -70,7 +70,7 @@ class Meshes {
   /// The warnings of a mesh come with its first use.
   Shape load(const UrdfCollision& collision, const std::string& link,
              std::vector<std::string>& warnings) {
-    Loaded& loaded = loaded_.at(keyOf(collision));
+    Loaded& loaded = loaded_.at(keyOf(collision, &warnings));
     if (loaded.error) std::rethrow_exception(loaded.error);
     keys_.push_back(loaded.mesh->key);
     for (std::string& warning : loaded.mesh->warnings) warnings.push_back(std::move(warning));
@@ -93,8 +93,9 @@ class Meshes {
 
   /// The primitive that is fitted to a mesh.
   UrdfCollision fitted(const UrdfCollision& collision, std::vector<std::string>& warnings) const {
-    const IndexedMesh mesh = importTriangles(std::get<0>(keyOf(collision)), Eigen::Vector3d::Ones(),
-                                             collision.file, collision.line, options_.stop);
+    const IndexedMesh mesh =
+        importTriangles(std::get<0>(keyOf(collision, &warnings)), Eigen::Vector3d::Ones(),
+                        collision.file, collision.line, options_.stop);
     warnings.insert(warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
     return fittedPrimitive(collision, mesh);
   }
@@ -120,11 +121,11 @@ class Meshes {
   static constexpr std::size_t kMostThreads = 8;
 
   /// Throws for a file that is not found.
-  Key keyOf(const UrdfCollision& collision) const {
+  Key keyOf(const UrdfCollision& collision, std::vector<std::string>* warnings = nullptr) const {
     const Eigen::Vector3d& scale = collision.mesh_scale;
     const std::string& from = collision.mesh_from.empty() ? urdf_path_ : collision.mesh_from;
-    return {resolveMesh(collision.mesh_file, from, collision.line, options_), scale.x(), scale.y(),
-            scale.z()};
+    return {resolveMesh(collision.mesh_file, from, collision.line, options_, warnings), scale.x(),
+            scale.y(), scale.z()};
   }
 
   void addTask(const UrdfCollision& collision) {
@@ -357,7 +358,7 @@ void narrowMaster(const UrdfJoint& source, RobotDescription& model) {
     why = "they leave it no range";
   if (why == nullptr)
     narrow(variable, lower, upper, "the limits of " + name + " (" + place + ")");
-  else if (source.lower < source.upper && (source.lower > -kInfinity || source.upper < kInfinity))
+  else if (!source.lacks_range && (source.lower > -kInfinity || source.upper < kInfinity))
     model.warnings.push_back(place + ": the limits of " + name + ", are left out: " + why);
 }
 

@@ -53,16 +53,17 @@ std::vector<std::string> spellings(const std::string& text) {
   return all;
 }
 
-/// Whether the folder has a package.xml with the package name `name`.
-bool isPackage(const path& folder, const std::string& name) {
+/// The package's name in the folder's package.xml.
+std::optional<std::string> packageName(const path& folder) {
   std::error_code error;
   const path file = folder / "package.xml";
   tinyxml2::XMLDocument document;
   if (!std::filesystem::is_regular_file(file, error) ||
       document.LoadFile(file.c_str()) != tinyxml2::XML_SUCCESS || document.RootElement() == nullptr)
-    return false;
+    return std::nullopt;
   const tinyxml2::XMLElement* element = document.RootElement()->FirstChildElement("name");
-  return element != nullptr && element->GetText() != nullptr && trimmed(element->GetText()) == name;
+  if (element == nullptr || element->GetText() == nullptr) return std::nullopt;
+  return trimmed(element->GetText());
 }
 
 /// Searches a file in folders of one package, in the order in which they are added.
@@ -78,23 +79,26 @@ class PackageSearch {
   }
   /// Tests a folder of the package.
   void lookAt(const path& folder) {
-    std::error_code error;
     if (found_) return;
     const path normal = folder.lexically_normal();
     if (std::find(folders_.begin(), folders_.end(), normal) != folders_.end()) return;
     folders_.push_back(normal);
-    for (const std::string& rest : rests_) {
-      const path file = (folder / rest).lexically_normal();
-      if (!std::filesystem::is_regular_file(file, error)) continue;
-      found_ = file.string();
-      return;
-    }
+    found_ = fileIn(folder);
   }
   /// Tests a folder that may be the package, or contain it.
   void lookIn(const path& folder) {
-    if (found_) return;
-    look(folder / name_);
-    if (folder.filename() == name_ || isPackage(folder, name_)) look(folder);
+    for (const path& place : {folder / name_, folder}) {
+      if (found_) return;
+      const std::optional<std::string> name = packageName(place);
+      if (name ? *name == name_ : place.filename() == name_)
+        look(place);
+      else if (place.filename() == name_)
+        of_other_name_.push_back(place);
+    }
+  }
+  /// Tests the folders of that name whose package.xml has another.
+  void lookInOthers() {
+    for (const path& folder : of_other_name_) look(folder);
   }
   /// Tests a folder that may contain the package under another name.
   void lookAmongChildren(const path& folder) {
@@ -103,19 +107,37 @@ class PackageSearch {
     std::vector<path> packages;  // sorted by name, because the order on disk is arbitrary
     for (std::filesystem::directory_iterator child(folder, error), end; !error && child != end;
          child.increment(error))
-      if (isPackage(child->path(), name_)) packages.push_back(child->path());
+      if (packageName(child->path()) == name_) packages.push_back(child->path());
     std::sort(packages.begin(), packages.end());
-    for (const path& package : packages) look(package);
+    std::vector<std::string> holders;
+    for (const path& package : packages) {
+      if (fileIn(package)) holders.push_back(package.lexically_normal().string());
+      look(package);
+    }
+    if (holders.size() > 1)
+      doubt_ = "the package \"" + name_ + "\" is " + holders[0] + ", and also " + holders[1] +
+               "; the first is taken, --package " + name_ + "=FOLDER says which is meant";
   }
 
   const std::optional<std::string>& found() const { return found_; }
+  /// What is said if two folders are the package; else empty.
+  const std::string& doubt() const { return doubt_; }
   /// Folders of the package in which the file is missing.
   const std::vector<path>& folders() const { return folders_; }
 
  private:
-  std::string name_;
+  std::optional<std::string> fileIn(const path& folder) const {
+    std::error_code error;
+    for (const std::string& rest : rests_)
+      if (path file = (folder / rest).lexically_normal();
+          std::filesystem::is_regular_file(file, error))
+        return file.string();
+    return std::nullopt;
+  }
+
+  std::string name_, doubt_;
   std::vector<std::string> rests_;
-  std::vector<path> folders_;
+  std::vector<path> folders_, of_other_name_;
   std::optional<std::string> found_;
 };
 
@@ -151,6 +173,7 @@ PackageSearch searchPackage(const std::string& name, const std::string& rest,
   for (const path& folder : above) search.lookIn(folder);
   for (const std::vector<path>& folders : {workspaces, above})
     for (const path& folder : folders) search.lookAmongChildren(folder);
+  search.lookInOthers();
   return search;
 }
 
@@ -165,12 +188,13 @@ std::optional<std::string> behind(const std::string& uri,
 }  // namespace
 
 std::string resolveMesh(const std::string& uri, const std::string& urdf_path, int line,
-                        const LoadOptions& options) {
-  return resolveFile(uri, "mesh", urdf_path, line, options);
+                        const LoadOptions& options, std::vector<std::string>* warnings) {
+  return resolveFile(uri, "mesh", urdf_path, line, options, warnings);
 }
 
 std::string resolveFile(const std::string& uri, const std::string& what,
-                        const std::string& urdf_path, int line, const LoadOptions& options) {
+                        const std::string& urdf_path, int line, const LoadOptions& options,
+                        std::vector<std::string>* warnings) {
   const auto fail = [&](const std::string& message) {
     throw InputError(urdf_path, line, "the " + what + " \"" + uri + "\" " + message);
   };
@@ -191,7 +215,14 @@ std::string resolveFile(const std::string& uri, const std::string& what,
     const std::string name = in_package->substr(begin, slash - begin);
     const PackageSearch search =
         searchPackage(name, in_package->substr(rest), urdf_folder, options);
-    if (search.found()) return noted(*search.found());
+    if (search.found()) {
+      const std::string& doubt = search.doubt();
+      const auto is_known = [&](const std::string& text) { return text.ends_with(doubt); };
+      if (warnings != nullptr && !doubt.empty() &&
+          std::none_of(warnings->begin(), warnings->end(), is_known))
+        warnings->emplace_back(InputError(urdf_path, line, doubt).what());
+      return noted(*search.found());
+    }
     const std::string advice = "; --package " + name + "=FOLDER says where the package is";
     if (search.folders().empty())
       fail("was not found: there is no package \"" + name +
@@ -203,7 +234,8 @@ std::string resolveFile(const std::string& uri, const std::string& what,
     fail("was not found: the package \"" + name + "\" is " + folders + ", without that file" +
          advice);
   }
-  const auto in_file = behind(uri, {"file://"});
+  const auto in_file =
+      behind(uri, {uri.starts_with("file://localhost/") ? "file://localhost" : "file://"});
   if (!in_file && uri.find("://") != std::string::npos)
     fail(
         "has a scheme that is not known; package://NAME/PATH, model://NAME/PATH, file:///PATH or a "

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "leeway/robots/model.h"
 
@@ -10,14 +11,16 @@ namespace leeway::robots {
 /// to the URDF's folder, or package://NAME/REST (model:// is the same). A package is searched in
 /// options.packages; in ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and Gazebo's GAZEBO_MODEL_PATH,
 /// GZ_SIM_RESOURCE_PATH and SDF_PATH; in the URDF's folder and those above it, by their own names
-/// and their package.xml; and in their sibling folders, in the same way. %20 is a space, unless the
-/// file's name contains it. Throws InputError with the places that were searched. Other files that
-/// name meshes are handled the same way.
+/// and their package.xml; and in their sibling folders, in the same way. A folder of that name
+/// whose package.xml has another comes last. If two siblings have the name, a warning names both.
+/// %20 is a space, unless the file's name contains it. Throws InputError with the places that were
+/// searched. Other files that name meshes are handled the same way.
 std::string resolveMesh(const std::string& uri, const std::string& urdf_path, int line,
-                        const LoadOptions& options);
+                        const LoadOptions& options, std::vector<std::string>* warnings = nullptr);
 
 /// The same for other files that robot files name: `what` is what messages call them, "model".
 std::string resolveFile(const std::string& uri, const std::string& what,
-                        const std::string& urdf_path, int line, const LoadOptions& options);
+                        const std::string& urdf_path, int line, const LoadOptions& options,
+                        std::vector<std::string>* warnings = nullptr);
 
 }  // namespace leeway::robots

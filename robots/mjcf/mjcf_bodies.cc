@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include "collision/base/numbers.h"
@@ -109,11 +111,15 @@ class BodyReader {
             frame.X_BF * poseOf(Attributes(file_, {&e}), settings_)};
   }
 
+  static constexpr std::array<std::string_view, 7> kLeaves = {
+      "geom", "joint", "freejoint", "inertial", "site", "camera", "light"};
+
   /// The geoms of a body, in its frames, too.
   void readContents(const XMLElement& parent, const Frame& frame) {
     file_.eachChild(parent, [&](const XMLElement& e) {
       const std::string tag = e.Name();
       MjcfBody& body = tree_.bodies[at(frame.body)];
+      if (std::find(kLeaves.begin(), kLeaves.end(), tag) != kLeaves.end()) expectNothingIn(e);
       if (tag == "frame") {
         checkAttributes(file_, e);
         return readContents(e, inner(e, frame));
@@ -149,6 +155,14 @@ class BodyReader {
     } catch (const InputError& error) {
       document_.unread_visuals.emplace_back(error.what());
     }
+  }
+
+  void expectNothingIn(const XMLElement& e) const {
+    file_.eachChild(e, [&](const XMLElement& child) {
+      if (std::string_view(child.Name()) != "plugin")
+        file_.fail(child, "<" + std::string(child.Name()) + "> in <" + e.Name() +
+                              ">, which holds no elements; one in a <body> would be accepted");
+    });
   }
 
   [[noreturn]] void failUnread(const XMLElement& e) const {

@@ -60,7 +60,7 @@ const SdfSource& SdfFiles::include(const SdfSource& from, const XMLElement& uri)
     from.file->fail(uri, "<include> names the URDF " + inQuotes(name) +
                              "; an SDF would be accepted, `gz sdf -p` makes one of it");
   const auto found = [&](const std::string& what) {
-    return resolveFile(what, "model", from.file->path(), uri.GetLineNum(), options_);
+    return resolveFile(what, "model", from.file->path(), uri.GetLineNum(), options_, &warnings_);
   };
   const bool is_file = ending == ".sdf" || ending == ".xml" || ending == ".world";
   const std::string folder = name.substr(0, name.find_last_not_of('/') + 1);
@@ -97,6 +97,7 @@ std::string SdfFiles::fileIn(const std::string& config) const {
 
 std::vector<std::string> SdfFiles::takeWarnings() {
   std::vector<std::string> all = main_.file->takeWarnings();
+  for (std::string& warning : std::exchange(warnings_, {})) all.push_back(std::move(warning));
   for (const std::unique_ptr<XmlFile>& file : read_)
     for (std::string& warning : file->takeWarnings()) all.push_back(std::move(warning));
   return all;

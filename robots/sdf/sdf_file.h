@@ -47,6 +47,7 @@ class SdfFiles {
   SdfSource main_;
   std::map<std::string, SdfSource> sources_;    // included ones, by their paths
   std::vector<std::unique_ptr<XmlFile>> read_;  // in their order
+  std::vector<std::string> warnings_;           // about the places of models
 };
 
 /// A <pose> as written: in the frame `relative_to`; empty: in the one that the format says.

@@ -70,8 +70,8 @@ class UrdfReader {
                      "<robot> has no name; " + inQuotes(document_.name) + " is taken");
   }
 
-  /// Warns of unknown attributes in what is not read, as in what is: a part of URDF with the
-  /// elements inside it, extensions apart. Nothing there bears on planning.
+  /// Warns of unknown attributes and elements in what is not read, as in what is: a part of URDF
+  /// with the elements inside it. Nothing there bears on planning.
   void checkUnread(const XMLElement& element) {
     static const std::map<std::string_view, std::vector<std::string>> kAttributes = {
         {"visual", {"name"}},
@@ -94,8 +94,12 @@ class UrdfReader {
     if (known == kAttributes.end()) return;
     file_.allowAttributes(element, known->second, XmlFile::Misspelt::kLeftOut);
     for (const XMLElement* e = element.FirstChildElement(); e != nullptr;
-         e = e->NextSiblingElement())
+         e = e->NextSiblingElement()) {
+      if (!kAttributes.contains(e->Name()))
+        file_.leaveOut(*e, "<" + std::string(e->Name()) + "> in <" + element.Name() +
+                               "> is not known and is left out");
       checkUnread(*e);
+    }
   }
   void checkUnread(const XMLElement& parent, std::initializer_list<const char*> names) {
     for (const char* name : names)
@@ -402,6 +406,7 @@ class UrdfReader {
     joint.limit_line = limit->GetLineNum();
     joint.lower = file_.number(*limit, "lower").value_or(0);
     joint.upper = file_.number(*limit, "upper").value_or(0);
+    joint.lacks_range = !limit->Attribute("lower") && !limit->Attribute("upper");
     readVelocity(*limit, joint);
     for (const char* name : {"acceleration", "deceleration"})
       joint.acceleration = std::min(joint.acceleration, readRate(*limit, name, joint));

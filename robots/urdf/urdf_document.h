@@ -71,6 +71,7 @@ struct UrdfJoint {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< as written, not normalised
   bool has_limit = false;
   double lower = 0, upper = 0;  ///< 0 where not given, as URDF has it
+  bool lacks_range = false;     ///< neither of them is given, in a URDF
   double velocity = std::numeric_limits<double>::infinity();
   double acceleration = std::numeric_limits<double>::infinity();  ///< and deceleration
   double jerk = std::numeric_limits<double>::infinity();

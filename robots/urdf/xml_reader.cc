@@ -18,6 +18,10 @@ using tinyxml2::XMLElement;
 
 constexpr std::string_view kSpace = " \t\r\n";
 
+bool isXacroMacro(const XMLElement& element) {
+  return std::strncmp(element.Name(), "xacro:", 6) == 0;
+}
+
 std::string expandCommand(const std::string& path, const std::string& kind) {
   const std::filesystem::path source(path);
   const std::string extension = kind == "SRDF" ? ".srdf" : ".urdf";
@@ -28,11 +32,16 @@ std::string expandCommand(const std::string& path, const std::string& kind) {
   return "xacro " + path + " > " + target.string();
 }
 
-const XMLElement* findXacro(const XMLElement& element) {
-  if (std::strncmp(element.Name(), "xacro:", 6) == 0) return &element;
+/// The first element that stands for others: a macro of xacro, or an inclusion (XInclude).
+const XMLElement* findPlaceholder(const XMLElement& element) {
+  const std::string_view name = element.Name();
+  const char* const space = element.Attribute("xmlns");
+  if (isXacroMacro(element) || name.ends_with(":include") ||
+      (name == "include" && space != nullptr && std::strstr(space, "XInclude") != nullptr))
+    return &element;
   for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
        child = child->NextSiblingElement())
-    if (const XMLElement* found = findXacro(*child)) return found;
+    if (const XMLElement* found = findPlaceholder(*child)) return found;
   return nullptr;
 }
 
@@ -89,9 +98,14 @@ XmlFile::XmlFile(const std::string& path, const std::string& kind, const LoadOpt
   if (const XMLElement* second = root().NextSiblingElement())
     fail(*second, "a second root element, <" + std::string(second->Name()) + ">; a " + kind +
                       " file has one <" + name + ">");
-  if (const XMLElement* xacro = findXacro(root()))
-    fail(*xacro, "<" + std::string(xacro->Name()) + "> is a xacro macro, which a " + kind +
-                     " cannot hold; expand it first: " + expandCommand(path, kind));
+  if (const XMLElement* found = findPlaceholder(root())) {
+    const std::string tag = "<" + std::string(found->Name()) + ">";
+    fail(*found, isXacroMacro(*found)
+                     ? tag + " is a xacro macro, which a " + kind +
+                           " cannot hold; expand it first: " + expandCommand(path, kind)
+                     : tag + " brings in what is not in this file; a " + kind +
+                           " file that holds all of it would be accepted");
+  }
 }
 
 void XmlFile::fail(const XMLElement& at, const std::string& message) const {

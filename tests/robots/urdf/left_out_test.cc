@@ -89,6 +89,19 @@ TEST_F(LeftOutOfUrdf, AttributesAndTextThatNobodyReads) {
        ":11: <safety_controller> has the unknown attribute \"soft_lower\", which is left out"});
 }
 
+/// Regression: a shape in a part that is not read was lost in silence.
+TEST_F(LeftOutOfUrdf, ShapesInPartsThatAreNotRead) {
+  const std::string shape = "<geometry><sphere radius=\"0.5\"/></geometry>";
+  const auto model = load("<link name=\"b\"><visual>" + shape + "\n<collision>" + shape +
+                          "</collision></visual>\n<inertial><collision>" + shape +
+                          "</collision></inertial><collision>" + shape +
+                          "</collision></link>\n<joint name=\"j\" type=\"continuous\"><parent "
+                          "link=\"a\"/><child link=\"b\"/></joint>");
+  EXPECT_EQ(model->links.back().geometries.size(), 1U);
+  expectWarnings(*model, {":5: <collision> in <inertial> is not known and is left out",
+                          ":4: <collision> in <visual> is not known and is left out"});
+}
+
 /// Elements that planning does not read have these warnings, too; extensions have none.
 TEST_F(LeftOutOfUrdf, AttributesOfWhatIsNotRead) {
   file_ = folder_.write("r.urdf", R"(<robot name="r" nmae="s" version="1.0" xmlns:x="y">
@@ -435,6 +448,14 @@ TEST_F(LeftOutOfUrdf, AMimicsOwnLimitsNarrowItsMaster) {
   EXPECT_EQ(copied->variables[0].upper, 0.8);
   expectWarnings(*copied, {":6: the limits of joint \"f\", which mimics \"m\", are left out: they "
                            "leave it no range"});
+  // Regression: a range of one position was ignored in silence.
+  for (const char* own : {"lower=\"0.1\" upper=\"0.1\"", "lower=\"0\" upper=\"0\""}) {
+    EXPECT_EQ(range(own, ""), Range(-0.2, 0.8));
+    expectWarnings(*model(turns, own, ""),
+                   {":6: the limits of joint \"f\", which mimics \"m\", are "
+                    "left out: they leave it no range"});
+  }
+  expectWarnings(*model(turns, "", ""), {});
   expectWarnings(
       *model("<joint name=\"m\" type=\"continuous\">", "lower=\"0\" upper=\"0.4\"", ""),
       {":4: lower and upper limits are not used of joints that are not revolute or prismatic: "
