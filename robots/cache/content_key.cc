@@ -1,6 +1,5 @@
 #include "robots/cache/content_key.h"
 
-#include <assimp/version.h>
 #include <openssl/evp.h>
 
 #include <Eigen/Core>
@@ -48,17 +47,10 @@ ContentKey::ContentKey(std::string_view kind) : digest_(std::make_unique<Digest>
 #else
   constexpr std::uint32_t kBuild = 0;
 #endif
-  const std::array<std::uint32_t, 11> platform = {aiGetVersionMajor(),
-                                                  aiGetVersionMinor(),
-                                                  aiGetVersionPatch(),
-                                                  aiGetVersionRevision(),
-                                                  aiGetCompileFlags(),
-                                                  EIGEN_WORLD_VERSION,
-                                                  EIGEN_MAJOR_VERSION,
-                                                  EIGEN_MINOR_VERSION,
-                                                  kBuild,
-                                                  0x01020304,
-                                                  static_cast<std::uint32_t>(sizeof(void*))};
+  const std::array<std::uint32_t, 6> platform = {
+      EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
+      EIGEN_MINOR_VERSION, kBuild,
+      0x01020304,          static_cast<std::uint32_t>(sizeof(void*))};
   add(std::as_bytes(std::span(platform)));
   add(std::string_view(__VERSION__));
   add(kind);

@@ -1,7 +1,6 @@
 #include "robots/mesh/mesh_import.h"
 
 #include <algorithm>
-#include <assimp/Importer.hpp>
 #include <charconv>
 #include <cstring>
 #include <filesystem>
@@ -41,7 +40,7 @@ struct Soup {
   std::vector<MeshNote> notes;
 };
 
-/// The format of a file: by its ending, as in Assimp; if the ending is unknown, by its first bytes.
+/// The format of a file: by its ending; if the ending is unknown, by its first bytes.
 enum class Format { kStl, kObj, kPly, kDae, kGltf, kOther };
 
 Format formatOf(const MeshSource& source) {
@@ -53,7 +52,6 @@ Format formatOf(const MeshSource& source) {
   if (ending == ".gltf" || ending == ".glb") return Format::kGltf;
   const std::string_view begin = source.text().substr(0, 4096);
   if (begin.find("<COLLADA") != std::string_view::npos) return Format::kDae;
-  if (Assimp::Importer().IsExtensionSupported(ending)) return Format::kOther;
   if (begin.starts_with("ply\n") || begin.starts_with("ply\r")) return Format::kPly;
   if (begin.starts_with("solid")) return Format::kStl;
   return Format::kOther;
@@ -74,7 +72,10 @@ MeshContents readContents(const MeshSource& source, bool& reads_others) {
     case Format::kOther:
       break;
   }
-  return readByAssimp(source, reads_others);
+  const std::string ending = source.ending();
+  source.fail((ending.empty() ? "has no ending" : "has the ending " + shown(ending)) +
+              ", which no format that is read has; an STL, OBJ, PLY, DAE, glTF or GLB file would "
+              "be accepted");
 }
 
 std::string counted(std::int64_t count, const std::string& thing) {
@@ -189,22 +190,11 @@ Soup makeSoup(MeshContents contents, const Eigen::Vector3d& scale, const Eigen::
   return soup;
 }
 
-void noteRounding(Soup& soup) {
-  double largest = 0;
-  for (const Eigen::Vector3d& v : soup.vertices)
-    largest = std::max(largest, v.cwiseAbs().maxCoeff());
-  soup.notes.push_back({{},
-                        "is read in single precision, which moves vertices by up to " +
-                            inMetres(0x1p-24 * largest) +
-                            "; STL, OBJ, PLY, DAE and glTF are exact"});
-}
-
 Soup readSoup(const MeshSource& source, const Eigen::Vector3d& scale, bool& reads_others,
               const Eigen::Matrix3d& turn = Eigen::Matrix3d::Identity()) {
   Soup soup = makeSoup(readContents(source, reads_others), scale, turn, source);
   if (soup.triangles.empty())
     source.fail("holds no triangles or polygons; at least one would be accepted");
-  if (formatOf(source) == Format::kOther) noteRounding(soup);
   return soup;
 }
 
@@ -214,9 +204,7 @@ Soup readSoup(const MeshSource& source, const Eigen::Vector3d& scale, bool& read
 /// The key of a mesh that depends only on this file.
 std::string keyOf(const MeshSource& source, const Eigen::Vector3d& scale) {
   ContentKey key("mesh");
-  // Readers are chosen by the text after a dot, which may be the first or the last one.
-  const std::string name = std::filesystem::path(source.path()).filename().string();
-  key.add(std::string_view(name).substr(std::min(name.find('.'), name.size())));
+  key.add(std::string_view(source.ending()));
   for (const double factor : scale) key.add(factor);
   key.add(source.bytes());
   return key.finish();
@@ -316,11 +304,6 @@ ImportedMesh importForOmplApp(const std::string& path, const std::string& referr
   } catch (const collision::InvalidShape& invalid) {
     source.fail("cannot be used: " + std::string(invalid.what()));
   }
-}
-
-Eigen::Vector3d originForOmplApp(const std::string& path, const std::string& referrer, int line) {
-  const Stop never;
-  return meanOfAssimpsVertices(MeshSource(path, referrer, line, never));
 }
 
 ImportedMesh importMesh(const std::string& path, const Eigen::Vector3d& scale,

@@ -47,13 +47,8 @@ IndexedMesh importIndexed(const std::string& path, const Eigen::Vector3d& scale,
 IndexedMesh importTriangles(const std::string& path, const Eigen::Vector3d& scale,
                             const std::string& referrer, int line, const Stop& stop);
 
-/// Reads a mesh file as OMPL.app does: turned from its up axis to Assimp's y. The result is not
-/// cached. Throws like loadMesh().
+/// Reads a mesh file as OMPL.app does: turned from its up axis to y. The result is not cached.
+/// Throws like loadMesh().
 ImportedMesh importForOmplApp(const std::string& path, const std::string& referrer, int line);
-
-/// The origin that OMPL.app uses for a body with this mesh, in the mesh's coordinates [m]: the mean
-/// of the vertices that Assimp separates by their normals, in single precision. Throws like
-/// loadMesh().
-Eigen::Vector3d originForOmplApp(const std::string& path, const std::string& referrer, int line);
 
 }  // namespace leeway::robots

@@ -123,6 +123,12 @@ class DaeReader {
       fail(scene,
            "the visual scene has no geometry; <instance_geometry> in one of its nodes would be "
            "accepted");
+    for (const XMLElement* library = root.FirstChildElement("library_animations");
+         library != nullptr; library = library->NextSiblingElement("library_animations"))
+      if (const XMLElement* animation = library->FirstChildElement("animation")) {
+        contents_.notes.push_back({placeOf(*animation), kAnimated});
+        break;
+      }
     if (unknown_ > 0)
       contents_.notes.push_back(
           {first_unknown_.first,
@@ -277,6 +283,14 @@ class DaeReader {
     return values;
   }
 
+  /// The first child element or text, null without one.
+  static const tinyxml2::XMLNode* firstContent(const XMLElement& element) {
+    const tinyxml2::XMLNode* node = element.FirstChild();
+    while (node != nullptr && node->ToElement() == nullptr && node->ToText() == nullptr)
+      node = node->NextSibling();
+    return node;
+  }
+
   /// The unit in <asset>, in metres.
   double unitOf(const XMLElement& root) {
     const XMLElement* asset = onlyChild(root, "asset");
@@ -291,11 +305,14 @@ class DaeReader {
       if (text == nullptr) fail(*unit, what + " is not known; meter and name would be accepted");
       countUnknown(*unit, what);
     }
-    if (const XMLElement* child = unit->FirstChildElement()) {
-      const std::string what = tagOf(*child) + " in <unit>";
+    if (const tinyxml2::XMLNode* inside = firstContent(*unit)) {
+      const std::string what =
+          (inside->ToElement() != nullptr ? tagOf(*inside->ToElement())
+                                          : "the text " + shown(Words(inside->Value()).next())) +
+          " in <unit>";
       if (text == nullptr)
-        fail(*child, what + " is not known; the attribute meter would be accepted");
-      countUnknown(*child, what);
+        fail(*unit, what + " is not known; the attribute meter would be accepted");
+      countUnknown(*unit, what);
     }
     if (text == nullptr) {
       const char* const name = unit->Attribute("name");
@@ -523,6 +540,8 @@ class DaeReader {
     const XMLElement* convex = onlyChild(geometry, "convex_mesh");
     if (body != nullptr && convex != nullptr)
       failTwice(*convex, *body, "mesh, " + tagOf(*convex) + ", in <geometry>");
+    if (convex != nullptr && convex->Attribute("convex_hull_of") != nullptr)
+      fail(*convex, "<convex_mesh> has convex_hull_of; a <mesh> with its faces would be accepted");
     if (body == nullptr) body = convex;
     if (body == nullptr) {
       NotSolid& left_out = contents_.not_solid;

@@ -102,10 +102,7 @@ class GltfReader {
       addNodesWithoutParent();
     }
     placeNodes();
-    if (member(root(), "animations").exists())
-      contents_.notes.push_back({{},
-                                 "has animations; they are ignored, and nodes stay where the "
-                                 "file has them"});
+    if (member(root(), "animations").exists()) contents_.notes.push_back({{}, kAnimated});
     return std::move(contents_);
   }
 

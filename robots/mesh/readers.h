@@ -23,7 +23,8 @@ MeshContents readPly(const MeshSource& source);
 /// axis is ignored, as RViz does.
 MeshContents readDae(const MeshSource& source);
 
-/// The rotation by which Assimp turns a Collada file's up axis to y. Identity for other files.
+/// The rotation by which Assimp, OMPL.app's reader, turns a Collada file's up axis to y. Identity
+/// for other files.
 Eigen::Matrix3d upAxisToY(const MeshSource& source);
 
 /// glTF 2.0 and GLB: triangles, strips and fans below the nodes of the file's scene, in metres; the
@@ -32,12 +33,8 @@ Eigen::Matrix3d upAxisToY(const MeshSource& source);
 /// other files.
 MeshContents readGltf(const MeshSource& source, bool& reads_others);
 
-/// Any other format, by Assimp, in single precision. `reads_others`: whether files other than this
-/// one were read.
-MeshContents readByAssimp(const MeshSource& source, bool& reads_others);
-
-/// The mean of the vertices that Assimp separates by their normals, with the up axis turned to y
-/// [m].
-Eigen::Vector3d meanOfAssimpsVertices(const MeshSource& source);
+/// The text of a note about a file with animations.
+inline constexpr const char* kAnimated =
+    "has animations; they are ignored, and nodes stay where the file has them";
 
 }  // namespace leeway::robots

@@ -14,8 +14,8 @@ set(requires_planner "leeway-robots = ${PROJECT_VERSION}")
 set(requires_view "leeway-planner = ${PROJECT_VERSION}")
 # What no public header names: a static library's program links it, a shared one brings it along.
 set(private_collision "libhwy")
-set(private_robots "urdfdom assimp tinyxml2 libcrypto")
-set(private_planner "yaml-cpp fmt libpng")
+set(private_robots "urdfdom tinyxml2 libcrypto")
+set(private_planner "yaml-cpp fmt libpng assimp")
 set(private_view "zlib")
 # Not ompl.pc: Debian's sets -std=c++14 and links Boost development files that are not installed with it.
 if(TARGET leeway::ompl)

@@ -23,6 +23,7 @@
 #include "leeway/robots/text.h"
 #include "planner/base/did_you_mean.h"
 #include "planner/problem/fail_at.h"
+#include "planner/problem/ompl_app/body_origin.h"
 #include "planner/problem/other_formats.h"
 #include "planner/problem/read_meshes.h"
 #include "planner/problem/read_states.h"
@@ -280,7 +281,7 @@ class Loader {
     const Config::Entry& file = config_.at("robot", "the file of the body's mesh");
     const collision::Shape mesh = readMesh(file);
     robots::Pose X_LG;
-    X_LG.translation = -robots::originForOmplApp(meshFile(file), config_.file(), file.line);
+    X_LG.translation = -bodyOrigin(meshFile(file), config_.file(), file.line);
     if (planar_) X_LG.translation.z() = 0;
     problem_.robot.model = robots::freeBody(
         "robot", {{mesh, X_LG, "robot"}},

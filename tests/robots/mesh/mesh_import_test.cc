@@ -157,7 +157,7 @@ TEST(MeshImport, Messages) {
   expect(folder.write("nan.stl", nan_stl), {"nan.stl", "finite"});
   expect(folder.write("broken.dae", "<COLLADA><asset>"), {"broken.dae", "would be accepted"});
   expect(folder.write("what.xyz", "1 2 3"),
-         {"what.xyz", "cannot be read", "STL, OBJ, PLY, DAE or glTF"});
+         {"what.xyz", "has the ending '.xyz'", "STL, OBJ, PLY, DAE, glTF or GLB"});
   const std::string good = folder.write("t.stl", tetrahedronStl());
   expectInputError([&] { loadMesh(good, {1, 0, 1}, "r.urdf", 7); }, "r.urdf", 7, {"scale", "zero"});
 }
@@ -240,11 +240,8 @@ TEST(MeshImport, KeepsMeshesOnDisk) {
   std::filesystem::rename(file, folder.path("moved.stl"));
   expectSame(none, loadMesh(folder.path("moved.stl"), kOne, "r.urdf", 1, options));
   EXPECT_EQ(filesIn(cache).size(), 1U);
-  // A name that consists only of an ending selects another importer.
-  const std::string hidden = folder.write(".stl", ballStl(0.5));
-  expectSame(none, loadMesh(hidden, kOne, "r.urdf", 1, options));
-  EXPECT_EQ(filesIn(cache).size(), 1U);
-  const std::string other = folder.write(".obj", ballStl(0.5));
+  // Another ending selects another reader.
+  const std::string other = folder.write("ball.obj", ballStl(0.5));
   EXPECT_THROW(loadMesh(other, kOne, "r.urdf", 1, options), InputError);
   // Other scales and contents give other meshes.
   EXPECT_EQ(extent(loadMesh(folder.path("moved.stl"), {2, 1, 1}, "r.urdf", 1, options)).second.x(),
@@ -441,24 +438,16 @@ TEST(MeshImport, EndingsThatNobodyKnows) {
             1U);
 }
 
-/// Files in formats without a reader in this library are also triangulated here, and lose digits.
-TEST(MeshImport, OtherFormatsComeThroughAssimp) {
+/// Regression: Assimp read them, and lost faces and units in silence.
+TEST(MeshImport, OtherFormatsAreRefused) {
   const Folder folder;
-  std::vector<std::string> warnings;
-  const auto shape = loadMesh(
-      folder.write("ell.off",
-                   "OFF\n6 1 0\n0 2 0\n0 0 0\n3 0 0\n3 1 0\n1 1 0\n1 2 0\n6 0 1 2 3 4 5\n"),
-      kOne, "r.urdf", 1, {}, &warnings);
-  EXPECT_EQ(shape.mesh()->triangles().size(), 4U);
-  collision::Pose X;
-  X.translation = {1.3, 1.3, 0};
-  EXPECT_NEAR(collision::distance(shape, {}, collision::Shape::sphere(0), X).distance.lower, 0.3,
-              1e-6);
-  ASSERT_EQ(warnings.size(), 1U);
-  EXPECT_NE(
-      warnings[0].find("is read in single precision, which moves vertices by up to 1.8e-07 m"),
-      std::string::npos)
-      << warnings[0];
+  for (const char* name : {"a.off", "a.3mf", "a.fbx", "a.X", "a.3ds"}) {
+    const std::string file = folder.write(name, "OFF\n3 1 0\n0 0 0\n3 0 0\n3 1 0\n3 0 1 2\n");
+    expectInputError([&] { loadMesh(file, kOne, "r.urdf", 1); }, "r.urdf", 1,
+                     {"mesh " + file + " has the ending '.", "STL, OBJ, PLY, DAE, glTF or GLB"});
+  }
+  const std::string bare = folder.write("a", "OFF\n");
+  expectInputError([&] { loadMesh(bare, kOne, "r.urdf", 1); }, "r.urdf", 1, {"has no ending"});
 }
 
 class MeshPath : public testing::Test {
@@ -487,6 +476,7 @@ TEST_F(MeshPath, PackagesAndRelativePaths) {
   EXPECT_NO_THROW(load("../meshes/a.stl"));
   EXPECT_NO_THROW(load(far));
   EXPECT_NO_THROW(load("file://" + far));
+  EXPECT_NO_THROW(load("file://localhost" + far));
   EXPECT_NO_THROW(load("package://named/c.stl", {{{"named", folder_.path("far/away")}}}));
   EXPECT_THROW(load("package://away/c.stl"), InputError);
   ::setenv("ROS_PACKAGE_PATH", (folder_.path("nowhere") + ":" + folder_.path("far")).c_str(), 1);
@@ -518,6 +508,21 @@ TEST_F(MeshPath, PackagesByTheNameInTheirPackageXml) {
   EXPECT_NO_THROW(load("package://arm_meshes/b.stl"));  // beside a folder above
   EXPECT_NO_THROW(load("package://arm/meshes/a.stl"));  // by the folder's own name, still
   EXPECT_THROW(load("package://meshes_of/b.stl"), InputError);
+  EXPECT_TRUE(load("package://arm_meshes/b.stl")->warnings.empty());
+  // Regression: the folder's own name counted before its package.xml.
+  package("ws/arm_meshes", "something_else");
+  folder_.write("ws/arm_meshes/b.stl", "solid\n");
+  EXPECT_NO_THROW(load("package://arm_meshes/b.stl"));
+  // Regression: the first of two was taken in silence.
+  package("ws/their_copy", "arm_meshes");
+  EXPECT_TRUE(load("package://arm_meshes/b.stl")->warnings.empty());  // has no such file
+  folder_.write("ws/their_copy/b.stl", tetrahedronStl());
+  const auto model = load("package://arm_meshes/b.stl");
+  ASSERT_EQ(model->warnings.size(), 1U);
+  EXPECT_EQ(model->warnings[0],
+            urdf_ + ":2: the package \"arm_meshes\" is " + folder_.path("ws/meshes_of_the_arm") +
+                ", and also " + folder_.path("ws/their_copy") +
+                "; the first is taken, --package arm_meshes=FOLDER says which is meant");
 }
 
 TEST_F(MeshPath, SpellingsOfOneFile) {

@@ -142,6 +142,13 @@ TEST(ReadDae, UnitsCountTheUpAxisDoesNot) {
     EXPECT_EQ(contents.notes[0].text.find(note), 0U) << contents.notes[0].text;
     EXPECT_EQ(contents.notes[0].place.text(), ":1");
   }
+  // Regression: nodes that an animation moves were placed in silence.
+  const MeshContents moved = readAs(
+      readDae, dae(kTriangle, node(kInstance), "",
+                   "<library_animations/>\n<library_animations><animation/></library_animations>"));
+  ASSERT_EQ(moved.notes.size(), 1U);
+  EXPECT_EQ(moved.notes[0].text,
+            "has animations; they are ignored, and nodes stay where the file has them");
   // Regression: the unit of a part was ignored in silence.
   std::string parts = dae(kTriangle, node("<asset><unit meter=\"0.5\"/></asset>" + kInstance));
   const MeshContents contents = readAs(readDae, parts);
@@ -189,6 +196,12 @@ TEST(ReadDae, DamagedFiles) {
     refused({asset("<unit meter=\"" + std::string(meter) + "\"/>"),
              ":1",
              {"the unit is meter=\"" + std::string(meter) + "\"", "above 0"}});
+  // Regression: a hull without faces of its own was left out in silence.
+  refused({dae(kTriangle, node(kInstance + "<instance_geometry url=\"#h\"/>"), "",
+               "<library_geometries>\n<geometry id=\"h\"><convex_mesh "
+               "convex_hull_of=\"#g\"/></geometry></library_geometries>"),
+           ":9",
+           {"<convex_mesh> has convex_hull_of; a <mesh> with its faces would be accepted"}});
   const auto faces = [&](const std::string& text) { return dae(text, node(kInstance)); };
   refused({faces("<triangles count=\"2\">" + kInput + "<p>0 1 2</p></triangles>"),
            ":6",
@@ -247,6 +260,7 @@ TEST(ReadDae, DamagedFiles) {
   refused({asset("<unit metre=\"0.001\"/>"), ":1", {"'metre' of <unit>", "meter and name would"}});
   refused({asset("<unit name=\"mm\" Meter=\"0.001\"/>"), ":1", {"'Meter' of <unit>"}});
   refused({asset("<unit><meter>0.001</meter></unit>"), ":1", {"<meter> in <unit>", "attribute"}});
+  refused({asset("<unit name=\"meter\">0.001</unit>"), ":1", {"'0.001' in <unit>", "attribute"}});
   refused({asset("<units meter=\"0.001\"/>"), ":1", {"<units> in <asset>", "<unit> would"}});
   for (const auto& [wrong, right] : {std::pair("Translate", "translate"),
                                      {"translation", "translate"},

@@ -291,8 +291,8 @@ std::shared_ptr<const Model> freeBody(const std::string& name, std::vector<Geome
                                       JointType type, const Eigen::Vector3d& lower,
                                       const Eigen::Vector3d& upper);
 
-/// Reads a mesh file: STL, OBJ, PLY and DAE exactly as written, glTF and other formats of Assimp in
-/// single precision. Applies the file's unit and node transforms, then `scale`; ignores its up
+/// Reads a mesh file: STL, OBJ, PLY, DAE, glTF or GLB, exactly as written; other formats are
+/// refused. Applies the file's unit and node transforms, then `scale`; ignores its up
 /// axis, as RViz and MoveIt do. Polygons are cut into triangles that cover exactly them; what has
 /// no area is left out. Throws InputError that names `referrer`:`line`, which asked for it, and the
 /// mesh's own line or byte; lesser faults are appended to `warnings`, in the same form.
