@@ -275,3 +275,26 @@ def test_a_result_keeps_what_it_needs(robot):
     with pytest.raises(ValueError):
         path[:] = 0
     assert certificate.edges.shape[1] == 2
+
+
+def test_classes_cannot_be_changed_or_derived_from(robot, world):
+    """`leeway.Problem.margin = 0.1` replaced the property: later problems reported a margin that nothing kept."""
+    for name in leeway.__all__:
+        value = getattr(leeway, name)
+        if not isinstance(value, type):
+            continue
+        for attribute in ("margin", "__doc__", *[a for a in vars(value) if not a.startswith("_")]):
+            for change in (lambda: setattr(value, attribute, 0.1), lambda: delattr(value, attribute)):
+                with pytest.raises(TypeError, match=f"(leeway.|immutable type '){name}"):
+                    change()
+        if not issubclass(value, Exception):
+            with pytest.raises(TypeError, match=f"leeway.{name}"):
+                type("Derived", (value,), {"margin": 0.1})
+    with pytest.raises(TypeError) as error:
+        leeway.Problem.margin = 0.1
+    assert str(error.value) == "'margin' is set on the class leeway.Problem; an object of it is expected, as in problem.margin = ..."
+    with pytest.raises(TypeError, match="^'\\ud800' of the class leeway.World cannot be set or deleted; it is fixed$"):
+        setattr(leeway.World, "\ud800", 1)
+    problem = leeway.Problem(robot, world, margin=0.01)
+    problem.margin = 0.02
+    assert problem.margin == 0.02 and leeway.Problem(robot, world).margin == 0
