@@ -136,7 +136,12 @@ bool isTruth(py::handle value) {
 }
 
 std::string shown(py::handle value) {
-  std::string text_of = std::string(py::repr(value)).substr(0, 100);
+  std::string text_of;
+  try {
+    text_of = std::string(py::repr(value)).substr(0, 100);
+  } catch (const py::error_already_set&) {  // for example, too many digits
+    text_of = std::string("of type ") + Py_TYPE(value.ptr())->tp_name;
+  }
   std::replace(text_of.begin(), text_of.end(), '\n', ' ');
   return text_of;
 }
@@ -156,6 +161,10 @@ std::uint64_t whole(py::handle value, const char* name, std::uint64_t largest) {
 double number(py::handle value, const char* name) {
   const double result = PyFloat_AsDouble(value.ptr());
   const bool fails = result == -1 && PyErr_Occurred() != nullptr;
+  if (fails && PyErr_ExceptionMatches(PyExc_OverflowError) != 0) {
+    PyErr_Clear();
+    throw py::value_error(std::string(name) + " is beyond 1.8e308; a finite number is expected");
+  }
   if (fails || isTruth(value)) {
     PyErr_Clear();
     throw py::type_error(std::string(name) + " is of type " + Py_TYPE(value.ptr())->tp_name +

@@ -46,8 +46,10 @@ std::map<std::string, double> byJoint(const planner::Problem& problem, const py:
     return result;
   }
   for (const auto& [joint, limit] : py::reinterpret_borrow<py::dict>(value)) {
-    const int variable = variableOf(problem, py::str(joint));
-    result[problem.robot.model->variables[at(variable)].name] = number(limit, name);
+    const std::string joint_name = py::str(joint);
+    const int variable = variableOf(problem, joint_name);
+    result[problem.robot.model->variables[at(variable)].name] =
+        number(limit, (std::string(name) + ": " + joint_name).c_str());
   }
   return result;
 }
@@ -110,8 +112,8 @@ void setMargins(planner::Problem& problem, const py::object& value) {
   for (const planner::PairMargin& m : problem.margins.pairs) groups[{m.a, m.b}] = m.group;
   std::vector<planner::PairMargin> margins;
   for (const auto& [key, entry] : dictOf(value, "margins")) {
-    const double margin = number(entry, "margins");
     const NamePairs pairs = namePairs(problem, key, "margins");
+    const double margin = number(entry, ("margins: " + textOf(key)).c_str());
     for (const auto& [a, b] : pairs)
       margins.push_back({a, b, margin, pairs.size() > 1 ? textOf(key) : groups[{a, b}]});
   }
@@ -145,16 +147,17 @@ void setWishes(planner::Problem& problem, const py::object& value) {
     const auto named = names.find(pairs);
     // Not `key` within add(): C++20 as of clang 14 cannot capture what a structured binding names.
     const std::string name = named == names.end() ? textOf(key) : named->second;
+    const std::string where = "wishes: " + textOf(key);
     const auto add = [&](py::object given) {
       planner::Wish wish;
       if (py::isinstance<py::tuple>(given)) {
         const auto pair = py::reinterpret_borrow<py::tuple>(given);
         if (pair.size() != 2)
-          throw py::type_error("wishes: " + shown(given) + "; (clearance, weight) is expected");
-        wish.weight = number(pair[1], "wishes: a weight");
+          throw py::type_error(where + " is " + shown(given) + "; (clearance, weight) is expected");
+        wish.weight = number(pair[1], (where + ": the weight").c_str());
         given = pair[0];
       }
-      wish.clearance = number(given, "wishes: a clearance");
+      wish.clearance = number(given, (where + ": the clearance").c_str());
       wish.pairs = pairs;
       wish.name = name;
       wishes.push_back(std::move(wish));
@@ -164,7 +167,7 @@ void setWishes(planner::Problem& problem, const py::object& value) {
       continue;
     }
     if (py::len(entry) == 0)
-      throw py::value_error("wishes: an empty list; a clearance, or several, are expected");
+      throw py::value_error(where + " is an empty list; a clearance, or several, are expected");
     for (const py::handle one : py::reinterpret_borrow<py::list>(entry))
       add(py::reinterpret_borrow<py::object>(one));
   }

@@ -298,3 +298,20 @@ def test_classes_cannot_be_changed_or_derived_from(robot, world):
     problem = leeway.Problem(robot, world, margin=0.01)
     problem.margin = 0.02
     assert problem.margin == 0.02 and leeway.Problem(robot, world).margin == 0
+
+
+def test_wrong_numbers_of_pairs_and_joints_name_them(robot, world):
+    where = ("hand", "post")
+    for settings, message in [
+            ({"margins": {where: NAN}}, "margins: hand and post is nan; a finite number is expected"),
+            ({"margins": {where: "0.1"}}, "margins: hand and post is of type str; a number is expected"),
+            ({"margins": {where: None}}, "margins: hand and post is of type NoneType; a number is expected"),
+            ({"margins": {where: 10**400}}, "margins: hand and post is beyond 1.8e308; a finite number is expected"),
+            ({"margin": 10**400}, "margin is beyond 1.8e308; a finite number is expected"),
+            ({"wishes": {where: NAN}}, "wishes: hand and post: the clearance is nan; a finite number is expected"),
+            ({"wishes": {where: (0.1, None)}}, "wishes: hand and post: the weight is of type NoneType; a number is expected"),
+            ({"velocities": {"joint1": NAN}}, "velocities: joint1 is nan; a finite number is expected"),
+            ({"iterations": 10**5000}, "iterations is of type int; a whole number")]:
+        with pytest.raises((TypeError, ValueError)) as error:
+            leeway.Problem(robot, world, **settings)
+        assert str(error.value).startswith(message), error.value

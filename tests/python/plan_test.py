@@ -647,7 +647,7 @@ def test_two_wishes_for_the_same_pair_both_count(tmp_path, robot, world):
     problem = leeway.Problem(robot, world, "ready", turned(robot, 0.8), wishes={("hand", "post"): both})
     problem.wishes["robot", "post"] = 0.1
     problem.save(tmp_path / "saved.yaml")
-    with pytest.raises(ValueError, match="wishes: an empty list"):
+    with pytest.raises(ValueError, match="wishes: hand and post is an empty list"):
         problem.wishes = {("hand", "post"): []}
     loaded = leeway.load(tmp_path / "saved.yaml").wishes
     assert loaded["hand", "post"] == problem.wishes["hand", "post"] == both and len(loaded) == 2
