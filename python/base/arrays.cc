@@ -205,8 +205,17 @@ collision::Pose pose(py::handle value, const char* name) {
   return result;
 }
 
-collision::Pose pose(py::handle position, py::handle orientation, py::handle rpy) {
-  collision::Pose result;
+collision::Pose givenPose(py::handle value, const char* name) {
+  if (value.is_none())
+    throw py::value_error(
+        std::string(name) +
+        " is None; a position (3,), a position and quaternion (7,) or a matrix (4, 4) is expected");
+  return pose(value, name);
+}
+
+collision::Pose pose(py::handle position, py::handle orientation, py::handle rpy,
+                     const collision::Pose& by_default) {
+  collision::Pose result = by_default;
   if (!position.is_none()) result.translation = vector3(position, "position");
   if (!orientation.is_none() && !rpy.is_none())
     throw py::value_error("orientation and rpy are both given; one is expected");

@@ -64,9 +64,12 @@ std::string shown(py::handle value);
 
 /// None, a position (3), a position and a quaternion x y z qx qy qz qw (7), or a matrix (4, 4).
 collision::Pose pose(py::handle value, const char* name);
-/// As in problem files: a position, and a quaternion x y z w, or angles roll, pitch, yaw, or no
-/// orientation.
-collision::Pose pose(py::handle position, py::handle orientation, py::handle rpy);
+/// The same, but throws ValueError for None: a thing that was not found is nowhere.
+collision::Pose givenPose(py::handle value, const char* name);
+/// As in problem files: a position, and a quaternion x y z w, or angles roll, pitch, yaw. What is
+/// None is as in `by_default`.
+collision::Pose pose(py::handle position, py::handle orientation, py::handle rpy,
+                     const collision::Pose& by_default = {});
 
 /// An array of float64 that owns `values`, without a copy.
 py::array_t<double> array(std::vector<double> values, std::vector<py::ssize_t> shape);

@@ -27,11 +27,7 @@ Inverse solve(const Robot& robot, const std::string& link, const py::object& tar
   const int index = robot.model->findLink(link);
   if (index < 0) throw py::value_error("no link '" + link + "'");
   if (solutions < 1) throw py::value_error("solutions are below 1; at least one is expected");
-  if (target.is_none())
-    throw py::value_error(
-        "pose is None; a position (3,), a position and quaternion (7,) or a matrix (4, 4) is "
-        "expected");
-  auto region = robots::PoseRegion::exact(index, {}, {}, pose(target, "pose"));
+  auto region = robots::PoseRegion::exact(index, {}, {}, givenPose(target, "pose"));
   if (py::len(target) == 3)  // a position
     region.rpy.fill({-std::numbers::pi, std::numbers::pi});
   std::vector<double> q = robot.model->defaultConfiguration();

@@ -191,7 +191,7 @@ State check(const Scene& self, const py::object& state, double tolerance) {
 }
 
 Scene withObjectAt(const Scene& self, const std::string& name, const py::object& place) {
-  const collision::Pose X_WO = pose(place, "pose");
+  const collision::Pose X_WO = givenPose(place, "pose");
   Scene moved(self.problem, released([&] { return self.compiled->withObjectAt(name, X_WO); }));
   moved.moved = self.moved;
   moved.renewed = self.renewed;

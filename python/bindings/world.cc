@@ -22,13 +22,10 @@ using planner::PointCloud;
 using WorldClass = py::class_<World>;
 
 /// Every adder ends with these.
-const std::string kPose = ", position=(0, 0, 0), orientation=None, rpy=None";
-const std::string kPlace = kPose + ", color=None)";
-const std::string kPoseDoc =
-    " Placed at `position` [m], turned by `orientation` (x y z w) or `rpy` (roll, pitch, yaw) "
-    "[rad].";
+const std::string kPlace = ", position=(0, 0, 0), orientation=None, rpy=None, color=None)";
 const std::string kPlaceDoc =
-    kPoseDoc + " `color` (red, green, blue), each from 0 to 1, is for pages and pictures.";
+    " Placed at `position` [m], turned by `orientation` (x y z w) or `rpy` (roll, pitch, yaw) "
+    "[rad]. `color` (red, green, blue), each from 0 to 1, is for pages and pictures.";
 
 /// A color, as add() and paint() take it.
 std::optional<std::array<double, 3>> colorOf(const py::object& color) {
@@ -81,10 +78,19 @@ void remove(World& world, const std::string& name) {
   std::erase_if(changed.deforming, [&](const DeformingObstacle& o) { return named(o.object); });
 }
 
+collision::Pose poseOf(const World& world, const std::string& name) {
+  for (const Object& object : world.value.objects)
+    if (object.name == name) return object.X_WO;
+  for (const DeformingObstacle& obstacle : world.value.deforming)
+    if (obstacle.object.name == name) return obstacle.object.X_WO;
+  unknown(name);
+}
+
 void move(World& world, const std::string& name, const py::object& position,
           const py::object& orientation, const py::object& rpy) {
-  const collision::Pose X_WO = pose(position, orientation, rpy);
   if (!world.has(name)) unknown(name);
+  const collision::Pose X_WO = pose(position, orientation, rpy, poseOf(world, name));
+  if (!world.has(name)) unknown(name);  // reading may run code in Python that changes the world
   for (const Object& object : world.value.objects)
     if (object.name == name && object.motion && object.motion->poses)
       throw py::value_error("'" + name +
@@ -141,7 +147,7 @@ struct MotionGiven {
     keys.emplace();
     for (const py::handle each : py::reinterpret_borrow<py::object>(poses)) {
       if (keys->size() == at.values.size()) break;
-      keys->push_back({at.values[keys->size()], pose(each, "poses")});
+      keys->push_back({at.values[keys->size()], givenPose(each, "poses")});
     }
     if (keys->size() != at.values.size() || py::len(poses) != keys->size())
       throw py::value_error("times and poses differ in number; a pose for each time is expected");
@@ -185,14 +191,6 @@ void setMotion(World& world, const std::string& name, const py::object& times,
   const Object moving = planner::movingObject(*found, motion, begin);
   for (Object& object : world.change().objects)
     if (named(object)) object = moving;
-}
-
-collision::Pose poseOf(const World& world, const std::string& name) {
-  for (const Object& object : world.value.objects)
-    if (object.name == name) return object.X_WO;
-  for (const DeformingObstacle& obstacle : world.value.deforming)
-    if (obstacle.object.name == name) return obstacle.object.X_WO;
-  unknown(name);
 }
 
 /// The shapes of an object, placed in the world.
@@ -552,7 +550,10 @@ void defineWorld(py::module_& module) {
                               "deform. Threads may share it.",
                               [] { return World{}; });
   defineAdders(world);
-  define(world, "move", "(self, name" + kPose + ")", "Moves an object." + kPoseDoc, move);
+  define(world, "move", "(self, name, position=None, orientation=None, rpy=None)",
+         "Moves an object to `position` [m], and turns it to `orientation` (x y z w) or `rpy` "
+         "(roll, pitch, yaw) [rad]. What is not given stays as it was.",
+         move);
   define(
       world, "set_motion",
       "(self, name, *, times=None, poses=None, velocity=None, turning=None, time=None, "

@@ -149,7 +149,7 @@ const char* setPoseOf(Guarding& self, const std::string& object, const py::objec
   const Busy busy(self.busy, kBusyGuard);
   collision::Pose X_WO;
   if (areFinite(given))
-    X_WO = pose(given, "pose");
+    X_WO = givenPose(given, "pose");
   else
     X_WO.translation.setConstant(std::numeric_limits<double>::quiet_NaN());
   const double when = timeOf(time), speed = speedBoundOf(bound);

@@ -100,7 +100,7 @@ void setVertices(Execution& self, const std::string& object, const py::object& v
 void setPose(Execution& self, const std::string& object, const py::object& given,
              const py::object& time, const py::object& bound, const py::object& turn_bound) {
   const Busy busy(self.busy, kBusyReplanner);
-  const collision::Pose X_WO = pose(given, "pose");
+  const collision::Pose X_WO = givenPose(given, "pose");
   const double speed = speedBoundOf(bound), turning = speedBoundOf(turn_bound, "turn_bound");
   const double when = time.is_none() ? self.replanner->time() : number(time, "time");
   released([&] { self.replanner->setPose(object, X_WO, when, speed, turning); });
