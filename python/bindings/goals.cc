@@ -232,7 +232,7 @@ void addPosesOfGroup(const planner::Problem& problem, const planner::Problem& gr
 }
 
 /// A goal by joint and group: {'left': 'up', 'elbow': (0, 1)}, or {'left': Pose(...), ...}.
-planner::Goal goalOfMap(const planner::Problem& problem, const py::dict& goal) {
+planner::Goal goalOfMap(const planner::Problem& problem, const py::dict& goal, bool of_group) {
   const robots::Model& model = *problem.robot.model;
   planner::Goal result;
   result.name = "goal";
@@ -248,6 +248,9 @@ planner::Goal goalOfMap(const planner::Problem& problem, const py::dict& goal) {
     const auto item = py::reinterpret_borrow<py::object>(value);
     const std::optional<planner::Problem> group = ofGroup(problem, name);
     const bool is_any = py::isinstance<py::str>(item) && word(item, "goal") == "any";
+    if (group && of_group && group->robot.variables.size() >= problem.robot.variables.size())
+      throw py::value_error("goal has the group '" + name +
+                            "' within one that is not larger; joints are expected");
     if (group)
       if (const std::vector<FramePose> poses = framePoses(item); !poses.empty()) {
         addPosesOfGroup(problem, *group, name, poses, result.poses);
@@ -261,7 +264,7 @@ planner::Goal goalOfMap(const planner::Problem& problem, const py::dict& goal) {
       for (const int variable : group->robot.variables)
         give(variable, rangeOf(problem, variable, item));
     } else {
-      const planner::Goal own = goalOf(*group, item);
+      const planner::Goal own = goalOf(*group, item, true);
       for (std::size_t i = 0; i < own.ranges.size(); ++i)
         give(group->robot.variables[i], own.ranges[i]);
     }
@@ -286,7 +289,7 @@ planner::Goal goalOfMap(const planner::Problem& problem, const py::dict& goal) {
 
 }  // namespace
 
-planner::Goal goalOf(const planner::Problem& problem, const py::object& goal) {
+planner::Goal goalOf(const planner::Problem& problem, const py::object& goal, bool of_group) {
   planner::Goal result;
   result.name = "goal";
   if (const std::vector<FramePose> poses = framePoses(goal); !poses.empty()) {
@@ -301,7 +304,7 @@ planner::Goal goalOf(const planner::Problem& problem, const py::object& goal) {
     return result;
   }
   if (py::isinstance<py::dict>(goal))
-    return goalOfMap(problem, py::reinterpret_borrow<py::dict>(goal));
+    return goalOfMap(problem, py::reinterpret_borrow<py::dict>(goal), of_group);
   // A list of numbers, ranges and words; else an array.
   if (py::isinstance<py::list>(goal) || py::isinstance<py::tuple>(goal)) {
     const auto list = py::reinterpret_borrow<py::sequence>(goal);

@@ -584,25 +584,79 @@ bool canChange(const py::object& value) {
          py::isinstance<py::array>(value) || py::isinstance<World>(value);
 }
 
-/// Returns an image of an object; another image means that the object has changed.
-py::object imageOf(const py::object& value) {
+/// Whether an object never changes: a text, a number, nothing, or one of this module's.
+bool isFixed(const py::object& value) {
+  static const auto number_types = [] {
+    return py::make_tuple(py::module_::import("numbers").attr("Number"),
+                          py::module_::import("numpy").attr("generic"))
+        .release();
+  }();
+  const auto metaclassOf = [](PyObject* type) { return Py_TYPE(type); };
+  return value.is_none() || py::isinstance<py::str>(value) || py::isinstance<py::bytes>(value) ||
+         py::isinstance(value, number_types) ||
+         metaclassOf(reinterpret_cast<PyObject*>(Py_TYPE(value.ptr()))) ==
+             metaclassOf(py::type::of<World>().ptr());
+}
+
+/// Returns an image of an object; another image means that the object has changed. Throws TypeError
+/// for what may change without another image, ValueError for a list or dict that holds itself.
+py::object imageOf(const std::string& name, const py::object& value, int depth = 0) {
+  constexpr int kDeepest = 20;  // settings are at most 7 deep
+  if (depth > kDeepest)
+    throw py::value_error(name + " holds itself, or more than " + std::to_string(kDeepest) +
+                          " lists in each other; values are expected");
   if (py::isinstance<World>(value)) return py::int_(value.cast<const World&>().changes);
   if (py::isinstance<py::array>(value))
     return py::make_tuple(value.attr("shape"), py::str(value.attr("dtype")),
                           value.attr("tobytes")());
+  const auto imageOfItem = [&](py::handle item) {
+    return imageOf(name, py::reinterpret_borrow<py::object>(item), depth + 1);
+  };
   py::list images;
-  if (py::isinstance<py::dict>(value)) {
-    for (const auto& [key, item] : py::reinterpret_borrow<py::dict>(value)) {
+  if (py::isinstance<py::dict>(value) || Py_TYPE(value.ptr()) == &PyDictProxy_Type) {
+    for (const auto& [key, item] : py::dict(value)) {
       images.append(key);
-      images.append(imageOf(py::reinterpret_borrow<py::object>(item)));
+      images.append(imageOfItem(item));
     }
   } else if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) {
-    for (const py::handle item : value)
-      images.append(imageOf(py::reinterpret_borrow<py::object>(item)));
-  } else {
+    for (const py::handle item : value) images.append(imageOfItem(item));
+  } else if (isFixed(value)) {
     return value;
+  } else {
+    throw py::type_error(name + " holds an object of type " + Py_TYPE(value.ptr())->tp_name +
+                         ", whose changes would not be seen; a list, a dict, an array of numpy, or "
+                         "a number is expected");
   }
   return py::tuple(images);
+}
+
+/// The image of an object that was replaced. None for one that holds what a setting cannot hold: it
+/// was wrong already.
+py::object imageOfReplaced(const std::string& name, const py::object& value) {
+  try {
+    return imageOf(name, value);
+  } catch (const py::builtin_exception&) {
+    return py::none();
+  }
+}
+
+/// Whether anything but its container refers to an object that can change, or to one within it.
+bool isHeldElsewhere(PyObject* value) {
+  if (PyTuple_Check(value)) {
+    for (Py_ssize_t i = 0; i < PyTuple_GET_SIZE(value); ++i)
+      if (isHeldElsewhere(PyTuple_GET_ITEM(value, i))) return true;
+    return false;
+  }
+  if (isFixed(py::reinterpret_borrow<py::object>(value))) return false;
+  if (Py_REFCNT(value) > 1) return true;  // also one that holds itself
+  if (PyList_Check(value)) {
+    for (Py_ssize_t i = 0; i < PyList_GET_SIZE(value); ++i)
+      if (isHeldElsewhere(PyList_GET_ITEM(value, i))) return true;
+  }
+  PyObject *key = nullptr, *item = nullptr;
+  for (Py_ssize_t at = 0; PyDict_Check(value) && PyDict_Next(value, &at, &key, &item) != 0;)
+    if (isHeldElsewhere(item)) return true;
+  return false;
 }
 
 bool isSameImage(const py::object& x, const py::object& y) {
@@ -645,7 +699,7 @@ void putChangedLast(const py::dict& margins, const py::dict& before) {
 void Problem::takeChanges(const std::string& except) const {
   for (const auto& [name, kept] : replaced_) {
     if (name == except) continue;  // it may be what is set now
-    if (!isSameImage(imageOf(kept.object), kept.image))
+    if (!isSameImage(imageOfReplaced(name, kept.object), kept.image))
       throw py::value_error("'" + name +
                             "' was changed after another had taken its place in its problem; "
                             "change the one that the problem has now, or set '" +
@@ -655,7 +709,7 @@ void Problem::takeChanges(const std::string& except) const {
   for (const Setting& setting : planner::settings()) {
     const auto found = handed_out_.find(std::string(setting.name));
     if (found == handed_out_.end() || setting.name == except) continue;
-    const py::object image = imageOf(found->second.object);
+    const py::object image = imageOf(found->first, found->second.object);
     if (isSameImage(image, found->second.image)) continue;
     if (!changed) changed = std::make_shared<planner::Problem>(*value_);
     if (setting.name == "margins") putChangedLast(found->second.object, getMargins(*value_));
@@ -666,7 +720,7 @@ void Problem::takeChanges(const std::string& except) const {
   if (!changed) return;
   value_ = std::move(changed);
   for (auto& [name, handed_out] : handed_out_)
-    if (name != except) handed_out.image = imageOf(handed_out.object);
+    if (name != except) handed_out.image = imageOf(name, handed_out.object);
 }
 
 const std::shared_ptr<const planner::Problem>& Problem::value() const {
@@ -716,7 +770,7 @@ py::object Problem::attribute(const Setting& setting) const {
   const auto found = handed_out_.find(name);
   if (found != handed_out_.end()) return found->second.object;
   const py::object value = valueOf(setting, *value_);
-  if (canChange(value)) handed_out_[name] = {value, imageOf(value)};
+  if (canChange(value)) handed_out_[name] = {value, imageOf(name, value)};
   return value;
 }
 
@@ -739,21 +793,23 @@ void Problem::set(const Setting& setting, const py::object& value) {
   } while (value_ != before);
   // An attribute that is set is another object, as in all of Python: who keeps the old one can set
   // it again.
-  for (auto& [of, kept] : replaced_)
-    if (of == replaced) kept.image = imageOf(kept.object);  // the new value replaces its changes
+  for (auto& [of, kept] : replaced_)  // the new value replaces its changes
+    if (of == replaced) kept.image = imageOfReplaced(of, kept.object);
   const auto old = handed_out_.find(name);
   if (old != handed_out_.end() && !value.is(old->second.object)) {
     constexpr std::size_t kMostReplaced = 100;
     if (replaced_.size() >= kMostReplaced)  // those that nothing else refers to cannot change
-      std::erase_if(replaced_, [](const auto& of) { return of.second.object.ref_count() == 1; });
-    replaced_.emplace_back(name, old->second);
+      std::erase_if(replaced_,
+                    [](const auto& of) { return !isHeldElsewhere(of.second.object.ptr()); });
+    replaced_.emplace_back(
+        name, HandedOut{old->second.object, imageOfReplaced(name, old->second.object)});
     handed_out_.erase(old);
   }
   const auto again = std::find_if(replaced_.begin(), replaced_.end(), [&](const auto& kept) {
     return kept.first == name && value.is(kept.second.object);
   });
   if (again != replaced_.end()) {
-    handed_out_[name] = {value, imageOf(value)};
+    handed_out_[name] = {value, imageOf(name, value)};
     replaced_.erase(again);
   }
   // Other objects that were handed out stay the problem's, with its present values.
@@ -761,14 +817,15 @@ void Problem::set(const Setting& setting, const py::object& value) {
     const auto handed_out = next++;
     const Setting& of = *planner::findSetting(handed_out->first);
     const py::object fresh = valueOf(of, changed);
-    if (handed_out->first != replaced && isSameImage(imageOf(valueOf(of, *value_)), imageOf(fresh)))
+    if (handed_out->first != replaced &&
+        isSameImage(imageOf(name, valueOf(of, *value_)), imageOf(name, fresh)))
       continue;
     if (Py_TYPE(fresh.ptr()) != Py_TYPE(handed_out->second.object.ptr())) {
       handed_out_.erase(handed_out);  // an objective that is a word now
       continue;
     }
     refill(handed_out->second.object, fresh);
-    handed_out->second.image = imageOf(handed_out->second.object);
+    handed_out->second.image = imageOf(name, handed_out->second.object);
   }
   value_ = std::make_shared<const planner::Problem>(std::move(changed));
 }

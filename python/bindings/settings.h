@@ -32,7 +32,10 @@ py::list framePoseList(const planner::Problem& problem,
 /// name others, too, or poses. None: nothing changes.
 void setStart(planner::Problem& problem, const py::object& start);
 /// A group state's name; numbers, pairs (from, to) or 'any', or ranges (joints, 2); or poses.
-planner::Goal goalOf(const planner::Problem& problem, const py::object& goal);
+/// `of_group`: of a group within a goal by groups. Those within it must be smaller, because a dict
+/// may hold itself.
+planner::Goal goalOf(const planner::Problem& problem, const py::object& goal,
+                     bool of_group = false);
 /// `several`: a list of goals. None: no goal.
 void setGoals(planner::Problem& problem, const py::object& goal, bool several);
 /// Ranges (joints, 2), or poses.

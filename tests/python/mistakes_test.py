@@ -1,6 +1,8 @@
 """Programs with one mistake each, refused with the words of tests/data/mistakes.txt: where a problem is made, where it is set, and where what a problem has
 handed out is changed. A new check is a new line there, and a row here. And: whatever an object hands out is live, or refuses to be changed."""
 
+import array
+import collections
 import copy
 import json
 import pickle
@@ -522,3 +524,38 @@ def test_a_mesh_of_vertices_has_a_scale(robot):
     for scale in (0, (1, 0, 1)):
         with pytest.raises(ValueError, match="scale is 0.0; numbers other than 0 are expected"):
             worlds().add_mesh("new", vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles=[[0, 1, 2]], scale=scale)
+
+
+def test_what_holds_itself_or_hides_its_changes_is_refused(robot):
+    hidden = array.array("d", TUCKED), collections.deque(TUCKED), memoryview(np.array(TUCKED)), collections.UserList(TUCKED)
+    edits = [lambda p: p.goals.append(p.goals), lambda p: p.allowed.append(p.allowed), lambda p: put(p.margins, ("hand", "post"), p.margins),
+             lambda p: put(p.wishes, ("hand", "post"), p.wishes), lambda p: put(p.frames, "tip", ("hand", p.frames)), lambda p: put(p.others, "finger_joint", p.others),
+             lambda p: p.steps.append(p.steps), lambda p: p.constraints.append(p.constraints), *[lambda p, of=of: p.goals.append(of) for of in hidden]]
+    for edit in edits:
+        problem = good(robot)
+        edit(problem)
+        for _ in range(2):
+            with pytest.raises((TypeError, ValueError), match="holds itself|whose changes would not be seen"):
+                leeway.plan(problem)
+    problem = good(robot)
+    problem.goals.append(problem.goals)
+    problem.goals = ["upright"]
+    assert problem.copy().goals[0][1, 0] == 0
+    given = {}
+    given["arm"] = given
+    with pytest.raises((TypeError, ValueError)):
+        problem.goal = given
+
+
+def test_a_value_replaces_the_changes_of_the_one_before(robot):
+    problem = good(robot)
+    old = problem.goals[0]
+    old[0] = 0.3
+    problem.goals = ["upright"]
+    assert problem.copy().goals[0][0, 0] == 0
+    for _ in range(130):
+        problem.goals = ["upright"]
+        assert problem.goals
+    old[0] = 0.4
+    with pytest.raises(ValueError, match="'goals' was changed after another"):
+        leeway.plan(problem)
