@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planner/base/did_you_mean.h"
+#include "planner/validate/checks.h"
 #include "planner/validate/format_keys.h"
 #include "robots/mesh/mesh_treatment.h"
 
@@ -84,17 +85,7 @@ void expectMeshesFound(const robots::LoadOptions& load, const std::set<std::stri
 }
 
 void warnOfOpenMeshes(const std::string& file, Problem& problem) {
-  robots::OpenMeshes open;
-  // The loader of a URDF has already warned about its links.
-  if (problem.robot.model->urdf_file.empty())
-    for (const robots::Link& link : problem.robot.model->links)
-      open.add(link.name, link.geometries);
-  for (const Object& object : problem.world.objects) open.add(object.name, object.geometries);
-  for (const Attachment& held : problem.robot.attachments)
-    open.add(held.object.name, held.object.geometries);
-  for (const DeformingObstacle& o : problem.world.deforming)
-    open.add(o.object.name, o.object.geometries);
-  if (const std::string text = open.text(); !text.empty())
+  if (const std::string text = openMeshes(problem); !text.empty())
     problem.warnings.push_back(file + ": " + text);
 }
 

@@ -41,7 +41,7 @@ class TaskPlan {
     result_.seed = problem_.seed;
     result_.margins = problem_.margins;
     result_.planner = problem_.planner.name;
-    result_.warnings = loaderWarnings(problem_);
+    result_.warnings = problemWarnings(problem_);
     for (const int v : problem_.robot.variables) {
       start_.push_back(problem_.start.at(at(v)));
       result_.path.names.push_back(problem_.robot.model->variables[at(v)].name);
@@ -115,7 +115,7 @@ class TaskPlan {
   /// The warnings of a step's own search. Those of loaders and scenes are added elsewhere.
   std::vector<std::string> ownWarnings(std::size_t step, const CompiledScene& scene,
                                        const std::vector<std::string>& warnings) const {
-    std::vector<std::string> others = loaderWarnings(problem_), own;
+    std::vector<std::string> others = problemWarnings(problem_), own;
     const std::vector<std::string> of_scene = scene.warnings();
     others.insert(others.end(), of_scene.begin(), of_scene.end());
     for (const std::string& warning : warnings)
@@ -464,7 +464,7 @@ class TaskPlan {
       takeLeast(whole.self, part.self, first);
       if (whole.certified) addCost(stretch);
     }
-    const std::vector<std::string> loaded = loaderWarnings(problem_);
+    const std::vector<std::string> loaded = problemWarnings(problem_);
     result_.warnings.insert(result_.warnings.begin(), loaded.begin(), loaded.end());
     for (const Stretch& stretch : stretches_) addTo(result_.warnings, stretch.warnings);
     whole.unchecked = countUnchecked(std::vector(dropped.begin(), dropped.end()));

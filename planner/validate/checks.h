@@ -22,9 +22,9 @@ struct Fault {
   std::string message, key, name;
 };
 
-/// Returns the warnings of the loaders of a robot and of its problem, and those of passiveWarning()
-/// that loaders have not given. O(warnings * variables).
-std::vector<std::string> loaderWarnings(const Problem& problem);
+/// Returns a warning about the meshes that are not closed and that no warning of the loaders names;
+/// empty if there are none. O(warnings * open meshes + geometries).
+std::string openMeshes(const Problem& problem);
 /// Returns a warning if a variable is not planned and its start is outside the robot's own limits.
 /// Readers of problem files add file and line. O(planned variables).
 std::optional<std::string> passiveWarning(const Problem& problem, int variable);

@@ -125,18 +125,6 @@ bool hasFollower(const Model& model, int variable) {
 
 }  // namespace
 
-std::vector<std::string> loaderWarnings(const Problem& problem) {
-  std::vector<std::string> warnings = problem.robot.model->warnings;
-  warnings.insert(warnings.end(), problem.warnings.begin(), problem.warnings.end());
-  for (std::size_t v = 0; v < problem.start.size(); ++v) {
-    const auto off = passiveWarning(problem, static_cast<int>(v));
-    const auto is_it = [&](const std::string& w) { return w.ends_with(*off); };  // with its line
-    if (off && std::none_of(warnings.begin(), warnings.end(), is_it))
-      warnings.push_back("start has " + *off);
-  }
-  return warnings;
-}
-
 std::optional<std::string> passiveWarning(const Problem& problem, int v) {
   const robots::Variable& variable = problem.robot.model->variables[at(v)];
   const double value = problem.start[at(v)];

@@ -268,8 +268,10 @@ void defineProblem(py::module_& module) {
       problem, "robot", [](const Problem& self) { return self.robot(); },
       "The robot and its planned group.");
   defineConstant(
-      problem, "warnings", [](const Problem& self) { return listOf(self->warnings); },
-      "What the loader found odd, each with file and line.");
+      problem, "warnings",
+      [](const Problem& self) { return listOf(planner::problemWarnings(*self)); },
+      "What is odd about its robot, files and objects: with file and line if it was loaded; meshes "
+      "that are not closed.");
   problem.def("__repr__", [](const Problem& self) {
     return "<leeway.Problem '" + self->name + "': " + std::to_string(self.size()) +
            " planned joints among " +

@@ -195,29 +195,34 @@ py::list planMany(const py::object& given, const py::kwargs& kwargs) {
   return list;
 }
 
-planner::VerifyResult verify(const Problem& problem, const py::object& path, bool shortest,
-                             const py::object& stop) {
+/// An outcome, with what is odd about its problem.
+struct Verification : planner::VerifyResult {
+  std::vector<std::string> warnings;
+};
+
+Verification verify(const Problem& problem, const py::object& path, bool shortest,
+                    const py::object& stop) {
   const planner::Path given = pathOf(problem, path, shortest, true);
   requireGoal(problem);
   Interrupt interrupt(stop);
   const std::shared_ptr<const planner::Problem> value = problem.value();
   planner::PlanOptions options;
   options.stop = interrupt.callback();
-  planner::VerifyResult result = released([&] { return planner::verify(*value, given, options); });
+  Verification result{released([&] { return planner::verify(*value, given, options); }),
+                      planner::problemWarnings(*value)};
   interrupt.rethrow();
   return result;
 }
 
-planner::VerifyResult verifyLog(const Problem& problem, const py::object& file,
-                                const py::object& stop) {
+Verification verifyLog(const Problem& problem, const py::object& file, const py::object& stop) {
   const std::string name = fileName(file, "file");
   requireGoal(problem);
   Interrupt interrupt(stop);
   const std::shared_ptr<const planner::Problem> value = problem.value();
   planner::PlanOptions options;
   options.stop = interrupt.callback();
-  planner::VerifyResult result =
-      released([&] { return planner::verifyLog(*value, name, options); });
+  Verification result{released([&] { return planner::verifyLog(*value, name, options); }),
+                      planner::problemWarnings(*value)};
   interrupt.rethrow();
   return result;
 }
@@ -272,34 +277,34 @@ const char* statusName(planner::VerifyStatus status) {
 }
 
 void defineVerification(py::module_& module) {
-  using planner::VerifyResult;
-  py::class_<VerifyResult> result(module, "Verification",
+  py::class_<Verification> result(module, "Verification",
                                   "The outcome of an independent proof. True if certified.");
   defineConstant(
-      result, "status", [](const VerifyResult& self) { return statusName(self.status); },
+      result, "status", [](const Verification& self) { return statusName(self.status); },
       "'certified', 'refuted', 'undecided', 'nothing_checked': no pair of shapes is checked; of a "
       "log also 'exposed': obstacles may reach the robot where it stands, and all else is proven.");
-  result.def_readonly("lower", &VerifyResult::clearance_lower,
+  result.def_readonly("lower", &Verification::clearance_lower,
                       "Every point of a certified path keeps at least this [m]; inf where nothing "
                       "is near.");
-  result.def_readonly("edge", &VerifyResult::segment,
+  result.def_readonly("edge", &Verification::segment,
                       "The edge that fails or is undecided; -1: none.");
-  result.def_readonly("line", &VerifyResult::line,
+  result.def_readonly("line", &Verification::line,
                       "The line of a log that fails or is not proven; 0: none.");
   defineConstant(
-      result, "t", [](const VerifyResult& self) { return py::make_tuple(self.t0, self.t1); },
+      result, "t", [](const Verification& self) { return py::make_tuple(self.t0, self.t1); },
       "The part of that edge, in [0, 1]; of a log: times [s].");
   defineConstant(
-      result, "pair", [](const VerifyResult& self) { return pairObject(self.a, self.b); },
+      result, "pair", [](const Verification& self) { return pairObject(self.a, self.b); },
       "What is too near there, or None.");
-  result.def_readonly("reason", &VerifyResult::reason, "In words.");
+  result.def_readonly("reason", &Verification::reason, "In words.");
   defineConstant(
-      result, "unchecked", [](const VerifyResult& self) { return uncheckedList(self.unchecked); },
+      result, "unchecked", [](const Verification& self) { return uncheckedList(self.unchecked); },
       "Pairs that were not looked at, as Certificate.unchecked.");
-  result.def("__bool__", [](const VerifyResult& self) {
+  defineConstant(result, "warnings", &Verification::warnings, "Those of the problem.");
+  result.def("__bool__", [](const Verification& self) {
     return self.status == planner::VerifyStatus::kCertified;
   });
-  result.def("__repr__", [](const VerifyResult& self) {
+  result.def("__repr__", [](const Verification& self) {
     std::string what = std::string("<leeway.Verification: ") + statusName(self.status);
     if (self.status == planner::VerifyStatus::kCertified)
       return what + (std::isinf(self.clearance_lower)

@@ -147,14 +147,18 @@ Shape mesh(const py::object& file, const py::object& vertices, const py::object&
   const robots::MeshTreatment treatment = meshTreatment(solid, weld);
   const Shape given = givenMesh(file, vertices, faces, scale);
   const bool is_asked = treatment.solid != robots::MeshTreatment::Solid::kAuto || weld > 0;
-  const Shape shape =
-      is_asked ? released([&] { return robots::withTreatment(given, treatment); }) : given;
-  if (shape.mesh() != nullptr && shape.mesh()->openEdgeCount() > 0)
-    warn("the mesh is not closed, it has " + std::to_string(shape.mesh()->openEdgeCount()) +
+  return is_asked ? released([&] { return robots::withTreatment(given, treatment); }) : given;
+}
+
+void warnIfOpen(std::span<const collision::Geometry> geometries, const std::string& what) {
+  std::size_t edges = 0;
+  for (const collision::Geometry& geometry : geometries)
+    if (geometry.shape.mesh() != nullptr) edges += geometry.shape.mesh()->openEdgeCount();
+  if (edges > 0)
+    warn(what + " is not closed, it has " + std::to_string(edges) +
          " open edges: where it is open, what is inside is not seen; solid='hull' takes its convex "
          "hull, weld=1e-6 closes cracks of up to a micron, solid='surface' says that it is a "
          "surface");
-  return shape;
 }
 
 std::vector<collision::Geometry> geometriesOf(const py::object& shapes, const std::string& name) {
@@ -202,7 +206,13 @@ void defineShapes(py::module_& module) {
                "triangles (m, 3) of indices. `scale` is one number or three. What it encloses is "
                "solid; solid='hull': its convex hull is; 'surface': nothing is. `weld` closes "
                "cracks that are at most so wide [m]. A mesh that is not closed is a UserWarning.",
-               mesh);
+               [](const py::object& file, const py::object& vertices, const py::object& faces,
+                  const py::object& scale, const std::string& solid, double weld) {
+                 Shape made = mesh(file, vertices, faces, scale, solid, weld);
+                 warnIfOpen(std::vector<collision::Geometry>{{made, {}, ""}},
+                            file.is_none() ? "the mesh" : "'" + fileName(file, "file") + "'");
+                 return made;
+               });
   defineConstant(
       shape, "type", [](const Shape& self) { return collision::toString(self.type()); },
       "'sphere', 'capsule', 'box', 'cylinder', 'cone', 'ellipsoid', 'half_space', 'convex_hull', "

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ collision::Shape heightField(const py::object& heights, const py::object& step,
 collision::Shape mesh(const py::object& file, const py::object& vertices,
                       const py::object& triangles, const py::object& scale,
                       const std::string& solid, double weld);
+/// Warns of meshes that are not closed. `what`: they, for the text.
+void warnIfOpen(std::span<const collision::Geometry> geometries, const std::string& what);
 /// Returns the treatment of a mesh that keywords give. Throws ValueError.
 robots::MeshTreatment meshTreatment(const std::string& solid, double weld);
 

@@ -51,6 +51,8 @@ void add(World& world, const std::string& name, std::vector<collision::Geometry>
   requireNew(world, name);
   const collision::Pose X_WO = pose(position, orientation, rpy);
   const auto painted = colorOf(color);
+  warnIfOpen(geometries, "'" + name + "'");
+  requireNew(world, name);  // what a warning calls may have added one
   world.change().objects.push_back({name, std::move(geometries), X_WO, nullptr, nullptr, painted});
 }
 

@@ -300,6 +300,27 @@ def test_classes_cannot_be_changed_or_derived_from(robot, world):
     assert problem.margin == 0.02 and leeway.Problem(robot, world).margin == 0
 
 
+def test_what_is_nowhere_is_not_at_the_origin(robot, world):
+    scene = leeway.Scene(robot, world, "ready")
+    moving = world.copy()
+    for call in (lambda: scene.with_object_at("post", None), lambda: moving.set_motion("post", times=[0, 1], poses=[(0, 0, 0), None]),
+                 lambda: leeway.inverse_kinematics(robot, "hand", None)):
+        with pytest.raises(ValueError, match="is None; a position"):
+            call()
+
+
+def test_moving_keeps_what_is_not_given():
+    world = leeway.World()
+    world.add_box("box", size=(1, 2, 3), position=(1, 2, 3), rpy=(0, 0, 1))
+    before = world.pose("box")
+    world.move("box")
+    assert np.array_equal(world.pose("box"), before)
+    world.move("box", (4, 5, 6))
+    assert np.array_equal(world.pose("box")[:3, :3], before[:3, :3]) and list(world.pose("box")[:3, 3]) == [4, 5, 6]
+    world.move("box", rpy=(0, 0, 0))
+    assert np.array_equal(world.pose("box"), [[1, 0, 0, 4], [0, 1, 0, 5], [0, 0, 1, 6], [0, 0, 0, 1]])
+
+
 def test_wrong_numbers_of_pairs_and_joints_name_them(robot, world):
     where = ("hand", "post")
     for settings, message in [
@@ -315,3 +336,23 @@ def test_wrong_numbers_of_pairs_and_joints_name_them(robot, world):
         with pytest.raises((TypeError, ValueError)) as error:
             leeway.Problem(robot, world, **settings)
         assert str(error.value).startswith(message), error.value
+
+
+def test_meshes_that_are_not_closed_are_named(robot, tmp_path):
+    world = leeway.World()
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+    given = {"vertices": corners, "triangles": [[0, 1, 2], [0, 1, 3], [1, 2, 3]]}
+    with pytest.warns(UserWarning) as told:
+        for i in range(3):
+            world.add_mesh(f"m{i}", **given, position=(5 * i, 5, 5))
+        world.add("both", [leeway.Shape.mesh(**given), leeway.Shape.sphere(1)], position=(-5, 0, 0))
+    assert [str(w.message).split(" is not closed, it has 3 open edges: ")[0] for w in told] == ["'m0'", "'m1'", "'m2'", "the mesh", "'both'"]
+    problem = leeway.Problem(robot, world, "ready", [0.2, -0.6, 0, -2.05, 0, 1.6, 0])
+    result = leeway.plan(problem)
+    names = "meshes are not closed: " + ", ".join(f"{name} (3 open edges)" for name in ("m0", "m1", "m2", "both"))
+    for warnings in (problem.warnings, result.warnings, leeway.verify(problem, result).warnings, result.problem.warnings):
+        assert [w for w in warnings if "not closed" in w] == [warnings[0]] and warnings[0].startswith(names), warnings
+    problem.save(tmp_path / "open.yaml")
+    loaded = leeway.load(tmp_path / "open.yaml")
+    told = [w for w in leeway.plan(loaded).warnings if "not closed" in w]
+    assert told == list(loaded.warnings) and len(told) == 1 and f"open.yaml: {names}" in told[0]

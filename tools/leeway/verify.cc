@@ -121,7 +121,7 @@ int runVerify(VerifyArguments& arguments) {
   std::function<bool(const planner::Interval&)> is_enough;
   if (!arguments.json)
     is_enough = [](const planner::Interval& clearance) { return figureOf(clearance).has_value(); };
-  std::vector<std::string> warnings = planner::loaderWarnings(problem);
+  std::vector<std::string> warnings = planner::problemWarnings(problem);
   // The proof does not use this scene.
   const std::vector<std::string> of_scene = planner::CompiledScene(problem).warnings();
   warnings.insert(warnings.end(), of_scene.begin(), of_scene.end());

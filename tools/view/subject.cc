@@ -49,7 +49,7 @@ Subject begin(const planner::Problem& problem, const std::string& source) {
   if (!problem.steps.empty())
     subject.first_scene = std::make_shared<const planner::CompiledScene>(first);
   subject.ends = endsOf(problem, first, subject.first_scene, *subject.scene);
-  for (const auto& list : {planner::loaderWarnings(problem), subject.first_scene->warnings()})
+  for (const auto& list : {planner::problemWarnings(problem), subject.first_scene->warnings()})
     for (const std::string& warning : list) subject.warnings.push_back(withoutFolders(warning));
   return subject;
 }

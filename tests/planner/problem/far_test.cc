@@ -134,9 +134,9 @@ TEST(Bounds, HoldForJointsThatAreNotPlanned) {
       "there";
   EXPECT_EQ(beyond.warnings,
             std::vector<std::string>{folder.path("good.yaml") + ":5: joints has " + off});
-  EXPECT_EQ(loaderWarnings(beyond), beyond.warnings);
+  EXPECT_EQ(problemWarnings(beyond), beyond.warnings);
   beyond.warnings.clear();
-  EXPECT_EQ(loaderWarnings(beyond), std::vector<std::string>{"start has " + off});
+  EXPECT_EQ(problemWarnings(beyond), std::vector<std::string>{"start has " + off});
   const std::string bound = ", outside its limits; 3 to 5 is expected, because of bounds.drive";
   expectFault(folder, with("[0]", "joints: {drive: 6}\nbounds: {drive: [3, 5]}\n"), 5,
               "joints has joint 'drive' at 6" + bound);

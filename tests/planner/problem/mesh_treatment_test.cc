@@ -61,6 +61,23 @@ TEST(MeshTreatment, AMeshThatIsNotClosedIsNamedOnce) {
       << open.problem.warnings[0];
 }
 
+TEST(MeshTreatment, AProgramsMeshThatIsNotClosedIsNamed) {
+  const Folder folder;
+  folder.write("cube.obj", kCracked);
+  Problem problem = load(folder, withBall("")).problem;
+  EXPECT_EQ(problemWarnings(problem), problem.warnings);
+  problem.world.objects.push_back(problem.world.objects.front());
+  problem.world.objects.back().name = "cub";  // within another's name
+  ASSERT_EQ(problemWarnings(problem).size(), 2U);
+  EXPECT_TRUE(problemWarnings(problem)[1].starts_with("a mesh is not closed: cub (8 open edges);"))
+      << problemWarnings(problem)[1];
+  problem.warnings.clear();
+  ASSERT_EQ(problemWarnings(problem).size(), 1U);
+  EXPECT_TRUE(problemWarnings(problem)[0].starts_with(
+      "meshes are not closed: cube (8 open edges), cub (8 open edges);"))
+      << problemWarnings(problem)[0];
+}
+
 TEST(MeshTreatment, WeldHullAndSurfaceDecide) {
   const Folder folder;
   folder.write("cube.obj", kCracked);

@@ -429,6 +429,11 @@ struct Problem {
 /// about a microsecond for a small problem.
 void validate(const Problem& problem);
 
+/// Returns the warnings of the loaders of the robot and of the problem, and those about what a
+/// program has added since: meshes that are not closed, joints that are not planned and stand
+/// outside their limits. O(warnings * (variables + open meshes)).
+std::vector<std::string> problemWarnings(const Problem& problem);
+
 struct ProblemOptions {
   /// Options of robots and meshes. `stop` also ends reading of everything else, and `errors`
   /// collects all errors.
