@@ -116,17 +116,22 @@ Pose readPlane(const YamlReader& plane) {
   return *pose;
 }
 
-/// Reads the shapes of one key with their poses. As in MoveIt, without any poses the shapes are at
-/// the object's pose. If only some poses are missing, it is unknown which ones.
+/// Reads the shapes of one key with their poses. As in MoveIt, shapes without a pose, which are the
+/// last ones, are at the object's pose.
 template <class Read>
 void readShapes(const YamlReader& map, const char* key, const char* poses_key, Object& object,
                 std::vector<std::string>& warnings, const Read& read) {
   const auto list = map.find(key), poses = map.find(poses_key);
   const std::size_t count = hasContent(list) ? list->items().size() : 0;
   const std::size_t pose_count = hasContent(poses) ? poses->items().size() : 0;
-  if (pose_count > 0 && pose_count != count)
-    poses->fail(fmt::format("object '{}' has {} {} and {} {}; equally many, or no {}, are expected",
-                            object.name, count, key, pose_count, poses_key, poses_key));
+  if (pose_count > count)
+    poses->fail(fmt::format("object '{}' has {} {} and {} {}; at most one for each is expected",
+                            object.name, count, key, pose_count, poses_key));
+  if (pose_count > 0 && pose_count < count)
+    warnings.push_back(fmt::format(
+        "{}:{}: object '{}' has {} {} and {} {}: the last {} at the object's pose", map.file(),
+        poses->line(), object.name, count, key, pose_count, poses_key,
+        count - pose_count == 1 ? "stands" : fmt::format("{} stand", count - pose_count)));
   if (count > 0 && pose_count == 0 && !map.has("pose"))
     warnings.push_back(fmt::format(
         "{}:{}: object '{}' has neither pose nor {}: it stands at the origin of its frame",
@@ -137,7 +142,7 @@ void readShapes(const YamlReader& map, const char* key, const char* poses_key, O
       pose_count > 0 ? poses->items() : std::vector<YamlReader>();
   for (std::size_t i = 0; i < count; ++i) {
     Pose X_OP;
-    if (!places.empty()) X_OP = readMoveitPose(places[i], "position", "orientation", warnings);
+    if (i < places.size()) X_OP = readMoveitPose(places[i], "position", "orientation", warnings);
     const auto [shape, X_PG] = read(shapes[i]);
     object.geometries.push_back({shape, X_OP * X_PG, object.name});
   }

@@ -12,6 +12,7 @@
 #include "leeway/planner/compiled_scene.h"
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
+#include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
@@ -263,6 +264,52 @@ TEST_F(MoveitImport, FalseInTheMatrixOutweighsTheSrdf) {
   EXPECT_FALSE(isTold(problem));
 }
 
+/// MoveIt checks neighbours, too, unless the matrix allows them: false is enable_collisions.
+TEST_F(MoveitImport, FalseInTheMatrixHasNeighboursChecked) {
+  const auto adjacentOf = [&](const Problem& problem) {
+    std::set<std::set<std::string>> pairs;
+    for (const CompiledScene::Dropped& dropped : CompiledScene(problem).dropped())
+      if (dropped.why == Unchecked::kAdjacent) pairs.insert({dropped.a, dropped.b});
+    return pairs;
+  };
+  const auto matrix = [&](const std::string& flag) {
+    return "\nallowed_collision_matrix:\n  entry_names: [left, left_tip]\n  entry_values: "
+           "[[true, " +
+           flag + "], [" + flag + ", true]]\n" + kObjects;
+  };
+  const std::set<std::string> tip = {"left", "left_tip"};
+  const Problem checked = load(matrix("false"), kRequest);
+  EXPECT_EQ(adjacentOf(checked).count(tip), 0U);
+  EXPECT_TRUE(model_->enabled_pairs.empty()) << "other problems share it";
+  EXPECT_EQ(adjacentOf(checked).size(), 2U) << "those that the matrix does not name stay";
+  EXPECT_EQ(adjacentOf(load(matrix("true"), kRequest)).count(tip), 1U);
+  // The verifier agrees.
+  Path path;
+  for (const int v : checked.robot.variables)
+    path.names.push_back(model_->variables[static_cast<std::size_t>(v)].name);
+  path.positions = {startPoint(checked), goalPoint(checked, checked.goals.at(0))};
+  EXPECT_EQ(toString(verify(checked, path).unchecked),
+            toString(countUnchecked(CompiledScene(checked).dropped())));
+}
+
+/// As in MoveIt, shapes without a pose, the last ones, stand at the object's.
+TEST_F(MoveitImport, ShapesBeyondThePosesStandAtTheObject) {
+  const Problem problem =
+      load(replaced(kScene,
+                    "{position: [20, 0, 0]}, {position: [30, 0, 0], orientation: [0, 0, 0, "
+                    "1]}, {}]",
+                    "{position: [20, 0, 0]}]"),
+           kRequest);
+  const std::vector<collision::Geometry>& shapes = problem.world.objects[1].geometries;
+  ASSERT_EQ(shapes.size(), 3U);
+  EXPECT_EQ(shapes[0].X_BG.translation, Eigen::Vector3d(20, 0, 0));
+  for (const std::size_t i : {1U, 2U})
+    EXPECT_EQ(shapes[i].X_BG.translation, Eigen::Vector3d::Zero());
+  EXPECT_TRUE(warns(problem,
+                    "object 'box' has 3 primitives and 1 primitive_poses: the last 2 stand at the "
+                    "object's pose"));
+}
+
 /// Pairs that the matrix does not hold go by the defaults of their names, both of which must allow.
 TEST_F(MoveitImport, DefaultsOfTheMatrixHoldForPairsWithoutAnEntry) {
   const auto allowedBy = [&](const std::string& matrix) {
@@ -418,9 +465,6 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
   expect(replaced(kScene, "dimensions: [4]", "dimensions: [4e9]"), request,
          "scene.yaml:21: world.collision_objects[1].primitives[1].dimensions: sphere: radius is "
          "4000000000, but must be a number that is not negative and at most 1e+09 [m]");
-  expect(replaced(kScene, ", {}]", "]"), request,
-         "scene.yaml:22: object 'box' has 3 primitives and 2 primitive_poses; equally many, "
-         "or no primitive_poses, are expected");
   expect(replaced(kScene, "id: box", "id: can"), request,
          "scene.yaml:19: object 'can' is the name of another object or link; a name of its own is "
          "expected");
@@ -447,8 +491,8 @@ TEST_F(MoveitImport, WhatWouldChangeTheProblemIsNeverSkipped) {
          "scene.yaml:21: world.collision_objects[1].meshes[0].triangles[0] is a list of 2; three "
          "numbers of vertices are expected");
   expect(replaced(kScene, "id: box\n", "id: box\n      mesh_poses: [{}]\n"), request,
-         "scene.yaml:20: object 'box' has 0 meshes and 1 mesh_poses; equally many, or no "
-         "mesh_poses, are expected");
+         "scene.yaml:20: object 'box' has 0 meshes and 1 mesh_poses; at most one for each is "
+         "expected");
   const auto withPlane = [&](const std::string& coef) {
     return replaced(kScene, "id: box\n",
                     "id: box\n      planes: [{coef: " + coef + "}]\n      plane_poses: [{}]\n");
