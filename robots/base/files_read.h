@@ -2,10 +2,14 @@
 
 // Private to the layers above collision/: which files are read.
 
+#include <compare>
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace leeway::robots {
 
@@ -32,9 +36,22 @@ class FilesRead {
   /// Adds a file to those of this thread; before it is read.
   static void note(const std::string& path);
 
+  /// How a file of a package was found: by this URI in the file `from`. Another one is found where
+  /// packages, or the paths of the environment, change.
+  struct Found {
+    std::string uri, from;
+    std::vector<std::pair<std::string, std::string>> packages;  ///< LoadOptions::packages
+    std::string file;
+    auto operator<=>(const Found&) const = default;
+  };
+  const std::set<Found>& found() const { return found_; }
+  /// Adds a file that was found, before it is read.
+  static void note(const Found& found);
+
  private:
   static thread_local FilesRead* of_thread;
   std::map<std::string, FileStamp> files_;
+  std::set<Found> found_;
 };
 
 }  // namespace leeway::robots

@@ -50,6 +50,11 @@ void FilesRead::note(const std::string& path) {
   if (of_thread != nullptr) of_thread->files_.emplace(path, FileStamp::of(path));
 }
 
+void FilesRead::note(const Found& found) {
+  note(found.file);
+  if (of_thread != nullptr) of_thread->found_.insert(found);
+}
+
 FileStamp FileStamp::of(const std::string& path) {
   std::error_code error;
   const auto changed = std::filesystem::last_write_time(path, error);

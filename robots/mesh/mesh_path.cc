@@ -221,7 +221,8 @@ std::string resolveFile(const std::string& uri, const std::string& what,
       if (warnings != nullptr && !doubt.empty() &&
           std::none_of(warnings->begin(), warnings->end(), is_known))
         warnings->emplace_back(InputError(urdf_path, line, doubt).what());
-      return noted(*search.found());
+      FilesRead::note({uri, urdf_path, options.packages, *search.found()});
+      return *search.found();
     }
     const std::string advice = "; --package " + name + "=FOLDER says where the package is";
     if (search.folders().empty())

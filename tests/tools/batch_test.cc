@@ -104,7 +104,7 @@ TEST_F(Batch, LineIsWhatPlanPrints) {
   json same = withoutTimes(line);
   same.erase("problem");
   EXPECT_EQ(same["files"].size(), 4U) << same["files"];
-  same.erase("files");
+  for (const char* own : {"files", "found"}) same.erase(own);
   same.erase("options");  // a line of plan is no list that goes on
   plan.erase("time_s");
   EXPECT_EQ(same, plan);
@@ -320,7 +320,7 @@ TEST_F(Batch, ResumesAnInterruptedRun) {
 TEST_F(Batch, TheWholeCountsEveryStage) {
   write(
       "lines.json",
-      R"({"problem":"reach.yaml","version":1,"options":{},"files":{},"status":"solved","certificate":)"
+      R"({"problem":"reach.yaml","version":1,"options":{},"files":{},"found":[],"status":"solved","certificate":)"
       R"({"certified":true},"time_s":{"load":9,"compile":0.001,"plan":0.01,"simplify":0.1,)"
       R"("improve":1,"push":0.1,"certify":0.01}})"
       "\n");
@@ -378,6 +378,41 @@ TEST_F(Batch, ResumePlansAgainWhereTheRobotHasChanged) {
   EXPECT_EQ(answer.err.find("kept from the run before"), std::string::npos) << answer.err;
   const Answer again = run("batch reach.yaml empty.yaml --output lines.json --resume");
   EXPECT_NE(again.err.find("2 kept from the run before"), std::string::npos) << again.err;
+}
+
+/// The same URI may lead to another mesh: another package has the name, or is found first.
+TEST_F(Batch, ResumePlansAgainWhereAPackageIsElsewhere) {
+  const std::string facet =
+      "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex .01 0 0\nvertex 0 .01 0\n"
+      "endloop\nendfacet\nendsolid\n";
+  const auto name = [&](const std::string& folder, const std::string& package) {
+    write(folder + "/package.xml", "<package><name>" + package + "</name></package>");
+  };
+  for (const char* folder : {"first", "other"}) write(std::string(folder) + "/m.stl", facet);
+  name("first", "parts");
+  name("other", "else");
+  std::string urdf = kUrdf;
+  const std::size_t box = urdf.find("<box");
+  urdf.replace(box, urdf.find("/>", box) + 2 - box, "<mesh filename=\"package://parts/m.stl\"/>");
+  write("parts.urdf", urdf);
+  std::string text = kReach;
+  write("parts.yaml", text.replace(text.find("arm.urdf"), 8, "parts.urdf"));
+  const auto batch = [&](const std::string& path, const std::string& more) {
+    const Answer answer = shell("ROS_PACKAGE_PATH=" + path + " '" + leeway::commandFile() +
+                                "' batch parts.yaml --output lines.json" + more);
+    EXPECT_NE(answer.status, 2) << answer.err;
+    const bool is_kept = answer.err.find("1 kept from the run before") != std::string::npos;
+    return (is_kept ? "kept " : "") +
+           json::parse(read("lines.json"))["found"][0]["file"].get<std::string>();
+  };
+  EXPECT_EQ(batch("first:other", ""), "first/m.stl");
+  EXPECT_EQ(batch("first:other", " --resume"), "kept first/m.stl");
+  name("first", "else");
+  name("other", "parts");
+  EXPECT_EQ(batch("first:other", " --resume"), "other/m.stl");
+  name("first", "parts");
+  EXPECT_EQ(batch("other:first", " --resume"), "kept other/m.stl");
+  EXPECT_EQ(batch("first:other", " --resume"), "first/m.stl");
 }
 
 /// Options of --robot have no meaning without it, and lines that were made with others are refused.

@@ -145,6 +145,7 @@ void posesForGoals(planner::Problem& problem, const std::string& file) {
 struct Shared {
   std::shared_ptr<const robots::Model> robot;  ///< of --robot; without it, each names its own
   Json robot_files = Json::object();           ///< FileDigests::of() what it was read from
+  Json robot_found = Json::array();            ///< foundJson() of it
   FileDigests digests;
 };
 
@@ -171,6 +172,8 @@ planner::Problem load(const Arguments& arguments, Shared& shared, const BatchIte
   add(problem.warnings);
   outcome.line["files"] = shared.robot_files;
   outcome.line["files"].update(shared.digests.of(files));
+  outcome.line["found"] = shared.robot_found;
+  for (Json& found : foundJson(files)) outcome.line["found"].push_back(std::move(found));
   if (arguments.pose_goals) posesForGoals(problem, item.problem);
   apply(arguments.overrides, problem);
   return planner::placeStart(problem);
@@ -505,6 +508,7 @@ void loadRobot(const Arguments& arguments, WarningLog& warnings, Shared& shared)
   const robots::FilesRead files;
   shared.robot = loadRobotModel(source.robot, source.srdf, source);
   shared.robot_files = shared.digests.of(files);
+  shared.robot_found = foundJson(files);
   warnings.print(shared.robot->warnings);
 }
 

@@ -52,8 +52,9 @@ namespace {
 
 /// Whether the files that a line was made from are still the same.
 bool isCurrent(const Json& document, FileDigests& digests) {
-  const auto files = document.find("files");
+  const auto files = document.find("files"), found = document.find("found");
   if (files == document.end() || !files->is_object()) return false;
+  if (found == document.end() || !digests.areStillFound(*found)) return false;
   for (const auto& [path, digest] : files->items())
     if (digest != digests.of(path)) return false;
   return true;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -11,8 +12,10 @@
 #include <utility>
 
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/model.h"
 #include "robots/base/fnv.h"
 #include "robots/base/read_file.h"
+#include "robots/mesh/mesh_path.h"
 
 namespace leeway::tools {
 
@@ -61,6 +64,42 @@ Json FileDigests::of(const robots::FilesRead& read) {
     digests[path] = std::move(digest);
   }
   return digests;
+}
+
+namespace {
+
+bool isStillFound(const Json& entry) {
+  try {
+    const auto textAt = [&](const char* key) { return entry.at(key).get<std::string>(); };
+    robots::LoadOptions options;
+    entry.at("packages").get_to(options.packages);
+    return robots::resolveFile(textAt("uri"), "file", textAt("from"), 0, options) == textAt("file");
+  } catch (const robots::InputError&) {
+    return false;
+  } catch (const Json::exception&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+bool FileDigests::areStillFound(const Json& found) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return found.is_array() && std::all_of(found.begin(), found.end(), [&](const Json& entry) {
+           const auto [known, is_new] = found_.try_emplace(entry.dump());
+           if (is_new) known->second = isStillFound(entry);
+           return known->second;
+         });
+}
+
+Json foundJson(const robots::FilesRead& read) {
+  Json all = Json::array();
+  for (const robots::FilesRead::Found& found : read.found())
+    all.push_back({{"uri", found.uri},
+                   {"from", found.from},
+                   {"packages", found.packages},
+                   {"file", found.file}});
+  return all;
 }
 
 }  // namespace leeway::tools

@@ -9,7 +9,7 @@
 
 namespace leeway::tools {
 
-/// Digests of the contents of files. Thread-safe.
+/// Digests of the contents of files, and where URIs lead. Thread-safe.
 class FileDigests {
  public:
   /// The digest of a file's bytes in hexadecimal digits (64 bits of FNV-1a: it finds changes, not
@@ -19,6 +19,8 @@ class FileDigests {
   /// Path and digest of each that is a file. Throws InputError for one that was changed since it
   /// was read.
   Json of(const robots::FilesRead& read);
+  /// Whether the files of packages, as foundJson() has them, are still those that are found.
+  bool areStillFound(const Json& found);
 
  private:
   struct Known {
@@ -29,6 +31,10 @@ class FileDigests {
 
   std::mutex mutex_;
   std::map<std::string, Known> known_;
+  std::map<std::string, bool> found_;  ///< by the text of an entry of foundJson()
 };
+
+/// How the files of packages were found.
+Json foundJson(const robots::FilesRead& read);
 
 }  // namespace leeway::tools
