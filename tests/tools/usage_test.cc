@@ -62,6 +62,14 @@ TEST_F(Usage, WrongUseIsStatus2) {
   expectRefused("plan reach.yaml --group arm", {"reach.yaml"});
   expectRefused("plan --robot arm.urdf --srdf arm.srdf --group arm", {"--goal"});
   expectRefused("plan --robot arm.urdf --scene scene.yaml", {"--request"});
+  for (const char* verb : {"plan", "view", "check"})
+    expectRefused(std::string(verb) + " arm.urdf", {"arm.urdf is a robot; --robot arm.urdf with"});
+  expectRefused("plan arm.srdf", {"arm.srdf is an SRDF, which goes after --srdf"});
+  expectRefused("view reach.yaml --output p.svg", {"--svg p.svg writes a picture"});
+  expectRefused("plan reach.yaml --upright lower -z 0.1", {"'-z' is no axis", "here nz"});
+  expectRefused("plan reach.yaml --upright lowr z 0.1", {"did you mean 'lower'?"});
+  expectRefused("guard reach.yaml --waypoints w.csv", {"there is no option '--waypoints'"});
+  EXPECT_EQ(run("guard --help").out.find("--goal-pose"), std::string::npos);
   expectRefused("plan reach.yaml --package nonsense", {"NAME=DIR", "nonsense"});
   expectRefused("plan reach.yaml --package a=/nowhere", {"/nowhere"});
   expectRefused("verify reach.yaml", {"path file"});

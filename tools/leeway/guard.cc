@@ -688,6 +688,8 @@ Verb addGuard(CLI::App& command) {
       "guard",
       "pass on the setpoints of a policy that are proven free, with a proven stop after them");
   addProblemArguments(*app, arguments->source);
+  for (const char* const unused : {"--frame", "--waypoints", "--goal-pose"})
+    app->remove_option(app->get_option(unused));
   addRunLimits(*app, arguments->limits);
   planner::GuardOptions& options = arguments->options;
   app->add_option("--period", options.period, "from one setpoint to the next [s]")

@@ -10,6 +10,7 @@
 #include "leeway/planner/task.h"
 #include "leeway/robots/input_error.h"
 #include "leeway/view/page.h"
+#include "robots/base/read_file.h"
 #include "tools/leeway/support/exit_status.h"
 #include "tools/leeway/support/path_ends.h"
 #include "tools/leeway/support/plan_overrides.h"
@@ -62,6 +63,9 @@ int runView(ViewArguments& arguments) {
     arguments.source.problem = arguments.files.front();
   const bool only_picture = !arguments.svg.empty() && arguments.page.file.empty();
   if (!arguments.svg.empty()) view::expectPicture(arguments.svg);
+  if (!only_picture && robots::endingOf(arguments.page.file) == ".svg")
+    badUsage(fmt::format("--output {0} is a page, .html; --svg {0} writes a picture",
+                         arguments.page.file));
   if (!only_picture) view::expectPage(arguments.page);
   if (!arguments.compare.empty() && only_picture)
     badUsage("--compare shows two paths in a page; --output FILE.html is expected beside --svg");

@@ -65,6 +65,19 @@ std::string unexpectedWord(const CLI::App* verb, const std::vector<std::string>&
   return {};
 }
 
+/// What is wrong where --upright has a minus before its axis, which CLI11 takes for an option; else
+/// empty.
+std::string wrongAxis(const std::vector<std::string>& words) {
+  const auto option = std::find(words.begin(), words.end(), "--upright");
+  if (words.end() - option < 3) return {};
+  const std::string &frame = option[1], &axis = option[2];
+  if (axis != "-x" && axis != "-y" && axis != "-z") return {};
+  return fmt::format(
+      "--upright {} {}: '{}' is no axis; x, y, z, or the opposite nx, ny, nz, is "
+      "expected, here n{}",
+      frame, axis, axis, axis[1]);
+}
+
 /// Prints one line on stderr. With --json, also prints a document with the error as the answer.
 void reportError(const std::string& message, bool json) {
   printMessage(message);
@@ -83,6 +96,7 @@ int reportUsage(const CLI::App& app, const CLI::ParseError& error,
   std::string what = error.what();
   const std::string word = unexpectedWord(verb, words);
   if (words.empty()) what = "a verb is needed, as plan or check";
+  if (const std::string axis = wrongAxis(words); !axis.empty()) what = axis;
   if (!word.empty()) {
     // CLI11 may report what the unknown option has caused: more files than the verb takes.
     what = verb == nullptr ? fmt::format("there is no verb '{}'", word)

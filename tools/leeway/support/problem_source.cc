@@ -373,6 +373,15 @@ planner::Problem readProblem(const ProblemSource& source) {
         "a problem file is needed, or --robot with --start and --goal, or --robot with --scene "
         "and --request");
   }
+  const std::string ending = robots::endingOf(source.problem);
+  if (ending == ".srdf")
+    badUsage(source.problem + " is an SRDF, which goes after --srdf, beside --robot");
+  for (const char* const of_robot : {".urdf", ".xacro", ".sdf", ".xml"})
+    if (ending == of_robot)
+      badUsage(fmt::format(
+          "{0} is a robot; --robot {0} with --start and --goal, or with --scene and --request, is "
+          "expected, or a problem file",
+          source.problem));
   const std::pair<const char*, bool> others[] = {{"--robot", !source.robot.empty()},
                                                  {"--srdf", !source.srdf.empty()},
                                                  {"--joint-limits", !source.joint_limits.empty()},
