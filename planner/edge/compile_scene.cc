@@ -763,7 +763,6 @@ std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
     const std::function<bool(const collision::ScenePair&)>& keep) const {
   auto reduced = variant();
   reduced->pairs_token_ = std::make_shared<const int>();
-  reduced->lacks_pairs_ = true;
   auto model = std::make_shared<EdgeModel>(*edge_model_);
   model->pairs.clear();
   // keep() is called once per pair. If a second call gave another answer, pairs would get the
@@ -771,6 +770,7 @@ std::shared_ptr<const CompiledScene> CompiledScene::withPairs(
   auto next = edge_model_->pairs.begin();
   collision::SceneAccess::keepPairs(reduced->scene_, [&](const collision::ScenePair& pair) {
     const bool is_kept = keep(pair);
+    reduced->lacks_pairs_ = reduced->lacks_pairs_ || !is_kept;
     if (!isOfRobot(pair)) return is_kept;
     if (is_kept) model->pairs.push_back(*next);
     ++next;
@@ -859,13 +859,36 @@ std::string CompiledScene::objectsDifference(const Problem& problem) const {
   return "the scene has other objects";
 }
 
-std::string CompiledScene::differenceFrom(const Problem& problem) const {
-  const auto differs = [](const std::string& what) { return what + " differs"; };
+namespace {
+
+std::string differs(const std::string& what) { return what + " differs"; }
+
+}  // namespace
+
+const Margins& CompiledScene::margins() const { return rules_->margins; }
+
+std::string CompiledScene::robotDifference(const Problem& problem) const {
   if (problem.robot.model != model_) return differs("robot.model");
   if (problem.start.size() != base_configuration_.size()) return differs("the size of start");
   for (const int v : problem.robot.variables)
     if (v < 0 || at(v) >= model_->variables.size()) return differs("robot.variables");
   if (const char* part = edge_model_->robot->differenceFrom(problem)) return differs(part);
+  for (const Constraint& constraint : problem.constraints) {
+    const auto object =
+        std::find_if(problem.world.objects.begin(), problem.world.objects.end(),
+                     [&](const Object& o) { return o.name == constraint.relative_to; });
+    if (object == problem.world.objects.end() || !hasShapes(*object)) continue;
+    const int body = findThing(object->name);
+    if (body < 0 || !isSamePose(object->X_WO, scene_.bodies()[at(body)].X_WB))
+      return fmt::format(
+          "object '{}', which constraint '{}' is relative to, stands elsewhere there", object->name,
+          constraint.name);
+  }
+  return {};
+}
+
+std::string CompiledScene::differenceFrom(const Problem& problem) const {
+  if (std::string difference = robotDifference(problem); !difference.empty()) return difference;
   if (!areSameMargins(rules_->margins, problem.margins)) return differs("margins");
   if (rules_->kept > keptClearance(problem)) return differs("objective, in its clearance,");
   if (!areSameWishes(rules_->margins, problem.margins))
@@ -881,30 +904,34 @@ std::string CompiledScene::differenceFrom(const Problem& problem) const {
   if ((!deforming.empty() || !rules_->moving.empty()) &&
       problem.execution.start != rules_->execution_start)
     return differs("execution.start");
-  for (const Constraint& constraint : problem.constraints) {
-    const auto object =
-        std::find_if(problem.world.objects.begin(), problem.world.objects.end(),
-                     [&](const Object& o) { return o.name == constraint.relative_to; });
-    const int body = findThing(constraint.relative_to);
-    if (object != problem.world.objects.end() && hasShapes(*object) &&
-        (body < 0 || !isSamePose(object->X_WO, scene_.bodies()[at(body)].X_WB)))
-      return fmt::format(
-          "object '{}', which constraint '{}' is relative to, stands elsewhere there", object->name,
-          constraint.name);
-  }
   return objectsDifference(problem);
 }
 
-void CompiledScene::requireProblem(const Problem& problem) const {
-  const std::string difference =
-      lacks_pairs_ ? "it has some of the pairs only (withPairs())" : differenceFrom(problem);
+namespace {
+
+void refuseDifference(const Problem& problem, const std::string& difference) {
   if (!difference.empty())
     throw robots::InputError(
         problem.name, 0,
         fmt::format("the problem is not the one that the scene was compiled from: {}; that problem "
                     "is expected, or a scene compiled from this one",
                     difference));
+}
+
+}  // namespace
+
+void CompiledScene::requireProblem(const Problem& problem) const {
+  refuseDifference(problem, lacks_pairs_ ? "it has some of the pairs only (withPairs())"
+                                         : differenceFrom(problem));
   validate(problem);
+}
+
+void CompiledScene::requireConstraints(const Problem& problem) const {
+  refuseDifference(problem, robotDifference(problem));
+  for (std::size_t i = 0; i < problem.constraints.size(); ++i)
+    if (const auto fault =
+            constraintFault(problem, problem.constraints[i], fmt::format("constraints[{}]", i)))
+      throw robots::InputError(problem.name, 0, fault->message);
 }
 
 void CompiledScene::expand(std::span<const double> point, std::span<double> q) const {

@@ -1,5 +1,6 @@
 #include "leeway/planner/ompl_validity.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -40,11 +41,20 @@ std::unordered_map<int, std::uint64_t> CertifierPool::blocked() const {
 
 void CertifierPool::requireSpace(const ompl::base::SpaceInformationPtr& space_information,
                                  const char* call) const {
-  const auto* space = dynamic_cast<const OmplStateSpace*>(space_information->getStateSpace().get());
-  if (space != nullptr && &space->space() != &scene_->space())
-    throw std::invalid_argument(std::string(call) +
-                                ": the certifiers are of another scene; those of the scene whose "
-                                "space this is are expected");
+  const auto* states =
+      dynamic_cast<const OmplStateSpace*>(space_information->getStateSpace().get());
+  if (states == nullptr) return;
+  const ConfigurationSpace &theirs = states->space(), &ours = scene_->space();
+  bool is_same = &theirs.model() == &ours.model() &&
+                 std::equal(theirs.variables().begin(), theirs.variables().end(),
+                            ours.variables().begin(), ours.variables().end());
+  for (int i = 0; is_same && i < ours.size(); ++i)
+    is_same = theirs.lower(i) == ours.lower(i) && theirs.upper(i) == ours.upper(i);
+  if (!is_same)
+    throw std::invalid_argument(
+        std::string(call) +
+        ": the certifiers are of a scene with another space; those of a scene with this model, "
+        "variables and limits are expected");
 }
 
 namespace {

@@ -268,11 +268,11 @@ void requireResultOf(const Problem& problem, const PlanResult& result) {
     throw std::invalid_argument(
         "the path's columns are not the problem's planned variables, or a number is not finite; a "
         "result of this problem is expected");
-  if (result.certificate.certified && !areSameMargins(result.margins, problem.margins))
+  if (result.certificate.certified && !areSameMargins(result.certificate.margins, problem.margins))
     throw std::invalid_argument(fmt::format(
-        "the result is certified for other margins (PlanResult::margins, {} m) than the problem's "
+        "the result is certified for other margins (Certificate::margins, {} m) than the problem's "
         "({} m); a result of this problem is expected",
-        result.margins.common, problem.margins.common));
+        result.certificate.margins.common, problem.margins.common));
 }
 
 }  // namespace

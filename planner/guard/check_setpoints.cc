@@ -179,7 +179,7 @@ struct Guard::Impl {
     const bool rests = whole > known.rows || (whole == known.rows && between);
     const int row = std::min(whole, known.rows);
     const int to = between && !rests ? row + 1 : row;
-    if (between && to <= known.curved)
+    if (between && !rests && to <= known.curved)
       return beginOnCurve(known.curveTime(periods, options.period));
     for (std::size_t i = 0; i < size; ++i) {
       const double p = known.row(row)[i];
@@ -201,6 +201,8 @@ struct Guard::Impl {
   }
 
   void beginOnCurve(double t) {
+    // Where polynomials begin, velocity may have changed.
+    if (t < options.period) next.since = t;
     for (std::size_t i = 0; i < size; ++i) {
       next.row(0)[i] = placeOn(known.curve, i, t);
       next.velocity[i] = known.curve.at(i, 1, t);
@@ -317,10 +319,13 @@ struct Guard::Impl {
     const double rounding = kGuardDifference * (std::abs(next.row(0)[i]) + 1) / T;
     const double first = next.curve.at(i, 1, 0), bends = next.curve.at(i, 2, 0);
     if (!keeps(MotionLimit::kAcceleration, variable, (first - next.velocity[i]) / dt,
-               options.limits.acceleration[i], rounding * 4 / dt) ||
-        !keeps(MotionLimit::kJerk, variable, (bends - next.acceleration[i]) / dt,
-               options.limits.jerk[i], rounding * 16 / (dt * dt)))
+               options.limits.acceleration[i], rounding * 4 / dt))
       return 0;
+    for (const double jerk :
+         {(first - next.velocity[i]) / (dt * dt), (bends - next.acceleration[i]) / dt})
+      if (!keeps(MotionLimit::kJerk, variable, jerk, options.limits.jerk[i],
+                 rounding * 16 / (dt * dt)))
+        return 0;
     const bool is_circle = isCircle(variable);
     // A circle that turns farther in a period would go the other way.
     const double fastest = is_circle ? kLongestLineTurn / T : kInfinity;

@@ -753,7 +753,7 @@ void allowTouching(Problem& problem, const robots::Stop& stop) {
     problem.contacts.allowed.emplace_back(name_a, name_b);
     names += fmt::format("{}{} and {}", names.empty() ? "" : "; ", name_a, name_b);
   }
-  constexpr const char* kRest = "with all joints at zero, or at the nearest limit";
+  constexpr const char* kRest = "with all joints at zero (MJCF: qpos0), or at the nearest limit";
   problem.warnings.push_back(
       touching.empty()
           ? fmt::format("'auto' allows no pair of links: none touches {}", kRest)

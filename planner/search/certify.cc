@@ -236,6 +236,7 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
                     CertificateDetail detail, double world_guess) {
   const ConfigurationSpace& space = certifier.scene().space();
   Certificate certificate;
+  certificate.margins = certifier.scene().margins();
   certificate.unchecked = countUnchecked(certifier.scene().dropped());
   certificate.clearance = certificate.world.clearance =
       certificate.self.clearance = {kInfinity, kInfinity};
@@ -317,13 +318,13 @@ Certificate certify(EdgeCertifier& certifier, const Path& path, double tolerance
 std::optional<std::vector<ConstraintResult>> proveConstraints(const CompiledScene& scene,
                                                               const Problem& problem,
                                                               const Path& path) {
-  scene.requireProblem(problem);
+  scene.requireConstraints(problem);
   return ConstraintProof(scene, problem).prove(edgesOf(scene.space(), path).path.positions);
 }
 
 std::string brokenConstraint(const CompiledScene& scene, const Problem& problem,
                              std::span<const double> point) {
-  scene.requireProblem(problem);
+  scene.requireConstraints(problem);
   if (point.size() != at(scene.space().size()))
     return fmt::format("the point has {} numbers; {} are expected", point.size(),
                        scene.space().size());

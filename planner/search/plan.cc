@@ -93,7 +93,6 @@ class Plan {
     result_.planner = traits_->name;
     result_.deterministic = traits_->deterministic;
     result_.seed = problem_.seed;
-    result_.margins = problem_.margins;
     result_.warnings = problemWarnings(problem_);
     const std::vector<std::string> warnings = scene_->warnings();
     result_.warnings.insert(result_.warnings.end(), warnings.begin(), warnings.end());

@@ -39,7 +39,6 @@ class TaskPlan {
   PlanResult run() {
     if (problem_.steps.empty()) refuse("there are no steps; at least one is expected");
     result_.seed = problem_.seed;
-    result_.margins = problem_.margins;
     result_.planner = problem_.planner.name;
     result_.warnings = problemWarnings(problem_);
     for (const int v : problem_.robot.variables) {
@@ -433,6 +432,7 @@ class TaskPlan {
     Certificate& whole = result_.certificate;
     whole.clearance = whole.world.clearance = whole.self.clearance = {kInfinity, kInfinity};
     whole.certified = true;
+    whole.margins = problem_.margins;
     std::set<CompiledScene::Dropped> dropped;  // in some step
     result_.warnings.clear();
     Path& path = result_.path;

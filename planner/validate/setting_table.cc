@@ -90,7 +90,7 @@ constexpr Setting kSettings[] = {
      .key = "allowed",
      .help = "Pairs (a, b) that may touch, besides those of the SRDF; names as in `margins`, "
              "except 'world'. 'auto', in their place or among them, is the pairs of links that "
-             "touch with all joints at zero, or at the nearest limit"},
+             "touch with all joints at zero (MJCF: qpos0), or at the nearest limit"},
     {.name = "margin",
      .key = "margin",
      .unit = "m",

@@ -368,7 +368,8 @@ void defineRobot(py::module_& module) {
          });
   define(robot, "poses", "(self, q)",
          "Poses of all links in the world, in the order of `links`: (..., links, 4, 4) for q of "
-         "shape (..., joints) [rad or m; m]. Joints that are not planned are at zero, or at the "
+         "shape (..., joints) [rad or m; m]. Joints that are not planned are at zero (MJCF: "
+         "qpos0), or at the "
          "nearest limit.",
          poses);
   define(robot, "pose", "(self, link, q)",

@@ -94,7 +94,8 @@ TEST_F(GuardVerb, ReadsPolynomials) {
       {R"("polynomials": [[], []], "duration": 0.1)", "a list of 2 lists"},
       {R"("polynomials": [[-1], [0]], "duration": 0.1, "setpoints": [])", "one of them"},
       {R"("polynomials": [[-1], [0]], "duration": 0.11)", "duration is 0.11 s; a whole number"},
-      {R"("polynomials": [[-1], [0]], "duration": 2)", "100 setpoints; at most 64"},
+      {R"("polynomials": [[-1], [0]], "duration": 2)", "duration is 2 s; at most 64 periods"},
+      {R"("polynomials": [[-1], [0]], "duration": 1e300)", "at most 64 periods"},
       {R"("polynomials": [[-0.9], [0]], "duration": 0.1)", "'shoulder' begins at -0.9; -1"},
       {R"("polynomials": [[-1,0,0,0,0,0,0,0,0],[0,0,0,0,0,0,0,0,0]], "duration": 0.1)",
        "9 coefficients; at most 8"}};

@@ -335,9 +335,10 @@ TEST_F(RobotFiles, AutoAllowsWhatTouchesAtRest) {
                 "Too near in nearly all random configurations: hub and base.\nIf they may touch"),
             std::string::npos)
       << refused.out;
-  EXPECT_NE(refused.out.find("They touch with all joints at zero as well: hub and base; rest and "
-                             "base.\nIf they may touch, wherever the joints are: --allowed auto"),
-            std::string::npos)
+  EXPECT_NE(
+      refused.out.find("They touch at rest (zero, or MJCF's qpos0) as well: hub and base; rest and "
+                       "base.\nIf they may touch, wherever the joints are: --allowed auto"),
+      std::string::npos)
       << refused.out;
   const json offending = run(plan + "--json").document()["offending"];
   EXPECT_EQ(offending["pairs"], json::parse(R"([["hub", "base"], ["rest", "base"]])"));
@@ -347,7 +348,8 @@ TEST_F(RobotFiles, AutoAllowsWhatTouchesAtRest) {
       << check.out;
 
   const std::string what =
-      "'auto' allows 2 pairs of links, which touch with all joints at zero, or at the nearest "
+      "'auto' allows 2 pairs of links, which touch with all joints at zero (MJCF: qpos0), or at "
+      "the nearest "
       "limit: base and hub; base and rest";
   const Answer solved = run(plan + "--allowed auto --json --output path.json");
   expectWarned(solved, {"warning: " + what});

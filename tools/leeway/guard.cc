@@ -571,6 +571,10 @@ class Session {
         return fmt::format("polynomials have {} for '{}'; a finite number is expected",
                            line.polynomials[i], reader_.names()[i / terms]);
     const double period = guard_.options().period, periods = line.duration / period;
+    if (periods > most_setpoints_ + 0.5)
+      return fmt::format(
+          "duration is {} s; at most {} periods (--most-setpoints) of {} s are expected",
+          line.duration, most_setpoints_, period);
     if (!(periods >= 0.5) || !(std::abs(periods - std::round(periods)) <= planner::kGuardSameTime))
       return fmt::format("duration is {} s; a whole number of periods of {} s is expected",
                          line.duration, period);
@@ -599,7 +603,7 @@ class Session {
         line.time.value_or(guard_.nextTime()));
     if (!line.polynomials.empty())
       if (const std::string fault = faultOfPolynomials(line); !fault.empty()) message = fault;
-    if (setpoints > static_cast<std::size_t>(most_setpoints_))
+    if (line.polynomials.empty() && setpoints > static_cast<std::size_t>(most_setpoints_))
       message = fmt::format("{} setpoints; at most {} (--most-setpoints) are expected", setpoints,
                             most_setpoints_);
     tellFault(message);

@@ -51,7 +51,8 @@ constexpr std::array kKinds = {
     Kind{"never", "Never", "never touch within the limits of all joints, without margins (proven)",
          false, false},
     Kind{"nearly_always", "Always", "touch nearly always (sampled)", true, true},
-    Kind{"rest", "Default", "touch with all joints at zero, or at the nearest limit", true, true},
+    Kind{"rest", "Default", "touch with all joints at zero (MJCF: qpos0), or at the nearest limit",
+         true, true},
     Kind{"never_sampled", nullptr, "never touched in samples, which proves nothing", true, false},
     Kind{"sometimes", nullptr, "touch in some samples", false, false},
 };

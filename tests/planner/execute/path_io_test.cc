@@ -61,7 +61,7 @@ double signedUnit(std::mt19937_64& random) {
 PlanResult resultOf(const Problem& problem, std::vector<std::vector<double>> rows) {
   PlanResult result;
   result.status = PlanStatus::kSolved;
-  result.margins = problem.margins;
+  result.certificate.margins = problem.margins;
   for (const int v : problem.robot.variables)
     result.path.names.push_back(problem.robot.model->variables[static_cast<std::size_t>(v)].name);
   result.path.positions = std::move(rows);

@@ -579,6 +579,64 @@ TEST(Guard, PolynomialsKeepTheLimitsAtEveryTime) {
   EXPECT_NEAR(answer.value, -2.5, 1e-9);
 }
 
+TEST(Guard, ARobotAtRestIsWhereItIsAtAnyTime) {
+  Problem problem = test::wallProblem();
+  problem.execution.velocities = {{"disc/x", 1}};
+  problem.execution.accelerations = {{"disc/x", 2}};
+  for (const double periods : {0.5, 1.0, 1.5}) {
+    Guard guard(problem);
+    const GuardAnswer& first = guard.check({.time = periods * 0.02});  // without polynomials
+    EXPECT_EQ(first.start[0], -1);
+    EXPECT_EQ(first.start[1], -1);
+  }
+  // From rest to rest: x = -1 + (3 s^2 - 2 s^3) / 20 with s = t / 0.6; then within a period.
+  for (const double periods : {0.5, 0.95, 1.0, 3.3}) {
+    Guard guard(problem);
+    const double T = 0.6;
+    const std::vector<double> there = alongX({-1, 0, 0.15 / (T * T), -0.1 / (T * T * T)});
+    ASSERT_EQ(guard.check({.polynomials = there, .duration = T}).passed, 30);
+    const double end = guard.answer().motion[guard.answer().motion.size() - 3];
+    EXPECT_NEAR(end, -0.95, 1e-6);
+    EXPECT_NEAR(guard.check({.time = T + periods * 0.02}).start[0], -0.95, 1e-6) << periods;
+  }
+}
+
+TEST(Guard, PolynomialsOfOnePeriodDoNotAddUpTheirJumps) {
+  Problem problem = test::wallProblem();
+  problem.execution.velocities = {{"disc/x", 1}};
+  problem.execution.accelerations = {{"disc/x", 2}};
+  // Each begins 20 us after the last one, 0.04 m/s faster: what one period allows.
+  Guard guard(problem);
+  double x = -1;
+  for (int k = 1; k <= 5; ++k) {
+    const double v = 0.04 * k;
+    const GuardAnswer& answer =
+        guard.check({.polynomials = alongX({x, v}), .duration = 0.1, .time = (k - 1) * 2e-5});
+    EXPECT_EQ(answer.passed, k == 1 ? 5 : 0) << k;
+    if (k == 1) {
+      x += v * 2e-5;
+      continue;
+    }
+    EXPECT_EQ(answer.limit, MotionLimit::kAcceleration);
+    break;
+  }
+  // Nor does a setpoint that follows within the period.
+  Guard other(problem);
+  other.check({.polynomials = alongX({-1, 0.04}), .duration = 0.1});
+  const GuardAnswer& mixed =
+      other.check({.setpoints = std::vector<double>{-1 + 0.08 * 0.02, -1, 0}, .time = 2e-5});
+  EXPECT_EQ(mixed.passed, 0);
+  EXPECT_EQ(mixed.limit, MotionLimit::kAcceleration);
+  // A limit on jerk holds for the jump of the velocity where polynomials begin.
+  problem.execution.jerks = {{"disc/x", 10}};
+  Guard smooth(problem);
+  const GuardAnswer& jump = smooth.check({.polynomials = alongX({-1, 0.04}), .duration = 0.1});
+  EXPECT_EQ(jump.passed, 0);
+  EXPECT_EQ(jump.limit, MotionLimit::kJerk);
+  EXPECT_NEAR(jump.value, 100, 1e-6);
+  EXPECT_EQ(smooth.check({.polynomials = alongX({-1, 0, 0.05, 1}), .duration = 0.1}).passed, 5);
+}
+
 TEST(Guard, PolynomialsThatMakeNoSenseStopTheRobot) {
   const Problem problem = test::wallProblem();
   const std::vector<double> good = alongX({-1, 0, 0.1}), setpoints = {-1, -1, 0};

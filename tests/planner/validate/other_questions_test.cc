@@ -10,6 +10,7 @@
 #include "leeway/planner/trajectory.h"
 #include "leeway/planner/verify.h"
 #include "leeway/robots/input_error.h"
+#include "leeway/robots/placed_model.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/folder.h"
 #include "tests/support/small_problems.h"
@@ -58,7 +59,8 @@ TEST(OtherQuestions, ConstraintsAreProvenForTheScenesProblemOnly) {
   const auto scene = sceneOf(problem);
   const std::vector<double> start = startPoint(problem);
   Problem other = problem;
-  other.margins.common += 0.01;
+  other.robot.model =
+      robots::withBasePose(*problem.robot.model, {Eigen::Matrix3d::Identity(), {0, 0, 5}});
   EXPECT_THROW(proveConstraints(*scene, other, {{}, {start}, {}}), robots::InputError);
   EXPECT_THROW(brokenConstraint(*scene, other, start), robots::InputError);
   // An object that a constraint is relative to, and that has moved in the scene.
@@ -117,7 +119,7 @@ TEST(OtherQuestions, FilesSayCertifiedOnlyOfWhatIsInThem) {
   PlanResult bad = result;
   bad.path.positions[1][0] = others[1][0] = std::nan("");
   EXPECT_THROW(Trajectory(space, others, motionLimits(problem)), invalid_argument);
-  problem.margins = result.margins;
+  problem.margins = result.certificate.margins;
   EXPECT_NO_THROW(writePath(folder.path("p.json"), problem, result));
   EXPECT_THROW(writePath(folder.path("p.json"), problem, bad), invalid_argument);
 }
@@ -128,20 +130,27 @@ TEST(OtherQuestions, AScenePartIsNotTheProblem) {
   const auto part = scene->withPairs([](const collision::ScenePair&) { return false; });
   EXPECT_THROW(plan(part, problem), robots::InputError);
   EXPECT_EQ(plan(scene, problem).status, PlanStatus::kSolved);
+  const auto whole = scene->withPairs([](const collision::ScenePair&) { return true; });
+  EXPECT_EQ(plan(whole, problem).status, PlanStatus::kSolved);
 }
 
 TEST(OtherQuestions, OmplsCheckersTakeThePoolOfTheirSpace) {
   const Problem problem = test::wallProblem();
-  Problem empty = problem;
-  empty.world = {};
   const auto scene = sceneOf(problem);
   const auto pool = std::make_shared<CertifierPool>(scene);
-  const auto other = std::make_shared<CertifierPool>(sceneOf(empty));
   const auto information = makeSpaceInformation(scene, 1, pool);
   EXPECT_NO_THROW(OmplMotionValidator(information, pool));
   EXPECT_NO_THROW(OmplValidityChecker(information, pool));
-  EXPECT_THROW(OmplMotionValidator(information, other), invalid_argument);
-  EXPECT_THROW(OmplValidityChecker(information, other), invalid_argument);
+  // Another scene of the same space answers for itself.
+  const auto again = std::make_shared<CertifierPool>(sceneOf(problem));
+  EXPECT_NO_THROW(OmplMotionValidator(information, again));
+  Problem narrower = problem;
+  robots::JointBounds bounds;
+  bounds["disc"]["x"] = {-1.5, 1.5, false, ""};
+  narrower.robot.model = robots::withBounds(*problem.robot.model, bounds);
+  const auto narrow = std::make_shared<CertifierPool>(sceneOf(narrower));
+  EXPECT_THROW(OmplMotionValidator(information, narrow), invalid_argument);
+  EXPECT_THROW(OmplValidityChecker(information, narrow), invalid_argument);
   EXPECT_THROW(OmplMotionValidator(information, nullptr), invalid_argument);
   EXPECT_THROW(OmplValidityChecker(information, nullptr), invalid_argument);
 }

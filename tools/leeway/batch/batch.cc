@@ -641,7 +641,7 @@ Verb addBatch(CLI::App& command) {
   app->add_flag("--verify", arguments->verify,
                 "add the independent verifier's answer to each line");
   app->footer(
-      "A line is what `plan --json` prints, with `problem`, the file's path, before it; Bad input "
+      "A line is what `plan --json` prints, with `problem`, the file's path, before it. Bad input "
       "also gives a line, and the run continues.\n\nExamples:\n  leeway batch problems/shelf "
       "--time 1 --verify --output lines.json\n  leeway batch problems/shelf --time 1 --shard 1/2\n "
       " leeway batch problems/shelf --jobs 2");

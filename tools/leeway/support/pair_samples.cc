@@ -148,7 +148,7 @@ std::string allowHint(const planner::Problem& problem, const std::vector<PairNam
       if ((pair.a == a && pair.b == b) || (pair.a == b && pair.b == a)) at_rest.push_back(pair);
   }
   if (at_rest.empty()) return hint;
-  return hint + "They touch with all joints at zero as well: " + pairsText(at_rest) +
+  return hint + "They touch at rest (zero, or MJCF's qpos0) as well: " + pairsText(at_rest) +
          ".\nIf they may touch, wherever the joints are: --allowed auto, or `allowed: auto` in a "
          "file; `leeway srdf` proposes which pairs need no check.\n";
 }

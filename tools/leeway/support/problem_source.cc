@@ -259,7 +259,8 @@ void addStatesAndMoveitArguments(CLI::App& app, ProblemSource& source) {
       ->type_name("NAME")
       ->needs("--waypoints");
   app.add_option("--allowed", source.allowed,
-                 "auto: links that touch with all joints at zero, or at the nearest limit, may "
+                 "auto: links that touch with all joints at zero (MJCF: qpos0), or at the nearest "
+                 "limit, may "
                  "touch; a warning names them")
       ->check(CLI::IsMember({"auto"}).description(""))
       ->type_name("auto");

@@ -109,6 +109,11 @@ class CompiledScene {
   std::string differenceFrom(const Problem& problem) const;
   /// Throws robots::InputError for a problem that differs, and as validate() does.
   void requireProblem(const Problem& problem) const;
+  /// The same for what the problem's constraints depend on alone: robot, start, held objects, and
+  /// the objects that constraints are relative to. O(joints + constraints * objects).
+  void requireConstraints(const Problem& problem) const;
+  /// Those of the problem.
+  const Margins& margins() const;
 
   /// The reason why no answer of this scene proves anything, in words: no pair is checked, because
   /// no moving body has a shape, or because all pairs with the world are left out. Empty if a pair
@@ -223,6 +228,7 @@ class CompiledScene {
   /// The balls that these bodies still have.
   std::vector<collision::Ball> ballsOf(std::span<const Part> parts) const;
   std::string objectsDifference(const Problem& problem) const;
+  std::string robotDifference(const Problem& problem) const;
   /// Adds objects to a change that removes the given bodies; returns the new bodies by name.
   std::multimap<std::string_view, int> addTo(collision::SceneChange& change,
                                              std::span<const Object> added,

@@ -108,6 +108,7 @@ struct Certificate : PathClearance {
   bool certified = false;                     ///< every edge proven to keep its margins
   std::vector<UncheckedPairs> unchecked;      ///< pairs that it does not cover
   std::vector<ConstraintResult> constraints;  ///< one per constraint, in the problem's order
+  Margins margins;                            ///< of the problem, which the edges keep
   /// "sampled": Problem::condition holds at the sampled states, and is not proven between them.
   /// Empty if the problem has no condition.
   std::string conditions;
@@ -173,7 +174,6 @@ struct PlanResult {
   Interval cost{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   std::vector<WishResult> wishes;  ///< one per wish, in their order; empty unless solved
   Certificate certificate;
-  Margins margins;       ///< those of the problem, which the certificate is for
   StateCheck offending;  ///< for an invalid start or goal: pair, depth, place
   std::string offending_a, offending_b;
   /// The fault in words for an invalid goal of poses without a configuration, a task that failed,

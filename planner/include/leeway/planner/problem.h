@@ -472,10 +472,10 @@ std::shared_ptr<const robots::Model> withJointLimits(const robots::Model& model,
                                                      const std::string& yaml_path,
                                                      const robots::LoadOptions& options = {});
 
-/// Allows the pairs of links that are proven to touch with all joints at zero, or at the nearest
-/// limit (robots::touchingAtRest()). They include all pairs that touch everywhere. A warning of the
-/// problem names them. Throws robots::InputError for a robot that is missing or lacks its meshes,
-/// and robots::Stopped. One distance query per pair of geometries.
+/// Allows the pairs of links that are proven to touch with all joints at rest, or at the nearest
+/// limit (robots::touchingAtRest(), Variable::rest). They include all pairs that touch everywhere.
+/// A warning of the problem names them. Throws robots::InputError for a robot that is missing or
+/// lacks its meshes, and robots::Stopped. One distance query per pair of geometries.
 void allowTouching(Problem& problem, const robots::Stop& stop = {});
 
 /// Returns a problem without obstacles, from group states or from values of the planned variables
