@@ -191,7 +191,15 @@ State check(const Scene& self, const py::object& state, double tolerance) {
 }
 
 Scene withObjectAt(const Scene& self, const std::string& name, const py::object& place) {
-  const collision::Pose X_WO = givenPose(place, "pose");
+  collision::Pose X_WO = givenPose(place, "pose");
+  if (realArray(place, "pose").size() == 3) {  // a position: it stays turned as it is
+    const auto before = self.moved.find(name);
+    if (before != self.moved.end())
+      X_WO.rotation = before->second.rotation;
+    else
+      for (const planner::Object& object : self.problem->world.objects)
+        if (object.name == name) X_WO.rotation = object.X_WO.rotation;
+  }
   Scene moved(self.problem, released([&] { return self.compiled->withObjectAt(name, X_WO); }));
   moved.moved = self.moved;
   moved.renewed = self.renewed;
@@ -416,7 +424,8 @@ void defineScene(py::module_& module) {
          "certified nowhere then.",
          certify);
   define(scene, "with_object_at", "(self, name, pose)",
-         "The scene with an object of its world at another pose, at the cost of the change: "
+         "The scene with an object of its world at another pose (a position alone leaves it turned "
+         "as it is), at the cost of the change: "
          "thousands of moves cost as much each. Move an object of the last result, or always of "
          "the first scene.",
          withObjectAt);

@@ -534,6 +534,27 @@ std::vector<std::string> objectNames(const planner::World& world) {
   return all;
 }
 
+collision::Pose seenPose(const planner::World& world, const std::string& name, py::handle given,
+                         double time, std::set<std::string>& turned) {
+  const collision::Pose X_WO = givenPose(given, "pose");
+  const auto isTurned = [](const collision::Pose& pose_of) {
+    return pose_of.rotation != Eigen::Matrix3d::Identity();
+  };
+  if (isTurned(X_WO)) turned.insert(name);
+  if (realArray(given, "pose").size() != 3) return X_WO;
+  bool was_turned = turned.count(name) > 0;
+  for (const Object& object : world.objects)
+    if (object.name == name)
+      was_turned = was_turned ||
+                   isTurned(object.motion && object.motion->poses ? object.motion->poses->pose(time)
+                                                                  : object.X_WO);
+  if (was_turned)
+    throw py::value_error("pose is a position alone, and '" + name +
+                          "' was turned; a position and quaternion (7,) or a matrix (4, 4) is "
+                          "expected");
+  return X_WO;
+}
+
 bool World::has(const std::string& name) const { return hasObject(value, name); }
 
 planner::World& World::change() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,12 @@ struct World {
 
 bool hasObject(const planner::World& world, const std::string& name);
 std::vector<std::string> objectNames(const planner::World& world);
+
+/// The pose of a rigid object that was seen at `time` [s]. Throws ValueError for None, and for a
+/// position alone of an object that was turned before: by its motion, or seen so, as `turned` says,
+/// which this keeps up.
+collision::Pose seenPose(const planner::World& world, const std::string& name, py::handle given,
+                         double time, std::set<std::string>& turned);
 
 /// The balls around points (n, 3), of any strides; those that are NaN are dropped. `radius`: a
 /// number, or one a point. Perhaps without a ball.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "python/base/busy.h"
 #include "python/base/define.h"
@@ -24,6 +26,7 @@ struct Guarding {
   Problem problem;
   std::unique_ptr<planner::Guard> guard;
   bool busy = false;
+  std::set<std::string> turned = {};  ///< objects, see seenPose()
 
   std::size_t size() const { return problem.size(); }
 };
@@ -147,12 +150,13 @@ const char* setPoseOf(Guarding& self, const std::string& object, const py::objec
                       const py::object& time, const py::object& bound,
                       const py::object& turn_bound) {
   const Busy busy(self.busy, kBusyGuard);
+  const double when = timeOf(time), speed = speedBoundOf(bound);
   collision::Pose X_WO;
   if (areFinite(given))
-    X_WO = givenPose(given, "pose");
+    X_WO =
+        seenPose(self.problem->world, object, given, std::isfinite(when) ? when : 0, self.turned);
   else
     X_WO.translation.setConstant(std::numeric_limits<double>::quiet_NaN());
-  const double when = timeOf(time), speed = speedBoundOf(bound);
   const double turning = speedBoundOf(turn_bound, "turn_bound");
   return planner::toString(
       released([&] { return self.guard->setPose(object, X_WO, when, speed, turning); }));
@@ -285,13 +289,13 @@ void defineGuard(py::module_& module) {
          "than `speed_bound` [m/s] from then on. Returns 'taken', 'jumped', 'invalid' or 'late'. "
          "Counts from the next look() on.",
          setVerticesOf);
-  define(
-      guard, "set_pose", "(self, name, pose, time, speed_bound=None, turn_bound=None)",
-      "The pose of an object with a motion (World.set_motion()) as seen at `time` [s]: x y z, or "
-      "with a quaternion x y z w behind it, or (4, 4). From then on its origin is not faster than "
-      "`speed_bound` [m/s], and it turns by at most `turn_bound` [rad/s]. The rest as for "
-      "set_vertices().",
-      setPoseOf);
+  define(guard, "set_pose", "(self, name, pose, time, speed_bound=None, turn_bound=None)",
+         "The pose of an object with a motion (World.set_motion()) as seen at `time` [s]: x y z of "
+         "one that is not turned, or with a quaternion x y z w behind it, or (4, 4). From then on "
+         "its origin is not faster than "
+         "`speed_bound` [m/s], and it turns by at most `turn_bound` [rad/s]. The rest as for "
+         "set_vertices().",
+         setPoseOf);
   define(guard, "set_cloud",
          std::string("(self, name, points, radius, time, speed_bound=None, *, ") + kCloudSignature,
          std::string(kCloudDoc) +

@@ -1,6 +1,8 @@
 #include "leeway/planner/replanner.h"
 
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "python/base/busy.h"
 #include "python/base/define.h"
@@ -27,6 +29,7 @@ struct Execution {
   Interrupt* interrupt = nullptr;  ///< of the step that runs
   std::unique_ptr<planner::Replanner> replanner;
   bool busy = false;
+  std::set<std::string> turned = {};  ///< objects, see seenPose()
 
   std::size_t size() const { return problem.size(); }
 };
@@ -100,9 +103,9 @@ void setVertices(Execution& self, const std::string& object, const py::object& v
 void setPose(Execution& self, const std::string& object, const py::object& given,
              const py::object& time, const py::object& bound, const py::object& turn_bound) {
   const Busy busy(self.busy, kBusyReplanner);
-  const collision::Pose X_WO = givenPose(given, "pose");
   const double speed = speedBoundOf(bound), turning = speedBoundOf(turn_bound, "turn_bound");
   const double when = time.is_none() ? self.replanner->time() : number(time, "time");
+  const collision::Pose X_WO = seenPose(self.problem->world, object, given, when, self.turned);
   released([&] { self.replanner->setPose(object, X_WO, when, speed, turning); });
 }
 
@@ -316,7 +319,8 @@ void defineReplanner(py::module_& module) {
   define(
       execution, "set_pose", "(self, name, pose, time=None, speed_bound=None, turn_bound=None)",
       "The pose of an object with a motion (World.set_motion()) as seen at `time` (default: now) "
-      "[s]: x y z, or with a quaternion x y z w behind it, or (4, 4). From then on its origin is "
+      "[s]: x y z of one that is not turned, or with a quaternion x y z w behind it, or (4, 4). "
+      "From then on its origin is "
       "not faster than `speed_bound` [m/s], and it turns by at most `turn_bound` [rad/s]. "
       "Replaces its motion for good.",
       setPose);

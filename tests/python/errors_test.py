@@ -321,6 +321,29 @@ def test_moving_keeps_what_is_not_given():
     assert np.array_equal(world.pose("box"), [[1, 0, 0, 4], [0, 1, 0, 5], [0, 0, 1, 6], [0, 0, 0, 1]])
 
 
+def test_a_position_alone_leaves_what_is_turned_turned(robot):
+    world = leeway.World()
+    world.add_box("box", size=(0.1, 0.2, 0.3), position=(2, 0, 1), rpy=(0, 0, 1))
+    world.add_sphere("ball", 0.1, position=(2, 1, 1))
+    turned = world.pose("box")[:3, :3]
+    scene = leeway.Scene(robot, world, "ready").with_object_at("box", (2, 0, 2))
+    assert np.array_equal(scene.problem.world.pose("box")[:3, :3], turned)
+    assert np.array_equal(scene.with_object_at("box", (2, 0, 2, 0, 0, 0, 1)).with_object_at("box", (2, 0, 1)).problem.world.pose("box")[:3, :3], np.eye(3))
+    for name in ("box", "ball"):
+        world.set_motion(name, speed_bound=0.1, turn_bound=0)
+    problem = leeway.Problem(robot, world, "ready", "ready")
+    for seen in (leeway.Replanner(problem), leeway.Guard(problem)):
+        seen.set_pose("ball", (2, 1, 1), 0.0)
+        seen.set_pose("box", world.pose("box"), 0.0)
+        seen.set_pose("ball", (2, 1, 1, 0, 0, 1, 0), 0.0)
+        for name in ("box", "ball"):
+            with pytest.raises(ValueError, match=f"pose is a position alone, and '{name}' was turned; a position and quaternion"):
+                seen.set_pose(name, (2, 1, 1), 0.0)
+    assert leeway.Guard(problem).set_pose("ball", None, 0.0) == "invalid"  # as what is not finite
+    with pytest.raises(ValueError, match="pose is None"):
+        leeway.Replanner(problem).set_pose("ball", None)
+
+
 def test_wrong_numbers_of_pairs_and_joints_name_them(robot, world):
     where = ("hand", "post")
     for settings, message in [
