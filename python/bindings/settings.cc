@@ -647,7 +647,9 @@ bool isHeldElsewhere(PyObject* value) {
       if (isHeldElsewhere(PyTuple_GET_ITEM(value, i))) return true;
     return false;
   }
-  if (isFixed(py::reinterpret_borrow<py::object>(value))) return false;
+  const py::handle object = value;
+  if (!py::isinstance<World>(object) && isFixed(py::reinterpret_borrow<py::object>(object)))
+    return false;
   if (Py_REFCNT(value) > 1) return true;  // also one that holds itself
   if (PyList_Check(value)) {
     for (Py_ssize_t i = 0; i < PyList_GET_SIZE(value); ++i)

@@ -118,7 +118,7 @@ void withObject(AnyWorld& world, const std::string& name, const Use& use) {
 /// run code in Python that changes the world.
 struct MotionGiven {
   std::optional<std::vector<collision::PoseMotion::Key>> keys;
-  bool is_steady = false;
+  bool is_steady = false, are_positions = false;  // some pose is a position alone
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero(), turning = Eigen::Vector3d::Zero();
   std::optional<double> time;
 
@@ -150,6 +150,7 @@ struct MotionGiven {
     for (const py::handle each : py::reinterpret_borrow<py::object>(poses)) {
       if (keys->size() == at.values.size()) break;
       keys->push_back({at.values[keys->size()], givenPose(each, "poses")});
+      are_positions = are_positions || realArray(each, "poses").size() == 3;
     }
     if (keys->size() != at.values.size() || py::len(poses) != keys->size())
       throw py::value_error("times and poses differ in number; a pose for each time is expected");
@@ -189,6 +190,10 @@ void setMotion(World& world, const std::string& name, const py::object& times,
     if (!world.has(name)) unknown(name);
     throw py::value_error("'" + name + "' deforms; a rigid object is expected");
   }
+  if (given.are_positions && found->X_WO.rotation != Eigen::Matrix3d::Identity())
+    throw py::value_error("poses has a position alone, and '" + name +
+                          "' is turned; positions and quaternions (7,) or matrices (4, 4) are "
+                          "expected");
   motion.poses = given.posesOf(*found, begin);
   const Object moving = planner::movingObject(*found, motion, begin);
   for (Object& object : world.change().objects)

@@ -329,6 +329,9 @@ def test_a_position_alone_leaves_what_is_turned_turned(robot):
     scene = leeway.Scene(robot, world, "ready").with_object_at("box", (2, 0, 2))
     assert np.array_equal(scene.problem.world.pose("box")[:3, :3], turned)
     assert np.array_equal(scene.with_object_at("box", (2, 0, 2, 0, 0, 0, 1)).with_object_at("box", (2, 0, 1)).problem.world.pose("box")[:3, :3], np.eye(3))
+    with pytest.raises(ValueError, match="poses has a position alone, and 'box' is turned"):
+        world.set_motion("box", times=[0, 1], poses=[(2, 0, 1), (2, 1, 1)])
+    world.copy().set_motion("ball", times=[0, 1], poses=[(2, 0, 1), (2, 1, 1)])
     for name in ("box", "ball"):
         world.set_motion(name, speed_bound=0.1, turn_bound=0)
     problem = leeway.Problem(robot, world, "ready", "ready")

@@ -559,3 +559,15 @@ def test_a_value_replaces_the_changes_of_the_one_before(robot):
     old[0] = 0.4
     with pytest.raises(ValueError, match="'goals' was changed after another"):
         leeway.plan(problem)
+
+
+def test_a_world_that_was_replaced_is_watched_as_well(robot):
+    problem = good(robot)
+    old = problem.world
+    problem.world = leeway.World()
+    for _ in range(130):
+        problem.goals = ["upright"]
+        assert problem.goals
+    old.add_sphere("late", 0.1, position=(3, 0, 0))
+    with pytest.raises(ValueError, match="'world' was changed after another"):
+        leeway.plan(problem)

@@ -114,6 +114,8 @@ TEST_F(GuardVerb, NeedsNoGoal) {
   write("no_goal.yaml", text);
   EXPECT_EQ(run("plan no_goal.yaml").status, 2);
   EXPECT_EQ(guard("no_goal.yaml", "-1,0\n").document()["passed"], 1);
+  EXPECT_EQ(run("info no_goal.yaml").status, 0);
+  EXPECT_EQ(run("fk no_goal.yaml --json").status, 0);
 }
 
 TEST_F(GuardVerb, ReadsRowsOfNumbers) {
