@@ -46,7 +46,7 @@ collision::Geometry geometryOf(py::handle item, const std::string& name) {
   if (py::isinstance<py::tuple>(item) && py::len(item) == 2) {
     const auto pair = py::reinterpret_borrow<py::tuple>(item);
     if (py::isinstance<Shape>(pair[0]))
-      return {pair[0].cast<Shape>(), pose(pair[1], "the shape's pose"), name};
+      return {pair[0].cast<Shape>(), givenPose(pair[1], "the shape's pose"), name};
   }
   throw py::type_error(std::string("shapes hold a ") + Py_TYPE(item.ptr())->tp_name +
                        "; a Shape or a pair (Shape, pose) is expected");

@@ -35,10 +35,26 @@ TaskStep made(const py::object& name, decltype(planner::Step::action) action) {
   return step;
 }
 
+/// A copy of lists in each other, dicts and arrays: what a program changes later is not the step's.
+py::object ownCopy(const py::object& value) {
+  if (py::isinstance<py::array>(value)) return value.attr("copy")();
+  if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) {
+    py::list items;
+    for (const py::handle item : value)
+      items.append(ownCopy(py::reinterpret_borrow<py::object>(item)));
+    return py::isinstance<py::tuple>(value) ? py::object(py::tuple(items)) : py::object(items);
+  }
+  if (!py::isinstance<py::dict>(value)) return value;
+  py::dict entries;
+  for (const auto& [key, item] : py::reinterpret_borrow<py::dict>(value))
+    entries[key] = ownCopy(py::reinterpret_borrow<py::object>(item));
+  return entries;
+}
+
 TaskStep moveStep(const py::object& goal, const py::object& name, const py::object& allowed) {
   TaskStep step = made(name, planner::MoveStep());
-  step.goal = goal;
-  step.allowed = allowed;
+  step.goal = ownCopy(goal);
+  step.allowed = ownCopy(allowed);
   return step;
 }
 
@@ -97,7 +113,7 @@ TaskStep lineStep(const std::string& frame, const py::object& by, const py::obje
   if (!(line.speed > 0))
     throw py::value_error("speed is " + text(line.speed) + "; a number above 0 is expected [m/s]");
   TaskStep step = made(name, std::move(line));
-  step.allowed = allowed;
+  step.allowed = ownCopy(allowed);
   return step;
 }
 

@@ -45,11 +45,18 @@ void requireNew(const World& world, const std::string& name) {
                           "expected");
 }
 
+/// Where something is added.
+collision::Pose placeOf(const py::object& position, const py::object& orientation,
+                        const py::object& rpy) {
+  if (position.is_none()) throw py::value_error("position is None; a position (3,) is expected");
+  return pose(position, orientation, rpy);
+}
+
 void add(World& world, const std::string& name, std::vector<collision::Geometry> geometries,
          const py::object& position, const py::object& orientation, const py::object& rpy,
          const py::object& color) {
   requireNew(world, name);
-  const collision::Pose X_WO = pose(position, orientation, rpy);
+  const collision::Pose X_WO = placeOf(position, orientation, rpy);
   const auto painted = colorOf(color);
   warnIfOpen(geometries, "'" + name + "'");
   requireNew(world, name);  // what a warning calls may have added one
@@ -190,7 +197,12 @@ void setMotion(World& world, const std::string& name, const py::object& times,
     if (!world.has(name)) unknown(name);
     throw py::value_error("'" + name + "' deforms; a rigid object is expected");
   }
-  if (given.are_positions && found->X_WO.rotation != Eigen::Matrix3d::Identity())
+  const auto isTurned = [](const collision::Pose& X_WO) {
+    return X_WO.rotation != Eigen::Matrix3d::Identity();
+  };
+  if (given.are_positions &&
+      (isTurned(found->X_WO) || std::any_of(given.keys->begin(), given.keys->end(),
+                                            [&](const auto& key) { return isTurned(key.X_WB); })))
     throw py::value_error("poses has a position alone, and '" + name +
                           "' is turned; positions and quaternions (7,) or matrices (4, 4) are "
                           "expected");
@@ -359,7 +371,7 @@ void addDeforming(World& world, const std::string& name, const py::object& verti
                   const py::object& strategy, const py::object& position,
                   const py::object& orientation, const py::object& rpy, const py::object& color) {
   requireNew(world, name);
-  const collision::Pose X_WO = pose(position, orientation, rpy);
+  const collision::Pose X_WO = placeOf(position, orientation, rpy);
   const auto mesh = deformableMesh(vertices, faces);
   const auto moves = motionOf(motion);
   const double speed_bound = speedBoundOf(bound);

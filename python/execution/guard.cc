@@ -176,13 +176,14 @@ const char* setCloudOf(Guarding& self, const std::string& object, const py::obje
   const py::object sure = is_sensible ? given_pose : py::none();
   const py::object names = is_sensible ? carve : py::tuple();
   const py::object margin = is_sensible ? carve_margin : py::float_(0.0);
-  CloudGiven seen =
-      cloudGiven(*problem, {points, radius, sure, thin, most_balls, names, margin}, place);
+  const double when = timeOf(time);
+  CloudGiven seen = cloudGiven(*problem, {points, radius, sure, thin, most_balls, names, margin},
+                               place, object, std::isfinite(when) ? when : 0, self.turned);
   if (!is_sensible) {
     seen.X_WO.emplace();
     seen.X_WO->translation.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
-  const double when = timeOf(time), speed = speedBoundOf(bound);
+  const double speed = speedBoundOf(bound);
   return planner::toString(
       released([&] { return self.guard->setCloud(object, seen.cloud, when, speed, seen.X_WO); }));
 }

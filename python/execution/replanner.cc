@@ -117,10 +117,11 @@ void setCloud(Execution& self, const std::string& object, const py::object& poin
   std::vector<double> place(self.replanner->state().begin(), self.replanner->state().end());
   if (!state.is_none()) place = numbers(state, "state", self.size());
   const std::shared_ptr<const planner::Problem> problem = self.problem.value();
-  const CloudGiven seen = cloudGiven(
-      *problem, {points, radius, given_pose, thin, most_balls, carve, carve_margin}, place);
-  const double speed_bound = speedBoundOf(bound);
   const double when = time.is_none() ? self.replanner->time() : number(time, "time");
+  const CloudGiven seen =
+      cloudGiven(*problem, {points, radius, given_pose, thin, most_balls, carve, carve_margin},
+                 place, object, when, self.turned);
+  const double speed_bound = speedBoundOf(bound);
   released([&] { self.replanner->setCloud(object, seen.cloud, when, speed_bound, seen.X_WO); });
 }
 

@@ -12,9 +12,10 @@
 namespace leeway::python {
 
 CloudGiven cloudGiven(const planner::Problem& problem, const CloudArguments& of,
-                      std::span<const double> state) {
+                      std::span<const double> state, const std::string& object, double time,
+                      std::set<std::string>& turned) {
   CloudGiven given;
-  if (!of.pose.is_none()) given.X_WO = pose(of.pose, "pose");
+  if (!of.pose.is_none()) given.X_WO = seenPose(problem.world, object, of.pose, time, turned);
   planner::ScanFilters filters;
   if (std::vector<std::string> names = namesOf(of.carve, "carve"); !names.empty())
     filters.carve = std::move(names);

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 
@@ -32,7 +33,9 @@ struct CloudGiven {
   std::shared_ptr<const planner::PointCloud> cloud;
   std::optional<collision::Pose> X_WO;
 };
+/// The rest as for seenPose().
 CloudGiven cloudGiven(const planner::Problem& problem, const CloudArguments& of,
-                      std::span<const double> state);
+                      std::span<const double> state, const std::string& object, double time,
+                      std::set<std::string>& turned);
 
 }  // namespace leeway::python

@@ -244,7 +244,11 @@ std::string resolveFile(const std::string& uri, const std::string& what,
   std::string tried;
   for (const std::string& spelling : spellings(in_file ? *in_file : uri)) {
     const path place = (urdf_folder / spelling).lexically_normal();  // unless it is absolute
-    if (std::filesystem::is_regular_file(place, error)) return noted(place.string());
+    if (std::filesystem::is_regular_file(place, error)) {
+      if (uri.find('%') != std::string::npos)  // another spelling may come first later
+        FilesRead::note({uri, urdf_path, options.packages, place.string()});
+      return noted(place.string());
+    }
     tried += (tried.empty() ? "" : ", ") + place.string();
   }
   fail("was not found, looked for " + tried + "; the path of a " + what +

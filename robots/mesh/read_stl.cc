@@ -60,8 +60,11 @@ class TextStl {
   /// Skips the name of a solid, to the end of its line. A facet there would be lost.
   void skipName() {
     Words name(words_.restOfLine(), words_.line());
-    while (!(word_ = name.next()).empty())
-      if (isWord(word_, "vertex")) fail("a new line after the name of a solid");
+    bool is_facet = false;
+    while (!(word_ = name.next()).empty()) {
+      if (is_facet && isWord(word_, "vertex")) fail("a new line after the name of a solid");
+      is_facet = is_facet || isWord(word_, "facet") || isWord(word_, "loop");
+    }
   }
 
   /// Reads from after `facet` to `endfacet`. The text for the normal is ignored, because it may be

@@ -32,13 +32,24 @@ std::string expandCommand(const std::string& path, const std::string& kind) {
   return "xacro " + path + " > " + target.string();
 }
 
+/// Whether an element is XInclude's, by its prefix or its namespace.
+bool isInclusion(const XMLElement& element) {
+  const std::string_view name = element.Name();
+  if (name == "xi:include") return true;
+  if (name != "include" && !name.ends_with(":include")) return false;
+  const std::string_view prefix = name.substr(0, name.size() - std::strlen("include"));
+  const std::string key =
+      prefix.empty() ? "xmlns" : "xmlns:" + std::string(prefix.substr(0, prefix.size() - 1));
+  for (const tinyxml2::XMLNode* at = &element; at != nullptr; at = at->Parent())
+    if (const XMLElement* open = at->ToElement())
+      if (const char* space = open->Attribute(key.c_str()))
+        return std::strstr(space, "XInclude") != nullptr;
+  return false;
+}
+
 /// The first element that stands for others: a macro of xacro, or an inclusion (XInclude).
 const XMLElement* findPlaceholder(const XMLElement& element) {
-  const std::string_view name = element.Name();
-  const char* const space = element.Attribute("xmlns");
-  if (isXacroMacro(element) || name.ends_with(":include") ||
-      (name == "include" && space != nullptr && std::strstr(space, "XInclude") != nullptr))
-    return &element;
+  if (isXacroMacro(element) || isInclusion(element)) return &element;
   for (const XMLElement* child = element.FirstChildElement(); child != nullptr;
        child = child->NextSiblingElement())
     if (const XMLElement* found = findPlaceholder(*child)) return found;

@@ -331,6 +331,15 @@ def test_a_position_alone_leaves_what_is_turned_turned(robot):
     assert np.array_equal(scene.with_object_at("box", (2, 0, 2, 0, 0, 0, 1)).with_object_at("box", (2, 0, 1)).problem.world.pose("box")[:3, :3], np.eye(3))
     with pytest.raises(ValueError, match="poses has a position alone, and 'box' is turned"):
         world.set_motion("box", times=[0, 1], poses=[(2, 0, 1), (2, 1, 1)])
+    with pytest.raises(ValueError, match="poses has a position alone, and 'ball' is turned"):
+        world.set_motion("ball", times=[0, 1], poses=[(2, 0, 1, 0, 0, 0.6, 0.8), (2, 1, 1)])
+    with pytest.raises(ValueError, match="position is None"):
+        leeway.World().add_sphere("s", 0.1, position=None)
+    goal = [0.1] * 7
+    problem = leeway.Problem(robot, leeway.World(), "ready", steps=[leeway.TaskStep.move(goal)])
+    goal[0] = 99  # beyond the limits
+    problem.steps.append(leeway.TaskStep.move("ready"))
+    assert len(problem.copy().steps) == 2
     world.copy().set_motion("ball", times=[0, 1], poses=[(2, 0, 1), (2, 1, 1)])
     for name in ("box", "ball"):
         world.set_motion(name, speed_bound=0.1, turn_bound=0)
@@ -345,6 +354,17 @@ def test_a_position_alone_leaves_what_is_turned_turned(robot):
     assert leeway.Guard(problem).set_pose("ball", None, 0.0) == "invalid"  # as what is not finite
     with pytest.raises(ValueError, match="pose is None"):
         leeway.Replanner(problem).set_pose("ball", None)
+    points = np.array([[2.0, 2, 1]])
+    for rpy, is_turned in (((0, 0, 1), True), ((0, 0, 0), False)):
+        around = leeway.World()
+        around.add_cloud("scan", points, radius=0.01, position=(0, 0, 0.5), rpy=rpy)
+        around.set_motion("scan", speed_bound=0.1)
+        guard = leeway.Guard(robot, around, "ready")
+        if is_turned:
+            with pytest.raises(ValueError, match="pose is a position alone, and 'scan' was turned"):
+                guard.set_cloud("scan", points, 0.01, time=0.1, speed_bound=0.1, pose=(0, 0, 0.5))
+        else:
+            assert guard.set_cloud("scan", points, 0.01, time=0.1, speed_bound=0.1, pose=(0, 0, 0.5)) == "taken"
 
 
 def test_wrong_numbers_of_pairs_and_joints_name_them(robot, world):

@@ -67,6 +67,7 @@ int runFk(const FkArguments& arguments) {
 
 Verb addFk(CLI::App& command) {
   auto arguments = std::make_shared<FkArguments>();
+  arguments->source.needs_goal = false;  // a guard's file has none
   CLI::App* app = command.add_subcommand("fk", "where the links are at given joint values");
   app->add_option("file", arguments->file, "URDF (or MJCF, SDF), SRDF or problem file")
       ->type_name("FILE")

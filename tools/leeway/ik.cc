@@ -314,6 +314,7 @@ int runIk(const IkArguments& arguments) {
 
 Verb addIk(CLI::App& command) {
   auto arguments = std::make_shared<IkArguments>();
+  arguments->source.needs_goal = false;  // a guard's file has none
   CLI::App* app = command.add_subcommand(
       "ik", "joint values that bring a link to a pose, with their clearance, or a proof of none");
   app->add_option("file", arguments->file, "URDF (or MJCF, SDF), SRDF or problem file")

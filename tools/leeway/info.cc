@@ -69,6 +69,7 @@ int runInfo(const InfoArguments& arguments) {
 
 Verb addInfo(CLI::App& command) {
   auto arguments = std::make_shared<InfoArguments>();
+  arguments->source.needs_goal = false;  // a guard's file has none
   CLI::App* app = command.add_subcommand(
       "info", "list what a URDF, SRDF or problem contains, and which pairs are checked");
   app->add_option("file", arguments->file, "URDF (or MJCF, SDF), SRDF or problem file")

@@ -69,6 +69,16 @@ TEST(ReadStl, FacetsOnTheLineOfANameAreRefused) {
   expectRefused(readStl, {"solid a " + line + "\n" + kFacet + "endsolid a\n", ":1", {accepted}});
 }
 
+TEST(ReadStl, NamesMayHoldWordsOfTheFormat) {
+  for (const char* name : {"vertex", "exported from 3 vertex groups", "Vertex Tools 2.1 facet"})
+    EXPECT_EQ(
+        readAs(readStl, "solid " + std::string(name) + "\n" + kFacet + "endsolid " + name + "\n")
+            .meshes[0]
+            .faces.size(),
+        1U)
+        << name;
+}
+
 TEST(ReadStl, SeveralSolidsAndPolygons) {
   const MeshContents contents = readAs(
       readStl, "solid a\n" + kFacet + kFacet + "endsolid a\n\nsolid b\nendsolid b\nsolid c\n" +

@@ -110,7 +110,6 @@ planner::Problem loadFile(const std::string& file, FileKind kind, ProblemSource 
   }
   source.problem = file;
   source.tell_again = true;
-  source.needs_goal = false;  // that of a guard has none
   return loadProblem(source);
 }
 
