@@ -160,7 +160,7 @@ class MotionWriter {
   }
 
   std::string operator()(const collision::CacheMotion& motion) const {
-    const auto isSingle = [](double x) { return double{static_cast<float>(x)} == x; };
+    const auto isSingle = [](double x) { return static_cast<double>(static_cast<float>(x)) == x; };
     MapText text;
     if (std::all_of(motion.times.begin(), motion.times.end(), isSingle) &&
         std::all_of(motion.positions.begin(), motion.positions.end(), [&](const auto& p) {
