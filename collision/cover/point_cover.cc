@@ -76,7 +76,7 @@ class VertexChoice {
   struct Far {
     double distance;
     std::size_t vertex;
-    /// Of vertices as far, the first one counts as farthest.
+    /// Among equally far vertices, the first one counts as the farthest.
     bool operator<(const Far& other) const {
       return distance != other.distance ? distance < other.distance : vertex > other.vertex;
     }

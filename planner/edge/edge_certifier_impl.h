@@ -83,7 +83,7 @@ struct EdgeCertifier::Impl {
 
   // The question; by default, of certify(), that all pairs keep their margins.
 
-  /// While it lives, another question is asked.
+  /// Sets the question for its lifetime; after it, the question is the default one.
   class Asking;
   double leastMargin() const { return frames.edges().leastMargin(asked.pairs); }
   /// How far above its margin any pair's separation must be at most [m].

@@ -295,7 +295,7 @@ struct Guard::Impl {
     next.curve_begin = 0;
     next.curved = 0;
     double until = count * T;
-    for (std::size_t i = 0; i < size && until > 0; ++i) until = keepsLimits(i, until);
+    for (std::size_t i = 0; i < size && until > 0; ++i) until = keepsLimitsUntil(i, until);
     next.curved = until < count * T ? static_cast<int>(until / T) : count;
     for (int k = 1; k <= next.curved; ++k)
       for (std::size_t i = 0; i < size; ++i) next.row(k)[i] = placeOn(next.curve, i, k * T);
@@ -313,7 +313,7 @@ struct Guard::Impl {
   }
 
   /// The time in [0, `until`] up to which the polynomial of a variable keeps its limits.
-  double keepsLimits(std::size_t i, double until) {
+  double keepsLimitsUntil(std::size_t i, double until) {
     const auto variable = static_cast<int>(i);
     const double T = options.period, dt = next.timeTo(1, T);
     const double rounding = kGuardDifference * (std::abs(next.row(0)[i]) + 1) / T;

@@ -68,7 +68,7 @@ struct SetpointMotion {
     if (k <= curved) return curve.at(i, 2, curveTime(k, period));
     return (velocityTo(k, i, period) - velocityTo(k - 1, i, period)) / timeTo(k, period);
   }
-  /// The time of the polynomials so many periods after the start.
+  /// The time of the polynomials [s] after a number of periods from the start.
   double curveTime(double periods, double period) const { return curve_begin + periods * period; }
   /// The time in which the velocity before row k - 1 becomes that after it.
   double timeTo(int k, double period) const { return k == 1 && since > 0 ? since : period; }

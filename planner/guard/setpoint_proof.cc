@@ -74,7 +74,7 @@ int SetpointProof::untilIn(EdgeCertifier& certifier, const SetpointMotion& motio
   const int reached = rows_.until(certifier, row, from, to, all, bend_);
   if (reached == to) return to;
   const EdgeCheck& check = rows_.failed();
-  // What is near a polynomial is not free, but the polynomial may be.
+  // The straight line with its bend is not free; the polynomial beside it may be.
   failure_ = {check.verdict == Verdict::kNotFree && !(bend_ > 0) ? GuardReason::kNotFree
               : isSpent()                                        ? GuardReason::kWork
                                                                  : GuardReason::kNotCertified,

@@ -465,7 +465,7 @@ void readPairMargin(const YamlReader& entry, const KnownNames& known, Problem& p
 
 /// Reads `auto` in `allowed`.
 void readAuto(const YamlReader& word, const robots::Stop& stop, Problem& problem) {
-  // Without meshes nothing can be checked.
+  // A robot without its meshes is never checked, so no pair has to be allowed.
   if (!problem.robot.model->lacks_meshes) allowTouching(problem, stop);
   std::string& warning = problem.warnings.back();
   warning = fmt::format("{}:{}: {}", word.file(), word.line(), warning);

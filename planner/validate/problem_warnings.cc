@@ -1,4 +1,4 @@
-// What is odd about a problem, whether it was loaded or made by a program.
+// Warnings about a problem, whether it was loaded or made by a program.
 
 #include <algorithm>
 

@@ -120,7 +120,7 @@ class PackageSearch {
   }
 
   const std::optional<std::string>& found() const { return found_; }
-  /// What is said if two folders are the package; else empty.
+  /// The warning if two folders are the package; empty otherwise.
   const std::string& doubt() const { return doubt_; }
   /// Folders of the package in which the file is missing.
   const std::vector<path>& folders() const { return folders_; }

@@ -335,11 +335,6 @@ def test_a_position_alone_leaves_what_is_turned_turned(robot):
         world.set_motion("ball", times=[0, 1], poses=[(2, 0, 1, 0, 0, 0.6, 0.8), (2, 1, 1)])
     with pytest.raises(ValueError, match="position is None"):
         leeway.World().add_sphere("s", 0.1, position=None)
-    goal = [0.1] * 7
-    problem = leeway.Problem(robot, leeway.World(), "ready", steps=[leeway.TaskStep.move(goal)])
-    goal[0] = 99  # beyond the limits
-    problem.steps.append(leeway.TaskStep.move("ready"))
-    assert len(problem.copy().steps) == 2
     world.copy().set_motion("ball", times=[0, 1], poses=[(2, 0, 1), (2, 1, 1)])
     for name in ("box", "ball"):
         world.set_motion(name, speed_bound=0.1, turn_bound=0)
@@ -402,3 +397,16 @@ def test_meshes_that_are_not_closed_are_named(robot, tmp_path):
     loaded = leeway.load(tmp_path / "open.yaml")
     told = [w for w in leeway.plan(loaded).warnings if "not closed" in w]
     assert told == list(loaded.warnings) and len(told) == 1 and f"open.yaml: {names}" in told[0]
+
+
+def test_a_step_keeps_the_goal_that_it_was_made_with(robot):
+    ready = robot.state("ready")
+    goal = ready + (0.1, 0, 0, 0, 0, 0, 0)
+    given = list(goal)
+    problem = leeway.Problem(robot, leeway.World(), "ready", steps=[leeway.TaskStep.move("ready")])
+    problem.steps.append(leeway.TaskStep.move(given))
+    problem.copy()  # reads the steps
+    given[0] += 0.2
+    problem.steps.append(leeway.TaskStep.move("ready"))
+    path = leeway.plan(problem).path
+    assert np.abs(path - goal).max(axis=1).min() == 0 and np.abs(path[:, 0] - ready[0]).max() == pytest.approx(0.1)

@@ -560,7 +560,7 @@ class Session {
     return periods >= 0 && periods <= 1e9 ? static_cast<std::size_t>(std::round(periods)) : 0;
   }
 
-  /// What is wrong with polynomials that the guard refused; empty: nothing.
+  /// Returns the fault of polynomials that the guard refused; empty: none.
   std::string faultOfPolynomials(const Line& line) const {
     const std::size_t n = reader_.names().size(), terms = line.polynomials.size() / n;
     if (terms > static_cast<std::size_t>(planner::GuardRequest::kMostTerms))

@@ -480,7 +480,7 @@ TEST(Guard, PolynomialsPassAsFarAsThereIsRoomToStop) {
   const double last = answer.motion[3 * (static_cast<std::size_t>(answer.passed) - 1)];
   EXPECT_GT(last, -0.34);
   EXPECT_LT(last, -0.30);
-  // What comes too late goes on where the polynomial does.
+  // A later call finds the robot on the polynomial.
   const GuardAnswer& bad =
       guard.check({.setpoints = std::vector<double>{kNan}, .time = answer.time + 5 * 0.02});
   EXPECT_EQ(bad.reason, GuardReason::kInvalid);
@@ -620,7 +620,7 @@ TEST(Guard, PolynomialsOfOnePeriodDoNotAddUpTheirJumps) {
     EXPECT_EQ(answer.limit, MotionLimit::kAcceleration);
     break;
   }
-  // Nor does a setpoint that follows within the period.
+  // A setpoint that follows within the period does not pass, either.
   Guard other(problem);
   other.check({.polynomials = alongX({-1, 0.04}), .duration = 0.1});
   const GuardAnswer& mixed =

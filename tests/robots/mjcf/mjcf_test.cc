@@ -211,7 +211,7 @@ TEST(Mjcf, JointsRestWhereTheFileHasThem) {
     const double rest = robot->defaultConfiguration()[static_cast<std::size_t>(v)];
     EXPECT_EQ(value, name.starts_with("cube/") ? rest : 0) << name;
   }
-  // A floor in <worldbody> is a part of the robot, which is told.
+  // A floor in <worldbody> is a part of the robot, and a warning says so.
   const auto said = [](const Model& model, const char* words) {
     return std::any_of(model.warnings.begin(), model.warnings.end(),
                        [&](const std::string& w) { return w.find(words) != std::string::npos; });
