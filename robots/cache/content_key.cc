@@ -1,6 +1,9 @@
 #include "robots/cache/content_key.h"
 
-#include <openssl/evp.h>
+// The EVP functions of OpenSSL 3.0 crash where memory ends as they are first called. These neither
+// allocate nor fail.
+#define OPENSSL_SUPPRESS_DEPRECATED
+#include <openssl/sha.h>
 
 #include <Eigen/Core>
 #include <array>
@@ -25,17 +28,11 @@ bool isUsualArithmetic() {
 }  // namespace
 
 struct ContentKey::Digest {
-  EVP_MD_CTX* context = EVP_MD_CTX_new();
-  bool ok = context != nullptr && isUsualArithmetic() &&
-            EVP_DigestInit_ex(context, EVP_sha256(), nullptr) == 1;
+  SHA256_CTX context{};
+  bool ok = isUsualArithmetic();
 
-  Digest() = default;
-  Digest(const Digest&) = delete;
-  Digest& operator=(const Digest&) = delete;
-  ~Digest() { EVP_MD_CTX_free(context); }
-  void add(const void* data, std::size_t size) {
-    ok = ok && EVP_DigestUpdate(context, data, size) == 1;
-  }
+  Digest() { SHA256_Init(&context); }
+  void add(const void* data, std::size_t size) { SHA256_Update(&context, data, size); }
 };
 
 ContentKey::ContentKey(std::string_view kind) : digest_(std::make_unique<Digest>()) {
@@ -65,15 +62,15 @@ void ContentKey::add(std::span<const std::byte> bytes) {
 }
 
 std::string ContentKey::finish() {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> result{};
-  unsigned size = 0;
-  if (!digest_->ok || EVP_DigestFinal_ex(digest_->context, result.data(), &size) != 1) return {};
+  if (!digest_->ok) return {};
   digest_->ok = false;
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> result{};
+  SHA256_Final(result.data(), &digest_->context);
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string text;
-  for (unsigned i = 0; i < size; ++i) {
-    text += kDigits[result[i] >> 4U];
-    text += kDigits[result[i] & 15U];
+  for (const unsigned char byte : result) {
+    text += kDigits[byte >> 4U];
+    text += kDigits[byte & 15U];
   }
   return text;
 }

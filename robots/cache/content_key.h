@@ -25,8 +25,8 @@ class ContentKey {
   void add(std::string_view text) { add(std::as_bytes(std::span(text.data(), text.size()))); }
   void add(double number) { add(std::as_bytes(std::span(&number, 1))); }
 
-  /// The digest in 64 hexadecimal digits; nothing can be added to it then. Empty where the machine
-  /// has no SHA-256, or the program rounds in another way than to the nearest.
+  /// The digest in 64 hexadecimal digits; nothing can be added to it then. Empty where the program
+  /// rounds in another way than to the nearest.
   std::string finish();
 
  private:
