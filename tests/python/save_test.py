@@ -65,7 +65,6 @@ def test_files_stay_the_same_in_another_working_folder(tmp_path, monkeypatch):
     problem = leeway.load("problems/shelf/reach.yaml", cache=False)
     monkeypatch.chdir(tmp_path)
     again(problem, tmp_path)
-    leeway.plan(problem).view(tmp_path / "page.html", visual=True)
 
 
 def test_what_files_cannot_say_is_refused(robot, tmp_path):

@@ -26,6 +26,13 @@ def page(tmp_path, short):
     return file
 
 
+def test_a_page_from_another_working_folder(page, monkeypatch):
+    problem = leeway.load("problems/shelf/reach.yaml", cache=False)
+    monkeypatch.chdir(page.parent)
+    leeway.plan(problem).view(page, visual=True)
+    assert "leeway-data" in page.read_text()
+
+
 def test_a_result_as_a_page_without_network(page):
     text = page.read_text()
     assert text.startswith("<!doctype html>") and "default-src 'none'" in text
