@@ -7,6 +7,7 @@
 #include "collision/base/numbers.h"
 #include "leeway/robots/input_error.h"
 #include "planner/compiled/robot_pairs.h"
+#include "robots/model/same_robot.h"
 
 namespace leeway::planner {
 namespace {
@@ -25,19 +26,10 @@ std::vector<VariableRange> plannedRanges(const Problem& problem) {
 
 // Comparison of the members that preparing reads.
 
-bool isSame(const collision::Shape& x, const collision::Shape& y) {
-  return x.type() == y.type() && x.radius() == y.radius() && x.halfLength() == y.halfLength() &&
-         x.halfExtents() == y.halfExtents() && x.hull() == y.hull() && x.mesh() == y.mesh() &&
-         x.deformable() == y.deformable();
-}
-
-bool isSame(const robots::Geometry& x, const robots::Geometry& y) {
-  return x.name == y.name && isSame(x.shape, y.shape) && isSamePose(x.X_BG, y.X_BG);
-}
-
 bool isSame(const Attachment& x, const Attachment& y) {
   return x.object.name == y.object.name && x.link == y.link && x.touch_links == y.touch_links &&
-         isSamePose(x.X_LO, y.X_LO) && areSameShapes(x.object.geometries, y.object.geometries);
+         robots::isSamePose(x.X_LO, y.X_LO) &&
+         robots::areSameGeometries(x.object.geometries, y.object.geometries);
 }
 
 std::vector<std::string> namesOf(const Contacts& contacts) {
@@ -53,22 +45,13 @@ std::vector<std::string> namesOf(const Contacts& contacts) {
 
 }  // namespace
 
-bool isSamePose(const robots::Pose& x, const robots::Pose& y) {
-  return x.rotation == y.rotation && x.translation == y.translation;
-}
-
-bool areSameShapes(std::span<const robots::Geometry> x, std::span<const robots::Geometry> y) {
-  return std::equal(x.begin(), x.end(), y.begin(), y.end(),
-                    [](const auto& g, const auto& h) { return isSame(g, h); });
-}
-
 PreparedRobot::PreparedRobot(const Problem& problem, std::vector<VariableRange> ranges,
                              const ConfigurationSpace& space, const robots::Stop& stop)
-    : variables_(problem.robot.variables),
+    : robot_(*problem.robot.model),
+      variables_(problem.robot.variables),
       ranges_(std::move(ranges)),
       attachments_(problem.robot.attachments),
       contacts_(problem.contacts),
-      has_srdf_(problem.robot.model->has_srdf),
       allowed_names_(namesOf(problem.contacts)) {
   RobotPairs pairs(problem, ranges_, stop);
   try {
@@ -97,7 +80,7 @@ const char* PreparedRobot::differenceFrom(const Problem& problem,
     return x.lower == y.lower && x.upper == y.upper;
   };
   const auto &of_mine = attachments_, &of_other = problem.robot.attachments;
-  if (has_srdf_ != problem.robot.model->has_srdf) return "robot.model";
+  if (!robots::isSameRobot(robot_, *problem.robot.model)) return "robot.model";
   if (variables_ != problem.robot.variables) return "robot.variables";
   if (!std::equal(ranges_.begin(), ranges_.end(), ranges.begin(), ranges.end(), isSameRange))
     return "start, in a variable that is not planned,";

@@ -18,11 +18,6 @@
 
 namespace leeway::planner {
 
-/// Whether poses and shapes are equal, bit by bit. Shapes that do not share their vertices are not
-/// equal.
-bool isSamePose(const robots::Pose& x, const robots::Pose& y);
-bool areSameShapes(std::span<const robots::Geometry> x, std::span<const robots::Geometry> y);
-
 /// A robot with its held objects, ready for any world: its bodies and their bounds, the pairs among
 /// them, motions and their bounds. It is kept with the model (robots::Model::prepared). So all
 /// problems share it that plan the same variables with the same values of the others, and the same
@@ -76,11 +71,11 @@ class PreparedRobot final : public robots::PreparedStore::Entry {
                              std::span<const robots::VariableRange> ranges) const;
 
   // The data that it was prepared from.
+  robots::RobotDescription robot_;
   std::vector<int> variables_;
   std::vector<robots::VariableRange> ranges_;
   std::vector<Attachment> attachments_;
   Contacts contacts_;
-  bool has_srdf_;
 
   std::vector<std::string> allowed_names_;  // sorted
   collision::Scene scene_;

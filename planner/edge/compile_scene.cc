@@ -27,6 +27,7 @@
 #include "planner/edge/edge_lanes.h"
 #include "planner/edge/why_undecided.h"
 #include "planner/validate/checks.h"
+#include "robots/model/same_robot.h"
 
 namespace leeway::planner {
 namespace {
@@ -788,8 +789,8 @@ std::string differenceOf(const Object& object, const collision::Body& body,
                          const robots::Pose& X_WB, bool moves,
                          std::span<const collision::Ball> known) {
   if (moves != (object.motion != nullptr)) return moves ? "moves" : "stands still";
-  if (!isSamePose(object.X_WO, X_WB)) return "stands elsewhere";
-  if (!areSameShapes(object.geometries, body.geometries)) return "has another shape";
+  if (!robots::isSamePose(object.X_WO, X_WB)) return "stands elsewhere";
+  if (!robots::areSameGeometries(object.geometries, body.geometries)) return "has another shape";
   const std::span<const collision::Ball> balls =
       object.cloud ? object.cloud->balls : std::span<const collision::Ball>();
   const bool is_same = balls.data() == known.data() ||
@@ -879,7 +880,7 @@ std::string CompiledScene::robotDifference(const Problem& problem) const {
                      [&](const Object& o) { return o.name == constraint.relative_to; });
     if (object == problem.world.objects.end() || !hasShapes(*object)) continue;
     const int body = findThing(object->name);
-    if (body < 0 || !isSamePose(object->X_WO, scene_.bodies()[at(body)].X_WB))
+    if (body < 0 || !robots::isSamePose(object->X_WO, scene_.bodies()[at(body)].X_WB))
       return fmt::format(
           "object '{}', which constraint '{}' is relative to, stands elsewhere there", object->name,
           constraint.name);
@@ -898,7 +899,8 @@ std::string CompiledScene::differenceFrom(const Problem& problem) const {
   for (std::size_t i = 0; i < deforming.size(); ++i) {
     const Object &mine = rules_->deforming[i].object, &other = deforming[i].object;
     if (mine.name != other.name || rules_->deforming[i].mesh != deforming[i].mesh ||
-        !isSamePose(mine.X_WO, other.X_WO) || !areSameShapes(mine.geometries, other.geometries))
+        !robots::isSamePose(mine.X_WO, other.X_WO) ||
+        !robots::areSameGeometries(mine.geometries, other.geometries))
       return differs("world.deforming, at '" + other.name + "',");
   }
   if ((!deforming.empty() || !rules_->moving.empty()) &&

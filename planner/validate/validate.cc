@@ -16,6 +16,7 @@
 #include "planner/base/did_you_mean.h"
 #include "planner/base/tolerances.h"
 #include "planner/validate/checks.h"
+#include "robots/model/same_robot.h"
 
 namespace leeway::planner {
 namespace {
@@ -230,6 +231,10 @@ void checkSteps(const Problem& problem) {
 void checkRobot(const Problem& problem) {
   if (!problem.robot.model)
     refuse(problem, "robot.model is missing; one of loadModel() or freeBody() is expected");
+  if (!robots::hasStepsOfItsJoints(*problem.robot.model))
+    refuse(problem,
+           "robot.model has joints that have changed since it was made; "
+           "Model(RobotDescription) of the changed robot is expected");
   checkVariables(problem);
   require(problem, startFault(problem));
   checkCarried(problem);

@@ -6,6 +6,7 @@
 #include "collision/base/sine_cosine.h"
 #include "leeway/robots/model.h"
 #include "robots/base/tolerances.h"
+#include "robots/model/same_robot.h"
 
 namespace leeway::robots {
 namespace {
@@ -48,6 +49,17 @@ double LinkGap::over(const Range& angles, const Range& others) const {
     least = std::min(least, cell_gap);
   }
   return static_cast<double>(least);
+}
+
+void Model::keepGaps(std::vector<LinkGap> gaps) {
+  link_gaps_ = std::move(gaps);
+  gaps_of_ = std::make_shared<const RobotDescription>(*this);
+}
+
+const std::vector<LinkGap>& Model::linkGaps() const {
+  static const std::vector<LinkGap> none;
+  const bool holds = gaps_of_ != nullptr && areSameBodies(*this, *gaps_of_);
+  return holds ? link_gaps_ : none;
 }
 
 }  // namespace leeway::robots

@@ -26,29 +26,6 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& a) {
   return result;
 }
 
-bool isSameShape(const collision::Shape& a, const collision::Shape& b) {
-  return a.type() == b.type() && a.radius() == b.radius() && a.halfLength() == b.halfLength() &&
-         a.halfExtents() == b.halfExtents() && a.hull() == b.hull() && a.mesh() == b.mesh() &&
-         a.deformable() == b.deformable();
-}
-
-bool isSamePose(const Pose& a, const Pose& b) {
-  return a.rotation == b.rotation && a.translation == b.translation;
-}
-
-bool isSameJoint(const Joint& a, const Joint& b) {
-  return a.type == b.type && a.parent_link == b.parent_link && a.child_link == b.child_link &&
-         isSamePose(a.X_PJ, b.X_PJ) && a.axis == b.axis && a.mimic == b.mimic &&
-         a.multiplier == b.multiplier && a.offset == b.offset;
-}
-
-bool hasSameGeometries(const Link& a, const Link& b) {
-  return std::equal(a.geometries.begin(), a.geometries.end(), b.geometries.begin(),
-                    b.geometries.end(), [](const Geometry& x, const Geometry& y) {
-                      return isSamePose(x.X_BG, y.X_BG) && isSameShape(x.shape, y.shape);
-                    });
-}
-
 KinematicStep compile(const RobotDescription& robot, const Joint& joint) {
   KinematicStep step;
   step.type = joint.type;
@@ -178,21 +155,6 @@ std::vector<double> Model::defaultConfiguration() const {
 std::vector<double> Model::fileConfiguration() const {
   return restWithin(
       *this, [](const Variable& v) { return v.file_limits.value_or(std::pair(v.lower, v.upper)); });
-}
-
-void Model::keepGaps(std::vector<LinkGap> gaps) {
-  link_gaps_ = std::move(gaps);
-  gaps_of_ = std::make_shared<const RobotDescription>(*this);
-}
-
-const std::vector<LinkGap>& Model::linkGaps() const {
-  static const std::vector<LinkGap> none;
-  const bool holds = gaps_of_ != nullptr &&
-                     std::equal(joints.begin(), joints.end(), gaps_of_->joints.begin(),
-                                gaps_of_->joints.end(), isSameJoint) &&
-                     std::equal(links.begin(), links.end(), gaps_of_->links.begin(),
-                                gaps_of_->links.end(), hasSameGeometries);
-  return holds ? link_gaps_ : none;
 }
 
 }  // namespace leeway::robots

@@ -124,6 +124,34 @@ TEST(OtherQuestions, FilesSayCertifiedOnlyOfWhatIsInThem) {
   EXPECT_THROW(writePath(folder.path("p.json"), problem, bad), invalid_argument);
 }
 
+// A model is made of its description. What a program changes in it afterwards is prepared again, or
+// refused where the model keeps more than the description.
+TEST(OtherQuestions, AModelThatChangesIsNotTheOneBefore) {
+  Problem problem = test::wallProblem();
+  const auto model = std::make_shared<robots::Model>(*problem.robot.model);
+  problem.robot.model = model;
+  const PlanResult before = plan(problem);
+  ASSERT_EQ(before.status, PlanStatus::kSolved);
+  const auto scene = sceneOf(problem);
+  for (robots::Link& link : model->links)
+    for (robots::Geometry& geometry : link.geometries) geometry.X_BG.translation.y() += 0.1;
+  const Problem fresh = [&] {
+    Problem copy = problem;
+    copy.robot.model = std::make_shared<robots::Model>(*model);
+    return copy;
+  }();
+  EXPECT_THROW(plan(scene, problem), robots::InputError);
+  const PlanResult after = plan(problem), alone = plan(fresh);
+  EXPECT_EQ(after.path.positions, alone.path.positions);
+  EXPECT_NE(after.path.positions, before.path.positions);
+  EXPECT_EQ(after.certificate.clearance.lower, alone.certificate.clearance.lower);
+  model->joints.back().X_PJ.translation.x() += 0.1;
+  EXPECT_THROW(plan(problem), robots::InputError);
+  EXPECT_THROW(verify(problem, before.path), robots::InputError);
+  *model = robots::Model(robots::RobotDescription(*model));
+  EXPECT_NO_THROW(plan(problem));
+}
+
 TEST(OtherQuestions, AScenePartIsNotTheProblem) {
   const Problem problem = test::wallProblem();
   const auto scene = sceneOf(problem);
