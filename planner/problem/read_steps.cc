@@ -99,7 +99,9 @@ std::vector<Waypoint> readPoseColumns(const std::string& file, std::vector<std::
   const CloudSource source(file, robots::readTextFile(file, "a file of poses"), never);
   std::optional<PoseColumns> columns;
   std::vector<Waypoint> poses;
+  std::size_t last = 0;
   eachRow(source, [&](const ColumnRow& row) {
+    last = row.line;
     if (!columns) {
       columns = poseColumns(source, row);
       if (!robots::parseNumber(row.cells[0]).has_value()) return;
@@ -135,6 +137,8 @@ std::vector<Waypoint> readPoseColumns(const std::string& file, std::vector<std::
     poses.push_back(pose);
   });
   if (poses.empty()) throw robots::InputError(file, 0, "has no pose; at least one is expected");
+  if (!robots::lastLineEnds(source.text()))
+    warnings.push_back(fmt::format("{}:{}: {}", file, last, robots::kLastLineOpen));
   return poses;
 }
 

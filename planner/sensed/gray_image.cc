@@ -204,6 +204,10 @@ class PgmFile {
       source_.fail(place(), fmt::format("{} stands after the last of {} x {} pixels; the end is "
                                         "expected",
                                         robots::shown(word), image.width, image.height));
+    if (const char last = source_.text().back(); last >= '0' && last <= '9')
+      source_.fail(place(),
+                   "the file ends within its last number, which may have lost digits; a line end "
+                   "behind it is expected");
   }
 
   void readBytes(GrayImage& image) {

@@ -142,9 +142,9 @@ HeightField loadHeightField(const std::string& path, const HeightFile& file,
                     ending));
   const CloudSource source = readSource(path, "a height field", stop);
   const double scale = file.scale.value_or(1);
-  std::size_t missing = 0;
+  std::size_t missing = 0, last = 0;
   eachRow(source, [&](const ColumnRow& row) {
-    const CloudPlace place{row.line, 0};
+    const CloudPlace place{last = row.line, 0};
     field.columns = row.cells.size();
     ++field.rows;
     for (const std::string_view cell : row.cells) {
@@ -162,6 +162,8 @@ HeightField loadHeightField(const std::string& path, const HeightFile& file,
   });
   if (field.rows == 0)
     throw robots::InputError(path, 0, "holds no height; rows of numbers are expected");
+  if (!robots::lastLineEnds(source.text()))
+    warnings.push_back(fmt::format("{}:{}: {}", path, last, robots::kLastLineOpen));
   if (missing > 0)
     warnings.push_back(
         fmt::format("{}: {} heights are missing and taken as {} m", path, missing, *file.missing));

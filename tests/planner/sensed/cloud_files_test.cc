@@ -94,7 +94,7 @@ std::string ply(const std::string& format, const std::string& count = "3") {
          "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
 }
 
-std::string plyRecords(bool big_endian) {
+std::string plyRecords(bool big_endian, bool has_face = true) {
   std::string bytes("\x02", 1);
   append<std::int32_t>(bytes, 1, big_endian);
   append<std::int32_t>(bytes, 2, big_endian);
@@ -105,7 +105,9 @@ std::string plyRecords(bool big_endian) {
     append(bytes, p[1], big_endian);
     append(bytes, static_cast<float>(p[2]), big_endian);
   }
-  return bytes;  // of the face nothing is needed
+  if (has_face) bytes += '\x03';
+  for (std::int32_t corner = 0; has_face && corner < 3; ++corner) append(bytes, corner, big_endian);
+  return bytes;
 }
 
 const std::string kPlyText = "2 1 2 0.5\n1 128 2 3\n-0.5 128 .25 8\n0 128 0 1.024e3\n3 0 1 2\n";
@@ -227,10 +229,19 @@ TEST_F(CloudFiles, DamagedPlysNameTheirPlace) {
   expectError("a.ply", with("element", "format ascii 1.0\nelement"), 4, {"format stands twice"});
   const std::string header = ply("binary_little_endian");
   const std::string binary = header + plyRecords(false);
-  expectError("a.ply", binary.substr(0, binary.size() - 1), 0,
+  expectError("a.ply", binary.substr(0, binary.size() - 14), 0,
               {"byte", "ends after 2 of 3 rows of the element 'vertex'"});
-  expectError("a.ply", ply("binary_little_endian", "2000000000") + plyRecords(false), 0,
+  expectError("a.ply", binary.substr(0, binary.size() - 1), 0, {"a list of 3 entries"});
+  expectError("a.ply", binary.substr(0, binary.size() - 13), 0,
+              {"ends after 0 of 1 rows of the element 'face'"});
+  expectError("a.ply", ply("binary_little_endian", "2000000000") + plyRecords(false, false), 0,
               {"ends after 3 of 2000000000"});
+  // Regression: points that the header does not count were lost where an element follows them.
+  expectError("a.ply", with("vertex 3", "vertex 2").replace(whole.find("face 1"), 6, "face 0"), 18,
+              {"more follows the last element"});
+  expectError("a.ply", with("vertex 3", "vertex 2"), 18, {"'128'"});
+  expectError("a.ply", header + plyRecords(false) + std::string(13, '\0'), 0,
+              {"more follows the last element"});
   std::string list = binary;
   list[header.size()] = '\xFF';
   expectError("a.ply", list, 0, {"a list of 255 entries"});

@@ -254,7 +254,7 @@ class DepthProblems : public testing::Test {
       }
     folder_.write("depth.png", PngWriter{kWidth, kHeight, 16}.write(depths));
     folder_.write("mask.png", PngWriter{kWidth, kHeight, 1}.write(mask));
-    folder_.write("small.pgm", "P2\n1 1\n1\n1");
+    folder_.write("small.pgm", "P2\n1 1\n1\n1\n");
     folder_.write("gray8.png", PngWriter{1, 1, 8}.write({9}));
     folder_.write("black.png", PngWriter{2, 1, 16}.write({0, 0}));
     folder_.write("scan.xyz", "0 0 0\n");

@@ -62,7 +62,7 @@ TEST_F(GrayImages, GammaAndSignificantBitsChangeNoValue) {
 
 TEST_F(GrayImages, PgmsOfBothKinds) {
   const std::vector<std::uint16_t> values = {0, 1, 255, 256, 4000, 65535};
-  const std::string text = "P2 # a comment 9 9\n# another\n 3\t2\n65535\n0 1 255\n256 4000 65535";
+  const std::string text = "P2 # a comment 9 9\n# another\n 3\t2\n65535\n0 1 255\n256 4000 65535\n";
   EXPECT_EQ(read("a.pgm", text).values, values);
   EXPECT_EQ(read("a.pgm", text + " \n").width, 3U);
   const std::string bytes("\0\0\0\1\0\xFF\1\0\x0F\xA0\xFF\xFF", 12);
@@ -118,6 +118,7 @@ TEST_F(GrayImages, DamagedPgmsNameTheLineOrByte) {
   expectError("a.pgm", "P2\n2 1\n9\n1\n1.5", 5, {"'1.5'"});
   expectError("a.pgm", "P2\n2 2\n9\n1 2 3    ", 4, {"ends where pixel 3 of 4"});
   expectError("a.pgm", "P2\n1 1\n9\n1\n2", 5, {"'2' stands after the last"});
+  expectError("a.pgm", "P2\n2 1\n99\n12\n3", 5, {"ends within its last number"});
   expectError("a.pgm", "P5 1 2 9\n\1", 0, {"byte 10", "ends before the last of 1 x 2"});
   expectError("a.pgm", "P5 1 2 300\n\1\1\1", 0, {"ends before the last"});
   expectError("a.pgm", "P5 1 2 9\n\1\2\3", 0, {"byte 11", "1 bytes stand after"});

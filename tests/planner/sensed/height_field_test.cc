@@ -161,10 +161,10 @@ TEST_F(HeightFiles, AllFormatsHoldTheSameHeights) {
   const std::vector<double> heights = {-0.75, -0.5, -0.25, 9, 11.5, 14};
   const HeightFile file{0.25, -1, {}};
   const std::string forms[][2] = {{"a.csv", "1,2,3\n40, 50,60\n"},
-                                  {"a.csv", "# x\n1;2;3\r\n\r\n40;50;60"},
+                                  {"a.csv", "# x\n1;2;3\r\n\r\n40;50;60\n"},
                                   {"a.txt", "1 2 3\n 40\t50 60\n"},
                                   {"a.txt", "1\t2\t3\n\n 40\t50 \t60\n \n"},
-                                  {"a.pgm", "P2 3 2 65535 1 2 3 40 50 60"},
+                                  {"a.pgm", "P2 3 2 65535 1 2 3 40 50 60\n"},
                                   {"a.pgm", std::string("P5 3 2 255 \1\2\3\x28\x32\x3C", 17)},
                                   {"a.png", PngWriter{3, 2, 8}.write(values)},
                                   {"a.png", PngWriter{3, 2, 16}.write(values)}};
@@ -174,8 +174,10 @@ TEST_F(HeightFiles, AllFormatsHoldTheSameHeights) {
     EXPECT_EQ(field.rows, 2U) << name;
     EXPECT_EQ(field.heights, heights) << name;
   }
-  EXPECT_EQ(load("a.csv", "1.5,2\n3,-4e-1", {}).heights, (std::vector<double>{1.5, 2, 3, -0.4}));
   EXPECT_TRUE(warnings_.empty());
+  EXPECT_EQ(load("a.csv", "1.5,2\n3,-4e-1", {}).heights, (std::vector<double>{1.5, 2, 3, -0.4}));
+  ASSERT_EQ(warnings_.size(), 1U);
+  EXPECT_NE(warnings_[0].find("a.csv:2: the last line does not end"), std::string::npos);
 }
 
 TEST_F(HeightFiles, MissingHeightsAreNamedOrFilled) {
@@ -266,7 +268,7 @@ TEST_F(HeightFiles, AProblemIsPlannedOverAGroundAndVerified) {
 
 TEST_F(HeightFiles, BadKeysNameTheirLine) {
   folder_.write("h.csv", "1,2\n3,4\n");
-  folder_.write("h.pgm", "P2 2 2 9 1 2 3 4");
+  folder_.write("h.pgm", "P2 2 2 9 1 2 3 4\n");
   const auto expect = [&](const std::string& keys, std::initializer_list<std::string> words,
                           int line = 13) {
     SCOPED_TRACE(keys);
