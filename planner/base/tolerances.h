@@ -90,6 +90,9 @@ constexpr double kLeastRow = 2e-5;
 /// whole nanoseconds, but phases do not begin at them. Of a motion at rest, velocity is at most the
 /// square of this share.
 constexpr double kVerifyLimit = 1e-3;
+/// The joints' share of their way between two rows is taken as the line's if it leaves [0, 1] by no
+/// more than this.
+constexpr double kVerifyShare = 1e-9;
 /// Rounding of positions and times in files, for the same comparison.
 constexpr double kVerifyDigits = 4e-15;
 /// Rounding of this size is allowed whatever the limits are [rad/s^2 and rad/s^3, or m].

@@ -333,7 +333,8 @@ void writeTrajectory(const std::string& file, const Problem& problem, const Plan
     text += !json ? "\n" : i + 1 < samples.times.size() ? "},\n" : "}\n";
   }
   const Entries entries = trajectoryEntries(problem, trajectory, result.certificate);
-  writeFileWhole(file, text + (json ? jsonTail(entries) : yamlTail(entries)));
+  writeFileWhole(
+      file, text + (json ? jsonTail(entries, samples.steps) : yamlTail(entries, samples.steps)));
 }
 
 }  // namespace leeway::planner

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "collision/base/numbers.h"
+#include "leeway/robots/groups.h"
 #include "leeway/robots/kinematics.h"
 #include "planner/base/random.h"
 #include "planner/base/tolerances.h"
@@ -190,15 +191,17 @@ class LineSearch {
       const ConfigurationSpace& space = scene_.space();
       const std::vector<double>& q = run.points.back();
       double nearest = kNearLimit;
-      for (int i = 0; i < space.size(); ++i)
+      for (int i = 0; i < space.size(); ++i) {
+        const int variable = space.variables()[at(i)];
+        if (!robots::movesLink(scene_.model(), {&variable, 1}, way_.link)) continue;
         for (const double limit : {space.lower(i), space.upper(i)}) {
           if (!(std::abs(q[at(i)] - limit) < nearest)) continue;
           nearest = std::abs(q[at(i)] - limit);
           end.why = LineEnd::Why::kLimit;
-          end.text =
-              fmt::format("joint '{}' is at its limit of {:.6g}",
-                          scene_.model().variables[at(space.variables()[at(i)])].name, limit);
+          end.text = fmt::format("joint '{}' is at its limit of {:.6g}",
+                                 scene_.model().variables[at(variable)].name, limit);
         }
+      }
     }
     const WayStretch& part = way_.stretches[at(end.waypoint)];
     const std::string where =

@@ -29,6 +29,7 @@ Trajectory::Trajectory(std::shared_ptr<const ConfigurationSpace> space,
     : space_(std::move(space)),
       waypoints_(std::move(waypoints)),
       cuts_(std::move(cuts)),
+      steps_(steps.begin(), steps.end()),
       least_times_(least_times.begin(), least_times.end()) {
   if (waypoints_.empty()) throw std::invalid_argument("trajectory: a path without waypoints");
   if (!space_) throw std::invalid_argument("trajectory: a space is expected");
@@ -79,7 +80,8 @@ void Trajectory::check(const MotionLimits& limits, std::span<const PathStep> ste
   const std::vector<int> cut = cutCorners();
   before = 0;
   for (const PathStep& step : steps) {
-    if (!(step.last >= before && at(step.last) < waypoints_.size()) ||
+    if (!(step.first >= 0 && step.first <= step.last && step.last >= before &&
+          at(step.last) < waypoints_.size()) ||
         std::binary_search(cut.begin(), cut.end(), step.last))
       throw std::invalid_argument("trajectory: a step of a task ends at waypoint " +
                                   std::to_string(step.last) +
@@ -240,10 +242,12 @@ std::vector<double> Trajectory::knots() const {
 
 namespace {
 
-/// Additions of an execution to a path: cuts, and the least times of edges.
+/// Additions of an execution to a path: cuts, the least times of edges, and the steps of a task
+/// with the bounds that hold for the cuts, too.
 struct Additions {
   Cuts cuts;
   std::vector<double> least_times;
+  std::vector<PathStep> steps;
 };
 
 /// Cuts of a path with constraints, which they keep.
@@ -287,12 +291,13 @@ class TaskAdditions {
       throw std::invalid_argument("trajectory: the path of a task does not have its steps");
     added_.least_times.assign(path_.positions.size() - 1, 0.0);
     added_.cuts.clearance = kInfinity;
+    added_.steps = path_.steps;
     Problem world = firstWorld(problem_);
     for (std::size_t s = 0; s < path_.steps.size(); ++s) {
       const PathStep& stretch = path_.steps[s];
       const Step& step = problem_.steps[s];
       standAt(stretch.first, world);
-      add(stageOf(world, step), step, stretch);
+      add(stageOf(world, step), step, stretch, added_.steps[s]);
       standAt(stretch.last, world);
       const std::vector<double> configuration = world.start;
       world = worldAfter(world, step, configuration);
@@ -307,7 +312,8 @@ class TaskAdditions {
       world.start[at(space_.variables()[i])] = path_.positions[at(row)][i];
   }
 
-  void add(const Problem& stage, const Step& step, const PathStep& stretch) {
+  /// `added`: the stretch; bounds on its departure are widened to those of cuts.
+  void add(const Problem& stage, const Step& step, const PathStep& stretch, PathStep& added) {
     const int edges = stretch.last - stretch.first;
     if (edges == 0) return;
     const std::span<const std::vector<double>> rows(&path_.positions[at(stretch.first)],
@@ -354,7 +360,11 @@ class TaskAdditions {
                  kConstraintShare * line->position_tolerance &&
              off.turn + moves.tips + slack.tips <= kConstraintShare * line->angle_tolerance;
     };
-    append(chooseCuts(compiled(stage), rows, limits_, rules), stretch.first);
+    const Cuts cuts = chooseCuts(compiled(stage), rows, limits_, rules);
+    append(cuts, stretch.first);
+    if (cuts.blends.empty()) return;
+    added.deviation = std::max(added.deviation, kConstraintShare * line->position_tolerance);
+    added.turn = std::max(added.turn, kConstraintShare * line->angle_tolerance);
   }
 
   static std::shared_ptr<const CompiledScene> compiled(const Problem& stage) {
@@ -387,7 +397,7 @@ Additions additionsTo(const Problem& problem, const ConfigurationSpace& space, c
           const auto* line = std::get_if<LineStep>(&step.action);
           return line != nullptr && std::isfinite(line->speed);
         });
-    if (!is_timed && problem.execution.corners != Corners::kBlend) return {};
+    if (!is_timed && problem.execution.corners != Corners::kBlend) return {{}, {}, path.steps};
     return TaskAdditions(problem, space, path, limits).run();
   }
   // A condition is looked at on edges.
@@ -396,8 +406,8 @@ Additions additionsTo(const Problem& problem, const ConfigurationSpace& space, c
     return {};
   const auto scene = std::make_shared<const CompiledScene>(problem);
   if (!problem.constraints.empty())
-    return {constrainedCuts(problem, scene, path.positions, limits), {}};
-  return {certifiedCuts(scene, path.positions, limits), {}};
+    return {constrainedCuts(problem, scene, path.positions, limits), {}, {}};
+  return {certifiedCuts(scene, path.positions, limits), {}, {}};
 }
 
 }  // namespace
@@ -410,7 +420,7 @@ Trajectory trajectoryOf(const Problem& problem, const Path& path) {
     throw std::invalid_argument("trajectory: the path of a task does not have its steps");
   const Path edges = edgesOf(*space, path).path;
   Additions added = additionsTo(problem, *space, edges, limits);
-  return {space, edges.positions, limits, std::move(added.cuts), added.least_times, edges.steps};
+  return {space, edges.positions, limits, std::move(added.cuts), added.least_times, added.steps};
 }
 
 }  // namespace leeway::planner

@@ -61,6 +61,59 @@ std::vector<RowTime> sampleTimes(const Trajectory& trajectory, double period) {
   return result;
 }
 
+/// Where a trajectory is among its waypoints at a time: the number of one, plus the share of the
+/// edge behind it. On a blend it is the point of the edges that passes the corner at half of the
+/// time, from which the blend is proven not to depart too far.
+double wayAt(const Trajectory& trajectory, double time) {
+  const Trajectory::Place place = trajectory.place(time);
+  if (place.blend < 0) return place.edge + place.t;
+  const Blend& blend = trajectory.cuts().blends[at(place.blend)];
+  const auto length = [&](int edge) {
+    std::vector<double> difference(at(trajectory.space().size()));
+    trajectory.space().lineDifference(trajectory.waypoints()[at(edge)],
+                                      trajectory.waypoints()[at(edge) + 1], difference);
+    return norm(difference);
+  };
+  const double left = 1 - 2 * place.t;  // to the corner; negative behind it
+  const double way = left > 0 ? blend.before / length(blend.corner - 1) * left
+                              : blend.after / length(blend.corner) * left;
+  return blend.corner - way;
+}
+
+/// The steps of a task in numbers of the rows, with the places of their rows on lines.
+std::vector<PathStep> stepsOfRows(const Trajectory& trajectory, const Samples& samples) {
+  // The row of a waypoint that is passed at a row's time.
+  const auto rowOf = [&](int waypoint) {
+    const double time = trajectory.times()[at(waypoint)];
+    const auto after = std::lower_bound(samples.times.begin(), samples.times.end(), time);
+    const bool is_before = after != samples.times.begin() &&
+                           (after == samples.times.end() || time - after[-1] < *after - time);
+    return static_cast<int>(after - samples.times.begin()) - (is_before ? 1 : 0);
+  };
+  std::vector<PathStep> steps(trajectory.steps().begin(), trajectory.steps().end());
+  for (PathStep& step : steps) {
+    const int first = step.first, last = step.last;
+    const std::vector<double> places = std::move(step.places);
+    step.first = rowOf(first);
+    step.last = rowOf(last);
+    step.places.assign(places.empty() ? 0 : 1 + at(step.last - step.first), 0.0);
+    if (places.size() != at(last - first) + 1 || first == last) continue;
+    for (int row = step.first; row <= step.last; ++row) {
+      const double way = wayAt(trajectory, samples.times[at(row)]) - first;
+      const auto k = static_cast<std::size_t>(std::clamp(way, 0.0, last - first - 1.0));
+      const double share = std::clamp(way - static_cast<double>(k), 0.0, 1.0);
+      step.places[at(row - step.first)] = places[k] + share * (places[k + 1] - places[k]);
+    }
+    for (int waypoint = first; waypoint <= last; ++waypoint)  // times of rows are rounded
+      if (const int row = rowOf(waypoint);
+          nanoseconds(samples.times[at(row)]) == nanoseconds(trajectory.times()[at(waypoint)]))
+        step.places[at(row - step.first)] = places[at(waypoint - first)];
+    step.places.front() = places.front();
+    step.places.back() = places.back();
+  }
+  return steps;
+}
+
 }  // namespace
 
 void addSpaced(std::span<const double> added, std::vector<double>& times) {
@@ -98,6 +151,7 @@ Samples sample(const Trajectory& trajectory, double period) {
     samples.velocities.push_back(std::move(velocity));
     samples.accelerations.push_back(std::move(acceleration));
   }
+  samples.steps = stepsOfRows(trajectory, samples);
   return samples;
 }
 
@@ -130,6 +184,7 @@ Path motionOf(const Trajectory& trajectory) {
   Path path;
   for (const int v : space.variables()) path.names.push_back(space.model().variables[at(v)].name);
   path.positions = std::move(samples.positions);
+  path.steps = std::move(samples.steps);
   if (path.positions.size() < 2) return path;
   path.times = std::move(samples.times);
   path.velocities = std::move(samples.velocities);

@@ -24,6 +24,7 @@ constexpr std::string_view kCubic = "cubic";
 struct Samples {
   std::vector<double> times;
   std::vector<std::vector<double>> positions, velocities, accelerations;
+  std::vector<PathStep> steps;  ///< of a task, in numbers of the rows
 };
 
 /// Samples the trajectory at its knots, and every `period` seconds if that is above 0. Unwraps

@@ -77,18 +77,23 @@ VerifyStatus FrameCheck::check(const Path& path, std::size_t segment, double lea
                                const Judge& judge, double& t) {
   const std::vector<double>& a = path.positions[segment];
   const std::vector<double>& b = path.positions[std::min(segment + 1, path.positions.size() - 1)];
-  std::vector<double> difference(a.size()), point(a.size()), dq(model_.variables.size(), 0.0);
+  std::vector<double> difference(a.size()), point(a.size()), dq(model_.variables.size(), 0.0),
+      rates(dq), seconds(dq);
   std::vector<Cubic> cubics;
   if (path.times.size() > 1) cubics = cubicsOf(path, segment);
   space_.lineDifference(a, b, difference);
   for (std::size_t i = 0; i < a.size(); ++i)
     dq[at(variables_[i])] = cubics.empty() ? difference[i] : cubics[i].speed();
+  for (std::size_t i = 0; i < cubics.size(); ++i)
+    seconds[at(variables_[i])] =
+        std::max(std::abs(cubics[i].acceleration(0)), std::abs(cubics[i].acceleration(1)));
   std::deque<std::pair<double, double>> open{{0, 1}};
+  long looks = 0;
   while (!open.empty()) {
     const auto [begin, end] = open.front();
     open.pop_front();
     t = begin / 2 + end / 2;
-    if (++looks_ > most_ || (stop_ && looks_ % 64 == 0 && stop_())) return VerifyStatus::kUndecided;
+    if (++looks > most_ || (stop_ && looks % 64 == 0 && stop_())) return VerifyStatus::kUndecided;
     const double half = end / 2 - begin / 2;
     if (cubics.empty()) space_.alongLine(a, b, t, point);
     for (std::size_t i = 0; i < cubics.size(); ++i) point[i] = cubics[i].at(t);
@@ -108,6 +113,12 @@ VerifyStatus FrameCheck::check(const Path& path, std::size_t segment, double lea
       look.slack += std::max(origin.slack, tips.slack);
       look.moves += origin.speed * half;
       look.tips += (origin.speed + tips.speed) * half;
+    }
+    if (speeds_) {
+      for (std::size_t i = 0; i < cubics.size(); ++i)
+        rates[at(variables_[i])] = cubics[i].velocity(t);
+      look.most_speed = boundSpeed(model_, joints_, X_WL, {rates, dq, seconds}, X_WF.translation,
+                                   half, look.speed);
     }
     switch (judge(look)) {
       case VerifyStatus::kCertified:

@@ -20,6 +20,9 @@ struct FrameLook {
   double moves = 0;        ///< bound on the motion of the origin over this part of the edge [m]
   double tips = 0;         ///< the same for ends of unit vectors fixed to the frame, by rotation
   double slack = 0;        ///< displacement of any of these by rounding [m]
+  /// Of the origin in the world, at the point and at most on this part [m per unit of t]; only
+  /// after FrameCheck::measureSpeed(), of cubics.
+  double speed = 0, most_speed = 0;
 };
 
 /// Proves or refutes a condition on the frame of a link along edges, seen from a base B. Halves
@@ -37,8 +40,10 @@ class FrameCheck {
   /// are shorter than 2 * `least`.
   VerifyStatus check(const Path& path, std::size_t segment, double least, const Judge& judge,
                      double& t);
-  /// check() leaves the rest of an edge undecided after `most` looks, counted over all edges, and
-  /// after `stop` returns true. `stop` may be empty.
+  /// From now on, looks at cubics bound the speed. Only without a base.
+  void measureSpeed() { speeds_ = true; }
+  /// check() leaves the rest of an edge undecided after `most` looks at it, and after `stop`
+  /// returns true. `stop` may be empty.
   void limit(long most, const std::function<bool()>& stop) { most_ = most, stop_ = stop; }
 
  private:
@@ -49,8 +54,9 @@ class FrameCheck {
   robots::Pose X_LF_;
   std::vector<double> q_;
   std::vector<int> joints_, base_joints_;  ///< above one of link and base alone
-  long looks_ = 0, most_ = std::numeric_limits<long>::max();
+  long most_ = std::numeric_limits<long>::max();
   std::function<bool()> stop_;
+  bool speeds_ = false;
 };
 
 /// Returns the first place of a path where a constraint of the problem is not proven to hold;

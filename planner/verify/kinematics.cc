@@ -228,4 +228,67 @@ Motion boundMotion(const Model& model, std::span<const int> joints, std::span<co
   return motion;
 }
 
+/// The velocity is the sum of J_j q'_j. The derivative of J_j along an inner joint that turns is
+/// |J_j| at most, and so is that of an inner J_k along j: the velocity changes by at most
+/// |J_j| |q''_j| + |J_j| |q'_j|^2 + 2 |J_j| |q'_j| |q'_k|, summed over joints j and inner joints k
+/// that turn.
+double boundSpeed(const Model& model, std::span<const int> joints, std::span<const Pose> X_WL,
+                  const VariableRates& rates, const Vector3d& point_W, double half,
+                  double& at_instant) {
+  Vector3d velocity = Vector3d::Zero();
+  double reached = 0;                  // bound on the speed against the joint's child link
+  double acceleration = 0, outer = 0;  // outer: the speeds of joints before in the list
+  for (const int j : joints) {
+    const Joint& joint = model.joints[at(j)];
+    const Pose& X_WC = X_WL[at(joint.child_link)];
+    const Vector3d arm = point_W - X_WC.translation;
+    const auto turn = [&](double now, double most, double second) {
+      const Vector3d J = (X_WC.rotation * joint.axis).cross(arm);
+      const double length = J.norm() + half * reached, speed = length * most;
+      velocity += now * J;
+      acceleration += length * second + speed * most + 2 * outer * most;
+      outer += speed;
+      reached += speed;
+    };
+    const auto slide = [&](const Vector3d& now, double most, double second) {
+      velocity += now;
+      acceleration += second;
+      outer += most;
+      reached += most;
+    };
+    switch (joint.type) {
+      case JointType::kFixed:
+        break;
+      case JointType::kRevolute:
+      case JointType::kContinuous:
+        turn(change(model, joint, rates.now), std::abs(change(model, joint, rates.most)),
+             std::abs(change(model, joint, rates.second)));
+        break;
+      case JointType::kPrismatic:
+        slide(change(model, joint, rates.now) * (X_WC.rotation * joint.axis),
+              std::abs(change(model, joint, rates.most)),
+              std::abs(change(model, joint, rates.second)));
+        break;
+      case JointType::kPlanar: {
+        const auto first = at(joint.first_variable);
+        turn(rates.now[first + 2], rates.most[first + 2], rates.second[first + 2]);
+        Vector3d u, v;
+        planeDirections(joint.axis, u, v);
+        const Matrix3d R_WJ = (joint.parent_link < 0 ? Matrix3d(Matrix3d::Identity())
+                                                     : X_WL[at(joint.parent_link)].rotation) *
+                              joint.X_PJ.rotation;
+        slide(R_WJ * (rates.now[first] * u + rates.now[first + 1] * v),
+              std::hypot(rates.most[first], rates.most[first + 1]),
+              std::hypot(rates.second[first], rates.second[first + 1]));
+        break;
+      }
+      case JointType::kFloating:
+        acceleration = std::numeric_limits<double>::infinity();
+        break;
+    }
+  }
+  at_instant = velocity.norm();
+  return (at_instant + half * acceleration) * (1 + kVerifyRounding);
+}
+
 }  // namespace leeway::planner::verification

@@ -40,4 +40,17 @@ Motion boundMotion(const robots::Model& model, std::span<const int> joints,
                    std::span<const robots::Pose> X_WL, std::span<const double> dq,
                    const Eigen::Vector3d& center_W, double radius, double half);
 
+/// How the variables change with t at an instant, and bounds on their first two derivatives around
+/// it.
+struct VariableRates {
+  std::span<const double> now, most, second;
+};
+/// Bounds the speed of a point of a body in the world while t changes by at most `half` from the
+/// instant of X_WL. `joints`: all joints above the body, nearest first. `at_instant`: its speed
+/// there, rounding apart. Infinite for floating joints, whose variables do not move on cubics.
+/// O(joints^2).
+double boundSpeed(const robots::Model& model, std::span<const int> joints,
+                  std::span<const robots::Pose> X_WL, const VariableRates& rates,
+                  const Eigen::Vector3d& point_W, double half, double& at_instant);
+
 }  // namespace leeway::planner::verification

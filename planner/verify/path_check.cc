@@ -285,10 +285,9 @@ Cubic::Cubic(double q0, double q1, double v0, double v1)
       least_(std::min(q0, q1)),
       most_(std::max(q0, q1)),
       speed_(std::max(std::abs(v0), std::abs(v1))) {
-  const auto slope = [&](double t) { return c1_ + t * (2 * c2_ + t * 3 * c3_); };
   // The derivative is extreme where the second one vanishes.
   const double middle = c3_ != 0 ? -c2_ / (3 * c3_) : 0;
-  if (middle > 0 && middle < 1) speed_ = std::max(speed_, std::abs(slope(middle)));
+  if (middle > 0 && middle < 1) speed_ = std::max(speed_, std::abs(velocity(middle)));
   // Rounding of the slopes, of which sums of three terms may cancel.
   speed_ += kVerifyRounding * (std::abs(c1_) + std::abs(c2_) + std::abs(c3_));
   // The cubic is extreme where the derivative vanishes: twice at most.

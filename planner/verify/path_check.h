@@ -26,7 +26,8 @@ class Cubic {
   double most() const { return most_; }
   /// Bounds the derivative's absolute value.
   double speed() const { return speed_; }
-  /// The second derivative at t, and the third, which is constant.
+  /// The first and second derivatives at t, and the third, which is constant.
+  double velocity(double t) const { return c1_ + t * (2 * c2_ + t * 3 * c3_); }
   double acceleration(double t) const { return 2 * c2_ + 6 * c3_ * t; }
   double jerk() const { return 6 * c3_; }
   /// Whether at() rounds by no more than interpolation along lines does.

@@ -687,14 +687,11 @@ VerifyResult verify(const Problem& problem, const Path& path, const PlanOptions&
                     const std::function<bool(const Interval&)>& is_enough) {
   validate(problem);
   requirePlaced(problem);
-  if (!path.times.empty() && (problem.condition.accept || !problem.steps.empty())) {
+  if (!path.times.empty() && problem.condition.accept) {
     VerifyResult result;
     result.reason =
-        problem.steps.empty()
-            ? "the rows are joined by cubics, and conditions are looked at along "
-              "straight lines only; a path's file (--output) has lines"
-            : "the file of a trajectory has no steps; the path's file (--output), which "
-              "has them, can be verified";
+        "the rows are joined by cubics, and conditions are looked at along straight lines only; a "
+        "path's file (--output) has lines";
     return result;
   }
   if (!problem.steps.empty()) return verifyTask(problem, path, options, {is_enough});

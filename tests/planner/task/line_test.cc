@@ -517,6 +517,72 @@ TEST(Line, IsFollowedWithoutStops) {
   }
 }
 
+/// A file of a line's trajectory is proven as it is executed; one that is damaged is not.
+TEST(Line, ItsTrajectoryIsVerified) {
+  const Folder folder;
+  const std::string ways[] = {
+      "speed: 0.05, frame: tool, poses: [{position: [0.45, 0.1, 0.4]}, {position: [0.45, -0.1, "
+      "0.4], via: [0.52, 0, 0.4]}]",
+      "speed: 0.2, frame: tool, poses: [{position: [0.45, 0.1, 0.4]}, {position: [0.45, -0.1, "
+      "0.4]}, {position: [0.5, -0.1, 0.5]}], position_tolerance: 0.003",
+      "frame: tool, by: [0, 0, -0.1], rpy: [0, 0, 0.8]"};
+  for (const std::string& way : ways)
+    for (const char* jerks : {"", "execution: {jerks: 40}\n"}) {
+      const std::string text = std::string("start: ready\n") + jerks + "waypoints: {" + way + "}\n";
+      const Problem problem = loadProblem(folder.write("way.yaml", arm("arm6", text)));
+      const PlanResult result = planTask(problem);
+      ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+      const Trajectory trajectory = trajectoryOf(problem, result.path);
+      const VerifyResult proof = verify(problem, motionOf(trajectory));
+      ASSERT_EQ(proof.status, VerifyStatus::kCertified) << text << proof.reason;
+      EXPECT_LE(proof.clearance_lower, result.certificate.clearance.upper);
+      Path read;
+      for (const char* file : {"t.json", "t.yaml"}) {
+        writeTrajectory(folder.write(file, ""), problem, result, trajectory, 0.01);
+        read = readPath(folder.path(file), problem, {.cubics = true});
+        const VerifyResult again = verify(problem, read);
+        EXPECT_EQ(again.status, VerifyStatus::kCertified) << text << again.reason;
+      }
+      ASSERT_EQ(read.steps.size(), 1U);
+      ASSERT_EQ(read.steps[0].places.size(), read.times.size());
+      const auto expectNotProven = [&](const Path& damaged, const char* what, const char* reason) {
+        const VerifyResult verdict = verify(problem, damaged);
+        EXPECT_NE(verdict.status, VerifyStatus::kCertified) << what;
+        EXPECT_NE(verdict.reason.find(reason), std::string::npos) << what << verdict.reason;
+      };
+      const std::size_t middle = read.times.size() / 2;
+      Path aside = read;
+      aside.positions[middle][0] += 0.02;
+      expectNotProven(aside, "a row aside", "");
+      Path early = read;  // the frame is where it should be some rows later
+      for (std::size_t i = 0; i < middle; ++i) early.steps[0].places[i] *= 0.8;
+      expectNotProven(early, "places that lag behind", "from its line");
+      Path back = read;
+      std::swap(back.steps[0].places[middle], back.steps[0].places[middle + 1]);
+      expectNotProven(back, "places that go back", "do not go along its line");
+      Path bare = read;
+      bare.velocities.pop_back();
+      expectNotProven(bare, "a row without velocities", "row");
+      const auto& line = std::get<LineStep>(problem.steps[0].action);
+      if (!std::isfinite(line.speed)) continue;
+      Problem slower = problem;
+      std::get<LineStep>(slower.steps[0].action).speed = 0.8 * line.speed;
+      const VerifyResult fast = verify(slower, read);
+      if (way[7] != '2') {  // blends keep theirs by a coarse bound
+        EXPECT_EQ(fast.status, VerifyStatus::kRefuted);
+        EXPECT_NE(fast.reason.find("faster than its speed"), std::string::npos) << fast.reason;
+      }
+      Path hasty = read;
+      for (std::size_t i = 0; i < hasty.times.size(); ++i) {
+        hasty.times[i] /= 1.5;
+        for (double& v : hasty.velocities[i]) v *= 1.5;
+      }
+      Problem strong = problem;  // only the frame's speed is exceeded
+      strong.execution.speed = 1;
+      EXPECT_NE(verify(strong, hasty).status, VerifyStatus::kCertified);
+    }
+}
+
 TEST(Line, FilesOfPoses) {
   const Folder folder;
   std::vector<std::string> warnings;
@@ -558,6 +624,9 @@ TEST(Line, FilesOfPoses) {
   loadWaypoints(folder.write("long.csv", "1 2 3 1.00001 0 0 0\n"), "tool", warnings);
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_NE(warnings[0].find("long.csv:1"), std::string::npos) << warnings[0];
+  loadWaypoints(folder.write("open.csv", "x,y,z\n1,2,3\n1,2,3.2"), "tool", warnings);
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_NE(warnings[1].find("open.csv:3: the last line does not end"), std::string::npos);
 
   const struct {
     const char *name, *text, *frame;

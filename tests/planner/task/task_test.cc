@@ -173,6 +173,24 @@ TEST_P(Shipped, IsSolvedCertifiedStraightAndVerified) {
     EXPECT_EQ(verified.status, VerifyStatus::kCertified) << verified.reason;
   }
 
+  // So is the motion, alone and in a file.
+  const Trajectory trajectory = trajectoryOf(problem, result.path);
+  const std::string file = folder.write("trajectory.json", "");
+  writeTrajectory(file, problem, result, trajectory, 0.02);
+  for (const Path& motion : {motionOf(trajectory), readPath(file, problem, {.cubics = true})}) {
+    const VerifyResult verified = verify(problem, motion);
+    EXPECT_EQ(verified.status, VerifyStatus::kCertified) << verified.reason;
+    ASSERT_EQ(motion.steps.size(), problem.steps.size());
+    Path hasty = motion;  // the steps flow into each other
+    for (std::size_t s = 1; s < hasty.steps.size(); ++s)
+      if (hasty.steps[s].last > hasty.steps[s].first + 2 && hasty.steps[s].places.empty()) {
+        ++hasty.steps[s].first;
+        ++hasty.steps[s - 1].last;
+        EXPECT_EQ(verify(problem, hasty).status, VerifyStatus::kRefuted);
+        break;
+      }
+  }
+
   // A path without its steps, and one that leaves a line, are refuted.
   Path bare = result.path;
   bare.steps.clear();

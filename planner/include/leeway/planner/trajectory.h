@@ -153,6 +153,8 @@ class Trajectory {
   const ConfigurationSpace& space() const { return *space_; }
   std::span<const std::vector<double>> waypoints() const { return waypoints_; }
   const Cuts& cuts() const { return cuts_; }
+  /// The steps of a task's path, in numbers of waypoints().
+  std::span<const PathStep> steps() const { return steps_; }
   /// Waypoints at which the motion cuts the corner: those of blends, and those left out. Ascending.
   std::vector<int> cutCorners() const;
   /// The time at which each waypoint, or the middle of its blend, is passed [s]. Waypoints that are
@@ -208,6 +210,7 @@ class Trajectory {
   std::shared_ptr<const ConfigurationSpace> space_;
   std::vector<std::vector<double>> waypoints_;
   Cuts cuts_;
+  std::vector<PathStep> steps_;
   std::vector<double> waypoint_times_;
   // The members below, and the functions above, number the waypoints that are not left out.
   std::vector<double> least_times_;  // of the edges at a constant rate; empty: none
@@ -231,7 +234,8 @@ class Trajectory {
 Trajectory trajectoryOf(const Problem& problem, const Path& path);
 
 /// The motion as a path, which verify() proves as it is executed: its rows at knots(), with times
-/// and velocities (Path::times). Throws std::invalid_argument for a space with rotations.
+/// and velocities (Path::times), and the steps of a task in numbers of these rows. Throws
+/// std::invalid_argument for a space with rotations.
 /// O(knots).
 Path motionOf(const Trajectory& trajectory);
 

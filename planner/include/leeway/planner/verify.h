@@ -39,15 +39,19 @@ struct VerifyResult {
 };
 
 /// Proves or refutes that a path keeps all margins, on the straight lines between its rows, or on
-/// cubics where it has times (Path::times; with steps and a condition these are undecided); never
-/// samples, except Problem::condition, at states that lie as Condition::resolution says. Slow,
-/// plain, and independent of the planner: its own kinematics, first-order bounds (speed, not
-/// acceleration), no batches, coarse bounds or caches. Shared are collision::distance() and the
-/// definition of an edge. Conservative advancement, see verify.cc. A bad path is refuted, with a
-/// reason. Of a problem with steps each one's stretch is verified in the world as the steps before
-/// have left it, and lines are proven to be straight; the path must have its steps (Path::steps).
-/// The planner and the verifier share the meaning of steps: where things are held and put down, the
-/// places that poses name, and the ways of lines.
+/// cubics where it has times (Path::times; with a condition these are undecided); never samples,
+/// except Problem::condition, at states that lie as Condition::resolution says. Slow, plain, and
+/// independent of the planner: its own kinematics, first-order bounds (speed; acceleration only
+/// where it bounds that of a line's frame), no batches, coarse bounds or caches. Shared are
+/// collision::distance() and the definition of an edge. Conservative advancement, see
+/// verify_path.cc. A bad path is refuted, with a reason.
+///
+/// Of a problem with steps each one's stretch is verified in the world as the steps before have
+/// left it, and lines are proven to be followed; the path must have its steps (Path::steps).
+/// Between two rows with times a line's place goes on with the share of the joints' way, the motion
+/// rests between steps, and frames are proven to keep LineStep::speed. The planner and the verifier
+/// share the meaning of steps: where things are held and put down, the places that poses name, and
+/// the ways of lines.
 /// Throws robots::InputError for a problem that validate() refuses, and for one without goals and
 /// steps.
 ///
