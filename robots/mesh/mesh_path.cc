@@ -66,6 +66,12 @@ std::optional<std::string> packageName(const path& folder) {
   return trimmed(element->GetText());
 }
 
+/// Whether two paths lead to one folder, also by links.
+bool isSameFolder(const path& a, const path& b) {
+  std::error_code error;
+  return a == b || std::filesystem::equivalent(a, b, error);
+}
+
 /// Searches a file in folders of one package, in the order in which they are added.
 class PackageSearch {
  public:
@@ -81,7 +87,9 @@ class PackageSearch {
   void lookAt(const path& folder) {
     if (found_) return;
     const path normal = folder.lexically_normal();
-    if (std::find(folders_.begin(), folders_.end(), normal) != folders_.end()) return;
+    if (std::any_of(folders_.begin(), folders_.end(),
+                    [&](const path& known) { return isSameFolder(known, normal); }))
+      return;
     folders_.push_back(normal);
     found_ = fileIn(folder);
   }
@@ -93,12 +101,19 @@ class PackageSearch {
       if (name ? *name == name_ : place.filename() == name_)
         look(place);
       else if (place.filename() == name_)
-        of_other_name_.push_back(place);
+        of_other_name_.emplace_back(place, *name);
     }
   }
   /// Tests the folders of that name whose package.xml has another.
   void lookInOthers() {
-    for (const path& folder : of_other_name_) look(folder);
+    for (const auto& [folder, other] : of_other_name_) {
+      if (found_) return;
+      look(folder);
+      if (found_)
+        doubt_ = "the package \"" + name_ + "\" is taken from the folder of that name, but " +
+                 (folder / "package.xml").lexically_normal().string() + " calls it \"" + other +
+                 "\"; --package " + name_ + "=FOLDER says which is meant";
+    }
   }
   /// Tests a folder that may contain the package under another name.
   void lookAmongChildren(const path& folder) {
@@ -111,7 +126,10 @@ class PackageSearch {
     std::sort(packages.begin(), packages.end());
     std::vector<std::string> holders;
     for (const path& package : packages) {
-      if (fileIn(package)) holders.push_back(package.lexically_normal().string());
+      if (fileIn(package) &&
+          std::none_of(holders.begin(), holders.end(),
+                       [&](const std::string& known) { return isSameFolder(known, package); }))
+        holders.push_back(package.lexically_normal().string());
       look(package);
     }
     if (holders.size() > 1)
@@ -120,7 +138,8 @@ class PackageSearch {
   }
 
   const std::optional<std::string>& found() const { return found_; }
-  /// The warning if two folders are the package; empty otherwise.
+  /// The warning if two folders are the package, or its package.xml has another name; empty
+  /// otherwise.
   const std::string& doubt() const { return doubt_; }
   /// Folders of the package in which the file is missing.
   const std::vector<path>& folders() const { return folders_; }
@@ -137,7 +156,8 @@ class PackageSearch {
 
   std::string name_, doubt_;
   std::vector<std::string> rests_;
-  std::vector<path> folders_, of_other_name_;
+  std::vector<path> folders_;
+  std::vector<std::pair<path, std::string>> of_other_name_;  // with the name in package.xml
   std::optional<std::string> found_;
 };
 

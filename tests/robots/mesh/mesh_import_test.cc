@@ -506,13 +506,24 @@ TEST_F(MeshPath, PackagesByTheNameInTheirPackageXml) {
   folder_.write("ws/meshes_of_the_arm/b.stl", tetrahedronStl());
   EXPECT_NO_THROW(load("package://arm_description/meshes/a.stl"));
   EXPECT_NO_THROW(load("package://arm_meshes/b.stl"));  // beside a folder above
-  EXPECT_NO_THROW(load("package://arm/meshes/a.stl"));  // by the folder's own name, still
+  // By the folder's own name, still. Regression: in silence.
+  const auto other = load("package://arm/meshes/a.stl");
+  ASSERT_EQ(other->warnings.size(), 1U);
+  EXPECT_EQ(other->warnings[0],
+            urdf_ + ":2: the package \"arm\" is taken from the folder of that name, but " +
+                folder_.path("ws/arm/package.xml") +
+                " calls it \"arm_description\"; --package arm=FOLDER says which is meant");
   EXPECT_THROW(load("package://meshes_of/b.stl"), InputError);
   EXPECT_TRUE(load("package://arm_meshes/b.stl")->warnings.empty());
   // Regression: the folder's own name counted before its package.xml.
   package("ws/arm_meshes", "something_else");
   folder_.write("ws/arm_meshes/b.stl", "solid\n");
   EXPECT_NO_THROW(load("package://arm_meshes/b.stl"));
+  // Regression: a link to the package counted as a second one.
+  std::filesystem::create_directory_symlink(folder_.path("ws/meshes_of_the_arm"),
+                                            folder_.path("ws/a_link"));
+  EXPECT_TRUE(load("package://arm_meshes/b.stl")->warnings.empty());
+  std::filesystem::remove(folder_.path("ws/a_link"));
   // Regression: the first of two was taken in silence.
   package("ws/their_copy", "arm_meshes");
   EXPECT_TRUE(load("package://arm_meshes/b.stl")->warnings.empty());  // has no such file
