@@ -60,7 +60,10 @@ class MjcfReader {
         "sensor",   "keyframe", "extension", "deformable", "worldbody"};
     file_.eachChild(file_.main().root(), [&](const XMLElement& e) {
       const std::string tag = e.Name();
-      if (std::find(kKnown.begin(), kKnown.end(), tag) != kKnown.end()) return;
+      if (std::find(kKnown.begin(), kKnown.end(), tag) != kKnown.end()) {
+        if (tag != "worldbody") file_.expectNoBodyIn(e);
+        return;
+      }
       const std::string nearest = suggestion(tag, kKnown);
       file_.fail(e, "<" + tag + "> in <mujoco> is not known; " +
                         (nearest.empty() ? "worldbody, asset, default and the other sections of "

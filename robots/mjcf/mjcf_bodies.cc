@@ -141,7 +141,9 @@ class BodyReader {
       } else if (tag == "joint" || tag == "freejoint") {
         if (frame.body == 0)
           file_.fail(e, "<" + tag + "> in <worldbody>; one in a <body> would be accepted");
-      } else if (tag != "body" && tag != "inertial" && tag != "plugin") {
+      } else if (tag == "plugin") {
+        file_.expectNoBodyIn(e);
+      } else if (tag != "body" && tag != "inertial") {
         failUnread(e);
       }
     });
@@ -162,6 +164,7 @@ class BodyReader {
       if (std::string_view(child.Name()) != "plugin")
         file_.fail(child, "<" + std::string(child.Name()) + "> in <" + e.Name() +
                               ">, which holds no elements; one in a <body> would be accepted");
+      file_.expectNoBodyIn(child);
     });
   }
 

@@ -42,6 +42,18 @@ void MjcfFile::failUnknown(const tinyxml2::XMLElement& at, const std::string& wh
                (nearest.empty() ? "the name of a " + what + " would be accepted" : nearest));
 }
 
+void MjcfFile::expectNoBodyIn(const tinyxml2::XMLElement& part) const {
+  const std::string around = part.Name();
+  eachChild(part, [&](const tinyxml2::XMLElement& e) {
+    const std::string tag = e.Name();
+    // Those of a class are values for others, those of a tendon name others.
+    if (tag == "body" || (tag == "geom" && around != "default" && around != "spatial"))
+      fail(e,
+           "<" + tag + "> in <" + around + "> is not read; one in <worldbody> would be accepted");
+    expectNoBodyIn(e);
+  });
+}
+
 std::vector<std::string> MjcfFile::takeWarnings() {
   std::vector<std::string> all;
   for (XmlFile* file : in_order_)

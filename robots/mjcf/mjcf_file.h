@@ -67,6 +67,10 @@ class MjcfFile {
     });
   }
 
+  /// Fails for the first <body>, and <geom> that collides, in `part`: in a file they are in
+  /// <worldbody> and its bodies alone.
+  void expectNoBodyIn(const tinyxml2::XMLElement& part) const;
+
   /// The warnings of all files, the main one first.
   std::vector<std::string> takeWarnings();
 

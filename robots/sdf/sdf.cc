@@ -41,6 +41,7 @@ class SdfReader {
       main().fail(main().root(), "the model has no <link>; at least one is needed");
     wrong_.throwFirst();
     for (const int link : models_.links) addLink(link);
+    files_.leaveOutShapesBeyondLinks();
     for (const int joint : models_.joints) each([&] { readJoint(joint); });
     wrong_.throwFirst();
     for (const int joint : models_.joints) each([&] { readMimic(joint); });
@@ -79,9 +80,6 @@ class SdfReader {
         link.collisions.push_back(std::move(*read));
     };
     XmlFile& file = f.scope.file();
-    for (const XMLElement* part = e.FirstChildElement(); part != nullptr;
-         part = part->NextSiblingElement())
-      if (std::string_view(part->Name()) != "collision") leaveOutShapesIn(file, *part);
     link.has_visual = e.FirstChildElement("visual") != nullptr;
     if (e.FirstChildElement("collision") == nullptr && files_.options().visual_as_collision) {
       file.eachChild(e, "visual", add);
@@ -91,17 +89,6 @@ class SdfReader {
     }
     if (document_.with_visuals) readVisuals(index, link);
     document_.links.push_back(std::move(link));
-  }
-
-  /// Leaves out what would be a <collision> if it stood in a link.
-  static void leaveOutShapesIn(XmlFile& file, const XMLElement& part) {
-    for (const XMLElement* e = part.FirstChildElement(); e != nullptr;
-         e = e->NextSiblingElement()) {
-      if (std::string_view(e->Name()) == "collision" && e->FirstChildElement("geometry") != nullptr)
-        file.leaveOut(*e, "<collision> in <" + std::string(part.Name()) +
-                              "> is left out; one in a <link> would be read");
-      leaveOutShapesIn(file, *e);
-    }
   }
 
   void readVisuals(int index, UrdfLink& link) {

@@ -95,6 +95,12 @@ std::string SdfFiles::fileIn(const std::string& config) const {
   return resolveFile(file.text(*newest), "model", config, newest->GetLineNum(), options_);
 }
 
+void SdfFiles::leaveOutShapesBeyondLinks() {
+  const std::vector<std::string_view> around = {"model", "world", "sdf", "gazebo"};
+  main_.file->leaveOutShapesBeyond(around);
+  for (const std::unique_ptr<XmlFile>& file : read_) file->leaveOutShapesBeyond(around);
+}
+
 std::vector<std::string> SdfFiles::takeWarnings() {
   std::vector<std::string> all = main_.file->takeWarnings();
   for (std::string& warning : std::exchange(warnings_, {})) all.push_back(std::move(warning));

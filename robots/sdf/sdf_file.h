@@ -37,6 +37,8 @@ class SdfFiles {
   /// The file that the <uri> of an <include> in `from` names, or the newest one that the
   /// model.config of that folder names. A file is read once. Throws InputError.
   const SdfSource& include(const SdfSource& from, const tinyxml2::XMLElement& uri);
+  /// XmlFile::leaveOutShapesBeyond() for the links of models, in all files.
+  void leaveOutShapesBeyondLinks();
   /// The warnings of all files, those of the main file first.
   std::vector<std::string> takeWarnings();
 

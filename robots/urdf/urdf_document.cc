@@ -51,6 +51,7 @@ class UrdfReader {
                                      "URDF is expected"
                                    : "the robot has no <link>; at least one is needed");
     file_.eachChild(file_.root(), "joint", [&](const XMLElement& joint) { readJoint(joint); });
+    file_.leaveOutShapesBeyond({"robot"});
     // What is between links and joints says little while some of them are wrong.
     wrong_.throwFirst();
     checkStructure(document_);

@@ -56,6 +56,22 @@ const XMLElement* findPlaceholder(const XMLElement& element) {
   return nullptr;
 }
 
+/// Whether a <collision>, or a <geometry> in one, is in a link with only elements of these names
+/// around it; true of a visual's <geometry>, too.
+bool isShapeOfLink(const XMLElement& shape, const std::vector<std::string_view>& around_links) {
+  const auto tag = [](const tinyxml2::XMLNode* node) {
+    return std::string_view(node->ToElement() == nullptr ? "" : node->Value());
+  };
+  const tinyxml2::XMLNode* at = &shape;
+  if (tag(at) == "geometry") at = at->Parent();
+  if (tag(at) == "visual") return true;
+  if (tag(at) != "collision" || tag(at->Parent()) != "link") return false;
+  for (at = at->Parent()->Parent(); at->ToElement() != nullptr; at = at->Parent())
+    if (std::find(around_links.begin(), around_links.end(), tag(at)) == around_links.end())
+      return false;
+  return true;
+}
+
 /// Whether there may be several elements of that name beside each other.
 bool isList(std::string_view name) {
   return name == "link" || name == "joint" || name == "collision" || name == "frame" ||
@@ -143,6 +159,7 @@ void XmlFile::leaveOut(const InputError& error, const std::string& consequence) 
 }
 
 void XmlFile::leaveOut(const XMLElement& at, const std::string& message) {
+  named_.insert(&at);
   leaveOut(InputError(path_, at.GetLineNum(), message), "");
 }
 
@@ -317,6 +334,25 @@ void XmlFile::leaveOutUnknown(const XMLElement& parent,
           errors_);
     else
       leaveOut(*child, message + " and is left out");
+  }
+}
+
+void XmlFile::leaveOutShapesIn(const XMLElement& parent,
+                               const std::vector<std::string_view>& around_links) {
+  for (const XMLElement* child = parent.FirstChildElement(); child != nullptr;
+       child = child->NextSiblingElement()) {
+    if (named_.contains(child)) continue;
+    const std::string name = child->Name();
+    const bool is_geometry = name == "geometry";
+    if ((is_geometry || (name == "collision" && child->FirstChildElement("geometry"))) &&
+        !isShapeOfLink(*child, around_links)) {
+      const bool is_in_link = std::string_view(parent.Name()) == "link";  // a misplaced one
+      const char* in = (is_in_link ? parent.Parent() : &parent)->Value();
+      leaveOut(*child, "<" + name + "> in <" + in + "> is left out; one in a " +
+                           (is_geometry ? "<collision>" : "<link>") + " would be read");
+    } else {
+      leaveOutShapesIn(*child, around_links);
+    }
   }
 }
 

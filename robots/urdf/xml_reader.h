@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -94,6 +95,12 @@ class XmlFile {
   void leaveOutUnknown(const tinyxml2::XMLElement& parent,
                        std::initializer_list<std::string_view> used,
                        std::initializer_list<std::string_view> unused);
+  /// Leaves out every <collision> with a <geometry>, and every other <geometry> but those of
+  /// visuals, that is in no <link> with nothing but elements of these names around it. Those in
+  /// what was left out are not named again.
+  void leaveOutShapesBeyond(const std::vector<std::string_view>& around_links) {
+    leaveOutShapesIn(root(), around_links);
+  }
 
  private:
   struct Seen {
@@ -102,12 +109,15 @@ class XmlFile {
   };
   std::vector<double> parsed(const tinyxml2::XMLElement& element, const std::string& what,
                              const std::string& text) const;
+  void leaveOutShapesIn(const tinyxml2::XMLElement& parent,
+                        const std::vector<std::string_view>& around_links);
 
   std::string path_;
   InputErrors* errors_;
   tinyxml2::XMLDocument document_;
   std::vector<std::string> warnings_;
-  std::map<std::string, Seen> left_out_;  // by the warning's text, without its line
+  std::map<std::string, Seen> left_out_;         // by the warning's text, without its line
+  std::set<const tinyxml2::XMLElement*> named_;  // in warnings that leave something out
 };
 
 /// Whether a name has the prefix of an XML namespace. URDF and SRDF have none: it is an extension.

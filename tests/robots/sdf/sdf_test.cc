@@ -635,8 +635,8 @@ TEST(Sdf, PartsThatAreNotReadAreNamed) {
       "name=\"m\">\n<model_state name=\"m\"/><link name=\"a\"><visual "
       "name=\"v\"><collision><geometry/>"
       "</collision></visual></link><link "
-      "name=\"b\"><collision name=\"c\">\n<surface><contact><collide_bitmask>1"
-      "</collide_bitmask></contact></surface><geometry><sphere><radius>1"
+      "name=\"b\"><collision name=\"c\">\n<surface><collision name=\"d\"><geometry/></collision>"
+      "<contact><collide_bitmask>1</collide_bitmask></contact></surface><geometry><sphere><radius>1"
       "</radius></sphere></geometry></collision></link>" +
       axis + "</model></world></sdf>");
   std::string all;
@@ -645,6 +645,7 @@ TEST(Sdf, PartsThatAreNotReadAreNamed) {
        {":2: <actor> in <sdf> is left out", ":3: <state> in <world> is left out",
         ":4: <population> in <world> is left out", ":6: <model_state> in <model> is left out",
         ":6: <collision> in <visual> is left out; one in a <link> would be read",
+        ":7: <collision> in <surface> is left out; one in a <link> would be read",
         ":7: <collide_bitmask> in <contact> is left out", ":8: <axis2> in <joint> is left out",
         ":10: <initial_position> in <axis> is left out",
         ":11: <use_parent_model_frame> in <axis> is left out",

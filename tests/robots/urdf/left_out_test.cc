@@ -100,6 +100,24 @@ TEST_F(LeftOutOfUrdf, ShapesInPartsThatAreNotRead) {
   EXPECT_EQ(model->links.back().geometries.size(), 1U);
   expectWarnings(*model, {":5: <collision> in <inertial> is not known and is left out",
                           ":4: <collision> in <visual> is not known and is left out"});
+  // Regression: in parts that are known and not read.
+  const std::string body = "<collision>" + shape + "</collision>";
+  expectWarnings(
+      *load("<link name=\"b\"><contact>" + shape + "\n" + body + "</contact><collision>" + shape +
+            "<verbose>\n" + body + "</verbose></collision></link>\n<material name=\"m\">" + body +
+            "</material>\n<transmission><link name=\"c\">" + body +
+            "</link></transmission><unknown>" + body + "</unknown>\n" +
+            "<gazebo reference=\"b\"><collision>b_collision</collision><visual>" + shape +
+            "</visual></gazebo><joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child "
+            "link=\"b\"/><sensor>" +
+            body + "</sensor></joint>"),
+      {":7: <unknown> in <robot> is not known and is left out",
+       ":3: <geometry> in <contact> is left out; one in a <collision> would be read",
+       ":4: <collision> in <contact> is left out; one in a <link> would be read",
+       ":5: <collision> in <verbose> is left out; one in a <link> would be read",
+       ":6: <collision> in <material> is left out; one in a <link> would be read",
+       ":7: <collision> in <transmission> is left out; one in a <link> would be read",
+       ":8: <collision> in <sensor> is left out; one in a <link> would be read"});
 }
 
 /// Elements that planning does not read have these warnings, too; extensions have none.
