@@ -148,7 +148,8 @@ void readDeforming(const YamlReader& entry, const robots::LoadOptions& load, Pro
       !fault.empty())
     name.fail(fmt::format("{} '{}' {}", name.where(), name.text(), fault));
   const IndexedMesh rest = readRestMesh(entry, load);
-  problem.warnings.insert(problem.warnings.end(), rest.warnings.begin(), rest.warnings.end());
+  for (const auto* warnings : {&rest.warnings, &rest.face_warnings})
+    problem.warnings.insert(problem.warnings.end(), warnings->begin(), warnings->end());
   const auto motion_entry = entry.find("motion");
   const auto motion =
       motion_entry ? readMotion(*motion_entry, rest, load, problem.warnings) : nullptr;

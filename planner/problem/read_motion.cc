@@ -53,8 +53,8 @@ void addBump(const YamlReader& bump, const Vertices& rest, Vertices& displaced) 
 }
 
 /// The vertices of `file`, the rest displaced by `bumps`, or the rest.
-Vertices readTarget(const YamlReader& target, const Vertices& rest,
-                    const robots::LoadOptions& load) {
+Vertices readTarget(const YamlReader& target, const Vertices& rest, const robots::LoadOptions& load,
+                    std::vector<std::string>& warnings) {
   target.expectKeys(keysOf("target"));
   const auto file = target.find("file"), bumps = target.find("bumps");
   if (file && bumps)
@@ -62,11 +62,13 @@ Vertices readTarget(const YamlReader& target, const Vertices& rest,
   if (const auto scale = target.find("scale"); scale && !file)
     scale->fail(fmt::format("{} goes with 'file' only", scale->where()));
   if (file) {
-    Vertices vertices = readVertices(target, load).vertices;
-    if (vertices.size() != rest.size())
+    robots::IndexedMesh mesh = readVertices(target, load);
+    if (mesh.vertices.size() != rest.size())
       file->fail(fmt::format("{} has {} vertices; the mesh's {} are expected", file->text(),
-                             vertices.size(), rest.size()));
-    return vertices;
+                             mesh.vertices.size(), rest.size()));
+    // (Its faces are not used: the mesh at rest has them.)
+    warnings.insert(warnings.end(), mesh.warnings.begin(), mesh.warnings.end());
+    return std::move(mesh.vertices);
   }
   Vertices displaced = rest;
   if (bumps)
@@ -164,11 +166,12 @@ std::shared_ptr<const VertexMotion> readLattice(const YamlReader& lattice, const
 }
 
 std::shared_ptr<const VertexMotion> readMorph(const YamlReader& morph, const Vertices& rest,
-                                              const robots::LoadOptions& load) {
+                                              const robots::LoadOptions& load,
+                                              std::vector<std::string>& warnings) {
   morph.expectKeys(keysOf("morph"));
   collision::MorphMotion result;
   for (const YamlReader& target : morph.at("references", "a list of targets").items())
-    result.references.push_back(readTarget(target, rest, load));
+    result.references.push_back(readTarget(target, rest, load, warnings));
   for (const YamlReader& entry : morph.at("keys", "a list of keys").items()) {
     entry.expectKeys(keysOf("morph_key"));
     result.keys.push_back({entry.at("time", "a number [s]").number(),
@@ -180,7 +183,8 @@ std::shared_ptr<const VertexMotion> readMorph(const YamlReader& morph, const Ver
 
 /// A cache whose frames are targets, which have double precision.
 std::shared_ptr<const VertexMotion> readFrames(const YamlReader& cache, const Vertices& rest,
-                                               const robots::LoadOptions& load) {
+                                               const robots::LoadOptions& load,
+                                               std::vector<std::string>& warnings) {
   cache.expectKeys(keysOf("cache"));
   if (cache.find("file"))
     cache.fail(fmt::format("{} has both 'file' and 'frames'; one is expected", cache.where()));
@@ -195,19 +199,20 @@ std::shared_ptr<const VertexMotion> readFrames(const YamlReader& cache, const Ve
     times.fail(fmt::format("{} has {} numbers; as many as 'frames', {}, are expected",
                            times.where(), result.times.size(), frames.size()));
   for (const YamlReader& frame : frames) {
-    const Vertices vertices = readTarget(frame, rest, load);
+    const Vertices vertices = readTarget(frame, rest, load, warnings);
     result.positions.insert(result.positions.end(), vertices.begin(), vertices.end());
   }
   return VertexMotion::cache(std::move(result));
 }
 
 std::shared_ptr<const VertexMotion> readReduced(const YamlReader& reduced, const Vertices& rest,
-                                                const robots::LoadOptions& load) {
+                                                const robots::LoadOptions& load,
+                                                std::vector<std::string>& warnings) {
   reduced.expectKeys(keysOf("reduced"));
   collision::ReducedMotion result;
   result.rest = rest;
   for (const YamlReader& target : reduced.at("modes", "a list of targets").items()) {
-    Vertices mode = readTarget(target, rest, load);
+    Vertices mode = readTarget(target, rest, load, warnings);
     for (std::size_t v = 0; v < mode.size(); ++v) mode[v] -= rest[v];
     result.modes.push_back(std::move(mode));
   }
@@ -234,11 +239,11 @@ std::shared_ptr<const VertexMotion> readWord(std::string_view word, const YamlRe
                                              std::vector<std::string>& warnings) {
   if (word == "waves") return readWaves(value, motion, rest);
   if (word == "lattice") return readLattice(value, rest);
-  if (word == "morph") return readMorph(value, rest, load);
+  if (word == "morph") return readMorph(value, rest, load, warnings);
   if (word == "skinned") return readSkinned(value, rest, warnings);
   if (word == "cache")
-    return value.find("frames") ? readFrames(value, rest, load) : readCache(value, rest);
-  return readReduced(value, rest, load);
+    return value.find("frames") ? readFrames(value, rest, load, warnings) : readCache(value, rest);
+  return readReduced(value, rest, load, warnings);
 }
 
 }  // namespace

@@ -266,18 +266,19 @@ IndexedMesh importIndexed(const std::string& path, const Eigen::Vector3d& scale,
   const CutMesh cut = triangulate(mesh, Bent::kCut);
   if (cut.triangles.empty()) source.fail("holds no faces; at least one would be accepted");
   for (Eigen::Vector3d& v : mesh.vertices) v = v.cwiseProduct(scale);
-  std::vector<MeshNote> notes = std::move(contents.notes);
+  std::vector<MeshNote> notes = std::move(contents.notes), of_faces;
   noteWhatIsNotSolid(contents.not_solid, notes);
   noteUnusedVertices(mesh, notes);
   FaceNote bent, crossing;
   bent.add(cut.bent, scale.asDiagonal());
-  bent.tell("is not planar", "are not planar", "; taken as triangles", notes);
+  bent.tell("is not planar", "are not planar", "; taken as triangles", of_faces);
   crossing.add(cut.crossing, scale.asDiagonal());
   crossing.tell("crosses itself", "cross themselves",
-                "; the triangles cover the inside, and perhaps more", notes);
+                "; the triangles cover the inside, and perhaps more", of_faces);
   return {{mesh.vertices.begin(), mesh.vertices.end()},
           {cut.triangles.begin(), cut.triangles.end()},
-          warningsOf(source, notes)};
+          warningsOf(source, notes),
+          warningsOf(source, of_faces)};
 }
 
 IndexedMesh importTriangles(const std::string& path, const Eigen::Vector3d& scale,

@@ -35,6 +35,7 @@ struct IndexedMesh {
   std::vector<Eigen::Vector3d> vertices;  ///< [m]
   std::vector<std::array<std::int32_t, 3>> triangles;
   std::vector<std::string> warnings;
+  std::vector<std::string> face_warnings = {};  ///< importIndexed(): of faces that were cut
 };
 
 /// Reads a Wavefront OBJ file, triangulates its polygons and scales its vertices, which keep their

@@ -300,7 +300,8 @@ class Document {
         parts.add(number, *visual.shape, 0, visual.X_LV);
         continue;
       }
-      const auto& [vertices, of, warnings] = visual.mesh;
+      const auto& vertices = visual.mesh.vertices;
+      const auto& of = visual.mesh.triangles;
       // Larger meshes get more of the triangles, and each a hundred.
       const double share = static_cast<double>(of.size()) / static_cast<double>(triangles);
       const auto most = std::max<std::size_t>(

@@ -110,6 +110,23 @@ TEST_F(ProblemDeforming, ConcaveFacesKeepTheirNotch) {
   }
 }
 
+/// Regression: they were lost in silence.
+TEST_F(ProblemDeforming, WarningsAboutFilesOfTargets) {
+  write("odd.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nodd 1\nf 1 2 3 4\n");
+  const std::string morph =
+      "morph: {references: [{}, {file: odd.obj}], keys: [{time: 0, weights: "
+      "[1, 0]}]}";
+  const std::string frames = "cache: {times: [0], frames: [{file: odd.obj}]}";
+  const std::string reduced = "reduced: {modes: [{file: odd.obj}], harmonics: [{frequency: 1}]}";
+  for (const std::string& motion : {morph, frames, reduced}) {
+    const Problem problem =
+        load("deforming:\n  - name: cloth\n    mesh: {file: square.obj}\n    motion: {" + motion +
+             "}\nmeshes: {cloth: {solid: surface}}\n");
+    ASSERT_EQ(problem.warnings.size(), 1U) << motion;
+    EXPECT_NE(problem.warnings[0].find("odd.obj:5: "), std::string::npos) << problem.warnings[0];
+  }
+}
+
 /// Faces that are not planar are the triangles that they are cut into, with a warning.
 TEST_F(ProblemDeforming, BentFacesAreTold) {
   write("bent_face.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3 4\nl 1 2\n");
