@@ -2,6 +2,8 @@
 
 #include <tinyxml2.h>
 
+#include <tuple>
+
 #include "tests/support/build_paths.h"
 #include "tests/support/command.h"
 
@@ -24,6 +26,35 @@ TEST_F(Check, ARobotNeedsNoStartAndGoal) {
   expectRefused(robot + "--state left --group leg", {"leg", "arm"});
   expectRefused(robot + "--state start", {"'start'", "--start"});
   expectRefused(robot, {"--start"});
+}
+
+/// Regression: they were refused.
+TEST_F(Check, FilesWithoutAGoalHaveAStart) {
+  for (const auto& [file, start, status] :
+       {std::tuple("free.yaml", "right", 0), {"contact.yaml", "{shoulder: 0, elbow: 0}", 1}}) {
+    std::string text = kReach;
+    text.replace(text.find("goal: left\n"), 11, "");
+    write(file, text.replace(text.find("right"), 5, start));
+    const std::string name = file, verdict = status == 0 ? "valid" : "not valid";
+    const Answer check = run("check " + name);
+    EXPECT_EQ(check.status, status);
+    EXPECT_EQ(check.out.find("start: " + verdict), 0U) << check.out;
+    EXPECT_EQ(run("check " + name + " --state start").out, check.out);
+    expectRefused("check " + name + " --state goal", {"is given by --goal or a problem file"});
+    const Answer view = run("view " + name + " --svg start.svg");
+    EXPECT_EQ(view.status, status) << view.out << view.err;
+    EXPECT_NE(view.out.find("start " + verdict), std::string::npos) << view.out;
+    EXPECT_NE(view.out.find("No goal is given"), std::string::npos) << view.out;
+    EXPECT_NE(read("start.svg").find("post"), std::string::npos);
+    const Answer lint = run("lint " + name);
+    EXPECT_EQ(lint.status, 1);
+    EXPECT_NE(lint.out.find(name + ": warning: the file has no goal"), std::string::npos);
+    EXPECT_EQ(lint.out.find("lower and post collide") != std::string::npos, status == 1);
+    expectRefused("plan " + name, {"neither 'goal' nor 'goals'"});
+  }
+  const Answer check = run("check --robot arm.urdf --srdf arm.srdf --group arm --start right");
+  EXPECT_EQ(check.status, 0) << check.err;
+  EXPECT_EQ(check.out.find("left"), std::string::npos);
 }
 
 TEST_F(Check, AStartOfAPoseKeepsTheConstraintsOfTheCommandLine) {

@@ -97,15 +97,16 @@ void appendGoals(const planner::Problem& problem, std::vector<NamedState>& state
   }
 }
 
-std::vector<NamedState> collectStates(const planner::Problem& problem,
+/// `has_start`: the source gives one.
+std::vector<NamedState> collectStates(const planner::Problem& problem, bool has_start,
                                       const std::vector<std::string>& wanted) {
   std::vector<NamedState> states;
   for (const std::string& text : wanted) {
     if (text == "goal" && !problem.steps.empty())
       badState(text, "a task has a goal for each of its moves; start or a named state is expected");
-    if (problem.goals.empty() && (text == "goal" || (text == "start" && problem.steps.empty()))) {
-      badState(text, fmt::format("is given by --{0} or a problem file; or name a state", text));
-    }
+    if ((text == "goal" && problem.goals.empty()) || (text == "start" && !has_start))
+      badState(text,
+               fmt::format("is given by --{0} or a problem file with one; or name a state", text));
     if (text == "start") {
       states.push_back({"start", startPoint(problem)});
     } else if (text == "goal") {
@@ -306,7 +307,9 @@ int runCheck(const CheckArguments& arguments) {
                                  : loadProblemOrRobot(arguments.source, [&](planner::Problem& p) {
                                      apply(arguments.limits, p);
                                    });
-  const std::vector<NamedState> states = collectStates(problem, arguments.states);
+  const ProblemSource& source = arguments.source;
+  const bool has_start = !(source.problem + source.start + source.request).empty();
+  const std::vector<NamedState> states = collectStates(problem, has_start, arguments.states);
   planner::EdgeCertifier certifier(std::make_shared<const planner::CompiledScene>(problem));
   printWarnings(certifier.scene().warnings());
   const std::string nothing_checked = certifier.scene().nothingChecked();
@@ -347,6 +350,7 @@ Verb addCheck(CLI::App& command) {
   CLI::App* app =
       command.add_subcommand("check", "validity and clearance of start, goal or a given state");
   addProblemArguments(*app, arguments->source);
+  arguments->source.needs_goal = false;
   addRunLimits(*app, arguments->limits);
   app->add_option("--state", arguments->states,
                   "start, goal, a group state, all planned values (1,0,2) or some "

@@ -205,6 +205,10 @@ void read(const std::string& file, const ProblemSource& source, Findings& findin
     findings.addWarnings(problem.robot.model->warnings, file);
   }
   findings.addWarnings(problem.warnings, file);
+  if (problem.goals.empty() && problem.steps.empty())
+    findings.add({file, 0, false,
+                  "the file has no goal: `leeway plan` refuses it; goal, goals, steps or waypoints "
+                  "would be one"});
   lintLimits(*problem.robot.model, file, findings);
   if (kind == info::FileKind::kProblem) lintScene(problem, file, findings);
 }
@@ -212,6 +216,7 @@ void read(const std::string& file, const ProblemSource& source, Findings& findin
 void lint(const std::string& file, ProblemSource source, Findings& findings) {
   robots::InputErrors errors;
   source.errors = &errors;
+  source.needs_goal = false;
   bool has_more = false;
   try {
     read(file, source, findings);

@@ -34,9 +34,11 @@ struct ViewArguments {
   bool shortest = false;
 };
 
-/// The subject if no path is given: a plan, or an execution if obstacles move.
+/// The subject if no path is given: a plan, or an execution if obstacles move, or the start if
+/// there is no goal.
 view::Subject solve(const planner::Problem& problem, const ViewArguments& arguments) {
   const std::string& name = arguments.source.problem;
+  if (problem.goals.empty() && problem.steps.empty()) return view::subjectOfStart(problem, name);
   if (movesAsKnown(problem)) {
     std::vector<planner::ReplanStep> steps;
     planner::ReplanOptions options;
@@ -55,6 +57,7 @@ view::Subject solve(const planner::Problem& problem, const ViewArguments& argume
 
 int runView(ViewArguments& arguments) {
   arguments.source.notes_clouds = false;
+  arguments.source.needs_goal = false;
   std::string path_file;
   if (arguments.files.size() == 2 ||
       (arguments.files.size() == 1 && !arguments.source.robot.empty()))
@@ -122,7 +125,7 @@ Verb addView(CLI::App& command) {
   addProblemAndPathArguments(*app, arguments->source, arguments->files);
   app->get_option("files")->expected(0, 2)->description(
       "problem file (not with --robot) and path file; without a path the problem is planned, or "
-      "executed where its obstacles move");
+      "executed where its obstacles move; without a goal the start is shown");
   addPlanOverrides(*app, arguments->overrides);
   addShortest(*app, arguments->shortest);
   CLI::Option* output = app->add_option("--output", arguments->page.file, "the page")

@@ -10,6 +10,7 @@
 
 #include "collision/base/numbers.h"
 #include "leeway/planner/verify.h"
+#include "planner/constraint/constraint_proof.h"
 #include "planner/validate/checks.h"
 #include "planner/verify/path_check.h"
 #include "tools/view/base/figures.h"
@@ -322,6 +323,29 @@ Subject subjectOfExecution(const planner::Problem& problem, const std::string& s
     subject.notes.push_back(fmt::format("Nearest: {} and {}, {}, in the step from {:.2f} s on.",
                                         nearest->closest_a, nearest->closest_b,
                                         clearanceText(nearest->clearance), nearest->time));
+  noteClouds(subject);
+  noteEnds(subject);
+  return subject;
+}
+
+Subject subjectOfStart(const planner::Problem& problem, const std::string& source) {
+  Subject subject = begin(problem, source);
+  const End& start = subject.ends.front();
+  subject.shown = start.name;
+  subject.timeline = timelineOfState(problem, subject.scene,
+                                     {{}, {}, 0, 0, problem, subject.first_scene}, start.position);
+  subject.notes.emplace_back("No goal is given: the start is shown.");
+  std::string fault = subject.scene->space().brokenLimit(start.position);
+  if (fault.empty())
+    fault = planner::ConstraintProof(*subject.scene, problem).fault(start.position);
+  if (!fault.empty()) subject.notes.push_back(fmt::format("The start: {}.", fault));
+  subject.good = start.isValid() && fault.empty();
+  subject.verdict = subject.good ? "start valid" : "start not valid";
+  if (const std::string nothing = subject.scene->nothingChecked(); !nothing.empty()) {
+    subject.good = false;
+    noteNothingChecked(nothing, subject);
+  }
+  subject.notes.push_back(toString(planner::countUnchecked(subject.scene->dropped())) + ".");
   noteClouds(subject);
   noteEnds(subject);
   return subject;

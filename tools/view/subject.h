@@ -38,9 +38,9 @@ struct Subject {
   std::string path_file = {};  ///< where the path comes from: its file, or "plan"
 };
 
-/// The subject of a plan, of a path, of an execution. Each function compiles the problem and
-/// measures, which takes about a second. `certificate`: of the path, if known. `stop` may return
-/// true to accept wider intervals of the least clearances.
+/// The subject of a plan, of a path, of an execution, of the start alone. Each function compiles
+/// the problem and measures, which takes about a second. `certificate`: of the path, if known.
+/// `stop` may return true to accept wider intervals of the least clearances.
 Subject subjectOfPlan(const planner::Problem& problem, const std::string& source,
                       const planner::PlanResult& result, SearchEdges searched,
                       const std::function<bool()>& stop = {});
@@ -50,5 +50,6 @@ Subject subjectOfPath(const planner::Problem& problem, const std::string& source
 Subject subjectOfExecution(const planner::Problem& problem, const std::string& source,
                            const std::vector<planner::ReplanStep>& steps,
                            planner::ReplanStatus status);
+Subject subjectOfStart(const planner::Problem& problem, const std::string& source);
 
 }  // namespace leeway::tools::view

@@ -129,6 +129,7 @@ planner::Problem loadFromRobot(const ProblemSource& source) {
   }
   planner::Problem problem = problemOfRobot(source);
   planner::takeStates(source.start, source.goal.empty() ? source.start : source.goal, problem);
+  if (source.goal.empty()) problem.goals.clear();
   planner::validate(problem);
   return problem;
 }
