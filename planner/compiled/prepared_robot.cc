@@ -88,7 +88,8 @@ const char* PreparedRobot::differenceFrom(const Problem& problem,
                   [](const auto& x, const auto& y) { return isSame(x, y); }))
     return "robot.attachments";
   if (contacts_.replace_srdf != problem.contacts.replace_srdf ||
-      contacts_.allowed != problem.contacts.allowed)
+      contacts_.allowed != problem.contacts.allowed ||
+      contacts_.checked != problem.contacts.checked)
     return "contacts";
   return nullptr;
 }

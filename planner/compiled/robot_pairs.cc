@@ -43,7 +43,8 @@ RobotPairs::RobotPairs(const Problem& problem, std::span<const robots::VariableR
   findCarriers();
   addLinks();
   addAttachments();
-  findAllowed();
+  allowed_ = bodiesOf(problem.contacts.allowed);
+  checked_ = bodiesOf(problem.contacts.checked);
   for (int i = 0; i < count(); ++i) {
     for (int j = i + 1; j < count(); ++j)
       if (const std::optional<Reason> why = reason(i, j)) drop(i, j, *why);
@@ -108,11 +109,14 @@ void RobotPairs::addAttachments() {
 
 // Reasons to drop a pair.
 
-void RobotPairs::findAllowed() {
-  for (const auto& [x, y] : problem_.contacts.allowed)
+std::set<std::pair<int, int>> RobotPairs::bodiesOf(
+    const std::vector<std::pair<std::string, std::string>>& pairs) const {
+  std::set<std::pair<int, int>> bodies;
+  for (const auto& [x, y] : pairs)
     for (const int i : named(x))
       for (const int j : named(y))
-        if (i != j) allowed_.emplace(std::min(i, j), std::max(i, j));
+        if (i != j) bodies.emplace(std::min(i, j), std::max(i, j));
+  return bodies;
 }
 
 /// Returns nullopt for a pair that is checked. The condition that two bodies do not move relative
@@ -128,6 +132,7 @@ std::optional<RobotPairs::Reason> RobotPairs::reason(int i, int j) const {
 
 /// The reason why two bodies may touch, by their rules.
 std::optional<RobotPairs::Reason> RobotPairs::contact(int i, int j) const {
+  if (checked_.count({i, j}) != 0) return std::nullopt;
   const Entry &a = entries_[at(i)], &b = entries_[at(j)];
   const auto plain = [](Unchecked why) { return Reason{why, toString(why)}; };
   if (a.isLink() && b.isLink()) {
@@ -159,7 +164,7 @@ void RobotPairs::dropTouching(const robots::Stop& stop) {
     for (int j = i + 1; j < count(); ++j) {
       const Entry &a = entries_[at(i)], &b = entries_[at(j)];
       if (!a.isLink() || !b.isLink() || is_dropped_.count({i, j}) != 0 ||
-          robots::onlyJointBetween(model_, a.link, b.link) < 0)
+          checked_.count({i, j}) != 0 || robots::onlyJointBetween(model_, a.link, b.link) < 0)
         continue;
       neighbours.emplace_back(a.link, b.link);
       places.emplace_back(i, j);

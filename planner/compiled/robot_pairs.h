@@ -58,7 +58,8 @@ class RobotPairs {
   };
 
   void findCarriers();
-  void findAllowed();
+  std::set<std::pair<int, int>> bodiesOf(
+      const std::vector<std::pair<std::string, std::string>>& pairs) const;
   std::optional<Reason> reason(int i, int j) const;
   std::optional<Reason> contact(int i, int j) const;
   void drop(int i, int j, const Reason& reason);
@@ -82,7 +83,7 @@ class RobotPairs {
   std::vector<robots::Pose> poses_;
   std::vector<Entry> entries_;
   std::unordered_map<std::string, std::vector<int>> named_;  // entries by name
-  std::set<std::pair<int, int>> allowed_;                    // by the problem; the lower body first
+  std::set<std::pair<int, int>> allowed_, checked_;          // by the problem; the lower body first
   /// The link of the nearest joint that moves each link; -1: it stands still.
   std::vector<int> carrier_;
   std::set<std::pair<int, int>> is_dropped_;

@@ -475,8 +475,8 @@ void readAllowed(const YamlReader& allowed, const KnownNames& known, const robot
                  Problem& problem) {
   const auto read = [&](const YamlReader& pair) {
     if (pair.isScalar() && pair.text() == "auto") return readAuto(pair, stop, problem);
-    for (auto& names : readNamePairs(pair, known).pairs)
-      problem.contacts.allowed.push_back(std::move(names));
+    // (Beside `moveit`, they hold over its matrix.)
+    allowPairs(readNamePairs(pair, known).pairs, problem.contacts);
   };
   if (allowed.isScalar()) {
     if (allowed.text() != "auto")
@@ -487,6 +487,17 @@ void readAllowed(const YamlReader& allowed, const KnownNames& known, const robot
   allowed.eachItem(read);
 }
 
+void readChecked(const YamlReader& checked, const KnownNames& known, Problem& problem) {
+  const Names names(problem);
+  checked.eachItem([&](const YamlReader& pair) {
+    for (auto& links : readNamePairs(pair, known).pairs) {
+      if (const std::string fault = names.checkedFault(links.first, links.second); !fault.empty())
+        pair.fail(fmt::format("{}: {}", pair.where(), fault));
+      problem.contacts.checked.push_back(std::move(links));
+    }
+  });
+}
+
 void readPairs(const YamlReader& file, const LinkPadding& padding, const robots::Stop& stop,
                Problem& problem) {
   KnownNames known(problem);
@@ -494,6 +505,7 @@ void readPairs(const YamlReader& file, const LinkPadding& padding, const robots:
   if (const auto replace = file.find("replace_srdf"))
     problem.contacts.replace_srdf = replace->boolean();
   if (const auto allowed = file.find("allowed")) readAllowed(*allowed, known, stop, problem);
+  if (const auto checked = file.find("checked")) readChecked(*checked, known, problem);
   if (const auto margin = file.find("margin"))
     warnOfOverlap(problem.margins.common, *margin, problem);
   applyLinkPadding(padding, problem);

@@ -329,6 +329,7 @@ std::string problemDifference(const Problem& a, const Problem& b) {
     if (!isSame(a.world.objects[i].X_WO, b.world.objects[i].X_WO))
       return fmt::format("world.objects[{}].X_WO", i);
   if (a.contacts.allowed != b.contacts.allowed) return "contacts.allowed";
+  if (a.contacts.checked != b.contacts.checked) return "contacts.checked";
   if (a.contacts.replace_srdf != b.contacts.replace_srdf) return "contacts.replace_srdf";
   return isSameCost(a.objective, b.objective) ? "" : "objective";
 }

@@ -711,8 +711,9 @@ class Writer {
   }
 
   void writePairs() {
-    std::vector<std::string> allowed, margins;
+    std::vector<std::string> allowed, checked, margins;
     for (const auto& [a, b] : problem_.contacts.allowed) allowed.push_back(wordsText({a, b}));
+    for (const auto& [a, b] : problem_.contacts.checked) checked.push_back(wordsText({a, b}));
     if (problem_.contacts.replace_srdf) line("replace_srdf", "true");
     const std::vector<PairMargin>& pairs = problem_.margins.pairs;
     for (std::size_t i = 0; i < pairs.size();) {
@@ -751,6 +752,7 @@ class Writer {
       line("groups", groups.text());
     }
     list("allowed", allowed);
+    list("checked", checked);
     list("margins", margins);
   }
 

@@ -15,8 +15,7 @@ Problem firstWorld(const Problem& problem) {
 
 Problem stageOf(const Problem& world, const Step& step) {
   Problem stage = world;
-  stage.contacts.allowed.insert(stage.contacts.allowed.end(), step.allowed.begin(),
-                                step.allowed.end());
+  allowPairs(step.allowed, stage.contacts);
   const auto* move = std::get_if<MoveStep>(&step.action);
   if (move == nullptr) return stage;
   Goal goal = move->goal;

@@ -24,6 +24,11 @@ bool standsForAll(const Problem& problem, std::string_view word) {
          (model.findLink(word) < 0 || keepsMeaning(model, word));
 }
 
+bool isSamePair(const std::pair<std::string, std::string>& x,
+                const std::pair<std::string, std::string>& y) {
+  return x == y || (x.first == y.second && x.second == y.first);
+}
+
 /// The fault of a name that has a meaning already; empty for other names.
 const char* reservedFault(std::string_view name) {
   return name == kRobotWord ? kNameReserved : name == kWorldWord ? kWorldReserved : "";
@@ -85,6 +90,25 @@ std::string Names::pairFault(const std::string& a, const std::string& b) const {
   if (!isKnown(a)) return unknown(a);
   if (!isKnown(b)) return unknown(b);
   return a == b ? sameName(a) : std::string();
+}
+
+std::string Names::checkedFault(const std::string& a, const std::string& b) const {
+  if (std::string fault = pairFault(a, b); !fault.empty()) return fault;
+  for (const std::string& name : {a, b})
+    if (problem_.robot.model->findLink(name) < 0)
+      return "'" + name + "' is no link; two links are expected";
+  const auto isIt = [&](const auto& pair) { return isSamePair(pair, {a, b}); };
+  const auto& allowed = problem_.contacts.allowed;
+  return std::any_of(allowed.begin(), allowed.end(), isIt)
+             ? "'" + a + "' and '" + b + "' are allowed to touch, too; one of both is expected"
+             : std::string();
+}
+
+void allowPairs(const std::vector<std::pair<std::string, std::string>>& pairs, Contacts& contacts) {
+  for (const auto& pair : pairs) {
+    contacts.allowed.push_back(pair);
+    std::erase_if(contacts.checked, [&](const auto& other) { return isSamePair(pair, other); });
+  }
 }
 
 std::string Names::marginFault(const std::string& a, const std::string& b) const {

@@ -72,6 +72,8 @@ class Names {
   std::string unknown(std::string_view name, std::vector<std::string> others = {}) const;
   /// Returns the fault of a pair of names; empty if the pair is valid.
   std::string pairFault(const std::string& a, const std::string& b) const;
+  /// The same for Contacts::checked, which has links alone that are not in Contacts::allowed.
+  std::string checkedFault(const std::string& a, const std::string& b) const;
   /// The same for margins, which also accept kRobotWord and kWorldWord, unless a link with a shape
   /// has that name.
   std::string marginFault(const std::string& a, const std::string& b) const;
@@ -90,6 +92,9 @@ class Names {
   NameTable table_;
   std::string fault_;
 };
+
+/// Adds to `allowed` of the contacts, and takes from `checked`.
+void allowPairs(const std::vector<std::pair<std::string, std::string>>& pairs, Contacts& contacts);
 
 /// The message about a pair that has the same name twice.
 std::string sameName(const std::string& name);

@@ -91,6 +91,10 @@ constexpr Setting kSettings[] = {
      .help = "Pairs (a, b) that may touch, besides those of the SRDF; names as in `margins`, "
              "except 'world'. 'auto', in their place or among them, is the pairs of links that "
              "touch with all joints at zero (MJCF: qpos0), or at the nearest limit"},
+    {.name = "checked",
+     .key = "checked",
+     .help = "Pairs (a, b) of links that are checked although a joint connects them, the SRDF "
+             "disables them or they always touch. Not also in `allowed`"},
     {.name = "margin",
      .key = "margin",
      .unit = "m",

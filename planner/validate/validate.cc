@@ -181,6 +181,11 @@ void checkNames(const Problem& problem) {
   for (std::size_t i = 0; i < allowed.size(); ++i)
     requirePair(allowed[i].first, allowed[i].second,
                 [i] { return fmt::format("contacts.allowed[{}]", i); });
+  const auto& checked = problem.contacts.checked;
+  for (std::size_t i = 0; i < checked.size(); ++i)
+    if (const std::string fault = names.checkedFault(checked[i].first, checked[i].second);
+        !fault.empty())
+      refuse(problem, fmt::format("contacts.checked[{}]: {}", i, fault));
   const auto& pairs = problem.margins.pairs;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto where = [i] { return fmt::format("margins.pairs[{}]", i); };

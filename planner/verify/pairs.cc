@@ -43,6 +43,8 @@ class Rules {
   std::optional<Unchecked> reason(const Body& a, const Body& b, const BodyPair& pair) {
     const bool link_a = a.link >= 0 && !a.attached, link_b = b.link >= 0 && !b.attached;
     const bool links = link_a && link_b;
+    for (const auto& names : problem_.contacts.checked)
+      if (links && same(names, a.name, b.name)) return std::nullopt;
     if (links && adjacent(a.link, b.link)) return Unchecked::kAdjacent;
     if (links)
       if (const robots::DisabledPair* entry = disabled(a.link, b.link))

@@ -283,6 +283,12 @@ planner::MinimumCost costOf(const py::dict& objective) {
   return cost;
 }
 
+py::object pairList(const NamePairs& pairs) {
+  py::list list;
+  for (const auto& [a, b] : pairs) list.append(py::make_tuple(a, b));
+  return py::object(list);
+}
+
 using P = planner::Problem;
 using V = const py::object&;
 
@@ -333,11 +339,7 @@ const OwnValue kOwnValues[] = {
     {"constraints", "Sequence[Constraint]", "list[Constraint]", constraintList, setConstraints},
     {"margins", "Mapping[Any, float]", "dict[Any, float]", getMargins, setMargins},
     {"allowed", "Literal['auto'] | Iterable[Any]", "list[Any]",
-     [](const P& p) {
-       py::list pairs;
-       for (const auto& [a, b] : p.contacts.allowed) pairs.append(py::make_tuple(a, b));
-       return py::object(pairs);
-     },
+     [](const P& p) { return pairList(p.contacts.allowed); },
      [](P& p, V v) {
        NamePairs pairs;
        const auto add = [&](py::handle item) {
@@ -358,6 +360,17 @@ const OwnValue kOwnValues[] = {
        else if (!v.is_none())
          for (const py::handle item : py::list(v)) add(item);
        p.contacts.allowed = std::move(pairs);
+     }},
+    {"checked", "Iterable[Any]", "list[Any]",
+     [](const P& p) { return pairList(p.contacts.checked); },
+     [](P& p, V v) {
+       NamePairs pairs;
+       if (!v.is_none())
+         for (const py::handle item : py::list(v)) {
+           NamePairs added = namePairs(p, item, "checked");
+           pairs.insert(pairs.end(), added.begin(), added.end());
+         }
+       p.contacts.checked = std::move(pairs);
      }},
     {"wishes", "Mapping[Any, float | tuple[float, float] | list[float | tuple[float, float]]]",
      "Any", getWishes, setWishes},
@@ -599,7 +612,8 @@ bool isFixed(const py::object& value) {
 }
 
 /// Returns an image of an object; another image means that the object has changed. Throws TypeError
-/// for what may change without another image, ValueError for a list or dict that holds itself.
+/// for what may change without another image, ValueError for a list or dict that
+/// holds itself.
 py::object imageOf(const std::string& name, const py::object& value, int depth = 0) {
   constexpr int kDeepest = 20;  // settings are at most 7 deep
   if (depth > kDeepest)

@@ -169,7 +169,7 @@ class Problem:
     def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *,
         # Settings:
         name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-        allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+        allowed: Literal['auto'] | Iterable[Any] = ..., checked: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
         wishes: Mapping[Any, float | tuple[float, float] | list[float | tuple[float, float]]] = ..., steps: Sequence[TaskStep] = ...,
         constraints: Sequence[Constraint] = ..., planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ...,
         keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ...,
@@ -197,6 +197,7 @@ class Problem:
     goal: Any
     goals: Any
     allowed: list[Any]
+    checked: list[Any]
     margin: float
     margins: dict[Any, float]
     wishes: Any
@@ -414,7 +415,7 @@ class Scene:
     def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *,
         # Settings:
         name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-        allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+        allowed: Literal['auto'] | Iterable[Any] = ..., checked: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
         wishes: Mapping[Any, float | tuple[float, float] | list[float | tuple[float, float]]] = ..., steps: Sequence[TaskStep] = ...,
         constraints: Sequence[Constraint] = ..., planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ...,
         keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ...,
@@ -566,7 +567,7 @@ class Replanner:
     def __init__(self, robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, joint_errors: float | ArrayLike = 0, stop: _Stop = None,
         # Settings:
         name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-        allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+        allowed: Literal['auto'] | Iterable[Any] = ..., checked: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
         wishes: Mapping[Any, float | tuple[float, float] | list[float | tuple[float, float]]] = ..., steps: Sequence[TaskStep] = ...,
         constraints: Sequence[Constraint] = ..., planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ...,
         keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ...,
@@ -637,7 +638,7 @@ class Guard:
         horizon: float = 2,
         # Settings:
         name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-        allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+        allowed: Literal['auto'] | Iterable[Any] = ..., checked: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
         wishes: Mapping[Any, float | tuple[float, float] | list[float | tuple[float, float]]] = ..., steps: Sequence[TaskStep] = ...,
         constraints: Sequence[Constraint] = ..., planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ...,
         keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ...,
@@ -679,7 +680,7 @@ def planner_parameters(planner: str) -> dict[str, str]: ...
 def plan(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, stop: _Stop = None, progress: Callable[[str, float], object] | None = None, on_path: Callable[[_Array, float], object] | None = None, certificate: Literal["path", "full"] = "path", tolerance: float = 0.0001,
     # Settings:
     name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-    allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+    allowed: Literal['auto'] | Iterable[Any] = ..., checked: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
     wishes: Mapping[Any, float | tuple[float, float] | list[float | tuple[float, float]]] = ..., steps: Sequence[TaskStep] = ...,
     constraints: Sequence[Constraint] = ..., planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ...,
     keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ...,
@@ -695,7 +696,7 @@ def plan_many(problems: Iterable[Problem], *, threads: int | None = None, stop: 
     # Settings:
     name: str = ..., world: World | None = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ...,
     start: _State | None = ..., goal: _Goal | None = ..., goals: Sequence[_Goal] = ..., allowed: Literal['auto'] | Iterable[Any] = ...,
-    margin: float = ..., margins: Mapping[Any, float] = ...,
+    checked: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
     wishes: Mapping[Any, float | tuple[float, float] | list[float | tuple[float, float]]] = ..., steps: Sequence[TaskStep] = ...,
     constraints: Sequence[Constraint] = ..., planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ...,
     keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ...,
@@ -712,7 +713,7 @@ def clearance(problem: Problem, path: _Path, *, tolerance: float = 0.0001, parts
 def check(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, state: _State = "start", tolerance: float = 1e-06,
     # Settings:
     name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-    allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+    allowed: Literal['auto'] | Iterable[Any] = ..., checked: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
     wishes: Mapping[Any, float | tuple[float, float] | list[float | tuple[float, float]]] = ..., steps: Sequence[TaskStep] = ...,
     constraints: Sequence[Constraint] = ..., planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ...,
     keep: float | None = ..., clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ...,
@@ -725,7 +726,7 @@ def check(robot: Robot | Problem, world: World | None = None, start: _State | No
 def replan(robot: Robot | Problem, world: World | None = None, start: _State | None = None, goal: _Goal | None = None, *, on_step: Callable[[Step], object] | None = None, steps: int | None = None, stop: _Stop = None,
     # Settings:
     name: str = ..., frames: Mapping[str, tuple[str, _Pose]] = ..., others: Mapping[str, float] = ..., goals: Sequence[_Goal] = ...,
-    allowed: Literal['auto'] | Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
+    allowed: Literal['auto'] | Iterable[Any] = ..., checked: Iterable[Any] = ..., margin: float = ..., margins: Mapping[Any, float] = ...,
     wishes: Mapping[Any, float | tuple[float, float] | list[float | tuple[float, float]]] = ..., constraints: Sequence[Constraint] = ...,
     planner: str = ..., parameters: Mapping[str, Any] = ..., objective: str | Mapping[str, Any] = ..., keep: float | None = ...,
     clearance_of: Literal["world", "all"] | None = ..., at_most_longer: float | None = ..., simplify: bool = ..., push: bool = ...,

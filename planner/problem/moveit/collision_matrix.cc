@@ -129,16 +129,6 @@ void warnOfContradictions(const Matrix& matrix,
                   matrix.names[pairs.front().first], matrix.names[pairs.front().second], more));
 }
 
-/// Has neighbours checked, as enable_collisions of an SRDF does. Other problems may share the
-/// model.
-void checkNeighbours(const std::vector<std::pair<int, int>>& neighbours, Problem& problem) {
-  if (neighbours.empty()) return;
-  auto model = std::make_shared<Model>(*problem.robot.model);
-  std::vector<std::pair<int, int>>& enabled = model->enabled_pairs;
-  enabled.insert(enabled.end(), neighbours.begin(), neighbours.end());
-  problem.robot.model = std::move(model);
-}
-
 /// Allows pairs by the matrix. Pairs that are not in the matrix follow the SRDF.
 void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
   const Model& model = *problem.robot.model;
@@ -177,13 +167,10 @@ void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
   for (const robots::DisabledPair& pair : model.disabled_pairs)
     disabled.insert(std::minmax(pair.link_a, pair.link_b));
   const std::set<int> unchecked(model.unchecked_links.begin(), model.unchecked_links.end());
-  const std::set<std::pair<int, int>> enabled(model.enabled_pairs.begin(),
-                                              model.enabled_pairs.end());
   const auto isMovedBy = [&](int child, int parent) {
     const Joint& joint = model.joints[at(model.links[at(child)].joint)];
     return joint.parent_link == parent && joint.type != JointType::kFixed;
   };
-  std::vector<std::pair<int, int>> neighbours;  // that the matrix has checked
   for (std::size_t a = 0; a < links.size(); ++a) {
     const int link = static_cast<int>(a);
     for (std::size_t b = a + 1; b < links.size(); ++b) {
@@ -192,9 +179,9 @@ void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
       if (*links[a].name != *links[b].name) allowed = matrix.allows(links[a], links[b]);
       if (allowed.value_or(disabled.count(pair) > 0))
         allow(model.links[a].name, model.links[b].name);
-      else if (allowed && enabled.count(pair) == 0 &&
+      else if (allowed &&
                (isMovedBy(pair.first, pair.second) || isMovedBy(pair.second, pair.first)))
-        neighbours.push_back(pair);
+        problem.contacts.checked.emplace_back(model.links[a].name, model.links[b].name);
     }
     const bool is_unchecked = unchecked.count(link) > 0;
     for (const auto& [name, entry] : links[a].by_default || is_unchecked ? bodies : known)
@@ -207,7 +194,6 @@ void takeMatrix(const YamlReader& map, const Matrix& matrix, Problem& problem) {
       if (name != held.object.name && matrix.allows(of_held, entry).value_or(false))
         allow(held.object.name, name);
   }
-  checkNeighbours(neighbours, problem);  // last, because it replaces the model
 }
 
 }  // namespace

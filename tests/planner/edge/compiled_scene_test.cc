@@ -12,6 +12,7 @@
 #include "leeway/robots/input_error.h"
 #include "planner/compiled/edge_model.h"
 #include "planner/edge/edge_frames.h"
+#include "planner/task/stages.h"
 #include "robots/model/model_builder.h"
 #include "tests/support/random_model.h"
 #include "tests/support/small_problems.h"
@@ -82,6 +83,28 @@ TEST(CompiledScene, AMatrixReplacesTheSrdfsPairs) {
   const CompiledScene compiled(problem);
   EXPECT_TRUE(kept(compiled, "link1", "link3"));
   EXPECT_EQ(reason(compiled, "link2", "link4"), "allowed by the problem");
+}
+
+/// They are checked whatever a joint, the SRDF or geometry say, but for a step that allows them.
+TEST(CompiledScene, CheckedPairsAreChecked) {
+  for (const bool has_srdf : {true, false}) {
+    auto model = column(5);
+    model->has_srdf = has_srdf;
+    if (has_srdf) model->disabled_pairs.push_back({1, 3, "Never"});
+    Problem problem = problemWith(model);
+    const CompiledScene before(problem);
+    EXPECT_FALSE(kept(before, "link1", "link2"));
+    EXPECT_EQ(kept(before, "link1", "link3"), !has_srdf);
+    problem.contacts.checked = {{"link2", "link1"}, {"link1", "link3"}};
+    const CompiledScene after(problem);
+    EXPECT_TRUE(kept(after, "link1", "link2"));
+    EXPECT_TRUE(kept(after, "link1", "link3"));
+    EXPECT_FALSE(kept(after, "link2", "link3"));
+    EXPECT_EQ(before.dropped().size(), after.dropped().size() + (has_srdf ? 2 : 1));
+    const Problem stage =
+        stageOf(problem, {"step", DetachStep{"none"}, {{"link1", "link2"}, {"link3", "link1"}}});
+    EXPECT_EQ(CompiledScene(stage).dropped().size(), after.dropped().size() + 2);
+  }
 }
 
 TEST(CompiledScene, PassiveJointsFoldIntoTheWorld) {

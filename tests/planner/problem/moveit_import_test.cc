@@ -280,7 +280,9 @@ TEST_F(MoveitImport, FalseInTheMatrixHasNeighboursChecked) {
   const std::set<std::string> tip = {"left", "left_tip"};
   const Problem checked = load(matrix("false"), kRequest);
   EXPECT_EQ(adjacentOf(checked).count(tip), 0U);
-  EXPECT_TRUE(model_->enabled_pairs.empty()) << "other problems share it";
+  EXPECT_EQ(checked.contacts.checked,
+            (std::vector<std::pair<std::string, std::string>>{{"left", "left_tip"}}));
+  EXPECT_EQ(checked.robot.model, model_) << "problems share it";
   EXPECT_EQ(adjacentOf(checked).size(), 2U) << "those that the matrix does not name stay";
   EXPECT_EQ(adjacentOf(load(matrix("true"), kRequest)).count(tip), 1U);
   // The verifier agrees.

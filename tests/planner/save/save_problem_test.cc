@@ -165,6 +165,15 @@ TEST(SaveProblem, KeepsMarginsWishesAndSettings) {
   again(problem);
 }
 
+/// Regression: neighbours that MoveIt's matrix has checked could not be saved.
+TEST(SaveProblem, KeepsPairsThatAreChecked) {
+  const std::string arm = sourceFolder() + "/robots/arm7/arm7";
+  Problem problem =
+      problemFromStates(robots::loadModel(arm + ".urdf", arm + ".srdf"), "arm", "ready", "upright");
+  problem.contacts.checked = {{"link1", "link2"}, {"hand", "link5"}};
+  EXPECT_EQ(again(problem).contacts.checked, problem.contacts.checked);
+}
+
 TEST(SaveProblem, KeepsWhatDeforms) {
   const std::vector<Eigen::Vector3d> rest = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1. / 3}};
   const std::vector<collision::DeformableMesh::Triangle> faces = {{0, 1, 2}, {1, 3, 2}};

@@ -258,6 +258,17 @@ std::vector<Mistake> nameMistakes() {
          p.contacts.allowed = {{"hand", "world"}};
        },
        {{"allowed", "[[hand, world]]"}}},
+      {"checked_of_object",
+       [](P& p) {
+         p.contacts.checked = {{"hand", "post"}};
+       },
+       {{"checked", "[[hand, post]]"}}},
+      {"checked_and_allowed",
+       [](P& p) {
+         p.contacts.checked = {{"link1", "link2"}};
+         p.contacts.allowed = {{"link2", "link1"}};
+       },
+       {{"allowed", "[[link2, link1]]"}, {"checked", "[[link1, link2]]"}}},
       {"wish_of_world",
        [](P& p) {
          p.margins.wishes = {{"wish", {{"hand", "world"}}, 0.1}};
@@ -718,6 +729,7 @@ TEST(Mistakes, AProblemThatHasChangedIsNotPlannedInItsScene) {
        },
        "margins differs"},
       {[](P& p) { p.contacts.allowed.emplace_back("hand", "post"); }, "contacts differs"},
+      {[](P& p) { p.contacts.checked.emplace_back("link1", "link2"); }, "contacts differs"},
       {[](P& p) { p.contacts.replace_srdf = true; }, "contacts differs"},
       {[](P& p) {
          p.margins.wishes = {{"wish", {{"hand", "post"}}, 0.1}};

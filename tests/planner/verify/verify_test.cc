@@ -571,6 +571,9 @@ TEST(Verify, SelfCollisionAdjacencyAndAllowedPairs) {
   b.model.disabled_pairs.push_back({0, 2, "Never"});
   problem.robot.model = std::make_shared<Model>(b.model);
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kCertified);
+  problem.contacts.checked = {{"upper", "base"}};
+  EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
+  problem.contacts.checked.clear();
   problem.contacts.replace_srdf = true;
   EXPECT_EQ(verify(problem, path).status, VerifyStatus::kRefuted);
 }

@@ -233,12 +233,16 @@ struct World {
   std::vector<DeformingObstacle> deforming;
 };
 
-/// Pairs that need no check. Names are those of links, objects and attached objects.
+/// Pairs that need no check, and links that do. Names are those of links, objects and attached
+/// objects.
 struct Contacts {
   std::vector<std::pair<std::string, std::string>> allowed;  ///< may touch; adds to the SRDF's
   /// `allowed` replaces the SRDF's pairs: all other pairs are checked even if the SRDF disables
   /// them. Set by MoveIt's matrix.
   bool replace_srdf = false;
+  /// Pairs of links that are checked although a joint connects them, the SRDF disables them or they
+  /// touch in every configuration. Not also in `allowed`.
+  std::vector<std::pair<std::string, std::string>> checked = {};
 };
 
 /// The margin of one pair. Names as in Contacts. "robot" also stands for all links and attached
