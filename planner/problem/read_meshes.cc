@@ -85,7 +85,7 @@ void expectMeshesFound(const robots::LoadOptions& load, const std::set<std::stri
 }
 
 void warnOfOpenMeshes(const std::string& file, Problem& problem) {
-  if (const std::string text = openMeshes(problem); !text.empty())
+  if (const std::string text = openMeshes(problem, false); !text.empty())
     problem.warnings.push_back(file + ": " + text);
 }
 

@@ -23,8 +23,9 @@ struct Fault {
 };
 
 /// Returns a warning about the meshes that are not closed and that no warning of the loaders names;
-/// empty if there are none. O(warnings * open meshes + geometries).
-std::string openMeshes(const Problem& problem);
+/// empty if there are none. It names the key of files, or the means `of_program`s. O(warnings *
+/// open meshes + geometries).
+std::string openMeshes(const Problem& problem, bool of_program);
 /// Returns a warning if a variable is not planned and its start is outside the robot's own limits.
 /// Readers of problem files add file and line. O(planned variables).
 std::optional<std::string> passiveWarning(const Problem& problem, int variable);

@@ -612,7 +612,7 @@ bool isFixed(const py::object& value) {
 }
 
 /// Returns an image of an object; another image means that the object has changed. Throws TypeError
-/// for what may change without another image, ValueError for a list or dict that
+/// for other kinds of objects, whose changes might not be seen, ValueError for a list or dict that
 /// holds itself.
 py::object imageOf(const std::string& name, const py::object& value, int depth = 0) {
   constexpr int kDeepest = 20;  // settings are at most 7 deep
@@ -638,8 +638,8 @@ py::object imageOf(const std::string& name, const py::object& value, int depth =
     return value;
   } else {
     throw py::type_error(name + " holds an object of type " + Py_TYPE(value.ptr())->tp_name +
-                         ", whose changes would not be seen; a list, a dict, an array of numpy, or "
-                         "a number is expected");
+                         "; a list, a tuple, a dict, an array of numpy, a text or a number is "
+                         "expected");
   }
   return py::tuple(images);
 }

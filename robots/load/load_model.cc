@@ -513,7 +513,7 @@ std::shared_ptr<const Model> loadModel(const std::string& urdf_path, const std::
   }
   OpenMeshes open;
   for (const Link& link : robot.links) open.add(link.name, link.geometries);
-  if (const std::string text = open.text(); !text.empty())
+  if (const std::string text = open.text(false); !text.empty())
     robot.warnings.push_back(urdf_path + ": " + text);
   if (options.meshes_found == nullptr) requireFound(options.meshes, found, urdf_path);
   robot.read_with = {options.packages, options.xacro, options.visual_as_collision, {}};

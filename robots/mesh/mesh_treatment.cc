@@ -49,7 +49,7 @@ void OpenMeshes::add(std::string_view owner, std::span<const collision::Geometry
   if (!deforms && rigid_.empty()) rigid_ = owner;
 }
 
-std::string OpenMeshes::text() const {
+std::string OpenMeshes::text(bool of_program) const {
   if (open_.empty()) return {};
   std::string named;
   for (const auto& [owner, edges] : open_)
@@ -58,14 +58,21 @@ std::string OpenMeshes::text() const {
   const bool is_one = open_.size() == 1;
   std::string text = (is_one ? "a mesh is not closed: " : "meshes are not closed: ") + named +
                      "; where " + (is_one ? "it is" : "they are") +
-                     " open, what is inside is not seen. The key `meshes: {" +
-                     (rigid_.empty() ? open_.front().first : rigid_);
+                     " open, what is inside is not seen";
+  if (of_program)
+    return text + (rigid_.empty()
+                       ? "; facets that share their vertices close it"
+                       : ". In Python, solid='hull' takes the convex hull, weld=1e-6 closes cracks "
+                         "of up to a micron, solid='surface' says that it is a surface; in C++, "
+                         "Shape::convexHull() and MeshOptions do");
+  text += ". The key `meshes: {" + (rigid_.empty() ? open_.front().first : rigid_);
   // The vertices of what deforms are the file's.
   return text + (rigid_.empty()
                      ? ": {solid: surface}}` says that it is a surface; a file whose facets share "
                        "their vertices closes it"
-                     : ": {solid: hull}}` takes the convex hull, `weld: 1e-6` closes cracks of up "
-                       "to a micron, `solid: surface` says that it is a surface");
+                     : ": {solid: hull}}`, in Python the argument meshes, takes the convex hull, "
+                       "`weld: 1e-6` closes cracks of up to a micron, `solid: surface` says that "
+                       "it is a surface");
 }
 
 }  // namespace leeway::robots

@@ -393,10 +393,27 @@ def test_meshes_that_are_not_closed_are_named(robot, tmp_path):
     names = "meshes are not closed: " + ", ".join(f"{name} (3 open edges)" for name in ("m0", "m1", "m2", "both"))
     for warnings in (problem.warnings, result.warnings, leeway.verify(problem, result).warnings, result.problem.warnings):
         assert [w for w in warnings if "not closed" in w] == [warnings[0]] and warnings[0].startswith(names), warnings
+        assert "In Python, solid='hull' takes the convex hull" in warnings[0] and "key" not in warnings[0]
     problem.save(tmp_path / "open.yaml")
     loaded = leeway.load(tmp_path / "open.yaml")
     told = [w for w in leeway.plan(loaded).warnings if "not closed" in w]
     assert told == list(loaded.warnings) and len(told) == 1 and f"open.yaml: {names}" in told[0]
+    # Regression: what had been removed was named all the same.
+    loaded.world.remove("m1")
+    assert len(loaded.warnings) == 1 and "open.yaml: " + names.replace("m1 (3 open edges), ", "") in loaded.warnings[0]
+    for name in ("m0", "m2", "both"):
+        loaded.world.remove(name)
+    assert not loaded.warnings and not loaded.copy().warnings
+
+
+def test_goals_of_odd_types_are_refused_in_plain_words(robot):
+    for odd in (range(7), frozenset([1]), object()):
+        problem = leeway.Problem(robot, None, "ready", "ready")
+        problem.goals[0] = odd
+        with pytest.raises(TypeError) as error:
+            problem.copy()
+        assert str(error.value) == (f"goals holds an object of type {type(odd).__name__}; "
+                                    "a list, a tuple, a dict, an array of numpy, a text or a number is expected")
 
 
 def test_a_step_keeps_the_goal_that_it_was_made_with(robot):

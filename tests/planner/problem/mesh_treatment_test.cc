@@ -57,8 +57,20 @@ TEST(MeshTreatment, AMeshThatIsNotClosedIsNamedOnce) {
   EXPECT_TRUE(warnsOf(open.problem,
                       "a mesh is not closed: cube (8 open edges); where it is open, "
                       "what is inside is not seen. The key `meshes: {cube: {solid: "
-                      "hull}}`"))
+                      "hull}}`, in Python the argument meshes, takes"))
       << open.problem.warnings[0];
+}
+
+/// Regression: what had left the world was named as before.
+TEST(MeshTreatment, AMeshThatWasRemovedIsNamedNoMore) {
+  const Folder folder;
+  folder.write("cube.obj", kCracked);
+  Problem problem = load(folder, withBall("")).problem;
+  const Object cube = problem.world.objects.front();
+  problem.world.objects.erase(problem.world.objects.begin());
+  EXPECT_TRUE(problemWarnings(problem).empty());
+  problem.world.objects.push_back(cube);
+  EXPECT_EQ(problemWarnings(problem), problem.warnings);
 }
 
 TEST(MeshTreatment, AProgramsMeshThatIsNotClosedIsNamed) {
@@ -76,6 +88,7 @@ TEST(MeshTreatment, AProgramsMeshThatIsNotClosedIsNamed) {
   EXPECT_TRUE(problemWarnings(problem)[0].starts_with(
       "meshes are not closed: cube (8 open edges), cub (8 open edges);"))
       << problemWarnings(problem)[0];
+  EXPECT_EQ(problemWarnings(problem)[0].find("key"), std::string::npos) << "no file has one";
 }
 
 TEST(MeshTreatment, WeldHullAndSurfaceDecide) {
