@@ -190,10 +190,14 @@ TEST_F(Batch, FoldersMayHoldProblemsInAnyNotation) {
       "mixed/flow.json",
       R"({"leeway": 1, "robot": {"urdf": "arm.urdf", "srdf": "arm.srdf", "group": "arm"}, "start": [0, 0], "goal": [1, 0.5]})");
   write("mixed/broken.yaml", "leeway: 1\nrobot: [\n");
+  // Regression: where carriage returns alone end lines, only the first line was looked at.
+  write("mixed/returns.yaml", "# broken\rleeway: 1\rrobot: [\r");
+  write("mixed/returns.cfg", "# of OMPL.app\r[problem]\rrobot = gone.obj\r");
   const Answer answer = run("batch mixed");
-  EXPECT_EQ(problemsOf(answer.lines()),
-            (std::vector<std::string>{"mixed/broken.yaml", "mixed/flow.json", "mixed/quoted.yaml",
-                                      "mixed/spaced.yml"}))
+  EXPECT_EQ(
+      problemsOf(answer.lines()),
+      (std::vector<std::string>{"mixed/broken.yaml", "mixed/flow.json", "mixed/quoted.yaml",
+                                "mixed/returns.cfg", "mixed/returns.yaml", "mixed/spaced.yml"}))
       << answer.err;
   EXPECT_EQ(answer.err.find("result.json"), std::string::npos) << answer.err;
 }

@@ -7,8 +7,10 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -59,12 +61,10 @@ bool isProblemFile(const fs::path& file) {
     } catch (const robots::InputError&) {
     }
   std::ifstream in(file);
-  const char* word = is_cfg ? "[problem]" : "leeway:";
-  for (std::string line; std::getline(in, line);) {
-    if (line.starts_with(word)) {
-      return true;
-    }
-  }
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  std::string_view rest = text;
+  while (!rest.empty())
+    if (robots::takeLine(rest).starts_with(is_cfg ? "[problem]" : "leeway:")) return true;
   return false;
 }
 
