@@ -197,9 +197,6 @@ void setMotion(World& world, const std::string& name, const py::object& times,
     if (!world.has(name)) unknown(name);
     throw py::value_error("'" + name + "' deforms; a rigid object is expected");
   }
-  const auto isTurned = [](const collision::Pose& X_WO) {
-    return X_WO.rotation != Eigen::Matrix3d::Identity();
-  };
   if (given.are_positions &&
       (isTurned(found->X_WO) || std::any_of(given.keys->begin(), given.keys->end(),
                                             [&](const auto& key) { return isTurned(key.X_WB); })))
@@ -552,12 +549,8 @@ std::vector<std::string> objectNames(const planner::World& world) {
 }
 
 collision::Pose seenPose(const planner::World& world, const std::string& name, py::handle given,
-                         double time, std::set<std::string>& turned) {
+                         double time, const std::set<std::string>& turned) {
   const collision::Pose X_WO = givenPose(given, "pose");
-  const auto isTurned = [](const collision::Pose& pose_of) {
-    return pose_of.rotation != Eigen::Matrix3d::Identity();
-  };
-  if (isTurned(X_WO)) turned.insert(name);
   if (realArray(given, "pose").size() != 3) return X_WO;
   bool was_turned = turned.count(name) > 0;
   for (const Object& object : world.objects)
@@ -571,6 +564,8 @@ collision::Pose seenPose(const planner::World& world, const std::string& name, p
                           "expected");
   return X_WO;
 }
+
+bool isTurned(const collision::Pose& X_WO) { return X_WO.rotation != Eigen::Matrix3d::Identity(); }
 
 bool World::has(const std::string& name) const { return hasObject(value, name); }
 

@@ -26,10 +26,11 @@ bool hasObject(const planner::World& world, const std::string& name);
 std::vector<std::string> objectNames(const planner::World& world);
 
 /// The pose of a rigid object that was seen at `time` [s]. Throws ValueError for None, and for a
-/// position alone of an object that was turned before: by its motion, or seen so, as `turned` says,
-/// which this keeps up.
+/// position alone of an object that was turned before: by its motion, or seen so, as `turned` says.
 collision::Pose seenPose(const planner::World& world, const std::string& name, py::handle given,
-                         double time, std::set<std::string>& turned);
+                         double time, const std::set<std::string>& turned);
+/// Whether a pose turns what it places. If an observation with it is taken, `turned` gets the name.
+bool isTurned(const collision::Pose& X_WO);
 
 /// The balls around points (n, 3), of any strides; those that are NaN are dropped. `radius`: a
 /// number, or one a point. Perhaps without a ball.

@@ -13,6 +13,7 @@
 #include "python/bindings/deforming.h"
 #include "python/bindings/plan.h"
 #include "python/bindings/settings.h"
+#include "python/bindings/world.h"
 #include "python/execution/joint_errors.h"
 #include "python/execution/seen_cloud.h"
 
@@ -146,6 +147,15 @@ const char* setVerticesOf(Guarding& self, const std::string& object, const py::o
       released([&] { return self.guard->setVertices(object, given, when, speed_bound); }));
 }
 
+/// The answer's word. What is taken, also if it jumped, is what the guard has seen last.
+const char* judged(Guarding& self, const std::string& object, const collision::Pose& X_WO,
+                   planner::Observation answer) {
+  const bool is_taken =
+      answer == planner::Observation::kTaken || answer == planner::Observation::kJumped;
+  if (is_taken && isTurned(X_WO)) self.turned.insert(object);
+  return planner::toString(answer);
+}
+
 const char* setPoseOf(Guarding& self, const std::string& object, const py::object& given,
                       const py::object& time, const py::object& bound,
                       const py::object& turn_bound) {
@@ -158,8 +168,9 @@ const char* setPoseOf(Guarding& self, const std::string& object, const py::objec
   else
     X_WO.translation.setConstant(std::numeric_limits<double>::quiet_NaN());
   const double turning = speedBoundOf(turn_bound, "turn_bound");
-  return planner::toString(
-      released([&] { return self.guard->setPose(object, X_WO, when, speed, turning); }));
+  const planner::Observation answer =
+      released([&] { return self.guard->setPose(object, X_WO, when, speed, turning); });
+  return judged(self, object, X_WO, answer);
 }
 
 const char* setCloudOf(Guarding& self, const std::string& object, const py::object& points,
@@ -184,8 +195,9 @@ const char* setCloudOf(Guarding& self, const std::string& object, const py::obje
     seen.X_WO->translation.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   const double speed = speedBoundOf(bound);
-  return planner::toString(
-      released([&] { return self.guard->setCloud(object, seen.cloud, when, speed, seen.X_WO); }));
+  const planner::Observation answer =
+      released([&] { return self.guard->setCloud(object, seen.cloud, when, speed, seen.X_WO); });
+  return judged(self, object, seen.X_WO.value_or(collision::Pose()), answer);
 }
 
 void lookAt(Guarding& self, const py::object& time) {

@@ -12,6 +12,7 @@
 #include "python/bindings/scene.h"
 #include "python/bindings/settings.h"
 #include "python/bindings/view.h"
+#include "python/bindings/world.h"
 #include "python/execution/joint_errors.h"
 #include "python/execution/seen_cloud.h"
 
@@ -107,6 +108,7 @@ void setPose(Execution& self, const std::string& object, const py::object& given
   const double when = time.is_none() ? self.replanner->time() : number(time, "time");
   const collision::Pose X_WO = seenPose(self.problem->world, object, given, when, self.turned);
   released([&] { self.replanner->setPose(object, X_WO, when, speed, turning); });
+  if (isTurned(X_WO)) self.turned.insert(object);
 }
 
 void setCloud(Execution& self, const std::string& object, const py::object& points,
@@ -123,6 +125,7 @@ void setCloud(Execution& self, const std::string& object, const py::object& poin
                  place, object, when, self.turned);
   const double speed_bound = speedBoundOf(bound);
   released([&] { self.replanner->setCloud(object, seen.cloud, when, speed_bound, seen.X_WO); });
+  if (seen.X_WO && isTurned(*seen.X_WO)) self.turned.insert(object);
 }
 
 void setState(Execution& self, const py::object& state) {

@@ -13,7 +13,7 @@ namespace leeway::python {
 
 CloudGiven cloudGiven(const planner::Problem& problem, const CloudArguments& of,
                       std::span<const double> state, const std::string& object, double time,
-                      std::set<std::string>& turned) {
+                      const std::set<std::string>& turned) {
   CloudGiven given;
   if (!of.pose.is_none()) given.X_WO = seenPose(problem.world, object, of.pose, time, turned);
   planner::ScanFilters filters;

@@ -36,6 +36,6 @@ struct CloudGiven {
 /// The rest as for seenPose().
 CloudGiven cloudGiven(const planner::Problem& problem, const CloudArguments& of,
                       std::span<const double> state, const std::string& object, double time,
-                      std::set<std::string>& turned);
+                      const std::set<std::string>& turned);
 
 }  // namespace leeway::python

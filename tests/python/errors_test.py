@@ -349,6 +349,17 @@ def test_a_position_alone_leaves_what_is_turned_turned(robot):
     assert leeway.Guard(problem).set_pose("ball", None, 0.0) == "invalid"  # as what is not finite
     with pytest.raises(ValueError, match="pose is None"):
         leeway.Replanner(problem).set_pose("ball", None)
+    # Regression: what was refused counted as seen, too.
+    guard, replanner = leeway.Guard(problem), leeway.Replanner(problem)
+    assert guard.set_pose("ball", (2, 1, 1), 1.0, 0.1, 0) == "taken"
+    assert guard.set_pose("ball", (2, 1, 1, 0, 0, 1, 0), 0.5) == "late"
+    assert guard.set_pose("ball", (2, 1, 1), 1.1, 0.1, 0) == "taken"
+    with pytest.raises(ValueError, match="later than the present"):
+        replanner.set_pose("ball", (2, 1, 1, 0, 0, 1, 0), 9.0)
+    replanner.set_pose("ball", (2, 1, 1), 0.0)
+    assert guard.set_pose("ball", (2, 1, 1, 0, 0, 1, 0), 1.2) == "jumped"  # and taken
+    with pytest.raises(ValueError, match="'ball' was turned"):
+        guard.set_pose("ball", (2, 1, 1), 1.3)
     points = np.array([[2.0, 2, 1]])
     for rpy, is_turned in (((0, 0, 1), True), ((0, 0, 0), False)):
         around = leeway.World()
