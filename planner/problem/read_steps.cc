@@ -68,11 +68,11 @@ PoseColumns poseColumns(const CloudSource& source, const ColumnRow& first) {
                     count));
   std::vector<std::string_view> names = first.cells;
   if (!has_names) {
+    refuseOddComment(source, first);
     names.assign(std::begin(kPosition), std::end(kPosition));
     if (count == 7) names.insert(names.end(), std::begin(kQuaternion), std::end(kQuaternion));
     if (count == 6) names.insert(names.end(), std::begin(kTurns), std::end(kTurns));
-    if (std::is_permutation(names.begin(), names.end(), first.names.begin(), first.names.end()))
-      names = first.names;
+    if (!first.names.empty()) names = first.names;
   }
   const auto take = [&](std::span<const std::string_view> wanted, std::vector<std::size_t>& into) {
     for (const std::string_view name : wanted)

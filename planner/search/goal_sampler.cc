@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "collision/base/numbers.h"
 #include "planner/base/random.h"
@@ -91,14 +92,24 @@ void GoalSampler::drawJoints(std::size_t g, GoalPoints& result, const std::funct
   Random random(seed_, kGoalStream + g);
   const bool point = isPoint(goal);
   const std::size_t wanted = result.points.size() + (point ? 1 : kGoalSamples);
-  bool found = false, stopped = false;
+  bool found = false, stopped = false, kept = false;
   for (int i = 0; i < (point ? 1 : kGoalAttempts) && result.points.size() < wanted; ++i) {
     if (i > 0 && stop()) {
       stopped = true;
       break;
     }
     drawPoint(space, goal, random, q);
+    // A narrow range around joint values that keep the constraints has few others that do.
+    if (i == 0 && constraints_ &&
+        std::all_of(space.parts().begin(), space.parts().end(), [](const auto& part) {
+          return part.kind != ConfigurationSpace::Kind::kRotation;
+        }))
+      for (std::size_t k = 0; k < q.size(); ++k)
+        if (const double middle = std::midpoint(goal.ranges[k].first, goal.ranges[k].second);
+            std::isfinite(middle))
+          q[k] = middle;
     if (!keepsConstraints(q)) continue;
+    kept = true;
     if (certifier_->decide(q) == Verdict::kFree) {
       result.points.push_back(q);
       found = true;
@@ -110,6 +121,9 @@ void GoalSampler::drawJoints(std::size_t g, GoalPoints& result, const std::funct
   if (!found && point && !keepsConstraints(q) && result.reason.empty())
     result.reason = "goal '" + goal.name + "': " + constraints_->fault(q);
   const std::string why = point ? whyUndecided(certifier_->scene(), q) : std::string();
+  if (!found && !point && !kept && !stopped && result.reason.empty())
+    result.reason = fmt::format("goal '{}': none of {} points of it keeps the constraints",
+                                goal.name, kGoalAttempts);
   if (!found && !why.empty() && result.reason.empty())
     result.reason = "goal '" + goal.name + "': " + why;
   if (!found)

@@ -73,21 +73,26 @@ std::size_t readCount(const CloudSource& source, std::string_view word, std::str
 struct ColumnRow {
   std::size_t line;
   std::vector<std::string_view> cells;
-  /// The words of the last comment before the first row, which may name the columns; empty if it
-  /// has another number of words than the row has columns.
+  /// The words of the last comment before the first row that has one for each column, with x, y and
+  /// z once each; empty if there is none.
   std::vector<std::string_view> names = {};
+  /// Without such a comment: the line of one that seems to name columns in an order of its own,
+  /// since it has the word qw, or x, y and z in another order.
+  std::optional<std::size_t> odd_comment = {};
 };
 /// Calls visit() for each line that is not blank and no comment. Blanks, tabs, commas or semicolons
 /// part the columns, as in the first line. Only between tabs, commas and semicolons are there empty
 /// cells; a line of tabs alone is a row of them. Fails for lines of another number of columns, and
 /// for a byte that no text has.
 void eachRow(const CloudSource& source, const std::function<void(const ColumnRow&)>& visit);
+/// Fails for a first row of numbers below a comment that seems to name columns but does not fit.
+void refuseOddComment(const CloudSource& source, const ColumnRow& first);
 
 // The readers. Each adds all points of its file, or throws.
 void readPly(const CloudSource& source, std::vector<std::string>& warnings, PointSink& sink);
 void readPcd(const CloudSource& source, std::vector<std::string>& warnings, PointSink& sink);
-/// Numbers in columns, parted by blanks, commas or semicolons; a first line, or the last comment
-/// before the first row, may name the columns.
+/// Numbers in columns, parted by blanks, commas or semicolons; a first line, or a comment before
+/// the first row, may name the columns.
 void readColumns(const CloudSource& source, PointSink& sink);
 
 /// Decompresses LZF data (Marc Lehmann's liblzf) of exactly `size` bytes; nothing for data that is

@@ -34,16 +34,38 @@ bool isAxis(std::string_view cell, std::size_t axis) {
   return cell.size() == 1 && (cell[0] == "xyz"[axis] || cell[0] == "XYZ"[axis]);
 }
 
-/// The columns that a comment above the rows names x, y and z, once each; else the first three.
+bool namesAxes(const std::vector<std::string_view>& names) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (std::count_if(names.begin(), names.end(),
+                      [&](std::string_view name) { return isAxis(name, axis); }) != 1)
+      return false;
+  return true;
+}
+
+/// The columns that a comment above the rows names x, y and z; else the first three.
 std::array<std::size_t, 3> columnsOfComment(const std::vector<std::string_view>& names) {
-  std::array<std::size_t, 3> columns{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto is_it = [&](std::string_view name) { return isAxis(name, axis); };
-    if (std::count_if(names.begin(), names.end(), is_it) != 1) return {0, 1, 2};
-    columns[axis] =
-        static_cast<std::size_t>(std::find_if(names.begin(), names.end(), is_it) - names.begin());
-  }
+  std::array<std::size_t, 3> columns{0, 1, 2};
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (isAxis(names[i], axis)) columns[axis] = i;
   return columns;
+}
+
+/// Whether a comment has the word qw, or x, y and z once each in another order.
+bool isOdd(std::string_view comment) {
+  std::vector<std::string_view> words;
+  const auto isPart = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  for (std::size_t i = 0, begin = 0; i <= comment.size(); ++i) {
+    if (i < comment.size() && isPart(comment[i])) continue;
+    if (i > begin) words.push_back(comment.substr(begin, i - begin));
+    begin = i + 1;
+  }
+  if (std::find(words.begin(), words.end(), "qw") != words.end()) return true;
+  const std::array<std::size_t, 3> columns = columnsOfComment(words);
+  return namesAxes(words) &&
+         (columns[2] < columns[0] || columns[2] < columns[1] || columns[1] < columns[0]);
 }
 
 /// The columns of x, y and z by name, or those of the comment where the line has numbers.
@@ -53,7 +75,10 @@ std::array<std::size_t, 3> findColumns(const CloudSource& source, const ColumnRo
   is_header = std::none_of(cells.begin(), cells.end(), [](std::string_view cell) {
     return robots::parseNumber(cell).has_value();
   });
-  if (!is_header) return columnsOfComment(row.names);
+  if (!is_header) {
+    refuseOddComment(source, row);
+    return columnsOfComment(row.names);
+  }
   std::array<std::size_t, 3> columns{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const char small = "xyz"[axis];
@@ -82,12 +107,14 @@ void eachRow(const CloudSource& source, const std::function<void(const ColumnRow
                 "a byte of value 0, which no text has; a text with numbers in columns is expected");
   std::size_t width = 0;
   char separator = ' ';
-  std::string_view comment;
+  std::vector<std::pair<std::size_t, std::string_view>> comments;  // with their lines
   for (std::size_t line = 1; !rest.empty(); ++line) {
     source.pause(line);
     const std::string_view text = robots::takeLine(rest), shown = withoutBlanks(text);
     if (shown.starts_with('#') || shown.starts_with("//")) {
-      comment = shown.substr(std::min(shown.find_first_not_of("#/"), shown.size()));
+      if (width == 0)
+        comments.emplace_back(line,
+                              shown.substr(std::min(shown.find_first_not_of("#/"), shown.size())));
       continue;
     }
     const auto tabs = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\t'));
@@ -98,14 +125,27 @@ void eachRow(const CloudSource& source, const std::function<void(const ColumnRow
     ColumnRow row{line, cellsOf(text, separator)};
     if (width == 0) {
       width = row.cells.size();
-      row.names = cellsOf(comment, separatorOf(comment));
-      if (row.names.size() != width) row.names.clear();
+      for (const auto& [at, comment] : comments) {
+        std::vector<std::string_view> names = cellsOf(comment, separatorOf(comment));
+        if (names.size() == width && namesAxes(names))
+          row.names = std::move(names);
+        else if (isOdd(comment))
+          row.odd_comment = at;
+      }
+      if (!row.names.empty()) row.odd_comment.reset();
     }
     if (row.cells.size() != width)
       source.fail({line, 0}, fmt::format("the line has {} columns; {}, as the first, are expected",
                                          row.cells.size(), width));
     visit(row);
   }
+}
+
+void refuseOddComment(const CloudSource& source, const ColumnRow& first) {
+  if (first.odd_comment)
+    source.fail({*first.odd_comment, 0},
+                "the comment seems to name columns, but has not one word for each; a line of names "
+                "alone, with or without '#', is expected");
 }
 
 void readColumns(const CloudSource& source, PointSink& sink) {

@@ -36,11 +36,15 @@ double cubeRoot(double x) {
   return root;
 }
 
-/// The least time of a blend within the limits, if the legs beside it reach its speeds [s].
+/// The least time of a blend within the limits, if the legs beside it reach its speeds [s]. Its
+/// phases take kLeastPhase or more, so that rows can hold them.
 double leastTime(const Blend& blend, const Leg& before, const Leg& after,
                  const MotionLimits& limits) {
   double time =
       std::max(2 * blend.before / before.limits.speed, 2 * blend.after / after.limits.speed);
+  const double plateau = 1 - 2 * blend.ramp;
+  for (const double share : {blend.ramp, plateau > kInLine ? plateau : 0})
+    if (share > 0) time = std::max(time, kLeastPhase / share);
   for (std::size_t i = 0; i < limits.velocity.size(); ++i) {
     // The velocity changes by this over the time.
     const double turn =

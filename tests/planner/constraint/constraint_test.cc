@@ -587,6 +587,29 @@ TEST(Constraints, EndsThatBreakOneAreToldBeforePlanning) {
       << result.reason;
 }
 
+// Regression: points of a narrow range around a goal that keeps a constraint broke it, and the
+// range was called undecided.
+TEST(Constraints, ARangeAroundAGoalThatKeepsOneIsReached) {
+  Problem problem = armProblem("arm7");
+  Point goal;
+  for (const int v : problem.robot.variables)
+    goal.push_back(problem.start[static_cast<std::size_t>(v)]);
+  std::vector<Pose> X_WL(problem.robot.model->links.size());
+  robots::forwardKinematics(*problem.robot.model, problem.start, X_WL);
+  Constraint constraint = upright("hand", Eigen::Vector3d::UnitZ(), 0.002);
+  constraint.direction =
+      X_WL[static_cast<std::size_t>(problem.robot.model->findLink("hand"))].rotation.col(2);
+  problem.constraints = {constraint};
+  goal[0] += 0.3;  // about the vertical
+  for (std::size_t i = 0; i < goal.size(); ++i)
+    problem.goals[0].ranges[i] = {goal[i] - 0.05, goal[i] + 0.05};
+  const PlanResult result = plan(problem);
+  ASSERT_EQ(result.status, PlanStatus::kSolved) << result.reason;
+  EXPECT_EQ(verify(problem, result.path).status, VerifyStatus::kCertified);
+  for (auto& range : problem.goals[0].ranges) range = {range.first + 0.1, range.second + 0.1};
+  EXPECT_NE(plan(problem).reason.find("keeps the constraints"), std::string::npos);
+}
+
 // The regions that inverse kinematics searches leave out a rim of what is allowed: no goal in it is
 // called out of reach.
 TEST(Constraints, AGoalNearTheLimitIsFound) {

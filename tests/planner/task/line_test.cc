@@ -596,7 +596,9 @@ TEST(Line, FilesOfPoses) {
                                             "qx,qy,qz,qw,x,y,z\n1,0,0,0,0.45,0,0.4\r\n# note\n0.6,"
                                             "0.8,0,0,0.45,0.1,0.4\n"},
         {"plain.csv", rows},
-        {"comment.csv", "# qw qx qy qz z y x\n0 1 0 0 0.4 0 0.45\n0 0.6 0.8 0 0.4 0.1 0.45\n"},
+        {"comment.csv",
+         "# qw qx qy qz z y x\n# by hand\n0 1 0 0 0.4 0 0.45\n"
+         "0 0.6 0.8 0 0.4 0.1 0.45\n"},
         {"list.json", list},
         {"list.yaml", list},
         {"map.yaml", "{frame: tool, poses: list.json}"}}) {
@@ -643,6 +645,10 @@ TEST(Line, FilesOfPoses) {
       {"h.csv", "x,y,z,qx,qy,qz,qw,roll,pitch,yaw\n1,2,3,0,0,0,1,0,0,0\n", "tool", 1,
        "the columns are"},
       {"i.csv", "1 2 3\n", "", 0, "does not say which frame"},
+      {"m.csv", "# poses: x, y, z, qw, qx, qy, qz\n1 2 3 1 0 0 0\n", "tool", 1, "seems to name"},
+      {"n.csv", "#x,y,z,qw,qx,qy,qz [m]\n# made by hand\n1 2 3 1 0 0 0\n", "tool", 3,
+       "the columns are"},
+      {"o.csv", "# x y z qx qy qz w\n1 2 3 1 0 0 0\n", "tool", 2, "the columns are"},
       {"j.txt", "1 2 3\n", "tool", 0, "the ending '.txt' names no format of poses"},
       {"k.yaml", "[]", "tool", 1, "has no pose"},
       {"l.yaml", "[{position: [1, 2, 3], rpi: [0, 0, 0]}]", "tool", 1, "did you mean 'rpy'?"},

@@ -14,6 +14,7 @@
 #include "leeway/planner/edge_certifier.h"
 #include "leeway/planner/problem.h"
 #include "leeway/planner/verify.h"
+#include "planner/base/tolerances.h"
 #include "tests/support/allocations.h"
 #include "tests/support/build_paths.h"
 #include "tests/support/small_problems.h"
@@ -427,6 +428,28 @@ TEST_F(TrajectoryTest, BlendsFarBelowTheVelocityLimitsAreGoneThrough) {
   EXPECT_NEAR(slow / Trajectory(space, path, limits).duration(), 0.7, 0.3);
   limits.velocity.assign(7, 1);
   EXPECT_NEAR(Trajectory(space, path, limits, {blends}).duration(), slow, 1e-9 * slow);
+}
+
+/// Regression: blends were made shorter until they were proven, and then took less than rows of a
+/// file can hold. The cubics through the rows left the tolerance of a constraint.
+TEST_F(TrajectoryTest, PhasesOfShortBlendsHaveRoomForRows) {
+  std::vector<std::vector<double>> path(3, std::vector<double>(7));
+  path[1][0] = 0.1;
+  path[2][0] = 0.1;
+  path[2][1] = 0.1;
+  MotionLimits limits;
+  limits.velocity.assign(7, 20);
+  limits.acceleration.assign(7, 3000);
+  for (const double jerk : {kInfinity, 1e8}) {
+    limits.jerk.assign(7, jerk);
+    for (const double length : {1e-9, 1e-7, 1e-5})
+      for (const double ramp : {0.1, 0.4, 0.5}) {
+        const std::vector<Blend> blends = {{1, length, length, ramp}};
+        const std::vector<double> knots = Trajectory(space, path, limits, {blends}).knots();
+        for (std::size_t k = 1; k < knots.size(); ++k)
+          EXPECT_GE(knots[k] - knots[k - 1], kLeastRow) << length << " " << ramp << " " << k;
+      }
+  }
 }
 
 /// Each edge turns the piano by half a turn: the chord of a blend over half of both could take the
